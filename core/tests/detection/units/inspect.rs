@@ -3,9 +3,33 @@
 mod changes {
     use burstscope_core::detector::*;
     use burstscope_core::inspect::changes::*;
+    use proptest::prelude::*;
 
     fn spot(u: f32, v: f32, sigma: f32) -> Spot {
         Spot { pos_image: [u, v], sigma, slope: Some(Slope::default()), is_bright: None }
+    }
+
+    fn spots() -> impl Strategy<Value = Vec<Spot>> {
+        // Each keypoint has one to three features.
+        let keypoint = (0.0f32..60.0, 0.0f32..40.0, 0.7f32..12.0, 1usize..4);
+        let features = keypoint.prop_map(|(u, v, s, orientations)| vec![spot(u, v, s); orientations]);
+        prop::collection::vec(features, 0..40).prop_map(|keypoints| keypoints.concat())
+    }
+
+    proptest! {
+        #[test]
+        fn every_feature_is_accounted_for_once_and_nothing_differs_from_itself(a in spots(), b in spots()) {
+            let changes = compare(&a, &b);
+            let mut of_a: Vec<usize> = changes.same.iter().map(|s| s.before).chain(changes.lost.iter().copied()).collect();
+            let mut of_b: Vec<usize> = changes.same.iter().map(|s| s.after).chain(changes.gained.iter().copied()).collect();
+            of_a.sort_unstable();
+            of_b.sort_unstable();
+            prop_assert_eq!(of_a, (0..a.len()).collect::<Vec<_>>());
+            prop_assert_eq!(of_b, (0..b.len()).collect::<Vec<_>>());
+            let own = compare(&a, &a);
+            prop_assert!(own.gained.is_empty() && own.lost.is_empty() && own.moved().count() == 0);
+            prop_assert!(own.same.iter().map(|same| (same.before, same.after)).eq((0..a.len()).map(|k| (k, k))));
+        }
     }
 
     #[test]

@@ -36,6 +36,31 @@ mod chart {
     }
 
     #[test]
+    fn nonsense_is_named_with_its_remedy() {
+        let cases = [
+            (ChartParams { discs: 5000, ..small() }, "discs"),
+            (ChartParams { radius: 5.0..=3.0, ..small() }, "radius"),
+            (ChartParams { contrast: 1.0, ..small() }, "contrast"),
+            (ChartParams { snr: -1.0, ..small() }, "snr"),
+            (ChartParams { bits: 2, ..small() }, "bits"),
+            (ChartParams { frames: 0, ..small() }, "frames"),
+            (ChartParams { width: 3, ..small() }, "width"),
+            (ChartParams { max_slope: 1000.0, ..small() }, "max-slope"),
+            (ChartParams { max_slope: f64::NAN, ..small() }, "max-slope"),
+            (ChartParams { width: 32768, height: 32768, frames: 4096, ..small() }, "frames"),
+            (ChartParams { read_noise: -1.0, ..small() }, "read-noise"),
+            (ChartParams { gap: f64::NAN, ..small() }, "gap"),
+        ];
+        for (params, name) in cases {
+            let error = synth_chart(&params, &Monitor::default()).expect_err(name).to_string();
+            assert!(error.starts_with(&format!("{name}: ")), "{error}");
+        }
+        let cancelled = Monitor::default();
+        cancelled.cancel();
+        assert!(synth_chart(&small(), &cancelled).is_err_and(|error| error.is_cancelled()));
+    }
+
+    #[test]
     fn each_disc_is_where_the_truth_says_in_every_frame() {
         let params = ChartParams { snr: f64::INFINITY, motion: Motion::TwoD, ..small() };
         let (burst, truth) = synth_chart(&params, &Monitor::default()).expect("a chart");

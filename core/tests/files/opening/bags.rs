@@ -283,7 +283,7 @@ fn damage_names_the_field_and_the_program_that_mends_it() {
     let message = failure("odd.bag", odd);
     assert!(message.contains("24×16") && message.contains("odd.bag (frame 4)"), "{message}");
     let (_, jpeg) = sample!("jpeg_zstd.mcap");
-    assert!(failure("cut.mcap", jpeg[..jpeg.len() - 40].to_vec()).contains("mcap recover"));
+    assert!(failure("cut.mcap", jpeg[..400].to_vec()).contains("mcap recover"));
     let (_, loose) = sample!("png_loose.mcap");
     let other = replaced(loose, b"\x89PNG\r\n\x1a\n\0", b"\x89PNX\r\n\x1a\n\0");
     assert!(failure("bad.mcap", other).contains("compressed as 'mono16; png compressed '"));
@@ -292,16 +292,74 @@ fn damage_names_the_field_and_the_program_that_mends_it() {
     assert!(failure("bad.db3", replaced(rows, b"TABLE messages", b"TABLE massages")).contains("bad.db3"));
 }
 
+/// Every cut of a file that was closed is refused, but that of MCAP, which does not say how much follows: it opens as a
+/// recording does that was stopped there.
 #[test]
-fn what_is_cut_off_is_refused_wherever_it_is_cut() {
-    let home = folder();
+fn what_is_cut_off_is_refused_or_told_wherever_it_is_cut() {
     for (name, bytes) in samples().into_iter().chain([stereo()]) {
-        let path = home.path().join(name);
         let places = (1..bytes.len()).step_by(97).chain(bytes.len() - 40..bytes.len());
+        if name.ends_with(".mcap") {
+            assert_whole_messages(name, &bytes, places);
+            continue;
+        }
         for cut in places {
-            fs::write(&path, &bytes[..cut]).expect("written");
-            let error = open(&path, &OpenOptions::default()).map(|burst| burst.len()).expect_err(name);
+            let file = Opened::new((name, bytes[..cut].to_vec()));
+            let error = open(&file.path, &OpenOptions::default()).map(|burst| burst.len()).expect_err(name);
             assert!(error.kind == ErrorKind::Damaged && error.to_string().contains(name), "{cut}: {error}");
+        }
+    }
+}
+
+/// Asserts that what is left of a recording opens to its last whole message, and says so, or has none. Returns the
+/// number of frames at each place.
+fn assert_whole_messages(name: &str, bytes: &[u8], places: impl Iterator<Item = usize>) -> Vec<usize> {
+    let whole = Opened::new((name, bytes.to_vec())).open();
+    let at = |cut: usize| {
+        let file = Opened::new((name, bytes[..cut].to_vec()));
+        match open(&file.path, &OpenOptions::default()) {
+            Ok(burst) => {
+                assert!(whole.frames.starts_with(&burst.frames), "{name}: {cut}");
+                assert!(file.info().text().contains("it was not closed"), "{name}: {cut}: {}", file.info().text());
+                burst.len()
+            }
+            Err(error) => {
+                assert!(error.kind == ErrorKind::Damaged && error.to_string().contains(name), "{cut}: {error}");
+                0
+            }
+        }
+    };
+    let frames: Vec<usize> = places.map(at).collect();
+    assert!(frames.is_sorted() && frames.last() == Some(&whole.len()), "{name}: {frames:?}");
+    frames
+}
+
+#[test]
+fn a_recording_that_was_stopped_opens_to_its_last_whole_message() {
+    // Messages without chunks, as of a writer that was ended at any time.
+    let (name, loose) = sample!("png_loose.mcap");
+    let frames = assert_whole_messages(name, &loose, (0..loose.len()).step_by(13));
+    assert!((0..=5).all(|count| frames.contains(&count)), "{frames:?}");
+    // ROS 1 writes numbers and places into the header, and lengths into that of a chunk, when it closes them.
+    for (name, mut bag) in [sample!("mono16.bag"), sample!("bayer_lz4.bag")] {
+        let value = |bag: &[u8], field: &[u8]| {
+            bag.windows(field.len()).position(|part| part == field).expect("a field") + field.len()
+        };
+        let index = value(&bag, b"index_pos=");
+        let end = u64::from_le_bytes(*bag[index..].first_chunk().expect("eight bytes")) as usize;
+        bag[index..index + 8].fill(0);
+        for field in [&b"chunk_count="[..], b"conn_count="] {
+            let at = value(&bag, field);
+            bag[at..at + 4].fill(0);
+        }
+        bag.truncate(end);
+        assert_whole_messages(name, &bag, (1..end).step_by(97).chain([end]));
+        if name == "mono16.bag" {
+            let (chunk, compression) = (value(&bag, b"size="), value(&bag, b"compression=none"));
+            let length = chunk.max(compression) + 4 * usize::from(chunk > compression);
+            bag[chunk..chunk + 4].fill(0);
+            bag[length..length + 4].fill(0);
+            let frames = assert_whole_messages(name, &bag, (1..end).step_by(97).chain([end]));
+            assert!((0..=5).all(|count| frames.contains(&count)), "{frames:?}");
         }
     }
 }

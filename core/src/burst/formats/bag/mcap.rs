@@ -21,6 +21,7 @@ const BEFORE_MESSAGE: u64 = 22;
 
 /// Reads the records of a file, or of the unpacked chunk `chunk`.
 pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &mut Contents) -> io::Result<()> {
+    found.is_open |= chunk == 0 && !scan.ends_with(MAGIC)?;
     while scan.goes_on()? {
         let at = scan.at;
         let [kind] = scan.array()?;

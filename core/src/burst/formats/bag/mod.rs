@@ -31,7 +31,7 @@ pub(super) struct Bag;
 
 impl Format for Bag {
     fn record(&self) -> Record {
-        let opens = "one topic of `sensor_msgs/Image` (mono, Bayer mosaic, RGB and float encodings) or `CompressedImage` (JPEG, PNG, also of a mosaic), in the order of its stamps; ROS 1 serialisation and CDR; ROS 2 bags as a database, MCAP, or a folder with `metadata.yaml`; chunks packed by lz4, zstd, bz2; what unpacks to more than 1000 times its length and 256 MiB is refused, and messages in a `-wal` beside a `.db3` are not read, which a note says";
+        let opens = "one topic of `sensor_msgs/Image` (mono, Bayer mosaic, RGB and float encodings) or `CompressedImage` (JPEG, PNG, also of a mosaic), in the order of its stamps; ROS 1 serialisation and CDR; ROS 2 bags as a database, MCAP, or a folder with `metadata.yaml`; chunks packed by lz4, zstd, bz2; what unpacks to more than 1000 times its length and 256 MiB is refused, and messages in a `-wal` beside a `.db3` are not read, which a note says; of a bag or MCAP file that was not closed the whole messages";
         Record {
             name: "bag",
             rank: Rank::Other,
@@ -387,7 +387,7 @@ fn declared(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Dec
     };
     let mut taken = vec![format!("the topic is {}, of {}{others}", topic.channel.topic, topic.channel.of)];
     taken.extend(header.taken);
-    taken.extend(segments.iter().filter_map(|segment| segment.beside.clone()));
+    taken.extend(segments.iter().filter_map(|segment| segment.unread.clone()));
     let times = if are_stamps(stamps.iter()) {
         if !stamps.is_sorted() {
             taken.push("the frames are in the order of their stamps, which is not that of the recording".to_owned());

@@ -200,6 +200,8 @@ pub(super) struct Contents {
     /// Of all before the summary, and of the summary, where the file has them (MCAP).
     pub data_checksum: Option<Checksum>,
     pub summary_checksum: Option<Checksum>,
+    /// Whether the recording was stopped before its end was written, or that is cut off.
+    pub is_open: bool,
 }
 
 impl Contents {
@@ -226,6 +228,15 @@ impl<'a, R: Read + Seek> Scan<'a, R> {
     pub(super) fn new(mut reader: R, at: u64, length: u64, work: &'a Work) -> io::Result<Self> {
         reader.seek(SeekFrom::Start(at))?;
         Ok(Self { reader: BufReader::with_capacity(512, reader), at, length, work })
+    }
+
+    pub(super) fn ends_with<const N: usize>(&mut self, end: &[u8; N]) -> io::Result<bool> {
+        let Some(before) = self.length.checked_sub(N as u64) else { return Ok(false) };
+        self.reader.seek(SeekFrom::Start(before))?;
+        let mut last = [0; N];
+        self.reader.read_exact(&mut last)?;
+        self.reader.seek(SeekFrom::Start(self.at))?;
+        Ok(last == *end)
     }
 
     /// Whether another record follows, which is counted as work.

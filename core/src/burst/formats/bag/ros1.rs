@@ -59,7 +59,11 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
                 let recorded_ns = time_ns([[a, b, c, d], [e, f, g, h]].map(u32::from_le_bytes));
                 found.add(number(&header, "conn")?, Message { recorded_ns, chunk, at });
             }
-            Some([3]) => announced = number(&header, "chunk_count")?,
+            Some([3]) => {
+                announced = number(&header, "chunk_count")?;
+                // The place of the index is written when a bag is closed.
+                found.is_open |= announced == 0 && field(&header, "index_pos").is_some_and(|at| at == [0; 8]);
+            }
             Some([4]) => {
                 let (channel, count) = (number(&header, "conn")?, u64::from(number(&header, "count")?));
                 if count * 12 > bytes {
@@ -70,6 +74,12 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
             Some([5]) if chunk == 0 => {
                 let packed_by = Some(text(&header, "compression")?).filter(|name| name != "none").unwrap_or_default();
                 let size = number(&header, "size")?.into();
+                // A chunk has its length when it is whole; until then its messages follow as they are, or packed.
+                match found.is_open && bytes == 0 {
+                    true if packed_by.is_empty() => continue,
+                    true => break,
+                    false => {}
+                }
                 found.chunks.push(Chunk { at: data, bytes, size, packed_by, crc: 0 });
             }
             Some([6]) => named += 1,
@@ -82,6 +92,9 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
             _ => {}
         }
         scan.skip_to(end)?;
+    }
+    if chunk == 0 && found.is_open {
+        return Err(io::ErrorKind::UnexpectedEof.into());
     }
     if chunk == 0 && (announced != named || found.chunks.len() as u64 != 1 + u64::from(named)) {
         return Err(corrupt("it was not closed, or its end is missing"));

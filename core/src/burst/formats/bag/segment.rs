@@ -29,8 +29,8 @@ pub(super) struct Segment {
     pub path: PathBuf,
     pub form: Form,
     pub contents: Contents,
-    /// Sentence about files beside it that are not read.
-    pub beside: Option<String>,
+    /// Sentence about what is not read.
+    pub unread: Option<String>,
     /// Largest number of bytes of a chunk or message.
     most: u64,
     work: Arc<Work>,
@@ -53,19 +53,30 @@ impl Segment {
         let whole = Chunk { at: 0, bytes: length, size: length, packed_by: String::new(), crc: 0 };
         let contents = Contents { chunks: vec![whole], ..Contents::default() };
         let (path, work, kept) = (path.to_owned(), work.clone(), Mutex::default());
-        let mut segment = Self { path, form, contents, beside: None, most, work, kept };
+        let mut segment = Self { path, form, contents, unread: None, most, work, kept };
         segment.read(&start, length).map_err(|e| segment.failure(&e)).map(|()| segment)
     }
 
     fn read(&mut self, start: &[u8], length: u64) -> io::Result<()> {
         if self.form == Form::Rows {
             rows::check_length(start, length)?;
-            self.beside = rows::beside(&self.path)?;
+            self.unread = rows::beside(&self.path)?;
             self.contents.channels = rows::channels(&self.path, &self.work)?;
             return Ok(());
         }
         let mut found = std::mem::take(&mut self.contents);
-        self.walk(files::open(&self.path)?, length, 0, &mut found)?;
+        match self.walk(files::open(&self.path)?, length, 0, &mut found) {
+            Err(e) if e.kind() == io::ErrorKind::UnexpectedEof && found.is_open => {
+                // Some lists of the last chunk may be missing: its messages are looked for in itself.
+                let last = found.chunks.len() - 1;
+                found.lists.retain(|list| list.chunk != last);
+                let repair = self.form.repair();
+                self.unread = Some(format!(
+                    "it was not closed: of its {length} bytes the whole chunks and messages are taken ('{repair}' closes it)"
+                ));
+            }
+            walked => walked?,
+        }
         if let Some(checksum) = found.summary_checksum {
             self.check(checksum, "its summary")?;
         }
@@ -86,8 +97,9 @@ impl Segment {
                 channel.count = channel.count.saturating_add(list.count);
             }
         }
+        let has_pictures = found.channels.values().any(|channel| channel.has_pictures() && channel.count > 0);
         self.contents = found;
-        Ok(())
+        if has_pictures || self.unread.is_none() { Ok(()) } else { Err(io::ErrorKind::UnexpectedEof.into()) }
     }
 
     fn walk(&self, reader: impl Read + Seek, length: u64, chunk: usize, found: &mut Contents) -> io::Result<()> {
