@@ -60,7 +60,7 @@ fn overlay(criterion: &mut Criterion) {
         pass(&ctx, &mut app, number);
         std::thread::sleep(Duration::from_millis(5));
     }
-    let count = app.model.read().features().len();
+    let count = app.read().features().len();
     assert!(count >= FEATURES, "only {count} features to draw");
 
     let mut group = criterion.benchmark_group(format!("a pass with {count} features"));

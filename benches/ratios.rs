@@ -160,7 +160,7 @@ fn first_picture() {
         let mut offscreen = Offscreen::new(egui::vec2(1280.0, 800.0), 1.0, AdapterChoice::Fastest)?;
         let started = Instant::now();
         let mut app = BurstscopeApp::new(offscreen.context(), None, Startup::default());
-        while app.model.picture().is_none() {
+        while app.read().picture().is_none() {
             assert!(started.elapsed() < Duration::from_secs(30), "no picture came");
             offscreen.frame(Vec::new(), |ui| app.show(ui));
             std::thread::sleep(Duration::from_millis(1));

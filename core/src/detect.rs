@@ -5,9 +5,8 @@
 
 use crate::baseline::merge_burst;
 use crate::burst::{Burst, Info, OpenOptions};
-use crate::detector::pipeline;
 use crate::detector::slopes::resolve;
-use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeFinding, SlopeVerdict, memory};
+use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeFinding, SlopeVerdict, memory, pipeline};
 use crate::error::Result;
 use crate::monitor::Monitor;
 use std::path::PathBuf;

@@ -5,7 +5,7 @@ use super::inspector::PaneWidgets;
 use super::pane::PaneId;
 use crate::app::document::pair::MatchColumn;
 use crate::app::document::side::Side;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::pair::MatchRow;
 use crate::app::view::fixed;
 use crate::burst::OpenOptions;
@@ -33,7 +33,7 @@ pub fn place_text(readout: &Readout) -> String {
     format!("{}, {}", fixed(readout.u, 2), fixed(readout.v, 2))
 }
 
-pub fn picture_of(model: &Model, id: PaneId) -> Option<egui::ColorImage> {
+pub fn picture_of(model: Read<'_>, id: PaneId) -> Option<egui::ColorImage> {
     let picture = model.picture_in(id)?;
     let (width, height) = picture.plane.size();
     let rgba = picture.rgba(&model.display_of(id), model.features_of_motion(id));
@@ -50,7 +50,7 @@ pub fn is_asked(ctx: &egui::Context) -> bool {
 }
 
 /// Returns the note about what was copied.
-pub fn copy_row(ctx: &egui::Context, model: &Model, widgets: &PaneWidgets) -> Option<String> {
+pub fn copy_row(ctx: &egui::Context, model: Read<'_>, widgets: &PaneWidgets) -> Option<String> {
     let readouts = model.document.panes.shown().into_iter().filter_map(|id| widgets.get(id)?.picture.readout);
     let value = readouts.into_iter().next().map(|readout| value_text(&readout));
     let text = selected_text(model).or(value)?;
@@ -59,15 +59,15 @@ pub fn copy_row(ctx: &egui::Context, model: &Model, widgets: &PaneWidgets) -> Op
     Some(format!("Copied {what}"))
 }
 
-fn selected_text(model: &Model) -> Option<String> {
+fn selected_text(model: Read<'_>) -> Option<String> {
     match model.document.workspace {
         Workspace::Pair => Some(match_text(&model.results.pair.matches.as_ref()?.row(model.document.selected_match?)?)),
-        _ => model.read().selected_feature().map(feature_text),
+        _ => model.selected_feature().map(feature_text),
     }
 }
 
 /// Returns the note about what was copied, or why there is no command.
-pub fn copy_command(ctx: &egui::Context, model: &Model) -> Option<Result<String, &'static str>> {
+pub fn copy_command(ctx: &egui::Context, model: Read<'_>) -> Option<Result<String, &'static str>> {
     let side = model.active_side();
     let burst = model.burst_of(side)?;
     Some(command_text(&burst.source, side, model).map(|line| {
@@ -77,7 +77,7 @@ pub fn copy_command(ctx: &egui::Context, model: &Model) -> Option<Result<String,
     }))
 }
 
-fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<String, &'static str> {
+fn command_text(source: &BurstSource, side: Side, model: Read<'_>) -> Result<String, &'static str> {
     let inputs = source
         .arguments()
         .ok_or("this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts")?;
@@ -90,7 +90,7 @@ fn command_text(source: &BurstSource, side: Side, model: &Model) -> Result<Strin
     Ok(detect_line(&inputs, &model.asked_of(side), &calibration))
 }
 
-pub fn copy_picture(ctx: &egui::Context, model: &Model) -> Option<String> {
+pub fn copy_picture(ctx: &egui::Context, model: Read<'_>) -> Option<String> {
     ctx.copy_image(picture_of(model, model.document.focus())?);
     Some("Copied the picture".to_owned())
 }
@@ -98,16 +98,18 @@ pub fn copy_picture(ctx: &egui::Context, model: &Model) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::results::Model;
 
     #[test]
     fn the_command_has_the_calibration_with_which_files_were_opened() {
         let mut model = Model::default();
         model.document.calibration.full_scale = Some(4095.0);
-        let of_files = command_text(&BurstSource::Paths(vec!["a.npy".into()]), Side::A, &model).expect("files");
+        let of_files =
+            command_text(&BurstSource::Paths(vec!["a.npy".into()]), Side::A, Read::of(&model)).expect("files");
         assert!(of_files.contains("a.npy") && of_files.contains("4095"), "{of_files}");
-        let built_in = command_text(&BurstSource::Demo, Side::A, &model).expect("built in");
+        let built_in = command_text(&BurstSource::Demo, Side::A, Read::of(&model)).expect("built in");
         assert!(built_in.contains("demo") && !built_in.contains("4095"), "{built_in}");
         let dark = BurstSource::DarkCopy { of: Box::new(BurstSource::Demo), noise: model.document.lab.dark_copy };
-        assert!(command_text(&dark, Side::A, &model).is_err_and(|why| why.contains("synth")));
+        assert!(command_text(&dark, Side::A, Read::of(&model)).is_err_and(|why| why.contains("synth")));
     }
 }

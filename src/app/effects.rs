@@ -7,9 +7,10 @@ use super::document::Action;
 use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
 use super::{actions, apply, clipboard, files};
+use crate::app::apply::{datasets, opening, studies};
 use crate::app::document::export::{ExportKind, Purpose};
 use crate::app::document::side::Side;
-use crate::app::results::Effect;
+use crate::app::results::{Effect, Read};
 use crate::engine::Ended;
 use crate::inspect::probe::Wanted as Subject;
 use crate::requests::{OpenRequest, ProbeQuestion};
@@ -27,12 +28,13 @@ impl BurstscopeApp {
 
     /// Takes an action that is no row of the table.
     pub(super) fn change(&mut self, action: Action) {
-        self.journal.take(&action, self.model.is_in_lesson());
+        self.journal.take(&action, Read::of(&self.model).is_in_lesson());
         match action {
             Action::Open(Side::A, source) => match of_case(&source) {
                 Some(OfCase::Session(session)) => self.restore(session),
                 Some(OfCase::Search(actions, why)) => {
-                    why.into_iter().for_each(|why| self.model.messages.error(Purpose::RestoreSession.title(), why));
+                    why.into_iter()
+                        .for_each(|why| self.model.shell.messages.error(Purpose::RestoreSession.title(), why));
                     // What is set after it is asked for is for it.
                     self.stage([Action::Open(Side::A, source)].into_iter().chain(actions));
                 }
@@ -52,7 +54,7 @@ impl BurstscopeApp {
     }
 
     fn restore(&mut self, session: Box<Session>) {
-        let opening = self.model.open_with(Side::A, session.opening(), None, &self.engine);
+        let opening = opening::open_with(&mut self.model, Side::A, session.opening(), None, &self.engine);
         self.restoring.wait(Side::A, Some(opening), session);
     }
 
@@ -62,7 +64,7 @@ impl BurstscopeApp {
         }
         let session = self.restoring.take(side, ended.id);
         let is_open = ended.result.is_ok();
-        let effects = self.model.take_opening(side, ended, session.is_some(), &self.engine);
+        let effects = opening::take_opening(&mut self.model, side, ended, session.is_some(), &self.engine);
         self.apply(effects);
         let Some(session) = session else { return };
         self.stage(session.after(side, is_open, &self.model.document));
@@ -73,11 +75,11 @@ impl BurstscopeApp {
 
     /// Runs an action, as if it had been chosen from a menu. A disabled action does nothing.
     pub fn run_action(&mut self, ctx: &egui::Context, id: ActionId) {
-        if !actions::enabled(id, &self.model) || self.overlays.open(id, &self.model) {
+        if !actions::enabled(id, Read::of(&self.model)) || self.overlays.open(id, Read::of(&self.model)) {
             return;
         }
         let Self { model, widgets, journal, .. } = self;
-        journal.take(&id.into(), model.is_in_lesson());
+        journal.take(&id.into(), Read::of(model).is_in_lesson());
         match id {
             ActionId::Lessons => self.lessons.list_is_open = true,
             ActionId::Hall => {
@@ -91,31 +93,31 @@ impl BurstscopeApp {
             ActionId::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
             ActionId::OneToOne => model.document.change_views(|view| view.set_one_to_one(ctx.pixels_per_point())),
             ActionId::ProbePlace => {
-                if let Some((side, place)) = actions::when::place_to_probe(model, widgets) {
+                if let Some((side, place)) = actions::when::place_to_probe(Read::of(model), widgets) {
                     self.change(Action::StopFollowing);
                     self.change(Action::Probe(side, ProbeQuestion::At { place, wanted: Subject::Best }));
                 }
             }
             ActionId::CopyActions => {
                 ctx.copy_text(journal.to_toml());
-                model.messages.note("Copied what you did");
+                model.shell.messages.note("Copied what you did");
             }
-            ActionId::CopyRow => self.note(clipboard::copy_row(ctx, &self.model, &self.widgets)),
-            ActionId::CopyCommand => match clipboard::copy_command(ctx, model) {
-                Some(Err(why)) => model.messages.error("Copy as command", why),
+            ActionId::CopyRow => self.note(clipboard::copy_row(ctx, Read::of(&self.model), &self.widgets)),
+            ActionId::CopyCommand => match clipboard::copy_command(ctx, Read::of(model)) {
+                Some(Err(why)) => model.shell.messages.error("Copy as command", why),
                 copied => self.note(copied.and_then(Result::ok)),
             },
             ActionId::Cite => {
                 ctx.copy_text(include_str!("../../assets/burstscope.bib").to_owned());
-                model.messages.note("Copied the program and the paper as BibTeX");
+                model.shell.messages.note("Copied the program and the paper as BibTeX");
             }
-            ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, &self.model)),
+            ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, Read::of(&self.model))),
             _ => self.stage([id]),
         }
     }
 
     pub(super) fn note(&mut self, note: Option<String>) {
-        note.into_iter().for_each(|note| self.model.messages.note(note));
+        note.into_iter().for_each(|note| self.model.shell.messages.note(note));
     }
 
     pub(super) fn apply(&mut self, effects: impl IntoIterator<Item = Effect>) {
@@ -138,18 +140,19 @@ impl BurstscopeApp {
             Effect::ReplaceFeatures => self.overlays.replace_features = true,
             Effect::ForgetThumbnails => self.thumbnails.clear(),
             Effect::Ask(purpose) => {
-                if let Err(Question { purpose, suggested_name, .. }) = self.chooser.ask(files::question(purpose, model))
+                if let Err(Question { purpose, suggested_name, .. }) =
+                    self.chooser.ask(files::question(purpose, Read::of(model)))
                 {
                     let why = "another dialog for files is not answered yet";
-                    model.messages.note_unanswered(purpose, suggested_name, why);
+                    model.shell.messages.note_unanswered(purpose, suggested_name, why);
                 }
             }
             Effect::UseFiles(purpose, paths) => self.use_files(purpose, paths),
             Effect::Write(purpose, path) => {
                 let lesson = self.lessons.open.as_ref().map(|open| &*open.lesson);
                 self.overlays.mask = (purpose == Purpose::Export(ExportKind::Mask)).then(|| path.clone());
-                let begun = files::write(purpose, path, lesson, model, &self.widgets, engine);
-                model.messages.settle(purpose.title(), begun);
+                let begun = files::write(purpose, path, lesson, Read::of(model), &self.widgets, engine);
+                model.shell.messages.settle(purpose.title(), begun);
             }
             Effect::StartLesson(lesson) => self.start_lesson(lesson),
             Effect::ForgetWidgets => {
@@ -173,15 +176,15 @@ impl BurstscopeApp {
             Purpose::OpenMask | Purpose::OpenMasks => {
                 self.overlays.calibration_draft(&model.document.calibration).mask = Some(first.clone());
             }
-            Purpose::OpenLessons => model.messages.settle(purpose.title(), self.lessons.open_at(first)),
-            Purpose::PaperFigures => model.make_figures(first.clone(), engine),
+            Purpose::OpenLessons => model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
+            Purpose::PaperFigures => studies::make_figures(model, first.clone(), engine),
             #[cfg(feature = "colmap")]
-            Purpose::ExportDatabase => model.export_database(first.clone(), engine),
+            Purpose::ExportDatabase => datasets::export_database(model, first.clone(), engine),
             Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => {
                 self.apply([Effect::Write(purpose, first.clone())]);
             }
             _ => {
-                let action = files::action_of(purpose, paths, &mut model.messages);
+                let action = files::action_of(purpose, paths, &mut model.shell.messages);
                 action.into_iter().for_each(|action| self.change(action));
             }
         }

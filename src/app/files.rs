@@ -13,7 +13,7 @@ use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{mask_of, profiles_of};
 use crate::app::messages::Messages;
 use crate::app::panel::lab::curves::shown_plots;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::workspace::compare::methods_table;
 use crate::burst::OpenOptions;
 use crate::dataset::{DatasetSource, match_rows};
@@ -35,17 +35,17 @@ use std::path::{Path, PathBuf};
 
 const NO_MATCHES: &str = "there are no matches; open a second burst and press Match first";
 
-pub(super) fn question(purpose: Purpose, model: &Model) -> Question {
+pub(super) fn question(purpose: Purpose, model: Read<'_>) -> Question {
     let kept = feature_folder(model).filter(|folder| purpose == Purpose::ExportDatabase && folder.is_dir());
     let folder = kept.or_else(|| folder_of_burst(model));
     Question { purpose, suggested_name: suggested_name(purpose, model), folder }
 }
 
-fn feature_folder(model: &Model) -> Option<PathBuf> {
+fn feature_folder(model: Read<'_>) -> Option<PathBuf> {
     model.results.datasets.open.as_ref()?.folder.clone()
 }
 
-fn suggested_name(purpose: Purpose, model: &Model) -> String {
+fn suggested_name(purpose: Purpose, model: Read<'_>) -> String {
     // Features and pictures are those of the burst in focus.
     use ExportKind::{Colmap, Csv, Npz, Png, Tiff};
     let is_of_focus = matches!(purpose, Purpose::Export(Csv | Colmap | Npz | Tiff | Png));
@@ -84,13 +84,13 @@ fn suggested_name(purpose: Purpose, model: &Model) -> String {
     }
 }
 
-fn folder_of_burst(model: &Model) -> Option<PathBuf> {
-    let BurstSource::Paths(paths) = &model.results.slots.a.burst.as_ref()?.source else { return None };
+fn folder_of_burst(model: Read<'_>) -> Option<PathBuf> {
+    let BurstSource::Paths(paths) = &model.burst_of(Side::A)?.source else { return None };
     paths.first()?.parent().map(PathBuf::from).filter(|folder| folder.is_dir())
 }
 
 /// Rectangles of the panes in *Two bursts*, with the side for which files dropped there are opened.
-pub(super) fn drop_places(model: &Model, widgets: &PaneWidgets) -> Vec<(egui::Rect, Side)> {
+pub(super) fn drop_places(model: Read<'_>, widgets: &PaneWidgets) -> Vec<(egui::Rect, Side)> {
     if model.document.workspace != Workspace::Pair || model.results.slots.a.burst.is_none() {
         return Vec::new();
     }
@@ -103,7 +103,7 @@ pub(super) fn purpose_of_dropped(
     paths: &[PathBuf],
     side: Side,
     calibration: Option<&OpenOptions>,
-    model: &Model,
+    model: Read<'_>,
 ) -> Purpose {
     match (paths, calibration) {
         // The bias frame first, then the flat frame and the mask.
@@ -178,7 +178,7 @@ fn read_from<T>(
 }
 
 /// Rules for overwriting after the user agreed: any file but those that are open.
-pub(super) fn may_replace(path: &Path, model: &Model) -> OutputRules {
+pub(super) fn may_replace(path: &Path, model: Read<'_>) -> OutputRules {
     // A file that does not exist is not open either; this avoids listing the files of a large dataset.
     let is_there = std::fs::symlink_metadata(path).is_ok();
     let opened = if is_there { model.opened_files() } else { Vec::new() };
@@ -193,7 +193,7 @@ pub(super) fn write(
     purpose: Purpose,
     path: PathBuf,
     lesson: Option<&Lesson>,
-    model: &Model,
+    model: Read<'_>,
     widgets: &PaneWidgets,
     engine: &Engine,
 ) -> Result<(), String> {
@@ -214,11 +214,11 @@ pub(super) fn write(
 
 type Work = Box<dyn FnOnce(&Path) -> Result<(), String> + Send>;
 
-fn prepare(purpose: Purpose, model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
+fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
     match purpose {
         Purpose::SaveParams => Ok(settings_work(model.asked().to_toml())),
         Purpose::SaveSession => {
-            let session = Session::of(model.read()).ok_or("no burst is open; open one first")?;
+            let session = Session::of(model).ok_or("no burst is open; open one first")?;
             Ok(settings_work(session.to_toml()))
         }
         Purpose::Export(ExportKind::Csv) => features_work(model, ExportFormat::Csv),
@@ -259,14 +259,14 @@ fn settings_work(toml: String) -> Work {
     text_work(Kind::Settings, written_by() + &toml)
 }
 
-fn case_work(model: &Model) -> Result<Work, String> {
+fn case_work(model: Read<'_>) -> Result<Work, String> {
     let open = model.results.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
     let is_of_a = model.document.probe.side == Side::A;
     let place = model.probed_place().filter(|_| is_of_a);
     let answer = model.results.probed.answer.as_ref().filter(|_| place.is_some());
     let note = answer.map_or_else(String::new, |answer| answer.probe.summary.clone());
     let search = model.asked();
-    let session = Session::of(model.read()).map(|session| session.for_case().to_toml());
+    let session = Session::of(model).map(|session| session.for_case().to_toml());
     Ok(Box::new(move |path| {
         if path.extension().is_none_or(|ending| ending != CASE_EXTENSION) {
             return Err(format!("{}: a case is opened by its ending; name the file .{CASE_EXTENSION}", path.display()));
@@ -279,13 +279,13 @@ fn case_work(model: &Model) -> Result<Work, String> {
     }))
 }
 
-fn features_work(model: &Model, format: ExportFormat) -> Result<Work, String> {
+fn features_work(model: Read<'_>, format: ExportFormat) -> Result<Work, String> {
     let found = model.found_of(model.active_side()).ok_or("there are no features; press Detect first")?;
     let detection = found.detection.clone();
     Ok(work(move |path| format.write(path, &detection)))
 }
 
-fn matches_work(model: &Model) -> Result<Work, String> {
+fn matches_work(model: Read<'_>) -> Result<Work, String> {
     let matches = model.results.pair.matches.clone().ok_or(NO_MATCHES)?;
     Ok(work(move |path| {
         let [a, b] = [Side::A, Side::B].map(|side| matches.detection(side));
@@ -293,7 +293,7 @@ fn matches_work(model: &Model) -> Result<Work, String> {
     }))
 }
 
-fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
+fn profile_work(model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
     let line = model.document.measure.line.ok_or("there is no line; draw one with Q first")?;
     let profiles: Vec<export::PictureProfile> = profiles_of(model, widgets, &line)
         .into_iter()
@@ -308,7 +308,7 @@ fn profile_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
     Ok(work(move |path| export::write_profiles_csv(path, &profiles)))
 }
 
-fn mask_work(model: &Model) -> Result<Work, String> {
+fn mask_work(model: Read<'_>) -> Result<Work, String> {
     let open = model.results.slots.a.burst.clone().ok_or("no burst is open; open one first")?;
     let outlines = model.document.measure.hidden.clone();
     Ok(work(move |path| {
@@ -318,7 +318,7 @@ fn mask_work(model: &Model) -> Result<Work, String> {
     }))
 }
 
-fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
+fn picture_work(model: Read<'_>, kind: ExportKind) -> Result<Work, String> {
     let picture = model.picture().cloned().ok_or("there is no picture; open a burst first")?;
     let (display, features) =
         (model.display_of(model.document.focus()), model.features_of_motion(model.document.focus()).to_vec());
@@ -328,12 +328,12 @@ fn picture_work(model: &Model, kind: ExportKind) -> Result<Work, String> {
     })
 }
 
-fn figure_work(model: &Model, widgets: &PaneWidgets) -> Result<Work, String> {
+fn figure_work(model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
     let drawing = drawing_of(model, widgets, &model.document.figure)?;
     Ok(Box::new(move |path| write_drawing(path, &drawing)))
 }
 
-fn methods_work(model: &Model) -> Work {
+fn methods_work(model: Read<'_>) -> Work {
     let table = methods_table(model);
     Box::new(move |path| {
         let text = if ending_of(path, ExportKind::Methods)? == "tex" { table.latex() } else { table.csv() };
@@ -358,7 +358,9 @@ fn picture_of(rgba: &RgbaImage) -> export::Picture<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::results::tests::{detected, feature, open};
+    use crate::app::apply::bench::{detected, feature, open};
+    use crate::app::apply::{detection, opening};
+    use crate::app::results::Model;
     use crate::detector::{DetectorParams, SearchParams};
     use std::time::Duration;
 
@@ -377,28 +379,28 @@ mod tests {
         };
         let (frames, params) = (file("x.npy", ""), file("params.toml", "levels = 3"));
         let mut model = Model::default();
-        model.take_burst(open((64, 48), 5));
-        let session = file("s.toml", &Session::of(model.read()).expect("a burst is open").to_toml());
-        let purpose = |paths: &[PathBuf], side, draft: Option<&OpenOptions>, model: &Model| {
+        opening::take_burst(&mut model, open((64, 48), 5));
+        let session = file("s.toml", &Session::of(Read::of(&model)).expect("a burst is open").to_toml());
+        let purpose = |paths: &[PathBuf], side, draft: Option<&OpenOptions>, model: Read<'_>| {
             purpose_of_dropped(paths, side, draft, model)
         };
-        assert_eq!(purpose(&frames, Side::A, None, &model), Purpose::OpenFiles);
-        assert_eq!(purpose(&frames, Side::B, None, &model), Purpose::OpenFilesB);
-        assert_eq!(purpose(&params, Side::B, None, &model), Purpose::LoadParams);
-        assert_eq!(purpose(&session, Side::A, None, &model), Purpose::RestoreSession);
+        assert_eq!(purpose(&frames, Side::A, None, Read::of(&model)), Purpose::OpenFiles);
+        assert_eq!(purpose(&frames, Side::B, None, Read::of(&model)), Purpose::OpenFilesB);
+        assert_eq!(purpose(&params, Side::B, None, Read::of(&model)), Purpose::LoadParams);
+        assert_eq!(purpose(&session, Side::A, None, Read::of(&model)), Purpose::RestoreSession);
         let mut draft = OpenOptions::default();
-        assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenBias);
+        assert_eq!(purpose(&frames, Side::A, Some(&draft), Read::of(&model)), Purpose::OpenBias);
         draft.bias = Some(frames[0].clone());
-        assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenFlat);
+        assert_eq!(purpose(&frames, Side::A, Some(&draft), Read::of(&model)), Purpose::OpenFlat);
         draft.flat = Some(frames[0].clone());
-        assert_eq!(purpose(&frames, Side::A, Some(&draft), &model), Purpose::OpenMask);
+        assert_eq!(purpose(&frames, Side::A, Some(&draft), Read::of(&model)), Purpose::OpenMask);
         model.document.workspace = Workspace::Trajectories;
-        assert_eq!(purpose(&frames, Side::A, None, &model), Purpose::OpenEstimate);
+        assert_eq!(purpose(&frames, Side::A, None, Read::of(&model)), Purpose::OpenEstimate);
         let two = [frames, params].concat();
-        assert_eq!(purpose(&two, Side::A, None, &model), Purpose::OpenFiles);
+        assert_eq!(purpose(&two, Side::A, None, Read::of(&model)), Purpose::OpenFiles);
     }
 
-    fn prepared(purpose: Purpose, model: &Model) -> Result<Work, String> {
+    fn prepared(purpose: Purpose, model: Read<'_>) -> Result<Work, String> {
         prepare(purpose, model, &PaneWidgets::default())
     }
 
@@ -406,32 +408,38 @@ mod tests {
     fn what_is_missing_is_said_with_what_to_do() {
         let model = Model::default();
         for kind in EXPORTS {
-            match prepared(Purpose::Export(kind), &model) {
+            match prepared(Purpose::Export(kind), Read::of(&model)) {
                 // Curves that are not there are a file without lines.
                 Ok(_) => assert!(matches!(kind, ExportKind::CurvesCsv | ExportKind::CurvesSvg), "{kind:?}"),
                 Err(why) => assert!(why.contains("first") && why.starts_with("there") || why.contains(';'), "{why}"),
             }
         }
-        assert_eq!(prepared(Purpose::SaveSession, &model).err().as_deref(), Some("no burst is open; open one first"));
-        assert!(prepared(Purpose::OpenFolder, &model).is_err(), "nothing is written when something is opened");
+        assert_eq!(
+            prepared(Purpose::SaveSession, Read::of(&model)).err().as_deref(),
+            Some("no burst is open; open one first")
+        );
+        assert!(
+            prepared(Purpose::OpenFolder, Read::of(&model)).is_err(),
+            "nothing is written when something is opened"
+        );
     }
 
     #[test]
     fn what_is_written_is_what_was_there_when_it_was_asked_for() {
         let mut model = Model::default();
         let burst = open((64, 48), 5);
-        model.take_burst(burst.clone());
+        opening::take_burst(&mut model, burst.clone());
         let params = DetectorParams { levels: 3, ..model.document.params.clone() };
         model.document.params = params.clone();
         let features = vec![feature(10.0, 10.0, 4, &params.slopes), feature(30.0, 20.0, 2, &params.slopes)];
         let found = detected(&burst, &params, features);
-        model.take_detection(Side::A, found.clone(), Duration::ZERO);
+        detection::take_detection(&mut model, Side::A, found.clone(), Duration::ZERO);
         let home = tempfile::tempdir().expect("a folder");
         let (csv, toml) = (home.path().join("f.csv"), home.path().join("p.toml"));
         let work = [(Purpose::Export(ExportKind::Csv), &csv), (Purpose::SaveParams, &toml)]
-            .map(|(purpose, path)| (prepared(purpose, &model).expect("all is there"), path));
+            .map(|(purpose, path)| (prepared(purpose, Read::of(&model)).expect("all is there"), path));
         // Later changes do not matter.
-        model.take_burst(open((32, 32), 2));
+        opening::take_burst(&mut model, open((32, 32), 2));
         model.document.params = DetectorParams::default();
         for (work, path) in work {
             work(path).expect("written");
@@ -443,7 +451,8 @@ mod tests {
         assert_eq!(SearchParams::from_toml(&read(&toml)).expect("parameters").detector.levels, 3);
         // A folder that is made is fine; a file in place of a folder is not.
         let nowhere = csv.join("p.toml");
-        let why = prepared(Purpose::SaveParams, &model).expect("always")(&nowhere).expect_err("that is no folder");
+        let why =
+            prepared(Purpose::SaveParams, Read::of(&model)).expect("always")(&nowhere).expect_err("that is no folder");
         assert!(why.contains("f.csv"), "{why}");
     }
 

@@ -1,6 +1,7 @@
 //! Messages of the window: errors stay until they are dismissed, a note until the next one.
 
 use crate::app::document::export::Purpose;
+use crate::requests::JobError;
 
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Message {
@@ -65,6 +66,23 @@ impl Messages {
 
     pub fn resolved(&mut self, title: &str) {
         self.errors.retain(|m| m.title != title);
+    }
+
+    /// The answer to a request; a failure becomes an error with this title, unless it was cancelled.
+    pub fn answer<T>(&mut self, result: Result<T, JobError>, title: &str) -> Option<T> {
+        match result {
+            Ok(answer) => return Some(answer),
+            Err(JobError::Cancelled) => {}
+            Err(error) => self.error(title, error.to_string()),
+        }
+        None
+    }
+
+    pub fn failed(&mut self, what: &str, error: &JobError) {
+        match error {
+            JobError::Cancelled => self.note(format!("{what} cancelled")),
+            error => self.error(what, error.to_string()),
+        }
     }
 
     /// Says why something failed, or forgets that it did before.

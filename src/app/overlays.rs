@@ -12,8 +12,7 @@ use crate::app::document::export::Purpose;
 use crate::app::document::side::Side;
 use crate::app::panel::glossary::GlossaryWindow;
 use crate::app::panel::modals::CalibrationChoice;
-use crate::app::results::Effect;
-use crate::app::results::Model;
+use crate::app::results::{Effect, Read};
 use crate::burst::OpenOptions;
 use crate::requests::{BurstId, BurstSource};
 use std::path::PathBuf;
@@ -45,7 +44,7 @@ impl Overlays {
         self.calibration.get_or_insert_with(|| now.clone())
     }
 
-    pub fn open(&mut self, id: ActionId, model: &Model) -> bool {
+    pub fn open(&mut self, id: ActionId, model: Read<'_>) -> bool {
         match id {
             ActionId::Palette => self.palette.open(),
             ActionId::Shortcuts => self.sheet_open = !self.sheet_open,
@@ -67,13 +66,13 @@ impl Overlays {
         self.path_field = Some(PathField::new(purpose, text, instead_of_dialog));
     }
 
-    pub fn offers_cut(&self, model: &Model) -> bool {
-        let open = model.results.slots.a.burst.as_ref().map(|open| open.id);
+    pub fn offers_cut(&self, model: Read<'_>) -> bool {
+        let open = model.burst_of(Side::A).map(|open| open.id);
         model.is_film() && self.stays_whole != open && self.cut.is_none()
     }
 
-    pub fn keep_whole(&mut self, model: &Model) {
-        self.stays_whole = model.results.slots.a.burst.as_ref().map(|open| open.id);
+    pub fn keep_whole(&mut self, model: Read<'_>) {
+        self.stays_whole = model.burst_of(Side::A).map(|open| open.id);
     }
 
     pub fn are_modal(&self, lessons: &Lessons) -> bool {
@@ -92,7 +91,13 @@ impl Overlays {
             || !self.choice.is_empty()
     }
 
-    pub fn ui(&mut self, ctx: &egui::Context, model: &Model, lessons: &mut Lessons, queue: &mut Queue) -> Vec<Effect> {
+    pub fn ui(
+        &mut self,
+        ctx: &egui::Context,
+        model: Read<'_>,
+        lessons: &mut Lessons,
+        queue: &mut Queue,
+    ) -> Vec<Effect> {
         let mut effects = Vec::new();
         self.palette.ui(ctx, model, queue);
         menu::sheet_ui(ctx, &mut self.sheet_open);
@@ -137,11 +142,11 @@ impl Overlays {
         }
         let has_filmstrip = model.results.datasets.open.is_some() && model.document.panels.filmstrip;
         let below = if has_filmstrip { super::dataset::filmstrip::HEIGHT } else { 0.0 };
-        crate::app::panel::status::messages_ui(ctx, &model.messages, below, queue);
+        crate::app::panel::status::messages_ui(ctx, &model.shell.messages, below, queue);
         effects
     }
 
-    fn path_ui(&mut self, ctx: &egui::Context, model: &Model) -> Option<Effect> {
+    fn path_ui(&mut self, ctx: &egui::Context, model: Read<'_>) -> Option<Effect> {
         if let Some(field) = &mut self.path_field {
             let purpose = field.purpose;
             let (path, stay) = field.ui(ctx);
@@ -158,7 +163,7 @@ impl Overlays {
         may_replace.then_some(Effect::Write(purpose, path))
     }
 
-    fn write_or_ask(&mut self, purpose: Purpose, path: PathBuf, model: &Model) -> Option<Effect> {
+    fn write_or_ask(&mut self, purpose: Purpose, path: PathBuf, model: Read<'_>) -> Option<Effect> {
         let is_there = std::fs::symlink_metadata(&path).is_ok();
         if is_there && files::may_replace(&path, model).check(&path).is_ok() {
             self.replace_file = Some(ReplaceFile::new(purpose, path));

@@ -4,6 +4,7 @@ use super::offscreen::render_offscreen;
 use super::settings::Settings;
 use super::startup::Startup;
 use super::window::BurstscopeApp;
+use crate::app::apply::params;
 use crate::app::document::cursor::ViewKind;
 use crate::app::document::panes::Panels;
 use crate::burst::Burst;
@@ -98,7 +99,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
                 placed = true;
             }
             if is_open && path.exists() {
-                opened = app.model.opened_files();
+                opened = app.read().opened_files();
             }
             if options.select_strongest && app.model.document.selected_match.is_none() {
                 app.model.document.selected_match = app.model.results.pair.listed.first().copied();
@@ -107,12 +108,12 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
             {
                 app.model.document.selected = app.model.results.listed.first().copied();
             }
-            problem = app.model.messages.errors().first().map(|m| m.text.clone()).or_else(|| {
+            problem = app.model.shell.messages.errors().first().map(|m| m.text.clone()).or_else(|| {
                 app.model.results.slots.a.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string)
             });
         },
         |app| {
-            let failed = !app.model.messages.errors().is_empty() || !app.choice().is_empty();
+            let failed = !app.model.shell.messages.errors().is_empty() || !app.choice().is_empty();
             let answered = app.model.results.slots.a.burst.is_some() || failed || begin.play.is_some();
             if app.asks_for_shape() {
                 *unfit.borrow_mut() = Some(no_shape(options));
@@ -181,7 +182,7 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
     pane.cursor.frame = options.frame.unwrap_or(pane.cursor.frame);
     pane.cursor.octave = options.octave.unwrap_or(options.startup.params.detector.first_octave);
     pane.cursor.level = options.level;
-    model.check_params();
+    params::check_params(model);
     if model.results.slots.b.burst.is_some() {
         model.document.bring_cursors_together();
     }

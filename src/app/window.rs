@@ -24,9 +24,10 @@ use super::startup::{EndRequest, Startup};
 use super::workspace::pair::PairPanels;
 use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
 use super::{actions, clipboard, panel, parts};
+use crate::app::apply::{asking, explained, methods, pair, panes, params};
 use crate::app::document::export::{ExportKind, Purpose};
 use crate::app::document::side::Side;
-use crate::app::results::{Effect, Model};
+use crate::app::results::{Effect, Model, Read};
 use crate::app::view::fixed;
 use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;
@@ -95,14 +96,14 @@ impl BurstscopeApp {
             is_ending: false,
             settings: startup.settings,
         };
-        app.recovery = Recovery::begin(startup.kept.as_ref(), &mut app.model.messages);
+        app.recovery = Recovery::begin(startup.kept.as_ref(), &mut app.model.shell.messages);
         for action in begins {
             app.run(ctx, action);
             app.journal.close(false);
         }
         app.model.results.slots.a.usable_params = app.model.document.params.clone();
-        app.model.check_params();
-        app.model.history.clear();
+        params::check_params(&mut app.model);
+        app.model.shell.history.clear();
         if let Some(path) = startup.session {
             app.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
         }
@@ -120,9 +121,9 @@ impl BurstscopeApp {
     fn rests(&self) -> bool {
         self.engine.is_idle()
             && !self.chooser.is_asking()
-            && self.model.is_settled()
+            && Read::of(&self.model).is_settled()
             && !self.thumbnails.is_waiting()
-            && self.lessons.is_settled(&self.model)
+            && self.lessons.is_settled(Read::of(&self.model))
     }
 
     pub fn is_asking(&self) -> bool {
@@ -132,8 +133,8 @@ impl BurstscopeApp {
     pub fn show(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.document.theme);
-        self.model.window_width_points = ctx.content_rect().width();
-        self.model.refresh_workspace();
+        self.model.shell.window_width_points = ctx.content_rect().width();
+        methods::refresh_workspace(&mut self.model);
         self.take_answers(&ctx);
         self.take_dropped_files(&ctx);
         let (mut queue, in_hall) = (Queue::default(), self.model.document.panels.hall);
@@ -142,19 +143,19 @@ impl BurstscopeApp {
         let recovery_asks = self.recovery.as_ref().is_some_and(Recovery::is_asking);
         if !self.overlays.are_modal(&self.lessons) && !recovery_asks && !self.chooser.is_asking() {
             self.overlays.glossary.take_escape(&ctx);
-            asked = take_hall_keys(&ctx, &self.lessons, &self.model);
-            actions::take_shortcuts(&ctx, &self.model, &mut queue);
+            asked = take_hall_keys(&ctx, &self.lessons, Read::of(&self.model));
+            actions::take_shortcuts(&ctx, Read::of(&self.model), &mut queue);
             if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
                 queue.push(ActionId::Palette);
             }
             if clipboard::is_asked(&ctx) {
-                self.note(clipboard::copy_row(&ctx, &self.model, &self.widgets));
+                self.note(clipboard::copy_row(&ctx, Read::of(&self.model), &self.widgets));
             }
         }
         let plays_on = self.play_step(&ctx);
         // Slopes that were played are among what is done again.
         if self.playback.is_none()
-            && let Some((slope, rest)) = self.model.step_play()
+            && let Some((slope, rest)) = panes::step_play(&mut self.model)
         {
             let focus = self.model.document.focus();
             slope.into_iter().for_each(|slope| queue.push(Action::PlaySlope(focus, slope)));
@@ -162,21 +163,21 @@ impl BurstscopeApp {
         }
         asked = self.layout_ui(ui, &mut queue).or(asked);
         if !self.overlays.are_modal(&self.lessons) {
-            rings_ui(&ctx, &self.lessons, &self.model, &self.widgets);
+            rings_ui(&ctx, &self.lessons, Read::of(&self.model), &self.widgets);
         }
         about_ui(&ctx, &mut self.overlays.about_open, &self.engine, &mut self.settings);
-        let effects = self.overlays.ui(&ctx, &self.model, &mut self.lessons, &mut queue);
+        let effects = self.overlays.ui(&ctx, Read::of(&self.model), &mut self.lessons, &mut queue);
         self.apply(effects);
         self.act(&ctx, queue);
         self.go_on_with_lesson(&ctx, asked);
-        self.model.check_params();
+        params::check_params(&mut self.model);
         let goes_on = plays_on || ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down());
-        self.model.close_step(goes_on);
+        self.model.shell.history.close_step(&self.model.document, goes_on);
         self.journal.close(goes_on || self.model.document.playing);
-        self.model.refresh_listed();
-        self.model.refresh_listed_matches();
+        explained::refresh_listed(&mut self.model);
+        pair::refresh_listed_matches(&mut self.model);
         self.forget_closed_panes();
-        self.model.ask(&self.engine, ctx.input(|i| i.pointer.any_down()));
+        asking::ask(&mut self.model, &self.engine, ctx.input(|i| i.pointer.any_down()));
         if let Some(dataset) = &self.model.results.datasets.open {
             self.thumbnails.request(&self.engine, &dataset.open);
         }
@@ -188,14 +189,14 @@ impl BurstscopeApp {
 
     /// Applies the actions of this pass. What they change is drawn in the next one.
     fn act(&mut self, ctx: &egui::Context, queue: Queue) {
-        let pointed = self.model.pointed();
+        let pointed = self.model.results.pointed();
         let mut is_changed = false;
         for action in queue {
             is_changed |= !matches!(action, Action::Point(_));
             self.run(ctx, action);
-            self.model.refresh_workspace();
+            methods::refresh_workspace(&mut self.model);
         }
-        if is_changed || pointed != self.model.pointed() {
+        if is_changed || pointed != self.model.results.pointed() {
             ctx.request_repaint();
         }
     }
@@ -207,20 +208,20 @@ impl BurstscopeApp {
         let (action, goes_on) = (playback.next(rests), playback.goes_on);
         if let Some(action) = action {
             self.run(ctx, action);
-            self.model.refresh_workspace();
+            methods::refresh_workspace(&mut self.model);
             ctx.request_repaint();
         }
         goes_on
     }
 
     fn take_answers(&mut self, ctx: &egui::Context) {
-        let effects = self.model.take_answers(&self.engine);
+        let effects = asking::take_answers(&mut self.model, &self.engine);
         self.apply(effects);
         if let Some(dataset) = &self.model.results.datasets.open {
             self.thumbnails.take_made(ctx, &dataset.bursts);
         }
         for done in self.engine.take_tasks() {
-            let messages = &mut self.model.messages;
+            let messages = &mut self.model.shell.messages;
             if self.recovery.as_mut().is_some_and(|recovery| recovery.has_kept(&done, messages)) {
                 continue;
             }
@@ -240,7 +241,11 @@ impl BurstscopeApp {
             match answer {
                 FileAnswer::Chosen(purpose, paths) => self.apply([Effect::UseFiles(purpose, paths)]),
                 FileAnswer::Nothing(Question { purpose, suggested_name, .. }) => {
-                    self.model.messages.note_unanswered(purpose, suggested_name, "the dialog ended without a file");
+                    self.model.shell.messages.note_unanswered(
+                        purpose,
+                        suggested_name,
+                        "the dialog ended without a file",
+                    );
                 }
                 FileAnswer::NoDialog(Question { purpose, suggested_name, .. }) => {
                     self.overlays.open_path_field(purpose, suggested_name, true);
@@ -256,18 +261,18 @@ impl BurstscopeApp {
         }
         let pointer = ctx.input(|i| i.pointer.latest_pos());
         let is_there = |rect: &egui::Rect| pointer.is_some_and(|pos| rect.contains(pos));
-        let places = drop_places(&self.model, &self.widgets);
+        let places = drop_places(Read::of(&self.model), &self.widgets);
         let on_b = places.iter().any(|(rect, side)| *side == Side::B && is_there(rect));
         let side = if on_b { Side::B } else { Side::A };
-        let purpose = purpose_of_dropped(&paths, side, self.overlays.calibration.as_ref(), &self.model);
+        let purpose = purpose_of_dropped(&paths, side, self.overlays.calibration.as_ref(), Read::of(&self.model));
         self.apply([Effect::UseFiles(purpose, paths)]);
     }
 
     fn go_on_with_lesson(&mut self, ctx: &egui::Context, asked: Option<LessonAction>) {
         let mut asked = asked;
         loop {
-            let is_restoring = self.restoring.waits_for(&self.model).is_some();
-            let staged = self.lessons.go_on(asked.take(), is_restoring, &self.model);
+            let is_restoring = self.restoring.waits_for(Read::of(&self.model)).is_some();
+            let staged = self.lessons.go_on(asked.take(), is_restoring, Read::of(&self.model));
             if staged.is_empty() {
                 break;
             }
@@ -284,14 +289,14 @@ impl BurstscopeApp {
     }
 
     fn keep_session(&mut self, ctx: &egui::Context) {
-        let waits_for = self.restoring.waits_for(&self.model);
+        let waits_for = self.restoring.waits_for(Read::of(&self.model));
         let Some(recovery) = &mut self.recovery else { return };
         recovery.give_up_unless(waits_for);
         // A burst that is being opened would be missing; the session is saved in a pass after that.
         if self.model.results.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
             return;
         }
-        if let Some(rest) = recovery.keep(self.model.project_of_user(), &self.journal, &self.engine) {
+        if let Some(rest) = recovery.keep(Read::of(&self.model).project_of_user(), &self.journal, &self.engine) {
             ctx.request_repaint_after(rest);
         }
     }
@@ -299,8 +304,8 @@ impl BurstscopeApp {
     /// Saves the session at once: another window goes on with it, and if that fails it is offered later.
     pub(super) fn keep_session_now(&mut self) {
         let Some(recovery) = &self.recovery else { return };
-        if let Err((title, error)) = recovery.keep_now(self.model.project_of_user(), &self.journal) {
-            self.model.messages.error(title, error);
+        if let Err((title, error)) = recovery.keep_now(Read::of(&self.model).project_of_user(), &self.journal) {
+            self.model.shell.messages.error(title, error);
         }
     }
 
@@ -309,39 +314,43 @@ impl BurstscopeApp {
 
         Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
             ui.horizontal(|ui| {
-                menu_bar_ui(ui, &self.model, &self.settings, queue);
-                switch_ui(ui, &self.model, queue);
+                menu_bar_ui(ui, Read::of(&self.model), &self.settings, queue);
+                switch_ui(ui, Read::of(&self.model), queue);
             });
         });
         let in_toolbar = |part: &Part| matches!(part, Part::Kinds | Part::Detect);
         if !self.model.document.panels.hall || self.lessons.highlighted().iter().any(in_toolbar) {
-            Panel::top("toolbar").frame(bar(ui)).show(ui, |ui| panel::toolbar::toolbar_ui(ui, &self.model, queue));
+            Panel::top("toolbar")
+                .frame(bar(ui))
+                .show(ui, |ui| panel::toolbar::toolbar_ui(ui, Read::of(&self.model), queue));
         }
         let status = Panel::bottom("status bar").frame(bar(ui));
         let readout = self.readout();
-        let status_ui = |ui: &mut egui::Ui| panel::status::status_ui(ui, &self.model, readout.as_deref(), queue);
+        let status_ui =
+            |ui: &mut egui::Ui| panel::status::status_ui(ui, Read::of(&self.model), readout.as_deref(), queue);
         let types_path = !self.model.document.panels.hall && status.show(ui, status_ui).inner;
-        if let Some((purpose, name)) = self.model.messages.unanswered().filter(|_| types_path).cloned() {
+        if let Some((purpose, name)) = self.model.shell.messages.unanswered().filter(|_| types_path).cloned() {
             self.overlays.open_path_field(purpose, name, false);
-            self.model.messages.forget_note();
+            self.model.shell.messages.forget_note();
         }
         self.offers_ui(ui, bar(ui), queue);
         if self.model.results.datasets.open.is_some() && self.model.document.panels.filmstrip {
             Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
-                filmstrip::filmstrip_ui(ui, &self.model, &mut self.thumbnails, queue);
+                filmstrip::filmstrip_ui(ui, Read::of(&self.model), &mut self.thumbnails, queue);
             });
         }
         let asked = self.lesson_panel_ui(ui, queue);
         let mut start_lesson = None;
         if self.model.results.slots.a.burst.is_none() && self.model.document.workspace.needs_burst() {
             CentralPanel::default().show(ui, |ui| {
-                start_lesson = panel::welcome::welcome_ui(ui, &self.model, &self.settings, &self.lessons, queue);
+                start_lesson =
+                    panel::welcome::welcome_ui(ui, Read::of(&self.model), &self.settings, &self.lessons, queue);
             });
         } else {
             self.workspace_ui(ui, queue);
             if let Some(rect_ui) = self.widgets.get(self.model.document.focus()).and_then(|widgets| widgets.rect_ui) {
                 let Self { model, lessons, .. } = self;
-                start_lesson = panel::welcome::card_ui(ui.ctx(), model, lessons, rect_ui, queue);
+                start_lesson = panel::welcome::card_ui(ui.ctx(), Read::of(model), lessons, rect_ui, queue);
             }
         }
         self.drop_hint_ui(ui);
@@ -355,10 +364,10 @@ impl BurstscopeApp {
         {
             let offer_ui = |ui: &mut egui::Ui| panel::status::recovery_ui(ui, &offer);
             if let Some(choice) = Panel::top("recovery offer").frame(bar).show(ui, offer_ui).inner {
-                let path = recovery.settle(choice, &mut self.model.messages);
+                let path = recovery.settle(choice, &mut self.model.shell.messages);
                 if let Some(path) = path {
                     self.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
-                    let waits_for = self.restoring.waits_for(&self.model);
+                    let waits_for = self.restoring.waits_for(Read::of(&self.model));
                     self.recovery.iter_mut().for_each(|recovery| recovery.wait_for(waits_for));
                 }
             }
@@ -366,12 +375,12 @@ impl BurstscopeApp {
         if let Some(own) = &self.model.results.left_behind {
             Panel::top("left behind").frame(bar).show(ui, |ui| panel::status::left_behind_ui(ui, own, queue));
         }
-        if self.overlays.offers_cut(&self.model) {
-            let (frames, length) = (self.model.frame_count(), self.settings.burst_length);
+        if self.overlays.offers_cut(Read::of(&self.model)) {
+            let (frames, length) = (Read::of(&self.model).frame_count(), self.settings.burst_length);
             match Panel::top("cut offer").frame(bar).show(ui, |ui| cut_offer_ui(ui, frames, length)).inner {
                 Some(CutChoice::Cut) => queue.push(Action::CutOpenBurst(length)),
                 Some(CutChoice::Ask) => queue.push(ActionId::CutSequence),
-                Some(CutChoice::Keep) => self.overlays.keep_whole(&self.model),
+                Some(CutChoice::Keep) => self.overlays.keep_whole(Read::of(&self.model)),
                 None => {}
             }
         }
@@ -389,7 +398,7 @@ impl BurstscopeApp {
             .frame(frame)
             .default_size(width)
             .size_range(270.0..=520.0)
-            .show(ui, |ui| lesson_ui(ui, &mut self.lessons, &self.model, &mut self.captions, queue))
+            .show(ui, |ui| lesson_ui(ui, &mut self.lessons, Read::of(&self.model), &mut self.captions, queue))
             .inner;
         if let Some(word) = &clicks.word {
             self.overlays.glossary.open(Some(word));
@@ -399,7 +408,7 @@ impl BurstscopeApp {
 
     fn workspace_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) {
         let mut parts = WorkspaceParts {
-            model: &self.model,
+            model: Read::of(&self.model),
             widgets: &mut self.widgets,
             pair: &mut self.pair_panels,
             selection: &mut self.selection,
@@ -412,7 +421,7 @@ impl BurstscopeApp {
     }
 
     fn drop_hint_ui(&self, ui: &egui::Ui) {
-        let places = drop_places(&self.model, &self.widgets);
+        let places = drop_places(Read::of(&self.model), &self.widgets);
         if places.is_empty() {
             panel::welcome::drop_hint_ui(ui.ctx(), &[(ui.ctx().content_rect(), "Let go to open")]);
         } else {
@@ -425,6 +434,10 @@ impl BurstscopeApp {
     /// Window place (points) of an image place (pixels) in the pane in focus, as last drawn.
     pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
         self.widgets.pos_ui(self.model.document.focus(), pos_image)
+    }
+
+    pub fn read(&self) -> Read<'_> {
+        Read::of(&self.model)
     }
 
     pub fn ui_from_image_of(&self, side: Side, pos_image: egui::Pos2) -> Option<egui::Pos2> {
@@ -491,7 +504,7 @@ impl BurstscopeApp {
     pub(super) fn take_lost_device(&mut self) -> Option<String> {
         let why = self.lost_device.take()?;
         let text = format!("the driver gave it up ({why}); the window was opened again, and nothing else has changed");
-        self.model.messages.error("Graphics device lost", text);
+        self.model.shell.messages.error("Graphics device lost", text);
         Some(why)
     }
 }
@@ -506,7 +519,7 @@ impl eframe::App for BurstscopeApp {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         // Settings made by a lesson are not stored.
-        self.settings.take_from(self.model.project_of_user().document);
+        self.settings.take_from(Read::of(&self.model).project_of_user().document);
         (self.settings.theme, self.settings.lessons) = (self.model.document.theme, self.lessons.progress.clone());
         self.settings.store(storage);
     }

@@ -5,7 +5,6 @@
 //! wins, so scrubbing stays live while a detection runs. Each request ends in exactly one answer, which is published
 //! before `on_update` is called. A panic in the work becomes an error with its place.
 
-mod cache;
 mod fault;
 mod jobs;
 mod queue;
@@ -14,8 +13,8 @@ mod task;
 mod trails;
 mod wanted;
 
-pub use cache::PictureCache;
 pub use stores::Held;
+pub use stores::PictureCache;
 pub use task::{TaskDone, TaskId};
 pub use wanted::{Ended, Want, Wanted};
 

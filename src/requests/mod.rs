@@ -2,11 +2,9 @@
 //! `compute` makes it on the calling thread and its pool, and stops with [`JobError::Cancelled`] once its
 //! [`Monitor`](crate::monitor::Monitor) is cancelled. [`crate::engine`] decides when, where, and which of several wins.
 
-mod coherence;
 mod comparison;
 pub mod dataset;
 mod detect;
-mod detect_line;
 mod error;
 mod explain;
 mod film;
@@ -21,19 +19,17 @@ mod source;
 mod study;
 mod trail;
 
-pub use coherence::{CoherenceRequest, Coherences};
 pub use comparison::{ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest, next_commands,
 };
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};
-pub use detect::{CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest};
-pub use detect_line::detect_line;
+pub use detect::{CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest, detect_line};
 pub use error::{JobError, PossibleShape};
 pub use explain::{
-    ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest, ProbeQuestion, ProbeRequest,
-    Probed, Traced,
+    CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest,
+    ProbeQuestion, ProbeRequest, Probed, Traced,
 };
 pub use film::{Film, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};

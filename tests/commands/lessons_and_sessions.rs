@@ -4,8 +4,9 @@
 
 use super::support::{ended, program, run_badly, stderr};
 use crate::damage::{absurd, absurd_tomls, at, damage, damaged_text, numbers, says_something};
+use burstscope::app::apply;
 use burstscope::app::document::action::Reselect;
-use burstscope::app::results::Model;
+use burstscope::app::results::{Model, Read};
 use burstscope::app::session::Session;
 use burstscope::detector::{SearchParams, SlopeAxis, SlopeGrid};
 use burstscope::inspect::set_up::SetUp;
@@ -24,13 +25,13 @@ const LESSON: &str = "title = \"One\"\nabout = \"What it is about.\"\n[set]\nbur
 fn model() -> Model {
     let mut model = Model::default();
     let burst = Burst::from_planes("test", vec![Plane::zeros(64, 48), Plane::zeros(64, 48)]);
-    model.take_burst(OpenBurst::new(burst, BurstSource::Demo));
+    apply::opening::take_burst(&mut model, OpenBurst::new(burst, BurstSource::Demo));
     model
 }
 
 fn sound_session() -> &'static str {
     static SOUND: OnceLock<String> = OnceLock::new();
-    SOUND.get_or_init(|| Session::of(model().read()).expect("a burst is open").to_toml())
+    SOUND.get_or_init(|| Session::of(Read::of(&model())).expect("a burst is open").to_toml())
 }
 
 /// Undamaged ones are read: the tests below begin with valid files.
@@ -159,7 +160,7 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
                 taken += 1;
                 let mut model = model();
                 let document = session.over_second(&session.over_first(&model.document));
-                model.show_document(document, Reselect::Feature(session.selection));
+                apply::staged::show_document(&mut model, document, Reselect::Feature(session.selection));
                 let focus = model.document.focus();
                 model.document.panes.split(focus, burstscope::app::pane::Direction::Right);
                 assert!(
@@ -327,7 +328,8 @@ proptest! {
         match Session::from_toml(&damaged_text(sound_session(), &damages)) {
             Ok(session) => {
                 let mut model = model();
-                model.show_document(session.over_first(&model.document), Reselect::Feature(session.selection));
+                let document = session.over_first(&model.document);
+    apply::staged::show_document(&mut model, document, Reselect::Feature(session.selection));
                 prop_assert!(model.document.cursor().slope.u.is_finite() && model.document.cursor().slope.v.is_finite());
             }
             Err(error) => prop_assert!(says_something(&error)),

@@ -1,12 +1,13 @@
 //! Files that the window writes of itself: sessions, and lists of what was done.
 
 use burstscope::app::actions::ActionId;
+use burstscope::app::apply;
 use burstscope::app::document::action::Reselect;
 use burstscope::app::document::journal::{LAST_STEPS, MAX_STEPS, read_steps};
 use burstscope::app::document::side::Side;
 use burstscope::app::document::{Action, Journal, Steps};
 use burstscope::app::pane::PaneId;
-use burstscope::app::results::Model;
+use burstscope::app::results::{Model, Read};
 use burstscope::app::session::Session;
 use burstscope::burst::OpenOptions;
 use burstscope::detector::{SearchParams, Slope};
@@ -16,7 +17,7 @@ use burstscope::{Burst, Plane};
 fn model() -> Model {
     let mut model = Model::default();
     let burst = Burst::from_planes("test", vec![Plane::zeros(64, 48), Plane::zeros(64, 48)]);
-    model.take_burst(OpenBurst::new(burst, BurstSource::Paths(vec!["frames".into()])));
+    apply::opening::take_burst(&mut model, OpenBurst::new(burst, BurstSource::Paths(vec!["frames".into()])));
     model.document.params.peak_threshold = 0.01;
     model.document.focused_mut().cursor.slope = Slope::new(1.25, -0.5);
     model.document.filter.hide_slope_limit = true;
@@ -33,26 +34,29 @@ fn what_is_probed_and_compared_in_b_comes_back_with_b() {
         let burst = Burst::from_planes("second", vec![Plane::zeros(80, 48), Plane::zeros(80, 48)]);
         OpenBurst::new(burst, BurstSource::Paths(vec!["others".into()]))
     };
-    model.take_second_burst(second());
-    let before = Session::of(model.read()).expect("a burst is open");
+    apply::pair::take_second_burst(&mut model, second());
+    let before = Session::of(Read::of(&model)).expect("a burst is open");
     let text = before.to_toml();
     assert!(!text.contains("theirs.csv"), "{text}");
-    model.probe_place(Side::B, [70.0, 20.0]);
-    model.lay_over(Side::B, "theirs.csv".into());
-    let session = Session::of(model.read()).expect("a burst is open");
+    apply::probe::probe_place(&mut model, Side::B, [70.0, 20.0]);
+    apply::comparison::lay_over(&mut model, Side::B, "theirs.csv".into());
+    let session = Session::of(Read::of(&model)).expect("a burst is open");
     let text = session.to_toml();
     assert_eq!(Session::from_toml(&text).as_ref(), Ok(&session), "{text}");
     let mut restored = self::model();
     let nothing = Reselect::Feature(None);
-    restored.show_document(session.over_first(&restored.document), nothing);
-    restored.take_second_burst(second());
-    restored.show_document(session.over_second(&restored.document), nothing);
-    assert_eq!((restored.document.probe.side, restored.probed_place()), (Side::B, Some([70.0, 20.0])));
+    let document = session.over_first(&restored.document);
+    apply::staged::show_document(&mut restored, document, nothing);
+    apply::pair::take_second_burst(&mut restored, second());
+    let document = session.over_second(&restored.document);
+    apply::staged::show_document(&mut restored, document, nothing);
+    assert_eq!((restored.document.probe.side, Read::of(&restored).probed_place()), (Side::B, Some([70.0, 20.0])));
     let file = restored.document.comparisons.b.file.clone().expect("it was opened");
     assert!(file.is_absolute() && file.ends_with("theirs.csv"));
-    assert_eq!(Session::of(restored.read()).expect("a burst is open").document, session.document);
+    assert_eq!(Session::of(Read::of(&restored)).expect("a burst is open").document, session.document);
     // The session of before says nothing of B's probe, and takes it away.
-    restored.show_document(before.over_second(&restored.document), nothing);
+    let document = before.over_second(&restored.document);
+    apply::staged::show_document(&mut restored, document, nothing);
     assert!(!restored.document.probe.is_on() && restored.document.comparisons == Default::default());
 }
 
@@ -69,7 +73,7 @@ fn what_is_not_a_session_is_said() {
 
 #[test]
 fn unknown_keys_are_named_wherever_they_are() {
-    let text = Session::of(model().read()).expect("a burst is open").to_toml();
+    let text = Session::of(Read::of(&model())).expect("a burst is open").to_toml();
     let tables: Vec<&str> = text.lines().filter(|line| line.starts_with('[')).collect();
     assert!(tables.len() > 20, "{tables:?}");
     let mut of_one_kinds = 0;

@@ -3,6 +3,7 @@
 
 use crate::support::{Start, Window};
 use burstscope::app::document::side::Side;
+use burstscope::app::results::Read;
 use burstscope::burst::TimesChoice;
 use burstscope::detector::{FrameRange, SearchParams, SlopeChoice};
 use burstscope::inspect::verdict::Verdict;
@@ -109,7 +110,7 @@ fn a_mask_is_hatched_in_every_picture() {
     for key in [Key::Z, Key::B, Key::G] {
         window.key(key);
         window.settle();
-        let picture = window.app().model.picture().unwrap();
+        let picture = window.app().read().picture().unwrap();
         let hides = |u: usize| picture.plane.is_hidden_at(u, 30);
         assert!(hides(1) && !hides(60), "{:?}", picture.request.kind);
     }
@@ -145,7 +146,7 @@ fn every_way_to_another_burst_drops_the_mask() {
         way(&mut window, &cube);
         window.settle();
         let model = &window.app().model;
-        assert!(model.messages.errors().is_empty(), "{name}: {:?}", model.messages.errors());
+        assert!(model.shell.messages.errors().is_empty(), "{name}: {:?}", model.shell.messages.errors());
         assert_eq!(model.document.calibration.mask, None, "{name}");
         assert!(window.shows("The mask of slider is not used here."), "{name}");
     }
@@ -162,7 +163,7 @@ fn a_second_burst_has_not_the_mask_of_the_first_and_a_session_keeps_both() {
     window.settle();
     let hides = |window: &Window| {
         let weight = |side: Side| {
-            let open = window.app().model.burst_of(side).expect("both are open");
+            let open = window.app().read().burst_of(side).expect("both are open");
             open.burst.frames[0].weight_at(3, 30)
         };
         Side::BOTH.map(|side| weight(side) == 0.0)
@@ -188,12 +189,12 @@ fn a_refused_calibration_changes_nothing_and_other_bursts_still_open() {
     window.harness.get_by_role_and_label(Role::RadioButton, "Files").click();
     window.harness.run_steps(2);
     window.click("Apply");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     window.settle();
     assert_eq!(window.app().model.document.calibration.times, None);
     open(&mut window, &cube);
     let model = &window.app().model;
-    assert_eq!((model.frame_count(), model.messages.errors()), (4, &[][..]), "it opens");
+    assert_eq!((Read::of(model).frame_count(), model.shell.messages.errors()), (4, &[][..]), "it opens");
     let open = model.results.slots.a.burst.as_ref().unwrap();
     assert_eq!(open.source, BurstSource::Paths(vec![cube]));
 }
@@ -214,7 +215,7 @@ fn a_step_back_takes_times_back_and_says_so() {
     window.ctrl(Key::Z);
     window.settle();
     assert_eq!(names(&window), None);
-    assert_eq!(window.app().model.messages.last_note(), Some("Undone: Times"));
+    assert_eq!(window.app().model.shell.messages.last_note(), Some("Undone: Times"));
     window.run_action("redo");
     window.settle();
     assert_eq!(names(&window), Some(TimesChoice::Names));

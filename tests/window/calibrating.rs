@@ -95,7 +95,7 @@ fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
     window.harness.get_by_role_and_label(Role::CheckBox, "Linear light").click();
     window.harness.run_steps(2);
     window.click("Apply");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("the bias frame is 8×8"));
     assert_eq!(window.app().model.results.slots.a.burst.as_ref().unwrap().burst.len(), 4);
 }

@@ -6,6 +6,7 @@ use burstscope::app::canvas::overlay::{self, ColourBy, ColourScale, OverlayStyle
 use burstscope::app::canvas::{Canvas, Picture, RectTransform, View, Zoom};
 use burstscope::app::gpu::PictureRenderer;
 use burstscope::app::histogram::HistogramPanel;
+use burstscope::detector::Quantity;
 use burstscope::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 use burstscope::plane::Plane;
 use burstscope::plane::display::{ColourMap, Display};
@@ -325,7 +326,7 @@ fn values_in_large_pixels_light() {
     let mut w = window();
     w.view = View::new(Zoom::PointsPerPixel(48.0), [60.2, 50.4]);
     w.display = Display { max: 0.09, gamma: 1.4, map: ColourMap::Viridis, ..Display::default() };
-    w.colour_by = ColourBy::Scale;
+    w.colour_by = ColourBy::Of(Quantity::Sigma);
     let mut harness = harness(egui::Theme::Light, w);
     pictures::compare(&mut harness, "flat/canvas_values_light");
 }
@@ -337,7 +338,7 @@ fn response_with_sign_light() {
     let signed = Plane::from_fn(160, 120, |u, v| plane.at(2 * u, 2 * v) - plane.at((2 * u + 14).min(319), 2 * v));
     w.picture = Some(Picture::of_octave(Arc::new(signed), 1, (320, 240), "DoG response"));
     w.display = Display::symmetric(0.04);
-    w.colour_by = ColourBy::Response;
+    w.colour_by = ColourBy::Of(Quantity::Response);
     let mut harness = harness(egui::Theme::Light, w);
     pictures::compare(&mut harness, "flat/canvas_response_light");
 }
@@ -346,7 +347,7 @@ fn response_with_sign_light() {
 fn stale_features_and_picture_dark() {
     let mut w = window();
     w.stale = true;
-    w.colour_by = ColourBy::SlopeU;
+    w.colour_by = ColourBy::Of(Quantity::SlopeU);
     w.display = Display { max: 0.09, map: ColourMap::Magma, ..Display::default() };
     let mut harness = harness(egui::Theme::Dark, w);
     harness.run_steps(4);

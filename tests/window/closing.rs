@@ -106,7 +106,7 @@ fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
     let mut window = Start::without_auto_detect().open();
     window.click("Detect");
     window.settle();
-    let count = window.app().model.read().features().len();
+    let count = window.app().read().features().len();
     let closing = hold_files_until_closing(&window);
     let exports = [
         ("features as csv", "f.csv"),
@@ -150,7 +150,7 @@ fn what_was_matched_and_measured_is_whole_too() {
     let pane = window.app().model.document.focus();
     let (from_image, to_image) = (egui::pos2(100.0, 80.0), egui::pos2(160.0, 80.0));
     window.app_mut().model.document.measure.line = Some(MeasuredLine { pane, from_image, to_image });
-    window.wait("there is something to measure", |app| app.model.picture().is_some());
+    window.wait("there is something to measure", |app| app.read().picture().is_some());
     let of_line = [("export line profile as csv", "l.csv")];
     begin(&mut window, folder.path(), &of_line);
     drop((window, closing));

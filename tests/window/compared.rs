@@ -12,16 +12,16 @@ use egui_kittest::kittest::Queryable;
 #[test]
 fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    let before: Vec<Spot> = window.app().model.read().features().iter().map(Spot::from).collect();
+    let before: Vec<Spot> = window.app().read().features().iter().map(Spot::from).collect();
     window.run_action("pin this result");
     window.app_mut().model.document.params.edge_threshold = 8.0;
     window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(5.5);
     window.app_mut().model.document.params.levels = 4;
     window.settle();
-    let after: Vec<Spot> = window.app().model.read().features().iter().map(Spot::from).collect();
+    let after: Vec<Spot> = window.app().read().features().iter().map(Spot::from).collect();
     let expected = compare(&before, &after);
     assert!(!expected.lost.is_empty() && !expected.same.is_empty());
-    let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
+    let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
     assert_eq!((shown.with, shown.count(Kind::Theirs)), (Reference::Pinned, expected.lost.len()));
     assert_eq!((shown.count(Kind::Ours), shown.count(Kind::Moved)), (expected.gained.len(), expected.moved().count()));
     assert!(window.shows(&expected.summary()), "the counts in a line");
@@ -34,16 +34,16 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     assert_eq!(window.app().model.document.comparisons.a.selected, None);
     window.run_action("unpin");
     window.settle();
-    assert!(window.app().model.shown_comparison(Side::A).is_none() && !window.shows("as before"));
+    assert!(window.app().read().shown_comparison(Side::A).is_none() && !window.shows("as before"));
 }
 
 #[test]
 fn pinning_a_result_and_changing_nothing_shows_no_change() {
     let mut window = Start::default().open();
-    let count = window.app().model.read().features().len();
+    let count = window.app().read().features().len();
     window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::D);
     window.settle();
-    let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
+    let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
     assert!([Kind::Theirs, Kind::Ours, Kind::Moved].into_iter().all(|kind| shown.count(kind) == 0));
     // All orientations of one keypoint count as one.
     assert!(shown.count(Kind::Same) > 0 && shown.count(Kind::Same) <= count);
@@ -67,7 +67,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
         window.dialogs.will_choose(&path);
         window.run_action("open features");
         window.settle();
-        let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
+        let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
         assert_eq!((shown.with, shown.count(Kind::Theirs)), (Reference::File, 1), "{}", path.display());
         let row = &shown.rows[0];
         assert!((row.pos_image[0] - 5.0).abs() < 0.01 && row.feature.is_none(), "{row:?}");
@@ -76,7 +76,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     window.snapshot("compared_with_theirs");
     window.run_action("close opened features");
     window.settle();
-    assert!(window.app().model.shown_comparison(Side::A).is_none());
+    assert!(window.app().read().shown_comparison(Side::A).is_none());
 }
 
 #[test]
@@ -96,16 +96,16 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     let folder = tempfile::tempdir().unwrap();
     let (session, theirs) = (folder.path().join("compared.burstscope.toml"), folder.path().join("theirs.csv"));
     let mut window = Start::default().open();
-    write_csv(&theirs, &window.app().model.read().features()[5..]).unwrap();
+    write_csv(&theirs, &window.app().read().features()[5..]).unwrap();
     window.run_action("pin this result");
     window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0);
     window.settle();
-    let pinned = window.app().model.shown_comparison(Side::A).expect("a comparison").clone();
+    let pinned = window.app().read().shown_comparison(Side::A).expect("a comparison").clone();
     assert!(pinned.count(Kind::Theirs) > 0);
     window.dialogs.will_choose(&theirs);
     window.run_action("open features");
     window.settle();
-    let laid_over = window.app().model.shown_comparison(Side::A).expect("a comparison").summary.clone();
+    let laid_over = window.app().read().shown_comparison(Side::A).expect("a comparison").summary.clone();
     window.dialogs.will_choose(&session);
     window.run_action("save session");
     window.settle();
@@ -120,18 +120,18 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     let shows_pinned = |window: &mut crate::support::Window| {
         window.click("Pinned result");
         window.settle();
-        let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
+        let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
         // The features were found again, with equal bits.
         assert_eq!((&shown.rows, &shown.summary), (&pinned.rows, &pinned.summary));
     };
     let mut window = reopen();
-    let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
+    let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
     assert_eq!((shown.with, &shown.summary), (Reference::File, &laid_over));
     shows_pinned(&mut window);
     // A missing file is reported where it belongs, and nothing else is lost.
     std::fs::remove_file(&theirs).unwrap();
     let mut window = reopen();
-    assert!(window.app().model.shown_comparison(Side::A).is_none() && window.shows("theirs.csv"));
+    assert!(window.app().read().shown_comparison(Side::A).is_none() && window.shows("theirs.csv"));
     assert_eq!(window.app().model.document.params.noise_gate, burstscope::detector::NoiseGate::Factor(6.0));
     shows_pinned(&mut window);
 }
@@ -144,7 +144,7 @@ fn what_is_seen_is_copied_as_a_command() {
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::K);
     window.harness.run_steps(1);
     let line =
-        burstscope::requests::detect_line(&["demo".to_owned()], &window.app().model.asked(), &Default::default());
+        burstscope::requests::detect_line(&["demo".to_owned()], &window.app().read().asked(), &Default::default());
     assert!(line.starts_with("burstscope detect demo --out ") && line.contains("--max-features 25"), "{line}");
     window.harness.run_steps(1);
     assert!(window.shows(&format!("Copied {line}")));

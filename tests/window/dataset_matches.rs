@@ -152,6 +152,6 @@ fn trajectory_matrix() {
         }
     }
     open.opened.folder = Some("/data/film-burstscope-5".into());
-    model.messages.note("190 pairs matched");
+    model.shell.messages.note("190 pairs matched");
     window.snapshot("trajectory_matrix");
 }

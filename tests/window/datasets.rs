@@ -80,14 +80,14 @@ fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector(
     // The folder holds one stack in each subfolder; stacks are named after themselves.
     let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
     assert_eq!(names, ["first", "second"]);
-    assert_eq!(window.app().model.frame_count(), 3);
+    assert_eq!(window.app().read().frame_count(), 3);
     assert!(window.shows("2 bursts, 0 done"));
     click_burst(&mut window, "Burst second");
     window.settle();
-    assert_eq!(window.app().model.frame_count(), 6);
+    assert_eq!(window.app().read().frame_count(), 6);
     window.ctrl(Key::ArrowLeft);
     window.settle();
-    assert_eq!(window.app().model.frame_count(), 3);
+    assert_eq!(window.app().read().frame_count(), 3);
     assert_eq!(window.app().remembered().datasets, [DatasetSource::of_bursts(vec![nights])]);
     assert!(window.app().recent().is_empty(), "bursts of a dataset are not remembered one by one");
     window.click("Close dataset");
@@ -193,7 +193,7 @@ fn what_is_done_stays_when_it_is_cancelled() {
     assert!(window.app().model.results.datasets.work.is_some(), "it must still run for this test to mean something");
     // The inspector works meanwhile.
     window.slide("Slope u", 1.0);
-    window.wait("the picture of the new slope", |app| app.model.picture_is_current());
+    window.wait("the picture of the new slope", |app| app.read().picture_is_current());
     window.click("Cancel all");
     window.wait("it ends", |app| app.model.results.datasets.work.is_none());
     let done = dataset(&window).counts().done;
@@ -216,7 +216,7 @@ fn a_long_sequence_is_cut_as_one_says() {
     window.click("Cut");
     window.settle();
     let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
-    assert_eq!((names, window.app().model.frame_count()), (vec!["frame_003", "frame_009"], 6));
+    assert_eq!((names, window.app().read().frame_count()), (vec!["frame_003", "frame_009"], 6));
     // The open burst can be cut further.
     window.run_action("cut into bursts");
     assert!(window.shows("6 frames"));

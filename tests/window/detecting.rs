@@ -2,6 +2,7 @@
 
 use crate::support::{Start, noisy_stack};
 use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::results::Read;
 use burstscope::detector::{Method, Quantity, SlopeGrid};
 use burstscope::inspect::words::counted;
 use egui::Key;
@@ -17,7 +18,7 @@ fn detect_finds_what_the_detector_finds() {
     let model = &window.app().model;
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected = burstscope::detect(burst, &model.document.params, &burstscope::Monitor::default()).unwrap();
-    assert_eq!(model.read().features(), expected.features);
+    assert_eq!(Read::of(model).features(), expected.features);
     assert!(window.shows(&format!("{} in", counted(expected.features.len(), "feature"))));
 }
 
@@ -26,7 +27,7 @@ fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
     window.settle();
-    let strongest = &window.app().model.read().features()[0];
+    let strongest = &window.app().read().features()[0];
     let in_picture = window.app().ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
     let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 1").rect().center();
     let elsewhere = egui::pos2(640.0, 790.0);
@@ -48,7 +49,7 @@ fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
 fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     let mut window = Start::default().open();
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
-    let features = window.app().model.read().features().to_vec();
+    let features = window.app().read().features().to_vec();
     // Zoomed in enough to tell features apart, on one with no other nearby, so that the click is unambiguous.
     const POINTS_PER_PX: f32 = 8.0;
     let alone = |i: usize| {
@@ -90,7 +91,7 @@ fn nothing_found_says_which_setting_to_change() {
     let mut window = start.open();
     window.click("Detect");
     window.settle();
-    assert!(window.app().model.read().features().is_empty());
+    assert!(window.app().read().features().is_empty());
     assert!(window.shows("No feature was found") && window.shows("; try Peak threshold 0"));
     // The advice is shown only while it holds.
     window.app_mut().model.document.params.peak_threshold = 0.0;
@@ -108,7 +109,7 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     window.wait("the detection runs", |app| app.model.results.slots.a.detecting.is_pending());
     // Scrubbing works while the detection runs.
     window.slide("Slope u", 1.0);
-    window.wait("the picture of the new slope", |app| app.model.picture_is_current());
+    window.wait("the picture of the new slope", |app| app.read().picture_is_current());
     assert!(
         window.app().model.results.slots.a.detecting.is_pending(),
         "the detection must still run for this test to mean something"
@@ -138,12 +139,12 @@ fn features_of_other_parameters_are_marked_as_stale_until_detected_again() {
 #[test]
 fn with_the_switch_on_a_change_is_detected_by_itself() {
     let mut window = Start::default().open();
-    let before = window.app().model.read().features().len();
+    let before = window.app().read().features().len();
     window.app_mut().model.document.params.max_features = 3;
     window.settle();
     assert!(before > 3);
     assert_eq!(window.app().model.results.slots.a.found.as_ref().unwrap().params.max_features, 3);
-    assert!(window.app().model.stale().is_none());
+    assert!(window.app().read().stale().is_none());
 }
 
 #[test]
@@ -153,7 +154,7 @@ fn a_parameter_that_makes_no_sense_says_so_and_can_be_reset() {
     window.settle();
     assert!(window.shows("the count is 0: give at least 1 slope"));
     assert!(window.shows("the parameters are invalid"));
-    assert!(window.app().model.picture_is_current(), "pictures go on");
+    assert!(window.app().read().picture_is_current(), "pictures go on");
     window.click("Reset Slopes u");
     window.settle();
     assert_eq!(window.app().model.results.slots.a.param_error, None);
@@ -166,7 +167,7 @@ fn headings_sort_and_the_filter_leaves_out() {
     window.settle();
     let model = &window.app().model;
     assert_eq!(model.document.order.column, Quantity::Sigma);
-    let sigmas: Vec<f32> = model.results.listed.iter().map(|&i| model.read().features()[i].sigma).collect();
+    let sigmas: Vec<f32> = model.results.listed.iter().map(|&i| Read::of(model).features()[i].sigma).collect();
     assert!(sigmas.is_sorted() && sigmas.len() > 5);
     let total = sigmas.len();
     window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
@@ -182,7 +183,7 @@ fn headings_sort_and_the_filter_leaves_out() {
 #[test]
 fn looking_at_the_filter_changes_nothing_and_its_sliders_do() {
     let mut window = Start::default().open();
-    let total = window.app().model.read().features().len();
+    let total = window.app().read().features().len();
     window.click("Filter");
     window.harness.run_steps(3);
     assert!(window.app().model.document.filter.is_open());
@@ -191,7 +192,7 @@ fn looking_at_the_filter_changes_nothing_and_its_sliders_do() {
     window.harness.get_all_by_role_and_label(Role::Slider, "low").nth(1).unwrap().set_value_accesskit(4.0);
     window.settle();
     let model = &window.app().model;
-    let expected = model.read().features().iter().filter(|f| f.sigma >= 4.0).count();
+    let expected = Read::of(model).features().iter().filter(|f| f.sigma >= 4.0).count();
     assert!(
         expected < total && model.results.listed.len() == expected,
         "{} {expected} {total}",

@@ -136,7 +136,7 @@ fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
     let mut window = Start::default().open();
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
     window.settle();
-    let feature = window.app().model.read().features()[0];
+    let feature = window.app().read().features()[0];
     let place = window.app().ui_from_image(egui::pos2(feature.u, feature.v)).expect("drawn");
     window.harness.hover_at(place);
     window.harness.run_steps(3);
@@ -165,7 +165,7 @@ fn scroll_to_end(window: &mut Window, inside: egui::Pos2) {
 fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
     for size in [[1280.0, 800.0], [960.0, 640.0], [720.0, 480.0]] {
         let mut window = Start { size, ..Start::without_auto_detect() }.open();
-        for menu in Menu::ALL.into_iter().filter(|menu| menu.has_content(&window.app().model)).collect::<Vec<_>>() {
+        for menu in Menu::ALL.into_iter().filter(|menu| menu.has_content(window.app().read())).collect::<Vec<_>>() {
             window.click(menu.label());
             window.harness.run_steps(3);
             let last = ACTIONS.iter().rfind(|action| action.menu == menu).expect("it has entries");

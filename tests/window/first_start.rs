@@ -2,6 +2,7 @@
 
 use crate::support::{Memory, Start, Window};
 use burstscope::app::document::side::Side;
+use burstscope::app::results::Read;
 use burstscope::app::settings::Settings;
 use egui::Rect;
 use egui::accesskit::Role;
@@ -85,18 +86,18 @@ fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     let slope = model.document.cursor().slope;
     let moves = |f: &burstscope::Feature| (f.motion().0.u - slope.u).hypot(f.motion().0.v - slope.v) < 0.1;
     let is_here = |f: &&burstscope::Feature| moves(f) && (100.0..300.0).contains(&f.u);
-    let feature = *model.read().features().iter().find(is_here).expect("a feature of this slope");
+    let feature = *Read::of(model).features().iter().find(is_here).expect("a feature of this slope");
     let place = egui::pos2(feature.u, feature.v);
     let before = window.app().ui_from_image(place).expect("drawn");
     window.click_at(before);
     window.settle();
-    assert!(window.app().model.document.selected.is_some() && window.app().model.shows_right());
+    assert!(window.app().model.document.selected.is_some() && window.app().read().shows_right());
     let after = window.app().ui_from_image(place).expect("drawn");
     assert!((after - before).length() < 1.0, "{after:?} instead of {before:?}");
     window.snapshot("first_selection");
     window.run_action("Clear selection");
     window.settle();
-    assert!(!window.app().model.shows_right());
+    assert!(!window.app().read().shows_right());
     assert!(window.app().model.document.panes.of(Side::A).view.is_fit(), "as before");
 }
 
@@ -108,7 +109,7 @@ fn tabs_open_and_close_the_panel_below() {
     window.click("Tally");
     assert!(picture(&window).height() < whole - 80.0);
     window.click("Table");
-    assert!(window.app().model.shows_bottom());
+    assert!(window.app().read().shows_bottom());
     window.click("Table");
     assert_eq!(picture(&window).height(), whole);
 }
@@ -147,7 +148,7 @@ fn a_question_opens_the_probe_beside_the_picture() {
     let rect = picture(&window);
     window.shift_click_at(rect.min + 0.37 * rect.size());
     window.settle();
-    assert!(window.app().model.shows_right() && window.app().model.document.probe.is_open);
+    assert!(window.app().read().shows_right() && window.app().model.document.probe.is_open);
     window.snapshot("first_probe");
 }
 
@@ -155,7 +156,7 @@ fn a_question_opens_the_probe_beside_the_picture() {
 fn smoothing_changes_what_is_shown_and_not_the_values() {
     let mut window = Start::default().open();
     let planes = |window: &Window| {
-        let picture = window.app().model.picture().expect("a picture");
+        let picture = window.app().read().picture().expect("a picture");
         (picture.plane.clone(), picture.drawn.clone())
     };
     let (plane, drawn) = planes(&window);

@@ -2,9 +2,10 @@
 //! only when the panel does.
 
 use crate::support::{Start, Window, given};
-use burstscope::app::Startup;
 use burstscope::app::document::side::Side;
+use burstscope::app::results::Read;
 use burstscope::app::settings::Settings;
+use burstscope::app::{Startup, apply};
 use burstscope::burst::Positions;
 use burstscope::detector::noise_model::NoiseModel;
 use burstscope::detector::{Detection, Slope, SlopeGrid, Tally, Test};
@@ -47,7 +48,7 @@ pub fn open_with(start: Start) -> Window {
     let settings = Settings { auto_detect: false, ..start.startup.settings };
     let startup = Startup { source: None, settings, ..start.startup };
     let mut window = Start { startup, ..start }.open();
-    window.app_mut().model.take_burst(discs());
+    apply::opening::take_burst(&mut window.app_mut().model, discs());
     window.settle();
     window
 }
@@ -63,7 +64,7 @@ pub fn at_slopes(size: [f32; 2], slopes: SlopeGrid) -> Start {
 /// verdicts, which are those of a search.
 pub fn with_features(mut window: Window) -> Window {
     let model = &mut window.app_mut().model;
-    let asked = model.asked();
+    let asked = Read::of(model).asked();
     let slopes: Vec<Slope> = asked.detector.slopes.slopes().collect();
     let features = DISCS.iter().enumerate().map(|(i, &[u, v, radius, slope])| Feature {
         u,
@@ -105,12 +106,12 @@ pub fn with_features(mut window: Window) -> Window {
         octaves: 0..5,
         times: Default::default(),
     });
-    let burst = model.burst_of(Side::A).expect("it is open").id;
+    let burst = Read::of(model).burst_of(Side::A).expect("it is open").id;
     let (params, searched) = (asked.detector.clone(), asked.detector.clone());
     let detected =
         Detected { burst, asked, params, searched, search_secs: 0.1, finding: None, detection, judgement: None };
     model.document.bottom_tab = BottomTab::Tally;
-    model.take_detection(Side::A, detected, Duration::from_millis(120));
+    apply::detection::take_detection(model, Side::A, detected, Duration::from_millis(120));
     window.settle();
     window
 }

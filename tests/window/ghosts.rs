@@ -2,6 +2,7 @@
 
 use crate::probe::answer;
 use crate::support::{Start, Window};
+use burstscope::app::apply;
 use burstscope::app::document::filter::Order;
 use burstscope::app::document::panes::Visibility;
 use burstscope::app::document::side::Side;
@@ -25,8 +26,8 @@ fn with_table() -> Window {
 #[test]
 fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it() {
     let mut window = with_table();
-    let judged = window.app().model.judged().expect("computed for the table").clone();
-    assert_eq!(judged.len(), window.app().model.read().features().len());
+    let judged = window.app().read().judged().expect("computed for the table").clone();
+    assert_eq!(judged.len(), window.app().read().features().len());
     let count = |verdict: Verdict| judged.iter().filter(|judged| judged.verdict == verdict).count();
     assert!(count(Verdict::Real) > 200 && count(Verdict::Ghost) > 10, "{}", count(Verdict::Ghost));
     assert!(window.shows("real"), "the first rows are seen");
@@ -51,7 +52,7 @@ fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it(
     window.settle();
     assert!(window.shows("Likely a ghost: only some of the frames respond"), "in the panel");
     window.snapshot("verdicts");
-    let feature = window.app().model.read().features()[ghost];
+    let feature = window.app().read().features()[ghost];
     let at = window.app().ui_from_image(pos2(feature.u, feature.v)).expect("a picture");
     window.harness.hover_at(at);
     window.harness.run_steps(4);
@@ -71,7 +72,7 @@ fn apply_says_its_price_before_it_is_pressed() {
     window.snapshot("probe_price");
     window.click(&format!("Apply {}", change.label()));
     window.settle();
-    let kept = window.app().model.read().features().len();
+    let kept = window.app().read().features().len();
     // A higher one is judged at once.
     window.app_mut().model.document.params.noise_gate = NoiseGate::Factor(9.0);
     window.settle();
@@ -81,15 +82,15 @@ fn apply_says_its_price_before_it_is_pressed() {
     assert!(price.now < price.then && price.then <= kept && window.shows("Keeps this one, and "), "{price:?}");
     window.click(&format!("Apply {}", change.label()));
     window.settle();
-    assert_eq!(window.app().model.read().features().len(), price.then);
+    assert_eq!(window.app().read().features().len(), price.then);
 }
 
 #[test]
 fn the_probe_of_a_ghost_tells_what_crosses_its_path() {
     let mut window = with_table();
-    let judged = window.app().model.judged().expect("computed").clone();
+    let judged = window.app().read().judged().expect("computed").clone();
     let ghost = judged.iter().position(|judged| judged.verdict == Verdict::Ghost).expect("one");
-    window.app_mut().model.probe_feature(Side::A, ghost);
+    apply::probe::probe_feature(&mut window.app_mut().model, Side::A, ghost);
     window.settle();
     assert!(window.shows("A ghost?") && window.shows("crosses its path"));
     assert_eq!(answer(&window).probe.judged.as_ref(), Some(&judged[ghost]));

@@ -53,7 +53,7 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     let gate = window.app().model.document.params.noise_gate;
     assert!(matches!(gate, NoiseGate::Factor(_)) && gate != before.noise_gate);
     let now = answer(&window);
-    assert!(!window.app().model.probe_is_stale());
+    assert!(!window.app().read().probe_is_stale());
     let fate = now.probe.fates.iter().find(|f| f.of_sample() == fates[lost].of_sample()).expect("the same candidate");
     assert_ne!(fate.first_failed, Some(Test::NoiseGate));
     window.ctrl(Key::Z);
@@ -63,7 +63,7 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     // Another burst is searched at slopes that are found in it.
     window.run_action("open demo burst");
     window.settle();
-    assert!(window.app().model.document.slopes.is_auto() && window.app().model.probed_place().is_none());
+    assert!(window.app().model.document.slopes.is_auto() && window.app().read().probed_place().is_none());
 }
 
 #[test]
@@ -165,7 +165,9 @@ fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
     assert!(window.shows("Figures  "), "the status says how far they are");
     window.click("Cancel figures");
     let said = |words: &'static str| {
-        move |app: &burstscope::app::BurstscopeApp| app.model.messages.last_note().is_some_and(|n| n.contains(words))
+        move |app: &burstscope::app::BurstscopeApp| {
+            app.model.shell.messages.last_note().is_some_and(|n| n.contains(words))
+        }
     };
     window.wait("they are cancelled", said("cancelled"));
     assert!(!window.app().model.results.figures.is_pending() && !out.join("index.html").exists());
@@ -174,7 +176,7 @@ fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
     let app = window.app_mut();
     app.model.results.figures.ask(&app.engine, job);
     window.wait("it is there", said("index.html"));
-    assert!(out.join("fig9.svg").is_file() && window.app().model.messages.errors().is_empty());
+    assert!(out.join("fig9.svg").is_file() && window.app().model.shell.messages.errors().is_empty());
 }
 
 #[test]

@@ -5,6 +5,7 @@ use burstscope::app::Startup;
 use burstscope::app::canvas::View;
 use burstscope::app::document::look::FeaturesShown;
 use burstscope::app::document::side::Side;
+use burstscope::app::results::Read;
 use burstscope::app::settings::{MAX_RECENT, STORAGE_KEY, Settings};
 use burstscope::detector::{DetectorParams, Slope};
 use burstscope::requests::BurstSource;
@@ -40,7 +41,7 @@ fn a_parameter_file_with_a_mistake_is_named_and_changes_nothing() {
     let before = window.app().model.document.params.clone();
     window.dialogs.will_choose(&file);
     window.run_action("load parameters");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("peak_treshold") && window.shows("wrong.toml"));
     assert_eq!(window.app().model.document.params, before);
 }
@@ -53,7 +54,7 @@ fn a_session_brings_everything_back() {
     let mut window = Start::of(&stack).open();
     window.click("Detect");
     window.settle();
-    let features = window.app().model.read().features().to_vec();
+    let features = window.app().read().features().to_vec();
     assert!(features.len() >= 2, "{features:?}");
     window.slide("Slope u", 1.25);
     window.app_mut().model.document.selected = Some(1);
@@ -63,10 +64,10 @@ fn a_session_brings_everything_back() {
     let (view, scrub) = (window.app().model.document.focused().view, *window.app().model.document.cursor());
     let other = window.kept_and_opened_in_another(&file);
     let model = &other.app().model;
-    assert_eq!(model.size(), (128, 96));
+    assert_eq!(Read::of(model).size(), (128, 96));
     assert_eq!(*model.document.cursor(), scrub);
     assert_eq!(model.document.cursor().slope, Slope::new(1.25, 0.0));
-    assert_eq!(model.read().features(), features, "the same burst and parameters give the same bits");
+    assert_eq!(Read::of(model).features(), features, "the same burst and parameters give the same bits");
     assert_eq!(model.document.selected, Some(1));
     assert!(!model.document.look.motion_vectors);
     assert_eq!(other.app().model.document.focused().view, view, "also beside the panel of the selection");
@@ -102,7 +103,7 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
     let sides: Vec<Side> =
         model.document.panes.shown().iter().map(|id| model.document.panes.get(*id).unwrap().side).collect();
     assert_eq!(sides.iter().filter(|side| **side == Side::B).count(), 1);
-    assert!(model.pictures_are_current() && model.burst_of(Side::B).is_some());
+    assert!(Read::of(model).pictures_are_current() && Read::of(model).burst_of(Side::B).is_some());
 }
 
 #[test]
@@ -119,7 +120,7 @@ fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
     window.dialogs.will_choose(&file);
     window.run_action("open session");
     window.settle();
-    assert!(window.app().model.messages.errors().is_empty(), "{:?}", window.app().model.messages.errors());
+    assert!(window.app().model.shell.messages.errors().is_empty(), "{:?}", window.app().model.shell.messages.errors());
     let cursor = pane(&window).cursor;
     assert_eq!((cursor.frame, opened.cursor.frame), (5, 5));
     assert_ne!(cursor.slope, burstscope::detector::Slope::default(), "that with most features");
@@ -137,7 +138,7 @@ fn a_session_of_a_newer_version_says_so() {
     let mut window = Start::without_auto_detect().open();
     window.dialogs.will_choose(&file);
     window.run_action("open session");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("version 77") && window.shows("open it with a newer Burstscope"));
 }
 
@@ -156,7 +157,7 @@ fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
         (other.app().model.results.slots.a.burst.as_ref().unwrap().id, other.app().model.document.params.clone());
     other.dialogs.will_choose(&file);
     other.run_action("open session");
-    other.wait("a message", |app| !app.model.messages.errors().is_empty());
+    other.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(other.shows("noisy.npy"));
     assert_eq!(
         (other.app().model.results.slots.a.burst.as_ref().unwrap().id, other.app().model.document.params.clone()),
@@ -182,7 +183,7 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
     let (dng, file) = (folder.path().join("a.dng"), folder.path().join("night.burstscope.toml"));
     std::fs::write(&dng, crate::dng::Dng::new((96, 80), |u, v| (64 + (u * 37 + v * 91) % 400) as u16).bytes()).unwrap();
     let mut window = Start::of(&dng).open();
-    assert_eq!(window.app().model.size(), (48, 40));
+    assert_eq!(window.app().read().size(), (48, 40));
     window.run_action("later demo burst as b");
     window.settle();
     window.app_mut().model.document.params.peak_threshold = 0.0125;
@@ -198,13 +199,13 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
         let before = other.app().model.results.slots.a.burst.as_ref().unwrap().id;
         other.dialogs.will_choose(&file);
         other.run_action("open session");
-        other.wait("a message", |app| !app.model.messages.errors().is_empty());
+        other.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
         other.settle();
         assert!(other.shows(name), "{name} is not named");
         let model = &other.app().model;
         assert_eq!(model.results.slots.a.burst.as_ref().unwrap().id, before, "what was open stays");
         assert_eq!(model.document.params.peak_threshold, 0.0125, "the rest of the session is there");
-        assert!(model.burst_of(Side::B).is_some());
+        assert!(Read::of(model).burst_of(Side::B).is_some());
     }
 }
 
@@ -213,7 +214,7 @@ fn features_pictures_and_figures_are_exported() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::default().open();
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
-    let count = window.app().model.read().features().len();
+    let count = window.app().read().features().len();
     let exports = [
         ("features as csv", "f.csv"),
         ("features for colmap", "f.txt"),
@@ -233,7 +234,7 @@ fn features_pictures_and_figures_are_exported() {
     let colmap = std::fs::read_to_string(folder.path().join("f.txt")).unwrap();
     assert!(colmap.starts_with(&format!("{count} 128\n")));
     let tiff = burstscope::Burst::open(folder.path().join("p.tiff")).unwrap();
-    assert_eq!(tiff.frames[0].data(), window.app().model.picture().unwrap().plane.data());
+    assert_eq!(tiff.frames[0].data(), window.app().read().picture().unwrap().plane.data());
     let png = burstscope::Burst::open(folder.path().join("p.png")).unwrap();
     assert_eq!(png.size(), (480, 360));
     let svg = std::fs::read_to_string(folder.path().join("p.svg")).unwrap();
@@ -250,7 +251,7 @@ fn figures_show_what_the_panes_show() {
     window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
     window.settle();
     let listed = window.app().model.results.listed.len();
-    assert!(listed > 0 && listed < window.app().model.read().features().len());
+    assert!(listed > 0 && listed < window.app().read().features().len());
     // Zoomed in, so that a part of the picture is visible.
     window.run_action("zoom in");
     window.run_action("zoom in");
@@ -287,7 +288,7 @@ fn a_file_that_cannot_be_written_is_named() {
     let mut window = Start::default().open();
     window.dialogs.will_choose(folder.path());
     window.run_action("features as csv");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows(&folder.path().display().to_string()));
 }
 
@@ -389,11 +390,11 @@ fn what_is_open_is_never_written_over() {
         // The system's dialog has asked whether the file may be replaced, and the user agreed.
         window.dialogs.will_choose(file);
         window.run_action("picture as png");
-        window.wait("a message", |app| !app.model.messages.errors().is_empty());
+        window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
         assert!(window.shows("files that were opened are never written to"));
         assert!(std::fs::read(file).unwrap() == before);
-        let id = window.app().model.messages.errors()[0].id;
-        window.app_mut().model.messages.dismiss(id);
+        let id = window.app().model.shell.messages.errors()[0].id;
+        window.app_mut().model.shell.messages.dismiss(id);
     }
     // Another file beside it is written.
     let png = folder.path().join("p.png");

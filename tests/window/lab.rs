@@ -5,6 +5,7 @@ use burstscope::Monitor;
 use burstscope::app::document::comparison::Reference;
 use burstscope::app::document::method::MethodId;
 use burstscope::app::document::side::Side;
+use burstscope::app::results::Read;
 use burstscope::evaluate::curves::curves_csv;
 use burstscope::evaluate::{BurstMethod, ChartStudy, FramesStudy};
 use burstscope::study::{Study, StudyReport};
@@ -87,7 +88,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     window.click("▶");
     window.settle();
     let score = &report.rows[0].methods[0].charts[1];
-    let shown = window.app().model.current_chart().expect("a chart");
+    let shown = window.app().read().current_chart().expect("a chart");
     assert_eq!((shown.of.seed, shown.looked.truth.features.len()), (score.seed, 12));
     // At the threshold of the curves, and for everything detected.
     assert!(window.shows(&format!("{} found", score.true_positives)));
@@ -107,8 +108,8 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     assert_eq!(frames.len(), 10);
     window.run_action("compare with the truth");
     window.settle();
-    assert!(window.app().model.has_reference(Side::A, Reference::Truth));
-    assert!(window.app().model.shown_comparison(Side::A).expect("a comparison").is_whole_truth);
+    assert!(window.app().read().has_reference(Side::A, Reference::Truth));
+    assert!(window.app().read().shown_comparison(Side::A).expect("a comparison").is_whole_truth);
 }
 
 #[test]
@@ -125,7 +126,7 @@ fn one_click_gives_every_method_the_same_false_rate() {
     window.settle();
     let (sift, buff_1d) = (MethodId::Sift, MethodId::Buff1d);
     for (method, expected) in [(sift, of(BurstMethod::SiftFrame)), (buff_1d, of(BurstMethod::Buff1d))] {
-        assert_eq!(window.app().model.method_params(method, Side::A).peak_threshold, expected);
+        assert_eq!(window.app().read().method_params(method, Side::A).peak_threshold, expected);
     }
     window.run_action("methods");
     window.settle();
@@ -135,7 +136,7 @@ fn one_click_gives_every_method_the_same_false_rate() {
     assert_eq!(model.document.methods.same_false_rate, None);
     // The search keeps that of its own method, which one step back takes away.
     let own = of(MethodId::of_search(&model.document.params).of_studies());
-    assert_eq!(model.method_params(sift, Side::A).peak_threshold, own);
+    assert_eq!(Read::of(model).method_params(sift, Side::A).peak_threshold, own);
     window.run_action("undo");
     assert_eq!(window.app().model.document.params.peak_threshold, before);
 }
@@ -148,7 +149,7 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
     window.app_mut().model.document.params.edge_threshold = 8.0;
     window.app_mut().model.document.lab.methods = vec![BurstMethod::SiftMean];
     run(&mut window);
-    let shown = window.app().model.lab_results().len();
+    let shown = window.app().read().lab_results().len();
     assert_eq!(shown, 2);
     let both = "Plot: ROC at SNR 0.5, 4 curves";
     assert!(window.harness.query_by_role_and_label(Role::Image, both).is_some());
@@ -158,7 +159,7 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
     // A finished study is kept by itself when another one begins.
     window.app_mut().model.document.lab.snrs_text = "0.9".to_owned();
     run(&mut window);
-    assert_eq!((window.app().model.results.studies.kept.len(), window.app().model.lab_results().len()), (1, 2));
+    assert_eq!((window.app().model.results.studies.kept.len(), window.app().read().lab_results().len()), (1, 2));
 }
 
 #[test]
@@ -237,11 +238,11 @@ fn nonsense_is_said_in_place_and_cannot_be_run() {
 #[test]
 fn a_dark_copy_of_the_open_burst_is_a_burst() {
     let mut window = lab([1280.0, 800.0]);
-    let size = window.app().model.size();
+    let size = window.app().read().size();
     window.app_mut().model.document.lab.dark_copy.snr = 0.4;
     window.run_action("dark copy of a");
     window.settle();
     let model = &window.app().model;
     assert!(model.results.slots.a.burst.as_ref().unwrap().burst.name.contains("dark copy at SNR 0.4"));
-    assert_eq!(model.size(), size);
+    assert_eq!(Read::of(model).size(), size);
 }

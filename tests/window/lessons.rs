@@ -8,6 +8,7 @@ use burstscope::app::document::look::FeaturesShown;
 use burstscope::app::document::panes::Panels;
 use burstscope::app::document::side::Side;
 use burstscope::app::parts;
+use burstscope::app::results::Read;
 use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
@@ -259,7 +260,7 @@ fn play_at(name: &str, size: [f32; 2]) {
     for (place, step) in lesson.steps.iter().enumerate() {
         let what = format!("{name} at {size:?}, step {} '{}'", place + 1, step.title);
         window.settle();
-        let errors = format!("{:?}", window.app().model.messages.errors());
+        let errors = format!("{:?}", window.app().model.shell.messages.errors());
         let open = window.app().lessons.open.as_ref().unwrap_or_else(|| panic!("{what}: the lesson was left"));
         assert!(open.step == place && open.is_ready, "{what}: {} {errors}", open.step);
         assert!(!open.is_done(), "{what}: done before anything was tried");
@@ -280,7 +281,11 @@ fn play_at(name: &str, size: [f32; 2]) {
         let open = window.app().lessons.open.as_ref().expect("open");
         assert!(open.is_done(), "{what}: {:?} was done, and not noticed", task.goal);
         assert!(window.shows("✔ Done"), "{what}");
-        assert!(window.app().model.messages.errors().is_empty(), "{what}: {:?}", window.app().model.messages.errors());
+        assert!(
+            window.app().model.shell.messages.errors().is_empty(),
+            "{what}: {:?}",
+            window.app().model.shell.messages.errors()
+        );
         if KEY_STEPS.contains(&(name, place + 1)) && size == SIZES[0] {
             window.snapshot(&format!("lesson_{}", name.replace('-', "_")));
         }
@@ -408,7 +413,7 @@ fn nothing_is_lost_of_what_was_open() {
             burst,
             model.document.params.clone(),
             model.document.selected,
-            model.read().features().to_vec(),
+            Read::of(model).features().to_vec(),
             panes,
             model.document.panels,
             model.document.theme,
@@ -419,7 +424,7 @@ fn nothing_is_lost_of_what_was_open() {
     window.harness.run_steps(5);
     window.click("Lesson: Out of the dark");
     window.settle();
-    let (in_lesson, count) = (window.app().model.is_in_lesson(), window.app().model.read().features().len());
+    let (in_lesson, count) = (window.app().read().is_in_lesson(), window.app().read().features().len());
     assert!(in_lesson && count == 0, "{in_lesson} {count}");
     window.slide("Frame", 1.0);
     window.settle();
@@ -427,9 +432,9 @@ fn nothing_is_lost_of_what_was_open() {
     window.settle();
     window.click("Leave lesson");
     window.settle();
-    assert!(!window.app().model.is_in_lesson());
+    assert!(!window.app().read().is_in_lesson());
     assert!(state(&window) == before, "everything is as it was");
-    assert!(window.app().model.history.can_undo(), "what was done before can be undone");
+    assert!(window.app().model.shell.history.can_undo(), "what was done before can be undone");
     // Coming back continues at the step that was left, with the tasks done.
     window.run_action("lessons");
     window.harness.run_steps(5);
@@ -467,7 +472,7 @@ fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it() {
     assert_eq!(source.and_then(|source| source.name()), Some("demo-depths"));
     window.run_action("open demo burst");
     window.settle();
-    assert!(window.app().lessons.open.is_none() && !window.app().model.is_in_lesson());
+    assert!(window.app().lessons.open.is_none() && !window.app().read().is_in_lesson());
     assert_eq!(window.app().model.results.slots.a.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
     assert_eq!(window.app().lessons.progress["slope-is-depth"].step, 2);
 }
@@ -490,7 +495,7 @@ fn frames_are_added_one_by_one_and_the_ratio_grows_as_the_root() {
     assert!((1.6..2.9).contains(&(four / one)), "{one} → {four}");
     window.click("▶ Add one by one");
     window.wait("all frames are added", |app| {
-        app.lessons.open.as_ref().is_some_and(|open| open.is_done()) && app.model.pictures_are_current()
+        app.lessons.open.as_ref().is_some_and(|open| open.is_done()) && app.read().pictures_are_current()
     });
     window.settle();
     let ten = ratio(&window);
@@ -536,7 +541,7 @@ fn in_a_hall_the_picture_is_large_and_a_presenters_keys_lead_through_the_lesson(
         assert_eq!(ended(&window), Some(false), "back to the last step");
         window.key(Key::F11);
         window.settle();
-        assert!(window.app().model.shows_left() && !window.app().model.document.panels.hall, "as before");
+        assert!(window.app().read().shows_left() && !window.app().model.document.panels.hall, "as before");
     }
 }
 
@@ -597,7 +602,7 @@ fn the_search_in_two_directions_circles_the_lanterns() {
     let mut window = at_step("slope-is-depth", 7, [1280.0, 800.0]);
     let near = |window: &Window| {
         let rising = |f: &&burstscope::Feature| (f.slope.u - 1.6).hypot(f.slope.v + 1.2) < 0.5;
-        window.app().model.read().features().iter().filter(rising).count()
+        window.app().read().features().iter().filter(rising).count()
     };
     assert_eq!(near(&window), 0, "no line holds them");
     window.click("BuFF 2D");
@@ -617,17 +622,17 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
     let mut window = nothing_open();
     window.dialogs.will_choose(folder.path());
     window.run_action("open lessons");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("mine.toml, line 6") && window.shows("captoin"));
     std::fs::write(&file, good).unwrap();
     window.dialogs.will_choose(folder.path());
     window.run_action("open lessons");
     window.wait("the list", |app| app.lessons.list_is_open);
-    assert!(window.app().model.messages.errors().is_empty(), "the mistake is mended");
+    assert!(window.app().model.shell.messages.errors().is_empty(), "the mistake is mended");
     window.harness.run_steps(5);
     window.click("Lesson: My own");
     window.settle();
-    assert!(window.app().model.is_in_lesson(), "it is open");
+    assert!(window.app().read().is_in_lesson(), "it is open");
     assert!(window.shows("First") && window.shows("Step 1 of 1"));
     assert_eq!(Purpose::OpenLessons.title(), "Open lessons");
 }
@@ -648,7 +653,7 @@ fn the_joint_rule_finds_as_many_landmarks_of_the_street_and_less_elsewhere() {
     window.run_action("compare with the truth");
     window.settle();
     let counts = |window: &Window| {
-        let shown = window.app().model.shown_comparison(Side::A).expect("a comparison");
+        let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
         [Kind::Same, Kind::Ours].map(|kind| shown.count(kind))
     };
     let [found, elsewhere] = counts(&window);

@@ -3,6 +3,7 @@
 use crate::flat;
 use crate::support::{Start, Window, given};
 use burstscope::app::Startup;
+use burstscope::app::results::Read;
 use burstscope::app::settings::Settings;
 use burstscope::detector::{Slope, SlopeGrid};
 use burstscope::teach::BottomTab;
@@ -102,7 +103,7 @@ fn first_page() {
 #[test]
 fn error_message() {
     let mut window = flat::open(PLAIN);
-    window.app_mut().model.messages.error(
+    window.app_mut().model.shell.messages.error(
         "Open",
         "this is not a picture that can be read; give PNG, JPEG, TIFF, PNM, WebP, BMP or .npy: /data/night/frame_003.png",
     );
@@ -116,7 +117,7 @@ fn open_pair(size: [f32; 2]) -> Window {
     let mut window = start.open();
     // The range of values depends on which picture came first: one before or after A's slope was found.
     let model = &mut window.app_mut().model;
-    let picture = model.picture().cloned().expect("A is on show");
+    let picture = Read::of(model).picture().cloned().expect("A is on show");
     model.document.look.ranges.forget();
     model.document.look.ranges.fix_once(&picture);
     window

@@ -2,8 +2,9 @@
 
 use crate::support::{Start, Window, given};
 use burstscope::Monitor;
-use burstscope::app::Startup;
 use burstscope::app::document::side::Side;
+use burstscope::app::results::Read;
+use burstscope::app::{Startup, apply};
 use burstscope::inspect::unmatched::{Losses, Lost};
 use burstscope::requests::BurstSource;
 use burstscope::teach::Workspace;
@@ -22,7 +23,7 @@ fn two_bursts() -> Window {
 #[test]
 fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     let mut window = two_bursts();
-    let found = window.app().model.losses().expect("the losses are known").clone();
+    let found = window.app().read().losses().expect("the losses are known").clone();
     let losses = Losses::new(found.request.pair(), &Monitor::default()).unwrap();
     let expected = losses.counts(&Monitor::default()).unwrap();
     assert_eq!(found.counts, expected);
@@ -44,20 +45,20 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     );
     window.harness.get_by_role_and_label(Role::Row, &format!("Unmatched feature {index}")).click();
     window.settle();
-    assert_eq!(window.app().model.asked_feature(), Some(index));
+    assert_eq!(window.app().read().asked_feature(), Some(index));
     let why = losses.of(index, 5);
     let words: String = why.sentence.chars().skip(1).collect();
     assert!(window.shows(&words), "{}", why.sentence);
     assert!(window.harness.query_by_role_and_label(Role::Image, "Patch of candidate 1").is_some());
     window.snapshot("unmatched_feature");
     window.key(Key::Escape);
-    assert_eq!(window.app().model.asked_feature(), None);
+    assert_eq!(window.app().read().asked_feature(), None);
 }
 
 #[test]
 fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let mut window = two_bursts();
-    let found = window.app().model.losses().expect("the losses are known").clone();
+    let found = window.app().read().losses().expect("the losses are known").clone();
     let a = found.request.request.a.clone();
     // A feature far from the others, so that the click is unambiguous.
     let apart = |i: usize, j: usize| (a.features[i].u - a.features[j].u).hypot(a.features[i].v - a.features[j].v);
@@ -74,7 +75,7 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let pos = window.app().ui_from_image_of(side, egui::pos2(f.u, f.v)).unwrap();
     window.click_at(pos);
     window.settle();
-    let asked = window.app().model.asked_feature().expect("a feature is asked about");
+    let asked = window.app().read().asked_feature().expect("a feature is asked about");
     assert_eq!((a.features[asked].u, a.features[asked].v), (f.u, f.v));
     assert!(window.app().model.document.selected_match.is_none());
 }
@@ -86,17 +87,17 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     window.app_mut().model.document.params.max_features = 300;
     window.run_action("detect");
     window.settle();
-    let found = window.app().model.losses().expect("the losses are known").clone();
+    let found = window.app().read().losses().expect("the losses are known").clone();
     let losses = Losses::new(found.request.pair(), &Monitor::default()).unwrap();
     let missing = (0..found.lost.len())
         .find(|&index| found.lost[index] == Lost::NoKeypoint && !losses.of(index, 5).expected.is_empty())
         .expect("the geometry puts one where no keypoint is");
-    let names = |window: &Window| Side::BOTH.map(|side| window.app().model.burst_of(side).unwrap().burst.name.clone());
+    let names = |window: &Window| Side::BOTH.map(|side| window.app().read().burst_of(side).unwrap().burst.name.clone());
     let before = names(&window);
     assert_eq!(before, ["demo", "demo-later"]);
-    window.app_mut().model.ask_feature(Some(missing));
+    apply::pair::ask_feature(&mut window.app_mut().model, Some(missing));
     window.settle();
-    let place = window.app().model.expected_place().expect("a place in B");
+    let place = window.app().read().expected_place().expect("a place in B");
     window.click("Probe its place in B");
     window.settle();
     assert_eq!(
@@ -106,7 +107,11 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     );
     let probed = |window: &Window| {
         let model = &window.app().model;
-        assert!(model.probe_is_current() && model.document.probe.is_open, "{:?}", model.results.probed.problem);
+        assert!(
+            Read::of(model).probe_is_current() && model.document.probe.is_open,
+            "{:?}",
+            model.results.probed.problem
+        );
         let answer = model.results.probed.answer.as_ref().unwrap();
         assert_eq!(answer.probe.pos_image, place);
         (model.document.probe.side, answer.request.traced.cache.burst.name.clone())
@@ -122,15 +127,15 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
 #[test]
 fn a_feature_without_a_match_has_a_remedy_that_keeps_what_it_promises() {
     let mut window = two_bursts();
-    let found = window.app().model.losses().expect("the losses are known").clone();
+    let found = window.app().read().losses().expect("the losses are known").clone();
     let mut kept = 0;
     let candidates = (0..found.lost.len()).filter(|&i| matches!(found.lost[i], Lost::RatioTest | Lost::Geometry));
     for index in candidates.step_by(5).take(12) {
-        window.app_mut().model.ask_feature(Some(index));
+        apply::pair::ask_feature(&mut window.app_mut().model, Some(index));
         window.settle();
         let model = &window.app().model;
-        let Some(params) = model.remedy() else { continue };
-        let price = model.price_of_remedy(&params).expect("it was tried");
+        let Some(params) = Read::of(model).remedy() else { continue };
+        let price = Read::of(model).price_of_remedy(&params).expect("it was tried");
         assert!(window.shows(&price), "{price}");
         let Some(others) = price.strip_prefix("matches it and ") else { continue };
         let others: usize = others.split(' ').next().unwrap().parse().unwrap();
@@ -141,7 +146,7 @@ fn a_feature_without_a_match_has_a_remedy_that_keeps_what_it_promises() {
         window.click_at(apply);
         window.settle();
         assert_eq!(inliers(&window), before + 1 + others, "{price}");
-        assert_eq!(window.app().model.losses().expect("known").lost[index], Lost::Not);
+        assert_eq!(window.app().read().losses().expect("known").lost[index], Lost::Not);
         window.ctrl(Key::Z);
         window.settle();
         assert_eq!(inliers(&window), before);

@@ -17,6 +17,7 @@ mod pictures;
 mod structure;
 mod support;
 
+mod arranging;
 mod begun;
 mod calibrating;
 mod canvas;

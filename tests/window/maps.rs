@@ -4,6 +4,7 @@ use crate::support::{Start, Window};
 use burstscope::Monitor;
 use burstscope::app::canvas::overlay::{ColourBy, ColourScale};
 use burstscope::app::pane::Content;
+use burstscope::app::results::Read;
 use burstscope::app::session::Session;
 use burstscope::detector::view::{coverage_view, gate_noise_map};
 use burstscope::detector::{DetectorParams, Feature, Slope, SlopeGrid};
@@ -60,11 +61,11 @@ fn the_local_noise_is_a_picture_of_its_own() {
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let (params, monitor) = (&model.results.slots.a.usable_params, Monitor::default());
     let expected = gate_noise_map(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
-    let map = model.picture().unwrap().plane.clone();
+    let map = Read::of(model).picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
     assert!(map.at(180, 80) > 2.0 * map.at(30, 30), "it is stronger in the light");
     // Its range differs from that of the frames.
-    let (own, frames) = (model.display_of(model.document.focus()), model.document.look.ranges.intensity);
+    let (own, frames) = (Read::of(model).display_of(model.document.focus()), model.document.look.ranges.intensity);
     assert!(own.max < 0.1 * frames.max && own.map != frames.map, "{own:?} {frames:?}");
     assert!(window.shows("One range for all noise maps") && window.shows("Local noise"));
     assert!(window.harness.query_by_label_contains("Colour bar: Noise (σ) of the response").is_some());
@@ -81,7 +82,7 @@ fn the_local_noise_is_a_picture_of_its_own() {
     window.settle();
     let model = &window.app().model;
     assert_eq!(model.document.focused().content, Content::Map(ViewKind::Noise));
-    let coarser = &model.picture().unwrap().plane;
+    let coarser = &Read::of(model).picture().unwrap().plane;
     assert_eq!((coarser.width(), model.document.cursor().octave), (map.width() / 2, cursor.octave + 1));
     // The frame slider shows frames again.
     window.key(Key::Num1);
@@ -100,11 +101,14 @@ fn coverage_is_a_share_of_the_frames() {
     let expected =
         coverage_view(burst, &model.results.slots.a.usable_params, model.document.cursor().slope, &Monitor::default())
             .unwrap();
-    let map = model.picture().unwrap().plane.clone();
+    let map = Read::of(model).picture().unwrap().plane.clone();
     assert_eq!(*map, expected);
     assert_eq!((map.at(120, 80), map.at(0, 80)), (1.0, 0.5), "half of the frames reach the left border");
     assert_eq!(
-        (model.display_of(model.document.focus()).min, model.display_of(model.document.focus()).max),
+        (
+            Read::of(model).display_of(model.document.focus()).min,
+            Read::of(model).display_of(model.document.focus()).max
+        ),
         (0.0, 1.0)
     );
     let at = window.app().ui_from_image(pos2(0.0, 80.0)).unwrap();
@@ -133,7 +137,7 @@ fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     assert_eq!(model.document.panes.get(second).unwrap().content, Content::Map(ViewKind::Noise));
     // The other pane still shows the stack.
     assert_eq!(model.document.panes.get(model.document.panes.shown()[0]).unwrap().content, Content::Cursor);
-    let session = Session::of(model.read()).unwrap();
+    let session = Session::of(Read::of(model)).unwrap();
     let text = toml::to_string(&session).unwrap();
     let read: Session = toml::from_str(&text).unwrap();
     let contents = |session: &Session| -> Vec<Content> {
@@ -171,7 +175,7 @@ fn along_a_line_of_slopes_the_colours_run_over_the_searched_range() {
 
 #[test]
 fn no_feature_and_odd_numbers_still_give_a_colour() {
-    for by in ColourBy::ALL {
+    for by in ColourBy::all() {
         let empty = ColourScale::of(by, &[], &plane_of_slopes());
         assert!(empty.max > empty.min, "{by:?}");
         let odd = feature(f32::NAN, (f32::NAN, f32::INFINITY), f32::NAN);

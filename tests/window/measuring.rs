@@ -5,6 +5,7 @@ use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::document::comparison::{Kind, Reference};
 use burstscope::app::document::side::Side;
 use burstscope::app::measure::Tool;
+use burstscope::app::results::Read;
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::truth::{against_truth, truth_of};
 use burstscope::plane::sample::{profile, region_statistics};
@@ -59,7 +60,7 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     let rows: Vec<&str> = text.lines().skip(1).collect();
     // The stack is the second pane; the frame shows the line half a frame later, moved along its slope.
     let model = &window.app().model;
-    let stack = model.picture().unwrap().plane.clone();
+    let stack = Read::of(model).picture().unwrap().plane.clone();
     let expected = profile(&stack, line.from_image.into(), line.to_image.into(), 1.0);
     let of_stack: Vec<&&str> = rows.iter().filter(|row| row.starts_with("\"2  Stack")).collect();
     assert_eq!((of_stack.len(), rows.len()), (expected.len(), 2 * expected.len()));
@@ -84,7 +85,7 @@ fn a_rectangle_is_measured_in_all_linked_panes() {
     let model = &window.app().model;
     assert_eq!(model.document.bottom_tab, BottomTab::Region);
     let rect = model.document.measure.region.expect("a rectangle was drawn").rect_image;
-    let stack = model.picture().unwrap().plane.clone();
+    let stack = Read::of(model).picture().unwrap().plane.clone();
     let pixels = |low: f32, high: f32| (low + 0.5).floor() as usize..(high + 0.5).ceil() as usize;
     let region = Region { columns: pixels(rect.min.x, rect.max.x), rows: pixels(rect.min.y, rect.max.y) };
     let expected = region_statistics(&stack, &region).unwrap();
@@ -125,7 +126,7 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     let expected = against_truth(&cache, &truth, &Monitor::default()).unwrap();
     let detection: &Detection = &model.results.slots.a.found.as_ref().unwrap().detection;
     assert_eq!(cache.detection().features, detection.features, "the truth is held against the features on show");
-    let shown = model.shown_comparison(Side::A).expect("a comparison");
+    let shown = Read::of(model).shown_comparison(Side::A).expect("a comparison");
     assert_eq!(shown.with, Reference::Truth);
     let kinds = [Kind::Same, Kind::Theirs, Kind::Repeated, Kind::Ours, Kind::WrongMotion];
     let counts = kinds.map(|kind| shown.count(kind));
@@ -153,7 +154,7 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     window.snapshot("truth");
     window.click("Why here?");
     window.settle();
-    let place = window.app().model.probed_place().expect("the place is probed");
+    let place = window.app().read().probed_place().expect("the place is probed");
     let miss = &truth.features[expected.missed[0].disc];
     assert!((f64::from(place[0]) - miss.u).abs() < 0.01 && (f64::from(place[1]) - miss.v).abs() < 0.01);
 }
@@ -164,7 +165,7 @@ fn a_burst_of_the_camera_has_no_truth_to_compare_with() {
     let mut window = Start::of(&noisy_stack(folder.path(), 4, 60, 80)).open();
     window.click("Detect");
     window.settle();
-    assert!(!window.app().model.has_reference(Side::A, Reference::Truth));
+    assert!(!window.app().read().has_reference(Side::A, Reference::Truth));
     window.run_action("compare with the truth");
     window.settle();
     assert_eq!(window.app().model.document.comparisons.a.with, None);

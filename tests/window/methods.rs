@@ -1,14 +1,14 @@
 //! Several methods on one burst.
 
 use crate::support::{Start, Window, noisy_stack};
-use burstscope::Monitor;
 use burstscope::app::document::method::MethodId;
 use burstscope::app::document::side::Side;
 use burstscope::app::pane::Over;
-use burstscope::detect;
+use burstscope::app::results::Read;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::inspect::words::counted;
 use burstscope::requests::BurstSource;
+use burstscope::{Monitor, detect};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -28,21 +28,21 @@ fn each_method_finds_what_the_library_finds() {
     let model = &window.app().model;
     let burst = model.results.slots.a.burst.as_ref().unwrap().burst.clone();
     for method in [MethodId::Sift, MethodId::Merge, MethodId::Buff1d, MethodId::Buff2d] {
-        let found = model.method_found(method, Side::A).unwrap();
+        let found = Read::of(model).method_found(method, Side::A).unwrap();
         let expected = detect(&burst, &method.params(&model.document.params), &Monitor::default()).unwrap();
         assert_eq!(found.detection.features, expected.features, "{method:?}");
         assert!(window.shows(&format!("{}  ·  {}", method.label(), counted(expected.features.len(), "feature"))));
         let name = format!("A: {}", method.label());
         assert!(window.harness.query_by_role_and_label(Role::Canvas, &name).is_some(), "{name}");
     }
-    assert!(model.method_found(MethodId::Gold, Side::A).is_none());
+    assert!(Read::of(model).method_found(MethodId::Gold, Side::A).is_none());
 }
 
 #[test]
 fn with_a_second_burst_matches_are_compared_too() {
     let mut window = methods(true);
     let model = &window.app().model;
-    let inliers = |method| model.method_matches(method).unwrap().result.counts.inliers.unwrap();
+    let inliers = |method| Read::of(model).method_matches(method).unwrap().result.counts.inliers.unwrap();
     assert!(inliers(MethodId::Buff1d) > 2 * inliers(MethodId::Sift), "a burst shows what one frame does not");
     assert!(window.shows(&inliers(MethodId::Buff1d).to_string()));
     window.click("Match lines");
@@ -97,7 +97,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let model = &window.app().model;
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let params = MethodId::Buff1d.params(&model.document.params);
-    let plane = |id| model.picture_in(id).unwrap().plane.clone();
+    let plane = |id| Read::of(model).picture_in(id).unwrap().plane.clone();
     let cursor = model.document.panes.get(dog).unwrap().cursor;
     let monitor = Monitor::default();
     assert_eq!(*plane(stack), stack_view(burst, &params, cursor.slope, &monitor).unwrap());
@@ -108,7 +108,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let [sift] = pane(&window, MethodId::Sift)[..] else { panic!("one pane") };
     let model = &window.app().model;
     let params = MethodId::Sift.params(&model.document.params);
-    let plane = model.picture_in(sift).unwrap().plane.clone();
+    let plane = Read::of(model).picture_in(sift).unwrap().plane.clone();
     let expected = dog_view(burst_of(&window), &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
     assert_eq!(*plane, expected);
     window.snapshot("methods_split");
@@ -147,7 +147,7 @@ fn a_gold_standard_is_opened_and_methods_are_switched_in_the_table() {
     window.run_action("gold standard of a");
     window.settle();
     let model = &window.app().model;
-    let found = model.method_found(MethodId::Gold, Side::A).unwrap();
+    let found = Read::of(model).method_found(MethodId::Gold, Side::A).unwrap();
     assert!(window.shows(&format!("Gold standard  ·  {} features", found.detection.features.len())));
     window.harness.get_by_role_and_label(Role::CheckBox, "BuFF 2D").click();
     window.settle();

@@ -1,8 +1,10 @@
 //! Motion in the window: that of the features and that of their places, with the uncertainty.
 
 use crate::support::{Start, Window};
+use burstscope::app::apply;
 use burstscope::app::document::filter::{moves_by, near_slope};
 use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::results::Read;
 use burstscope::app::session::Session;
 use burstscope::app::view::{View, Zoom, layer_text, motion_text};
 use burstscope::detector::{Moves, Slope};
@@ -20,21 +22,21 @@ fn one_count_of_the_features_at_this_slope() {
     let mut window = open();
     let model = &mut window.app_mut().model;
     let id = model.document.focus();
-    model.go_to_busiest_slope(id);
+    apply::detection::go_to_busiest_slope(model, id);
     window.settle();
     let model = &window.app().model;
     let slope = model.document.cursor().slope;
     let near = near_slope(&model.results.slots.a.found.as_ref().unwrap().detection.slopes);
     let grid = &model.results.slots.a.found.as_ref().unwrap().detection.slopes;
-    let here = model.read().features().iter().filter(|feature| moves_by(grid, feature, slope, near)).count();
+    let here = Read::of(model).features().iter().filter(|feature| moves_by(grid, feature, slope, near)).count();
     let by_own = |f: &&burstscope::Feature| (f.slope.u - slope.u).hypot(f.slope.v - slope.v) <= near;
     assert!(
-        here > model.read().features().iter().filter(by_own).count(),
+        here > Read::of(model).features().iter().filter(by_own).count(),
         "places that move so have features of other slopes"
     );
-    let note = model.messages.last_note().expect("a note").to_owned();
+    let note = model.shell.messages.last_note().expect("a note").to_owned();
     assert!(note.starts_with(&format!("Most features ({here}) are at slope (")), "{note}");
-    let total = model.read().features().len();
+    let total = Read::of(model).features().len();
     window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
     window.settle();
     assert!(window.shows(&format!("{here} of {total}")));
@@ -46,7 +48,7 @@ fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep(
     let mut window = open();
     let field = window.app().model.results.slots.a.found.as_ref().unwrap().detection.field.clone().expect("a field");
     let count = |window: &Window, wanted: &dyn Fn(&burstscope::Feature) -> bool| {
-        window.app().model.read().features().iter().filter(|feature| wanted(feature)).count()
+        window.app().read().features().iter().filter(|feature| wanted(feature)).count()
     };
     let listed = |window: &Window| window.app().model.results.listed.len();
     let (total, first) = (count(&window, &|_| true), count(&window, &|feature| feature.layer == 1));
@@ -71,7 +73,7 @@ fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep(
     window.click("moves by itself");
     window.settle();
     assert_eq!(listed(&window), alone);
-    let session = Session::of(window.app().model.read()).expect("a burst is open");
+    let session = Session::of(window.app().read()).expect("a burst is open");
     assert_eq!(
         Session::from_toml(&session.to_toml()).expect("a session").document.filter,
         window.app().model.document.filter
@@ -93,7 +95,7 @@ fn a_hidden_layer_is_dark_in_the_field_of_motion() {
     window.app_mut().model.document.filter.solo_layer = Some(1);
     window.settle();
     let model = &window.app().model;
-    let field = model.picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
+    let field = Read::of(model).picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
     let solo = window.harness.render().expect("a picture");
     let brightness = |picture: &image::RgbaImage, layer: u8| {
         let cells = (0..field.size.0 * field.size.1).filter(|cell| field.layer[*cell] == layer);
@@ -115,7 +117,7 @@ fn a_hidden_layer_is_dark_in_the_field_of_motion() {
 #[test]
 fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
     let mut window = open();
-    let features = window.app().model.read().features().to_vec();
+    let features = window.app().read().features().to_vec();
     for moves in [Moves::WithSurroundings, Moves::ByItself, Moves::Edge, Moves::Ghost] {
         let index = features.iter().position(|f| f.moves == moves && f.layer > 0).expect("one moves so");
         let feature = features[index];
@@ -128,7 +130,7 @@ fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
         }
         assert!(window.shows(moves.words().trim_start_matches("moves ")), "{feature:?}");
     }
-    let judged = window.app().model.judged().expect("judged for the table");
+    let judged = window.app().read().judged().expect("judged for the table");
     // What moves as its place does has that motion, also where only some of the frames respond.
     let is_said_alike = |(feature, judged): (&burstscope::Feature, &Judged)| {
         let has_place = Moves::by_numbers(feature) == Moves::WithSurroundings;
@@ -143,7 +145,7 @@ fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
     window.run_action("show field of motion");
     window.settle();
     let model = &window.app().model;
-    let field = model.picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
+    let field = Read::of(model).picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
     let known = |at: &[f32; 2]| field.known_at(at[0], at[1]).is_some_and(|motion| motion.slope != Slope::default());
     let [u, v] = (2..8).map(|i| [40.0 * i as f32, 100.0]).find(known).expect("a known motion");
     // Cells of 4 pixels are large enough for ellipses then.

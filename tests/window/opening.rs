@@ -1,6 +1,7 @@
 //! Opening bursts, and failures of it.
 
 use crate::support::{Start, Window, noisy_stack};
+use burstscope::app::results::Read;
 use burstscope::requests::BurstSource;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -10,8 +11,8 @@ use std::io::Write;
 fn the_demo_opens_and_its_features_are_found_at_the_slope_that_reveals_most() {
     let window = Start::default().open();
     let model = &window.app().model;
-    assert_eq!(model.frame_count(), 10);
-    assert!(model.read().features().len() > 5, "{}", model.read().features().len());
+    assert_eq!(Read::of(model).frame_count(), 10);
+    assert!(Read::of(model).features().len() > 5, "{}", Read::of(model).features().len());
     assert!(
         model.document.cursor().slope.magnitude() > 0.5,
         "the slope with the most features is shown: {:?}",
@@ -28,7 +29,7 @@ fn with_nothing_open_the_first_page_leads_on() {
     assert!(window.shows("or drop a folder"));
     window.click("Open demo burst");
     window.settle();
-    assert_eq!(window.app().model.frame_count(), 10);
+    assert_eq!(window.app().read().frame_count(), 10);
 }
 
 #[test]
@@ -39,7 +40,7 @@ fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
     window.dialogs.will_choose(&path);
     window.click("Open…");
     window.settle();
-    assert_eq!((window.app().model.frame_count(), window.app().model.size()), (4, (64, 48)));
+    assert_eq!((window.app().read().frame_count(), window.app().read().size()), (4, (64, 48)));
     assert_eq!(window.app().recent(), [BurstSource::Paths(vec![path])]);
 }
 
@@ -50,13 +51,13 @@ fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
     std::fs::File::create(&path).unwrap().write_all(b"this is no picture").unwrap();
     let mut window = Start::without_auto_detect().open();
     let before = window.app().model.results.slots.a.burst.as_ref().unwrap().id;
-    let plane = window.app().model.picture().cloned().unwrap().plane;
+    let plane = window.app().read().picture().cloned().unwrap().plane;
     window.dialogs.will_choose(&path);
     window.click("Open…");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("broken-frame.png"));
     assert_eq!(window.app().model.results.slots.a.burst.as_ref().unwrap().id, before);
-    assert_eq!(window.app().model.picture().unwrap().plane, plane);
+    assert_eq!(window.app().read().picture().unwrap().plane, plane);
     window.click("Dismiss: Open");
     assert!(!window.shows("broken-frame.png"));
 }
@@ -72,7 +73,7 @@ fn where_the_system_has_no_dialog_a_path_can_be_typed() {
     assert!(window.shows("This system shows no file dialog"));
     type_path(&mut window, &path.display().to_string());
     window.settle();
-    assert_eq!(window.app().model.frame_count(), 3);
+    assert_eq!(window.app().read().frame_count(), 3);
 }
 
 #[test]
@@ -104,7 +105,7 @@ fn files_that_are_dropped_are_opened() {
     let mut window = Start::without_auto_detect().open();
     window.drop_file(path);
     window.settle();
-    assert_eq!(window.app().model.frame_count(), 5);
+    assert_eq!(window.app().read().frame_count(), 5);
 }
 
 /// Types into the path field and accepts.
@@ -127,7 +128,7 @@ fn the_failures_to_look_at_open_from_the_help_menu_and_are_kept_in_sessions() {
         let source = BurstSource::Example(example);
         assert_eq!(window.app().model.results.slots.a.burst.as_ref().map(|open| &open.source), Some(&source));
         let frames = if example == Example::Views { 25 } else { burstscope::synth::examples::EXAMPLE_FRAMES };
-        assert_eq!(window.app().model.frame_count(), frames);
+        assert_eq!(window.app().read().frame_count(), frames);
         assert!(window.shows(example.name()), "the status line names it");
         let text = toml::to_string(&std::collections::BTreeMap::from([("source", &source)])).expect("TOML");
         let read: std::collections::BTreeMap<String, BurstSource> = toml::from_str(&text).expect("the same");
@@ -162,10 +163,10 @@ fn a_file_without_header_is_opened_in_the_shape_that_is_chosen_from_pictures() {
     window.harness.run_steps(3);
     window.click("Open");
     window.settle();
-    assert_eq!((window.app().model.frame_count(), window.app().model.size()), (20, (320, 240)));
+    assert_eq!((window.app().read().frame_count(), window.app().read().size()), (20, (320, 240)));
     assert_eq!(
         window.app().model.document.calibration.raw.map(|raw| raw.to_string()).as_deref(),
         Some("320x240:u16le")
     );
-    assert!(window.app().model.messages.errors().is_empty());
+    assert!(window.app().model.shell.messages.errors().is_empty());
 }

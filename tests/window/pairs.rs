@@ -6,6 +6,7 @@ use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::document::pair::MatchColumn;
 use burstscope::app::document::side::Side;
 use burstscope::app::pane::{Content, Over, PaneId};
+use burstscope::app::results::Read;
 use burstscope::dataset::{DetectedBurst, match_bursts};
 use burstscope::detector::Slope;
 use burstscope::matching::Geometry;
@@ -40,10 +41,10 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
     window.click("Later demo burst as B");
     window.settle();
     let model = &window.app().model;
-    let names = Side::BOTH.map(|side| model.burst_of(side).unwrap().burst.name.clone());
+    let names = Side::BOTH.map(|side| Read::of(model).burst_of(side).unwrap().burst.name.clone());
     assert_eq!(names, ["demo", "demo-later"]);
     let sides = Side::BOTH.map(|side| {
-        let (burst, found) = (&model.burst_of(side).unwrap().burst, model.found_of(side).unwrap());
+        let (burst, found) = (&Read::of(model).burst_of(side).unwrap().burst, Read::of(model).found_of(side).unwrap());
         DetectedBurst { burst, params: &found.params, detection: &found.detection }
     });
     let expected = match_bursts(sides, &model.document.matching, &Monitor::default()).unwrap();
@@ -197,7 +198,7 @@ fn hands_move_together_or_each_its_own() {
         Side::BOTH.map(|side| window.app().model.document.cursor_of(side).kind),
         [ViewKind::Stack, ViewKind::Dog]
     );
-    assert!(window.app().model.pictures_are_current());
+    assert!(window.app().read().pictures_are_current());
     assert!(window.shows("A  Stack (1.25, 0)") && window.shows("B  DoG 0/0 (−0.5, 0)"));
     window.key(Key::T);
     window.key(Key::K);
@@ -257,12 +258,12 @@ fn files_dropped_on_the_right_pane_are_opened_there() {
     window.harness.step();
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.burst_of(Side::A).unwrap().burst.name, "demo");
-    assert_eq!(model.burst_of(Side::B).unwrap().burst.size(), (80, 60));
+    assert_eq!(Read::of(model).burst_of(Side::A).unwrap().burst.name, "demo");
+    assert_eq!(Read::of(model).burst_of(Side::B).unwrap().burst.size(), (80, 60));
     assert!(window.shows("No features yet in A and B"));
     window.run_action("swap a and b");
     window.settle();
-    assert_eq!(window.app().model.size(), (80, 60));
+    assert_eq!(window.app().read().size(), (80, 60));
 }
 
 #[test]
@@ -278,7 +279,7 @@ fn a_session_brings_the_pair_back() {
     window.click("Cursor of B");
     window.slide("Slope u", 0.75);
     window.settle();
-    let saved = window.app().model.read().saved_match().unwrap();
+    let saved = window.app().read().saved_match().unwrap();
     window.dialogs.will_choose(&file);
     window.run_action("save session");
     window.settle();
@@ -289,22 +290,22 @@ fn a_session_brings_the_pair_back() {
     other.settle();
     let model = &other.app().model;
     assert_eq!(model.document.workspace, Workspace::Pair);
-    assert_eq!(model.burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
+    assert_eq!(Read::of(model).burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
     assert_eq!(model.document.matching.ratio, 0.7);
     assert_eq!(model.document.cursor_of(Side::B).slope, Slope::new(0.75, 0.0));
-    assert_eq!((model.active_side(), model.document.pair_links().cursor), (Side::B, false));
-    assert_eq!(model.read().saved_match(), Some(saved), "the same match is selected");
+    assert_eq!((Read::of(model).active_side(), model.document.pair_links().cursor), (Side::B, false));
+    assert_eq!(Read::of(model).saved_match(), Some(saved), "the same match is selected");
 }
 
 #[test]
 fn a_second_burst_that_cannot_be_opened_is_named_and_the_pair_stays() {
     let mut window = pair();
-    let before = window.app().model.burst_of(Side::B).unwrap().id;
+    let before = window.app().read().burst_of(Side::B).unwrap().id;
     window.dialogs.will_choose("/no/such/burst-of-frames");
     window.run_action("open b: folder");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("burst-of-frames"));
-    assert_eq!(window.app().model.burst_of(Side::B).unwrap().id, before);
+    assert_eq!(window.app().read().burst_of(Side::B).unwrap().id, before);
 }
 
 #[test]
@@ -459,7 +460,7 @@ fn both_bursts_their_difference_a_wipe_and_a_flip() {
     let [a, b, difference] = shown(&window)[..] else { panic!("three panes") };
     let model = &window.app().model;
     assert_eq!(model.document.panes.get(difference).unwrap().content, Content::Difference(a, b));
-    let plane = |id: PaneId| model.picture_in(id).unwrap().plane.clone();
+    let plane = |id: PaneId| Read::of(model).picture_in(id).unwrap().plane.clone();
     assert_eq!(plane(difference).at(90, 70), plane(a).at(90, 70) - plane(b).at(90, 70));
     window.snapshot("two_bursts_difference");
     // The pane of A with the picture of B over it.

@@ -8,6 +8,7 @@ use burstscope::app::canvas::Zoom;
 use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::document::side::Side;
 use burstscope::app::pane::{Content, Over, PaneId};
+use burstscope::app::results::Read;
 use burstscope::baseline::merge_burst;
 use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
@@ -53,7 +54,8 @@ fn every_kind_of_picture_is_what_the_library_makes() {
     let window = laid_out(open(), Key::Num9);
     let model = &window.app().model;
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let planes: Vec<_> = shown(&window).iter().map(|id| model.picture_in(*id).unwrap().plane.clone()).collect();
+    let planes: Vec<_> =
+        shown(&window).iter().map(|id| Read::of(model).picture_in(*id).unwrap().plane.clone()).collect();
     let (cursor, params, monitor) = (*model.document.cursor(), &model.document.params, Monitor::default());
     assert_eq!(planes[0], burst.frames[cursor.frame]);
     assert_eq!(*planes[1], stack_view(burst, params, cursor.slope, &monitor).unwrap());
@@ -105,7 +107,7 @@ fn a_click_gives_a_pane_the_focus_and_keys_move_it() {
     window.key(Key::ArrowRight);
     window.settle();
     assert_eq!(slopes(&window), [-1.0, 0.0]);
-    assert!(window.app().model.pictures_are_current());
+    assert!(window.app().read().pictures_are_current());
 }
 
 #[test]
@@ -120,7 +122,7 @@ fn a_strip_moves_as_one_until_a_pane_is_let_go() {
     window.settle();
     assert_eq!(slopes(&window), [-0.5, 0.5, 1.5, 2.5, 2.0]);
     let model = &window.app().model;
-    let last = model.picture_in(shown(&window)[0]).unwrap();
+    let last = Read::of(model).picture_in(shown(&window)[0]).unwrap();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected = stack_view(burst, &model.document.params, Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
     assert_eq!(*last.plane, expected);
@@ -154,12 +156,12 @@ fn a_display_of_its_own_is_changed_alone() {
     window.click("Full range");
     window.settle();
     let model = &window.app().model;
-    let displays: Vec<_> = shown(&window).iter().map(|id| model.display_of(*id)).collect();
+    let displays: Vec<_> = shown(&window).iter().map(|id| Read::of(model).display_of(*id)).collect();
     assert_ne!(displays[0].max, displays[1].max);
     window.click("Link display of pane 1");
     window.settle();
     let model = &window.app().model;
-    assert_eq!(model.display_of(shown(&window)[0]), displays[1]);
+    assert_eq!(Read::of(model).display_of(shown(&window)[0]), displays[1]);
 }
 
 #[test]
@@ -245,7 +247,7 @@ fn a_difference_is_chosen_in_the_menu_of_a_third_pane() {
     let focus = model.document.panes.focus();
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
     assert_eq!(model.document.panes.get(focus).unwrap().content, Content::Difference(rest[0], rest[1]));
-    let plane = |id: PaneId| model.picture_in(id).unwrap().plane.clone();
+    let plane = |id: PaneId| Read::of(model).picture_in(id).unwrap().plane.clone();
     assert_eq!(plane(focus).at(100, 80), plane(rest[0]).at(100, 80) - plane(rest[1]).at(100, 80));
 }
 
@@ -265,7 +267,7 @@ fn a_pane_shows_the_other_burst() {
     let model = &window.app().model;
     let id = shown(&window)[1];
     assert_eq!(model.document.panes.get(id).unwrap().side, Side::B);
-    assert_eq!(model.picture_in(id).unwrap().request.burst.id, model.burst_of(Side::B).unwrap().id);
+    assert_eq!(Read::of(model).picture_in(id).unwrap().request.burst.id, Read::of(model).burst_of(Side::B).unwrap().id);
     // Closing B also closes the pane.
     window.run_action("close b");
     window.settle();
@@ -349,7 +351,7 @@ fn at_1024_by_700_the_picture_and_the_columns_that_matter_are_seen() {
     }
     let visible =
         window.app().widgets.get(window.app().model.document.focus()).and_then(|w| w.picture.visible_image).unwrap();
-    let (width, height) = window.app().model.size();
+    let (width, height) = window.app().read().size();
     assert!(visible.width() >= width as f32 && visible.height() >= height as f32, "the whole picture: {visible:?}");
 }
 
@@ -358,7 +360,7 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
     let mut start = Start { size: [960.0, 640.0], ..Start::default() };
     start.startup.second = Some(BurstSource::DemoLater);
     let mut window = start.open();
-    assert!(window.app().model.found_of(Side::B).is_some());
+    assert!(window.app().read().found_of(Side::B).is_some());
     window.snapshot("two_bursts_narrow");
     window.click("Unmatched");
     window.settle();

@@ -5,6 +5,7 @@ use crate::support::{Start, Window};
 use burstscope::app::Startup;
 use burstscope::app::document::journal::read_steps;
 use burstscope::app::document::{Action, Steps};
+use burstscope::app::results::Read;
 use burstscope::app::session::Session;
 use egui::accesskit::Role;
 use egui::{Key, pos2};
@@ -25,8 +26,8 @@ fn played(like: Start, steps: Steps) -> Window {
 fn assert_same(window: &Window, again: &Window) {
     let (model, other) = (&window.app().model, &again.app().model);
     assert_eq!(model.document, other.document);
-    assert_eq!(Session::of(model.read()), Session::of(other.read()));
-    assert_eq!(model.history.can_undo(), other.history.can_undo());
+    assert_eq!(Session::of(Read::of(model)), Session::of(Read::of(other)));
+    assert_eq!(model.shell.history.can_undo(), other.shell.history.can_undo());
 }
 
 #[test]
@@ -92,7 +93,7 @@ fn what_is_played_shows_its_errors_and_needs_no_session_file() {
     let mut window = Start::default().open();
     window.key(Key::ArrowRight);
     window.settle();
-    std::fs::write(&path, Session::of(window.app().model.read()).unwrap().to_toml()).unwrap();
+    std::fs::write(&path, Session::of(window.app().read()).unwrap().to_toml()).unwrap();
     let mut window = Start::nothing_open().open();
     window.drop_file(path.clone());
     window.settle();

@@ -4,12 +4,13 @@
 use crate::maps::lamp;
 use crate::support::{Start, Window, given};
 use burstscope::Monitor;
-use burstscope::app::Startup;
 use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::document::look::FeaturesShown;
 use burstscope::app::document::side::Side;
 use burstscope::app::pane::{Content, SliceAxis};
+use burstscope::app::results::Read;
 use burstscope::app::settings::Settings;
+use burstscope::app::{Startup, apply};
 use burstscope::detector::{DetectorParams, FrameRange, Slope, SlopeGrid, Test};
 use burstscope::inspect::candidates::{SurveyOptions, survey};
 use burstscope::inspect::decoys::{DecoyStudy, decoys};
@@ -29,7 +30,7 @@ fn demo() -> Window {
 
 pub fn answer(window: &Window) -> &Probed {
     let model = &window.app().model;
-    assert!(model.probe_is_current(), "{:?} {:?}", model.document.probe, model.results.probed.problem);
+    assert!(Read::of(model).probe_is_current(), "{:?} {:?}", model.document.probe, model.results.probed.problem);
     model.results.probed.answer.as_ref().unwrap()
 }
 
@@ -58,7 +59,7 @@ fn a_feature_says_why_it_was_kept() {
         rect_of(&window, image);
     }
     let traced = answer(&window).request.traced.cache.clone();
-    assert_eq!(traced.detection().features, window.app().model.read().features(), "one search, or the same bits");
+    assert_eq!(traced.detection().features, window.app().read().features(), "one search, or the same bits");
     window.snapshot("probe_feature");
     // A click in the map sets that slope and scale.
     let rect = rect_of(&window, "Response over slope and scale");
@@ -77,7 +78,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     window.app_mut().model.document.look.overlay = FeaturesShown::None;
     let ui = |window: &Window, u: f32, v: f32| window.app().ui_from_image(pos2(u, v)).unwrap();
     let near = |window: &Window, u: f32, v: f32| {
-        let place = window.app().model.probed_place().expect("a place");
+        let place = window.app().read().probed_place().expect("a place");
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?} {u} {v}");
     };
     let pos = ui(&window, 300.0, 40.0);
@@ -111,7 +112,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     // In a frame the place under the pointer has moved since mid-burst.
     window.key(Key::Num1);
     window.settle();
-    let (cursor, used) = (*window.app().model.document.cursor(), window.app().model.frame_count());
+    let (cursor, used) = (*window.app().model.document.cursor(), window.app().read().frame_count());
     let later = cursor.frame as f32 - 0.5 * (used as f32 - 1.0);
     let pos = ui(&window, 240.0, 100.0);
     window.shift_click_at(pos);
@@ -125,7 +126,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
 fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     let startup = Startup { second: Some(BurstSource::DemoLater), ..given() };
     let mut window = Start { size: [1400.0, 900.0], startup, ..Start::default() }.open();
-    let names = |window: &Window| Side::BOTH.map(|side| window.app().model.burst_of(side).unwrap().burst.name.clone());
+    let names = |window: &Window| Side::BOTH.map(|side| window.app().read().burst_of(side).unwrap().burst.name.clone());
     assert_eq!(
         (window.app().model.document.workspace, names(&window)),
         (Workspace::Pair, ["demo", "demo-later"].map(String::from))
@@ -136,12 +137,16 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
         window.settle();
         let (model, answer) = (&window.app().model, answer(&window));
         assert_eq!((model.document.probe.side, model.document.workspace), (side, Workspace::Pair));
-        assert_eq!((model.document.selected_match, model.asked_feature()), (None, None), "nothing else was clicked");
+        assert_eq!(
+            (model.document.selected_match, Read::of(model).asked_feature()),
+            (None, None),
+            "nothing else was clicked"
+        );
         let place = answer.probe.pos_image;
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?}");
         // The answer is that of the library for this burst.
-        let burst = &model.burst_of(side).unwrap().burst;
-        let cache = ProbeCache::new(burst, &model.asked_of(side), &Monitor::default()).unwrap();
+        let burst = &Read::of(model).burst_of(side).unwrap().burst;
+        let cache = ProbeCache::new(burst, &Read::of(model).asked_of(side), &Monitor::default()).unwrap();
         let in_view = answer.request.in_view;
         let options = ProbeOptions { wanted: Wanted::Best, in_view, ..ProbeOptions::default() };
         assert_eq!(answer.probe.fates, probe(&cache, place, &options, &Monitor::default()).unwrap().fates);
@@ -154,7 +159,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height()));
     window.settle();
     let (model, map) = (&window.app().model, &answer(&window).probe.response);
-    assert_eq!(model.active_side(), Side::B);
+    assert_eq!(Read::of(model).active_side(), Side::B);
     assert!(
         model.document.focused().shows(ViewKind::Dog) && map.columns.contains(&model.document.cursor_of(Side::B).slope)
     );
@@ -183,7 +188,7 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
     let mut window = start.open();
     window.click("Detect");
     window.settle();
-    assert!(window.app().model.read().features().is_empty());
+    assert!(window.app().read().features().is_empty());
     window.click("Probe the strongest candidate");
     window.settle();
     let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
@@ -192,10 +197,10 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
     let change = fate.remedy.expect("a lower threshold").change;
     window.click(&format!("Apply {}", change.label()));
     window.settle();
-    assert!(!window.app().model.probe_is_stale() && !window.app().model.read().features().is_empty());
+    assert!(!window.app().read().probe_is_stale() && !window.app().read().features().is_empty());
     window.app_mut().model.document.params.edge_threshold = 5.0;
     window.harness.run_steps(2);
-    assert!(window.app().model.probe_is_stale() && window.shows("Stale: found with other parameters"));
+    assert!(window.app().read().probe_is_stale() && window.shows("Stale: found with other parameters"));
 }
 
 #[test]
@@ -224,7 +229,7 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
     let model = &window.app().model;
     assert_eq!(
         (model.document.selected, model.document.cursor().slope),
-        (Some(feature), model.read().features()[feature].slope)
+        (Some(feature), Read::of(model).features()[feature].slope)
     );
     // A star that is too small: the setting that finds it is a click away.
     window.app_mut().model.document.look.overlay = FeaturesShown::None;
@@ -248,17 +253,17 @@ fn a_feature_that_is_drawn_as_a_dot_is_said_to_be() {
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
     window.settle();
     // Of so many features at one zoom some are dots; one of the weakest is asked about.
-    let count = window.app().model.read().features().len();
+    let count = window.app().read().features().len();
     let dot = (0..count).rev().find(|&index| {
-        let feature = window.app().model.read().features()[index];
-        window.app_mut().model.probe_place(Side::A, [feature.u, feature.v]);
+        let feature = window.app().read().features()[index];
+        apply::probe::probe_place(&mut window.app_mut().model, Side::A, [feature.u, feature.v]);
         window.settle();
         !window.app().model.results.probed.as_dots.is_empty()
     });
     assert!(dot.is_some(), "{count} features, none a dot");
     let shown = window.app().model.results.probed.as_dots[0];
     assert!(window.shows(&format!("Feature {} was found here, but is drawn as a dot", shown)));
-    window.app_mut().model.clear_probe();
+    apply::probe::clear_probe(&mut window.app_mut().model);
     window.settle();
     assert!(!window.shows("drawn as a dot"));
 }
@@ -316,7 +321,7 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
     window.shift_click_at(pos);
     window.run_action("stack and slice");
     window.settle();
-    let place = window.app().model.probed_place();
+    let place = window.app().read().probed_place();
     window.dialogs.will_choose(&file);
     window.run_action("save session");
     window.settle();
@@ -325,7 +330,7 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
     other.run_action("open session");
     other.settle();
     let model = &other.app().model;
-    assert!(place.is_some() && model.probed_place() == place && model.document.probe.is_open);
+    assert!(place.is_some() && Read::of(model).probed_place() == place && model.document.probe.is_open);
     assert_eq!(answer(&other).probe.pos_image, place.unwrap());
     assert!(model.document.panes.iter().any(|(_, pane)| pane.content == Content::Slice(SliceAxis::Along)));
 }
@@ -346,14 +351,14 @@ fn open(folder: &Path) -> Window {
 fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    assert!(window.app().model.survey_counts().is_none() && window.shows("Click a test"));
+    assert!(window.app().read().survey_counts().is_none() && window.shows("Click a test"));
     window.click(Test::NoiseGate.reason());
     window.settle();
     let model = &window.app().model;
-    let shown = model.survey().unwrap().clone();
+    let shown = Read::of(model).survey().unwrap().clone();
     // The marks are those of the library.
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let cache = ProbeCache::new(burst, &model.asked(), &Monitor::default()).unwrap();
+    let cache = ProbeCache::new(burst, &Read::of(model).asked(), &Monitor::default()).unwrap();
     let options = SurveyOptions { test: Some(Test::NoiseGate), ..SurveyOptions::default() };
     assert_eq!(*shown, survey(&cache.trail, &options, &Monitor::default()).unwrap());
     assert!(!shown.marks.is_empty() && shown.marks.iter().all(|m| m.first_failed == Some(Test::NoiseGate)));
@@ -367,7 +372,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     window.harness.run_steps(3);
     assert!(window.shows("below the noise gate: by "), "the pointer says by how much");
     window.click_at(at);
-    let chosen = *window.app().model.selected_candidate().expect("a click selects it");
+    let chosen = *window.app().read().selected_candidate().expect("a click selects it");
     assert_eq!(chosen.pos_image, mark.pos_image);
     assert!(window.shows("Candidate at ("));
     window.snapshot("candidates");
@@ -377,11 +382,11 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     assert_eq!((cursor.octave, cursor.level), (chosen.sample.octave, chosen.sample.level));
     // Another row replaces it; the same row again hides them.
     switch(&mut window, Test::Edge);
-    let edge = window.app().model.survey().unwrap().clone();
+    let edge = window.app().read().survey().unwrap().clone();
     assert!(edge.marks.iter().all(|m| m.first_failed == Some(Test::Edge)));
     assert_eq!(edge.counts, shown.counts);
     switch(&mut window, Test::Edge);
-    assert!(window.app().model.survey().is_none() && !window.shows("candidates: on an edge"));
+    assert!(window.app().read().survey().is_none() && !window.shows("candidates: on an edge"));
 }
 
 fn switch(window: &mut Window, test: Test) {
@@ -399,24 +404,24 @@ fn press(window: &mut Window, label: &str) {
 fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    assert!(window.app().model.decoys().is_none() && !window.shows("Decoys: "), "nobody asked for them");
+    assert!(window.app().read().decoys().is_none() && !window.shows("Decoys: "), "nobody asked for them");
     press(&mut window, "False rate…");
-    let shown = window.app().model.decoys().expect("they were asked for").clone();
+    let shown = window.app().read().decoys().expect("they were asked for").clone();
     let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
-    let cache = ProbeCache::new(burst, &window.app().model.asked(), &Monitor::default()).unwrap();
+    let cache = ProbeCache::new(burst, &window.app().read().asked(), &Monitor::default()).unwrap();
     assert_eq!(*shown, decoys(&cache.trail, &DecoyStudy::default(), &Monitor::default()).unwrap());
     assert!(shown.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.sentence())));
     // Other parameters are another search, whose decoys nobody asked for.
     window.app_mut().model.document.params.slopes = SlopeGrid::line(-2.0..=2.0, 9);
     window.settle();
-    assert!(window.app().model.stale().is_some() && !window.shows("Decoys: "));
+    assert!(window.app().read().stale().is_some() && !window.shows("Decoys: "));
     press(&mut window, "False rate…");
-    assert!(window.app().model.decoys().is_none(), "there is nothing to compare with");
+    assert!(window.app().read().decoys().is_none(), "there is nothing to compare with");
     window.run_action("detect");
     window.settle();
-    assert!(window.app().model.decoys().is_none() && !window.shows("Decoys: "));
+    assert!(window.app().read().decoys().is_none() && !window.shows("Decoys: "));
     press(&mut window, "False rate…");
-    assert_ne!(*window.app().model.decoys().expect("they were asked for"), shown);
+    assert_ne!(*window.app().read().decoys().expect("they were asked for"), shown);
 }
 
 #[test]
@@ -428,9 +433,9 @@ fn a_burst_too_short_for_decoys_says_why_each_time() {
     window.settle();
     for _ in 0..2 {
         press(&mut window, "False rate…");
-        let errors = window.app().model.messages.errors();
+        let errors = window.app().model.shell.messages.errors();
         assert!(errors.iter().any(|error| format!("{error:?}").contains("4 or more")), "{errors:?}");
-        assert!(window.app().model.decoys().is_none());
+        assert!(window.app().read().decoys().is_none());
     }
 }
 
@@ -440,11 +445,11 @@ fn candidates_follow_the_parameters() {
     let mut window = open(folder.path());
     window.click(Test::NoiseGate.reason());
     window.settle();
-    let before = window.app().model.survey().unwrap().clone();
+    let before = window.app().read().survey().unwrap().clone();
     window.app_mut().model.document.params.octaves = 2;
     window.run_action("detect");
     window.settle();
-    let after = window.app().model.survey().unwrap().clone();
+    let after = window.app().read().survey().unwrap().clone();
     assert!(after.candidates < before.candidates, "they are those of the new detection");
     assert!(window.harness.query_by_label_contains("candidates: below the noise gate").is_some());
 }

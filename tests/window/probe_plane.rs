@@ -4,6 +4,7 @@
 use crate::support::{Start, Window};
 use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::pane::{Content, SliceAxis};
+use burstscope::app::results::Read;
 use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
 use burstscope::inspect::candidates::winning_slopes;
 use burstscope::synth::random::Stream;
@@ -58,7 +59,7 @@ fn probe_strongest(window: &mut Window) -> Feature {
     window.key(Key::Home);
     window.click("Why?");
     window.settle();
-    let feature = *window.app().model.read().selected_feature().expect("there is one");
+    let feature = *window.app().read().selected_feature().expect("there is one");
     let near = |slope: Slope| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) < 0.3;
     assert!(near(LEFT) || near(RIGHT), "{feature:?}");
     feature
@@ -151,7 +152,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     window.settle();
     let model = &window.app().model;
     assert_eq!(model.document.focused().content, Content::Map(ViewKind::Motion));
-    let picture = model.picture().unwrap();
+    let picture = Read::of(model).picture().unwrap();
     let motion = picture.motion.clone().expect("a map of the motion");
     // It equals the library's map of this detection.
     let trail = &model.results.probed.answer.as_ref().unwrap().request.traced.cache.trail;

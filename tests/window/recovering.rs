@@ -3,16 +3,16 @@
 use crate::support::{Start, Window};
 use burstscope::app::document::comparison::Reference;
 use burstscope::app::document::export::FilmContent;
+use burstscope::app::results::Read;
 use burstscope::app::session::Session;
 use burstscope::app::view::ColourBy;
-use burstscope::detector::{DetectorParams, NoiseGate, SlopeChoice, SlopeGrid};
+use burstscope::detector::{DetectorParams, NoiseGate, Quantity, SlopeChoice, SlopeGrid};
 use burstscope::export::case::{Case, Enclosed, read_session, read_truth, write_case};
 use burstscope::inspect::set_up::SetUp;
 use burstscope::requests::BurstSource;
 use burstscope::study::StudyReport;
 use burstscope::synth::{ChartParams, synth_chart};
-use burstscope::teach::BottomTab;
-use burstscope::teach::Workspace;
+use burstscope::teach::{BottomTab, Workspace};
 use burstscope::{Burst, Monitor};
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -47,11 +47,11 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     let (burst, params) = small();
     assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.frames, burst.frames);
     assert_eq!((model.document.params.slopes, model.document.slopes), (params.slopes, SlopeChoice::Given));
-    assert_eq!(model.probed_place(), Some([120.0, 90.0]));
+    assert_eq!(Read::of(model).probed_place(), Some([120.0, 90.0]));
     // Another ending is refused, as the file could not be opened again.
     window.dialogs.will_choose(home.path().join("again.png"));
     window.run_action("save case");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("name the file .burstcase") && !home.path().join("again.png").exists());
     // Saved again, it is the same case.
     let again = home.path().join("again.burstcase");
@@ -96,7 +96,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     assert_eq!(model.document.panes.arrangement().in_rows(), before);
     assert!(model.document.filter.hide_slope_limit);
     assert_eq!((model.document.params.edge_threshold, model.document.lab.planted.copies), (8.0, 3));
-    assert_eq!(model.probed_place(), Some([120.0, 90.0]));
+    assert_eq!(Read::of(model).probed_place(), Some([120.0, 90.0]));
     let pinned = model.document.comparisons.a.pinned.as_ref();
     assert!(pinned.is_some_and(|pinned| pinned.detector.edge_threshold != 8.0));
     assert_eq!(model.document.comparisons, was.document.comparisons);
@@ -115,9 +115,9 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
         other.settle();
         let model = &other.app().model;
         assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.sources, std::slice::from_ref(&path));
-        assert!(!model.messages.errors().iter().any(|error| error.text.contains("passwd")));
+        assert!(!model.shell.messages.errors().iter().any(|error| error.text.contains("passwd")));
     }
-    let errors = other.app().model.messages.errors();
+    let errors = other.app().model.shell.messages.errors();
     assert!(errors.iter().any(|error| error.text.contains("hostile.burstcase")), "{errors:?}");
 }
 
@@ -127,7 +127,7 @@ fn a_damaged_case_opens_a_window_that_says_so_once() {
     let path = home.path().join("damaged.burstcase");
     std::fs::write(&path, b"PK\x03\x04 and no more").expect("written");
     let mut window = Start::of(&path).open();
-    let errors = window.app().model.messages.errors();
+    let errors = window.app().model.shell.messages.errors();
     assert!(errors.len() == 1 && errors[0].text.contains("damaged.burstcase"), "{errors:?}");
     assert!(window.app().model.results.slots.a.burst.is_none());
     window.run_action("Open demo burst");
@@ -184,10 +184,10 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
         assert!(window.shows(&format!("Planted things found against {title}")), "{title}");
     }
     window.click("Keep curves");
-    assert_eq!(window.app().model.lab_results().len(), 2);
+    assert_eq!(window.app().read().lab_results().len(), 2);
     window.click("Next missed");
     window.settle();
-    let thing = window.app().model.selected_thing().expect("one was missed").clone();
+    let thing = window.app().read().selected_thing().expect("one was missed").clone();
     assert!(thing.found.is_none() && window.shows("Missed, "));
     window.snapshot("lab_in_this_burst");
     window.click("Probe planted thing");
@@ -196,7 +196,7 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     assert_eq!(model.document.workspace, Workspace::Inspect);
     let source = &model.results.slots.a.burst.as_ref().expect("open").source;
     assert!(matches!(source, BurstSource::Planted { seed, .. } if *seed == thing.seed), "{source:?}");
-    let place = model.probed_place().expect("probed");
+    let place = Read::of(model).probed_place().expect("probed");
     assert!((f64::from(place[0]) - thing.truth.u).abs() < 0.01 && (f64::from(place[1]) - thing.truth.v).abs() < 0.01);
     // The copy is compared with the truth of what is planted in it.
     window.run_action("detect");
@@ -237,7 +237,13 @@ fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
     window.settle();
     let expected = {
         let model = &window.app().model;
-        model.document.set_up.values.slopes(&model.used_positions(), &model.document.params).expect("valid").grid
+        model
+            .document
+            .set_up
+            .values
+            .slopes(&Read::of(model).used_positions(), &model.document.params)
+            .expect("valid")
+            .grid
     };
     window.harness.get_by_role_and_label(Role::Button, "Apply set-up").click();
     window.harness.run_steps(3);
@@ -262,17 +268,17 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     window.settle();
     let model = &window.app().model;
     let depth_of = |i: &usize| {
-        model.document.set_up.values.depth_at(model.read().features()[*i].motion().0).map(|metres| metres as f32)
+        model.document.set_up.values.depth_at(Read::of(model).features()[*i].motion().0).map(|metres| metres as f32)
     };
     let depths: Vec<Option<f32>> = model.results.listed.iter().map(depth_of).collect();
     let known = depths.iter().take_while(|depth| depth.is_some()).count();
     assert!(known > 10 && known < depths.len(), "features of both directions: {known} of {}", depths.len());
     assert!(depths[..known].is_sorted() && depths[known..].iter().all(Option::is_none));
-    window.app_mut().model.document.colour_by = ColourBy::Depth;
+    window.app_mut().model.document.colour_by = ColourBy::Of(Quantity::Depth);
     window.settle();
     assert!(window.shows("Legend: depth from 0.5 to 8 m"));
     // As a session it is kept; switched off, the colours show slopes again.
-    let session = Session::of(window.app().model.read()).expect("a burst is open");
+    let session = Session::of(window.app().read()).expect("a burst is open");
     assert_eq!(session.document.set_up, window.app().model.document.set_up);
     window.app_mut().model.document.bottom_tab = BottomTab::Slopes;
     window.settle();
@@ -286,10 +292,10 @@ fn other_ways_to_add_frames_are_pictures_of_a_pane() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     window.run_action("show median");
     window.settle();
-    let median = window.app().model.picture().expect("a picture").plane.clone();
+    let median = window.app().read().picture().expect("a picture").plane.clone();
     window.run_action("show mean minus median");
     window.settle();
-    let difference = window.app().model.picture().expect("a picture").plane.clone();
+    let difference = window.app().read().picture().expect("a picture").plane.clone();
     assert_eq!(median.size(), difference.size());
     assert_ne!(median, difference);
     window.snapshot("mean_minus_median");

@@ -1,12 +1,11 @@
 //! The automatically saved session, and the offer after an unexpected end.
 
 use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::Startup;
 use burstscope::app::document::side::Side;
 use burstscope::app::offscreen::Offscreen;
 use burstscope::app::recovery::{KeptIn, Record};
 use burstscope::app::session::Session;
-use burstscope::app::{BurstscopeApp, EndRequest, gpu};
+use burstscope::app::{BurstscopeApp, EndRequest, Startup, gpu};
 use burstscope::detector::Slope;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -55,11 +54,11 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     drop(window);
     let mut next = keeping(&folder, Start::without_auto_detect()).open();
     assert!(next.shows(OFFER) && next.shows("noisy.npy"));
-    assert_ne!(next.app().model.size(), (128, 96), "not unasked");
+    assert_ne!(next.app().read().size(), (128, 96), "not unasked");
     next.click("Restore");
     next.settle();
     assert!(!next.shows(OFFER));
-    assert_eq!(next.app().model.size(), (128, 96));
+    assert_eq!(next.app().read().size(), (128, 96));
     assert_eq!(next.app().model.document.cursor().slope, Slope::new(1.25, 0.0));
     // The session now belongs to this window: a crash right after loses nothing.
     assert!(kept_slope());
@@ -88,7 +87,7 @@ fn an_offer_that_cannot_be_restored_stays() {
     drop(record);
     let mut window = keeping(&folder, Start::nothing_open()).open();
     window.click("Restore");
-    window.wait("a message", |app| !app.model.messages.errors().is_empty());
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("/nowhere/frames") && window.shows(OFFER));
     assert_eq!(sessions(&folder).len(), 1);
 }
@@ -192,7 +191,7 @@ fn a_session_that_could_not_be_written_is_written_later() {
     std::fs::rename(&folder, &aside).unwrap();
     std::fs::write(&folder, "").unwrap();
     window.slide("Slope u", 0.75);
-    window.wait("that is said", |app| !app.model.messages.errors().is_empty());
+    window.wait("that is said", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("Save the session by itself"));
     std::fs::remove_file(&folder).unwrap();
     // The next attempt may have made a new folder just now.
@@ -203,7 +202,7 @@ fn a_session_that_could_not_be_written_is_written_later() {
         sessions(&folder).iter().any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(0.75, 0.0))
     };
     window.wait("it is written though nothing has changed since", is_kept);
-    window.wait("the message goes", |app| app.model.messages.errors().is_empty());
+    window.wait("the message goes", |app| app.model.shell.messages.errors().is_empty());
     end_in_the_ordinary_way(window);
 }
 

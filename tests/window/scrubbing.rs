@@ -4,6 +4,7 @@ use crate::datasets::{click_burst, start, walk};
 use crate::support::{Start, Window};
 use burstscope::Monitor;
 use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::results::Read;
 use burstscope::app::results::datasets::BurstState;
 use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
@@ -14,11 +15,11 @@ use egui_kittest::kittest::Queryable;
 #[test]
 fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
     let mut window = Start::without_auto_detect().open();
-    let before = window.app().model.picture().cloned().unwrap();
+    let before = window.app().read().picture().cloned().unwrap();
     window.slide("Slope u", 1.37);
     window.settle();
     let model = &window.app().model;
-    let after = model.picture().cloned().unwrap();
+    let after = Read::of(model).picture().cloned().unwrap();
     assert_ne!(before.plane, after.plane);
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let slope = Slope::new(model.document.cursor().slope.u, 0.0);
@@ -49,7 +50,7 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     window.settle();
     let model = &window.app().model;
     let frame = model.results.slots.a.burst.as_ref().unwrap().burst.frames[model.document.cursor().frame].clone();
-    assert_eq!(model.picture().unwrap().plane, frame);
+    assert_eq!(Read::of(model).picture().unwrap().plane, frame);
     window.key(Key::Num3);
     window.slide("Octave", 1.0);
     window.settle();
@@ -64,7 +65,7 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
         &Monitor::default(),
     )
     .unwrap();
-    assert_eq!(*model.picture().unwrap().plane, expected);
+    assert_eq!(*Read::of(model).picture().unwrap().plane, expected);
     assert!(window.shows("octave 1"));
     window.slide("Frame", 7.0);
     window.settle();
@@ -143,7 +144,7 @@ fn filmstrip() {
         }
     }
     dataset.opened.folder = Some("/data/film-burstscope-5".into());
-    model.messages.note("2 bursts done");
+    model.shell.messages.note("2 bursts done");
     window.snapshot("filmstrip");
 }
 

@@ -3,9 +3,11 @@
 
 use crate::support::{Start, Window};
 use burstscope::Monitor;
+use burstscope::app::apply;
 use burstscope::app::document::action::Reselect;
 use burstscope::app::document::cursor::slope_limit;
 use burstscope::app::document::side::Side;
+use burstscope::app::results::Read;
 use burstscope::app::session::Session;
 use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid, SlopeVerdict};
 use burstscope::inspect::ProbeCache;
@@ -30,7 +32,7 @@ fn the_demo_opens_with_its_slopes_found_and_shown() {
     let finding = found.finding.as_ref().unwrap();
     assert_eq!((model.document.slopes, finding.verdict), (SlopeChoice::AUTO, SlopeVerdict::Found));
     assert_eq!((grid(&window), found.params.slopes), (finding.grid, finding.grid));
-    assert!(finding.grid.is_plane() && model.stale().is_none());
+    assert!(finding.grid.is_plane() && Read::of(model).stale().is_none());
     let (u, v) = (finding.grid.u, finding.grid.v);
     let number = |x| burstscope::inspect::words::number(x, 3);
     let text = |name, axis: burstscope::detector::SlopeAxis| {
@@ -84,17 +86,25 @@ fn presets_give_ranges_and_reset_all_finds_them() {
 fn sessions_keep_the_switch_and_given_ranges() {
     let mut window = Start::automatic().open();
     let model = &window.app().model;
-    let session = Session::of(model.read()).unwrap();
+    let session = Session::of(Read::of(model)).unwrap();
     let text = session.to_toml();
     assert!(text.contains("[document.slopes.auto]"), "{text}");
     let mut restored = Start::without_auto_detect().open();
     let model = &mut restored.app_mut().model;
-    model.show_document(Session::from_toml(&text).unwrap().over_first(&model.document), Reselect::Feature(None));
+    apply::staged::show_document(
+        model,
+        Session::from_toml(&text).unwrap().over_first(&model.document),
+        Reselect::Feature(None),
+    );
     assert!(restored.app().model.document.slopes.is_auto());
     // A session with given slopes.
     let given = "version = 4\nburst = \"demo\"\n[document]\nslopes = \"given\"\n[document.params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
     let model = &mut window.app_mut().model;
-    model.show_document(Session::from_toml(given).unwrap().over_first(&model.document), Reselect::Feature(None));
+    apply::staged::show_document(
+        model,
+        Session::from_toml(given).unwrap().over_first(&model.document),
+        Reselect::Feature(None),
+    );
     window.settle();
     assert_eq!(window.app().model.document.slopes, SlopeChoice::Given);
     assert_eq!(grid(&window).u, SlopeAxis::new(-1.0..=1.0, 5));
@@ -119,9 +129,12 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let model = &window.app().model;
     let detection = model.results.slots.a.found.as_ref().unwrap().detection.clone();
     let values = model.results.coherence.of(&detection).unwrap().clone();
-    let cache =
-        ProbeCache::new(&model.results.slots.a.burst.as_ref().unwrap().burst, &model.asked(), &Monitor::default())
-            .unwrap();
+    let cache = ProbeCache::new(
+        &model.results.slots.a.burst.as_ref().unwrap().burst,
+        &Read::of(model).asked(),
+        &Monitor::default(),
+    )
+    .unwrap();
     assert_eq!(*values, judged(&cache.trail, &Monitor::default()).unwrap());
     assert!(window.shows("Legend: coherence from 0 to 1") && !window.shows("Grey: not computed yet"));
     assert_eq!(window.shows("Grey: too noisy to tell"), values.iter().any(|judged| judged.coherence.is_none()));
@@ -162,7 +175,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let model = &mut window.app_mut().model;
     assert!(model.results.coherence.of(&detection).is_none() && model.results.coherence.of(&now).is_some());
     model.results.coherence = Default::default();
-    let missing = model.missing_coherence(Side::A).expect("it is shown, and was forgotten");
+    let missing = Read::of(model).missing_coherence(Side::A).expect("it is shown, and was forgotten");
     let app = window.app_mut();
     app.model.results.coherence.wanted.a.ask(&app.engine, missing);
     app.model.results.coherence.wanted.a.cancel();
@@ -225,7 +238,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     let mut window = open(folder.path());
     let slope = window.app().model.document.cursor().slope;
     look_at_slopes(&mut window);
-    let spectrum = window.app().model.spectrum().unwrap().clone();
+    let spectrum = window.app().read().spectrum().unwrap().clone();
     let advice = &spectrum.advice[0];
     assert!(!advice.changes.is_empty() && window.shows("moves beyond the range"), "{advice:?}");
     assert!(window.shows(&advice.changes[0].label()) && window.shows("at the limit"));
@@ -251,7 +264,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     window.run_action("detect");
     window.settle();
     look_at_slopes(&mut window);
-    let spectrum = window.app().model.spectrum().unwrap().clone();
+    let spectrum = window.app().read().spectrum().unwrap().clone();
     assert_eq!(spectrum.grid.u, wider, "the slopes are those of the new detection");
     assert!((spectrum.most_features().unwrap().u - 2.5).abs() < 0.6);
     let told = |spectrum: &burstscope::inspect::spectrum::Spectrum| {
@@ -290,7 +303,7 @@ fn the_ends_of_the_range_are_dragged_below_the_slider() {
 fn a_plane_of_slopes_has_cells() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     look_at_slopes(&mut window);
-    assert!(window.app().model.spectrum().unwrap().grid.is_plane());
+    assert!(window.app().read().spectrum().unwrap().grid.is_plane());
     assert!(window.shows("Evidence by slope") && window.shows("Cost: "));
     assert!(window.harness.query_by_label("Features and evidence below the slider").is_none());
     window.snapshot("slopes_plane");

@@ -2,6 +2,7 @@
 
 use crate::support::{Start, Window};
 use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::results::Read;
 use burstscope::detector::{Method, Slope};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, OutputCommand, Pos2, pos2};
@@ -66,7 +67,7 @@ fn parameters_and_slopes_are_taken_back_and_made_again() {
     redo(&mut window);
     assert_eq!(state(&window), (Method::Sift, 1.0));
     window.settle();
-    assert!(window.app().model.picture_is_current());
+    assert!(window.app().read().picture_is_current());
 }
 
 #[test]
@@ -90,7 +91,7 @@ fn a_feature_a_value_a_place_and_a_picture_are_copied() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.key(Key::Home);
     let texts = copied(&mut window, |window| window.harness.event(egui::Event::Copy));
-    let first = window.app().model.read().features()[window.app().model.document.selected.unwrap()];
+    let first = window.app().read().features()[window.app().model.document.selected.unwrap()];
     assert_eq!(texts.len(), 1);
     assert!(texts[0].starts_with("u\tv\tsigma") && texts[0].contains(&format!("\n{}\t{}", first.u, first.v)));
     // Without a selection, the value under the pointer is copied.
@@ -99,7 +100,7 @@ fn a_feature_a_value_a_place_and_a_picture_are_copied() {
     window.harness.hover_at(at);
     window.harness.run_steps(2);
     let texts = copied(&mut window, |window| window.harness.event(egui::Event::Copy));
-    let plane = window.app().model.picture().unwrap().plane.clone();
+    let plane = window.app().read().picture().unwrap().plane.clone();
     assert_eq!(texts, [plane.at(300, 40).to_string()]);
     second_click_at(&mut window, at);
     let texts = copied(&mut window, |window| window.harness.get_by_label_contains("Copy place (300.").click());
@@ -118,8 +119,11 @@ fn rows_and_features_have_menus() {
     window.click("Go to feature");
     window.settle();
     let model = &window.app().model;
-    assert_eq!((model.document.selected, model.document.cursor().slope), (Some(2), model.read().features()[2].slope));
-    let feature = model.read().features()[2];
+    assert_eq!(
+        (model.document.selected, model.document.cursor().slope),
+        (Some(2), Read::of(model).features()[2].slope)
+    );
+    let feature = Read::of(model).features()[2];
     let at = window.app().ui_from_image(pos2(feature.u, feature.v)).unwrap();
     window.key(Key::Escape);
     second_click_at(&mut window, at);

@@ -320,7 +320,7 @@ impl Window {
         self.settle();
         // Which of several bursts' or methods' answers comes last differs from run to run.
         if matches!(self.app().model.document.workspace, Workspace::Pair | Workspace::Methods) {
-            self.app_mut().model.messages.note("");
+            self.app_mut().model.shell.messages.note("");
         }
         // Durations differ from run to run.
         if let Some(found) = &mut self.app_mut().model.results.slots.a.found {
@@ -329,7 +329,7 @@ impl Window {
         if let Some(matches) = &mut self.app_mut().model.results.pair.matches {
             matches.elapsed = Duration::from_millis(10);
         }
-        for found in self.app_mut().model.results.compare.all_found_mut() {
+        for found in self.app_mut().model.results.compare.found.values_mut() {
             found.elapsed = Duration::from_millis(120);
         }
         self.harness.run_steps(2);

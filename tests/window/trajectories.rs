@@ -1,6 +1,7 @@
 //! An estimated trajectory beside the true one.
 
 use crate::support::{Start, Window, noisy_stack};
+use burstscope::app::apply;
 use burstscope::app::document::datasets::Which;
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
 use burstscope::teach::Workspace;
@@ -111,7 +112,7 @@ fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
     window.settle();
     assert!(window.app().model.document.trajectories.points && window.shows("3D points"));
     let app = window.app_mut();
-    app.model.open_trajectory(Which::Estimate, home.path().join("truth.txt"), &app.engine);
+    apply::studies::open_trajectory(&mut app.model, Which::Estimate, home.path().join("truth.txt"), &app.engine);
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::CheckBox, "3D points").is_none());
 }
@@ -133,13 +134,13 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     window.dialogs.will_choose(&nights);
     window.run_action("open");
     window.settle();
-    assert_eq!(window.app().model.frame_count(), 3);
+    assert_eq!(window.app().read().frame_count(), 3);
     window.run_action("trajectories");
     window.settle();
     let at = row(&window, "Camera burst_01.png");
     window.double_click_at(at);
     window.settle();
-    assert_eq!((window.app().model.document.workspace, window.app().model.frame_count()), (Workspace::Inspect, 5));
+    assert_eq!((window.app().model.document.workspace, window.app().read().frame_count()), (Workspace::Inspect, 5));
     window.run_action("trajectories");
     window.settle();
     let at = row(&window, "Camera burst_02.png");
@@ -154,7 +155,7 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     let broken = home.path().join("broken.txt");
     std::fs::write(&broken, "1 2 3\n").unwrap();
     let app = window.app_mut();
-    app.model.open_trajectory(Which::Truth, broken, &app.engine);
+    apply::studies::open_trajectory(&mut app.model, Which::Truth, broken, &app.engine);
     window.settle();
     assert!(window.shows("broken.txt") && window.shows("line 1"));
     assert!(window.app().model.results.poses.report().is_some());
@@ -192,6 +193,6 @@ fn trajectories() {
     compared.estimate.as_mut().unwrap().0 = "/data/rec/sparse".into();
     compared.truth.as_mut().unwrap().0 = "/data/truth.txt".into();
     window.app_mut().model.document.trajectories.selected = Some(3);
-    window.app_mut().model.messages.note("Opened demo");
+    window.app_mut().model.shell.messages.note("Opened demo");
     window.snapshot("trajectories");
 }

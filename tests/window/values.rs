@@ -108,9 +108,10 @@ mod lab {
 }
 
 mod trajectories {
-    use burstscope::app::results::trajectories::*;
-    use burstscope::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, Pose, evaluate_poses, read_trajectory};
-    use burstscope::evaluate::poses::{PoseStudy, Projection, Trajectory};
+    use burstscope::app::results::studies::*;
+    use burstscope::evaluate::poses::{
+        DEMO_ESTIMATE, DEMO_TRUTH, Pose, PoseStudy, Projection, Trajectory, evaluate_poses, read_trajectory,
+    };
     use burstscope::requests::ComparedPoses;
     use nalgebra::{Isometry3, Vector3};
     use std::path::PathBuf;
@@ -189,13 +190,11 @@ mod trajectories {
 }
 
 mod listed {
-    use burstscope::app::document::filter::Interval;
-    use burstscope::app::document::filter::{Filter, Order, near_slope};
+    use burstscope::app::document::filter::{Filter, Interval, Order, near_slope};
     use burstscope::app::document::probe::SetUpState;
-    use burstscope::app::results::listed::listed;
+    use burstscope::app::results::slot::listed;
     use burstscope::app::view::{Known, quantity_text};
-    use burstscope::detector::Moves;
-    use burstscope::detector::{Feature, Quantity, Slope, SlopeGrid};
+    use burstscope::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 
     fn feature(u: f32, sigma: f32, slope_u: f32) -> Feature {
         let (slope, response, at_slope_limit) = (Slope::new(slope_u, 0.0), -0.1 * sigma, slope_u.abs() >= 3.0);

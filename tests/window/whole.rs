@@ -3,7 +3,8 @@
 use crate::cut::cut_off;
 use crate::steps_back::second_click_at;
 use crate::support::{Start, Window, given};
-use burstscope::detector::Slope;
+use burstscope::app::results::Read;
+use burstscope::detector::{Quantity, Slope};
 use burstscope::requests::BurstSource;
 use burstscope::teach::BottomTab;
 use egui::{Key, ThemePreference, pos2, vec2};
@@ -44,7 +45,7 @@ fn a_selected_feature_tells_all_its_numbers() {
         window.harness.set_size(size.into());
         window.harness.run_steps(4);
         let index = window.app().model.document.selected.expect("the strongest");
-        let feature = window.app().model.read().features()[index];
+        let feature = window.app().read().features()[index];
         for value in [format!("{:.1}", feature.snr), format!("{}, {}", feature.octave, feature.level)] {
             assert!(window.shows(&value), "{value} at {size:?}");
         }
@@ -103,7 +104,7 @@ fn the_menu_of_a_feature_is_whole_and_no_tip_lies_over_it() {
         let feature = {
             let model = &window.app().model;
             let index = model.results.listed[0];
-            model.read().features()[index]
+            Read::of(model).features()[index]
         };
         window.app_mut().model.document.focused_mut().cursor.slope = feature.motion().0;
         window.settle();
@@ -150,7 +151,7 @@ fn readouts(window: &Window) -> Vec<(String, bool)> {
 #[test]
 fn the_slope_of_features_is_said_with_their_own() {
     let mut window = open();
-    let note = window.app().model.messages.last_note().expect("a note").to_owned();
+    let note = window.app().model.shell.messages.last_note().expect("a note").to_owned();
     assert!(note.contains(" by their own slope"), "{note}");
     let model = &window.app().model;
     let found = model.results.slots.a.found.as_ref().unwrap();
@@ -158,7 +159,7 @@ fn the_slope_of_features_is_said_with_their_own() {
     let [all, own] = burstscope::app::document::filter::at_slope(&found.detection, slope);
     assert!(note.contains(&format!("({all})")) && note.contains(&format!("{own} by")), "{note} {all} {own}");
     window.app_mut().model.document.bottom_tab = BottomTab::Table;
-    window.app_mut().model.document.filter.near_slope = Some(window.app().model.near_slope());
+    window.app_mut().model.document.filter.near_slope = Some(window.app().read().near_slope());
     window.settle();
     assert_eq!(window.app().model.results.listed.len(), all);
     assert!(window.shows(&format!("{own} by their own slope")));
@@ -205,7 +206,7 @@ fn the_legend_of_a_figure_names_what_is_drawn() {
     let text = figure_texts(&mut window, folder.path());
     assert!(text.contains("slope up to ") && !others.iter().any(|other| text.contains(other)));
     // Words are said as such, and only those that are there.
-    window.app_mut().model.document.colour_by = burstscope::app::view::ColourBy::Moves;
+    window.app_mut().model.document.colour_by = burstscope::app::view::ColourBy::Of(Quantity::Moves);
     window.app_mut().model.document.filter.moves = Some(burstscope::detector::Moves::ByItself);
     window.settle();
     let text = figure_texts(&mut window, folder.path());

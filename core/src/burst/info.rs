@@ -1,7 +1,5 @@
 //! Description of a burst by what its files declare, before any pixel is read: what the command `info` prints.
 
-use super::Burst;
-use super::formats;
 use super::layout::{TimesChoice, ViewsChoice};
 use super::options::{Limits, OpenOptions};
 use super::positions::Positions;
@@ -10,6 +8,7 @@ use super::source::only_burst;
 use super::stamps::{SHORTEST_S, Timing, of_headers};
 use super::times::{Times, time_text};
 use super::views::{placed, size_of_view};
+use super::{Burst, formats};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use serde::Serialize;

@@ -4,8 +4,6 @@
 //! and the black level otherwise; the gain is the flat frame less the bias, over its own mean. Where their files are of
 //! another kind, their values are converted to the frames' unit, or refused where the unit cannot be told.
 
-use super::Burst;
-use super::formats;
 use super::layout::ViewsChoice;
 use super::masks::Masks;
 use super::notes::{Remark, suggested_full_scale};
@@ -15,6 +13,7 @@ use super::reading::{Declared, Expected, FileScale, RawFrame, Reading, Ticker, i
 use super::source::only_burst;
 use super::stamps::Timing;
 use super::views::{placed, views_of};
+use super::{Burst, formats};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;

@@ -12,16 +12,15 @@ mod density;
 mod error;
 mod figure;
 pub mod film;
+mod floats;
 mod format;
 mod kept;
 mod npz;
 mod outputs;
-mod pfm;
 mod plot;
 mod png;
 pub mod sheet;
 mod svg;
-mod tiff;
 
 pub use atomic::{FileWriter, write_marked, write_text, write_whole};
 pub use colmap::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};
@@ -40,12 +39,11 @@ pub use figure::{
     LegendEntry, LegendMark, MatchKind, curve_height, draw_curve, fan, lay_out, motion_over, round_length, sigma_over,
     write_drawing_svg,
 };
+pub use floats::{write_field_pfm, write_field_tiff, write_tiff};
 pub use format::{ExportFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};
 pub use kept::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin};
 pub use npz::{write_field_npz, write_npz};
 pub use outputs::{OpenedFiles, OutputRules, Overwrite, is_ours};
-pub use pfm::write_field_pfm;
 pub use plot::{Plot, Series, SeriesPoint, range_from_zero};
 pub use png::{Picture, write_png};
 pub use svg::Escaped;
-pub use tiff::{write_field_tiff, write_tiff};

@@ -6,8 +6,7 @@
 
 use super::noise::{quantisation_step, quantised_word};
 use super::random::Stream;
-use crate::burst::Burst;
-use crate::burst::LUMA_WEIGHTS;
+use crate::burst::{Burst, LUMA_WEIGHTS};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use serde::{Serialize, Serializer};

@@ -4,7 +4,7 @@ use super::{ACTIONS, ActionId, ActionRow, Menu, Queue, checked, enabled, keys_te
 use crate::app::document::Action;
 use crate::app::document::panes::Panels;
 use crate::app::document::side::Side;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::settings::Settings;
 use crate::app::words::explained;
 use crate::dataset::DatasetSource;
@@ -14,7 +14,7 @@ use crate::requests::BurstSource;
 use egui::{Key, Modifiers, RichText};
 use std::path::PathBuf;
 
-pub fn menu_bar_ui(ui: &mut egui::Ui, model: &Model, remembered: &Settings, queue: &mut Queue) {
+pub fn menu_bar_ui(ui: &mut egui::Ui, model: Read<'_>, remembered: &Settings, queue: &mut Queue) {
     let mut item = |ui: &mut egui::Ui, action: &ActionRow| {
         item_ui(ui, model, queue, action.id);
         if action.id == ActionId::OpenDemo {
@@ -57,7 +57,7 @@ fn within_window(ui: &mut egui::Ui, entries: impl FnOnce(&mut egui::Ui)) {
     egui::ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, entries);
 }
 
-pub fn item_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue, id: ActionId) {
+pub fn item_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue, id: ActionId) {
     let action = id.action();
     let mark = if checked(id, model) == Some(true) { "✔ " } else { "" };
     let mut button = egui::Button::new(format!("{mark}{}", action.label));
@@ -122,7 +122,7 @@ impl Palette {
         self.open
     }
 
-    pub fn ui(&mut self, ctx: &egui::Context, model: &Model, queue: &mut Queue) {
+    pub fn ui(&mut self, ctx: &egui::Context, model: Read<'_>, queue: &mut Queue) {
         if !self.open {
             return;
         }
@@ -181,12 +181,12 @@ fn parameter(name: &str) -> &'static Param<DetectorParams> {
 }
 
 /// The search with a parameter set, as an option of a command sets it.
-fn with_value(name: &str, value: &str, model: &Model) -> Option<SearchParams> {
+fn with_value(name: &str, value: &str, model: Read<'_>) -> Option<SearchParams> {
     let search = SearchParams { detector: model.document.params.clone(), slopes: model.document.slopes };
     search.with_texts([(*parameter(name), value)]).ok()
 }
 
-fn is_possible(found: &Entry, model: &Model) -> bool {
+fn is_possible(found: &Entry, model: Read<'_>) -> bool {
     match found {
         Entry::Action(id) => enabled(*id, model),
         Entry::Parameter(name, value) => value.as_ref().is_none_or(|value| with_value(name, value, model).is_some()),
@@ -194,14 +194,14 @@ fn is_possible(found: &Entry, model: &Model) -> bool {
 }
 
 /// Sets the parameter, or without a value opens the panel that shows it.
-fn set_or_show(name: &str, value: Option<&str>, model: &Model, queue: &mut Queue) {
+fn set_or_show(name: &str, value: Option<&str>, model: Read<'_>, queue: &mut Queue) {
     match value.and_then(|value| with_value(name, value, model)) {
         Some(search) => queue.push(Action::SetSearch(Box::new(search))),
         None => queue.push(Action::SetPanels(Panels { left: true.into(), advanced: true, ..model.document.panels })),
     }
 }
 
-fn palette_row_ui(ui: &mut egui::Ui, model: &Model, found: &Entry, chosen: bool) -> egui::Response {
+fn palette_row_ui(ui: &mut egui::Ui, model: Read<'_>, found: &Entry, chosen: bool) -> egui::Response {
     let weak = ui.visuals().weak_text_color();
     let is_possible = is_possible(found, model);
     let (group, text, right, help) = match found {
@@ -239,7 +239,7 @@ enum Entry {
 
 /// Actions and parameters whose names or help have the words of `text`, the best first; what is possible now before
 /// what is not. A number at the end is a value.
-fn found_by(text: &str, model: &Model) -> Vec<Entry> {
+fn found_by(text: &str, model: Read<'_>) -> Vec<Entry> {
     let text = text.trim().to_lowercase();
     let actions = ACTIONS.iter().filter(|action| action.id != ActionId::Palette);
     if text.is_empty() {
@@ -282,7 +282,7 @@ fn rank(wanted: &str, label: &str, help: &str) -> Option<u8> {
 }
 
 /// Reason why an action that is not enabled is not possible now.
-fn why_not(action: &ActionRow, model: &Model) -> &'static str {
+fn why_not(action: &ActionRow, model: Read<'_>) -> &'static str {
     match action.menu {
         Menu::Dataset => "open a dataset first",
         _ if model.results.slots.a.burst.is_none() => "open a burst first",
@@ -388,32 +388,40 @@ fn key_ui(ui: &mut egui::Ui, keys: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::apply::{bench, opening};
+    use crate::app::results::Model;
 
     #[test]
     fn words_find_actions_and_parameters_and_nothing_else() {
         let mut model = Model::default();
-        let first = |text: &str, model: &Model| found_by(text, model).first().cloned();
+        let first = |text: &str, model: Read<'_>| found_by(text, model).first().cloned();
         use ActionId as A;
         for (text, id) in [("open dem", A::OpenDemo), ("light", A::ThemeLight), ("keyb", A::Shortcuts)] {
-            assert_eq!(first(text, &model), Some(Entry::Action(id)), "{text}");
+            assert_eq!(first(text, Read::of(&model)), Some(Entry::Action(id)), "{text}");
         }
-        assert_eq!((first("opth", &model), first("qqqq", &model)), (None, None), "letters that are not together");
-        assert_eq!(first("first oct", &model), Some(Entry::Parameter("first-octave", None)));
+        assert_eq!(
+            (first("opth", Read::of(&model)), first("qqqq", Read::of(&model))),
+            (None, None),
+            "letters that are not together"
+        );
+        assert_eq!(first("first oct", Read::of(&model)), Some(Entry::Parameter("first-octave", None)));
         let set = Entry::Parameter("first-octave", Some("-1".to_owned()));
-        assert_eq!(first("first octave -1", &model), Some(set.clone()));
-        assert!(is_possible(&set, &model));
+        assert_eq!(first("first octave -1", Read::of(&model)), Some(set.clone()));
+        assert!(is_possible(&set, Read::of(&model)));
         let mut queue = Queue::default();
-        set_or_show("first-octave", Some("-1"), &model, &mut queue);
+        set_or_show("first-octave", Some("-1"), Read::of(&model), &mut queue);
         let Some(Action::SetSearch(search)) = queue.into_iter().next() else { panic!("it is set") };
         assert_eq!(search.detector.first_octave, -1);
         let wrong = Entry::Parameter("first-octave", Some("99".to_owned()));
-        assert!(found_by("first octave 99", &model).contains(&wrong) && !is_possible(&wrong, &model));
+        assert!(
+            found_by("first octave 99", Read::of(&model)).contains(&wrong) && !is_possible(&wrong, Read::of(&model))
+        );
         // What is not possible now is there, after what is, with the reason.
-        let swap = found_by("swap a and b", &model);
+        let swap = found_by("swap a and b", Read::of(&model));
         assert_eq!(swap, [Entry::Action(A::SwapSides)]);
-        assert!(!is_possible(&swap[0], &model));
-        assert_eq!(why_not(A::SwapSides.action(), &model), "open a burst first");
-        model.take_burst(crate::app::results::tests::open((64, 48), 5));
-        assert_eq!(why_not(A::SwapSides.action(), &model), "open a second burst first");
+        assert!(!is_possible(&swap[0], Read::of(&model)));
+        assert_eq!(why_not(A::SwapSides.action(), Read::of(&model)), "open a burst first");
+        opening::take_burst(&mut model, bench::open((64, 48), 5));
+        assert_eq!(why_not(A::SwapSides.action(), Read::of(&model)), "open a second burst first");
     }
 }

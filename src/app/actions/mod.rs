@@ -7,7 +7,7 @@ pub mod when;
 pub use crate::app::document::Queue;
 pub use registry::{ACTIONS, ActionId, ActionRow, Menu, checked, enabled, shown_by, workspaces};
 
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::words::explained;
 use crate::teach::glossary::{Word, glossary};
 
@@ -42,7 +42,7 @@ pub fn tooltip(ctx: &egui::Context, action: &ActionRow) -> String {
 
 pub fn button_ui(
     ui: &mut egui::Ui,
-    model: &Model,
+    model: Read<'_>,
     queue: &mut Queue,
     id: ActionId,
     label: Option<&str>,
@@ -61,7 +61,7 @@ pub fn button_ui(
 }
 
 /// Plain keys are left to a text field that is edited, and to an open menu: arrows choose in it, Escape closes it.
-pub fn take_shortcuts(ctx: &egui::Context, model: &Model, queue: &mut Queue) {
+pub fn take_shortcuts(ctx: &egui::Context, model: Read<'_>, queue: &mut Queue) {
     let plain_keys_are_taken = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
     ctx.input_mut(|input| {
         // Shortcuts with more modifiers first: a plain key would otherwise swallow the same key with Shift.

@@ -2,7 +2,7 @@
 //! is on.
 
 use super::when;
-use crate::app::apply::change;
+use crate::app::apply::{change, comparison, dataset_answers, datasets, opening, pair, panes, probe, studies};
 use crate::app::document::Document;
 use crate::app::document::comparison::Reference;
 use crate::app::document::cursor::{Cursor, snapped, stepped};
@@ -11,7 +11,7 @@ use crate::app::document::panes::Visibility;
 use crate::app::document::side::Side;
 use crate::app::measure::Tool;
 use crate::app::pane::{Direction, Link, Preset};
-use crate::app::results::{Effect, Model};
+use crate::app::results::{Effect, Model, Read};
 use crate::app::view::View;
 use crate::detector::{Method, SearchParams, Slope, SlopeGrid};
 use crate::engine::Engine;
@@ -76,7 +76,7 @@ impl Menu {
     }
 
     /// Whether there is what the menu is about. Its actions are found by their names, or by their keys, in any case.
-    pub fn has_content(self, model: &Model) -> bool {
+    pub fn has_content(self, model: Read<'_>) -> bool {
         match self {
             Self::Pair => model.document.workspace == Workspace::Pair || model.results.slots.b.burst.is_some(),
             Self::Dataset => {
@@ -101,9 +101,9 @@ pub struct ActionRow {
     /// All that the action does, but for those of the shell: what needs the lesson, the screen or a dialog.
     pub does: Option<Does>,
     /// Whether it is possible, where that does not follow from what it does.
-    when: Option<fn(&Model) -> bool>,
+    when: Option<fn(Read<'_>) -> bool>,
     /// Whether it is on, of a switch or choice that does not follow from what it does.
-    is_on: Option<fn(&Model) -> bool>,
+    is_on: Option<fn(Read<'_>) -> bool>,
 }
 
 /// Plain doings of actions.
@@ -135,7 +135,7 @@ pub enum Does {
 }
 
 /// Whether an action is possible now.
-pub fn enabled(id: ActionId, model: &Model) -> bool {
+pub fn enabled(id: ActionId, model: Read<'_>) -> bool {
     let ActionRow { when, does, .. } = id.action();
     match (when, does) {
         (Some(when), _) => when(model),
@@ -146,13 +146,13 @@ pub fn enabled(id: ActionId, model: &Model) -> bool {
 }
 
 /// Whether a switch is on, or a choice made; `None` of other actions.
-pub fn checked(id: ActionId, model: &Model) -> Option<bool> {
+pub fn checked(id: ActionId, model: Read<'_>) -> Option<bool> {
     let ActionRow { is_on, does, .. } = id.action();
     match (is_on, *does) {
         (Some(is_on), _) => Some(is_on(model)),
         (None, Some(Does::Workspace(workspace))) => Some(model.document.workspace == workspace),
         (None, Some(Does::Show(kind))) => Some(model.document.focused().shown() == Some(kind)),
-        (None, Some(Does::Switch { is_on, .. })) => Some(is_on(&model.document)),
+        (None, Some(Does::Switch { is_on, .. })) => Some(is_on(model.document)),
         _ => None,
     }
 }
@@ -235,8 +235,8 @@ actions! {
     ExportMethods, File 5, "Export table of methods…", [], "Write the numbers of all methods as CSV, or as LaTeX to a name that ends in .tex" => Ask(Purpose::Export(ExportKind::Methods)), when |model| when::in_methods(model) && !model.methods_shown().is_empty();
     Quit, File 6, "Quit", [CTRL Q], "Close the window";
 
-    Undo, Edit 0, "Undo", [CTRL Z], "Undo the last change of a parameter or slope", when |model| model.history.can_undo();
-    Redo, Edit 0, "Redo", [CTRL_SHIFT Z], "Make the undone change again", when |model| model.history.can_redo();
+    Undo, Edit 0, "Undo", [CTRL Z], "Undo the last change of a parameter or slope", when |model| model.shell.history.can_undo();
+    Redo, Edit 0, "Redo", [CTRL_SHIFT Z], "Make the undone change again", when |model| model.shell.history.can_redo();
     CopyRow, Edit 1, "Copy row or value", [], "Copy the selected feature or match, or else the value under the pointer (also Ctrl+C)", when when::has_burst;
     CopyCommand, Edit 1, "Copy as command", [CTRL_SHIFT K], "Copy the command that finds the features of this burst with these parameters", when |model| when::has_burst(model) && when::active(model).param_error.is_none();
     CopyPicture, Edit 1, "Copy picture", [], "Copy the picture in focus as it is shown, in its range and colours", when when::has_picture;
@@ -277,8 +277,8 @@ actions! {
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours" => Switch(look.legend);
     NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale, response, SNR, slope limit or coherence in turn" => Set(change::colour_next);
     ToggleLeft, View 4, "Cursor and parameters", [CTRL B], "Show or hide the panel on the left" => Run(change::toggle_left), on |model| model.shows_left();
-    ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right" => Run(|model, _| model.document.panels.right = Visibility::from(!model.shows_right())), on |model| model.shows_right();
-    ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below" => Run(|model, _| model.document.panels.bottom = Visibility::from(!model.shows_bottom())), on |model| model.shows_bottom();
+    ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right" => Run(|model, _| model.document.panels.right = Visibility::from(!Read::of(model).shows_right())), on |model| model.shows_right();
+    ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below" => Run(|model, _| model.document.panels.bottom = Visibility::from(!Read::of(model).shows_bottom())), on |model| model.shows_bottom();
     ToggleFilmstrip, View 4, "Filmstrip", [CTRL K], "Show or hide the bursts of the dataset" => Switch(panels.filmstrip), when when::has_dataset;
     ThemeSystem, View 5, "Theme as the system", [], "Follow the system's light or dark theme" => Set(|document| document.theme = ThemePreference::System), on |model| model.document.theme == ThemePreference::System;
     ThemeLight, View 5, "Light theme", [], "Dark text on a light background" => Set(|document| document.theme = ThemePreference::Light), on |model| model.document.theme == ThemePreference::Light;
@@ -309,7 +309,7 @@ actions! {
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames" => Slope(|_, _| Slope::default()), when when::has_burst;
     SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope" => Slope(snapped), when when::has_burst;
     BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting the ends of the range" => Run(change::go_to_busiest_slope), when |model| when::active(model).found.is_some();
-    Play, Cursor 0, "Play slopes", [NONE Space], "Step through the grid's slopes, back and forth" => Run(|model, _| model.toggle_play()), when |model| when::has_burst(model) && model.cursor_params().slopes.len() > 1, on |model| model.document.playing;
+    Play, Cursor 0, "Play slopes", [NONE Space], "Step through the grid's slopes, back and forth" => Run(|model, _| panes::toggle_play(model)), when |model| when::has_burst(model) && model.cursor_params().slopes.len() > 1, on |model| model.document.playing;
     FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back" => Frame(|cursor| cursor.frame = cursor.frame.saturating_sub(1)), when |model| when::has_burst(model) && model.focused_frame_count() > 1;
     FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on" => Frame(|cursor| cursor.frame += 1), when |model| when::has_burst(model) && model.focused_frame_count() > 1;
     OctaveFiner, Cursor 2, "Finer octave", [NONE OpenBracket], "Halve the scale of the DoG" => Scale(|cursor| cursor.octave -= 1), when when::has_burst;
@@ -318,7 +318,7 @@ actions! {
     LevelUp, Cursor 2, "Next level", [NONE PageUp], "Go one level up in the octave" => Scale(|cursor| cursor.level += 1), when when::has_burst;
 
     Detect, Detect 0, "Detect", [NONE D], "Find features with these parameters" => Run(change::detect), when when::can_detect;
-    Cancel, Detect 0, "Cancel", [], "Stop the detection or the opening" => Run(|model, _| model.cancel_searches()), when |model| model.is_searching();
+    Cancel, Detect 0, "Cancel", [], "Stop the detection or the opening" => Run(|model, _| Read::of(model).cancel_searches()), when |model| model.is_searching();
     AutoDetect, Detect 0, "Detect after each change", [NONE A], "Detect by itself whenever a parameter or the burst changes" => Switch(auto_detect);
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame" => Set(change::search_line), on when::searches_line;
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: those that are set or were found, and some to both sides of them" => Set(change::search_plane), on when::searches_plane;
@@ -328,11 +328,11 @@ actions! {
     OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::B)), when when::has_both;
     SlopesFromSetUp, Detect 3, "Slopes from the set-up", [], "Compute the slopes from speed, turning, frame rate, lens and depths, and read slopes as depths" => Set(|document| document.show_set_up());
     ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default" => Set(|document| document.set_search(SearchParams::default())), when |model| model.asked() != SearchParams::default();
-    RunStudy, Detect 4, "Run study", [], "Make the Lab's charts, run the methods on them, and draw the curves as they grow" => Run(|model, engine| model.run_study(engine)), when |model| !model.results.studies.wanted.is_pending() && model.lab_study().is_ok();
+    RunStudy, Detect 4, "Run study", [], "Make the Lab's charts, run the methods on them, and draw the curves as they grow" => Run(studies::run_study), when |model| !model.results.studies.wanted.is_pending() && model.lab_study().is_ok();
     CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay" => Run(|model, _| model.results.studies.wanted.cancel()), when |model| model.results.studies.wanted.is_pending();
     KeepCurves, Detect 4, "Keep curves", [], "Keep the curves of this study beside those of the next ones" => Run(|model, _| model.results.studies.keep_current()), when |model| model.results.studies.current.is_some() && !model.results.studies.wanted.is_pending();
     OpenChart, Detect 4, "Look at chart as burst", [], "Open the Lab's chart as a burst, with its truth" => Run(change::open_chart), when |model| model.selected_chart().is_some();
-    OpenPlanted, Detect 4, "Probe planted thing", [], "Open the copy of the burst with the selected planted thing, and say what became of it" => Run(|model, engine| model.open_planted(engine)), when |model| model.selected_thing().is_some() && when::has_burst(model);
+    OpenPlanted, Detect 4, "Probe planted thing", [], "Open the copy of the burst with the selected planted thing, and say what became of it" => Run(studies::open_planted), when |model| model.selected_thing().is_some() && when::has_burst(model);
     OpenDarkCopy, Detect 4, "Dark copy of A", [], "Open a copy of the burst with less light; the Lab sets its SNR" => Run(change::open_dark_copy), when when::has_burst;
     ExportCurvesCsv, Detect 4, "Export curves as CSV…", [], "Write one row for each point of the Lab's curves" => Ask(Purpose::Export(ExportKind::CurvesCsv)), when |model| !model.lab_results().is_empty();
     ExportCurvesSvg, Detect 4, "Export curves as SVG…", [], "Write the Lab's plots as a figure" => Ask(Purpose::Export(ExportKind::CurvesSvg)), when |model| !model.lab_results().is_empty();
@@ -344,22 +344,22 @@ actions! {
     ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature and no match" => Set(change::clear_selection), when when::has_selection;
     ProbePlace, Features 1, "Probe this place", [SHIFT P], "Say why there is a feature at the place under the pointer, or why there is none (also Shift+click)", when when::can_probe;
     ProbeFeature, Features 1, "Why this feature?", [SHIFT W], "Probe the selected feature: its tests, its response, that of each frame, and what may be wrong with it" => Run(change::probe_selection), when |model| when::has_probe_panel(model) && model.feature_to_probe().is_some();
-    ProbeStrongest, Features 1, "Probe the strongest candidate", [], "Probe the strongest candidate of the whole picture, kept or not" => Run(|model, _| model.ask_probe(model.active_side(), ProbeQuestion::Strongest)), when when::can_probe;
-    ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked" => Run(|model, _| model.follow_with_probe()), when when::can_probe, on |model| model.document.probe.follows;
-    CloseProbe, Features 1, "Clear probe", [], "Close the probe and free its memory" => Run(|model, _| model.clear_probe()), when |model| model.document.probe.is_on() || model.results.probed.answer.is_some();
+    ProbeStrongest, Features 1, "Probe the strongest candidate", [], "Probe the strongest candidate of the whole picture, kept or not" => Run(|model, _| probe::ask_probe(model, Read::of(model).active_side(), ProbeQuestion::Strongest)), when when::can_probe;
+    ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked" => Run(|model, _| probe::follow_with_probe(model)), when when::can_probe, on |model| model.document.probe.follows;
+    CloseProbe, Features 1, "Clear probe", [], "Close the probe and free its memory" => Run(|model, _| probe::clear_probe(model)), when |model| model.document.probe.is_on() || model.results.probed.answer.is_some();
     ClearFilter, Features 2, "Clear filter", [], "Show all features" => Set(|document| document.filter = Default::default()), when |model| !model.document.filter.is_open();
     PinResult, Features 3, "Pin this result", [SHIFT D], "Keep these features, to show which ones later detections gain, lose and move" => Run(change::pin_result), when |model| when::active(model).found.is_some();
-    UnpinResult, Features 3, "Unpin", [], "Remove the pinned result" => Run(|model, _| model.forget_reference(model.active_side(), Reference::Pinned)), when |model| when::refers_to(model, Reference::Pinned);
-    OpenFeatures, Features 3, "Open features…", [], "Compare with features of a file: a CSV table as exported here, or COLMAP's text format" => Change(|model, _| Some(Effect::Ask(Purpose::OpenFeatures(model.active_side())))), when when::has_burst;
-    CloseFeatures, Features 3, "Close opened features", [], "Stop comparing with the features of the file" => Run(|model, _| model.forget_reference(model.active_side(), Reference::File)), when |model| when::refers_to(model, Reference::File);
+    UnpinResult, Features 3, "Unpin", [], "Remove the pinned result" => Run(|model, _| comparison::forget_reference(model, Read::of(model).active_side(), Reference::Pinned)), when |model| when::refers_to(model, Reference::Pinned);
+    OpenFeatures, Features 3, "Open features…", [], "Compare with features of a file: a CSV table as exported here, or COLMAP's text format" => Change(|model, _| Some(Effect::Ask(Purpose::OpenFeatures(Read::of(model).active_side())))), when when::has_burst;
+    CloseFeatures, Features 3, "Close opened features", [], "Stop comparing with the features of the file" => Run(|model, _| comparison::forget_reference(model, Read::of(model).active_side(), Reference::File)), when |model| when::refers_to(model, Reference::File);
     ShowTruth, Features 3, "Compare with the truth", [], "Mark found, missed, repeated and false features, for bursts with known truth" => Run(change::show_truth), when |model| when::refers_to(model, Reference::Truth), on when::shows_truth;
 
     OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst" => Ask(Purpose::OpenFolderB), when when::has_burst;
     OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst" => Ask(Purpose::OpenFilesB), when when::has_burst;
     OpenPathB, Pair 0, "Open B: path…", [], "Type or paste the path of the second burst", when when::has_burst;
-    OpenDemoB, Pair 0, "Later demo burst as B", [], "Open the demo street a little later as the second burst" => Run(|model, engine| _ = model.open(Side::B, BurstSource::DemoLater, engine)), when when::has_burst;
-    CloseB, Pair 0, "Close B", [], "Close the second burst" => Run(Model::close_second), when when::has_both;
-    SwapSides, Pair 1, "Swap A and B", [], "Exchange the first and the second burst" => Run(|model, _| model.swap_sides()), when when::has_both;
+    OpenDemoB, Pair 0, "Later demo burst as B", [], "Open the demo street a little later as the second burst" => Run(|model, engine| _ = opening::open(model, Side::B, BurstSource::DemoLater, engine)), when when::has_burst;
+    CloseB, Pair 0, "Close B", [], "Close the second burst" => Run(pair::close_second), when when::has_both;
+    SwapSides, Pair 1, "Swap A and B", [], "Exchange the first and the second burst" => Run(|model, _| pair::swap_sides(model)), when when::has_both;
     OtherSide, Pair 1, "Cursor of the other burst", [NONE T], "Focus a pane of the other burst, which sliders and keys then move" => Set(|document| document.focus_other_side()), when |model| when::in_pair(model) && model.results.slots.b.burst.is_some();
     LinkCursors, Pair 1, "Slope and scale together", [NONE K], "Move frame, slope, octave and level of all panes at once, and the kind of picture of both bursts" => Set(|document| document.toggle_link(Link::Cursor)), when |model| when::in_pair(model) || when::many_panes(model), on |model| model.document.panes.all_share(Link::Cursor);
     LinkViews, Pair 1, "Zoom and pan together", [NONE V], "Zoom and pan all panes at once" => Set(|document| document.toggle_link(Link::View)), when |model| when::in_pair(model) || when::many_panes(model), on |model| model.document.panes.all_share(Link::View);
@@ -372,23 +372,23 @@ actions! {
     ToggleAlone, Pair 3, "Selected match alone", [NONE X], "Draw the selected match with or without the others" => Switch(match_look.alone), when when::in_pair;
     ToggleEpipolar, Pair 3, "Epipolar lines", [NONE E], "Show or hide the lines of the other picture on which the partners must lie" => Switch(match_look.geometry), when when::in_pair;
 
-    DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts with these parameters, except of those that are done" => Change(|model, engine| model.ask_and_detect_all(engine)), when |model| model.results.datasets.can_detect(model.asked().validate().is_ok());
+    DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts with these parameters, except of those that are done" => Change(datasets::ask_and_detect_all), when |model| model.results.datasets.can_detect(model.asked().validate().is_ok());
     CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop the work on all bursts; finished bursts and pairs are kept" => Run(|model, _| model.results.datasets.wanted.cancel()), when |model| model.results.datasets.work.is_some();
-    PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one" => Run(|model, engine| model.step_burst(-1, engine)), when when::has_dataset;
-    NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one" => Run(|model, engine| model.step_burst(1, engine)), when when::has_dataset;
-    BurstAsA, Dataset 1, "Use burst as A", [], "Make the open burst the first of a pair" => Run(|model, _| model.choose_open_burst(Side::A)), when when::is_in_dataset;
-    BurstAsB, Dataset 1, "Use burst as B", [], "Make the open burst the second of a pair" => Run(|model, _| model.choose_open_burst(Side::B)), when when::is_in_dataset;
-    MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen" => Run(|model, engine| model.match_pairs(engine)), when when::can_match_pairs;
-    MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts chosen as A and B" => Run(|model, engine| model.match_selected(engine)), when |model| when::has_chosen(model) && when::can_match_pairs(model);
-    ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Show the two bursts chosen as A and B, with their matches" => Run(|model, engine| model.show_selected_pair(engine)), when when::has_chosen;
+    PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one" => Run(|model, engine| dataset_answers::step_burst(model, -1, engine)), when when::has_dataset;
+    NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one" => Run(|model, engine| dataset_answers::step_burst(model, 1, engine)), when when::has_dataset;
+    BurstAsA, Dataset 1, "Use burst as A", [], "Make the open burst the first of a pair" => Run(|model, _| dataset_answers::choose_open_burst(model, Side::A)), when when::is_in_dataset;
+    BurstAsB, Dataset 1, "Use burst as B", [], "Make the open burst the second of a pair" => Run(|model, _| dataset_answers::choose_open_burst(model, Side::B)), when when::is_in_dataset;
+    MatchPairs, Dataset 2, "Match pairs", [CTRL M], "Match all pairs, or each burst with the next few, as chosen" => Run(datasets::match_pairs), when when::can_match_pairs;
+    MatchSelected, Dataset 2, "Match A with B", [], "Match the two bursts chosen as A and B" => Run(datasets::match_selected), when |model| when::has_chosen(model) && when::can_match_pairs(model);
+    ShowPair, Dataset 2, "A and B side by side", [CTRL_SHIFT M], "Show the two bursts chosen as A and B, with their matches" => Run(dataset_answers::show_selected_pair), when when::has_chosen;
     ExportDatabase, Dataset 2, "Export COLMAP database…", [], "Write images, features, matches and verified geometries of all bursts as COLMAP's mapper takes them" => Ask(Purpose::ExportDatabase), when when::can_export_database;
     OpenEstimate, Dataset 3, "Open estimated trajectory…", [], "Open a sparse model of COLMAP (any file of it), or a trajectory file" => Ask(Purpose::OpenEstimate);
     OpenTruth, Dataset 3, "Open true trajectory…", [], "Open the true camera poses: a trajectory file, or a sparse model such as a gold standard's" => Ask(Purpose::OpenTruth);
-    CloseTrajectories, Dataset 3, "Close trajectories", [], "Close the estimated and the true trajectory" => Run(|model, _| model.close_trajectories()), when |model| !model.results.poses.is_empty();
-    CutSequence, Dataset 4, "Cut into bursts…", [], "Cut the open burst into shorter ones, and open them as a dataset" => Change(|model, _| model.cut_of_open_burst()), when when::can_be_cut;
+    CloseTrajectories, Dataset 3, "Close trajectories", [], "Close the estimated and the true trajectory" => Run(|model, _| studies::close_trajectories(model)), when |model| !model.results.poses.is_empty();
+    CutSequence, Dataset 4, "Cut into bursts…", [], "Cut the open burst into shorter ones, and open them as a dataset" => Change(|model, _| Read::of(model).cut_of_open_burst()), when when::can_be_cut;
     FeatureFolder, Dataset 4, "Choose feature folder…", [], "Keep the dataset's features in another folder, such as one that burstscope colmap wrote" => Ask(Purpose::FeatureFolder), when when::has_dataset;
-    UseFolderParams, Dataset 4, "Use the folder's parameters", [], "Use the parameters of the features in the dataset's folder" => Run(|model, engine| model.use_folder_params(engine)), when |model| model.results.datasets.open.as_ref().is_some_and(|open| open.other_params.is_some());
-    CloseDataset, Dataset 5, "Close dataset", [], "Close the dataset; its features stay in their folder" => Change(|model, _| Some(model.close_dataset())), when when::has_dataset;
+    UseFolderParams, Dataset 4, "Use the folder's parameters", [], "Use the parameters of the features in the dataset's folder" => Run(datasets::use_folder_params), when |model| model.results.datasets.open.as_ref().is_some_and(|open| open.other_params.is_some());
+    CloseDataset, Dataset 5, "Close dataset", [], "Close the dataset; its features stay in their folder" => Change(|model, _| Some(datasets::close_dataset(model))), when when::has_dataset;
 
     Palette, Help 0, "Command palette…", [CTRL P], "Find an action by typing part of its name";
     Shortcuts, Help 0, "Keyboard shortcuts", [NONE Questionmark], "Show the keys of all actions";

@@ -1,6 +1,7 @@
 //! What rows of the action table do, where that takes more than an expression.
 
 use crate::app::actions::when;
+use crate::app::apply::{comparison, detection, explained, opening, pair, panes, probe};
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::document::Document;
 use crate::app::document::comparison::Reference;
@@ -9,83 +10,83 @@ use crate::app::document::panes::Visibility;
 use crate::app::document::side::Side;
 use crate::app::measure::Tool;
 use crate::app::pane::Pane;
-use crate::app::results::Model;
+use crate::app::results::{Model, Read};
 use crate::detector::{Method, SlopeChoice, SlopeGrid};
 use crate::engine::Engine;
 use crate::requests::BurstSource;
 use crate::teach::{BottomTab, Workspace};
 
 pub fn detect(model: &mut Model, engine: &Engine) {
-    model.start_detection(Side::A, engine);
-    if when::in_pair(model) {
-        model.start_detection(Side::B, engine);
+    detection::start_detection(model, Side::A, engine);
+    if when::in_pair(Read::of(model)) {
+        detection::start_detection(model, Side::B, engine);
     }
 }
 
 pub fn match_pair(model: &mut Model, engine: &Engine) {
-    if let Some(wanted) = model.wanted_matches() {
+    if let Some(wanted) = Read::of(model).wanted_matches() {
         model.results.pair.matching.ask(engine, wanted);
     }
 }
 
 pub fn open_chart(model: &mut Model, engine: &Engine) {
-    if let Some(chart) = model.selected_chart().and_then(|chart| chart.params()) {
+    if let Some(chart) = Read::of(model).selected_chart().and_then(|chart| chart.params()) {
         model.document.workspace = Workspace::Inspect;
-        model.open(Side::A, BurstSource::Chart(Box::new(chart)), engine);
+        opening::open(model, Side::A, BurstSource::Chart(Box::new(chart)), engine);
     }
 }
 
 pub fn open_dark_copy(model: &mut Model, engine: &Engine) {
     if let Some(burst) = &model.results.slots.a.burst {
         let of = Box::new(burst.source.clone());
-        model.open(Side::A, BurstSource::DarkCopy { of, noise: model.document.lab.dark_copy }, engine);
+        opening::open(model, Side::A, BurstSource::DarkCopy { of, noise: model.document.lab.dark_copy }, engine);
     }
 }
 
 pub fn go_to_selection(model: &mut Model, _: &Engine) {
-    if when::in_pair(model) {
-        model.go_to_match();
+    if when::in_pair(Read::of(model)) {
+        pair::go_to_match(model);
     } else {
-        model.go_to_selected();
+        panes::go_to_selected(model);
     }
 }
 
 pub fn probe_selection(model: &mut Model, _: &Engine) {
-    if let Some((side, index)) = model.feature_to_probe() {
-        model.probe_feature(side, index);
+    if let Some((side, index)) = Read::of(model).feature_to_probe() {
+        probe::probe_feature(model, side, index);
     }
 }
 
 pub fn pin_result(model: &mut Model, _: &Engine) {
-    model.pin_result(model.active_side());
+    comparison::pin_result(model, Read::of(model).active_side());
     model.document.bottom_tab = BottomTab::Compared;
-    model.messages.note("Pinned: later detections are compared with these features");
+    model.shell.messages.note("Pinned: later detections are compared with these features");
 }
 
 pub fn show_truth(model: &mut Model, _: &Engine) {
-    let on = when::shows_truth(model);
-    model.show_comparison(model.active_side(), (!on).then_some(Reference::Truth));
+    let on = when::shows_truth(Read::of(model));
+    comparison::show_comparison(model, Read::of(model).active_side(), (!on).then_some(Reference::Truth));
     model.document.bottom_tab = BottomTab::Compared;
 }
 
 pub fn toggle_left(model: &mut Model, _: &Engine) {
-    if model.shows_left() {
+    if Read::of(model).shows_left() {
         model.document.panels.left = Visibility::Closed;
     } else {
-        model.open_left();
+        panes::open_left(model);
     }
 }
 
 pub fn select_next(model: &mut Model, forward: bool) {
-    if when::in_pair(model) {
-        model.select_neighbouring_match(forward);
+    if when::in_pair(Read::of(model)) {
+        pair::select_neighbouring_match(model, forward);
     } else {
-        model.select_neighbour(forward);
+        explained::select_neighbour(model, forward);
     }
 }
 
 pub fn select_first(model: &mut Model, _: &Engine) {
-    if when::in_pair(model) {
+    if when::in_pair(Read::of(model)) {
         model.document.selected_match = model.results.pair.listed.first().copied();
     } else {
         model.document.selected = model.results.listed.first().copied();
@@ -93,15 +94,15 @@ pub fn select_first(model: &mut Model, _: &Engine) {
 }
 
 pub fn probe_expected(model: &mut Model, _: &Engine) {
-    if let Some(place) = model.expected_place() {
-        model.probe_place(Side::B, place);
+    if let Some(place) = Read::of(model).expected_place() {
+        probe::probe_place(model, Side::B, place);
     }
 }
 
 pub fn go_to_busiest_slope(model: &mut Model, _: &Engine) {
     let focus = model.document.focus();
     model.document.playing = false;
-    model.go_to_busiest_slope(focus);
+    detection::go_to_busiest_slope(model, focus);
     model.document.lead(focus, Pane::show_slope);
 }
 

@@ -1,18 +1,35 @@
-//! The one function by which the user changes the project, and the functions that rows of the action table name.
+//! The only writer: functions that change what is set and what was found, at the user's wish (`apply`) or because an
+//! answer came (`asking`), a file for each part of the window.
 
+pub mod asking;
+#[cfg(test)]
+pub mod bench;
 pub mod change;
+pub mod comparison;
+pub mod dataset_answers;
+pub mod datasets;
+pub mod detection;
+pub mod explained;
+pub mod methods;
+pub mod opening;
+pub mod pair;
+pub mod panes;
+pub mod params;
+mod part;
+pub mod probe;
+pub mod staged;
+pub mod studies;
 #[cfg(test)]
 mod tests;
 
 use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::look::Look;
 use crate::app::document::pair::PairTab;
-use crate::app::document::panes::Change;
-use crate::app::document::panes::Visibility;
+use crate::app::document::panes::{Change, Visibility};
 use crate::app::document::side::Side;
-use crate::app::document::{Action, Document};
+use crate::app::document::{Action, Document, Pointed};
 use crate::app::pane::Content;
-use crate::app::results::{Effect, Model};
+use crate::app::results::{Effect, Model, Read};
 use crate::app::view::View;
 use crate::engine::Engine;
 use crate::requests::ViewKind;
@@ -21,16 +38,16 @@ use crate::teach::BottomTab;
 /// Applies an action. It is a step to undo, or a part of one, where it changes settings that undo covers.
 pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     match action {
-        Action::Point(pointed) => model.point_at(pointed),
-        Action::Stage(staged) => return model.take_staged(staged, engine).into_iter().collect(),
-        Action::Do(ActionId::Undo) => model.undo(engine),
-        Action::Do(ActionId::Redo) => model.redo(engine),
+        Action::Point(pointed) => point_at(model, pointed),
+        Action::Stage(staged) => return staged::take_staged(model, staged, engine).into_iter().collect(),
+        Action::Do(ActionId::Undo) => staged::undo(model, engine),
+        Action::Do(ActionId::Redo) => staged::redo(model, engine),
         action => {
-            return model.as_step(|model| {
-                let effects = applied(action, model, engine);
-                model.check_params();
-                effects
-            });
+            let before = model.document.clone();
+            let effects = applied(action, model, engine);
+            params::check_params(model);
+            model.shell.history.take(before, &model.document);
+            return effects;
         }
     }
     Vec::new()
@@ -42,65 +59,67 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     match action {
         A::Do(id) => return do_row(id, model, engine).into_iter().collect(),
         A::Open(side, source) => {
-            model.open(side, source, engine);
+            opening::open(model, side, source, engine);
         }
         A::OpenDataset(source) => {
-            let options = model.options_of_new_dataset();
-            model.look_at_dataset(source, None, options, engine);
+            let options = Read::of(model).options_of_new_dataset();
+            datasets::look_at_dataset(model, source, None, options, engine);
         }
-        A::UseFeatureFolder(folder) => model.use_feature_folder(folder, engine),
-        A::OpenGold(side, source) => model.open_gold(side, source, engine),
+        A::UseFeatureFolder(folder) => datasets::use_feature_folder(model, folder, engine),
+        A::OpenGold(side, source) => methods::open_gold(model, side, source, engine),
         A::OpenFeatures(side, path) => {
-            model.lay_over(side, path);
+            comparison::lay_over(model, side, path);
             model.document.bottom_tab = BottomTab::Compared;
         }
-        A::OpenTrajectory(which, path) => model.open_trajectory(which, path, engine),
-        A::OpenBurstAt(place) => model.open_burst_at(place, engine),
-        A::CutOpenBurst(length) => model.cut_open_burst(length, engine),
-        A::Calibrate(options) => return vec![model.calibrate(options, engine)],
-        A::TakeLeftBehind(uses) => model.take_left_behind(uses, engine),
-        A::DetectAllAnyway => model.detect_all(engine),
-        A::SetPoseStudy(study) => model.set_pose_study(study, engine),
-        A::OpenCamera(label) => model.look_at_camera(&label, engine),
-        A::Note(text) => model.messages.note(text),
-        A::DismissMessage(id) => model.messages.dismiss(id),
+        A::OpenTrajectory(which, path) => studies::open_trajectory(model, which, path, engine),
+        A::OpenBurstAt(place) => dataset_answers::open_burst_at(model, place, engine),
+        A::CutOpenBurst(length) => datasets::cut_open_burst(model, length, engine),
+        A::Calibrate(options) => return vec![opening::calibrate(model, options, engine)],
+        A::TakeLeftBehind(uses) => opening::take_left_behind(model, uses, engine),
+        A::DetectAllAnyway => datasets::detect_all(model, engine),
+        A::SetPoseStudy(study) => studies::set_pose_study(model, study, engine),
+        A::OpenCamera(label) => dataset_answers::look_at_camera(model, &label, engine),
+        A::Note(text) => model.shell.messages.note(text),
+        A::DismissMessage(id) => model.shell.messages.dismiss(id),
         A::ColourBy(by) => {
             model.document.colour_by = by;
             // Choosing a quantity again starts its computation again, if that was cancelled.
             model.results.coherence.try_again();
         }
         A::ToggleTab(tab) => {
-            model.document.panels.bottom = Visibility::from(!model.shows_bottom() || model.document.bottom_tab != tab);
+            model.document.panels.bottom =
+                Visibility::from(!Read::of(model).shows_bottom() || model.document.bottom_tab != tab);
             model.document.bottom_tab = tab;
         }
         A::SetPairTab(tab) => {
-            model.document.panels.bottom = Visibility::from(!model.shows_bottom() || model.document.pair_tab != tab);
+            model.document.panels.bottom =
+                Visibility::from(!Read::of(model).shows_bottom() || model.document.pair_tab != tab);
             model.document.pair_tab = tab;
         }
-        A::UseFrames(count) => model.use_frames(count),
-        A::ApplyChanges(side, changes) => model.apply_advice(side, &changes),
-        A::ApplySetUp => model.apply_set_up(),
+        A::UseFrames(count) => panes::use_frames(model, count),
+        A::ApplyChanges(side, changes) => explained::apply_advice(model, side, &changes),
+        A::ApplySetUp => explained::apply_set_up(model),
         A::ExamineSlopes => model.results.explained.slopes_wanted = true,
-        A::SearchDecoys => model.want_decoys(),
-        A::Probe(side, question) => model.ask_probe(side, question),
-        A::ProbeFeature(side, index) => model.probe_feature(side, index),
+        A::SearchDecoys => explained::want_decoys(model),
+        A::Probe(side, question) => probe::ask_probe(model, side, question),
+        A::ProbeFeature(side, index) => probe::probe_feature(model, side, index),
         // The open probe speaks of what is selected.
         A::Select(Some(index)) if model.document.probe.is_open && model.document.probe.is_on() => {
-            model.probe_feature(Side::A, index);
+            probe::probe_feature(model, Side::A, index);
         }
-        A::ProbeSubject(subject) => model.look_at(subject),
-        A::CompareWith(side, with) => model.show_comparison(side, with),
-        A::SelectRow(side, row) => model.select_row(side, row),
-        A::AskFeature(index) => model.ask_feature(index),
+        A::ProbeSubject(subject) => probe::look_at(model, subject),
+        A::CompareWith(side, with) => comparison::show_comparison(model, side, with),
+        A::SelectRow(side, row) => comparison::select_row(model, side, row),
+        A::AskFeature(index) => pair::ask_feature(model, index),
         A::ShowKept(index, shown) => {
             model.results.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.is_shown = shown);
         }
         A::NameKept(index, name) => {
             model.results.studies.kept.get_mut(index).into_iter().for_each(|kept| kept.name.clone_from(&name));
         }
-        A::ForgetKept(index) => model.forget_kept(index),
+        A::ForgetKept(index) => studies::forget_kept(model, index),
         A::SortPairs(column) => model.results.datasets.open.iter_mut().for_each(|open| open.matches.sort_by(column)),
-        A::ChangePanes(change) => model.change_panes(change),
+        A::ChangePanes(change) => panes::change_panes(model, change),
         action => set(action, &mut model.document),
     }
     Vec::new()
@@ -111,12 +130,12 @@ fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
     let focus = model.document.focus();
     match id.action().does {
         Some(Does::Ask(purpose)) => return Some(Effect::Ask(purpose)),
-        Some(Does::Open(source)) => _ = model.open(Side::A, source(), engine),
-        Some(Does::LayOut(preset)) => model.change_panes(Change::LayOut(focus, preset)),
+        Some(Does::Open(source)) => _ = opening::open(model, Side::A, source(), engine),
+        Some(Does::LayOut(preset)) => panes::change_panes(model, Change::LayOut(focus, preset)),
         Some(Does::Workspace(workspace)) => model.document.open_workspace(workspace),
         Some(Does::Switch { turn: set, .. } | Does::Set(set)) => set(&mut model.document),
         Some(Does::Slope(of)) => {
-            let slope = of(&model.cursor_params().slopes, model.document.cursor().slope);
+            let slope = of(&Read::of(model).cursor_params().slopes, model.document.cursor().slope);
             model.document.playing = false;
             model.document.show_slope(focus, slope);
         }
@@ -223,5 +242,18 @@ fn set_pane(action: Action, document: &mut Document) {
         A::SetMethod(id, method) => document.lead(id, |pane| pane.method = Some(method)),
         A::SetSide(id, side) => document.panes.show_side(id, side),
         _ => {}
+    }
+}
+
+pub fn point_at(model: &mut Model, pointed: Pointed) {
+    match pointed {
+        Pointed::Feature(index) => model.results.hovered = index,
+        Pointed::Candidate(index) => model.results.explained.pointed = index,
+        Pointed::Row(side, row) => model.results.slots[side].comparison.hovered = row,
+        Pointed::Match(index) => model.results.pair.hovered = index,
+        Pointed::Camera(index) => model.results.poses.hovered = index,
+        Pointed::Place(place) => model.results.probed.pointer = place,
+        Pointed::Dots(features) => model.results.probed.as_dots = features,
+        Pointed::Lines(drawn, all) => model.results.pair.lines_drawn = (drawn, all),
     }
 }

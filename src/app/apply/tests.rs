@@ -3,13 +3,14 @@
 
 use super::apply;
 use crate::app::actions::registry::{ACTIONS, ActionId, Menu};
+use crate::app::apply::bench::{Bench, open};
+use crate::app::apply::{methods, opening, pair, params, staged};
 use crate::app::document::journal::read_steps;
 use crate::app::document::panes::{Change, Destination};
 use crate::app::document::side::Side;
 use crate::app::document::{Action, Document, Journal, Pointed};
 use crate::app::pane::{Direction, Link, PaneId, Preset};
-use crate::app::results::Model;
-use crate::app::results::tests::{Bench, open};
+use crate::app::results::Read;
 use crate::app::view::{View, Zoom};
 use crate::detector::{DetectorParams, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
@@ -18,17 +19,17 @@ use proptest::prelude::*;
 
 fn bench() -> Bench {
     let mut bench = Bench::new();
-    bench.model.take_burst(open((64, 48), 5));
-    bench.model.take_second_burst(open((48, 64), 3));
+    opening::take_burst(&mut bench.model, open((64, 48), 5));
+    pair::take_second_burst(&mut bench.model, open((48, 64), 3));
     bench
 }
 
 /// As in a pass of the window.
 fn pass(bench: &mut Bench, action: Action) {
     let _ = apply(action, &mut bench.model, &bench.engine);
-    bench.model.refresh_workspace();
-    bench.model.check_params();
-    bench.model.close_step(false);
+    methods::refresh_workspace(&mut bench.model);
+    params::check_params(&mut bench.model);
+    bench.model.shell.history.close_step(&bench.model.document, false);
 }
 
 fn search(params: DetectorParams) -> Action {
@@ -93,7 +94,7 @@ fn opens(id: ActionId) -> bool {
     label.ends_with('…') || menu == Menu::File || menu == Menu::Help || menu == Menu::Dataset
 }
 
-fn assert_valid(model: &Model) {
+fn assert_valid(model: Read<'_>) {
     let Document { panes, .. } = &model.document;
     let shown = panes.shown();
     assert!(!shown.is_empty() && shown.contains(&panes.focus()), "{:?} of {shown:?}", panes.focus());
@@ -116,7 +117,7 @@ proptest! {
         let mut bench = bench();
         for action in actions {
             pass(&mut bench, action);
-            assert_valid(&bench.model);
+            assert_valid(Read::of(&bench.model));
         }
         // What is still asked for ends, and is not asked for again; studies take long.
         for id in [ActionId::CancelStudy, ActionId::Cancel, ActionId::AutoDetect] {
@@ -125,7 +126,7 @@ proptest! {
             }
         }
         bench.settle();
-        assert_valid(&bench.model);
+        assert_valid(Read::of(&bench.model));
         let text = toml::to_string(&bench.model.document).expect("plain values");
         let read: Document = toml::from_str(&text).expect("it was written so");
         prop_assert_eq!(&read, &bench.model.document, "{}", text);
@@ -152,7 +153,7 @@ proptest! {
             pass(&mut bench, action);
         }
         let after = bench.model.document.clone();
-        while bench.model.history.can_undo() {
+        while bench.model.shell.history.can_undo() {
             pass(&mut bench, ActionId::Undo.into());
         }
         let undone = &bench.model.document;
@@ -160,7 +161,7 @@ proptest! {
         prop_assert_eq!(bench.model.document.matching.clone(), MatchParams::default());
         let slopes = |document: &Document| -> Vec<_> { document.panes.iter().map(|(_, p)| p.cursor.slope).collect() };
         prop_assert_eq!(slopes(undone), slopes(&before));
-        while bench.model.history.can_redo() {
+        while bench.model.shell.history.can_redo() {
             pass(&mut bench, ActionId::Redo.into());
         }
         prop_assert_eq!(&bench.model.document, &after);
@@ -174,8 +175,8 @@ fn what_is_pointed_at_is_no_step_and_leaves_the_document_as_it_is() {
     for pointed in [Pointed::Feature(Some(3)), Pointed::Row(Side::B, Some(1)), Pointed::Place(None)] {
         apply(Action::Point(pointed), &mut model, &engine);
     }
-    model.close_step(false);
-    assert!(model.document == before && !model.history.can_undo());
+    model.shell.history.close_step(&model.document, false);
+    assert!(model.document == before && !model.shell.history.can_undo());
     assert_eq!((model.results.hovered, model.results.slots.b.comparison.hovered), (Some(3), Some(1)));
 }
 
@@ -185,11 +186,11 @@ fn a_plane_keeps_the_slopes_that_were_found_and_one_step_back_returns_to_them() 
     (model.document.slopes, model.document.params.slopes) = (SlopeChoice::AUTO, SlopeGrid::line(-6.0..=-3.0, 4));
     let found = (model.document.params.clone(), model.document.slopes);
     assert!(apply(ActionId::Preset2d.into(), &mut model, &engine).is_empty());
-    model.close_step(false);
+    model.shell.history.close_step(&model.document, false);
     assert_eq!(model.document.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5));
     assert!(!model.document.slopes.is_auto());
-    model.undo(&engine);
-    assert!((model.document.params.clone(), model.document.slopes) == found && !model.history.can_undo());
-    model.redo(&engine);
+    staged::undo(&mut model, &engine);
+    assert!((model.document.params.clone(), model.document.slopes) == found && !model.shell.history.can_undo());
+    staged::redo(&mut model, &engine);
     assert!(model.document.params.slopes.is_plane() && !model.document.slopes.is_auto());
 }

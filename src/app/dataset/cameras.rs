@@ -6,8 +6,8 @@ use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::document::{Action, Pointed};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::instead_ui;
-use crate::app::results::Model;
-use crate::app::results::trajectories::{PlaneScene, Spot};
+use crate::app::results::Read;
+use crate::app::results::studies::{PlaneScene, Spot};
 use crate::app::style;
 use crate::evaluate::poses::{PairReport, Trajectory};
 use crate::export::round_length;
@@ -30,7 +30,7 @@ pub fn estimate_colour(ui: &Ui) -> Color32 {
 }
 
 /// Draws the plane; the pointer pans, zooms, and hovers over or selects cameras.
-pub fn plane_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(64.0, 64.0)), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Trajectories"));
     let painter = ui.painter_at(rect);
@@ -80,13 +80,13 @@ fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) 
     Some((of_truth, spot))
 }
 
-fn label_of<'t>(model: &'t Model, of_truth: bool, spot: &Spot) -> &'t str {
+fn label_of<'t>(model: Read<'t>, of_truth: bool, spot: &Spot) -> &'t str {
     let compared = &model.results.poses.compared;
     let read = if of_truth { &compared.truth } else { &compared.estimate };
     read.as_ref().and_then(|(_, t)| t.poses.get(spot.index)).map_or("", |p| p.label.as_str())
 }
 
-fn spot_text(model: &Model, of_truth: bool, spot: &Spot) -> String {
+fn spot_text(model: Read<'_>, of_truth: bool, spot: &Spot) -> String {
     if let (Some(report), Some(pair)) = (model.results.poses.report(), spot.pair) {
         return pair_text(model, &report.pairs[pair]);
     }
@@ -95,7 +95,7 @@ fn spot_text(model: &Model, of_truth: bool, spot: &Spot) -> String {
     format!("{label}{}", if is_missing { "\nnot registered: the estimate has no camera here" } else { "" })
 }
 
-pub fn pair_text(model: &Model, pair: &PairReport) -> String {
+pub fn pair_text(model: Read<'_>, pair: &PairReport) -> String {
     let mut text = format!("{}\noff by {:.4} and {:.3}°", pair.label, pair.translation_error, pair.rotation_error_deg);
     if let Some(points) = points_of(model, pair.estimate) {
         text += &format!("\n{points} 3D points");
@@ -104,12 +104,12 @@ pub fn pair_text(model: &Model, pair: &PairReport) -> String {
 }
 
 /// Number of 3D points that image `index` of the estimate sees; `None` if the estimate is no sparse model.
-pub fn points_of(model: &Model, index: usize) -> Option<usize> {
+pub fn points_of(model: Read<'_>, index: usize) -> Option<usize> {
     let (_, estimate): &(_, std::sync::Arc<Trajectory>) = model.results.poses.compared.estimate.as_ref()?;
     Some(estimate.model.as_ref()?.images.get(index)?.points)
 }
 
-fn draw(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_from_plane: &RectTransform) {
+fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTransform) {
     let (true_colour, estimated_colour) = colours(ui);
     let places = |spots: &[Spot]| spots.iter().map(|s| ui_from_plane.pos(s.pos)).collect::<Vec<_>>();
     let (truth, estimate) = (places(&scene.truth), places(&scene.estimate));
@@ -141,7 +141,14 @@ fn draw(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_from_p
     }
 }
 
-fn frame_ui(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_from_plane: &RectTransform, rect: Rect) {
+fn frame_ui(
+    ui: &Ui,
+    painter: &Painter,
+    model: Read<'_>,
+    scene: &PlaneScene,
+    ui_from_plane: &RectTransform,
+    rect: Rect,
+) {
     let (true_colour, estimated_colour) = colours(ui);
     let (font, weak) = (FontId::proportional(12.0), ui.visuals().weak_text_color());
     let mut y = rect.top() + 16.0;
@@ -196,7 +203,7 @@ fn frame_ui(ui: &Ui, painter: &Painter, model: &Model, scene: &PlaneScene, ui_fr
 }
 
 /// The number of points, and how many of them are drawn if not all are.
-fn points_text(model: &Model, scene: &PlaneScene) -> String {
+fn points_text(model: Read<'_>, scene: &PlaneScene) -> String {
     let estimate = model.results.poses.compared.estimate.as_ref();
     let all = estimate.and_then(|(_, estimate)| estimate.model.as_ref()).map_or(0, |model| model.points.len());
     match scene.points.len() {
@@ -223,7 +230,7 @@ struct Bar {
 
 /// Makes a bar for each image: those of the truth in their order where there is a comparison, otherwise those of the
 /// estimate.
-fn bars(model: &Model) -> Vec<Bar> {
+fn bars(model: Read<'_>) -> Vec<Bar> {
     let compared = &model.results.poses.compared;
     let Some((_, estimate)) = &compared.estimate else { return Vec::new() };
     if estimate.model.is_none() {
@@ -241,7 +248,7 @@ fn bars(model: &Model) -> Vec<Bar> {
     bars
 }
 
-pub fn points_strip_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn points_strip_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let bars = bars(model);
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(40.0, 40.0)), Sense::click());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, "3D points of each image"));
@@ -309,7 +316,7 @@ const HEADINGS: [(&str, &str); 4] = [
     ("3D points", "Points of the sparse model that the image sees"),
 ];
 
-pub fn camera_list_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn camera_list_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(report) = model.results.poses.report() else {
         instead_ui(ui, "Cameras that have a true one are listed here");
         return;

@@ -4,14 +4,14 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
 use crate::app::document::datasets::Trajectories;
 use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::datasets::Dataset;
 use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection};
 use crate::matching::ImageCounts;
 use egui::{DragValue, Grid, Label, RichText, Ui};
 use std::path::Path;
 
-pub fn errors_panel_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn errors_panel_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Trajectories", |ui| {
         let compared = &model.results.poses.compared;
         let path = |read: &Option<(std::path::PathBuf, _)>| read.as_ref().map(|(path, _)| path.clone());
@@ -29,7 +29,7 @@ pub fn errors_panel_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     section_ui(ui, "Reconstruction", |ui| reconstruction_ui(ui, model));
 }
 
-fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &str, path: Option<&Path>) {
+fn file_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, name: &str, path: Option<&Path>) {
     ui.horizontal(|ui| {
         let response = button_ui(ui, model, queue, id, Some(&format!("{name}…")));
         named(&response, egui::Role::Button, id.action().label);
@@ -39,7 +39,7 @@ fn file_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, name: &s
 }
 
 /// Draws the settings: the viewing side, and how poses are paired.
-fn study_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let trajectories: &Trajectories = &model.document.trajectories;
     let (mut projection, mut study) = (trajectories.projection, trajectories.study);
     Grid::new("study").num_columns(2).show(ui, |ui| {
@@ -104,7 +104,7 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
     });
 }
 
-fn reconstruction_ui(ui: &mut Ui, model: &Model) {
+fn reconstruction_ui(ui: &mut Ui, model: Read<'_>) {
     let estimate = model.results.poses.compared.estimate.as_ref();
     let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());
     let matched = model.results.datasets.open.as_ref().and_then(Dataset::image_counts);

@@ -5,7 +5,7 @@ use crate::app::document::Action;
 use crate::app::document::side::Side;
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{middle_elided, named, paint, progress_text};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::datasets::{BurstState, Dataset, Datasets};
 use crate::app::style;
 use crate::burst::{BurstFiles, OpenOptions};
@@ -28,9 +28,9 @@ const CELL_HEIGHT: f32 = PICTURE_HEIGHT + 2.0 * TEXT_HEIGHT;
 
 pub const HEIGHT: f32 = CELL_HEIGHT + 44.0;
 
-pub fn filmstrip_ui(ui: &mut Ui, model: &Model, thumbnails: &mut Thumbnails, queue: &mut Queue) {
+pub fn filmstrip_ui(ui: &mut Ui, model: Read<'_>, thumbnails: &mut Thumbnails, queue: &mut Queue) {
     ui.horizontal(|ui| header_ui(ui, model, queue));
-    let shown = model.results.datasets.open.as_ref().and_then(|d| d.place_of(model.results.slots.a.burst.as_ref()));
+    let shown = model.results.datasets.open.as_ref().and_then(|d| d.place_of(model.burst_of(Side::A)));
     let fraction = model.results.datasets.burst_fraction();
     let Some(dataset) = &model.results.datasets.open else { return };
     ui.add_space(2.0);
@@ -86,7 +86,7 @@ fn menu_ui(ui: &mut Ui, dataset: &Dataset, place: usize, queue: &mut Queue) {
     }
 }
 
-fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn header_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(dataset) = &model.results.datasets.open else { return };
     ui.label(RichText::new(dataset.source.label()).strong()).on_hover_ui(|ui| {
         for path in &dataset.source.paths {
@@ -118,12 +118,12 @@ fn header_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 /// Draws a button whose text is shorter than its label for screen readers.
-fn short_button_ui(ui: &mut Ui, model: &Model, queue: &mut Queue, id: ActionId, text: &str) {
+fn short_button_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, text: &str) {
     let response = button_ui(ui, model, queue, id, Some(text));
     named(&response, egui::Role::Button, id.action().label);
 }
 
-fn notice_ui(ui: &mut Ui, model: &Model, dataset: &Dataset, queue: &mut Queue) {
+fn notice_ui(ui: &mut Ui, model: Read<'_>, dataset: &Dataset, queue: &mut Queue) {
     let warning = |text: &str| RichText::new(text).color(style::warning(ui));
     if let Some(error) = &dataset.folder_error {
         let text = RichText::new("Features cannot be kept here").color(ui.visuals().error_fg_color);

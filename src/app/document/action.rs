@@ -11,9 +11,7 @@ use crate::app::document::lab::Lab;
 use crate::app::document::look::{Look, RangeClass};
 use crate::app::document::method::{CompareLook, MethodId};
 use crate::app::document::pair::{MatchColumn, MatchLook, PairTab};
-use crate::app::document::panes::Measure;
-use crate::app::document::panes::Panels;
-use crate::app::document::panes::{Change, Destination};
+use crate::app::document::panes::{Change, Destination, Measure, Panels};
 use crate::app::document::probe::SetUpState;
 use crate::app::document::side::{Side, Sides};
 use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks, Preset};
@@ -321,8 +319,7 @@ pub enum Reselect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::document::datasets::DatasetChoice;
-    use crate::app::document::datasets::Which;
+    use crate::app::document::datasets::{DatasetChoice, Which};
     use crate::app::document::side::Side;
     use crate::app::document::{Document, Journal};
 

@@ -20,19 +20,15 @@ pub use action::{Action, Pointed, Queue};
 pub use journal::{Journal, Playback, Steps};
 
 use crate::app::document::comparison::Comparison;
-use crate::app::document::datasets::Trajectories;
-use crate::app::document::datasets::{DatasetChoice, PairChoice};
-use crate::app::document::export::FigureChoice;
-use crate::app::document::export::FilmChoice;
+use crate::app::document::datasets::{DatasetChoice, PairChoice, Trajectories};
+use crate::app::document::export::{FigureChoice, FilmChoice};
 use crate::app::document::filter::{Filter, Order};
 use crate::app::document::lab::Lab;
 use crate::app::document::look::Look;
 use crate::app::document::method::CompareLook;
 use crate::app::document::pair::{MatchColumn, MatchLook, PairTab};
-use crate::app::document::panes::Measure;
-use crate::app::document::panes::{Panels, Visibility};
-use crate::app::document::probe::Probe;
-use crate::app::document::probe::SetUpState;
+use crate::app::document::panes::{Measure, Panels, Visibility};
+use crate::app::document::probe::{Probe, SetUpState};
 use crate::app::document::side::{Side, Sides};
 use crate::app::pane::Panes;
 use crate::app::view::ColourBy;
@@ -137,7 +133,7 @@ impl Document {
     /// Reads slopes as depths, or no longer; colours that would show depths then show slopes.
     pub fn read_depths(&mut self, reads_depths: bool) {
         self.set_up.reads_depths = reads_depths;
-        if !reads_depths && self.colour_by == ColourBy::Depth {
+        if !reads_depths && self.colour_by == ColourBy::Of(Quantity::Depth) {
             self.colour_by = ColourBy::default();
         }
     }

@@ -3,7 +3,7 @@
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
 use crate::app::document::export::{FilmChoice, FilmContent};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::detector::Detection;
 use crate::export::film::{FILM_RATES, estimated_film_bytes};
 use crate::plane::Plane;
@@ -30,7 +30,7 @@ struct Described {
 const MEASURED_PX: u32 = 320;
 
 impl FilmDialog {
-    pub fn ui(&mut self, ctx: &egui::Context, model: &Model, queue: &mut Queue) {
+    pub fn ui(&mut self, ctx: &egui::Context, model: Read<'_>, queue: &mut Queue) {
         if !self.is_open {
             return;
         }
@@ -58,7 +58,7 @@ impl FilmDialog {
         self.is_open &= !(close || modal.should_close());
     }
 
-    fn described(&mut self, model: &Model) -> String {
+    fn described(&mut self, model: Read<'_>) -> String {
         let picture = model.picture().map(|picture| picture.plane.clone());
         let found = model.found_of(model.active_side()).map(|found| found.detection.clone());
         let is_same = |described: &&Described| {
@@ -75,7 +75,7 @@ impl FilmDialog {
     }
 }
 
-fn tell(model: &Model) -> String {
+fn tell(model: Read<'_>) -> String {
     let Some(film) = model.film_to_export() else {
         return "There is nothing to film: open a burst".to_owned();
     };
@@ -89,7 +89,7 @@ fn tell(model: &Model) -> String {
     )
 }
 
-fn bytes_per_pixel(model: &Model) -> f64 {
+fn bytes_per_pixel(model: Read<'_>) -> f64 {
     let Some(picture) = model.picture() else { return 0.5 };
     let rgba = to_rgba8(&picture.plane, &model.display_of(model.document.focus()));
     let (width, height) = rgba.dimensions();

@@ -21,9 +21,9 @@ use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches};
-use crate::detector::Feature;
+use crate::detector::{Feature, Quantity};
 use crate::export;
 use crate::export::{
     ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
@@ -59,7 +59,7 @@ pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), String> {
 }
 
 /// Matches of the panes as the choice has them. Of one pair the legend counts those drawn, and all of the panes.
-fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &FigureChoice) -> FigureMatches {
+fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: &FigureChoice) -> FigureMatches {
     let shown: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.document.workspace {
         Workspace::Pair => {
             model.results.pair.matches.iter().map(|matches| (None, matches, model.drawn_matches())).collect()
@@ -95,7 +95,7 @@ fn matches_of(model: &Model, widgets: &PaneWidgets, panes: &[PaneId], choice: &F
 }
 
 fn links_between(
-    model: &Model,
+    model: Read<'_>,
     widgets: &PaneWidgets,
     panes: &[PaneId],
     (method, matches): (Option<MethodId>, &Matches),
@@ -126,7 +126,7 @@ fn links_between(
     links
 }
 
-pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
+pub fn drawing_of(model: Read<'_>, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
     let rows = if choice.all_panes && model.document.workspace.needs_burst() {
         model.document.panes.arrangement().in_rows()
     } else {
@@ -136,7 +136,7 @@ pub fn drawing_of(model: &Model, widgets: &PaneWidgets, choice: &FigureChoice) -
 }
 
 fn drawing_of_panes(
-    model: &Model,
+    model: Read<'_>,
     widgets: &PaneWidgets,
     rows: &[Vec<PaneId>],
     choice: &FigureChoice,
@@ -157,7 +157,7 @@ fn drawing_of_panes(
     Ok(lay_out(&rows, &matches_of(model, widgets, &panes, choice), &choice.options()))
 }
 
-fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePanel> {
+fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePanel> {
     let picture = model.picture_in(id)?;
     let shown = crate::app::panel::picture::canvas_picture(picture);
     let visible = widgets.get(id).and_then(|widget| part_in_view(&widget.picture)).filter(|_| !choice.whole_picture);
@@ -198,7 +198,7 @@ fn panel_of(model: &Model, widgets: &PaneWidgets, id: PaneId, choice: &FigureCho
 
 /// Title of a picture: in *Methods* the method with the count of its inliers, in *Two bursts* the burst, then what is
 /// shown.
-fn title_of(model: &Model, id: PaneId, picture: &Picture) -> String {
+fn title_of(model: Read<'_>, id: PaneId, picture: &Picture) -> String {
     let shown = describe(picture);
     let Some(pane) = model.document.panes.get(id) else { return shown };
     match (model.document.workspace, pane.method, model.burst_of(pane.side)) {
@@ -229,7 +229,7 @@ fn drawn_in(layer: &FeatureLayer, amount: FigureAmount) -> Vec<usize> {
     order
 }
 
-fn marks(model: &Model, layer: &FeatureLayer, drawn: &[usize]) -> Vec<FigureMark> {
+fn marks(model: Read<'_>, layer: &FeatureLayer, drawn: &[usize]) -> Vec<FigureMark> {
     let scale = layer.scale(model);
     let positions = &layer.detection.positions;
     let mark = |&i: &usize| {
@@ -265,13 +265,13 @@ fn legend(scale: &ColourScale, layer: &FeatureLayer, drawn: &[usize]) -> Vec<Leg
             let moving = features().map(|(_, feature)| feature);
             return slope_legend(grid, moving, (12, wheel), |slope| rgb(scale.of_slope(slope)));
         }
-        ColourBy::Limit | ColourBy::Layer | ColourBy::Moves => {
+        ColourBy::Of(Quantity::AtSlopeLimit | Quantity::Layer | Quantity::Moves) => {
             let of = |(i, f): (usize, &Feature)| {
                 let (order, word) = match scale.by {
-                    ColourBy::Limit if f.at_slope_limit => (1, "at their limit".to_owned()),
-                    ColourBy::Limit => (0, "inside the searched slopes".to_owned()),
-                    ColourBy::Layer if f.layer <= 0 => (0, "in no layer".to_owned()),
-                    ColourBy::Layer => (f.layer, format!("layer {}", f.layer)),
+                    ColourBy::Of(Quantity::AtSlopeLimit) if f.at_slope_limit => (1, "at their limit".to_owned()),
+                    ColourBy::Of(Quantity::AtSlopeLimit) => (0, "inside the searched slopes".to_owned()),
+                    ColourBy::Of(Quantity::Layer) if f.layer <= 0 => (0, "in no layer".to_owned()),
+                    ColourBy::Of(Quantity::Layer) => (f.layer, format!("layer {}", f.layer)),
                     _ => (f.moves as i32, f.moves.words().to_owned()),
                 };
                 (order, LegendEntry::square(rgb(scale.colour(i, f)), word))
@@ -414,7 +414,7 @@ fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, label: egui::Id) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::results::tests::open;
+    use crate::app::apply::bench::open;
     use crate::requests::{Picture, PictureKind, PictureRequest};
     use egui::{Rect, pos2, vec2};
 

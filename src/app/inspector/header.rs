@@ -10,7 +10,7 @@ use crate::app::document::panes::Change;
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
 use crate::app::panel::widgets::named;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::{canvas, style};
 use crate::teach::Workspace;
 use egui::{
@@ -36,7 +36,7 @@ pub struct HeaderResponse {
 
 pub fn header_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     id: PaneId,
     widgets: &mut PaneWidgets,
     queue: &mut Queue,
@@ -92,7 +92,7 @@ pub fn header_ui(
     answer
 }
 
-fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> HeaderResponse {
+fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> HeaderResponse {
     let long = long_description(model, id);
     // While the picture is being made, the short text describes the coming one.
     let text = if (many && width < ROOM_FOR_NUMBERS) || long.is_empty() {
@@ -115,7 +115,7 @@ fn name_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, many: bool) -> He
 }
 
 /// Draws how many features are drawn in full of those in view, and where there is room the switch of features.
-fn drawn_ui(ui: &mut Ui, model: &Model, id: PaneId, widgets: &mut PaneWidgets, has_switch: bool, queue: &mut Queue) {
+fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, has_switch: bool, queue: &mut Queue) {
     if let Some((drawn, in_view)) = widgets.of(id).picture.drawn_of.filter(|(drawn, in_view)| drawn < in_view) {
         ui.weak(format!("{drawn} of {in_view} drawn"))
             .on_hover_text("The strongest features of each part of the view; the others are dots. Zoom in for more");
@@ -129,7 +129,7 @@ fn drawn_ui(ui: &mut Ui, model: &Model, id: PaneId, widgets: &mut PaneWidgets, h
 }
 
 /// Draws what the features are filtered by, as long as they are; a click shows all.
-fn filter_chip_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mut Queue) {
+fn filter_chip_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &mut Queue) {
     let Some(filter) = filter_of(model, id).filter(|filter| !filter.is_open()) else { return };
     let words = filter.words();
     let short = match &words[..] {
@@ -141,13 +141,13 @@ fn filter_chip_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mu
     let text = RichText::new(format!("Filter{short} ✖")).small().color(style::warning(ui));
     let chip = ui.add(Button::new(text).min_size(vec2(16.0, 16.0)));
     named(&chip, egui::Role::Button, "Show all features again");
-    let count = format!("{} of {} features pass", model.results.listed.len(), model.read().features().len());
+    let count = format!("{} of {} features pass", model.results.listed.len(), model.features().len());
     if chip.on_hover_text(format!("Filter: {}. {count}; a click shows all", words.join(", "))).clicked() {
         queue.push(ActionId::ClearFilter);
     }
 }
 
-fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId, has_range: bool) {
+fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, has_range: bool) {
     let Some(pane) = model.document.panes.get(id) else { return };
     let display = model.display_of(id);
     let percent = 100.0 * pane.view.points_per_pixel() * ui.ctx().pixels_per_point();
@@ -162,7 +162,7 @@ fn numbers_ui(ui: &mut Ui, model: &Model, id: PaneId, has_range: bool) {
 }
 
 /// Draws a switch for each link. From the right end of a line they are drawn in reverse, so that their order stays.
-fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, from_the_right: bool, queue: &mut Queue) {
+fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, queue: &mut Queue) {
     let number = model.document.panes.number(id).unwrap_or(0);
     let mut links = Link::ALL;
     if from_the_right {
@@ -184,7 +184,7 @@ fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, from_the_right: bool, queue:
 }
 
 /// Draws the buttons from right to left: close, menu, split.
-fn buttons_ui(ui: &mut Ui, model: &Model, id: PaneId, width: f32, queue: &mut Queue) {
+fn buttons_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 1.0;
     let many = model.document.panes.are_many();
     let of = model.document.panes.number(id).filter(|_| many).map_or_else(String::new, |number| format!(" {number}"));

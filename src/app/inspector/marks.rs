@@ -10,7 +10,7 @@ use crate::app::document::{Action, Pointed};
 use crate::app::pane::{Link, PaneId, place_in};
 use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::dashed_circle;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::burst::Positions;
 use crate::detector::{Feature, Slope};
 use crate::inspect::probe::{AT_PLACE_PX, Wanted};
@@ -19,7 +19,7 @@ use crate::teach::Workspace;
 use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
 use std::ops::Range;
 
-pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
+pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
     widgets.values.clear();
     let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
     let Some((from, first, pos_image)) = pointed else { return };
@@ -37,13 +37,13 @@ pub(super) fn marks_ui(model: &Model, widgets: &mut PaneWidgets, drawn: &[(PaneI
     }
 }
 
-pub(in crate::app) fn same_place(model: &Model, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
+pub(in crate::app) fn same_place(model: Read<'_>, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let (a, b) = (model.document.panes.get(from)?, model.document.panes.get(to)?);
     let kinds = [from, to].map(|id| model.picture_in(id).map(|picture| picture.request.kind));
     Some(place_in(pos_image, kinds[0]?, &a.cursor, kinds[1]?, &b.cursor, used(model, a.side)?))
 }
 
-fn value_at(model: &Model, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
+fn value_at(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
     let picture = model.picture_in(shown)?;
     let canvas = widgets.get(shown)?.picture.shown()?;
     let readout = readout_of(picture, canvas, pos_image, full_scale(model, shown))?;
@@ -74,7 +74,7 @@ fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
 }
 
 /// Maps a place of pane `id` to mid-burst of the pane's burst; `None` for panes without a picture.
-pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> Option<(Side, [f32; 2])> {
+pub(in crate::app) fn mid_burst(model: Read<'_>, id: PaneId, pos_image: Pos2) -> Option<(Side, [f32; 2])> {
     let pane = model.document.panes.get(id)?;
     let kind = model.picture_in(id)?.request.kind;
     let middle = PictureKind::Stack { slope: pane.cursor.slope };
@@ -84,7 +84,7 @@ pub(in crate::app) fn mid_burst(model: &Model, id: PaneId, pos_image: Pos2) -> O
 
 /// Maps a place of mid-burst of the probed burst that moves by `slope` to pane `id`; `None` for panes of the other
 /// burst.
-fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
+fn in_pane(model: Read<'_>, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
     let pane = model.document.panes.get(id).filter(|pane| pane.side == model.document.probe.side)?;
     let kind = model.picture_in(id)?.request.kind;
     let cursor = Cursor { slope, ..pane.cursor };
@@ -93,7 +93,7 @@ fn in_pane(model: &Model, id: PaneId, place: [f32; 2], slope: Slope) -> Option<P
 }
 
 /// Positions of the frames of a burst, and those of them that are searched.
-fn used(model: &Model, side: Side) -> Option<(&Positions, Range<usize>)> {
+fn used(model: Read<'_>, side: Side) -> Option<(&Positions, Range<usize>)> {
     let positions = &model.burst_of(side)?.burst.positions;
     Some((positions, model.results.slots[side].usable_params.used_frames(positions.len())))
 }
@@ -102,7 +102,7 @@ fn used(model: &Model, side: Side) -> Option<(&Positions, Range<usize>)> {
 /// ends following.
 pub(super) fn probe_ui(
     ui: &egui::Ui,
-    model: &Model,
+    model: Read<'_>,
     widgets: &PaneWidgets,
     drawn: &[(PaneId, Drawn)],
     queue: &mut Queue,
@@ -124,9 +124,7 @@ pub(super) fn probe_ui(
     let feature = widgets.get(drawn.shown).and_then(|widget| widget.picture.pointed).filter(|index| {
         let [u, v] = place;
         let is_at = |feature: &Feature| (feature.u - u).hypot(feature.v - v) <= AT_PLACE_PX;
-        with_shift
-            && model.document.workspace == Workspace::Inspect
-            && model.read().features().get(*index).is_some_and(is_at)
+        with_shift && model.document.workspace == Workspace::Inspect && model.features().get(*index).is_some_and(is_at)
     });
     queue.push(match feature {
         Some(feature) => Action::ProbeFeature(Side::A, feature),
@@ -144,7 +142,7 @@ pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {
     })
 }
 
-fn probe_marks_ui(model: &Model, drawn: &[(PaneId, Drawn)]) {
+fn probe_marks_ui(model: Read<'_>, drawn: &[(PaneId, Drawn)]) {
     let Some(place) = model.probed_place() else { return };
     let answer = model.results.probed.answer.as_ref().filter(|_| model.probe_is_current());
     let is_linked = |id: PaneId| model.document.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));

@@ -12,7 +12,7 @@ use crate::app::document::cursor::ViewKind;
 use crate::app::document::panes::Change;
 use crate::app::document::side::Side;
 use crate::app::pane::{Content, Direction, Link, MethodsPreset, Over, PaneId, Preset, SidesPreset, SliceAxis};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::pair::MatchRow;
 use crate::app::words::explained;
 use crate::inspect::probe::Wanted;
@@ -22,7 +22,7 @@ use crate::teach::glossary::glossary;
 use egui::{Button, RichText, ScrollArea, Ui};
 
 /// Draws the menu of a pane's header.
-pub(super) fn pane_menu_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
+pub(super) fn pane_menu_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     whole_menu_ui(ui, |ui| {
         content_ui(ui, model, id, queue);
         ui.separator();
@@ -40,7 +40,7 @@ fn whole_menu_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
 /// Space above and below the largest menu, points.
 const MENU_MARGIN: f32 = 12.0;
 
-fn view_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
+fn view_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     over_ui(ui, model, id, queue);
     links_ui(ui, model, id, queue);
     ui.separator();
@@ -74,7 +74,7 @@ fn view_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     });
 }
 
-fn content_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
+fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     let mut others = other_panes(model, id);
     // A difference is made of panes that show pictures of their own.
     others.retain(|(other, _)| {
@@ -132,12 +132,12 @@ fn content_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     }
 }
 
-fn other_panes(model: &Model, id: PaneId) -> Vec<(PaneId, usize)> {
+fn other_panes(model: Read<'_>, id: PaneId) -> Vec<(PaneId, usize)> {
     let others = model.document.panes.shown().into_iter().filter(|other| *other != id);
     others.filter_map(|other| Some((other, model.document.panes.number(other)?))).collect()
 }
 
-fn over_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
+fn over_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     let others = other_panes(model, id);
     let Some(pane) = model.document.panes.get(id) else { return };
     ui.add_enabled_ui(!others.is_empty(), |ui| {
@@ -159,7 +159,7 @@ fn over_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     }
 }
 
-fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
+fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     ui.add_enabled_ui(model.document.panes.are_many(), |ui| {
         ui.menu_button("Links", |ui| {
             for link in Link::ALL {
@@ -172,7 +172,13 @@ fn links_ui(ui: &mut Ui, model: &Model, id: PaneId, queue: &mut Queue) {
     });
 }
 
-pub(super) fn picture_menu_ui(drawn: &Drawn, model: &Model, id: PaneId, widgets: &mut PaneWidgets, queue: &mut Queue) {
+pub(super) fn picture_menu_ui(
+    drawn: &Drawn,
+    model: Read<'_>,
+    id: PaneId,
+    widgets: &mut PaneWidgets,
+    queue: &mut Queue,
+) {
     let response = &drawn.output.response;
     if response.secondary_clicked() {
         let shown = widgets.get(drawn.shown).map(|widget| &widget.picture);
@@ -227,8 +233,8 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: &Model, id: PaneId, widgets:
     });
 }
 
-fn feature_menu_ui(ui: &mut Ui, model: &Model, index: usize, queue: &mut Queue) {
-    let Some(feature) = model.read().features().get(index).copied() else { return };
+fn feature_menu_ui(ui: &mut Ui, model: Read<'_>, index: usize, queue: &mut Queue) {
+    let Some(feature) = model.features().get(index).copied() else { return };
     ui.label(RichText::new(format!("Feature {index}")).small().weak());
     if ui.button("Select").clicked() {
         queue.push(Action::Select(Some(index)));

@@ -14,7 +14,7 @@ use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::named;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::{canvas, style};
 use crate::detector::Slope;
 use crate::inspect::shares::Slice;
@@ -46,7 +46,7 @@ impl Drawn {
 /// Draws the picture of pane `id` on a canvas called `name`; flipped, that of the pane laid over it.
 pub(super) fn picture_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     id: PaneId,
     widgets: &mut PaneWidgets,
     name: &str,
@@ -95,7 +95,7 @@ pub(super) fn picture_ui(
 /// Draws the other picture of a wipe over the drawn one, with its features; the drawn one ends at the line.
 pub(super) fn over_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     id: PaneId,
     widgets: &mut PaneWidgets,
     drawn: &mut Drawn,
@@ -116,8 +116,8 @@ pub(super) fn over_ui(
     drawn.right = Some((other, over));
 }
 
-pub(super) fn over_names_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn, queue: &mut Queue) {
-    let name = |model: &Model, id: PaneId| {
+pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn, queue: &mut Queue) {
+    let name = |model: Read<'_>, id: PaneId| {
         let number = model.document.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
         format!("{number}{}", super::compact_description(model, id))
     };
@@ -139,14 +139,14 @@ pub(super) fn over_names_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn, q
 }
 
 /// The filter that holds for pane `id`: where A is inspected.
-pub(super) fn filter_of(model: &Model, id: PaneId) -> Option<&Filter> {
+pub(super) fn filter_of(model: Read<'_>, id: PaneId) -> Option<&Filter> {
     let is_inspected = model.document.workspace == Workspace::Inspect;
     let pane =
         model.document.panes.get(id).filter(|pane| is_inspected && pane.side == Side::A && pane.method.is_none());
     pane.map(|_| &model.document.filter)
 }
 
-fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
+fn canvas_of<'a>(model: Read<'_>, id: PaneId, name: &'a str) -> Canvas<'a> {
     Canvas {
         display: model.display_of(id),
         dim: !model.is_current(id),
@@ -156,7 +156,7 @@ fn canvas_of<'a>(model: &Model, id: PaneId, name: &'a str) -> Canvas<'a> {
 }
 
 /// Value in the file that became 1.0, of the burst of `id`; 1 where the picture's values are not the file's.
-pub(super) fn full_scale(model: &Model, id: PaneId) -> f32 {
+pub(super) fn full_scale(model: Read<'_>, id: PaneId) -> f32 {
     if matches!(model.range_class(id), RangeClass::Share | RangeClass::Motion) {
         return 1.0;
     }
@@ -217,7 +217,7 @@ const MAX_ROW: f32 = 26.0;
 /// Draws the slice of pane `id`; returns whether the pointer touched it.
 pub(super) fn slice_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     id: PaneId,
     axis: SliceAxis,
     widgets: &mut PaneWidgets,
@@ -402,7 +402,7 @@ fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {
     format!("Frame {}: {value}{way}", slice.frames[row])
 }
 
-pub(super) fn method_ui(ui: &Ui, model: &Model, id: PaneId, drawn: &Drawn) {
+pub(super) fn method_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn) {
     let Some(pane) = model.document.panes.get(id) else { return };
     let Some(method) = pane.method.filter(|_| model.document.panes.over(id).is_none()) else { return };
     let count = model.method_found(method, pane.side).map_or_else(

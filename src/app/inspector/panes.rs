@@ -16,13 +16,18 @@ use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::stale_ui;
 use crate::app::panel::tally::candidates_ui;
 use crate::app::panel::widgets::{progress_ui, weak_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::teach::Workspace;
 use egui::{RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
 /// Draws the panes; returns those with a picture, in the order of drawing.
-pub fn inspector_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) -> Vec<(PaneId, Drawn)> {
+pub fn inspector_ui(
+    ui: &mut Ui,
+    model: Read<'_>,
+    widgets: &mut PaneWidgets,
+    queue: &mut Queue,
+) -> Vec<(PaneId, Drawn)> {
     widgets.begin_pass();
     let mut tree = tree_of(model.document.panes.arrangement());
     let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new() };
@@ -50,7 +55,7 @@ fn gold_ui(ui: &mut Ui, side: Side, queue: &mut Queue) {
     });
 }
 
-fn second_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn second_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.2).max(12.0));
         ui.label(RichText::new("Open a second burst").size(18.0).strong());
@@ -75,7 +80,7 @@ fn second_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 const LEGEND_ROOM: egui::Vec2 = vec2(250.0, 170.0);
 
 struct Inspector<'a> {
-    model: &'a Model,
+    model: Read<'a>,
     widgets: &'a mut PaneWidgets,
     queue: &'a mut Queue,
     drawn: Vec<(PaneId, Drawn)>,

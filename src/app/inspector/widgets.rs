@@ -11,7 +11,7 @@ use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::panel::display::DisplayState;
 use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::probe::PlaneTexture;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::requests::PictureKind;
 use crate::teach::Workspace;
 use egui::{Pos2, Rect};
@@ -80,12 +80,12 @@ pub struct MenuPlace {
     pub(super) mid_burst: Option<(Side, [f32; 2])>,
 }
 
-pub fn compact_description(model: &Model, id: PaneId) -> String {
+pub fn compact_description(model: Read<'_>, id: PaneId) -> String {
     short_description(model, id, false)
 }
 
 /// Describes the content of a pane in few words; with `tiny` only by what distinguishes it from its neighbours.
-pub(super) fn short_description(model: &Model, id: PaneId, tiny: bool) -> String {
+pub(super) fn short_description(model: Read<'_>, id: PaneId, tiny: bool) -> String {
     let Some(pane) = model.document.panes.get(id) else { return String::new() };
     let what = what(model, pane, id, tiny);
     match pane.method {
@@ -95,12 +95,12 @@ pub(super) fn short_description(model: &Model, id: PaneId, tiny: bool) -> String
     }
 }
 
-fn side(model: &Model, pane: &Pane) -> String {
+fn side(model: Read<'_>, pane: &Pane) -> String {
     let both = model.burst_of(Side::B).is_some() || model.document.workspace == Workspace::Pair;
     if both { format!("{}  ", pane.side.name()) } else { String::new() }
 }
 
-fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
+fn what(model: Read<'_>, pane: &Pane, id: PaneId, tiny: bool) -> String {
     let cursor = match model.burst_in(pane) {
         Some(open) => pane.cursor_within(open, &model.params_in(pane)),
         None => pane.cursor,
@@ -132,7 +132,7 @@ fn what(model: &Model, pane: &Pane, id: PaneId, tiny: bool) -> String {
 }
 
 /// Describes the pane's picture in full, with the burst's name where there are two; empty while there is no picture.
-pub(super) fn long_description(model: &Model, id: PaneId) -> String {
+pub(super) fn long_description(model: Read<'_>, id: PaneId) -> String {
     let Some(pane) = model.document.panes.get(id) else { return String::new() };
     let Some(picture) = model.picture_in(id) else { return String::new() };
     let what = describe(picture);
@@ -147,7 +147,7 @@ pub(super) fn long_description(model: &Model, id: PaneId) -> String {
 }
 
 /// By its number, or by its burst or method where these stand side by side; unique on the screen.
-pub(super) fn canvas_name(model: &Model, id: PaneId) -> String {
+pub(super) fn canvas_name(model: Read<'_>, id: PaneId) -> String {
     let (Some(pane), Some(number)) = (model.document.panes.get(id), model.document.panes.number(id)) else {
         return String::new();
     };
@@ -173,7 +173,7 @@ pub struct JoinedPanes {
 
 /// Finds the panes that show the input of `method` (those without a method, for `None`) among `places`: visible panes
 /// and their rectangles. Differences and slices show no places of one burst.
-pub fn joined_panes(model: &Model, places: &[(PaneId, Rect)], method: Option<MethodId>) -> JoinedPanes {
+pub fn joined_panes(model: Read<'_>, places: &[(PaneId, Rect)], method: Option<MethodId>) -> JoinedPanes {
     let is_of = |id: PaneId, side: Side| {
         let pane = model.document.panes.get(id).filter(|pane| pane.side == side && pane.method == method);
         pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))

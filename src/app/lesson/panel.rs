@@ -8,7 +8,7 @@ use crate::app::document::side::Side;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::Content;
 use crate::app::panel::widgets::{named, weak_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::{parts, style};
 use crate::teach::Lesson;
 use crate::teach::glossary::glossary;
@@ -36,7 +36,7 @@ fn letters(ui: &Ui, size: f32) -> f32 {
 pub fn lesson_ui(
     ui: &mut Ui,
     lessons: &mut Lessons,
-    model: &Model,
+    model: Read<'_>,
     captions: &mut Captions,
     queue: &mut Queue,
 ) -> LessonClicks {
@@ -314,7 +314,7 @@ pub fn rows_ui(ui: &mut Ui, lessons: &Lessons) -> Chosen {
 }
 
 /// Steps that are asked for by keys in a hall: those of a presenter, and the arrows.
-pub fn take_hall_keys(ctx: &Context, lessons: &Lessons, model: &Model) -> Option<LessonAction> {
+pub fn take_hall_keys(ctx: &Context, lessons: &Lessons, model: Read<'_>) -> Option<LessonAction> {
     let open = lessons.open.as_ref().filter(|_| model.document.panels.hall && !ctx.egui_wants_keyboard_input())?;
     let pressed = |keys: [Key; 2]| {
         ctx.input_mut(|input| keys.into_iter().filter(|key| input.consume_key(Modifiers::NONE, *key)).count() > 0)
@@ -330,7 +330,7 @@ pub fn take_hall_keys(ctx: &Context, lessons: &Lessons, model: &Model) -> Option
 }
 
 /// Draws rings around the places that the open step names, and around the spot that it measures.
-pub fn rings_ui(ctx: &Context, lessons: &Lessons, model: &Model, widgets: &PaneWidgets) {
+pub fn rings_ui(ctx: &Context, lessons: &Lessons, model: Read<'_>, widgets: &PaneWidgets) {
     let Some(open) = lessons.open.as_ref().filter(|open| open.is_ready && !open.is_ended) else { return };
     let state = &open.step().state;
     let mut rings: Vec<_> = state.rings.iter().flatten().map(|ring| (ring.place, ring.radius)).collect();

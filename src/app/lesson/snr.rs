@@ -6,7 +6,7 @@ use crate::app::document::cursor::ViewKind;
 use crate::app::pane::Content;
 use crate::app::panel::widgets::{CursorRow, still_plot};
 use crate::app::parts;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::detector::Slope;
 use crate::inspect::spot::{SpotSnr, spot_snr};
 use crate::requests::PictureKind;
@@ -47,14 +47,14 @@ impl SnrTrace {
 }
 
 /// Measures the spot in the shown picture. Returns the number of its frames, and the ratio.
-fn measured(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)> {
+fn measured(model: Read<'_>, spot: Spot, slope: Slope) -> Option<(usize, SpotSnr)> {
     let (frames, place) = shown_spot(model, spot, slope)?;
     let picture = model.picture().filter(|_| model.picture_is_current())?;
     Some((frames, spot_snr(&picture.plane, place, spot.inner, spot.ground)?))
 }
 
 /// Number of frames in the shown picture, and the place of the spot in it.
-pub(super) fn shown_spot(model: &Model, spot: Spot, slope: Slope) -> Option<(usize, [f32; 2])> {
+pub(super) fn shown_spot(model: Read<'_>, spot: Spot, slope: Slope) -> Option<(usize, [f32; 2])> {
     let picture = model.picture()?;
     let used = picture.request.params.used_frames(model.frame_count());
     // Position of the picture from mid-burst of the whole burst.
@@ -72,7 +72,7 @@ pub(super) fn shown_spot(model: &Model, spot: Spot, slope: Slope) -> Option<(usi
 }
 
 /// Draws the number of frames added, and the measured ratio beside the law of √N. `slope` is the spot's own.
-pub(super) fn snr_ui(ui: &mut Ui, model: &Model, trace: &mut SnrTrace, spot: Spot, slope: Slope, queue: &mut Queue) {
+pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: Spot, slope: Slope, queue: &mut Queue) {
     let top = ui.cursor().min;
     frames_ui(ui, model, trace, queue);
     let rect = egui::Rect::from_min_max(top, egui::pos2(ui.max_rect().right(), ui.min_rect().bottom()));
@@ -107,7 +107,7 @@ pub(super) fn snr_ui(ui: &mut Ui, model: &Model, trace: &mut SnrTrace, spot: Spo
 }
 
 /// Number of frames in the shown picture; 1 for a single frame.
-fn frames_shown(model: &Model) -> usize {
+fn frames_shown(model: Read<'_>) -> usize {
     let pane = model.document.focused();
     match pane.content {
         Content::Cursor if pane.cursor.kind == ViewKind::Frame => 1,
@@ -115,7 +115,7 @@ fn frames_shown(model: &Model) -> usize {
     }
 }
 
-fn frames_ui(ui: &mut Ui, model: &Model, trace: &mut SnrTrace, queue: &mut Queue) {
+fn frames_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, queue: &mut Queue) {
     let all = model.frame_count();
     let mut count = frames_shown(model) as f32;
     let help = "How many frames are shifted and added, from the first one on";

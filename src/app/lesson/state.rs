@@ -5,7 +5,7 @@ use super::steps;
 use crate::app::document::action::Staged;
 use crate::app::document::panes::Panels;
 use crate::app::document::side::{Side, Sides};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::requests::BurstSource;
 use crate::teach::{Lesson, Part, Step, Workspace, built_in, lessons_at};
 use serde::{Deserialize, Serialize};
@@ -83,7 +83,7 @@ impl OpenLesson {
     }
 
     /// The step as it begins, once its bursts are open.
-    fn set_up(&mut self, model: &Model) -> Option<Staged> {
+    fn set_up(&mut self, model: Read<'_>) -> Option<Staged> {
         let is_open = |side, source: &Option<BurstSource>| {
             source.as_ref().is_none_or(|source| model.burst_of(side).is_some_and(|b| b.source == *source))
         };
@@ -96,7 +96,7 @@ impl OpenLesson {
     }
 
     /// Selects the first of the listed features or matches, as soon as there is one.
-    fn select_first(&mut self, model: &Model) -> Option<Staged> {
+    fn select_first(&mut self, model: Read<'_>) -> Option<Staged> {
         let of_match = model.document.workspace == Workspace::Pair;
         let listed = if of_match {
             !model.results.pair.listed.is_empty()
@@ -143,8 +143,8 @@ impl Lessons {
         Some(steps::panels_of(self.open.as_ref()?.step(), !now.hall))
     }
 
-    pub fn is_settled(&self, model: &Model) -> bool {
-        let failed = !model.messages.errors().is_empty();
+    pub fn is_settled(&self, model: Read<'_>) -> bool {
+        let failed = !model.shell.messages.errors().is_empty();
         self.open.as_ref().is_none_or(|open| open.is_ready || failed)
     }
 
@@ -186,7 +186,7 @@ impl Lessons {
     /// lesson is left when another burst is being opened in it, or a session restored (`is_restoring`). Once the answer
     /// was applied there may be more to do; nothing is asked of the lesson then.
     #[must_use]
-    pub fn go_on(&mut self, asked: Option<LessonAction>, is_restoring: bool, model: &Model) -> Vec<Staged> {
+    pub fn go_on(&mut self, asked: Option<LessonAction>, is_restoring: bool, model: Read<'_>) -> Vec<Staged> {
         match asked {
             Some(LessonAction::Leave) => return self.leave(),
             Some(LessonAction::Step(step)) => {

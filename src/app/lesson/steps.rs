@@ -10,7 +10,7 @@ use crate::app::document::panes::Panels;
 use crate::app::document::probe::SetUpState;
 use crate::app::document::side::Side;
 use crate::app::pane::{Content, PaneId, PaneLinks, Panes};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::detector::DetectorParams;
 use crate::teach::{InView, Layout, Part, Situation, State, Step, Workspace};
 
@@ -39,8 +39,8 @@ pub(super) fn panels_of(step: &Step, hall: bool) -> Panels {
 }
 
 /// The step as it begins; its bursts are open already.
-pub(super) fn begin(step: &Step, model: &Model) -> Staged {
-    let document = Box::new(document_of(step, model.frame_count(), &model.document));
+pub(super) fn begin(step: &Step, model: Read<'_>) -> Staged {
+    let document = Box::new(document_of(step, model.frame_count(), model.document));
     Staged::Begin { document, layout: step.state.layout, probe: step.state.probe }
 }
 
@@ -102,7 +102,7 @@ fn set_panes(panes: &mut Panes, state: &State, frames: usize) {
     }
 }
 
-pub(super) fn seen(model: &Model) -> Situation<'_> {
+pub(super) fn seen(model: Read<'_>) -> Situation<'_> {
     let cursor = model.document.cursor();
     let current = model.results.slots.a.found.is_some() && model.stale().is_none();
     let matches = model.results.pair.matches.as_ref().filter(|_| !model.needs_matches());
@@ -114,8 +114,8 @@ pub(super) fn seen(model: &Model) -> Situation<'_> {
         octave: cursor.octave,
         level: cursor.level,
         frames_used: model.document.params.used_frames(model.frame_count()).len(),
-        features: current.then(|| model.read().features().len()),
-        selected: model.read().selected_feature().is_some(),
+        features: current.then(|| model.features().len()),
+        selected: model.selected_feature().is_some(),
         probe: model.probed_place().filter(|_| model.document.probe.side == Side::A && model.probe_is_current()),
         params: &model.document.params,
         matching: &model.document.matching,
@@ -131,7 +131,7 @@ pub(super) fn seen(model: &Model) -> Situation<'_> {
 }
 
 /// Layout of the panes, as far as their contents determine it.
-fn layout(model: &Model) -> Option<Layout> {
+fn layout(model: Read<'_>) -> Option<Layout> {
     let panes: Vec<_> =
         model.document.panes.shown().into_iter().filter_map(|id| model.document.panes.get(id)).collect();
     let count = |content: fn(&Content) -> bool| panes.iter().filter(|pane| content(&pane.content)).count();
@@ -166,6 +166,8 @@ fn layout(model: &Model) -> Option<Layout> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::apply::panes;
+    use crate::app::results::Model;
 
     #[test]
     fn every_layout_is_seen_as_what_it_is() {
@@ -180,8 +182,8 @@ mod tests {
             Layout::TwoByTwo,
             Layout::Scales,
         ] {
-            model.lay_out(layout_made);
-            assert_eq!(layout(&model), Some(layout_made));
+            panes::lay_out(&mut model, layout_made);
+            assert_eq!(layout(Read::of(&model)), Some(layout_made));
         }
     }
 }

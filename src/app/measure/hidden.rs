@@ -6,7 +6,7 @@ use crate::app::canvas::CanvasOutput;
 use crate::app::document::Action;
 use crate::app::document::side::Side;
 use crate::app::pane::PaneId;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::burst::Burst;
 use egui::{Align, Frame, Layout, Margin, Pos2, Rect, Sense, Shape, Ui, UiBuilder, vec2};
 
@@ -41,7 +41,7 @@ fn inside(outline: &[Pos2], v: f32) -> Vec<[f32; 2]> {
     crossings.chunks_exact(2).map(|two| [two[0], two[1]]).collect()
 }
 
-pub(super) fn outlines_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
+pub(super) fn outlines_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput) {
     if model.document.panes.get(id).is_none_or(|pane| pane.side != Side::A) {
         return;
     }
@@ -54,7 +54,7 @@ pub(super) fn outlines_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
 }
 
 /// Says over the picture in `rect` how to draw, while the tool is chosen, and offers the mask.
-pub fn hidden_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
+pub fn hidden_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
     if model.document.measure.tool != Tool::Mask {
         return;
     }

@@ -13,7 +13,7 @@ use crate::app::canvas::{CanvasOutput, Picture};
 use crate::app::document::Action;
 use crate::app::inspector::{PaneWidgets, compact_description, same_place};
 use crate::app::pane::{Link, PaneId};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
 use crate::teach::{BottomTab, Workspace};
@@ -38,14 +38,14 @@ pub struct PaneRegion {
 }
 
 /// The pane that was drawn on or, when other panes took its place, the one in focus, which shows the same burst.
-fn measured_on(model: &Model, drawn_on: PaneId) -> PaneId {
+fn measured_on(model: Read<'_>, drawn_on: PaneId) -> PaneId {
     let is_replaced =
         model.document.workspace == Workspace::Inspect && !model.document.panes.shown().contains(&drawn_on);
     if is_replaced { model.document.focus() } else { drawn_on }
 }
 
 /// The pane that was drawn on and those linked with it by place, in reading order.
-pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
+pub fn measured_panes(model: Read<'_>, drawn_on: PaneId) -> Vec<PaneId> {
     let (shown, drawn_on) = (model.document.panes.shown(), measured_on(model, drawn_on));
     if !shown.contains(&drawn_on) {
         return Vec::new();
@@ -55,12 +55,12 @@ pub fn measured_panes(model: &Model, drawn_on: PaneId) -> Vec<PaneId> {
     shown.into_iter().filter(|id| *id == drawn_on || (!alone && is_linked(id))).collect()
 }
 
-fn mapped(model: &Model, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
+fn mapped(model: Read<'_>, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
     let drawn_on = measured_on(model, drawn_on);
     if drawn_on == to { Some(pos_image) } else { same_place(model, drawn_on, to, pos_image) }
 }
 
-pub fn profiles_of(model: &Model, widgets: &PaneWidgets, line: &MeasuredLine) -> Vec<PaneProfile> {
+pub fn profiles_of(model: Read<'_>, widgets: &PaneWidgets, line: &MeasuredLine) -> Vec<PaneProfile> {
     let of = |id: PaneId| {
         let picture = widgets.get(id)?.picture.shown()?;
         let ends = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos));
@@ -76,7 +76,7 @@ pub fn profiles_of(model: &Model, widgets: &PaneWidgets, line: &MeasuredLine) ->
     measured_panes(model, line.pane).into_iter().filter_map(of).collect()
 }
 
-pub fn region_in(model: &Model, widgets: &PaneWidgets, region: &MeasuredRegion, id: PaneId) -> Option<PaneRegion> {
+pub fn region_in(model: Read<'_>, widgets: &PaneWidgets, region: &MeasuredRegion, id: PaneId) -> Option<PaneRegion> {
     let picture = widgets.get(id)?.picture.shown()?.clone();
     let rect = region.rect_image;
     let corners = [rect.min, rect.max].map(|pos| mapped(model, region.pane, id, pos));
@@ -94,7 +94,7 @@ fn strokes() -> [Stroke; 2] {
     [Stroke::new(3.0, Color32::from_black_alpha(150)), Stroke::new(1.2, COLOUR)]
 }
 
-pub fn draw_ui(model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
+pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
     let response = &output.response;
     let place = |pos: Pos2| output.image_from_ui.pos(pos);
     let mut measure = model.document.measure.clone();
@@ -141,7 +141,7 @@ pub fn draw_ui(model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Que
     queue.set(&model.document.measure, measure, Action::SetMeasure);
 }
 
-pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
+pub fn measure_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput) {
     let pos_ui = |pos: Pos2| output.ui_from_image.pos(pos);
     let strokes = strokes();
     hidden::outlines_ui(model, id, output);
@@ -172,20 +172,25 @@ pub fn measure_ui(model: &Model, id: PaneId, output: &CanvasOutput) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::apply::bench::open;
+    use crate::app::apply::opening;
     use crate::app::pane::Direction;
-    use crate::app::results::tests::open;
+    use crate::app::results::Model;
 
     #[test]
     fn a_line_stays_when_other_panes_take_the_place_of_its_own() {
         let mut model = Model::default();
-        model.take_burst(open((64, 48), 5));
+        opening::take_burst(&mut model, open((64, 48), 5));
         let first = model.document.focus();
-        assert_eq!(measured_panes(&model, first), [first]);
+        assert_eq!(measured_panes(Read::of(&model), first), [first]);
         let second = model.document.panes.split(first, Direction::Right).expect("there is space");
         model.document.panes.close(first);
-        assert_eq!((measured_panes(&model, first), measured_on(&model, first)), (vec![second], second));
+        assert_eq!(
+            (measured_panes(Read::of(&model), first), measured_on(Read::of(&model), first)),
+            (vec![second], second)
+        );
         // In another workspace it is not drawn.
         model.document.open_workspace(Workspace::Pair);
-        assert_eq!(measured_panes(&model, PaneId(99)), []);
+        assert_eq!(measured_panes(Read::of(&model), PaneId(99)), []);
     }
 }

@@ -7,7 +7,7 @@ use crate::app::gpu::PictureId;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::ticks;
 use crate::app::view::fixed;
 use crate::plane::sample::{RegionStatistics, region_statistics};
@@ -57,7 +57,7 @@ const COLUMNS: [(&str, &str); 7] = [
     ),
 ];
 
-pub fn region_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, cache: &mut RegionCache, queue: &mut Queue) {
+pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, cache: &mut RegionCache, queue: &mut Queue) {
     let Some(region) = model.document.measure.region else {
         ui.horizontal(|ui| {
             ui.weak("Drag a rectangle on a picture to measure the values in it.");
@@ -164,7 +164,7 @@ const CURVES: [Color32; 8] = [
     Color32::from_rgb(150, 150, 150),
 ];
 
-pub fn profile_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut Queue) {
+pub fn profile_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &mut Queue) {
     let Some(line) = model.document.measure.line else {
         ui.horizontal(|ui| {
             ui.weak("Drag a line on a picture to see the values along it.");

@@ -25,14 +25,6 @@ impl Panes {
         Some(new)
     }
 
-    pub fn split_with(&mut self, direction: Direction, change: impl FnOnce(&mut Pane)) -> Option<PaneId> {
-        let new = self.split(self.focus(), direction)?;
-        if let Some(pane) = self.get_mut(new) {
-            change(pane);
-        }
-        Some(new)
-    }
-
     /// The two permanent panes stay on their bursts: a new pane takes the place of such a one.
     pub fn show_side(&mut self, id: PaneId, side: Side) {
         let is_here = self.shown().contains(&id);

@@ -1,5 +1,8 @@
 //! Links between panes: a pane with a link moves, and is moved by, every other pane with that link.
 
+use super::{Over, Pane, PaneId, Panes};
+use crate::app::document::cursor::Cursor;
+use crate::app::view::View;
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -80,5 +83,77 @@ impl PaneLinks {
 
     pub fn set(&mut self, link: Link, on: bool) {
         *self.field(link) = on;
+    }
+}
+
+impl Panes {
+    /// Panes linked to `first` by `link`, in one workspace or over several of them; empty if `first` lacks the link.
+    pub(super) fn linked_to(&self, first: PaneId, link: Link) -> Vec<PaneId> {
+        let has = |id: PaneId| self.get(id).is_some_and(|pane| pane.links.has(link));
+        if !has(first) {
+            return Vec::new();
+        }
+        let mut linked = vec![first];
+        let mut place = 0;
+        while place < linked.len() {
+            let beside = self.beside(linked[place]);
+            linked.extend(beside.into_iter().filter(|id| has(*id) && !linked.contains(id)).collect::<Vec<_>>());
+            place += 1;
+        }
+        linked.split_off(1)
+    }
+
+    /// Panes whose cursors follow the focused one, and may so leave the burst's range.
+    pub fn followers(&self) -> Vec<PaneId> {
+        self.linked_to(self.focus(), Link::Cursor)
+    }
+
+    /// Moves the linked cursors as that of `moved` moved from `before`: by equal steps. When `moved` changed its kind
+    /// of picture, linked panes of other bursts and methods that showed the former kind change too.
+    pub fn follow_cursor(&mut self, moved: PaneId, before: Cursor) {
+        let Some(leader) = self.get(moved) else { return };
+        let (after, side, method) = (leader.cursor, leader.side, leader.method);
+        let changed_kind = leader.shows(after.kind) && after.kind != before.kind;
+        for id in self.linked_to(moved, Link::Cursor) {
+            let Some(pane) = self.get_mut(id) else { continue };
+            pane.cursor = pane.cursor.moved_as(&before, &after);
+            if changed_kind && (pane.side, pane.method) != (side, method) && pane.shows(before.kind) {
+                pane.show(after.kind);
+            }
+        }
+    }
+
+    pub fn follow_view(&mut self, moved: PaneId, before: &View) {
+        let Some(after) = self.get(moved).map(|pane| pane.view).filter(|after| after != before) else { return };
+        for id in self.linked_to(moved, Link::View) {
+            if let Some(pane) = self.get_mut(id) {
+                pane.view.follow(before, &after);
+            }
+        }
+    }
+
+    pub fn all_share(&self, link: Link) -> bool {
+        self.shown().into_iter().filter_map(|id| self.get(id)).all(|pane| pane.links.has(link))
+    }
+
+    /// Lays the next pane's picture over the focused one: first as a wipe, then as a flip, then not any more.
+    pub fn next_over(&mut self) {
+        let (focus, shown) = (self.focus(), self.shown());
+        let place = shown.iter().position(|id| *id == focus).unwrap_or(0);
+        let other = shown[(place + 1) % shown.len()];
+        let over = self.over(focus);
+        let Some(pane) = self.get_mut(focus) else { return };
+        pane.over = match over {
+            None if other != focus => Some(Over::Wipe { other, at: 0.5 }),
+            None | Some(Over::Flip { .. }) => None,
+            Some(Over::Wipe { other, .. }) => Some(Over::Flip { other, flipped: false }),
+        };
+    }
+
+    pub fn flip(&mut self) {
+        let focus = self.focus();
+        if let Some(Pane { over: Some(Over::Flip { flipped, .. }), .. }) = self.get_mut(focus) {
+            *flipped ^= true;
+        }
     }
 }

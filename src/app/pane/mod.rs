@@ -13,7 +13,6 @@ mod preset;
 mod set;
 mod sides;
 mod tiles;
-mod together;
 
 pub use arrangement::{Arrangement, Direction, MAX_PANES, Part};
 pub use links::{Link, PaneLinks};
@@ -38,7 +37,7 @@ use serde::{Deserialize, Serialize};
 pub struct PaneId(pub u32);
 
 impl PaneId {
-    pub fn of(side: Side) -> Self {
+    pub const fn of(side: Side) -> Self {
         Self(side as u32)
     }
 }
@@ -236,6 +235,3 @@ impl Pane {
         others
     }
 }
-
-#[cfg(test)]
-mod tests;

@@ -13,7 +13,7 @@ use crate::app::panel::legend;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::ROW_HEIGHT;
 use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::comparison::{Row, Shown};
 use crate::app::view::{fixed, signed_slope};
 use crate::teach::Workspace;
@@ -34,7 +34,7 @@ pub fn colour(with: Reference, kind: Kind) -> Color32 {
     }
 }
 
-fn switch_ui(ui: &mut Ui, model: &Model, side: Side, queue: &mut Queue) {
+fn switch_ui(ui: &mut Ui, model: Read<'_>, side: Side, queue: &mut Queue) {
     if model.document.workspace == Workspace::Pair {
         ui.label(RichText::new(format!("Features of {}", side.name())).strong());
     }
@@ -63,7 +63,7 @@ fn switch_ui(ui: &mut Ui, model: &Model, side: Side, queue: &mut Queue) {
 
 const PROBE_HELP: &str = "Say why there is a feature at its place, or why there is none";
 
-pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut Queue) {
+pub fn against_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &mut Queue) {
     let side = model.active_side();
     ui.horizontal_wrapped(|ui| switch_ui(ui, model, side, queue));
     let Some(shown) = &model.results.slots[side].comparison.shown else {
@@ -108,7 +108,7 @@ pub fn against_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, queue: &mut
     }
 }
 
-fn what_to_do(model: &Model, side: Side) -> &'static str {
+fn what_to_do(model: Read<'_>, side: Side) -> &'static str {
     match model.document.comparisons[side].with {
         Some(_) if model.found_of(side).is_none() => {
             model.without_features(side, "Press Detect to find features to compare")
@@ -121,7 +121,7 @@ fn what_to_do(model: &Model, side: Side) -> &'static str {
 /// Returns the clicked row, and the one whose place is to be probed.
 fn table_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     side: Side,
     shown: &Shown,
     queue: &mut Queue,
@@ -203,7 +203,7 @@ fn cells(row: &Row) -> [String; 5] {
     ]
 }
 
-fn is_in_view(model: &Model, widgets: &PaneWidgets, row: &Row) -> bool {
+fn is_in_view(model: Read<'_>, widgets: &PaneWidgets, row: &Row) -> bool {
     let [u, v] = row.pos_image;
     let seen = widgets.get(model.document.focus()).and_then(|widget| widget.picture.visible_image);
     seen.is_some_and(|seen| seen.contains(pos2(u, v)))
@@ -217,7 +217,7 @@ pub struct RowsInPane {
 }
 
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
-fn marks_of(model: &Model, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, Vec<ComparedMark>) {
+fn marks_of(model: Read<'_>, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, Vec<ComparedMark>) {
     let RowsInPane { side, id, .. } = *place;
     let dt = frames_from_middle(model.picture_in(id), &shown.detection).unwrap_or_default();
     let pointed = [model.document.comparisons[side].selected, model.results.slots[side].comparison.hovered];
@@ -241,7 +241,7 @@ fn marks_of(model: &Model, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, Ve
         .unzip()
 }
 
-pub fn marks_ui(ui: &Ui, model: &Model, shown: &Shown, place: &RowsInPane, output: &CanvasOutput, queue: &mut Queue) {
+pub fn marks_ui(ui: &Ui, model: Read<'_>, shown: &Shown, place: &RowsInPane, output: &CanvasOutput, queue: &mut Queue) {
     let side = place.side;
     let (rows, marks) = marks_of(model, shown, place);
     let clip = output.painter.clip_rect();
@@ -287,7 +287,7 @@ fn row_tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
 
 pub fn legend_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     shown: &Shown,
     in_pane: &RowsInPane,
     output: &CanvasOutput,
@@ -328,8 +328,10 @@ fn key_ui(ui: &mut Ui, shown: &Shown, kind: Kind) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::apply::bench::{detected, feature, open};
+    use crate::app::apply::{detection, opening};
     use crate::app::document::comparison::{Kind, Reference};
-    use crate::app::results::tests::{detected, feature, open};
+    use crate::app::results::Model;
     use crate::detector::Slope;
     use std::time::Duration;
 
@@ -353,20 +355,23 @@ mod tests {
     #[test]
     fn an_empty_list_says_the_next_step() {
         let mut model = Model::default();
-        assert!(what_to_do(&model, Side::A).starts_with("Pin a result"));
+        assert!(what_to_do(Read::of(&model), Side::A).starts_with("Pin a result"));
         model.document.comparisons.a.with = Some(Reference::Truth);
-        assert!(what_to_do(&model, Side::A).starts_with("Press Detect"));
+        assert!(what_to_do(Read::of(&model), Side::A).starts_with("Press Detect"));
         let burst = open((64, 48), 3);
-        model.take_burst(burst.clone());
+        opening::take_burst(&mut model, burst.clone());
         let engine = crate::engine::Engine::new(std::sync::Arc::new(|| {}), 1 << 20);
-        model.start_detection(Side::A, &engine);
-        assert_eq!((what_to_do(&model, Side::A), model.takes_advice(Side::A)), ("Detecting…", false));
+        detection::start_detection(&mut model, Side::A, &engine);
+        assert_eq!(
+            (what_to_do(Read::of(&model), Side::A), Read::of(&model).takes_advice(Side::A)),
+            ("Detecting…", false)
+        );
         model.results.slots.a.detecting.forget();
-        assert!(model.takes_advice(Side::A));
+        assert!(Read::of(&model).takes_advice(Side::A));
         let params = model.document.params.clone();
         let features = vec![feature(10.0, 10.0, 1, &params.slopes)];
-        model.take_detection(Side::A, detected(&burst, &params, features), Duration::ZERO);
+        detection::take_detection(&mut model, Side::A, detected(&burst, &params, features), Duration::ZERO);
         model.document.comparisons.a.with = Some(Reference::Truth);
-        assert_eq!(what_to_do(&model, Side::A), "Comparing…");
+        assert_eq!(what_to_do(Read::of(&model), Side::A), "Comparing…");
     }
 }

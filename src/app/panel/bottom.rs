@@ -6,7 +6,7 @@ use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
 use crate::app::panel::{against, noise, slopes, status, table, tally};
 use crate::app::parts::mark;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::teach::{BottomTab, Part};
 use egui::{Align, Layout, Ui};
 
@@ -24,7 +24,7 @@ const TABS: [(BottomTab, &str, &str); 7] = [
 ];
 
 /// Whether `tab` has something to show, or is the chosen one.
-fn has_content(tab: BottomTab, model: &Model) -> bool {
+fn has_content(tab: BottomTab, model: Read<'_>) -> bool {
     let compared = &model.results.slots[model.active_side()].comparison;
     let is_filled = match tab {
         BottomTab::Profile => model.document.measure.line.is_some(),
@@ -36,7 +36,7 @@ fn has_content(tab: BottomTab, model: &Model) -> bool {
 }
 
 /// Draws the tabs; the open one closes the panel, any other opens it.
-fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn tabs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let is_open = model.shows_bottom();
     for (tab, name, help) in TABS {
         if !has_content(tab, model) {
@@ -48,7 +48,7 @@ fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
 }
 
-pub fn closed_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn closed_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let tabs = ui.horizontal(|ui| {
         (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
         tabs_ui(ui, model, queue);
@@ -56,11 +56,11 @@ pub fn closed_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     mark(ui, Part::Tabs, tabs.response.rect);
 }
 
-fn line_ui(ui: &mut Ui, model: &Model, summary_ui: fn(&mut Ui, &Model)) {
+fn line_ui(ui: &mut Ui, model: Read<'_>, summary_ui: fn(&mut Ui, Read<'_>)) {
     ui.with_layout(Layout::left_to_right(Align::Center), |ui| summary_ui(ui, model));
 }
 
-pub fn bottom_ui(ui: &mut Ui, model: &Model, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
+pub fn bottom_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
     // Widgets beside the tabs go below them where there is no space.
     let tabs = ui.horizontal_wrapped(|ui| {
         if ui.available_width() < ROOMY {

@@ -6,14 +6,14 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
 use crate::app::document::cursor::{level_range, octave_range, slope_limit};
 use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeChoice};
 use crate::inspect::spectrum::features_at_slopes;
 use egui::{CursorIcon, Id, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
-pub fn cursor_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn cursor_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Cursor", |ui| {
         frame_row(ui, model, queue);
         slope_rows(ui, model, queue);
@@ -50,7 +50,7 @@ pub(super) fn mark_fields(ui: &Ui, rect_ui: Rect, first: bool) {
 
 /// Picture that is shown. While the pointer is over the fields of the slopes, or one of them is typed in, it stays, so
 /// that they do not move.
-fn shown(ui: &Ui, model: &Model) -> Below {
+fn shown(ui: &Ui, model: Read<'_>) -> Below {
     let grid = model.cursor_params().slopes;
     let now = match (grid.u.count > 1, grid.v.count > 1) {
         (true, true) => Below::Plane,
@@ -67,7 +67,7 @@ fn shown(ui: &Ui, model: &Model) -> Below {
     shown
 }
 
-fn frame_row(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn frame_row(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let last = model.focused_frame_count().saturating_sub(1) as f32;
     let mut frame = model.document.cursor().frame as f32;
     let help = "Index of the shown frame, from 0. Moving it shows the frame.";
@@ -76,7 +76,7 @@ fn frame_row(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
 }
 
-fn slope_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn slope_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let grid = model.cursor_params().slopes;
     let limit = slope_limit(&grid);
     // The slopes of a rotated grid are marked by their components on each axis.
@@ -106,7 +106,7 @@ fn slope_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     queue.set(&before, slope, |slope| Action::SetSlope(model.document.focus(), slope));
 }
 
-fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn buttons_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         let play = if model.document.playing { "⏸ Pause" } else { "▶ Play" };
@@ -114,7 +114,7 @@ fn buttons_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn scale_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn scale_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let octaves = octave_range(model.cursor_params(), model.focused_size());
     let levels = level_range(model.cursor_params());
     let (mut octave, mut level) = (model.document.cursor().octave as f32, model.document.cursor().level as f32);
@@ -136,7 +136,7 @@ fn scale_rows(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ));
 }
 
-pub fn slope_pad_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn slope_pad_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let side = ui.available_width().min(170.0);
     let (full, _) = ui.allocate_exact_size(vec2(ui.available_width(), side), Sense::hover());
     let rect = egui::Rect::from_center_size(full.center(), vec2(side, side));
@@ -178,7 +178,7 @@ const HEIGHT: f32 = 30.0;
 const REACH: f32 = 5.0;
 
 /// Draws the strip below the slider of the first (`second` false) or second axis.
-pub fn strip_ui(ui: &mut Ui, model: &Model, second: bool, queue: &mut Queue) {
+pub fn strip_ui(ui: &mut Ui, model: Read<'_>, second: bool, queue: &mut Queue) {
     let grid = model.cursor_params().slopes;
     let axis = if second { grid.v } else { grid.u };
     let (track, width) = slider_track(ui);
@@ -243,7 +243,7 @@ fn moved(axis: SlopeAxis, upper: bool, pulled: f32) -> SlopeAxis {
     }
 }
 
-fn set_axis(model: &Model, second: bool, axis: SlopeAxis, queue: &mut Queue) {
+fn set_axis(model: Read<'_>, second: bool, axis: SlopeAxis, queue: &mut Queue) {
     let mut detector = model.document.params.clone();
     let own = if second { &mut detector.slopes.v } else { &mut detector.slopes.u };
     if *own != axis {
@@ -252,7 +252,7 @@ fn set_axis(model: &Model, second: bool, axis: SlopeAxis, queue: &mut Queue) {
     }
 }
 
-fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) -> f32) {
+fn bars_ui(ui: &Ui, model: Read<'_>, second: bool, rect: Rect, x_of: &dyn Fn(f32) -> f32) {
     let painter = ui.painter_at(rect.expand2(vec2(3.0, 0.0)));
     painter.rect_filled(rect.expand2(vec2(3.0, 0.0)), 2.0, ui.visuals().extreme_bg_color);
     let response = ui.interact(rect, ui.scope_id().with(("slope strip", second)), Sense::hover());
@@ -289,8 +289,8 @@ fn bars_ui(ui: &Ui, model: &Model, second: bool, rect: Rect, x_of: &dyn Fn(f32) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::apply::apply;
-    use crate::app::results::tests::{Bench, open};
+    use crate::app::apply::bench::{Bench, open};
+    use crate::app::apply::{apply, opening, staged};
     use egui::accesskit::Role;
     use egui_kittest::Harness;
     use egui_kittest::kittest::Queryable;
@@ -298,17 +298,17 @@ mod tests {
     #[test]
     fn a_drag_of_a_slider_is_one_action_a_pass_and_one_step_to_undo() {
         let mut bench = Bench::new();
-        bench.model.take_burst(open((64, 48), 5));
+        opening::take_burst(&mut bench.model, open((64, 48), 5));
         let before = bench.model.document.cursor().slope;
         let draw = |ui: &mut Ui, (bench, actions): &mut (Bench, Vec<usize>)| {
             let mut queue = Queue::default();
-            cursor_ui(ui, &bench.model, &mut queue);
+            cursor_ui(ui, Read::of(&bench.model), &mut queue);
             let pushed: Vec<Action> = queue.into_iter().collect();
             actions.push(pushed.len());
             for action in pushed {
                 let _ = apply(action, &mut bench.model, &bench.engine);
             }
-            bench.model.close_step(ui.input(|i| i.pointer.any_down()));
+            bench.model.shell.history.close_step(&bench.model.document, ui.input(|i| i.pointer.any_down()));
         };
         let mut harness = Harness::new_ui_state(draw, (bench, Vec::new()));
         let slider = harness.get_by_role_and_label(Role::Slider, "Slope u").rect();
@@ -326,9 +326,9 @@ mod tests {
         let (bench, actions) = harness.state_mut();
         assert!(actions.iter().all(|pushed| *pushed <= 1) && actions.iter().sum::<usize>() >= 3, "{actions:?}");
         assert!(bench.model.document.cursor().slope.u > before.u);
-        bench.model.undo(&bench.engine);
+        staged::undo(&mut bench.model, &bench.engine);
         assert_eq!(bench.model.document.cursor().slope, before);
-        assert!(!bench.model.history.can_undo());
+        assert!(!bench.model.shell.history.can_undo());
     }
 
     #[test]

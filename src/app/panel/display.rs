@@ -10,7 +10,7 @@ use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
 use crate::app::panel::legend::{KEY_ROOM, ground, motion_key};
 use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::plane::display::Display;
 use crate::requests::line_of;
 use egui::{
@@ -20,7 +20,7 @@ use egui::{
 #[derive(Default)]
 pub struct DisplayState([HistogramPanel; RangeClass::Motion as usize + 1]);
 
-pub fn display_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) {
+pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
         range_ui(ui, model, widgets, queue);
         let mut look = model.document.look.clone();
@@ -33,7 +33,7 @@ pub fn display_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: 
 }
 
 /// Draws the section without the rows for features.
-pub fn ranges_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) {
+pub fn ranges_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
         range_ui(ui, model, widgets, queue);
         let mut look = model.document.look.clone();
@@ -42,7 +42,7 @@ pub fn ranges_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &
     });
 }
 
-fn range_ui(ui: &mut Ui, model: &Model, widgets: &mut PaneWidgets, queue: &mut Queue) {
+fn range_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) {
     let PaneWidget { picture: pictures, display: state, .. } = widgets.of(model.document.focus());
     pictures.refresh(model.picture());
     let class = model.range_class(model.document.focus());
@@ -77,7 +77,7 @@ fn smoothing_ui(ui: &mut Ui, look: &mut Look) {
     });
 }
 
-fn overlay_ui(ui: &mut Ui, model: &Model, look: &mut Look) {
+fn overlay_ui(ui: &mut Ui, model: Read<'_>, look: &mut Look) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         ui.spacing_mut().icon_spacing = 3.0;
@@ -101,7 +101,7 @@ pub fn features_shown_ui(
     ui: &mut Ui,
     shown: &mut FeaturesShown,
     choices: impl IntoIterator<Item = FeaturesShown>,
-    model: &Model,
+    model: Read<'_>,
     id: PaneId,
 ) {
     let has_slope = model.picture_in(id).is_none() || model.slope_in_picture(id).is_some();
@@ -117,7 +117,7 @@ pub fn features_shown_ui(
     }
 }
 
-fn colouring_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn colouring_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         let label = label_ui(ui, "Colour by", 69.0);
         let (width, choices) =
@@ -133,7 +133,7 @@ fn colouring_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 const SIZE: egui::Vec2 = vec2(196.0, 50.0);
 
 /// Draws the colour bar of pane `id` over its picture in `rect`, if the picture is a map.
-pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
+pub fn colour_bar_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, rect: Rect) {
     let title = match model.range_class(id) {
         _ if !model.has_colour_bar(id) => return,
         RangeClass::Frame | RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => return,
@@ -162,7 +162,7 @@ pub fn colour_bar_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
     response.on_hover_text(format!("{text}; change the range in the panel Display"));
 }
 
-fn motion_key_ui(ui: &mut Ui, model: &Model, id: PaneId, rect: Rect) {
+fn motion_key_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, rect: Rect) {
     let Some(scale) = motion_key(model, id, rect) else { return };
     let size = vec2(148.0, scale.height() + 12.0);
     let background = Rect::from_min_size(rect.right_bottom() - size - vec2(10.0, 10.0), size);

@@ -12,11 +12,11 @@ use crate::app::panel::against::{RowsInPane, marks_ui};
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::panel::{against, legend};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::comparison::Row;
 use crate::app::results::explained::{coherence_words, verdict_words};
 use crate::app::view::{Known, depth_text, motion_text};
-use crate::detector::{Detection, Feature, Slope};
+use crate::detector::{Detection, Feature, Quantity, Slope};
 use crate::inspect::spectrum::is_at_slope;
 use crate::teach::Workspace;
 use egui::{Label, Pos2, RichText, Ui, vec2};
@@ -48,7 +48,7 @@ pub struct FeatureLayer {
 impl FeatureLayer {
     /// Features of pane `id`; `None` while none are drawn. In *Inspect* the table, the filter and the selection are
     /// A's; where two bursts or methods are compared, all features are drawn and none are listed.
-    pub fn of(model: &Model, id: PaneId) -> Option<Self> {
+    pub fn of(model: Read<'_>, id: PaneId) -> Option<Self> {
         let inspected = model.document.workspace == Workspace::Inspect;
         let are_drawn = match model.document.workspace {
             Workspace::Pair => model.document.match_look.features,
@@ -96,7 +96,7 @@ impl FeatureLayer {
         self.in_frame.as_deref().unwrap_or(&self.detection.features)
     }
 
-    pub fn scale(&self, model: &Model) -> overlay::ColourScale {
+    pub fn scale(&self, model: Read<'_>) -> overlay::ColourScale {
         let (features, grid) = (&self.detection.features, &self.detection.slopes);
         let scale = overlay::ColourScale::of(model.document.colour_by, features, grid);
         scale
@@ -140,7 +140,7 @@ impl FeatureLayer {
 
 pub fn features_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     id: PaneId,
     state: &mut PictureState,
     output: &CanvasOutput,
@@ -288,14 +288,16 @@ fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
 /// Width of the sentence in a feature's tip, points.
 const TIP_WIDTH: f32 = 320.0;
 
-fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {
-    if scale.by == overlay::ColourBy::Depth {
+fn grey_text(model: Read<'_>, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {
+    if scale.by == overlay::ColourBy::Of(Quantity::Depth) {
         return scale.has_unknown().then(|| "Grey: Slopes, Slopes from the set-up gives depths".to_owned());
     }
     let grey = |why: &str| scale.has_unknown().then(|| format!("Grey: {why}"));
     match scale.by {
-        overlay::ColourBy::Layer => return grey("in no layer"),
-        overlay::ColourBy::FieldU | overlay::ColourBy::FieldV => return grey("motion of the place unknown"),
+        overlay::ColourBy::Of(Quantity::Layer) => return grey("in no layer"),
+        overlay::ColourBy::Of(Quantity::FieldU | Quantity::FieldV | Quantity::FieldSigma) => {
+            return grey("motion of the place unknown");
+        }
         _ => {}
     }
     let why = match (model.results.coherence.of(&layer.detection), model.results.coherence.failure_of(&layer.detection))
@@ -313,7 +315,7 @@ fn grey_text(model: &Model, layer: &FeatureLayer, scale: &overlay::ColourScale) 
 
 fn features_legend_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     scale: &overlay::ColourScale,
     notes: &[String],
     place: legend::Place,

@@ -4,7 +4,7 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::overlay::ColourScale;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::named;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
 #[derive(Debug, Clone, Copy)]
@@ -29,7 +29,7 @@ impl Place {
 pub const KEY_ROOM: Vec2 = vec2(430.0, 150.0);
 
 /// Colours of the motions in the picture of pane `id`, drawn in `rect`, which a key in its corner explains.
-pub fn motion_key(model: &Model, id: PaneId, rect: Rect) -> Option<ColourScale> {
+pub fn motion_key(model: Read<'_>, id: PaneId, rect: Rect) -> Option<ColourScale> {
     let motion = model.picture_in(id)?.motion.as_ref()?;
     let has_room = rect.width() >= KEY_ROOM.x && rect.height() >= KEY_ROOM.y;
     has_room.then(|| ColourScale::of_slopes(&motion.grid, model.features_of_motion(id)))
@@ -44,7 +44,7 @@ pub fn ground(ui: &Ui) -> Color32 {
 /// Draws a legend of `size` points, margins included, or its chip; a click folds or unfolds it.
 pub fn legend_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     size: Vec2,
     place: Place,
     queue: &mut Queue,

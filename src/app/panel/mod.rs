@@ -29,14 +29,14 @@ mod tests {
     use super::*;
     use crate::app::document::comparison::Reference;
     use crate::app::document::{Action, Document, Queue};
-    use crate::app::results::Model;
+    use crate::app::results::{Model, Read};
     use crate::app::{dataset, workspace};
     use crate::detector::{Quantity, SlopeChoice, SlopeGrid, Test};
     use crate::teach::BottomTab;
     use egui::Ui;
     use egui_kittest::Harness;
 
-    type Drawing = fn(&mut Ui, &Model, &mut Queue);
+    type Drawing = fn(&mut Ui, Read<'_>, &mut Queue);
 
     const PANELS: &[(&str, Drawing)] = &[
         ("toolbar", toolbar::toolbar_ui),
@@ -101,7 +101,7 @@ mod tests {
     fn drawn(panel: Drawing, model: Model) -> Harness<'static, (Model, Vec<Action>)> {
         let draw = move |ui: &mut Ui, (model, pushed): &mut (Model, Vec<Action>)| {
             let mut queue = Queue::default();
-            panel(ui, model, &mut queue);
+            panel(ui, Read::of(model), &mut queue);
             pushed.extend(queue);
         };
         Harness::builder().with_size([900.0, 700.0]).build_ui_state(draw, (model, Vec::new()))

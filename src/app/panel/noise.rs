@@ -5,7 +5,7 @@ use crate::app::canvas::number as in_digits;
 use crate::app::document::Action;
 use crate::app::document::side::Side;
 use crate::app::panel::widgets::{instead_ui, warning_ui};
-use crate::app::results::{FoundFeatures, Model};
+use crate::app::results::{FoundFeatures, Read};
 use crate::detector::noise_model::NoiseModel;
 use crate::plane::display::ColourMap;
 use crate::requests::ViewKind;
@@ -19,7 +19,7 @@ fn number(value: f32) -> String {
 const PLOT: egui::Vec2 = vec2(280.0, 130.0);
 const MAP_CELLS: usize = 64;
 
-pub fn summary_ui(ui: &mut Ui, model: &Model) {
+pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
     let Some(found) = &model.results.slots.a.found else {
         ui.weak("No detection yet");
         return;
@@ -38,7 +38,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
 }
 
-pub fn noise_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn noise_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(found) = &model.results.slots.a.found else {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to measure the noise"));
         return;
@@ -58,7 +58,7 @@ pub fn noise_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn show_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel, queue: &mut Queue) {
+fn show_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel, queue: &mut Queue) {
     let curve = &noise.transfer;
     ui.horizontal_wrapped(|ui| {
         let text = format!("σ² = a·I + b:  a = {}, b = {}", number(curve.slope), number(curve.dark));
@@ -123,7 +123,7 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
     painter.text(rect.right_bottom() + vec2(-4.0, -2.0), Align2::RIGHT_BOTTOM, number(high), font, colour);
 }
 
-fn map_ui(ui: &mut Ui, model: &Model, noise: &NoiseModel) {
+fn map_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel) {
     let Some(burst) = &model.results.slots.a.burst else { return };
     let (width, height) = burst.burst.size();
     let hover = "σ of a frame's noise by place, at the finest octave: bright is more";

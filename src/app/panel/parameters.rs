@@ -3,10 +3,11 @@
 use crate::app::actions::{ActionId, Queue, button_ui, enabled};
 use crate::app::document::Action;
 use crate::app::document::panes::Panels;
+use crate::app::document::side::Side;
 use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::{parts, style};
 use crate::detector::params::{Param, doc};
 use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeAxis, SlopeChoice, SlopeFinding, SlopeVerdict};
@@ -17,7 +18,7 @@ use egui::{Align, Layout, Rect, RichText, Ui};
 /// Parameters that are always shown; all others are *Advanced*.
 const BASIC: [Param<DetectorParams>; 4] = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE];
 
-pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Detector", |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
@@ -39,13 +40,7 @@ pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             defaults.slopes = given;
         }
         // The gate of the search whose features are shown, where it chose by itself.
-        let found = model
-            .results
-            .slots
-            .a
-            .found
-            .as_ref()
-            .filter(|found| found.params.noise_gate == model.document.params.noise_gate);
+        let found = model.found_of(Side::A).filter(|found| found.params.noise_gate == model.document.params.noise_gate);
         let chosen = found.filter(|found| !matches!(found.params.noise_gate, NoiseGate::Factor(_)));
         let note = chosen.map(|found| (doc::NOISE_GATE.name, format!("{:.2}", found.detection.noise_gate_factor)));
         let table = rows::ParamTable { error, defaults, frame_count: model.frame_count(), note };
@@ -69,12 +64,12 @@ pub fn parameters_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 fn row_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     search: &mut SearchParams,
     table: &rows::ParamTable<'_, DetectorParams>,
     record: &Param<DetectorParams>,
 ) {
-    let finding = model.results.slots.a.found.as_ref().and_then(|found| found.finding.as_ref());
+    let finding = model.found_of(Side::A).and_then(|found| found.finding.as_ref());
     let (p, choice) = (&mut search.detector, &mut search.slopes);
     let top = ui.next_widget_position();
     ui.add_enabled_ui((record.in_use)(p), |ui| {
@@ -113,7 +108,7 @@ fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
 /// points at one of them opens the fold.
 fn advanced_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     search: &mut SearchParams,
     table: &rows::ParamTable<'_, DetectorParams>,
     queue: &mut Queue,
@@ -131,7 +126,7 @@ fn advanced_ui(
 }
 
 /// Draws the fold of the advanced parameters, of which `changed` are not at their defaults; returns whether it is open.
-pub fn fold_ui(ui: &mut Ui, model: &Model, is_needed: bool, changed: usize, queue: &mut Queue) -> bool {
+pub fn fold_ui(ui: &mut Ui, model: Read<'_>, is_needed: bool, changed: usize, queue: &mut Queue) -> bool {
     let is_open = model.document.panels.advanced || is_needed;
     let toggled = ui.horizontal(|ui| {
         let (_, icon) = ui.allocate_exact_size(egui::vec2(12.0, 14.0), egui::Sense::click());

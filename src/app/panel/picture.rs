@@ -6,7 +6,7 @@ use crate::app::document::filter::Filter;
 use crate::app::document::look::{FeaturesShown, RangeClass};
 use crate::app::measure::Tool;
 use crate::app::panel::widgets::paint;
-use crate::app::results::{Model, Stale};
+use crate::app::results::{Read, Stale};
 use crate::app::view::fixed;
 use crate::app::{canvas, style};
 use crate::burst::Offset;
@@ -211,7 +211,7 @@ pub(in crate::app) fn at_time(feature: &Feature, from_middle: Offset<f32>) -> Fe
     Feature { u: feature.u + u, v: feature.v + v, ..*feature }
 }
 
-pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
+pub fn stale_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
     let Some(stale) = model.stale() else { return };
     if model.document.measure.tool == Tool::Mask
         || model.document.look.overlay == FeaturesShown::None
@@ -240,7 +240,7 @@ pub fn stale_ui(ui: &mut Ui, model: &Model, rect: Rect, queue: &mut Queue) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::results::tests::open;
+    use crate::app::apply::bench::open;
     use crate::detector::{DetectorParams, FrameRange};
     use crate::monitor::Monitor;
     use crate::requests::{Request, ViewKind, Work};

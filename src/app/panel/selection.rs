@@ -2,9 +2,10 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::signed_number;
+use crate::app::document::side::Side;
 use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::explained::{coherence_words, verdict_words};
 use crate::app::view::{Known, depth_text, fixed, layer_text, motion_text};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
@@ -25,7 +26,7 @@ pub struct SelectionState {
     frame: PatchTexture,
 }
 
-pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub(in crate::app) fn walk_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         button_ui(ui, model, queue, ActionId::PreviousFeature, Some("Previous"));
@@ -38,10 +39,10 @@ pub(in crate::app) fn walk_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-pub fn selection_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, queue: &mut Queue) {
+pub fn selection_ui(ui: &mut Ui, model: Read<'_>, state: &mut SelectionState, queue: &mut Queue) {
     section_ui(ui, "Selected feature", |ui| {
         walk_ui(ui, model, queue);
-        let (Some(index), Some(feature)) = (model.document.selected, model.read().selected_feature().copied()) else {
+        let (Some(index), Some(feature)) = (model.document.selected, model.selected_feature().copied()) else {
             ui.add_space(4.0);
             ui.weak("Click a feature in the picture or a row of the table.");
             return;
@@ -56,12 +57,12 @@ pub fn selection_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, queu
         if let Some(judged) = &judged {
             verdict_ui(ui, &feature, judged);
         }
-        let found = model.results.slots.a.found.as_ref();
+        let found = model.found_of(Side::A);
         let layers = found.and_then(|found| found.detection.field.as_ref()).map_or(&[][..], |field| &field.layers);
         let known = model.document.set_up.known(&feature, judged.as_ref());
         numbers_ui(ui, index, &feature, known, layers);
         ui.add_space(6.0);
-        let descriptor = model.results.slots.a.found.as_ref().and_then(|f| f.detection.descriptors.get(index).copied());
+        let descriptor = model.found_of(Side::A).and_then(|f| f.detection.descriptors.get(index).copied());
         if let Some(descriptor) = descriptor {
             ui.label(RichText::new("Descriptor").small().weak());
             let side = ui.available_width().min(200.0);
@@ -144,7 +145,7 @@ fn without_unit(motion: &str) -> String {
     motion.replace(" px/frame", "")
 }
 
-fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &Feature) {
+fn patches_ui(ui: &mut Ui, model: Read<'_>, state: &mut SelectionState, feature: &Feature) {
     let Some(burst) = &model.results.slots.a.burst else { return };
     let display = model.document.look.ranges.intensity;
     let side = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
@@ -162,8 +163,7 @@ fn patches_ui(ui: &mut Ui, model: &Model, state: &mut SelectionState, feature: &
         ui.vertical(|ui| {
             ui.set_width(side);
             let t = model.document.cursor().frame.min(burst.burst.len() - 1);
-            let used =
-                model.results.slots.a.found.as_ref().map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
+            let used = model.found_of(Side::A).map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
             // In a frame the feature lies further along its motion, away from the middle of the frames used.
             let feature = at_time(feature, burst.burst.positions.offset_from(used, t).to_f32());
             let view = PatchView { name: "Patch in one frame", feature, turned: false, display };

@@ -6,7 +6,7 @@ use crate::app::document::side::Side;
 use crate::app::messages::Messages;
 use crate::app::panel::widgets::{confirm_ui, named, progress_text, text_width, with_whole_numbers};
 use crate::app::recovery::{Offer, RecoveryChoice};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::own::Own;
 use crate::detector::ParamChange;
 use crate::inspect::words::counted;
@@ -20,7 +20,7 @@ const READOUT_STEP: f32 = 80.0;
 const READOUT_REST: f32 = 300.0;
 
 /// Draws the status bar. Returns whether the path is to be typed for which a dialog returned none.
-pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut Queue) -> bool {
+pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mut Queue) -> bool {
     let mut types_path = false;
     ui.horizontal(|ui| {
         let hint = if model.results.slots.a.burst.is_some() { "Point at the picture to read values" } else { "" };
@@ -70,10 +70,10 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
                 ui.label(format!("{what}  {}", progress_text(&running))).on_hover_text(tip);
             }
             let help = "Type the path, if no dialog appeared or it cannot be used";
-            types_path = model.messages.unanswered().is_some()
+            types_path = model.shell.messages.unanswered().is_some()
                 && ui.small_button("Type the path…").on_hover_text(help).clicked();
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                if let Some(note) = model.messages.last_note() {
+                if let Some(note) = model.shell.messages.last_note() {
                     ui.add(Label::new(note).truncate());
                 }
             });
@@ -82,7 +82,7 @@ pub fn status_ui(ui: &mut Ui, model: &Model, readout: Option<&str>, queue: &mut 
     types_path
 }
 
-fn warnings(model: &Model) -> Vec<String> {
+fn warnings(model: Read<'_>) -> Vec<String> {
     let burst = model.burst_of(model.active_side());
     burst.map_or_else(Vec::new, |open| open.burst.notes().iter().map(|note| note.for_window()).collect())
 }
@@ -101,7 +101,7 @@ fn warnings_ui(ui: &mut Ui, warnings: &[String]) {
     });
 }
 
-fn burst_text(model: &Model) -> String {
+fn burst_text(model: Read<'_>) -> String {
     let side = model.active_side();
     let Some(open) = model.burst_of(side) else { return "No burst open".to_owned() };
     // With two bursts, the text names this one.
@@ -197,15 +197,8 @@ fn ago(age: Duration) -> String {
     format!("{} ago", counted(count as usize, unit))
 }
 
-pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let advice = model
-        .results
-        .slots
-        .a
-        .found
-        .as_ref()
-        .filter(|_| model.stale().is_none())
-        .and_then(|found| found.advice.as_ref());
+pub(crate) fn advice_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
+    let advice = model.found_of(Side::A).filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
     if let Some(advice) = advice {
         let text = RichText::new(with_whole_numbers(&advice.for_window())).color(crate::app::style::warning(ui));
         ui.horizontal_wrapped(|ui| {
@@ -214,7 +207,7 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
             if let Some(price) = model.price_text(Side::A, &change) {
                 ui.weak(format!("({price})"));
             }
-            if model.read().features().is_empty() && model.document.workspace == Workspace::Inspect {
+            if model.features().is_empty() && model.document.workspace == Workspace::Inspect {
                 button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
             }
         });
@@ -224,21 +217,23 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::results::tests::open;
+    use crate::app::apply::bench::open;
+    use crate::app::apply::opening;
+    use crate::app::results::Model;
 
     #[test]
     fn the_burst_is_said_with_its_frames_size_and_levels() {
         let mut model = Model::default();
-        assert_eq!(burst_text(&model), "No burst open");
-        model.take_burst(open((64, 48), 5));
-        assert_eq!(burst_text(&model), "test · 5 frames · 64 × 48 · float");
+        assert_eq!(burst_text(Read::of(&model)), "No burst open");
+        opening::take_burst(&mut model, open((64, 48), 5));
+        assert_eq!(burst_text(Read::of(&model)), "test · 5 frames · 64 × 48 · float");
         let with_step = |quantisation_step: f32| {
             let mut burst = (*open((64, 48), 1).burst).clone();
             burst.quantisation_step = quantisation_step;
             let mut model = Model::default();
-            model.take_burst(crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
+            opening::take_burst(&mut model, crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
             model.document.workspace = Workspace::Pair;
-            burst_text(&model)
+            burst_text(Read::of(&model))
         };
         assert_eq!(with_step(1.0 / 255.0), "A: test · 1 frame · 64 × 48 · 256 levels");
         // Twelve bits in the upper part of sixteen.
@@ -248,12 +243,12 @@ mod tests {
     #[test]
     fn all_warnings_about_a_file_are_listed() {
         let mut model = Model::default();
-        assert!(warnings(&model).is_empty());
+        assert!(warnings(Read::of(&model)).is_empty());
         let mut burst = (*open((64, 48), 3).burst).clone();
         (burst.encoding, burst.suggested_full_scale) = (crate::burst::Encoding::Srgb, Some(4095.0));
         let expected: Vec<String> = burst.notes().iter().map(|note| note.for_window()).collect();
-        model.take_burst(crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
-        assert_eq!((warnings(&model), expected.len()), (expected, 2), "not only the last one");
+        opening::take_burst(&mut model, crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
+        assert_eq!((warnings(Read::of(&model)), expected.len()), (expected, 2), "not only the last one");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::view::{layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
 use crate::detector::quantity::Record;
@@ -25,7 +25,7 @@ impl SortedColumn for Quantity {
     }
 }
 
-pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if model.results.slots.a.found.is_none() {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to find features"));
         return;
@@ -39,7 +39,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         Listed { items: &model.results.listed, selected: model.document.selected, hovered: model.results.hovered };
     let judged = model.judged().cloned();
     let text = |quantity, index: usize| {
-        let feature = &model.read().features()[index];
+        let feature = &model.features()[index];
         let judged = judged.as_ref().and_then(|judged| judged.get(index));
         quantity_text(quantity, index, feature, model.document.set_up.known(feature, judged))
     };
@@ -53,7 +53,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     }
     let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
-        let Some(feature) = model.read().features().get(index) else { return };
+        let Some(feature) = model.features().get(index) else { return };
         let tip = "Show the motion stack at its slope, with it in the middle";
         if ui.button("Go to feature").on_hover_text(tip).clicked() {
             chosen = Some(index);
@@ -233,8 +233,8 @@ pub(in crate::app) fn cell_ui(ui: &mut Ui, text: RichText, is_left: bool) {
     }
 }
 
-pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let (total, listed) = (model.read().features().len(), model.results.listed.len());
+pub fn filter_bar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
+    let (total, listed) = (model.features().len(), model.results.listed.len());
     if total == 0 {
         ui.weak(if model.results.slots.a.found.is_some() { "No feature was found" } else { "No features yet" });
         return;
@@ -264,7 +264,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if ui.checkbox(&mut near, "At this slope").on_hover_text(AT_SLOPE_HELP).changed() {
         filter.near_slope = near.then(|| model.near_slope());
     }
-    if let Some(found) = model.results.slots.a.found.as_ref().filter(|_| near) {
+    if let Some(found) = model.found_of(Side::A).filter(|_| near) {
         let [all, own] = at_slope(&found.detection, model.document.cursor().slope);
         ui.weak(format!("{own} by their own slope")).on_hover_text(format!(
             "{all} move with what is sharp here; {own} of all features also by their own slope"
@@ -278,8 +278,8 @@ pub fn filter_bar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 const AT_SLOPE_HELP: &str = "Show only features that move by the shown slope, as This slope does over the picture: with their surroundings (Field u, v) where they move with these, else by their own slope (Slope u, v)";
 
-fn ranges_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
-    let features: &[Feature] = model.read().features();
+fn ranges_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
+    let features: &[Feature] = model.features();
     let of = |value: fn(&Feature) -> f32| ends(features.iter().map(value));
     range_ui(ui, "Slope u", "px/frame", of(|f| f.slope.u), &mut filter.slope_u);
     range_ui(ui, "Slope v", "px/frame", of(|f| f.slope.v), &mut filter.slope_v);
@@ -308,8 +308,8 @@ fn moves_ui(ui: &mut Ui, filter: &mut Filter) {
 
 /// Draws a switch for each layer, and one for the features of none, each with a button that shows it alone; nothing
 /// without a field.
-fn layers_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
-    let Some(field) = model.results.slots.a.found.as_ref().and_then(|found| found.detection.field.clone()) else {
+fn layers_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
+    let Some(field) = model.found_of(Side::A).and_then(|found| found.detection.field.clone()) else {
         return;
     };
     ui.horizontal_top(|ui| {
@@ -382,7 +382,7 @@ fn range_ui(ui: &mut Ui, label: &str, unit: &str, (low, high): (f32, f32), inter
     });
 }
 
-fn near_slope_ui(ui: &mut Ui, model: &Model, filter: &mut Filter) {
+fn near_slope_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
     let mut near = filter.near_slope.is_some();
     ui.horizontal(|ui| {
         let switch = ui.checkbox(&mut near, "Only what moves by the shown slope, within");

@@ -9,7 +9,7 @@ use crate::app::document::{Action, Pointed};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::view::signed_slope;
 use crate::burst::Offset;
 use crate::detector::advice::grouped;
@@ -24,7 +24,7 @@ use crate::requests::{ProbeQuestion, ViewKind};
 use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
 use std::sync::Arc;
 
-pub fn summary_ui(ui: &mut Ui, model: &Model) {
+pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
     let Some(found) = &model.results.slots.a.found else {
         ui.weak("No detection yet");
         return;
@@ -45,7 +45,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
 }
 
 /// Draws the bars. Rows of tests that reject candidates are switches: they show these candidates in the picture.
-pub fn tally_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn tally_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(found) = &model.results.slots.a.found else {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to see what each test rejects"));
         return;
@@ -91,7 +91,7 @@ pub fn tally_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 const DECOYS_HELP: &str = "Searches copies whose frames are in other orders, with the noise of the burst: nothing moves there as it did, so the features found there are false. The line gives their number for each feature found here, from an SNR on";
 
 /// Draws the burst's own false rate, or a button that asks for it: it takes a search for each copy.
-fn decoys_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn decoys_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if let Some(report) = model.decoys() {
         let tip = report.doubt().map_or_else(String::new, |doubt| format!("\n\n{}", sentence(&doubt)));
         let text = with_whole_numbers(&format!("Decoys: {}", report.sentence()));
@@ -189,7 +189,7 @@ fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
 const MAX_DRAWN: usize = 20_000;
 
 /// Draws the candidates over the picture of pane `id`, and lets the pointer choose one.
-pub fn candidates_ui(ui: &Ui, model: &Model, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
+pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
     let Some(test) = model.document.shown_test else {
         queue.point(&model.results.explained.pointed, None, Pointed::Candidate);
         return;
@@ -197,7 +197,7 @@ pub fn candidates_ui(ui: &Ui, model: &Model, id: PaneId, output: &CanvasOutput, 
     if model.document.panes.get(id).is_none_or(|pane| pane.side != Side::A) {
         return;
     }
-    let Some(found) = model.results.slots.a.found.as_ref() else { return };
+    let Some(found) = model.found_of(Side::A) else { return };
     let dt = frames_from_middle(model.picture_in(id), &found.detection).unwrap_or_default();
     let slopes = found.detection.slopes;
     let Some(survey) = model.survey() else {
@@ -276,7 +276,7 @@ fn mark_text(mark: &CandidateMark, slope: Slope) -> String {
         + &format!("D {value:+.5}  SNR {snr:.1}\n{fails}")
 }
 
-pub fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(mark) = model.selected_candidate().copied() else { return };
     let Some(found) = &model.results.slots.a.found else { return };
     let slope = found.detection.slopes.slope(mark.sample.slope_index);
@@ -327,9 +327,8 @@ fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::results::tests::open;
-    use crate::detector::DetectorParams;
-    use crate::detector::Sample;
+    use crate::app::apply::bench::open;
+    use crate::detector::{DetectorParams, Sample};
     use crate::inspect::ProbeCache;
     use crate::inspect::candidates::{SurveyOptions, survey};
     use crate::monitor::Monitor;

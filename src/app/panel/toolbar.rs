@@ -5,7 +5,7 @@ use crate::app::document::cursor::ViewKind;
 use crate::app::document::side::Side;
 use crate::app::panel::widgets::{in_time, progress_text, progress_ui};
 use crate::app::parts::mark;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::inspect::words::counted;
 use crate::requests::Running;
 use crate::teach::{Part, Workspace};
@@ -14,7 +14,7 @@ use egui::{Align, Button, Color32, Layout, RichText, Ui};
 /// Minimum room for the button that finds actions, in points.
 const ROOM_FOR_FIND: f32 = 280.0;
 
-pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn toolbar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::OpenFolder, Some("Open…"));
         ui.separator();
@@ -35,7 +35,7 @@ pub fn toolbar_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn kind_switch_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let kinds = ui.scope(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         for kind in ViewKind::OF_CURSOR {
@@ -45,7 +45,7 @@ fn kind_switch_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     mark(ui, Part::Kinds, kinds.response.rect);
 }
 
-fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if let Some((who, running)) = activity(model) {
         button_ui(ui, model, queue, ActionId::Cancel, None);
         progress_ui(ui, &running, Some(260.0), &format!("{who}{}", progress_text(&running)));
@@ -77,7 +77,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     if in_pair {
         pair_found_ui(ui, model);
     } else if let Some(found) = &model.results.slots.a.found {
-        let text = format!("{}{}", counted(model.read().features().len(), "feature"), in_time(found.elapsed));
+        let text = format!("{}{}", counted(model.features().len(), "feature"), in_time(found.elapsed));
         let times = &found.detection.times;
         let stages = format!(
             "Noise {:.2} s, search {:.2} s, descriptors {:.2} s",
@@ -88,7 +88,7 @@ fn detect_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 /// Running task, and the burst that it works on where there are two.
-fn activity(model: &Model) -> Option<(&'static str, Running)> {
+fn activity(model: Read<'_>) -> Option<(&'static str, Running)> {
     let [a, b] = model.results.slots.both().map(|slot| slot.detecting.running());
     if model.document.workspace != Workspace::Pair {
         return Some(("", a?));
@@ -97,7 +97,7 @@ fn activity(model: &Model) -> Option<(&'static str, Running)> {
     in_a.or(b.map(|running| ("B: ", running))).or(model.results.pair.matching.running().map(|running| ("", running)))
 }
 
-fn pair_found_ui(ui: &mut Ui, model: &Model) {
+fn pair_found_ui(ui: &mut Ui, model: Read<'_>) {
     let counts: Vec<String> = Side::BOTH
         .into_iter()
         .filter_map(|side| Some(model.found_of(side)?.detection.features.len().to_string()))
@@ -117,23 +117,24 @@ fn pair_found_ui(ui: &mut Ui, model: &Model) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::results::Model;
     use crate::requests::JobId;
 
     #[test]
     fn of_two_bursts_it_is_said_for_which_one_there_is_work() {
         let running = |id| Some(Running { id: JobId(id), started: std::time::Instant::now(), progress: None });
         let mut model = Model::default();
-        let told = |model: &Model| activity(model).map(|(who, running)| (who, running.id.0));
-        assert_eq!(told(&model), None);
+        let told = |model: Read<'_>| activity(model).map(|(who, running)| (who, running.id.0));
+        assert_eq!(told(Read::of(&model)), None);
         model.results.pair.matching.set_running(running(3));
-        assert_eq!(told(&model), None, "matches belong to two bursts");
+        assert_eq!(told(Read::of(&model)), None, "matches belong to two bursts");
         model.document.workspace = Workspace::Pair;
-        assert_eq!(told(&model), Some(("", 3)));
+        assert_eq!(told(Read::of(&model)), Some(("", 3)));
         model.results.slots.b.detecting.set_running(running(2));
-        assert_eq!(told(&model), Some(("B: ", 2)), "matches wait for the features");
+        assert_eq!(told(Read::of(&model)), Some(("B: ", 2)), "matches wait for the features");
         model.results.slots.a.detecting.set_running(running(1));
-        assert_eq!(told(&model), Some(("A: ", 1)));
+        assert_eq!(told(Read::of(&model)), Some(("A: ", 1)));
         model.document.workspace = Workspace::Inspect;
-        assert_eq!(told(&model), Some(("", 1)));
+        assert_eq!(told(Read::of(&model)), Some(("", 1)));
     }
 }

@@ -7,14 +7,14 @@ use crate::app::document::Action;
 use crate::app::document::side::Side;
 use crate::app::lesson::{Chosen, Lessons};
 use crate::app::panel::widgets::{named, progress_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::settings::Settings;
 use crate::app::style;
 use crate::requests::BurstSource;
 use crate::teach::Workspace;
 use egui::{Align2, Area, Button, Color32, Context, Frame, Id, Rect, RichText, ScrollArea, Stroke, Ui, vec2};
 
-pub fn welcome_ui(ui: &mut Ui, model: &Model, remembered: &Settings, lessons: &Lessons, queue: &mut Queue) -> Chosen {
+pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: &Lessons, queue: &mut Queue) -> Chosen {
     let mut chosen = None;
     let above = (ui.available_height() * 0.10).max(16.0);
     let page = |ui: &mut Ui| {
@@ -90,13 +90,13 @@ const CARD_WIDTH: f32 = 336.0;
 /// Minimum size of a picture with the card over it, in points.
 const CARD_ROOM: egui::Vec2 = vec2(400.0, 260.0);
 
-fn shows_card(model: &Model) -> bool {
-    let of_demo = model.results.slots.a.burst.as_ref().is_some_and(|open| open.source == BurstSource::Demo);
+fn shows_card(model: Read<'_>) -> bool {
+    let of_demo = model.burst_of(Side::A).is_some_and(|open| open.source == BurstSource::Demo);
     model.document.panels.welcome && of_demo && !model.is_in_lesson() && model.document.workspace == Workspace::Inspect
 }
 
 /// Draws the card over the picture in `rect_ui`, if it is shown. Returns the chosen lesson.
-pub fn card_ui(ctx: &Context, model: &Model, lessons: &Lessons, rect_ui: Rect, queue: &mut Queue) -> Chosen {
+pub fn card_ui(ctx: &Context, model: Read<'_>, lessons: &Lessons, rect_ui: Rect, queue: &mut Queue) -> Chosen {
     if !shows_card(model) || rect_ui.width() < CARD_ROOM.x || rect_ui.height() < CARD_ROOM.y {
         return None;
     }

@@ -199,9 +199,10 @@ impl Recovery {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::apply::bench::{Bench, open};
+    use crate::app::apply::opening;
     use crate::app::document::Action;
     use crate::app::document::side::Side;
-    use crate::app::results::tests::{Bench, open};
     use std::path::Path;
 
     fn kept_in(folder: &Path) -> KeptIn {
@@ -212,21 +213,21 @@ mod tests {
     fn an_offered_session_is_restored_forgotten_or_kept() {
         let home = tempfile::tempdir().expect("a folder");
         let Bench { mut model, engine } = Bench::new();
-        model.take_burst(open((64, 48), 5));
+        opening::take_burst(&mut model, open((64, 48), 5));
         let mut journal = Journal::default();
         journal.take(&Action::Select(Some(3)), false);
         for _ in 0..2 {
             let left = Record::new(home.path()).expect("made");
-            left.write(&session_text(model.read(), &journal).expect("a burst is open")).expect("written");
+            left.write(&session_text(Read::of(&model), &journal).expect("a burst is open")).expect("written");
         }
         let kept = kept_in(home.path());
-        let mut recovery = Recovery::begin(Some(&kept), &mut model.messages).expect("made");
+        let mut recovery = Recovery::begin(Some(&kept), &mut model.shell.messages).expect("made");
         let more = |recovery: &Recovery| recovery.offer().map(|offer| offer.more);
         assert_eq!(more(&recovery), Some(1));
-        let path = recovery.settle(RecoveryChoice::Restore, &mut model.messages).expect("it is there");
+        let path = recovery.settle(RecoveryChoice::Restore, &mut model.shell.messages).expect("it is there");
         let session = Session::from_toml(&read_text(&path, MAX_SESSION_BYTES).expect("read")).expect("sound");
         assert_eq!(session.did, [vec![Action::Select(Some(3))]], "what was done last is in it");
-        let request = model.open(Side::A, session.burst.clone(), &engine);
+        let request = opening::open(&mut model, Side::A, session.burst.clone(), &engine);
         recovery.wait_for(Some(request));
         recovery.give_up_unless(Some(request));
         assert!(recovery.offer().is_some_and(|offer| offer.is_restoring));
@@ -238,10 +239,10 @@ mod tests {
         assert_eq!(more(&recovery), Some(0));
         // It is removed only after a question.
         for (choice, asks) in [(RecoveryChoice::Discard, true), (RecoveryChoice::Keep, false)] {
-            assert!(recovery.settle(choice, &mut model.messages).is_none());
+            assert!(recovery.settle(choice, &mut model.shell.messages).is_none());
             assert_eq!((more(&recovery), recovery.is_asking()), (Some(0), asks), "{choice:?}");
         }
-        recovery.settle(RecoveryChoice::Remove, &mut model.messages);
+        recovery.settle(RecoveryChoice::Remove, &mut model.shell.messages);
         assert_eq!((more(&recovery), recovery.is_asking()), (None, false));
     }
 }

@@ -1,39 +1,22 @@
-//! What the engine answered about what the document opens: a file a part, which says what is missing, as a value of the
-//! document and the results, and how an answer is taken.
+//! What was found: the answers of the engine about what the document opens, a file a part, and what is missing of them.
 //!
-//! In each pass the window takes the answers that came, and requests what is missing: `asking.rs` has the list.
+//! Nothing in this room changes what is set. Panels and panes get `Read`, whose methods are values of the document and
+//! the results; `app/apply` takes the answers and requests what is missing.
 
-mod asking;
-pub mod compare;
-pub mod comparison;
-pub mod datasets;
-pub mod explained;
-pub mod lab;
-pub mod listed;
-pub mod own;
-pub mod pair;
-pub mod panes;
-mod pictures;
-pub mod probe;
-pub mod slot;
-pub mod staged;
-pub mod trajectories;
-
-pub use slot::{FoundFeatures, Stale};
-
+use crate::app::document::Document;
 use crate::app::document::export::Purpose;
 use crate::app::document::filter::SavedSelection;
 use crate::app::document::history::History;
 use crate::app::document::side::{Side, Sides};
-use crate::app::document::{Document, Pointed};
 use crate::app::messages::Messages;
 use crate::app::pane::PaneId;
+use crate::app::results::own::Own;
 use crate::burst::Positions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
-use crate::engine::{Ended, Engine, Want, Wanted};
+use crate::engine::{Ended, Wanted};
 use crate::figures::FiguresJob;
-use crate::requests::{BurstSource, OpenRequest, Picture, PictureRequest, PossibleShape, Request};
+use crate::requests::{BurstSource, OpenRequest, Picture, PictureRequest, PossibleShape};
 use crate::teach::Lesson;
 use compare::Compare;
 use datasets::Datasets;
@@ -44,25 +27,46 @@ use slot::Slot;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
-use trajectories::TrajectoryResults;
+use studies::TrajectoryResults;
 
-/// All of the window: what the user has set, what was found by it, the steps to undo, and what belongs to no project.
+pub mod compare;
+pub mod comparison;
+pub mod datasets;
+pub mod explained;
+pub mod own;
+pub mod pair;
+pub mod panes;
+pub mod pictures;
+pub mod probe;
+pub mod slot;
+pub mod studies;
+
+pub use slot::{FoundFeatures, Stale};
+
+/// All of the window: what the user has set, what was found by it, and what belongs to no project.
 #[derive(Debug, Default)]
 pub struct Model {
     pub document: Document,
     pub results: Results,
-    pub history: History,
-    of_user: Option<Box<staged::UserProject>>,
-    pub window_width_points: f32,
-    pub messages: Messages,
-    play: panes::Play,
+    pub shell: Shell,
 }
 
-/// A project to read: what is set, and what was found by it.
+/// What belongs to the window: the steps to undo, the project of the user while a lesson is open, and what is said.
+#[derive(Debug, Default)]
+pub struct Shell {
+    pub history: History,
+    pub of_user: Option<Box<UserProject>>,
+    pub window_width_points: f32,
+    pub messages: Messages,
+    pub play: panes::Play,
+}
+
+/// All of the window to read, which is what panels and panes get.
 #[derive(Debug, Clone, Copy)]
 pub struct Read<'a> {
     pub document: &'a Document,
     pub results: &'a Results,
+    pub shell: &'a Shell,
 }
 
 /// What the engine answered about what the document opens, what it is asked, and what is pointed at in the answers.
@@ -74,7 +78,7 @@ pub struct Results {
     pub wanted_patch: Wanted<PictureRequest>,
     pub hovered: Option<usize>,
     pub reselect: Option<SavedSelection>,
-    /// Indices of the features that pass the filter, in the table's order; see [`Model::refresh_listed`].
+    /// Indices of the features that pass the filter, in the table's order; see `explained::refresh_listed`.
     pub listed: Vec<usize>,
     pub pair: PairState,
     pub compare: Compare,
@@ -84,10 +88,19 @@ pub struct Results {
     pub poses: TrajectoryResults,
     /// What was set for another burst than the open one, until the user decides on it.
     pub left_behind: Option<own::Own>,
-    listed_for: Option<listed::ListedFor>,
+    pub listed_for: Option<slot::ListedFor>,
     pub figures: Wanted<FiguresJob>,
     pub datasets: Datasets,
-    pub studies: lab::Studies,
+    pub studies: studies::Studies,
+}
+
+impl Results {
+    /// Things under the pointer.
+    pub fn pointed(&self) -> impl PartialEq + use<> {
+        let probe = (self.probed.pointer, self.probed.as_dots.clone());
+        let rows = self.slots.both().map(|slot| slot.comparison.hovered);
+        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.poses.hovered, probe)
+    }
 }
 
 /// Picture of a pane: the last one of its burst, why the last request failed, and the request.
@@ -129,125 +142,55 @@ impl From<Document> for Model {
     }
 }
 
-impl Model {
-    pub fn read(&self) -> Read<'_> {
-        Read { document: &self.document, results: &self.results }
+impl<'a> Read<'a> {
+    pub fn of(model: &'a Model) -> Self {
+        let Model { document, results, shell } = model;
+        Self { document, results, shell }
     }
 
     /// (columns, rows) of the open burst's frames; (0, 0) without one.
-    pub fn size(&self) -> (usize, usize) {
-        self.results.slots.a.burst.as_ref().map_or((0, 0), |b| b.burst.size())
+    pub fn size(self) -> (usize, usize) {
+        self.burst_of(Side::A).map_or((0, 0), |b| b.burst.size())
     }
 
-    /// Things under the pointer.
-    pub fn pointed(&self) -> impl PartialEq + use<> {
-        let probe = (self.results.probed.pointer, self.results.probed.as_dots.clone());
-        let rows = self.results.slots.both().map(|slot| slot.comparison.hovered);
-        (
-            self.results.hovered,
-            self.results.explained.pointed,
-            rows,
-            self.results.pair.hovered,
-            self.results.poses.hovered,
-            probe,
-        )
-    }
-
-    pub fn point_at(&mut self, pointed: Pointed) {
-        match pointed {
-            Pointed::Feature(index) => self.results.hovered = index,
-            Pointed::Candidate(index) => self.results.explained.pointed = index,
-            Pointed::Row(side, row) => self.results.slots[side].comparison.hovered = row,
-            Pointed::Match(index) => self.results.pair.hovered = index,
-            Pointed::Camera(index) => self.results.poses.hovered = index,
-            Pointed::Place(place) => self.results.probed.pointer = place,
-            Pointed::Dots(features) => self.results.probed.as_dots = features,
-            Pointed::Lines(drawn, all) => self.results.pair.lines_drawn = (drawn, all),
-        }
-    }
-
-    pub fn frame_count(&self) -> usize {
-        self.results.slots.a.burst.as_ref().map_or(0, |b| b.burst.len())
+    pub fn frame_count(self) -> usize {
+        self.burst_of(Side::A).map_or(0, |b| b.burst.len())
     }
 
     /// Positions of the frames of A that are searched; those of ten frames where nothing is open.
-    pub fn used_positions(&self) -> Positions {
-        let all = self
-            .results
-            .slots
-            .a
-            .burst
-            .as_ref()
-            .map_or_else(|| Positions::even(10), |open| open.burst.positions.clone());
+    pub fn used_positions(self) -> Positions {
+        let all = self.burst_of(Side::A).map_or_else(|| Positions::even(10), |open| open.burst.positions.clone());
         all.part(self.document.params.used_frames(all.len()))
     }
 
-    pub fn asked(&self) -> SearchParams {
+    pub fn asked(self) -> SearchParams {
         self.asked_of(Side::A)
     }
 
-    pub fn needs_detection(&self, side: Side) -> bool {
+    pub fn needs_detection(self, side: Side) -> bool {
         let slot = &self.results.slots[side];
         let is_made = |found: &FoundFeatures| found.asked == self.asked_of(side);
         slot.burst.is_some() && slot.param_error.is_none() && !slot.found.as_ref().is_some_and(is_made)
     }
 }
 
-/// Pass of the window. While the pointer drags a value, long work waits for the final one.
-pub(super) struct Pass<'a> {
-    pub model: &'a mut Model,
-    pub engine: &'a Engine,
-    pub dragging: bool,
+/// Project of the user while a lesson is open, and the burst that was being opened in it.
+#[derive(Debug)]
+pub struct UserProject {
+    pub document: Document,
+    pub results: Results,
+    pub history: History,
+    pub opening: Option<(OpenRequest, Option<Own>)>,
 }
 
-pub(super) trait Part {
-    fn wants<'m>(&self, model: &'m Model) -> Vec<&'m dyn Want>;
-
-    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect>;
-
-    fn ask(&self, pass: &mut Pass<'_>);
-
-    /// Whether all that this part wants is there, or failed.
-    fn is_there(&self, model: &Model) -> bool;
-}
-
-/// A part that wants one thing.
-pub(super) struct One<R: Request> {
-    pub wanted: fn(&Model) -> &Wanted<R>,
-    pub wanted_mut: fn(&mut Model) -> &mut Wanted<R>,
-    /// Request for what is missing now, with and without a drag.
-    pub missing: fn(&Model, bool) -> Option<R>,
-    /// Whether a request ends when nothing is missing any more.
-    pub ends: bool,
-    pub take: fn(&mut Model, Ended<R>, &Engine) -> Vec<Effect>,
-    /// Takes what was done of a request that still runs.
-    pub take_partial: fn(&mut Model, R::Partial),
-}
-
-impl<R: Request> Part for One<R> {
-    fn wants<'m>(&self, model: &'m Model) -> Vec<&'m dyn Want> {
-        vec![(self.wanted)(model)]
+impl<'a> Read<'a> {
+    pub fn is_in_lesson(self) -> bool {
+        self.shell.of_user.is_some()
     }
 
-    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
-        for partial in (self.wanted_mut)(pass.model).take_partial() {
-            (self.take_partial)(pass.model, partial);
-        }
-        let ended = (self.wanted_mut)(pass.model).take();
-        ended.into_iter().flat_map(|ended| (self.take)(pass.model, ended, pass.engine)).collect()
-    }
-
-    fn ask(&self, pass: &mut Pass<'_>) {
-        let missing = (self.missing)(pass.model, pass.dragging);
-        if self.ends || missing.is_some() {
-            (self.wanted_mut)(pass.model).want(pass.engine, missing);
-        }
-    }
-
-    fn is_there(&self, model: &Model) -> bool {
-        (self.missing)(model, false).is_none_or(|missing| (self.wanted)(model).has_failed(&missing))
+    /// The one before the open lesson, or without one that on show.
+    pub fn project_of_user(self) -> Read<'a> {
+        let of_user = self.shell.of_user.as_deref();
+        of_user.map_or(self, |of_user| Read { document: &of_user.document, results: &of_user.results, ..self })
     }
 }
-
-#[cfg(test)]
-pub(in crate::app) mod tests;

@@ -2,90 +2,37 @@
 //! Panes get the same range in whichever order their pictures are made: a shared one is set by the pane in focus, or by
 //! the first in reading order that shows the class.
 
-use crate::app::document::Document;
 use crate::app::document::export::FilmContent;
 use crate::app::document::look::RangeClass;
 use crate::app::document::side::Side;
-use crate::app::pane::{Content, Pane, PaneId, Preset};
-use crate::app::results::{Effect, FoundFeatures, Model};
-use crate::app::results::{Part, Pass};
+use crate::app::pane::{Content, Pane, PaneId};
+use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeAxis};
-use crate::engine::{Ended, Want};
 use crate::plane::display::Display;
-use crate::requests::{
-    Film, FilmPlace, JobError, MAX_FILM_PICTURES, OpenBurst, Picture, PictureKind, PictureRequest, Request, Sweep,
-    Urgency,
-};
+use crate::requests::{Film, FilmPlace, MAX_FILM_PICTURES, OpenBurst, Picture, PictureKind, PictureRequest, Sweep};
 use std::borrow::Cow;
 use std::sync::Arc;
 
-pub(super) struct PanePictures;
-
-impl Part for PanePictures {
-    fn wants<'m>(&self, model: &'m Model) -> Vec<&'m dyn Want> {
-        model.results.pictures.values().map(|shown| &shown.wanted as _).collect()
-    }
-
-    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
-        let pictures = &mut pass.model.results.pictures;
-        let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
-        for (id, ended) in
-            taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))
-        {
-            match ended.result {
-                Ok(picture) => pass.model.take_picture(id, picture),
-                Err(JobError::Cancelled) => pass.model.results.pictures.entry(id).or_default().wanted.forget(),
-                Err(error) => {
-                    pass.model.results.pictures.entry(id).or_default().problem =
-                        Some((ended.request, error.to_string()));
-                }
-            }
-        }
-        Vec::new()
-    }
-
-    /// That of the pane in focus first. Pictures that need a search wait for the end of a drag, and for a running
-    /// detection in their burst, from which they may be made.
-    fn ask(&self, pass: &mut Pass<'_>) {
-        let model = &mut *pass.model;
-        let focus = model.document.focus();
-        let mut ids = model.document.panes.shown();
-        ids.sort_by_key(|id| *id != focus);
-        for id in ids {
-            let Some(wanted) = model.wanted(id).filter(|_| !model.is_current(id)) else { continue };
-            let side = model.document.panes.get(id).map_or(Side::A, |pane| pane.side);
-            let waits = pass.dragging || model.results.slots[side].detecting.is_pending();
-            if !(waits && wanted.urgency() == Urgency::SlowPicture) {
-                model.results.pictures.entry(id).or_default().wanted.want(pass.engine, Some(wanted));
-            }
-        }
-    }
-
-    fn is_there(&self, model: &Model) -> bool {
-        model.pictures_are_current()
-    }
-}
-
-impl Model {
-    pub fn picture(&self) -> Option<&Picture> {
+impl<'a> Read<'a> {
+    pub fn picture(self) -> Option<&'a Picture> {
         self.picture_in(self.document.focus())
     }
 
     /// The last picture of pane `id`, if it is of a burst that the pane shows now.
-    pub fn picture_in(&self, id: PaneId) -> Option<&Picture> {
+    pub fn picture_in(self, id: PaneId) -> Option<&'a Picture> {
         let pane = self.document.panes.get(id)?;
         self.results.pictures.get(&id)?.picture.as_ref().filter(|picture| self.fits(pane, picture))
     }
 
     /// Features with whose motions those in the picture of pane `id` share their colours.
-    pub fn features_of_motion(&self, id: PaneId) -> &[Feature] {
+    pub fn features_of_motion(self, id: PaneId) -> &'a [Feature] {
         let grid = self.picture_in(id).and_then(|picture| picture.motion.as_ref()).map(|motion| motion.grid);
         let found = self.document.panes.get(id).and_then(|pane| self.found_of(pane.side));
         found.filter(|found| grid == Some(found.detection.slopes)).map_or(&[], |found| &found.detection.features)
     }
 
     /// Whether `picture` is of the burst that `pane` shows; the difference of two panes may be of any open burst.
-    fn fits(&self, pane: &Pane, picture: &Picture) -> bool {
+    pub fn fits(self, pane: &Pane, picture: &Picture) -> bool {
         let is_open = |burst: &OpenBurst| {
             self.document.panes.iter().any(|(_, pane)| self.burst_in(pane).is_some_and(|open| open.id == burst.id))
         };
@@ -98,63 +45,63 @@ impl Model {
         }
     }
 
-    pub fn problem_of(&self, id: PaneId) -> Option<&str> {
+    pub fn problem_of(self, id: PaneId) -> Option<&'a str> {
         let wanted = self.wanted(id)?;
         let (request, why) = self.results.pictures.get(&id)?.problem.as_ref()?;
         (*request == wanted).then_some(why.as_str())
     }
 
-    pub fn burst_of(&self, side: Side) -> Option<&OpenBurst> {
+    pub fn burst_of(self, side: Side) -> Option<&'a OpenBurst> {
         self.results.slots[side].burst.as_ref()
     }
 
-    pub fn found_of(&self, side: Side) -> Option<&FoundFeatures> {
+    pub fn found_of(self, side: Side) -> Option<&'a FoundFeatures> {
         self.results.slots[side].found.as_ref()
     }
 
     /// The features of a whole search: of those of a first slope nothing can be asked, as no search of its own finds
     /// just these.
-    pub fn whole_found_of(&self, side: Side) -> Option<&FoundFeatures> {
+    pub fn whole_found_of(self, side: Side) -> Option<&'a FoundFeatures> {
         self.found_of(side).filter(|found| !found.is_first_slope)
     }
 
-    pub fn features_are_current(&self, side: Side) -> bool {
+    pub fn features_are_current(self, side: Side) -> bool {
         self.found_of(side).is_some_and(|found| found.asked == self.asked_of(side))
     }
 
     /// The burst that `pane` shows; where methods are compared that may be the gold standard.
-    pub fn burst_in(&self, pane: &Pane) -> Option<&OpenBurst> {
+    pub fn burst_in(self, pane: &Pane) -> Option<&'a OpenBurst> {
         match pane.method {
             Some(method) => self.method_burst(method, pane.side),
             None => self.burst_of(pane.side),
         }
     }
 
-    pub fn params_in(&self, pane: &Pane) -> Cow<'_, DetectorParams> {
+    pub fn params_in(self, pane: &Pane) -> Cow<'a, DetectorParams> {
         let usable = &self.results.slots[pane.side].usable_params;
         pane.method.map_or(Cow::Borrowed(usable), |method| Cow::Owned(method.params(usable)))
     }
 
-    pub fn detection_in(&self, pane: &Pane) -> Option<&Arc<Detection>> {
+    pub fn detection_in(self, pane: &Pane) -> Option<&'a Arc<Detection>> {
         match pane.method {
             Some(method) => self.method_found(method, pane.side).map(|found| &found.detection),
             None => self.found_of(pane.side).map(|found| &found.detection),
         }
     }
 
-    pub fn cursor_params(&self) -> &DetectorParams {
+    pub fn cursor_params(self) -> &'a DetectorParams {
         &self.results.slots[self.document.focused().side].usable_params
     }
 
-    pub fn focused_frame_count(&self) -> usize {
+    pub fn focused_frame_count(self) -> usize {
         self.burst_of(self.document.focused().side).map_or(0, |open| open.burst.len())
     }
 
-    pub fn focused_size(&self) -> (usize, usize) {
+    pub fn focused_size(self) -> (usize, usize) {
         self.burst_of(self.document.focused().side).map_or((0, 0), |open| open.burst.size())
     }
 
-    pub fn wanted(&self, id: PaneId) -> Option<PictureRequest> {
+    pub fn wanted(self, id: PaneId) -> Option<PictureRequest> {
         let pane = self.document.panes.get(id)?;
         let request = match pane.content {
             Content::Difference(a, b) => {
@@ -167,19 +114,19 @@ impl Model {
         Some(request.smoothed(self.document.look.smoothing_px))
     }
 
-    fn wanted_alone(&self, id: PaneId) -> Option<PictureRequest> {
+    fn wanted_alone(self, id: PaneId) -> Option<PictureRequest> {
         let pane = self.document.panes.get(id)?;
         pane.wanted(self.burst_in(pane)?, &self.params_in(pane))
     }
 
-    pub fn patch_request(&self) -> Option<PictureRequest> {
-        let slope = self.read().selected_feature()?.slope;
-        let (burst, found) = (self.results.slots.a.burst.clone()?, self.results.slots.a.found.as_ref()?);
+    pub fn patch_request(self) -> Option<PictureRequest> {
+        let slope = self.selected_feature()?.slope;
+        let (burst, found) = (self.results.slots.a.burst.clone()?, self.found_of(Side::A)?);
         Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
     }
 
     /// Whether `id` shows the picture that it wants, or that picture is known to have failed.
-    pub fn is_current(&self, id: PaneId) -> bool {
+    pub fn is_current(self, id: PaneId) -> bool {
         let Some(wanted) = self.wanted(id) else { return true };
         self.results.pictures.get(&id).is_some_and(|shown| {
             let failed = shown.problem.as_ref().is_some_and(|(request, _)| *request == wanted);
@@ -187,111 +134,47 @@ impl Model {
         })
     }
 
-    pub fn picture_is_current(&self) -> bool {
+    pub fn picture_is_current(self) -> bool {
         self.is_current(self.document.focus())
     }
 
-    pub fn pictures_are_current(&self) -> bool {
+    pub fn pictures_are_current(self) -> bool {
         self.document.panes.shown().into_iter().all(|id| self.is_current(id))
     }
 
-    pub fn slope_in_picture(&self, id: PaneId) -> Option<Slope> {
+    pub fn slope_in_picture(self, id: PaneId) -> Option<Slope> {
         let picture = self.picture_in(id).filter(|picture| picture.request.minus().is_none())?;
         picture.request.kind.slope()
     }
 
-    pub(super) fn missing_patch(&self) -> Option<PictureRequest> {
+    pub fn missing_patch(self) -> Option<PictureRequest> {
         let is_there =
             |wanted: &PictureRequest| self.results.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
         self.patch_request().filter(|wanted| !is_there(wanted))
     }
 
-    pub(super) fn take_patch(&mut self, ended: Ended<PictureRequest>) {
-        self.results.patch = self.answer(ended, "Patch").or_else(|| self.results.patch.take());
-    }
-
-    pub(in crate::app) fn forget_asked_pictures(&mut self) {
-        self.results.pictures.values_mut().for_each(|shown| shown.wanted.forget());
-        self.results.wanted_patch.forget();
-        self.results.pair.wanted_patches.forget();
-    }
-
-    /// Takes the picture of a pane, unless it is of another burst than the one that the pane shows now.
-    pub fn take_picture(&mut self, id: PaneId, picture: Picture) {
-        let Some(pane) = self.document.panes.get(id) else { return };
-        if !self.fits(pane, &picture) {
-            return;
-        }
-        let Document { panes, look, .. } = &mut self.document;
-        let Some(pane) = panes.get_mut(id) else { return };
-        pane.own_ranges.as_mut().unwrap_or(&mut look.ranges).propose(&picture);
-        let shown = self.results.pictures.entry(id).or_default();
-        (shown.picture, shown.problem) = (Some(picture), None);
-        self.settle_ranges();
-    }
-
-    /// Lets another picture set the range that the picture of a pane set: that of a slope at which all may be smeared.
-    pub(super) fn forget_range_of(&mut self, id: PaneId) {
-        let Some(picture) = self.picture_in(id).cloned() else { return };
-        let Document { panes, look, .. } = &mut self.document;
-        let own = panes.get_mut(id).and_then(|pane| pane.own_ranges.as_mut());
-        own.unwrap_or(&mut look.ranges).forget_that_of(&picture);
-    }
-
-    pub fn lay_out(&mut self, preset: Preset) {
-        let params = self.cursor_params().clone();
-        self.document.panes.lay_out(preset, &params);
-        self.check_params();
-    }
-
-    pub fn range_class(&self, id: PaneId) -> RangeClass {
+    pub fn range_class(self, id: PaneId) -> RangeClass {
         let picture = self.picture_in(id);
         let wanted = || self.wanted(id).map_or(RangeClass::Intensity, |wanted| RangeClass::of(&wanted));
         picture.map_or_else(wanted, |picture| RangeClass::of(&picture.request))
     }
 
-    pub fn has_colour_bar(&self, id: PaneId) -> bool {
+    pub fn has_colour_bar(self, id: PaneId) -> bool {
         use RangeClass::{Difference, Frame, Intensity, Response};
         self.picture_in(id).is_some() && !matches!(self.range_class(id), Frame | Intensity | Response | Difference)
     }
 
-    pub fn display_of(&self, id: PaneId) -> Display {
+    pub fn display_of(self, id: PaneId) -> Display {
         let ranges =
             self.document.panes.get(id).map_or(&self.document.look.ranges, |pane| self.document.ranges_of(pane));
         ranges.display(self.range_class(id))
-    }
-
-    /// A pane's own range is set from its picture, a shared one from the pane in focus or the first of this class.
-    pub fn settle_ranges(&mut self) {
-        let mut led = Vec::new();
-        let focus = self.document.focus();
-        let mut ids = self.document.panes.shown();
-        ids.sort_by_key(|id| *id != focus);
-        for id in ids {
-            let Some(wanted) = self.wanted(id) else { continue };
-            let class = RangeClass::of(&wanted);
-            let is_current = self.is_current(id);
-            let Document { panes, look, .. } = &mut self.document;
-            let Some(pane) = panes.get_mut(id) else { continue };
-            let own = pane.own_ranges.as_mut();
-            let shown = self.results.pictures.get(&id);
-            if shown.is_some_and(|shown| shown.problem.is_some()) || (own.is_none() && led.contains(&class)) {
-                continue;
-            }
-            if own.is_none() {
-                led.push(class);
-            }
-            if let Some(picture) = shown.and_then(|shown| shown.picture.as_ref()).filter(|_| is_current) {
-                own.unwrap_or(&mut look.ranges).fix_once(picture);
-            }
-        }
     }
 }
 
 const STEPS: usize = 2;
 
-impl Model {
-    pub fn film_to_export(&self) -> Option<Film> {
+impl Read<'_> {
+    pub fn film_to_export(self) -> Option<Film> {
         let side = self.active_side();
         let burst = self.burst_of(side)?.clone();
         let found = self.found_of(side);

@@ -5,7 +5,7 @@ use crate::app::actions::ActionId;
 use crate::app::document::action::{Reselect, Staged};
 use crate::app::document::side::Side;
 use crate::app::document::{Action, Document};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::export::case::{is_case, read_about};
 use crate::requests::{BurstSource, JobId, OpenRequest};
 
@@ -30,7 +30,7 @@ impl Restoring {
         }
     }
 
-    pub fn waits_for(&mut self, model: &Model) -> Option<JobId> {
+    pub fn waits_for(&mut self, model: Read<'_>) -> Option<JobId> {
         let [of_a, of_b] = model.results.slots.both().map(|slot| slot.opening.pending_id());
         self.session.take_if(|(id, _)| Some(*id) != of_a);
         self.second.take_if(|(id, _)| Some(*id) != of_b);
@@ -111,26 +111,28 @@ pub fn of_case(source: &BurstSource) -> Option<OfCase> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::results::tests::{Bench, open};
+    use crate::app::apply::bench::{Bench, open};
+    use crate::app::apply::{opening, pair};
+    use crate::app::results::Model;
 
     fn session(burst: BurstSource) -> Box<Session> {
         let mut model = Model::default();
         let mut a = open((64, 48), 5);
         a.source = burst;
-        model.take_burst(a);
-        model.take_second_burst(open((64, 48), 5));
+        opening::take_burst(&mut model, a);
+        pair::take_second_burst(&mut model, open((64, 48), 5));
         model.document.params.levels = 3;
-        Box::new(Session::of(model.read()).expect("a burst is open"))
+        Box::new(Session::of(Read::of(&model)).expect("a burst is open"))
     }
 
     #[test]
     fn a_session_is_given_up_when_something_else_is_opened() {
         let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
-        let first = bench.model.open(Side::A, BurstSource::Demo, &bench.engine);
+        let first = opening::open(&mut bench.model, Side::A, BurstSource::Demo, &bench.engine);
         restoring.wait(Side::A, Some(first), session(BurstSource::Demo));
-        assert_eq!(restoring.waits_for(&bench.model), Some(first));
-        let other = bench.model.open(Side::A, BurstSource::DemoLater, &bench.engine);
-        assert_eq!(restoring.waits_for(&bench.model), None);
+        assert_eq!(restoring.waits_for(Read::of(&bench.model)), Some(first));
+        let other = opening::open(&mut bench.model, Side::A, BurstSource::DemoLater, &bench.engine);
+        assert_eq!(restoring.waits_for(Read::of(&bench.model)), None);
         assert!(restoring.take(Side::A, first).is_none() && restoring.take(Side::A, other).is_none());
     }
 

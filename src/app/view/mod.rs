@@ -10,77 +10,60 @@ use crate::detector::{Feature, MotionLayer, Quantity, Slope};
 use crate::inspect::verdict::Judged;
 use serde::{Deserialize, Serialize};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
+/// Motion or quantity that the colours of features show: each quantity whose record has colours.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(into = "&'static str", try_from = "String")]
 pub enum ColourBy {
     #[default]
     SlopeDirection,
     /// Length of its motion: of a camera that moves before a still scene, what is near is fast.
     Speed,
-    SlopeU,
-    SlopeV,
-    FieldU,
-    FieldV,
-    Layer,
-    Moves,
-    Scale,
-    /// The DoG value with its sign: bright blobs are negative.
-    Response,
-    Snr,
-    Limit,
-    /// Evenness of the frames' responses along its motion, 0 … 1; known once it was computed.
-    Coherence,
-    Depth,
+    Of(Quantity),
+}
+
+impl From<ColourBy> for &'static str {
+    fn from(by: ColourBy) -> Self {
+        match by {
+            ColourBy::SlopeDirection => "slope_direction",
+            ColourBy::Speed => "speed",
+            ColourBy::Of(Quantity::Sigma) => "scale",
+            ColourBy::Of(Quantity::AtSlopeLimit) => "limit",
+            ColourBy::Of(Quantity::Moves) => "moves",
+            ColourBy::Of(quantity) => quantity.record().key,
+        }
+    }
+}
+
+impl TryFrom<String> for ColourBy {
+    type Error = String;
+
+    fn try_from(word: String) -> Result<Self, String> {
+        let words: Vec<&str> = Self::all().map(Into::into).collect();
+        let by = Self::all().find(|by| word == <&str>::from(*by));
+        by.ok_or_else(|| format!("unknown variant `{word}`, expected one of `{}`", words.join("`, `")))
+    }
 }
 
 impl ColourBy {
-    pub const ALL: [Self; 14] = {
-        use ColourBy::*;
-        [
-            SlopeDirection,
-            Speed,
-            SlopeU,
-            SlopeV,
-            Scale,
-            Response,
-            Snr,
-            Limit,
-            Coherence,
-            FieldU,
-            FieldV,
-            Layer,
-            Moves,
-            Depth,
-        ]
-    };
+    pub fn all() -> impl Iterator<Item = Self> {
+        let quantities = Quantity::ALL.into_iter().filter(|quantity| quantity.record().colours.is_some());
+        [Self::SlopeDirection, Self::Speed].into_iter().chain(quantities.map(Self::Of))
+    }
 
     /// The choices, in the order of a picker; depths only where slopes are read as depths.
     pub fn choices(with_depths: bool) -> impl Iterator<Item = Self> {
-        Self::ALL.into_iter().filter(move |by| with_depths || *by != Self::Depth)
+        Self::all().filter(move |by| with_depths || *by != Self::Of(Quantity::Depth))
     }
 
     /// The quantity; `None` for the direction of the slope and for the speed, which are none.
     pub fn quantity(self) -> Option<Quantity> {
-        match self {
-            Self::SlopeDirection | Self::Speed => None,
-            Self::SlopeU => Some(Quantity::SlopeU),
-            Self::SlopeV => Some(Quantity::SlopeV),
-            Self::FieldU => Some(Quantity::FieldU),
-            Self::FieldV => Some(Quantity::FieldV),
-            Self::Layer => Some(Quantity::Layer),
-            Self::Moves => Some(Quantity::Moves),
-            Self::Scale => Some(Quantity::Sigma),
-            Self::Response => Some(Quantity::Response),
-            Self::Snr => Some(Quantity::Snr),
-            Self::Limit => Some(Quantity::AtSlopeLimit),
-            Self::Coherence => Some(Quantity::Coherence),
-            Self::Depth => Some(Quantity::Depth),
-        }
+        if let Self::Of(quantity) = self { Some(quantity) } else { None }
     }
 
     /// Whether it shows the searched slopes.
     pub fn is_of_slope(self) -> bool {
-        matches!(self, Self::SlopeDirection | Self::Speed | Self::SlopeU | Self::SlopeV | Self::Limit)
+        use Quantity::{AtSlopeLimit, SlopeSigma, SlopeU, SlopeV};
+        self.quantity().is_none_or(|quantity| matches!(quantity, SlopeU | SlopeV | SlopeSigma | AtSlopeLimit))
     }
 
     pub fn name(self) -> &'static str {

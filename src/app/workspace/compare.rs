@@ -11,7 +11,7 @@ use crate::app::pane::{MethodsPreset, Over, PaneId};
 use crate::app::panel;
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
 use crate::app::panel::widgets::{in_time, instead_ui, label_ui, progress_text, progress_ui, section_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
 use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
 use crate::evaluate::curves::percent;
@@ -20,7 +20,7 @@ use egui::{Align, Align2, CentralPanel, Frame, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
 pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
-    let WorkspaceParts { model, widgets, queue, .. } = parts;
+    let (model, WorkspaceParts { widgets, queue, .. }) = (parts.model, parts);
     folded_ui(ui, model, queue);
     if model.shows_left() {
         left_panel(ui, model, "compare left", side_width(model), |ui| {
@@ -47,7 +47,7 @@ pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
     });
 }
 
-fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn controls_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Compare", |ui| {
         layout_ui(ui, model, queue);
         if let Some(over) = model.document.panes.over(model.document.focus()) {
@@ -76,7 +76,7 @@ fn controls_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn layout_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn layout_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let has_second = model.burst_of(Side::B).is_some();
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
@@ -93,7 +93,7 @@ fn layout_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn two_ui(ui: &mut Ui, model: &Model, over: Over, queue: &mut Queue) {
+fn two_ui(ui: &mut Ui, model: Read<'_>, over: Over, queue: &mut Queue) {
     let methods_shown = model.methods_shown();
     for (id, name) in [(model.document.focus(), "Left"), (over.other(), "Right")] {
         let Some(before) = model.document.panes.get(id).and_then(|pane| pane.method) else { continue };
@@ -115,7 +115,7 @@ fn two_ui(ui: &mut Ui, model: &Model, over: Over, queue: &mut Queue) {
     }
 }
 
-fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn gold_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.weak("Gold standard");
         for (side, id) in [(Side::A, ActionId::OpenGoldA), (Side::B, ActionId::OpenGoldB)] {
@@ -126,7 +126,7 @@ fn gold_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)]) {
+pub fn lines_ui(ui: &Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)]) {
     let look = &model.document.match_look;
     let style = MatchLineStyle {
         opacity: MatchKind::OPACITY,
@@ -169,7 +169,7 @@ const COLUMNS: [(&str, &str); 9] = [
     ("Time", "Wall-clock time of the detection in A"),
 ];
 
-pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 4.0;
     let mut look = model.document.methods.clone();
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
@@ -213,7 +213,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     queue.set(&model.document.methods, look, Action::SetMethods);
 }
 
-fn cells(model: &Model, method: MethodId) -> [String; COLUMNS.len()] {
+fn cells(model: Read<'_>, method: MethodId) -> [String; COLUMNS.len()] {
     let found = |side| model.method_found(method, side);
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
     let count = |side| found(side).map(|f| f.detection.features.len().to_string());
@@ -243,7 +243,7 @@ fn cells(model: &Model, method: MethodId) -> [String; COLUMNS.len()] {
 /// The table of the methods that are shown, as texts.
 pub struct MethodsTable(Vec<[String; COLUMNS.len() + 1]>);
 
-pub fn methods_table(model: &Model) -> MethodsTable {
+pub fn methods_table(model: Read<'_>) -> MethodsTable {
     let names = std::array::from_fn(|column| column.checked_sub(1).map_or("Method", |at| COLUMNS[at].0).to_owned());
     let row = |method: MethodId| {
         let mut cells = cells(model, method).into_iter();
@@ -285,10 +285,11 @@ fn median_snr(features: &[crate::detector::Feature]) -> Option<f32> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::results::Model;
 
     #[test]
     fn before_anything_is_found_all_cells_are_dashes() {
-        assert!(cells(&Model::default(), MethodId::Sift).iter().all(|cell| cell == "–"));
+        assert!(cells(Read::of(&Model::default()), MethodId::Sift).iter().all(|cell| cell == "–"));
         assert_eq!(median_snr(&[]), None);
         let table = MethodsTable(vec![std::array::from_fn(|column| format!("{column} & –"))]);
         assert!(table.csv().starts_with("\"0 & \",\"1 & \"") && table.csv().ends_with("\"\n"), "{}", table.csv());

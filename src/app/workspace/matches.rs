@@ -5,7 +5,7 @@ use crate::app::dataset::filmstrip::working_ui;
 use crate::app::dataset::pairs;
 use crate::app::document::Action;
 use crate::app::panel::widgets::section_ui;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::style;
 use crate::app::workspace::pair::parameters;
 use crate::app::workspace::pair::parameters::CameraText;
@@ -13,7 +13,7 @@ use crate::app::workspace::{left_panel, right_panel, side_width};
 use crate::requests::next_commands;
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
-pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut CameraText, queue: &mut Queue) {
+pub(super) fn matches_workspace_ui(ui: &mut Ui, model: Read<'_>, camera_text: &mut CameraText, queue: &mut Queue) {
     let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else {
         CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;
@@ -45,7 +45,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, model: &Model, camera_text: &mut
     }
 }
 
-fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn empty_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.3).max(12.0));
         ui.label(RichText::new("Open a dataset").size(18.0).strong());
@@ -57,7 +57,7 @@ fn empty_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn pairs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Pairs", |ui| {
         let mut choice = model.document.pairs;
         ui.radio_value(&mut choice.neighbours, false, "All pairs").on_hover_text("Each burst with every other one");
@@ -94,7 +94,7 @@ fn pairs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 /// Draws the next step after the matches: the export, and once that is done the commands that reconstruct.
-fn next_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn next_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Next", |ui| {
         button_ui(ui, model, queue, ActionId::ExportDatabase, None);
         let Some(folder) = &model.results.datasets.exported else { return };
@@ -110,7 +110,7 @@ fn next_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Selected pair", |ui| {
         let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else { return };
         match set.selected() {
@@ -129,7 +129,7 @@ fn selected_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn header_ui(ui: &mut Ui, model: &Model) {
+fn header_ui(ui: &mut Ui, model: Read<'_>) {
     let Some(dataset) = &model.results.datasets.open else { return };
     let matches = &dataset.matches;
     let verified = matches.listed().iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count();

@@ -18,13 +18,13 @@ use crate::app::panel::lab::{chart, curves, planted};
 use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
 use crate::app::panel::widgets::{named, section_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::teach::{BottomTab, Workspace};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
 use pair::PairPanels;
 
 pub struct WorkspaceParts<'a> {
-    pub model: &'a Model,
+    pub model: Read<'a>,
     pub widgets: &'a mut PaneWidgets,
     pub pair: &'a mut PairPanels,
     pub selection: &'a mut SelectionState,
@@ -38,7 +38,7 @@ pub struct WorkspaceParts<'a> {
 const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 
 /// Whether there is something for the workspace to show, or it is the open one.
-fn has_content(workspace: Workspace, model: &Model) -> bool {
+fn has_content(workspace: Workspace, model: Read<'_>) -> bool {
     let is_filled = match workspace {
         Workspace::Matches => model.results.datasets.open.is_some(),
         Workspace::Trajectories => model.results.datasets.open.is_some() || !model.results.poses.is_empty(),
@@ -49,8 +49,8 @@ fn has_content(workspace: Workspace, model: &Model) -> bool {
 }
 
 /// Draws the switch between the workspaces, from the right end of a line: buttons, or a menu where there is no room.
-pub fn switch_ui(ui: &mut egui::Ui, model: &Model, queue: &mut Queue) {
-    let is_narrow = model.window_width_points < MIN_WIDTH_WITH_SWITCH;
+pub fn switch_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue) {
+    let is_narrow = model.shell.window_width_points < MIN_WIDTH_WITH_SWITCH;
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         let first = ui.cursor().right();
@@ -108,22 +108,22 @@ const BOTTOM_IN_HALL: f32 = 120.0;
 const RIGHT_IN_HALL: [f32; 2] = [240.0, 120.0];
 
 /// `panel` at the side, which has the name `id`; below the pictures in a hall.
-fn side(ui: &Ui, model: &Model, (id, height): (&'static str, f32), panel: Panel) -> Panel {
+fn side(ui: &Ui, model: Read<'_>, (id, height): (&'static str, f32), panel: Panel) -> Panel {
     let below = || Panel::bottom(egui::Id::unique((id, "hall"))).exact_size(height).resizable(false);
     if model.document.panels.hall { below() } else { panel }.frame(side_frame(ui))
 }
 
-fn left_side(ui: &Ui, model: &Model, id: &'static str, width: f32) -> Panel {
+fn left_side(ui: &Ui, model: Read<'_>, id: &'static str, width: f32) -> Panel {
     side(ui, model, (id, LEFT_IN_HALL), Panel::left(id).default_size(width).size_range(LEFT_WIDTHS))
 }
 
-fn left_panel(ui: &mut Ui, model: &Model, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
+fn left_panel(ui: &mut Ui, model: Read<'_>, id: &'static str, width: f32, add_contents: impl FnOnce(&mut Ui)) {
     left_side(ui, model, id, width).show(ui, |ui| scroll_ui(ui, add_contents));
 }
 
 fn right_panel(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     id: &'static str,
     width: f32,
     widths: std::ops::RangeInclusive<f32>,
@@ -143,7 +143,7 @@ fn scroll_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
 
 /// Draws a panel below the pictures, `height` points high until it is dragged, or less in a small window, whatever its
 /// content, so that nothing moves under the pointer. Returns whether the pointer is over it.
-fn bottom_panel(ui: &mut Ui, model: &Model, id: &'static str, height: f32, show: impl FnOnce(&mut Ui)) -> bool {
+fn bottom_panel(ui: &mut Ui, model: Read<'_>, id: &'static str, height: f32, show: impl FnOnce(&mut Ui)) -> bool {
     let frame = egui::Frame::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(8, 4));
     let height = height.min(ui.available_height() - PICTURES_HEIGHT).max(*BOTTOM_HEIGHTS.start());
     let panel = egui::Panel::bottom(id).resizable(true).default_size(height).size_range(BOTTOM_HEIGHTS);
@@ -155,14 +155,14 @@ fn bottom_panel(ui: &mut Ui, model: &Model, id: &'static str, height: f32, show:
 }
 
 /// Width of a panel at the side, in points; smaller in a small window, where the picture needs the space more.
-fn side_width(model: &Model) -> f32 {
-    (0.235 * model.window_width_points).clamp(280.0, 300.0)
+fn side_width(model: Read<'_>) -> f32 {
+    (0.235 * model.shell.window_width_points).clamp(280.0, 300.0)
 }
 
 const FOLDED_WIDTH: f32 = 22.0;
 
 /// Draws the panel on the left as a strip with its name where it is folded; a click opens it.
-pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if model.folds_left() {
         strip_ui(ui, Panel::left("left folded"), ActionId::ToggleLeft, "slope, scale, parameters", queue);
     }
@@ -192,7 +192,7 @@ fn strip_ui(ui: &mut Ui, panel: Panel, toggle: ActionId, contents: &str, queue: 
 }
 
 fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
-    let WorkspaceParts { model, widgets, selection, probe, regions, queue, .. } = parts;
+    let (model, WorkspaceParts { widgets, selection, probe, regions, queue, .. }) = (parts.model, parts);
     let width = side_width(model);
     folded_ui(ui, model, queue);
     if model.shows_left() {
@@ -253,7 +253,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     }
 }
 
-fn lab_workspace_ui(ui: &mut Ui, model: &Model, picture: &mut PlaneTexture, queue: &mut Queue) {
+fn lab_workspace_ui(ui: &mut Ui, model: Read<'_>, picture: &mut PlaneTexture, queue: &mut Queue) {
     if model.shows_left() {
         left_panel(ui, model, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
     }
@@ -271,7 +271,7 @@ fn lab_workspace_ui(ui: &mut Ui, model: &Model, picture: &mut PlaneTexture, queu
 
 const STRIP_HEIGHT: f32 = 84.0;
 
-fn trajectories_workspace_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn trajectories_workspace_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let width = side_width(model).max(330.0);
     if model.shows_right() {
         right_panel(ui, model, "trajectories right", width, 280.0..=520.0, |ui| {

@@ -22,6 +22,10 @@ fn modules_used(module: &[String], code: &str, modules: &BTreeMap<Vec<String>, S
         for (at, _) in code.match_indices(root) {
             let end =
                 code[at..].find(|c: char| !(c.is_alphanumeric() || c == '_' || c == ':')).unwrap_or(code.len() - at);
+            // A group in braces was read above, name by name.
+            if code[at + end..].starts_with('{') {
+                continue;
+            }
             paths.push(code[at..at + end].split("::").filter(|p| !p.is_empty()).map(str::to_owned).collect());
         }
     }

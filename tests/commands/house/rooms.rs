@@ -43,6 +43,22 @@ fn the_document_imports_neither_results_nor_engine() {
     assert!(files > 20, "{files} files were read: too few to be all");
 }
 
+/// One room writes. What is set and found is values with functions of their own; the whole of both has no methods, and is
+/// changed in `app/apply` alone, which nothing that is read knows.
+#[test]
+fn the_whole_is_written_in_one_room() {
+    let window = window();
+    for (name, code) in &window {
+        assert!(!code.contains("impl Model"), "{name}: write a function of what is read (`Read`), or one of app/apply");
+        if name.starts_with("results/") {
+            for word in ["&mut Model", "&mut Document", "app::apply"] {
+                assert!(!code.contains(word), "{name} has `{word}`: what is found does not change what is set");
+            }
+        }
+    }
+    assert!(window.iter().any(|(name, code)| name == "apply/mod.rs" && code.contains("model: &mut Model")));
+}
+
 /// When an action is possible, whether it is on and what it does stand in its row, and nowhere by its name.
 #[test]
 fn an_action_is_told_by_its_row() {

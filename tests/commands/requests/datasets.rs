@@ -4,8 +4,9 @@ use super::{params, write_chart};
 use burstscope::dataset::DatasetSource;
 use burstscope::detector::{DetectorParams, SearchParams};
 use burstscope::monitor::Monitor;
-use burstscope::requests::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, Keeping, OpenDataset};
-use burstscope::requests::{Request, Work};
+use burstscope::requests::{
+    Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, Keeping, OpenDataset, Request, Work,
+};
 #[cfg(feature = "colmap")]
 use burstscope::{matching::PairSelection, requests::ColmapRequest};
 use std::path::Path;

@@ -7,7 +7,6 @@
 //! frame, over a pyramid; each frame by itself) → [`temporal`] (robust mean over time, tile by tile) → one image.
 
 mod align;
-mod dct;
 mod temporal;
 mod tiles;
 

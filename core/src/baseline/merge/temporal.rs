@@ -14,8 +14,7 @@
 //! is used.
 
 use super::align::ShiftField;
-use super::dct::{Block, basis, transform, transposed};
-use super::tiles::{STEP, TILE, TileGrid, first_pixel, window};
+use super::tiles::{Block, STEP, TILE, TileGrid, basis, first_pixel, transform, transposed, window};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use multiversion::multiversion;

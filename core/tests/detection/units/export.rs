@@ -75,8 +75,7 @@ mod figure_curve {
 mod film {
     use burstscope_core::export::film::*;
     use burstscope_core::monitor::*;
-    use image::Rgba;
-    use image::RgbaImage;
+    use image::{Rgba, RgbaImage};
     use std::io;
     use std::path::Path;
 

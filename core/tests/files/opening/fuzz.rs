@@ -9,8 +9,7 @@ use burstscope_core::error::{Error, ErrorKind};
 use image::{ImageBuffer, Luma, Rgb};
 use proptest::prelude::*;
 use std::sync::OnceLock;
-use tiff::encoder::colortype;
-use tiff::encoder::{Compression, DeflateLevel, TiffEncoder};
+use tiff::encoder::{Compression, DeflateLevel, TiffEncoder, colortype};
 
 /// One valid file of each kind and type: (name, bytes).
 pub fn samples() -> &'static [(&'static str, Vec<u8>)] {

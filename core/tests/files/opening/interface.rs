@@ -3,8 +3,7 @@
 mod arrays {
     use burstscope_core::Monitor;
     use burstscope_core::burst::{ArrayFrame, Arrays, Burst, OpenOptions};
-    use burstscope_core::plane::PixelOwner;
-    use burstscope_core::plane::Plane;
+    use burstscope_core::plane::{PixelOwner, Plane};
     use std::sync::Arc;
 
     fn of_u16(values: &[u16]) -> Arrays {

@@ -2,7 +2,7 @@
 
 use crate::app::view::{ColourBy, Known, quantity_value};
 use crate::detector::quantity::{Colours, Span};
-use crate::detector::{Feature, Moves, Slope, SlopeGrid};
+use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 use crate::plane::display::direction_colour;
@@ -51,8 +51,7 @@ impl ColourScale {
                 (-limit, limit)
             }
         };
-        let may_lack = matches!(by, ColourBy::FieldU | ColourBy::FieldV | ColourBy::Layer);
-        let lacks_some = may_lack && features.iter().any(|feature| stored(feature).is_none());
+        let lacks_some = by.quantity().is_some_and(|quantity| features.iter().any(|f| quantity.is_empty(f)));
         Self { lacks_some, ..Self::with_range(by, min, max) }
     }
 
@@ -61,7 +60,7 @@ impl ColourScale {
         let Some((line_deg, axis)) = line_of(grid, features) else {
             return Self::with_range(ColourBy::SlopeDirection, 0.0, grid.max_magnitude());
         };
-        let along = Self::with_range(ColourBy::SlopeU, axis.min, axis.max);
+        let along = Self::with_range(ColourBy::Of(Quantity::SlopeU), axis.min, axis.max);
         Self { by: ColourBy::SlopeDirection, line_deg: Some(line_deg), ..along }
     }
 
@@ -71,9 +70,7 @@ impl ColourScale {
         let (min, max) = match by {
             _ if is_log => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
             ColourBy::SlopeDirection => (0.0, if max > 0.0 { max } else { 1.0 }),
-            ColourBy::SlopeU | ColourBy::SlopeV | ColourBy::FieldU | ColourBy::FieldV if max <= min => {
-                (min - 0.5, min + 0.5)
-            }
+            ColourBy::Of(_) if max <= min && by.unit() == "px/frame" => (min - 0.5, min + 0.5),
             _ => (min, if max > min { max } else { min + 1e-6 }),
         };
         let lut = map.lut();
@@ -88,8 +85,8 @@ impl ColourScale {
 
     pub fn name(&self) -> String {
         match self.line_deg {
-            Some(0.0) => ColourBy::SlopeU.name().to_owned(),
-            Some(90.0) => ColourBy::SlopeV.name().to_owned(),
+            Some(0.0) => ColourBy::Of(Quantity::SlopeU).name().to_owned(),
+            Some(90.0) => ColourBy::Of(Quantity::SlopeV).name().to_owned(),
             Some(degrees) => format!("Slope along {degrees:.0}°"),
             None => self.by.name().to_owned(),
         }
@@ -104,7 +101,7 @@ impl ColourScale {
     /// The colours then span its depths. Without it all features are grey when their colour shows the depth.
     #[must_use]
     pub fn with_set_up(self, set_up: Option<&SetUp>) -> Self {
-        let Some(set_up) = set_up.filter(|_| self.by == ColourBy::Depth) else { return self };
+        let Some(set_up) = set_up.filter(|_| self.by == ColourBy::Of(Quantity::Depth)) else { return self };
         let [near, far] = set_up.depth_m.map(|metres| metres as f32);
         Self { set_up: Some(*set_up), ..Self::with_range(self.by, near, far) }
     }
@@ -112,8 +109,8 @@ impl ColourScale {
     pub fn has_unknown(&self) -> bool {
         let is_unknown = |values: &Arc<Vec<Judged>>| values.iter().any(|judged| judged.coherence.is_none());
         match self.by {
-            ColourBy::Coherence => self.coherences.as_ref().is_none_or(is_unknown),
-            ColourBy::Depth => self.set_up.is_none(),
+            ColourBy::Of(Quantity::Coherence) => self.coherences.as_ref().is_none_or(is_unknown),
+            ColourBy::Of(Quantity::Depth) => self.set_up.is_none(),
             _ => self.lacks_some,
         }
     }
@@ -124,7 +121,7 @@ impl ColourScale {
         let judged = self.coherences.as_ref().and_then(|values| values.get(index));
         let depth_m = self.set_up.as_ref().and_then(|set_up| set_up.depth_with_error(motion, sigma));
         let value = quantity_value(quantity, index, feature, Known { judged, depth_m });
-        value.map_or(UNKNOWN, |value| self.along(value))
+        value.filter(|value| value.is_finite()).map_or(UNKNOWN, |value| self.along(value))
     }
 
     /// Of what moves by `slope`, where the colours show that.
@@ -163,7 +160,7 @@ impl ColourScale {
 
     pub fn legend_ui(&self, ui: &mut Ui) -> Response {
         let response = match self.by {
-            ColourBy::Moves => self.words_ui(ui),
+            ColourBy::Of(Quantity::Moves) => self.words_ui(ui),
             _ if self.has_wheel() => self.wheel_ui(ui),
             _ => self.bar_ui(ui),
         };
@@ -171,8 +168,8 @@ impl ColourScale {
             ColourBy::SlopeDirection if self.has_wheel() => {
                 format!("Legend: slope up to {}", self.limit_text())
             }
-            ColourBy::Limit => "Legend: inside the searched slopes, or at their limit".to_owned(),
-            ColourBy::Moves => format!("Legend: {}", Moves::ALL.map(Moves::words).join(", ")),
+            ColourBy::Of(Quantity::AtSlopeLimit) => "Legend: inside the searched slopes, or at their limit".to_owned(),
+            ColourBy::Of(Quantity::Moves) => format!("Legend: {}", Moves::ALL.map(Moves::words).join(", ")),
             by => format!(
                 "Legend: {} from {} to {} {}",
                 self.name().to_lowercase(),
@@ -230,7 +227,7 @@ impl ColourScale {
     /// Height of the key, points.
     pub fn height(&self) -> f32 {
         match self.by {
-            ColourBy::Moves => 17.0 * Moves::ALL.len() as f32,
+            ColourBy::Of(Quantity::Moves) => 17.0 * Moves::ALL.len() as f32,
             _ if self.has_wheel() => 54.0,
             _ => 28.0,
         }
@@ -258,8 +255,8 @@ impl ColourScale {
         ui.painter().rect_stroke(bar, 2.0, Stroke::new(1.0, ui.visuals().weak_text_color()), StrokeKind::Outside);
         let y = bar.bottom() + 3.0;
         let number = |x| match self.by {
-            ColourBy::Limit if x == self.min => "inside".to_owned(),
-            ColourBy::Limit => "at the limit".to_owned(),
+            ColourBy::Of(Quantity::AtSlopeLimit) if x == self.min => "inside".to_owned(),
+            ColourBy::Of(Quantity::AtSlopeLimit) => "at the limit".to_owned(),
             _ => super::super::number(x, 3),
         };
         ui.painter().text(pos2(bar.left(), y), egui::Align2::LEFT_TOP, number(self.min), small.clone(), colour);
@@ -290,14 +287,14 @@ mod tests {
     fn scales_span_the_features() {
         let mut features = [feature(0.0, 0.0, 2.0, (-1.0, 0.5), -0.1), feature(5.0, 5.0, 8.0, (3.0, 0.5), 0.05)];
         (features[1].snr, features[1].at_slope_limit) = (10.0 * features[0].snr, true);
-        assert_eq!(ColourScale::of(ColourBy::SlopeU, &features, &PLANE).max, 3.0);
-        assert_eq!(ColourScale::of(ColourBy::Scale, &features, &PLANE).min, 2.0);
-        assert_eq!(ColourScale::of(ColourBy::Response, &features, &PLANE).min, -0.1);
-        for by in ColourBy::ALL {
+        assert_eq!(ColourScale::of(ColourBy::Of(Quantity::SlopeU), &features, &PLANE).max, 3.0);
+        assert_eq!(ColourScale::of(ColourBy::Of(Quantity::Sigma), &features, &PLANE).min, 2.0);
+        assert_eq!(ColourScale::of(ColourBy::Of(Quantity::Response), &features, &PLANE).min, -0.1);
+        for by in ColourBy::all() {
             let scale = ColourScale::of(by, &features, &PLANE).with_set_up(Some(&SetUp::default()));
             // The two features have this quantity in common.
-            use ColourBy::{Coherence, FieldU, FieldV, Layer, Moves, SlopeV};
-            if matches!(by, SlopeV | FieldU | FieldV | Layer | Moves | Coherence) {
+            use Quantity::{AtSlopeLimit, Depth, Response, Sigma, SlopeU, Snr};
+            if by.quantity().is_some_and(|by| ![Response, Sigma, SlopeU, Snr, Depth, AtSlopeLimit].contains(&by)) {
                 assert_eq!(scale.colour(0, &features[0]), scale.colour(1, &features[1]));
             } else {
                 assert_ne!(scale.colour(0, &features[0]), scale.colour(1, &features[1]), "{by:?}");
@@ -312,7 +309,7 @@ mod tests {
     #[test]
     fn what_is_not_known_is_grey() {
         let features = [feature(0.0, 0.0, 2.0, (0.0, 0.0), 0.1); 3];
-        let scale = ColourScale::of(ColourBy::Coherence, &features, &PLANE);
+        let scale = ColourScale::of(ColourBy::Of(Quantity::Coherence), &features, &PLANE);
         let colours = |scale: &ColourScale| [0, 1, 2].map(|i| scale.colour(i, &features[i]));
         assert!(scale.has_unknown() && colours(&scale) == [UNKNOWN; 3]);
         let some = scale.clone().with_coherences(Some(&Arc::new([Some(0.2), None, Some(0.9)].map(judged).to_vec())));
@@ -321,7 +318,7 @@ mod tests {
         assert!(low != high && low != UNKNOWN && high != UNKNOWN);
         assert_eq!((low, high), (some.along(0.2), some.along(0.9)));
         let all = scale.with_coherences(Some(&Arc::new(vec![judged(Some(1.0)); 3])));
-        assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Snr, &features, &PLANE).has_unknown());
+        assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Of(Quantity::Snr), &features, &PLANE).has_unknown());
     }
 
     #[test]
@@ -331,7 +328,7 @@ mod tests {
         let edge = Feature { moves: Moves::Edge, ..edge };
         let unknown = Feature { field_sigma: f32::INFINITY, layer: 0, moves: Moves::Unknown, ..edge };
         let features = [edge, Feature { field: Slope::new(2.0, 0.0), layer: 1, ..edge }, unknown];
-        for by in [ColourBy::FieldU, ColourBy::FieldV, ColourBy::Layer] {
+        for by in [ColourBy::Of(Quantity::FieldU), ColourBy::Of(Quantity::FieldV), ColourBy::Of(Quantity::Layer)] {
             let scale = ColourScale::of(by, &features, &PLANE);
             assert!(scale.has_unknown() && !ColourScale::of(by, &features[..2], &PLANE).has_unknown());
             let [first, second, third] = [0, 1, 2].map(|i| scale.colour(i, &features[i]));
@@ -345,7 +342,7 @@ mod tests {
     #[test]
     fn depths_follow_the_set_up_and_impossible_ones_are_grey() {
         let near_far_none = [(-20.0, 0.0), (-2.5, 0.0), (1.0, 0.0)].map(|slope| feature(0.0, 0.0, 2.0, slope, 0.1));
-        let scale = ColourScale::of(ColourBy::Depth, &near_far_none, &PLANE);
+        let scale = ColourScale::of(ColourBy::Of(Quantity::Depth), &near_far_none, &PLANE);
         let colours = |scale: &ColourScale| [0, 1, 2].map(|i| scale.colour(i, &near_far_none[i]));
         assert!(scale.has_unknown() && colours(&scale) == [UNKNOWN; 3]);
         // 0.5 m/s at 30 frames per second and 1200 px: 20 px/frame at 1 m, 2.5 px/frame at 8 m.
@@ -361,10 +358,15 @@ mod tests {
         let speed = ColourScale::of(ColourBy::Speed, &features, &PLANE);
         let [right, up, slow] = [0, 1, 2].map(|i| speed.colour(i, &features[i]));
         assert!(right == up && up == speed.along(3.0) && slow != up && !speed.has_wheel());
-        for by in [ColourBy::Speed, ColourBy::SlopeU, ColourBy::FieldV, ColourBy::Coherence] {
+        for by in [
+            ColourBy::Speed,
+            ColourBy::Of(Quantity::SlopeU),
+            ColourBy::Of(Quantity::FieldV),
+            ColourBy::Of(Quantity::Coherence),
+        ] {
             let scale = ColourScale::with_range(by, 0.0, 1.0);
             // Uneven responses, the few, are light.
-            let at = |i: u8| if by == ColourBy::Coherence { 20 - i } else { i };
+            let at = |i: u8| if by == ColourBy::Of(Quantity::Coherence) { 20 - i } else { i };
             // Of a grey of the same lightness, by the weights of sRGB.
             let lightness = |i: u8| {
                 let [r, g, b, _] = egui::Rgba::from(scale.along(f32::from(at(i)) / 20.0)).to_array();

@@ -7,8 +7,7 @@
 use super::match_lines::{MatchLine, Pane};
 use crate::app::canvas::RectTransform;
 use crate::detector::feature::Feature;
-use crate::export::MatchKind;
-use crate::export::{Cells, IN_A_CELL};
+use crate::export::{Cells, IN_A_CELL, MatchKind};
 use egui::{Rect, pos2};
 
 /// Number of features in a cell of which anything is drawn.

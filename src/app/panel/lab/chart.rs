@@ -5,7 +5,7 @@ use crate::app::document::Action;
 use crate::app::document::lab::{Lab, LabSet};
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::inspect::score::Judged;
 use crate::inspect::words::number;
 use crate::plane::display::Display;
@@ -16,14 +16,14 @@ const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
 const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
 const FALSE: Color32 = Color32::from_rgb(213, 94, 0);
 
-pub fn lab_chart_ui(ui: &mut Ui, model: &Model, texture: &mut PlaneTexture, queue: &mut Queue) {
+pub fn lab_chart_ui(ui: &mut Ui, model: Read<'_>, texture: &mut PlaneTexture, queue: &mut Queue) {
     let mut lab = model.document.lab.clone();
     choice_ui(ui, model, &mut lab);
     chosen_ui(ui, model, &mut lab, texture, queue);
     queue.set(&model.document.lab, lab, |lab| Action::SetLab(Box::new(lab)));
 }
 
-fn chosen_ui(ui: &mut Ui, model: &Model, lab: &mut Lab, texture: &mut PlaneTexture, queue: &mut Queue) {
+fn chosen_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab, texture: &mut PlaneTexture, queue: &mut Queue) {
     if model.document.lab.selected.is_none() {
         let text = if model.document.lab.question.needs_charts() {
             "Click a point of a curve to look at its chart."
@@ -51,7 +51,7 @@ fn chosen_ui(ui: &mut Ui, model: &Model, lab: &mut Lab, texture: &mut PlaneTextu
     });
 }
 
-fn choice_ui(ui: &mut Ui, model: &Model, lab: &mut Lab) {
+fn choice_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab) {
     let sets: Vec<(LabSet, String)> = model
         .lab_results()
         .iter()

@@ -4,11 +4,10 @@ use super::curve_colour;
 use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::document::lab::LabSet;
-use crate::app::document::method::CompareLook;
-use crate::app::document::method::MethodId;
+use crate::app::document::method::{CompareLook, MethodId};
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::results::Model;
-use crate::app::results::lab::LabResult;
+use crate::app::results::Read;
+use crate::app::results::studies::LabResult;
 use crate::evaluate::curves::{StudyCurve, StudyPlot, percent};
 use crate::export::SeriesPoint;
 use crate::inspect::words::number;
@@ -27,7 +26,7 @@ struct Drawn {
     curve: StudyCurve,
 }
 
-pub fn curves_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut lab = model.document.lab.clone();
     let results = model.lab_results();
     let Some((.., first)) = results.first() else {
@@ -94,7 +93,7 @@ pub fn curves_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 /// Draws the button that makes all methods comparable, as the paper does: each at the peak threshold where the same
 /// share of its detections on the charts is false.
-fn same_false_rate_ui(ui: &mut Ui, model: &Model, rate: SameFalseRate, queue: &mut Queue) {
+fn same_false_rate_ui(ui: &mut Ui, model: Read<'_>, rate: SameFalseRate, queue: &mut Queue) {
     let mut search = model.document.search();
     let method = MethodId::of_search(&search.detector);
     let own = rate.of(method.of_studies());
@@ -160,7 +159,7 @@ fn empty_ui(ui: &mut Ui) {
     });
 }
 
-pub fn shown_plots(model: &Model) -> Vec<(String, Vec<StudyPlot>)> {
+pub fn shown_plots(model: Read<'_>) -> Vec<(String, Vec<StudyPlot>)> {
     let results = model.lab_results();
     let rows = results.first().map(|(.., first)| first.report.roc_rows()).unwrap_or_default();
     let row_label = rows.get(model.document.lab.roc_row).or(rows.last());
@@ -284,6 +283,7 @@ fn point_text(plot: &StudyPlot, one: &Drawn, point: &SeriesPoint) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::app::results::Model;
     use crate::evaluate::{BurstMethod, ChartStudy};
     use crate::monitor::Monitor;
     use crate::study::Study;
@@ -328,16 +328,16 @@ mod tests {
     fn what_is_exported_is_what_is_drawn() {
         let mut model = Model::default();
         (model.results.studies.current, model.document.lab.roc_row) = (Some(result()), 1);
-        let plots = shown_plots(&model);
+        let plots = shown_plots(Read::of(&model));
         assert_eq!(plots, [("This study".to_owned(), result().report.plots(1))]);
-        model.results.studies.kept.push(crate::app::results::lab::KeptCurves {
+        model.results.studies.kept.push(crate::app::results::studies::KeptCurves {
             name: "before".to_owned(),
             is_shown: false,
             result: result(),
         });
-        assert_eq!(shown_plots(&model).len(), 1, "what is hidden is not written");
+        assert_eq!(shown_plots(Read::of(&model)).len(), 1, "what is hidden is not written");
         model.results.studies.kept[0].is_shown = true;
-        assert_eq!(shown_plots(&model)[1].0, "before");
-        assert!(shown_plots(&Model::default()).is_empty());
+        assert_eq!(shown_plots(Read::of(&model))[1].0, "before");
+        assert!(shown_plots(Read::of(&Model::default())).is_empty());
     }
 }

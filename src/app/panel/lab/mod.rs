@@ -17,8 +17,8 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
 use crate::app::document::lab::{Lab, LabQuestion};
 use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui};
-use crate::app::results::Model;
-use crate::app::results::lab::Studies;
+use crate::app::results::Read;
+use crate::app::results::studies::Studies;
 use crate::evaluate::BurstMethod;
 use crate::synth::Motion;
 use egui::{Color32, DragValue, Grid, Label, RichText, TextEdit, Ui};
@@ -29,7 +29,7 @@ fn curve_colour(ui: &Ui, colour: &str) -> Color32 {
     if ui.visuals().dark_mode { colour.lerp_to_gamma(Color32::WHITE, 0.3) } else { colour }
 }
 
-pub fn lab_settings_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut lab = model.document.lab.clone();
     section_ui(ui, "Study", |ui| {
         question_ui(ui, &mut lab);
@@ -66,7 +66,7 @@ fn question_ui(ui: &mut Ui, lab: &mut Lab) {
     });
 }
 
-fn start_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn start_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if let Some(running) = model.results.studies.wanted.running() {
         progress_ui(ui, &running, None, &progress_text(&running));
         button_ui(ui, model, queue, ActionId::CancelStudy, None);
@@ -173,7 +173,7 @@ fn methods_ui(ui: &mut Ui, lab: &mut Lab) {
     }
 }
 
-fn dark_copy_ui(ui: &mut Ui, model: &Model, lab: &mut Lab, queue: &mut Queue) {
+fn dark_copy_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab, queue: &mut Queue) {
     let noise = &mut lab.dark_copy;
     ui.horizontal(|ui| {
         let help = "Ratio of the frames' contrast to the noise of one pixel in one frame";

@@ -5,7 +5,7 @@ use crate::app::document::Action;
 use crate::app::document::lab::Lab;
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dots_ui, named, weak_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::detector::Test;
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};
@@ -67,7 +67,7 @@ pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
         .on_hover_text("Otherwise strong features of the burst are left alone");
 }
 
-pub fn lab_planted_ui(ui: &mut Ui, model: &Model, texture: &mut PlaneTexture, queue: &mut Queue) {
+pub fn lab_planted_ui(ui: &mut Ui, model: Read<'_>, texture: &mut PlaneTexture, queue: &mut Queue) {
     let Some((_, report)) = model.results.studies.recovered() else {
         let text = "Press Run study: things are planted in copies of the open burst and searched for. Here is then how faint a thing is seen at each place.";
         weak_ui(ui, text);

@@ -4,7 +4,7 @@ use super::{apply_ui, go_to_ui};
 use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::panel::widgets::{named, weak_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::style;
 use crate::detector::Test;
 use crate::inspect::fate::{Outcome, TestReport};
@@ -18,7 +18,7 @@ use std::ops::Range;
 const ROW: f32 = 18.0;
 const ROWS_SEEN: usize = 6;
 
-pub(super) fn fates_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
+pub(super) fn fates_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     let (probe, subject) = (&answer.probe, answer.probe.subject.fate);
     scale_ui(ui, model, answer, queue);
     if probe.fates.is_empty() {
@@ -53,7 +53,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut 
     }
 }
 
-fn scale_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
+fn scale_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     let sigma_text = |sigma: f32| format!("Near σ {} px", number(sigma, 1));
     let mut chosen = model.document.probe.near_sigma;
     let text = chosen.map_or_else(|| "All scales".to_owned(), sigma_text);
@@ -141,7 +141,7 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     clicked
 }
 
-fn fate_ui(ui: &mut Ui, model: &Model, fate: &Fate, outlook: Option<&Outlook>, queue: &mut Queue) {
+fn fate_ui(ui: &mut Ui, model: Read<'_>, fate: &Fate, outlook: Option<&Outlook>, queue: &mut Queue) {
     let verdict = &fate.verdict;
     ui.add(Label::new(RichText::new(sentence(verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {

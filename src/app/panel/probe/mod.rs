@@ -13,7 +13,7 @@ use crate::app::document::side::Side;
 use crate::app::panel::selection::texture_of;
 use crate::app::panel::widgets::{named, paint, progress_ui, section_ui, warning_ui, weak_ui};
 use crate::app::parts::mark;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::explained::verdict_words;
 use crate::app::style;
 use crate::app::view::signed;
@@ -41,7 +41,7 @@ pub struct ProbePanel {
 /// content of the `other` tab. Without a probe of a burst of this workspace nothing is drawn.
 pub fn probe_tab_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     panel: &mut ProbePanel,
     other: &str,
     help: &str,
@@ -66,7 +66,7 @@ pub fn probe_tab_ui(
     model.document.probe.is_open
 }
 
-fn probe_ui(ui: &mut Ui, model: &Model, panel: &mut ProbePanel, queue: &mut Queue) {
+fn probe_ui(ui: &mut Ui, model: Read<'_>, panel: &mut ProbePanel, queue: &mut Queue) {
     mark(ui, Part::Probe, ui.max_rect());
     tools_ui(ui, model, queue);
     busy_ui(ui, model);
@@ -108,7 +108,7 @@ fn probe_ui(ui: &mut Ui, model: &Model, panel: &mut ProbePanel, queue: &mut Queu
 
 const HOW: &str = "Shift+click a place of a picture to see why there is a feature, or why there is none.";
 
-fn tools_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn tools_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         button_ui(ui, model, queue, ActionId::ProbeFollow, Some("Follow pointer"));
@@ -119,7 +119,7 @@ fn tools_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     ui.add_space(2.0);
 }
 
-fn busy_ui(ui: &mut Ui, model: &Model) {
+fn busy_ui(ui: &mut Ui, model: Read<'_>) {
     let waits = model.document.probe.question.is_some()
         && model.results.probed.answer.is_none()
         && model.results.probed.problem.is_none();
@@ -138,7 +138,7 @@ fn busy_ui(ui: &mut Ui, model: &Model) {
     }
 }
 
-fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn stale_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if model.probe_is_stale() && !model.results.slots[model.document.probe.side].detecting.is_pending() {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("Stale: found with other parameters").color(style::warning(ui)));
@@ -150,7 +150,7 @@ fn stale_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 /// Reasons that no single candidate tells, each with what can be done about it.
-fn reasons_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
+fn reasons_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     for reason in &answer.probe.reasons {
         let help = match reason.kind {
             ReasonKind::TooSmall => "Measured at this place, at the slope named, beyond the scales that are searched",
@@ -179,14 +179,20 @@ fn reasons_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
     }
 }
 
-fn go_to_feature_ui(ui: &mut Ui, model: &Model, answer: &Probed, feature: usize, queue: &mut Queue) {
+fn go_to_feature_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, feature: usize, queue: &mut Queue) {
     if let Some(found) = answer.request.traced.cache.detection().features.get(feature) {
         go_to_ui(ui, model, Some(feature), ([found.u, found.v], found.slope), queue);
     }
 }
 
 /// Draws a button that shows a place at a slope, and selects the feature there if there is one.
-fn go_to_ui(ui: &mut Ui, model: &Model, feature: Option<usize>, ([u, v], slope): ([f32; 2], Slope), queue: &mut Queue) {
+fn go_to_ui(
+    ui: &mut Ui,
+    model: Read<'_>,
+    feature: Option<usize>,
+    ([u, v], slope): ([f32; 2], Slope),
+    queue: &mut Queue,
+) {
     let label = feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {index}"));
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(slope));
     if ui.button(label).on_hover_text(tip).clicked() {
@@ -199,7 +205,7 @@ fn go_to_ui(ui: &mut Ui, model: &Model, feature: Option<usize>, ([u, v], slope):
     }
 }
 
-fn apply_ui(ui: &mut Ui, model: &Model, change: &ParamChange, queue: &mut Queue) {
+fn apply_ui(ui: &mut Ui, model: Read<'_>, change: &ParamChange, queue: &mut Queue) {
     let button = ui.add_enabled(model.takes_advice(model.document.probe.side), egui::Button::new("Apply"));
     let response =
         button.on_hover_text(format!("Set {} and detect again; Undo reverts it\n{}", change.label(), change.option()));
@@ -256,7 +262,7 @@ impl PlaneTexture {
     }
 }
 
-fn suspicions_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue) {
+fn suspicions_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     let is_clear = |judged: &&Judged| matches!(judged.verdict, Verdict::Real | Verdict::Unclear);
     if let Some(judged) = answer.probe.judged.as_ref().filter(is_clear) {
         let index = answer.probe.subject_fate().and_then(|fate| fate.features.first());
@@ -274,7 +280,7 @@ fn suspicions_ui(ui: &mut Ui, model: &Model, answer: &Probed, queue: &mut Queue)
     }
 }
 
-fn suspicion_ui(ui: &mut Ui, model: &Model, suspicion: &Suspicion, queue: &mut Queue) {
+fn suspicion_ui(ui: &mut Ui, model: Read<'_>, suspicion: &Suspicion, queue: &mut Queue) {
     let (name, help) = match suspicion.kind {
         Kind::Duplicate => ("A duplicate?", "Another feature lies on the same blob"),
         Kind::Ghost => ("A ghost?", "A blob with another motion shows in this slope's motion stack"),

@@ -7,7 +7,7 @@ use crate::app::document::Action;
 use crate::app::document::cursor::ViewKind;
 use crate::app::document::panes::Destination;
 use crate::app::panel::widgets::named;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::detector::Slope;
 use crate::inspect::probe::Wanted;
 use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane, outline};
@@ -22,7 +22,7 @@ const ROW: f32 = 9.0;
 
 pub(super) fn response_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     answer: &Probed,
     texture: &mut PlaneTexture,
     plane_texture: &mut PlaneTexture,
@@ -46,7 +46,7 @@ pub(super) fn response_ui(
     ui.add(egui::Label::new(RichText::new(legend).small().weak()).wrap());
 }
 
-fn scales_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
+fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
     let map = &answer.probe.response;
     let (columns, rows) = map.snr.size();
     let height = (ROW * rows as f32).clamp(80.0, 190.0);
@@ -104,7 +104,7 @@ fn small_ui(ui: &Ui, at: Pos2, text: &str) {
 
 fn slopes_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     answer: &Probed,
     plane: &SlopePlane,
     texture: &mut PlaneTexture,
@@ -165,7 +165,7 @@ fn slopes_ui(
     }
 }
 
-fn go_to(model: &Model, slope: Slope, scale: &Scale) -> Action {
+fn go_to(model: Read<'_>, slope: Slope, scale: &Scale) -> Action {
     let scale = Some((scale.octave, scale.level));
     let kind = Some(ViewKind::Dog);
     Action::GoTo(model.document.probe.side, Destination { slope: Some(slope), scale, kind, ..Destination::default() })
@@ -309,7 +309,7 @@ fn square(painter: &Painter, at: Pos2) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::results::tests::open;
+    use crate::app::apply::bench::open;
     use crate::detector::{DetectorParams, SlopeGrid};
     use crate::inspect::{ProbeCache, ProbeOptions, probe};
     use crate::monitor::Monitor;

@@ -6,7 +6,7 @@ use crate::app::document::Action;
 use crate::app::document::cursor::ViewKind;
 use crate::app::document::panes::Destination;
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::style::ACCENT;
 use crate::detector::coherence::{FrameResponse, Shape};
 use crate::inspect::shares::Shares;
@@ -19,7 +19,7 @@ use egui_plot::{HLine, Line, PlotPoints, Points};
 const IN_ROW: usize = 12;
 const PATCH: f32 = 18.0;
 
-pub(super) fn shares_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
+pub(super) fn shares_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
     let shares = &answer.probe.shares;
     if shares.frames.is_empty() {
         return;
@@ -37,7 +37,7 @@ pub(super) fn shares_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &m
         .on_hover_text("Coherence: 1 if all frames respond alike; if only some respond, about their share");
 }
 
-fn strip_ui(ui: &mut Ui, model: &Model, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
+fn strip_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
     let shares = &answer.probe.shares;
     let fits = ((ui.available_width() / PATCH) as usize).clamp(1, IN_ROW);
     // Views lie as in their grid.

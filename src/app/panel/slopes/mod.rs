@@ -9,7 +9,7 @@ use crate::app::document::Action;
 use crate::app::document::side::Side;
 use crate::app::panel::status::advice_ui;
 use crate::app::panel::widgets::{named, warning_ui, weak_ui, with_whole_numbers};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::style;
 use crate::burst::OpenOptions;
 use crate::detector::Method;
@@ -21,7 +21,7 @@ use std::sync::Arc;
 /// Maximum width of the charts, points; the advice gets the rest.
 const CHART_WIDTH: f32 = 400.0;
 
-pub fn summary_ui(ui: &mut Ui, model: &Model) {
+pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
     let Some(spectrum) = model.spectrum() else {
         ui.weak(if model.results.slots.a.found.is_some() { "Not analysed yet" } else { "No detection yet" });
         return;
@@ -33,7 +33,7 @@ pub fn summary_ui(ui: &mut Ui, model: &Model) {
     ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
 }
 
-pub fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(spectrum) = model.spectrum() else {
         waiting_ui(ui, model, queue);
         return;
@@ -52,7 +52,7 @@ pub fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-fn waiting_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn waiting_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.vertical_centered(|ui| {
         ui.add_space(16.0);
         if model.results.slots.a.found.is_none() {
@@ -60,10 +60,10 @@ fn waiting_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
         } else if model.stale().is_some() {
             let press = "The parameters changed: press Detect to see which slopes the burst needs";
             ui.weak(model.without_features(Side::A, press));
-        } else if model.results.slots.a.found.as_ref().is_some_and(|found| found.params.method != Method::Buff) {
+        } else if model.found_of(Side::A).is_some_and(|found| found.params.method != Method::Buff) {
             ui.weak("One image has no slopes: choose the method BuFF");
         } else if model.slopes_take_long() && !model.results.explained.slopes_wanted {
-            let secs = model.results.slots.a.found.as_ref().map_or(0.0, |found| found.elapsed.as_secs_f32());
+            let secs = model.found_of(Side::A).map_or(0.0, |found| found.elapsed.as_secs_f32());
             let tip = format!("It takes about as long as the detection did, {secs:.0} s, in the background");
             if ui.button("Analyse slopes").on_hover_text(tip).clicked() {
                 queue.push(Action::ExamineSlopes);
@@ -75,7 +75,7 @@ fn waiting_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     set_up::set_up_ui(ui, model, queue);
 }
 
-fn advice_list_ui(ui: &mut Ui, model: &Model, spectrum: &Arc<Spectrum>, queue: &mut Queue) {
+fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue: &mut Queue) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
         if let Some(judgement) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
             faultless_ui(ui, judgement);
@@ -97,7 +97,7 @@ fn advice_list_ui(ui: &mut Ui, model: &Model, spectrum: &Arc<Spectrum>, queue: &
 }
 
 /// Draws the judgement of the slopes and a button that applies its advice, unless the slopes suffice: above the table.
-pub fn judgement_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn judgement_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let advice = model.slope_judgement().and_then(|judgement| judgement.advice.as_ref());
     let Some(advice) = advice.filter(|advice| advice.subject != Subject::Cost) else { return };
     ui.horizontal(|ui| {
@@ -120,7 +120,7 @@ fn sentence_of(clause: &str) -> String {
 }
 
 /// Draws one piece of advice; `name` is that of its button.
-fn piece_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
+fn piece_ui(ui: &mut Ui, model: Read<'_>, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
     warning_ui(ui, sentence_of(&advice.sentence));
     if !advice.options().is_empty() {
         ui.horizontal_wrapped(|ui| {
@@ -137,7 +137,7 @@ fn changes_of(advice: &SlopeAdvice) -> String {
     advice.changes.iter().map(|change| change.label()).chain(times).collect::<Vec<_>>().join(", ")
 }
 
-fn apply_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
+fn apply_ui(ui: &mut Ui, model: Read<'_>, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
     let changes = changes_of(advice);
     let tip = format!("Set {changes}; Ctrl+Z undoes it");
     let button = ui.add_enabled(model.takes_advice(Side::A), Button::new("Apply")).on_hover_text(tip);
@@ -152,9 +152,8 @@ fn apply_ui(ui: &mut Ui, model: &Model, name: &str, advice: &SlopeAdvice, queue:
 
 /// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the
 /// slopes fit the burst, with the change that mends it; nothing while there are no features of the present parameters.
-pub fn verdict_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
-    let has_advice =
-        model.stale().is_none() && model.results.slots.a.found.as_ref().is_some_and(|found| found.advice.is_some());
+pub fn verdict_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
+    let has_advice = model.stale().is_none() && model.found_of(Side::A).is_some_and(|found| found.advice.is_some());
     let judgement = model.slope_judgement();
     if !has_advice && judgement.is_none() {
         return;

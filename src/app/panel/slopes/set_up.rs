@@ -4,20 +4,20 @@ use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::document::side::Side;
 use crate::app::panel::widgets::error_ui;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::view::{number, signed_slope};
 use crate::detector::Slope;
 use crate::inspect::set_up::{SetUp, bounds};
 use egui::{Button, CollapsingHeader, DragValue, Grid, Label, Role, Ui, WidgetInfo};
 
 /// Slopes of the nearest and the farthest things, while the set-up is in use: unfolded, or read for depths.
-pub(super) fn expected(model: &Model) -> Option<[Slope; 2]> {
+pub(super) fn expected(model: Read<'_>) -> Option<[Slope; 2]> {
     let state = &model.document.set_up;
     let in_use = (state.is_open || state.reads_depths) && state.values.check().is_ok();
     in_use.then(|| state.values.depth_m.map(|metres| state.values.slope_at(metres)))
 }
 
-pub(super) fn set_up_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub(super) fn set_up_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut state = model.document.set_up;
     let header = CollapsingHeader::new("Slopes from the set-up").id_salt("slopes from the set-up");
     let unfolded = header.open(Some(model.document.set_up.is_open)).show(ui, |ui| {
@@ -65,7 +65,7 @@ fn depth_field(metres: &mut f64) -> DragValue<'_> {
     DragValue::new(metres).range(bounds::DEPTH.span()).speed(0.02).suffix(" m")
 }
 
-fn slopes_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let set_up = model.document.set_up.values;
     let slopes = set_up.slopes(&model.used_positions(), &model.document.params);
     ui.horizontal(|ui| {

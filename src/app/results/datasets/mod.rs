@@ -1,14 +1,15 @@
 //! State of datasets, as plain values: the bursts with their states, the matches of their pairs, the work in progress.
 
+use crate::app::document::side::Side;
+use crate::app::results::{Effect, Read};
+use crate::engine::{Engine, Wanted};
+use crate::requests::{BurstSource, DatasetRequest};
+use std::path::PathBuf;
+
 mod dataset;
 pub mod pairs;
-mod work;
 
 pub use dataset::{BurstState, Dataset, StateCounts};
-
-use crate::engine::Wanted;
-use crate::requests::DatasetRequest;
-use std::path::PathBuf;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Work {
@@ -54,5 +55,31 @@ impl Datasets {
         let whole = self.wanted.running().and_then(|r| r.progress).map_or(0.0, |p| p.fraction);
         // At the end of the last burst the share is almost 1, not 0.
         (bursts * whole).min(bursts - 1e-3).fract()
+    }
+}
+
+/// Number of frames from which a burst counts as a film: motion is not uniform for so long.
+const FILM_FRAMES: usize = 30;
+
+impl Datasets {
+    pub fn begin(&mut self, work: Work, request: DatasetRequest, engine: &Engine) {
+        self.work = Some(work);
+        self.wanted.ask(engine, request);
+    }
+}
+
+impl Read<'_> {
+    pub(in crate::app) fn cut_of_open_burst(self) -> Option<Effect> {
+        let open = self.burst_of(Side::A)?;
+        let BurstSource::Paths(paths) = &open.source else { return None };
+        Some(Effect::Cut { paths: paths.clone(), frames: open.burst.len() })
+    }
+
+    /// Whether the open burst is a film that belongs to no dataset: cutting it is offered.
+    pub(in crate::app) fn is_film(self) -> bool {
+        self.burst_of(Side::A).is_some_and(|open| {
+            let in_dataset = self.results.datasets.open.as_ref().is_some_and(|d| d.place_of(Some(open)).is_some());
+            matches!(open.source, BurstSource::Paths(_)) && open.burst.len() >= FILM_FRAMES && !in_dataset
+        })
     }
 }

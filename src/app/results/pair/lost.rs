@@ -1,11 +1,11 @@
 //! Losses on the way to a match: the step at which each feature of A was lost, and the details of one feature.
 
 use crate::app::document::side::Side;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches};
 use crate::detector::Feature;
-use crate::engine::{Ended, Wanted};
-use crate::inspect::unmatched::{Losses, Lost, Unmatched};
+use crate::engine::Wanted;
+use crate::inspect::unmatched::{Lost, Unmatched};
 use crate::inspect::words::counted;
 use crate::matching::MatchParams;
 use crate::requests::{
@@ -32,13 +32,13 @@ pub struct LostFeatures {
     pub priced: Option<Matched>,
     pub pricing: Wanted<MatchRequest>,
     /// For each feature of A the first one of its keypoint that has no match, if it is another one or has a match.
-    folded: Vec<Option<usize>>,
+    pub folded: Vec<Option<usize>>,
 }
 
 #[derive(Debug, Clone)]
 pub struct Why {
     pub feature: usize,
-    of: LossesRequest,
+    pub of: LossesRequest,
     pub unmatched: Arc<Unmatched>,
 }
 
@@ -63,7 +63,7 @@ impl LostFeatures {
         self.folded.iter().filter(|folded| **folded == Some(index)).count()
     }
 
-    fn fold(&mut self) {
+    pub fn fold(&mut self) {
         let Some(found) = &self.found else { return };
         let features = &found.request.request.a.features;
         let has_match = |index: usize| matches!(found.lost[index], Lost::Not | Lost::Geometry);
@@ -93,38 +93,20 @@ pub fn lost_label(lost: Lost) -> &'static str {
     }
 }
 
-impl Model {
+impl<'a> Read<'a> {
     /// A request that failed is repeated with the next matches.
-    pub(in crate::app::results) fn missing_losses(&self) -> Option<LossesRequest> {
+    pub fn missing_losses(self) -> Option<LossesRequest> {
         self.wanted_losses().filter(|_| self.document.workspace == Workspace::Pair && self.losses().is_none())
     }
 
-    pub(in crate::app::results) fn take_losses(&mut self, ended: Ended<LossesRequest>) {
-        if let Ok(found) = ended.result {
-            self.results.pair.lost.found = Some(Arc::new(found));
-            self.results.pair.lost.fold();
-        }
-        self.refresh_why();
-    }
-
-    pub(in crate::app::results) fn take_price(&mut self, ended: Ended<MatchRequest>) {
-        self.results.pair.lost.priced = ended.result.ok().or_else(|| self.results.pair.lost.priced.take());
-    }
-
-    pub(in crate::app::results) fn missing_candidate_pictures(&self) -> Option<PicturesRequest> {
+    pub fn missing_candidate_pictures(self) -> Option<PicturesRequest> {
         let pictures = self.wanted_candidate_pictures();
         let shown = self.results.pair.lost.pictures.iter().map(|picture| &picture.request);
         (self.document.workspace == Workspace::Pair && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
     }
 
-    pub(in crate::app::results) fn take_lost_pictures(&mut self, ended: Ended<PicturesRequest>) {
-        if let Ok(pictures) = ended.result {
-            self.results.pair.lost.pictures = pictures;
-        }
-    }
-
     /// Parameters with which the feature that is asked about may match: those of the step at which it was lost.
-    pub fn remedy(&self) -> Option<MatchParams> {
+    pub fn remedy(self) -> Option<MatchParams> {
         let why = self.results.pair.lost.why.as_ref()?;
         let matches = self.results.pair.matches.as_ref()?;
         let params = &matches.request.params;
@@ -145,7 +127,7 @@ impl Model {
         (changed != *params && changed.ratio <= 1.0).then_some(changed)
     }
 
-    pub(in crate::app::results) fn missing_price(&self) -> Option<MatchRequest> {
+    pub fn missing_price(self) -> Option<MatchRequest> {
         if self.document.workspace != Workspace::Pair {
             return None;
         }
@@ -155,7 +137,7 @@ impl Model {
     }
 
     /// Effect of the remedy: "matches it and 23 others"; `None` until it was tried.
-    pub fn price_of_remedy(&self, params: &MatchParams) -> Option<String> {
+    pub fn price_of_remedy(self, params: &MatchParams) -> Option<String> {
         let (priced, matches) = (self.results.pair.lost.priced.as_ref()?, self.results.pair.matches.as_ref()?);
         let (why, then) = (self.results.pair.lost.why.as_ref()?, Matches::new(priced.clone(), Duration::ZERO));
         if priced.request.params != *params || !then.is_of(Side::A, matches.detection(Side::A)) {
@@ -175,18 +157,18 @@ impl Model {
         })
     }
 
-    pub fn wanted_losses(&self) -> Option<LossesRequest> {
+    pub fn wanted_losses(self) -> Option<LossesRequest> {
         let matches = self.results.pair.matches.as_ref()?;
         let size_b = self.burst_of(Side::B)?.burst.size();
         Some(LossesRequest { request: matches.request.clone(), result: matches.result.clone(), size_b })
     }
 
-    pub fn losses(&self) -> Option<&Arc<FoundLosses>> {
+    pub fn losses(self) -> Option<&'a Arc<FoundLosses>> {
         let wanted = self.wanted_losses()?;
         self.results.pair.lost.found.as_ref().filter(|found| found.request == wanted)
     }
 
-    pub fn asked_feature(&self) -> Option<usize> {
+    pub fn asked_feature(self) -> Option<usize> {
         let of_match = || {
             let matches = self.results.pair.matches.as_ref()?;
             Some(matches.row(self.document.selected_match?)?.found.a)
@@ -194,47 +176,15 @@ impl Model {
         of_match().or(self.document.asked_about)
     }
 
-    pub fn ask_feature(&mut self, index: Option<usize>) {
-        let matches = self.results.pair.matches.as_ref();
-        let its_match = index.and_then(|index| matches?.rows().find(|row| row.found.a == index).map(|row| row.index));
-        (self.document.selected_match, self.document.asked_about) = (its_match, index);
-    }
-
-    pub fn refresh_why(&mut self) {
-        if self.document.workspace != Workspace::Pair {
-            return;
-        }
-        if self.results.pair.lost.found.is_some() && self.losses().is_none() {
-            // Another pair: what was asked about is no feature of it.
-            self.document.asked_about = None;
-            let LostFeatures { wanted, wanted_pictures, pricing, .. } = std::mem::take(&mut self.results.pair.lost);
-            self.results.pair.lost = LostFeatures { wanted, wanted_pictures, pricing, ..LostFeatures::default() };
-        }
-        let asked = self.asked_feature();
-        let why = match (asked, self.losses()) {
-            (Some(feature), Some(found)) if feature < found.lost.len() => {
-                let old = self.results.pair.lost.why.as_ref();
-                if old.is_some_and(|why| why.feature == feature && why.of == found.request) {
-                    return;
-                }
-                let losses = Losses::again(found.request.pair(), found.nearest.clone());
-                let unmatched = Arc::new(losses.of(feature, CANDIDATES));
-                Some(Why { feature, of: found.request.clone(), unmatched })
-            }
-            _ => None,
-        };
-        self.results.pair.lost.why = why;
-    }
-
     /// Pixels at mid-burst: of an epipolar line the point nearest to its place in A, as features mostly move little
     /// from burst to burst. `None` where no geometry is known, and where the place lies outside B.
-    pub fn expected_place(&self) -> Option<[f32; 2]> {
+    pub fn expected_place(self) -> Option<[f32; 2]> {
         let (why, found) = self.results.pair.lost.why.as_ref().zip(self.losses())?;
         let own = found.request.request.a.features.get(why.feature)?;
         nearest_on(&why.unmatched.expected, [f64::from(own.u), f64::from(own.v)]).map(|place| place.map(|x| x as f32))
     }
 
-    pub fn wanted_candidate_pictures(&self) -> Vec<PictureRequest> {
+    pub fn wanted_candidate_pictures(self) -> Vec<PictureRequest> {
         let Some((why, found)) = self.results.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
         let MatchRequest { a, b, .. } = &found.request.request;
         let own = a.features.get(why.feature).map(|f| (Side::A, f.slope));

@@ -6,7 +6,7 @@ use crate::app::document::Action;
 use crate::app::document::side::Side;
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches, PATCHES, lost_label};
 use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
@@ -18,7 +18,7 @@ use crate::matching::TwoViewModel;
 use crate::requests::{FoundLosses, MatchRequest, PictureKind};
 use egui::{Color32, Grid, Label, RichText, Ui};
 
-pub fn detail_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; 3], queue: &mut Queue) {
+pub fn detail_ui(ui: &mut Ui, model: Read<'_>, textures: &mut [PatchTexture; 3], queue: &mut Queue) {
     section_ui(ui, "Selected match", |ui| {
         walk_ui(ui, model, queue);
         ui.add_space(4.0);
@@ -60,7 +60,7 @@ fn verdict_ui(ui: &mut Ui, row: &MatchRow<'_>, only_pointed_at: bool) {
     });
 }
 
-fn patches_ui(ui: &mut Ui, model: &Model, row: &MatchRow<'_>, textures: &mut [PatchTexture; 3], width: f32) {
+fn patches_ui(ui: &mut Ui, model: Read<'_>, row: &MatchRow<'_>, textures: &mut [PatchTexture; 3], width: f32) {
     ui.horizontal(|ui| {
         let found = [("A", Side::A, *row.a), ("B", Side::B, *row.b)];
         let aligned = row.aligned.map(|aligned| ("B, aligned", Side::B, aligned.b));
@@ -180,7 +180,7 @@ fn error_words(model: Option<&TwoViewModel>) -> (&'static str, &'static str) {
 /// Minimum difference of slopes for a note, px/frame.
 const SLOPES_APART: f32 = 0.5;
 
-pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES + 1], queue: &mut Queue) {
+pub fn why_ui(ui: &mut Ui, model: Read<'_>, textures: &mut [PatchTexture; PATCHES + 1], queue: &mut Queue) {
     section_ui(ui, "Why this match, or none", |ui| {
         let Some(found) = model.losses() else {
             ui.weak("There are no matches yet.");
@@ -219,7 +219,7 @@ pub fn why_ui(ui: &mut Ui, model: &Model, textures: &mut [PatchTexture; PATCHES 
 }
 
 /// Draws the change of the parameters that would match the feature, with what else it changes.
-fn remedy_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+fn remedy_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(params) = model.remedy() else { return };
     let change = if params.ratio != model.document.matching.ratio {
         format!("Ratio test {:.2}", params.ratio)
@@ -270,7 +270,7 @@ fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchRequest) -> Vec<Stri
 
 fn candidate_patches_ui(
     ui: &mut Ui,
-    model: &Model,
+    model: Read<'_>,
     own: &Feature,
     unmatched: &Unmatched,
     sides: &MatchRequest,

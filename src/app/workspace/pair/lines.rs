@@ -11,7 +11,7 @@ use crate::app::inspector::{Drawn, JoinedPanes, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches, PATCHES};
 use crate::app::view::signed_slope;
 use crate::burst::Offset;
@@ -31,7 +31,7 @@ pub(super) fn motion_colour(part: f32) -> Color32 {
 
 /// Draws the matches over the drawn panes of A and B and lets the pointer choose among them. Returns the hovered match;
 /// the outer `None` while the pointer is over no picture.
-pub fn lines_ui(ui: &Ui, model: &Model, drawn: &[(PaneId, Drawn)], queue: &mut Queue) -> Option<Option<usize>> {
+pub fn lines_ui(ui: &Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)], queue: &mut Queue) -> Option<Option<usize>> {
     let views = MatchViews::of(model, drawn, None);
     let pointer = views.pointed();
     let Some(matches) = &model.results.pair.matches else {
@@ -135,7 +135,7 @@ pub(in crate::app::workspace) fn line_of(
     }
 }
 
-fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, output: &CanvasOutput) {
+fn circle_ui(model: Read<'_>, matches: &Matches, side: Side, feature: Feature, output: &CanvasOutput) {
     let detection = matches.detection(side);
     let coherence = model.found_of(side).and_then(|found| {
         // Its position is that at another time.
@@ -154,7 +154,7 @@ fn circle_ui(model: &Model, matches: &Matches, side: Side, feature: Feature, out
     overlay::draw_features(output, &[feature], &style);
 }
 
-fn locus_ui(model: &Model, matches: &Matches, row: &MatchRow<'_>, views: &MatchViews<'_>) {
+fn locus_ui(model: Read<'_>, matches: &Matches, row: &MatchRow<'_>, views: &MatchViews<'_>) {
     let Some(geometry) = matches.model() else { return };
     let place = |f: &Feature| [f64::from(f.u), f64::from(f.v)];
     for MatchView { side, output, .. } in &views.views {
@@ -211,7 +211,7 @@ pub struct MatchViews<'a> {
 }
 
 impl<'a> MatchViews<'a> {
-    pub fn of(model: &Model, drawn: &'a [(PaneId, Drawn)], method: Option<MethodId>) -> Self {
+    pub fn of(model: Read<'_>, drawn: &'a [(PaneId, Drawn)], method: Option<MethodId>) -> Self {
         let places: Vec<_> = drawn.iter().map(|(_, drawn)| (drawn.shown, drawn.output.response.rect)).collect();
         let JoinedPanes { sides, pairs } = joined_panes(model, &places, method);
         let mut of_drawn: Vec<(usize, Side)> =
@@ -286,7 +286,7 @@ pub struct Canvases {
     pub places: [Option<usize>; 2],
 }
 
-fn unmatched_marks_ui(model: &Model, views: &MatchViews<'_>) {
+fn unmatched_marks_ui(model: Read<'_>, views: &MatchViews<'_>) {
     let Some((why, found)) = model.results.pair.lost.why.as_ref().zip(model.losses()) else { return };
     // A selected match draws its own circles.
     if model.document.selected_match.is_some() {

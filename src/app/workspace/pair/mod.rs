@@ -17,7 +17,7 @@ use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
 use crate::app::panel::widgets::{label_ui, name_field, section_ui};
 use crate::app::parts::mark;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::pair::PATCHES;
 use crate::app::workspace::{
     LEFT_WIDTHS, WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width,
@@ -34,7 +34,7 @@ pub struct PairPanels {
 }
 
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
-    let WorkspaceParts { model, widgets, pair, probe, queue, .. } = parts;
+    let (model, WorkspaceParts { widgets, pair, probe, queue, .. }) = (parts.model, parts);
     folded_ui(ui, model, queue);
     let match_is_left = model.match_is_left();
     if model.shows_left() && !match_is_left {
@@ -113,7 +113,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
     });
 }
 
-pub fn sides_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn sides_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "A and B", |ui| {
         let both = model.burst_of(Side::B).is_some();
         ui.add_enabled_ui(both, |ui| {
@@ -159,7 +159,7 @@ pub fn sides_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
     });
 }
 
-pub fn switches_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn switches_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Matches", |ui| {
         let verified = model.results.pair.matches.as_ref().is_none_or(|m| m.result.verification.is_some());
         let counts = model.results.pair.matches.as_ref().map(|m| m.result.counts);

@@ -8,7 +8,7 @@ use crate::app::panel::parameter_rows::ParamTable;
 use crate::app::panel::parameters::fold_ui;
 use crate::app::panel::widgets::{name_field, section_ui};
 use crate::app::parts;
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::dataset::CameraChoice;
 use crate::detector::params::Param;
 use crate::matching::params::doc;
@@ -51,7 +51,7 @@ impl CameraText {
     }
 }
 
-pub fn parameters_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut Queue) {
+pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         ui.horizontal(|ui| {
             button_ui(ui, model, queue, ActionId::Match, None);
@@ -64,7 +64,7 @@ pub fn parameters_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue:
     });
 }
 
-pub fn dataset_parameters_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut Queue) {
+pub fn dataset_parameters_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queue: &mut Queue) {
     section_ui(ui, "Matching", |ui| {
         button_ui(ui, model, queue, ActionId::ResetMatching, Some("Reset all"));
         ui.add_space(4.0);
@@ -72,7 +72,7 @@ pub fn dataset_parameters_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText
     });
 }
 
-fn all_rows_ui(ui: &mut Ui, model: &Model, camera: &mut CameraText, queue: &mut Queue) {
+fn all_rows_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queue: &mut Queue) {
     let size = model.burst_of(Side::A).map(|open| open.burst.size());
     let error = model.results.pair.param_error.as_ref();
     let mut params = model.document.matching.clone();

@@ -7,7 +7,7 @@ use crate::app::document::side::Side;
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
-use crate::app::results::Model;
+use crate::app::results::Read;
 use crate::app::results::pair::{Matches, lost_label};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::unmatched::Lost;
@@ -31,7 +31,7 @@ impl SortedColumn for MatchColumn {
 }
 
 /// Draws the table; returns the match whose row is under the pointer.
-pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> {
+pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) -> Option<usize> {
     let pair = &model.results.pair;
     let matches = pair.matches.as_ref()?;
     let listed = Listed { items: &pair.listed, selected: model.document.selected_match, hovered: pair.hovered };
@@ -54,7 +54,7 @@ pub fn table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) -> Option<usize> 
 }
 
 /// Draws the tabs, of which the open one closes the panel and any other opens it, and the numbers of the pair.
-pub fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn tabs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let row = |ui: &mut Ui| {
         (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
         let is_compared = model.document.comparisons.both().into_iter().any(|set| set.with.is_some());
@@ -87,7 +87,7 @@ pub fn tabs_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 }
 
 /// Draws the steps at which features of A were lost, each with its count and its switch.
-pub fn steps_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn steps_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal_wrapped(|ui| {
         if let Some(running) = &model.results.pair.lost.wanted.running() {
             ui.weak(progress_text(running));
@@ -122,7 +122,7 @@ fn help(lost: Lost) -> &'static str {
 const LOST_COLUMNS: [(&str, f32); 7] =
     [("#", 50.0), ("Lost to", 120.0), ("u", 60.0), ("v", 60.0), ("σ", 50.0), ("Slope", 100.0), ("SNR", 0.0)];
 
-pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
+pub fn lost_table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some(found) = model.losses() else {
         ui.weak("There are no matches yet.");
         return;
@@ -163,7 +163,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: &Model, queue: &mut Queue) {
 
 const NAME_GAP: f32 = 4.0;
 
-fn numbers_ui(ui: &mut Ui, model: &Model) {
+fn numbers_ui(ui: &mut Ui, model: Read<'_>) {
     let Some(matches) = &model.results.pair.matches else {
         ui.add(Label::new(RichText::new(missing(model)).weak()).truncate());
         return;
@@ -221,7 +221,7 @@ fn without_geometry(matches: &Matches) -> Option<String> {
     })
 }
 
-fn missing(model: &Model) -> String {
+fn missing(model: Read<'_>) -> String {
     if model.burst_of(Side::B).is_none() {
         return "Open a second burst to match it with the first".into();
     }

@@ -1,18 +1,26 @@
 //! Tests of panes: each workspace has its own, linked panes follow, and a closed pane's picture disappears from others.
 
-use super::*;
-use crate::app::canvas::Zoom;
-use crate::app::document::cursor::ViewKind;
-use crate::detector::{DetectorParams, Slope};
-use crate::teach::Workspace;
+use burstscope::app::canvas::Zoom;
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::side::Side;
+use burstscope::app::pane::{Content, Direction, MAX_PANES, Over, PaneId, Panes, Preset};
+use burstscope::detector::{DetectorParams, Slope};
+use burstscope::teach::Workspace;
 
-const A: PaneId = PaneId(0);
+const A: PaneId = PaneId::of(Side::A);
+const B: PaneId = PaneId::of(Side::B);
+
+/// Opens a pane of B to the right of the one in focus.
+fn open_beside(panes: &mut Panes) {
+    let new = panes.split(panes.focus(), Direction::Right).expect("there is room");
+    panes.get_mut(new).expect("there").side = Side::B;
+}
 
 #[test]
 fn panes_are_numbered_closed_and_limited() {
     let mut panes = Panes::default();
     let right = panes.split(A, Direction::Right).expect("there is room");
-    assert_eq!((panes.number(right), panes.number(PaneId(1))), (Some(2), None));
+    assert_eq!((panes.number(right), panes.number(B)), (Some(2), None));
     panes.focus_next(true);
     assert_eq!(panes.focus(), A);
     panes.close(A);
@@ -49,8 +57,8 @@ fn linked_cursors_keep_their_distance_and_others_stay() {
 fn what_is_shown_of_a_pane_goes_with_it() {
     let mut panes = Panes::default();
     let second = panes.split(A, Direction::Right).expect("there is room");
-    let third = panes.split_with(Direction::Down, |pane| pane.content = Content::Difference(A, second));
-    let third = third.expect("there is room");
+    let third = panes.split(panes.focus(), Direction::Down).expect("there is room");
+    panes.get_mut(third).expect("there").content = Content::Difference(A, second);
     panes.set_focus(A);
     panes.next_over();
     assert_eq!(panes.get(A).and_then(|pane| pane.over), Some(Over::Wipe { other: second, at: 0.5 }));
@@ -80,10 +88,10 @@ fn the_panes_that_are_always_there_stay_on_their_bursts() {
 #[test]
 fn a_burst_that_is_closed_takes_its_panes_with_it() {
     let mut panes = Panes::default();
-    panes.split_with(Direction::Right, |pane| pane.side = Side::B);
+    open_beside(&mut panes);
     panes.close_side(Side::B);
     assert_eq!((panes.shown(), panes.focus()), (vec![A], A));
-    panes.split_with(Direction::Right, |pane| pane.side = Side::B);
+    open_beside(&mut panes);
     panes.close(A);
     panes.close_side(Side::B);
     assert_eq!((panes.shown(), panes.focus()), (vec![A], A));
@@ -94,16 +102,16 @@ fn each_workspace_has_its_own_panes_and_what_is_in_two_is_the_same() {
     let mut panes = Panes::default();
     let right = panes.split(A, Direction::Right).expect("there is room");
     panes.turn_to(Workspace::Pair);
-    assert_eq!((panes.shown(), panes.focus()), (vec![A, PaneId(1)], A));
+    assert_eq!((panes.shown(), panes.focus()), (vec![A, B], A));
     let below = panes.split(A, Direction::Down).expect("there is room");
     panes.close(A);
-    assert_eq!(panes.shown(), [below, PaneId(1)]);
+    assert_eq!(panes.shown(), [below, B]);
     panes.turn_to(Workspace::Inspect);
     assert_eq!(panes.shown(), [A, right]);
     assert!(panes.get(below).is_some(), "the other workspace has it");
     // Closing a burst removes its panes from all workspaces.
     panes.close_side(Side::B);
-    assert_eq!((panes.shown_in(Workspace::Pair), panes.get(below).is_none()), (vec![A, PaneId(1)], true));
+    assert_eq!((panes.shown_in(Workspace::Pair), panes.get(below).is_none()), (vec![A, B], true));
 }
 
 #[test]

@@ -1,17 +1,17 @@
-//! Planes as TIFF files of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy.
+//! Planes as TIFF files of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy. Fields of motion also
+//! as colour PFM (portable float map), which programs for optical flow and stereo read.
 
 use super::atomic::write_whole;
 use crate::detector::MotionField;
 use crate::error::{Error, Result};
 use crate::files::mark::{Checksum, Kind, Mark, SOFTWARE};
 use crate::plane::Plane;
-use std::io::{self, Seek, Write};
+use std::io;
+use std::io::{Seek, Write};
 use std::path::Path;
 use tiff::TiffResult;
-use tiff::encoder::{
-    TiffEncoder, TiffKind,
-    colortype::{ColorType, Gray32Float, RGB32Float},
-};
+use tiff::encoder::colortype::{ColorType, Gray32Float, RGB32Float};
+use tiff::encoder::{TiffEncoder, TiffKind};
 use tiff::tags::Tag;
 
 /// Maximum size of a plain TIFF's values, because its offsets end at 4 GiB; larger planes become BigTIFF.
@@ -72,4 +72,17 @@ fn write_page<C: ColorType<Inner = f32>, K: TiffKind>(
     let mark = Mark::new(Kind::Picture, Checksum::of(bytemuck::cast_slice(samples)));
     page.encoder().write_tag(Tag::Software, format!("{SOFTWARE} {}", mark.text()).as_str())?;
     page.write_data(samples)
+}
+
+/// Writes a field of motion on the pixels of an image of `size` (columns, rows), with the samples of
+/// [`write_field_tiff`](super::write_field_tiff): little-endian, the last row first. The format has no place for a
+/// mark, so the file counts as another program's and is replaced only with
+/// [`Overwrite::Force`](super::Overwrite::Force).
+pub fn write_field_pfm(path: &Path, field: &MotionField, size: (usize, usize)) -> Result<()> {
+    write_whole(path, |out| {
+        write!(out, "PF\n{} {}\n-1.0\n", size.0, size.1)?;
+        let samples = field_samples(field, size);
+        let rows = samples.chunks(FIELD_SAMPLES * size.0.max(1)).rev();
+        rows.flatten().try_for_each(|value| out.write_all(&value.to_le_bytes()))
+    })
 }

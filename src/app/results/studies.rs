@@ -1,12 +1,13 @@
-//! Estimated and true trajectory, as plain values.
+//! Studies: the Lab's, with the curves so far and the chart on show, and that of estimated and true trajectories.
 
-use crate::app::document::datasets::{Trajectories, Which};
-use crate::app::results::{Effect, Model};
-use crate::app::view::View;
-use crate::engine::{Ended, Engine, Wanted};
-use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, PoseReport, PoseStudy, Projection, Trajectory};
-use crate::requests::{ComparedPoses, PosesRequest, TrajectorySource};
-use crate::teach::Workspace;
+use crate::app::document::lab::{LabQuestion, LabSet};
+use crate::app::document::side::Side;
+use crate::app::results::Read;
+use crate::engine::Wanted;
+use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
+use crate::recover::{Planted, RecoverReport, RecoverStudy};
+use crate::requests::{BurstSource, ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
+use crate::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyReport};
 use std::cell::OnceCell;
 use std::collections::HashMap;
 use std::path::PathBuf;
@@ -49,12 +50,12 @@ pub struct TrajectoryResults {
     pub hovered: Option<usize>,
     pub reading: Wanted<PosesRequest>,
     /// Without and with points.
-    scenes: [OnceCell<[Arc<PlaneScene>; Projection::ALL.len()]>; 2],
+    pub scenes: [OnceCell<[Arc<PlaneScene>; Projection::ALL.len()]>; 2],
 }
 
 impl TrajectoryResults {
-    fn request(&self, study: PoseStudy) -> PosesRequest {
-        let source = |read: &Read| read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory));
+    pub fn request(&self, study: PoseStudy) -> PosesRequest {
+        let source = |read: &ReadModel| read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory));
         match self.reading.pending() {
             Some(asked) => PosesRequest { study, ..asked.clone() },
             None => {
@@ -86,80 +87,7 @@ impl TrajectoryResults {
     }
 }
 
-impl Model {
-    pub fn open_trajectory(&mut self, which: Which, path: PathBuf, engine: &Engine) {
-        let (set, poses) = (&mut self.document.trajectories, &mut self.results.poses);
-        let mut request = poses.request(set.study);
-        let (of_set, of_request) = match which {
-            Which::Estimate => (&mut set.estimate, &mut request.estimate),
-            Which::Truth => (&mut set.truth, &mut request.truth),
-        };
-        *of_request = Some(TrajectorySource::Path(path.clone()));
-        *of_set = Some(path);
-        poses.reading.ask(engine, request);
-        self.document.workspace = Workspace::Trajectories;
-    }
-
-    pub(in crate::app) fn set_pose_study(&mut self, study: PoseStudy, engine: &Engine) {
-        self.document.trajectories.study = study;
-        let request = self.results.poses.request(study);
-        self.results.poses.reading.ask(engine, request);
-    }
-
-    pub fn close_trajectories(&mut self) {
-        let Trajectories { study, projection, points, .. } = self.document.trajectories;
-        self.document.trajectories = Trajectories { study, projection, points, ..Trajectories::default() };
-        self.results.poses = TrajectoryResults::default();
-    }
-
-    /// Takes the answers. Other trajectories than before reset pan and zoom; where one cannot be read, those that are
-    /// open stay.
-    pub(super) fn take_trajectories(&mut self, ended: Ended<PosesRequest>) -> Vec<Effect> {
-        const TITLE: &str = "Trajectories";
-        let (set, before) = (&mut self.document.trajectories, &self.results.poses.compared);
-        match ended.result {
-            Ok(compared) => {
-                self.messages.resolved(TITLE);
-                let is_other = |before: &Read, now: &Read| match (before, now) {
-                    (Some((_, before)), Some((_, now))) => !Arc::ptr_eq(before, now),
-                    (before, now) => before.is_some() && now.is_none(),
-                };
-                if is_other(&before.estimate, &compared.estimate) || is_other(&before.truth, &compared.truth) {
-                    set.view = View::fit();
-                }
-                set.selected = None;
-                let reading = std::mem::take(&mut self.results.poses.reading);
-                self.results.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
-            }
-            Err(error) => {
-                let path = |read: &Read| read.as_ref().map(|(path, _)| path.clone());
-                (set.estimate, set.truth) = (path(&before.estimate), path(&before.truth));
-                self.messages.error(TITLE, error.to_string());
-            }
-        }
-        Vec::new()
-    }
-
-    /// Shows the built-in cameras and points beside the true cameras.
-    pub(in crate::app) fn show_demo_cameras(&mut self, engine: &Engine) {
-        let [estimate, truth] = [DEMO_ESTIMATE, DEMO_TRUTH].map(|name| Some(PathBuf::from(name)));
-        let (points, projection) = (true, Projection::Xz);
-        self.document.trajectories = Trajectories { estimate, truth, points, projection, ..Trajectories::default() };
-        self.read_trajectories(engine);
-    }
-
-    /// Reads the trajectories of the document.
-    pub(in crate::app) fn read_trajectories(&mut self, engine: &Engine) {
-        self.results.poses = TrajectoryResults::default();
-        let Trajectories { estimate, truth, study, .. } = self.document.trajectories.clone();
-        let [estimate, truth] = [estimate, truth].map(|path| path.map(TrajectorySource::Path));
-        if estimate.is_some() || truth.is_some() {
-            self.results.poses.reading.ask(engine, PosesRequest { estimate, truth, study });
-        }
-    }
-}
-
-type Read = Option<(PathBuf, Arc<Trajectory>)>;
+pub type ReadModel = Option<(PathBuf, Arc<Trajectory>)>;
 
 impl PlaneScene {
     /// An estimate that cannot be aligned is drawn only without a truth, because its coordinates are different ones.
@@ -224,5 +152,99 @@ impl PlaneScene {
             size: (width.ceil() as usize, height.ceil() as usize),
             scale,
         }
+    }
+}
+
+#[derive(Debug, Clone)]
+pub struct LabResult {
+    pub study: Study,
+    pub report: StudyReport,
+    pub is_whole: bool,
+}
+
+#[derive(Debug, Clone)]
+pub struct KeptCurves {
+    pub name: String,
+    pub is_shown: bool,
+    pub result: LabResult,
+}
+
+/// Results of studies.
+#[derive(Debug, Default)]
+pub struct Studies {
+    pub current: Option<LabResult>,
+    pub kept: Vec<KeptCurves>,
+    pub shown: Option<ShownChart>,
+    pub wanted: Wanted<StudyRequest>,
+    pub wanted_chart: Wanted<ChartOfStudy>,
+    pub problem: Option<String>,
+    pub probe_when_open: Option<(BurstSource, [f32; 2])>,
+}
+
+impl Studies {
+    pub fn result(&self, set: LabSet) -> Option<&LabResult> {
+        match set {
+            LabSet::Current => self.current.as_ref(),
+            LabSet::Kept(index) => self.kept.get(index).map(|kept| &kept.result),
+        }
+    }
+
+    /// The results that are drawn, the newest first, each with the name that its curves have beside their method's.
+    pub fn shown_results(&self, question: LabQuestion) -> Vec<(LabSet, Option<&str>, &LabResult)> {
+        let current = self.current.iter().map(|result| (LabSet::Current, None, result));
+        let kept = self.kept.iter().enumerate().filter(|(_, kept)| kept.is_shown);
+        let kept = kept.map(|(index, kept)| (LabSet::Kept(index), Some(kept.name.as_str()), &kept.result));
+        current.chain(kept).filter(|(.., result)| question.asks_for(&result.report)).collect()
+    }
+
+    pub fn keep_current(&mut self) {
+        if let Some(result) = self.current.clone() {
+            let name = format!("Kept {}", self.kept.len() + 1);
+            self.kept.push(KeptCurves { name, is_shown: true, result });
+        }
+    }
+
+    pub fn recovered(&self) -> Option<(&RecoverStudy, &RecoverReport)> {
+        match (&self.current.as_ref()?.study, &self.current.as_ref()?.report) {
+            (Study::Recover(study, _), StudyReport::Recover(report)) => Some((study, report)),
+            _ => None,
+        }
+    }
+}
+
+impl<'a> Read<'a> {
+    pub fn lab_results(self) -> Vec<(LabSet, Option<&'a str>, &'a LabResult)> {
+        self.results.studies.shown_results(self.document.lab.question)
+    }
+
+    pub fn selected_chart(self) -> Option<ChartOfStudy> {
+        let (set, point) = self.document.lab.selected?;
+        let study = self.results.studies.result(set)?.study.clone();
+        let (first, count) = study.seeds()?;
+        let seed = first.saturating_add(self.document.lab.selected_chart.min(count.saturating_sub(1)));
+        Some(ChartOfStudy { study, point, seed })
+    }
+
+    pub fn selected_thing(self) -> Option<&'a Planted> {
+        let (seed, id) = self.document.lab.selected_thing?;
+        self.results.studies.recovered()?.1.planted.iter().find(|one| (one.seed, one.truth.id) == (seed, id))
+    }
+
+    pub fn current_chart(self) -> Option<&'a ShownChart> {
+        let wanted = self.selected_chart()?;
+        self.results.studies.shown.as_ref().filter(|shown| shown.of == wanted)
+    }
+
+    pub fn missing_chart(self) -> Option<ChartOfStudy> {
+        self.selected_chart().filter(|_| self.current_chart().is_none())
+    }
+
+    pub fn lab_study(self) -> Result<Study, String> {
+        let bursts = self.burst_of(Side::A).map(|open| BurstsOfStudy {
+            burst: open.burst.clone(),
+            second: self.burst_of(Side::B).map(|second| second.burst.clone()),
+            truth: None,
+        });
+        self.document.lab.study(&self.asked(), bursts.as_ref())
     }
 }

@@ -1,9 +1,13 @@
-//! Guarantees of the model: stale features are marked, answers for other bursts are dropped, a feature found again
-//! stays selected.
+//! A model with its engine for tests, and guarantees of it: stale features are marked, answers for other bursts are
+//! dropped, a feature found again stays selected.
 
+use crate::app::apply::{asking, detection, explained, opening, pair, panes, params};
+use crate::app::document::Document;
 use crate::app::document::look::Ranges;
+use crate::app::document::side::Side;
 use crate::app::pane::{PaneId, Preset};
 use crate::app::results::*;
+use crate::app::results::{Model, Read};
 use crate::burst::Burst;
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeChoice, SlopeGrid, StageTimes, Tally};
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
@@ -27,13 +31,13 @@ impl Bench {
         Self { model: Model::from(document), engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
     }
 
-    pub fn run_until(&mut self, done: impl Fn(&Model, &[Effect]) -> bool) -> Vec<Effect> {
+    pub fn run_until(&mut self, done: impl Fn(Read<'_>, &[Effect]) -> bool) -> Vec<Effect> {
         let (end, mut effects) = (Instant::now() + Duration::from_secs(60), Vec::new());
         loop {
-            effects.extend(self.model.take_answers(&self.engine));
-            self.model.check_params();
-            self.model.ask(&self.engine, false);
-            if done(&self.model, &effects) {
+            effects.extend(asking::take_answers(&mut self.model, &self.engine));
+            params::check_params(&mut self.model);
+            asking::ask(&mut self.model, &self.engine, false);
+            if done(Read::of(&self.model), &effects) {
                 return effects;
             }
             assert!(Instant::now() < end, "it does not come to rest");
@@ -54,8 +58,8 @@ impl Bench {
             source.open(&Default::default(), &crate::Monitor::default()).expect("valid")
         };
         let mut bench = Self::new();
-        bench.model.take_burst(chart(120, 1));
-        bench.model.take_second_burst(chart(96, 2));
+        opening::take_burst(&mut bench.model, chart(120, 1));
+        pair::take_second_burst(&mut bench.model, chart(96, 2));
         bench.model.document.open_workspace(Workspace::Pair);
         bench.settle();
         bench
@@ -108,14 +112,11 @@ pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec
 fn with_features() -> Model {
     let mut model = Model::default();
     let burst = open((64, 48), 5);
-    model.take_burst(burst.clone());
+    opening::take_burst(&mut model, burst.clone());
     let grid = model.document.params.slopes;
     let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 4, &grid), feature(50.0, 30.0, 2, &grid)];
-    model.take_detection(
-        Side::A,
-        detected(&burst, &model.document.params.clone(), features),
-        Duration::from_millis(10),
-    );
+    let detected = detected(&burst, &model.document.params.clone(), features);
+    detection::take_detection(&mut model, Side::A, detected, Duration::from_millis(10));
     model
 }
 
@@ -125,11 +126,12 @@ fn answers_of_another_burst_are_dropped() {
     let other = open((64, 48), 5);
     let request = PictureRequest::new(other.clone(), PictureKind::Frame(0), DetectorParams::default());
     let id = model.document.focus();
-    model.take_picture(id, request.compute(&Work::alone(&Monitor::default())).expect("frame 0 is there"));
-    assert!(model.picture().is_none());
-    let before = model.read().features().len();
-    model.take_detection(Side::A, detected(&other, &DetectorParams::default(), Vec::new()), Duration::ZERO);
-    assert_eq!(model.read().features().len(), before);
+    panes::take_picture(&mut model, id, request.compute(&Work::alone(&Monitor::default())).expect("frame 0 is there"));
+    assert!(Read::of(&model).picture().is_none());
+    let before = Read::of(&model).features().len();
+    let detected = detected(&other, &DetectorParams::default(), Vec::new());
+    detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
+    assert_eq!(Read::of(&model).features().len(), before);
 }
 
 #[test]
@@ -140,7 +142,8 @@ fn the_busiest_slope_is_shown_until_a_hand_chooses() {
     (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
     let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
     let grid = params.slopes;
-    model.take_detection(Side::A, detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]), Duration::ZERO);
+    let detected = detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]);
+    detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
     assert_eq!(model.document.cursor().slope, Slope::new(0.25, 0.0));
 }
 
@@ -151,23 +154,24 @@ fn a_feature_that_is_found_again_stays_selected() {
     let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
     let grid = params.slopes;
     let again = vec![feature(30.3, 20.2, 4, &grid), feature(10.0, 10.0, 4, &grid)];
-    model.take_detection(Side::A, detected(&burst, &params, again), Duration::ZERO);
+    detection::take_detection(&mut model, Side::A, detected(&burst, &params, again), Duration::ZERO);
     assert_eq!(model.document.selected, Some(0));
-    model.take_detection(Side::A, detected(&burst, &params, vec![feature(5.0, 40.0, 4, &grid)]), Duration::ZERO);
+    let detected = detected(&burst, &params, vec![feature(5.0, 40.0, 4, &grid)]);
+    detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
     assert_eq!(model.document.selected, None, "another feature is not the same one");
 }
 
 #[test]
 fn next_and_previous_walk_the_table_and_stop_at_its_ends() {
     let mut model = with_features();
-    model.select_neighbour(true);
+    explained::select_neighbour(&mut model, true);
     assert_eq!(model.document.selected, Some(0));
-    model.select_neighbour(true);
-    model.select_neighbour(true);
-    model.select_neighbour(true);
+    explained::select_neighbour(&mut model, true);
+    explained::select_neighbour(&mut model, true);
+    explained::select_neighbour(&mut model, true);
     assert_eq!(model.document.selected, Some(2));
     model.document.filter.slope_u = Some(crate::app::document::filter::Interval { min: 0.5, max: 1.5 });
-    model.select_neighbour(false);
+    explained::select_neighbour(&mut model, false);
     assert_eq!(model.document.selected, Some(1), "the selected one was filtered out: the last listed is taken");
 }
 
@@ -175,10 +179,14 @@ fn next_and_previous_walk_the_table_and_stop_at_its_ends() {
 fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     let mut model = with_features();
     model.document.selected = Some(0);
-    model.take_burst(open((40, 40), 1));
-    assert!(model.results.slots.a.found.is_none() && model.document.selected.is_none() && model.picture().is_none());
+    opening::take_burst(&mut model, open((40, 40), 1));
+    assert!(
+        model.results.slots.a.found.is_none()
+            && model.document.selected.is_none()
+            && Read::of(&model).picture().is_none()
+    );
     assert_eq!(model.results.slots.a.param_error.as_ref().map(|e| e.subject.as_str()), Some("frames"));
-    let wanted = model.wanted(model.document.focus()).expect("open");
+    let wanted = Read::of(&model).wanted(model.document.focus()).expect("open");
     assert!(wanted.compute(&Work::alone(&Monitor::default())).is_ok());
 }
 
@@ -186,14 +194,15 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
 fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
     let ranges = |order: &dyn Fn(&mut Vec<PaneId>)| {
         let mut model = with_features();
-        model.lay_out(Preset::FrameAndStack);
+        panes::lay_out(&mut model, Preset::FrameAndStack);
         let mut ids = model.document.panes.shown();
         assert_eq!(ids.len(), 2);
         order(&mut ids);
         for id in ids {
-            let wanted = model.wanted(id).expect("its burst is open");
-            model.take_picture(id, wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled"));
-            let seen = model.display_of(id);
+            let wanted = Read::of(&model).wanted(id).expect("its burst is open");
+            let picture = wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled");
+            panes::take_picture(&mut model, id, picture);
+            let seen = Read::of(&model).display_of(id);
             assert_ne!((seen.min, seen.max), (0.0, 1.0), "what is seen first is seen in a range of its own");
         }
         model.document.look.ranges
@@ -204,16 +213,16 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
 #[test]
 fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it_was_chosen() {
     let mut model = with_features();
-    model.lay_out(Preset::FrameAndStack);
+    panes::lay_out(&mut model, Preset::FrameAndStack);
     let mut pictures = Vec::new();
     for id in model.document.panes.shown() {
-        let wanted = model.wanted(id).expect("its burst is open");
+        let wanted = Read::of(&model).wanted(id).expect("its burst is open");
         let picture = wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled");
-        model.take_picture(id, picture.clone());
+        panes::take_picture(&mut model, id, picture.clone());
         pictures.push((id, picture));
     }
     for (id, picture) in &pictures {
-        let (display, values) = (model.display_of(*id), picture.plane.data());
+        let (display, values) = (Read::of(&model).display_of(*id), picture.plane.data());
         let clipped = values.iter().filter(|value| !(display.min..=display.max).contains(*value)).count();
         assert!(clipped * 100 <= values.len(), "{clipped} of {} are black or white", values.len());
     }
@@ -235,21 +244,21 @@ fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it
 #[test]
 fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range() {
     let mut model = with_features();
-    model.lay_out(Preset::ThreeSlopes);
-    let slopes = |model: &Model| -> Vec<f32> {
+    panes::lay_out(&mut model, Preset::ThreeSlopes);
+    let slopes = |model: Read<'_>| -> Vec<f32> {
         let panes = model.document.panes.shown().into_iter().filter_map(|id| model.document.panes.get(id));
         panes.map(|pane| pane.cursor.slope.u).collect()
     };
-    assert_eq!(slopes(&model), [0.0, 1.0, 2.0]);
-    model.take_burst(open((40, 30), 3));
-    assert_eq!(slopes(&model), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
+    assert_eq!(slopes(Read::of(&model)), [0.0, 1.0, 2.0]);
+    opening::take_burst(&mut model, open((40, 30), 3));
+    assert_eq!(slopes(Read::of(&model)), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
     let focus = model.document.focus();
     model.document.show_slope(focus, Slope::new(100.0, 0.0));
-    model.check_params();
+    params::check_params(&mut model);
     let limit = crate::app::document::cursor::slope_limit(&model.results.slots.a.usable_params.slopes);
-    assert_eq!(slopes(&model), [limit - 1.0, limit, limit + 1.0]);
+    assert_eq!(slopes(Read::of(&model)), [limit - 1.0, limit, limit + 1.0]);
     let last = model.document.panes.shown()[2];
-    let PictureKind::Stack { slope } = model.wanted(last).expect("open").kind else { panic!("a stack") };
+    let PictureKind::Stack { slope } = Read::of(&model).wanted(last).expect("open").kind else { panic!("a stack") };
     assert_eq!(slope.u, limit, "what is beyond is shown at the rim");
 }
 
@@ -266,11 +275,11 @@ fn a_folder_of_bursts_is_a_dataset_for_a_and_a_choice_for_b() {
     }
     let mut bench = Bench::new();
     let mut opened = |side: Side| {
-        bench.model.open(side, BurstSource::Paths(vec![home.path().to_owned()]), &bench.engine);
+        opening::open(&mut bench.model, side, BurstSource::Paths(vec![home.path().to_owned()]), &bench.engine);
         let effects = bench.run_until(|_, effects| !effects.is_empty());
         match effects.into_iter().next() {
             Some(Effect::Opened(of, ended)) if of == side => {
-                let effects = bench.model.take_opening(side, ended, false, &bench.engine);
+                let effects = opening::take_opening(&mut bench.model, side, ended, false, &bench.engine);
                 (effects, bench.model.results.datasets.wanted.is_pending())
             }
             other => panic!("{side:?} was opened, not {other:?}"),

@@ -1,0 +1,244 @@
+//! Work in the background, in one list of parts: in each pass the answers that came are taken, and what is missing is
+//! requested. What is missing, each part says as a value of what is set and found (`Read`); what an answer changes stands
+//! in this room, as it may move a cursor or a selection too.
+
+use crate::app::apply::methods::Methods;
+use crate::app::apply::panes::PanePictures;
+use crate::app::apply::part::{Part, Pass};
+use crate::app::apply::{comparison, dataset_answers, detection, explained, methods, pair, panes, probe, studies};
+use crate::app::document::side::Side;
+use crate::app::results::{Effect, Model, Read, Results};
+use crate::engine::{Ended, Engine, Want, Wanted};
+use crate::requests::{Request, Urgency};
+
+/// A part that wants one thing.
+struct One<R: Request> {
+    wanted: fn(&Results) -> &Wanted<R>,
+    wanted_mut: fn(&mut Results) -> &mut Wanted<R>,
+    /// Request for what is missing now, with and without a drag.
+    missing: fn(Read<'_>, bool) -> Option<R>,
+    /// Whether a request ends when nothing is missing any more.
+    ends: bool,
+    take: fn(&mut Model, Ended<R>, &Engine) -> Vec<Effect>,
+    /// Takes what was done of a request that still runs.
+    take_partial: fn(&mut Model, R::Partial),
+}
+
+impl<R: Request> Part for One<R> {
+    fn wants<'m>(&self, results: &'m Results) -> Vec<&'m dyn Want> {
+        vec![(self.wanted)(results)]
+    }
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        for partial in (self.wanted_mut)(&mut pass.model.results).take_partial() {
+            (self.take_partial)(pass.model, partial);
+        }
+        let ended = (self.wanted_mut)(&mut pass.model.results).take();
+        ended.into_iter().flat_map(|ended| (self.take)(pass.model, ended, pass.engine)).collect()
+    }
+
+    fn ask(&self, pass: &mut Pass<'_>) {
+        let missing = (self.missing)(Read::of(pass.model), pass.dragging);
+        if self.ends || missing.is_some() {
+            (self.wanted_mut)(&mut pass.model.results).want(pass.engine, missing);
+        }
+    }
+
+    fn is_there(&self, model: Read<'_>) -> bool {
+        (self.missing)(model, false).is_none_or(|missing| (self.wanted)(model.results).has_failed(&missing))
+    }
+}
+
+/// Makes a [`One`]: whether it ends, where its requests are, what is missing, and how an answer is taken, and a partial
+/// one.
+macro_rules! one {
+    ($ends:literal, |$r:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr) => {
+        one!($ends, |$r| $wanted, |$of, $drags| $missing, |$to, $ended| $take, |_, _| ())
+    };
+    ($ends:literal, |$r:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr, $take_partial:expr) => {
+        &One {
+            wanted: |$r| &$wanted,
+            wanted_mut: |$r| &mut $wanted,
+            missing: |$of, $drags| $missing,
+            ends: $ends,
+            take: |$to, $ended, _| {
+                $take;
+                Vec::new()
+            },
+            take_partial: $take_partial,
+        }
+    };
+}
+
+/// Makes a [`One`] that the user asks for: nothing is missing by itself.
+macro_rules! asked {
+    (|$r:ident| $wanted:expr, $take:expr) => {
+        asked!(|$r| $wanted, $take, |_, _| ())
+    };
+    (|$r:ident| $wanted:expr, $take:expr, $take_partial:expr) => {
+        &One {
+            wanted: |$r| &$wanted,
+            wanted_mut: |$r| &mut $wanted,
+            missing: |_, _| None,
+            ends: false,
+            take: $take,
+            take_partial: $take_partial,
+        }
+    };
+}
+
+/// The one list. Pictures are asked for before the detection from which later ones may be made.
+#[rustfmt::skip]
+const PARTS: &[&dyn Part] = &[
+    asked!(|r| r.slots.a.opening, |_, ended, _| vec![Effect::Opened(Side::A, ended)]),
+    asked!(|r| r.slots.b.opening, |_, ended, _| vec![Effect::Opened(Side::B, ended)]),
+    &PanePictures,
+    one!(false, |r| r.wanted_patch, |m, _| m.missing_patch(), |m, ended| panes::take_patch(m, ended)),
+    one!(false, |r| r.slots.a.detecting, |m, drags| m.missing_features(Side::A, drags), |m, ended| detection::take_features(m, Side::A, ended), |m, first| detection::take_first_features(m, Side::A, first)),
+    one!(false, |r| r.slots.b.detecting, |m, drags| m.missing_features(Side::B, drags), |m, ended| detection::take_features(m, Side::B, ended), |m, first| detection::take_first_features(m, Side::B, first)),
+    one!(false, |r| r.probed.wanted_trail, |m, drags| m.missing_trail(drags), |m, ended| probe::take_probed_trail(m, ended)),
+    one!(false, |r| r.probed.wanted_answer, |m, _| m.missing_probe(), |m, ended| probe::take_probed(m, ended)),
+    one!(false, |r| r.pair.wanted_patches, |m, _| m.missing_patches(), |m, ended| pair::take_patches(m, ended)),
+    one!(false, |r| r.pair.matching, |m, drags| m.missing_matches(drags), |m, ended| pair::take_matches(m, ended)),
+    asked!(|r| r.compare.opening_gold.a, |m, ended, _| methods::take_gold(m, Side::A, ended)),
+    asked!(|r| r.compare.opening_gold.b, |m, ended, _| methods::take_gold(m, Side::B, ended)),
+    &Methods,
+    one!(true, |r| r.explained.asked_slopes, |m, _| m.missing_slopes(), |m, ended| explained::take_explained(m, ended)),
+    one!(true, |r| r.explained.asked_candidates, |m, _| m.missing_candidates(), |m, ended| explained::take_explained(m, ended)),
+    one!(true, |r| r.explained.asked_decoys, |m, _| m.missing_decoys(), |m, ended| explained::take_explained(m, ended)),
+    one!(true, |r| r.slots.a.comparison.wanted, |m, _| m.missing_comparison(Side::A), |m, ended| comparison::take_comparison(m, Side::A, ended)),
+    one!(true, |r| r.slots.b.comparison.wanted, |m, _| m.missing_comparison(Side::B), |m, ended| comparison::take_comparison(m, Side::B, ended)),
+    one!(true, |r| r.coherence.wanted.a, |m, _| m.missing_coherence(Side::A), |m, ended| explained::take_coherences(m, ended)),
+    one!(true, |r| r.coherence.wanted.b, |m, _| m.missing_coherence(Side::B), |m, ended| explained::take_coherences(m, ended)),
+    one!(false, |r| r.pair.lost.wanted, |m, _| m.missing_losses(), |m, ended| pair::take_losses(m, ended)),
+    one!(false, |r| r.pair.lost.pricing, |m, _| m.missing_price(), |m, ended| pair::take_price(m, ended)),
+    one!(false, |r| r.pair.lost.wanted_pictures, |m, _| m.missing_candidate_pictures(), |m, ended| pair::take_lost_pictures(m, ended)),
+    one!(false, |r| r.studies.wanted_chart, |m, _| m.missing_chart(), |m, ended| studies::take_chart(m, ended)),
+    asked!(|r| r.studies.wanted, |m, ended, _| studies::take_study(m, ended), |m, report| studies::take_part_of_study(m, report)),
+    asked!(|r| r.figures, |m, ended, _| studies::take_figures(m, ended)),
+    asked!(|r| r.poses.reading, |m, ended, _| studies::take_trajectories(m, ended)),
+    asked!(|r| r.datasets.wanted, |m, ended, engine| dataset_answers::take_dataset_answer(m, ended, engine), |m, event| dataset_answers::take_dataset_event(m, &event)),
+];
+
+impl<'a> Read<'a> {
+    fn wants(self) -> impl Iterator<Item = &'a dyn Want> {
+        PARTS.iter().flat_map(|part| part.wants(self.results))
+    }
+
+    pub fn is_searching(self) -> bool {
+        self.wants().any(|want| want.urgency() == Some(Urgency::Search))
+    }
+
+    /// Work on datasets, the Lab's studies and the figures of the paper are cancelled separately.
+    pub fn cancel_searches(self) {
+        self.wants().filter(|want| want.urgency() == Some(Urgency::Search)).for_each(Want::cancel);
+    }
+
+    pub fn is_settled(self) -> bool {
+        self.wants().all(Want::is_settled) && PARTS.iter().all(|part| part.is_there(self))
+    }
+}
+
+#[must_use]
+pub(in crate::app) fn take_answers(model: &mut Model, engine: &Engine) -> Vec<Effect> {
+    engine.enforce_grace();
+    studies::probe_planted(model);
+    let mut pass = Pass { model, engine, dragging: false };
+    PARTS.iter().flat_map(|part| part.take(&mut pass)).collect()
+}
+
+pub(in crate::app) fn ask(model: &mut Model, engine: &Engine, dragging: bool) {
+    probe::follow_pointer(model);
+    comparison::check_references(model);
+    pair::refresh_why(model);
+    let mut pass = Pass { model, engine, dragging };
+    PARTS.iter().for_each(|part| part.ask(&mut pass));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::apply::bench::Bench;
+    use crate::app::apply::opening;
+    use crate::app::results::Stale;
+    use crate::detector::{NoiseGate, SlopeGrid};
+    use crate::requests::{BurstSource, JobError};
+    use crate::synth::Example;
+
+    #[test]
+    fn features_follow_a_threshold_that_is_dragged_but_not_what_needs_a_search() {
+        let mut bench = Bench::new();
+        let burst = BurstSource::Example(Example::LowContrast).open(&Default::default(), &crate::Monitor::default());
+        opening::take_burst(&mut bench.model, burst.expect("built in"));
+        bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
+        bench.settle();
+        let all = Read::of(&bench.model).features().len();
+        assert!(all > 3);
+        let mut dragged = |change: fn(&mut Model)| {
+            change(&mut bench.model);
+            ask(&mut bench.model, &bench.engine, true);
+            let asks = bench.model.results.slots.a.detecting.is_pending();
+            if asks {
+                // A newer value waits, so that the features of this one come.
+                change(&mut bench.model);
+                ask(&mut bench.model, &bench.engine, true);
+                while bench.model.results.slots.a.detecting.is_pending() {
+                    let _ = take_answers(&mut bench.model, &bench.engine);
+                }
+            }
+            (asks, Read::of(&bench.model).features().len(), Read::of(&bench.model).features_are_current(Side::A))
+        };
+        assert_eq!(dragged(|model| model.document.params.max_features = 2), (true, 2, true));
+        assert_eq!(dragged(|model| model.document.params.max_features = 3), (true, 3, true));
+        assert_eq!(dragged(|model| model.document.params.max_features += 1), (true, 4, false));
+        assert_eq!(dragged(|model| model.document.params.max_features = 0), (true, all, true));
+        assert_eq!(dragged(|model| model.document.params.noise_gate = NoiseGate::Factor(3.0)), (false, all, false));
+        assert_eq!(dragged(|model| model.document.params.noise_gate = NoiseGate::Auto), (false, all, true));
+        assert!(!dragged(|model| model.document.params.slopes = SlopeGrid::line(-0.8..=0.8, 3)).0);
+        let (asks, _, is_current) = dragged(|model| model.document.params.slopes = SlopeGrid::line(-1.0..=2.0, 4));
+        assert!(asks && is_current, "one more slope is searched while the end is dragged");
+    }
+
+    #[test]
+    fn a_long_search_shows_the_features_of_one_slope_before_those_of_all() {
+        let mut bench = Bench::new();
+        let burst = BurstSource::Example(Example::Street).open(&Default::default(), &crate::Monitor::default());
+        opening::take_burst(&mut bench.model, burst.expect("built in"));
+        bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13);
+        bench.run_until(|model, _| model.results.slots.a.found.is_some());
+        let found = bench.model.results.slots.a.found.clone().expect("found");
+        assert_eq!(Read::of(&bench.model).stale(), Some(Stale::FirstSlope));
+        assert!(bench.model.results.slots.a.detecting.is_pending());
+        assert!(!Read::of(&bench.model).features_are_current(Side::A));
+        assert_eq!(found.detection.slopes, SlopeGrid::single(bench.model.document.cursor().slope), "it is on show");
+        assert!(found.judgement.is_none() && found.advice.is_none(), "one slope tells nothing about the range");
+        assert!(
+            Read::of(&bench.model).found_source(Side::A).is_none(),
+            "nothing is asked of features that no search finds alone"
+        );
+        bench.settle();
+        assert!(Read::of(&bench.model).features_are_current(Side::A) && Read::of(&bench.model).stale().is_none());
+        let first = found.detection.features.len();
+        assert!((1..Read::of(&bench.model).features().len()).contains(&first), "{first}");
+    }
+
+    #[test]
+    fn what_was_cancelled_is_not_begun_again_by_itself() {
+        let mut bench = Bench::new();
+        let source = BurstSource::Example(Example::Street);
+        let burst = source.open(&Default::default(), &crate::Monitor::default()).expect("built in");
+        opening::take_burst(&mut bench.model, burst);
+        bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 31, -3.0..=3.0, 31);
+        bench.run_until(|model, _| model.results.slots.a.detecting.is_pending());
+        assert!(Read::of(&bench.model).is_searching());
+        Read::of(&bench.model).cancel_searches();
+        bench.settle();
+        assert!(bench.model.results.slots.a.found.is_none() && !Read::of(&bench.model).wants_detection(Side::A));
+        assert!(bench.model.results.slots.a.detecting.failure().is_some_and(|(_, why)| *why == JobError::Cancelled));
+        assert!(bench.model.shell.messages.errors().is_empty(), "a person did not want it");
+        // Other parameters are another detection.
+        bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
+        bench.settle();
+        assert!(Read::of(&bench.model).features_are_current(Side::A));
+    }
+}

@@ -1,0 +1,107 @@
+//! Explanations of a detection and the list of its features: the answers, advice that is applied, and the neighbours in
+//! the list.
+
+use crate::app::document::filter::neighbour;
+use crate::app::document::side::Side;
+use crate::app::results::slot::{ListedFor, listed};
+use crate::app::results::{Model, Read};
+use crate::detector::params::doc;
+use crate::detector::{Detection, DetectorParams, ParamChange, SearchParams, Slope, SlopeChoice};
+use crate::engine::Ended;
+use crate::requests::{CoherenceRequest, ExplainQuestion, ExplainRequest, Explained, Explanation};
+use std::sync::Arc;
+
+/// Also after they failed or were cancelled.
+pub fn want_decoys(model: &mut Model) {
+    model.results.explained.asked_decoys.forget();
+    model.results.explained.wanted_decoys = Read::of(model).decoys_request();
+}
+
+pub(super) fn take_explained(model: &mut Model, ended: Ended<ExplainRequest>) {
+    let title = if matches!(ended.request.question, ExplainQuestion::Decoys(_)) { "Decoys" } else { "Explanation" };
+    let Some(Explained { request, explanation }) = model.shell.messages.answer(ended.result, title) else { return };
+    match explanation {
+        Explanation::Slopes(spectrum) => model.results.explained.slopes = Some((request, spectrum)),
+        Explanation::Decoys(report) => model.results.explained.decoys = Some((request, report)),
+        Explanation::Candidates(survey) => {
+            model.results.explained.candidates = Some((request, survey));
+            (model.document.selected_candidate, model.results.explained.pointed) = (None, None);
+        }
+    }
+}
+
+/// If the changes concern the slopes, these count as given, and are those of the burst of `side`.
+pub fn apply_advice(model: &mut Model, side: Side, changes: &[ParamChange]) {
+    let slopes = Read::of(model).params_of(side).slopes;
+    match ParamChange::all_applied(changes, &DetectorParams { slopes, ..model.document.params.clone() }) {
+        Ok(changed) => {
+            let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
+            if changes.iter().any(|change| of_slopes.contains(&change.parameter)) {
+                (model.document.params, model.document.slopes) = (changed, SlopeChoice::Given);
+            } else {
+                model.document.params = DetectorParams { slopes: model.document.params.slopes, ..changed };
+            }
+            let labels: Vec<String> = changes.iter().map(ParamChange::label).collect();
+            model.shell.messages.note(format!("Set {}", labels.join(", ")));
+        }
+        Err(error) => model.shell.messages.error("Apply", error.to_string()),
+    }
+}
+
+/// Those of detections that are not open any more are forgotten.
+pub(super) fn take_coherences(model: &mut Model, ended: Ended<CoherenceRequest>) {
+    let open = model.results.slots.both().map(|slot| slot.found.as_ref().map(|found| found.detection.clone()));
+    let is_open = |of: &Arc<Detection>| open.iter().flatten().any(|open| Arc::ptr_eq(open, of));
+    if let Some(coherences) = model.shell.messages.answer(ended.result, "Coherence") {
+        let known = &mut model.results.coherence.known;
+        known.retain(|known| is_open(&known.detection) && !Arc::ptr_eq(&known.detection, &coherences.detection));
+        known.push(coherences);
+    }
+}
+
+pub fn apply_set_up(model: &mut Model) {
+    let slopes = model.document.set_up.values.slopes(&Read::of(model).used_positions(), &model.document.params);
+    if let Ok((slopes, options)) = slopes.map(|slopes| (slopes.grid, slopes.options())) {
+        let detector = DetectorParams { slopes, ..model.document.params.clone() };
+        model.document.set_search(SearchParams { detector, slopes: SlopeChoice::Given });
+        model.shell.messages.note(format!("Set {options}"));
+    }
+}
+
+/// Updates [`Results::listed`](crate::app::results::Results::listed). Cheap when nothing changed.
+pub fn refresh_listed(model: &mut Model) {
+    let Some(found) = &model.results.slots.a.found else {
+        model.results.listed.clear();
+        model.results.listed_for = None;
+        return;
+    };
+    // The slope on show matters only to the filter by slope.
+    let slope =
+        if model.document.filter.near_slope.is_some() { model.document.cursor().slope } else { Slope::default() };
+    let judged = model.results.coherence.of(&found.detection);
+    let now = ListedFor {
+        detection: Arc::as_ptr(&found.detection) as usize,
+        judged: judged.map_or(0, |judged| Arc::as_ptr(judged) as usize),
+        filter: model.document.filter.clone(),
+        order: model.document.order,
+        slope,
+        set_up: model.document.set_up.depths_by().copied(),
+    };
+    if model.results.listed_for.as_ref() != Some(&now) {
+        model.results.listed = listed(
+            &found.detection.features,
+            judged.map(|judged| &judged[..]),
+            &model.document.set_up,
+            &model.document.filter,
+            &found.detection.slopes,
+            slope,
+            model.document.order,
+        );
+        model.results.listed_for = Some(now);
+    }
+}
+
+pub fn select_neighbour(model: &mut Model, forward: bool) {
+    refresh_listed(model);
+    model.document.selected = neighbour(&model.results.listed, model.document.selected, forward);
+}

@@ -1,0 +1,256 @@
+//! *Methods*: one piece of work at a time, so that times can be compared; what other workspaces found is shared; and the
+//! panes follow the methods that are shown.
+
+use crate::app::apply::part::{Part, Pass};
+use crate::app::document::method::MethodId;
+use crate::app::document::side::Side;
+use crate::app::pane::MethodsPreset;
+use crate::app::results::compare::MethodFound;
+use crate::app::results::pair::Matches;
+use crate::app::results::{Effect, Model, Read, Results};
+use crate::burst::OpenOptions;
+use crate::engine::{Ended, Engine, Want};
+use crate::requests::{BurstSource, Compared, Detected, JobError, OpenRequest};
+use crate::teach::Workspace;
+
+/// Work of the comparison, one request at a time.
+pub(super) struct Methods;
+
+impl Part for Methods {
+    fn wants<'m>(&self, results: &'m Results) -> Vec<&'m dyn Want> {
+        vec![&results.compare.wanted]
+    }
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        let (compare, messages) = (&mut pass.model.results.compare, &mut pass.model.shell.messages);
+        for ended in compare.wanted.take() {
+            let Some(job) = compare.asked.take() else { continue };
+            match ended.result {
+                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
+                    let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
+                    compare.take_found(job.method, job.side, found);
+                }
+                Ok(Compared::Matched(matched)) => {
+                    compare.take_matches(job.method, Matches::new(matched, ended.elapsed));
+                }
+                Err(error) => {
+                    if error != JobError::Cancelled {
+                        messages.error(job.method.label(), error.to_string());
+                    }
+                    compare.take_failure(job, error.to_string());
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    fn ask(&self, pass: &mut Pass<'_>) {
+        let model = &mut *pass.model;
+        if model.document.workspace != Workspace::Methods || model.results.slots.a.burst.is_none() {
+            return;
+        }
+        share_what_is_found(model);
+        let opening = model.results.compare.opening_gold.both();
+        let is_busy = model.results.compare.wanted.is_pending() || opening.iter().any(|gold| gold.is_pending());
+        let job =
+            Read::of(model).next_compare_job().filter(|_| !pass.dragging && model.document.auto_detect && !is_busy);
+        if let Some(job) = job {
+            model.results.compare.wanted.ask(pass.engine, job.request.clone());
+            model.results.compare.asked = Some(job);
+        }
+    }
+
+    fn is_there(&self, model: Read<'_>) -> bool {
+        model.document.workspace != Workspace::Methods
+            || !model.document.auto_detect
+            || model.next_compare_job().is_none()
+    }
+}
+
+pub(in crate::app) fn open_gold(model: &mut Model, side: Side, source: BurstSource, engine: &Engine) {
+    let options = Read::of(model).calibration_of(side).clone().with_burst_of(&OpenOptions::default());
+    model.results.compare.opening_gold[side].ask(engine, OpenRequest { source, options });
+}
+
+pub(super) fn take_gold(model: &mut Model, side: Side, ended: Ended<OpenRequest>) -> Vec<Effect> {
+    const TITLE: &str = "Open gold standard";
+    if let Some(open) = model.shell.messages.answer(ended.result, TITLE) {
+        model.shell.messages.resolved(TITLE);
+        model.shell.messages.note(format!("Opened as gold standard of {}: {}", side.name(), open.describe()));
+        model.results.compare.gold[side] = Some(open);
+    }
+    model.document.gold[side] = model.results.compare.gold[side].as_ref().map(|open| open.source.clone());
+    Vec::new()
+}
+
+/// Takes over results of the other workspaces with equal parameters, so that they are not computed again.
+pub fn share_what_is_found(model: &mut Model) {
+    for method in MethodId::ALL.into_iter().filter(|m| *m != MethodId::Gold) {
+        for side in Side::BOTH {
+            if Read::of(model).method_found(method, side).is_some() {
+                continue;
+            }
+            let wanted = Read::of(model).method_params(method, side);
+            let shared = Read::of(model).whole_found_of(side).filter(|f| f.params == wanted).cloned();
+            if let (Some(found), Some(open)) = (shared, Read::of(model).burst_of(side)) {
+                let (elapsed, Detected { params, detection, .. }) = (found.elapsed, found.detected);
+                let found = MethodFound { burst: open.id, params, detection, elapsed };
+                model.results.compare.take_found(method, side, found);
+            }
+        }
+    }
+}
+
+/// In *Methods*, methods that were switched on get a pane, others lose theirs; the rest of the arrangement stays.
+pub fn refresh_workspace(model: &mut Model) {
+    model.document.panes.turn_to(model.document.workspace);
+    if model.document.workspace != Workspace::Methods || model.results.slots.a.burst.is_none() {
+        return;
+    }
+    let now = Read::of(model).methods_shown();
+    if now == model.results.compare.arranged {
+        return;
+    }
+    let before = std::mem::replace(&mut model.results.compare.arranged, now.clone());
+    let shown = model.document.panes.shown();
+    let has_pane =
+        |method| shown.iter().filter_map(|id| model.document.panes.get(*id)).any(|pane| pane.method == Some(method));
+    if before.is_empty() && !now.iter().any(|method| has_pane(*method)) {
+        lay_out_methods(model, MethodsPreset::Panes);
+        return;
+    }
+    let both = Read::of(model).burst_of(Side::B).is_some();
+    now.iter().for_each(|method| model.document.panes.add_method(*method, both));
+    before.iter().filter(|method| !now.contains(method)).for_each(|method| model.document.panes.remove_method(*method));
+}
+
+pub fn keep_methods_arranged(model: &mut Model) {
+    let shown = model.document.panes.shown_in(Workspace::Methods);
+    let is_laid_out = shown.iter().filter_map(|id| model.document.panes.get(*id)).any(|pane| pane.method.is_some());
+    model.results.compare.arranged = if is_laid_out { Read::of(model).methods_shown() } else { Vec::new() };
+}
+
+pub fn lay_out_methods(model: &mut Model, preset: MethodsPreset) {
+    let (methods, both) = (Read::of(model).methods_shown(), Read::of(model).burst_of(Side::B).is_some());
+    model.document.panes.lay_out_methods(preset, &methods, both);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::apply::bench::open;
+    use crate::app::apply::opening;
+    use crate::app::apply::pair::tests::pair;
+
+    use crate::app::document::method::{CompareLook, MethodId};
+    use crate::app::document::side::Side;
+    use crate::app::results::compare::*;
+    use crate::app::results::pair::Matches;
+    use crate::app::results::{Model, Read};
+    use crate::requests::CompareRequest;
+    use crate::teach::Workspace;
+    use std::sync::Arc;
+    use std::time::Duration;
+
+    fn methods() -> Model {
+        let mut model = pair();
+        model.document.workspace = Workspace::Methods;
+        model
+    }
+
+    fn do_all(model: &mut Model) -> Vec<(MethodId, Side)> {
+        let mut done = Vec::new();
+        while let Some(CompareJob { method, side, request, .. }) = Read::of(model).next_compare_job() {
+            match request {
+                CompareRequest::Detect(request) => {
+                    let detection = Read::of(model).found_of(side).expect("found").detection.clone();
+                    let (burst, params) = (request.burst.id, request.params.detector);
+                    let found = MethodFound { burst, params, detection, elapsed: Duration::ZERO };
+                    model.results.compare.take_found(method, side, found);
+                }
+                CompareRequest::Match(request) => {
+                    let matched = request.matched(&crate::monitor::Monitor::default()).expect("valid");
+                    model.results.compare.take_matches(method, Matches::new(matched, Duration::ZERO));
+                }
+            }
+            done.push((method, side));
+            assert!(done.len() < 50, "it never ends: {done:?}");
+        }
+        done
+    }
+
+    #[test]
+    fn each_method_runs_once_on_a_then_on_b_and_is_matched() {
+        let mut model = methods();
+        let done = do_all(&mut model);
+        let on_a: Vec<MethodId> = done.iter().filter(|(_, side)| *side == Side::A).map(|(method, _)| *method).collect();
+        assert_eq!(on_a, [MethodId::Sift, MethodId::Merge, MethodId::Buff1d, MethodId::Buff2d]);
+        assert!(done[..4].iter().all(|(_, side)| *side == Side::A), "all of A first: {done:?}");
+        assert_eq!(done.len(), 12, "on A, on B, and matched");
+        assert!(Read::of(&model).method_matches(MethodId::Buff1d).is_some());
+        assert!(Read::of(&model).next_compare_job().is_none());
+    }
+
+    #[test]
+    fn a_changed_parameter_makes_what_was_found_old() {
+        let mut model = methods();
+        do_all(&mut model);
+        model.document.matching.ratio = 0.7;
+        let again = do_all(&mut model);
+        assert_eq!(again.len(), 4, "only the matches are made again: {again:?}");
+        model.document.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9);
+        let again = do_all(&mut model);
+        assert!(again.iter().any(|(method, _)| *method == MethodId::Buff2d), "{again:?}");
+        opening::take_burst(&mut model, open((64, 48), 5));
+        assert!(Read::of(&model).method_found(MethodId::Sift, Side::A).is_none());
+    }
+
+    #[test]
+    fn what_is_hidden_is_not_done_and_gold_needs_its_image() {
+        let mut model = methods();
+        model.document.methods.show(MethodId::Buff2d, false);
+        model.document.methods.show(MethodId::Merge, false);
+        assert_eq!(Read::of(&model).methods_shown(), [MethodId::Sift, MethodId::Buff1d]);
+        model.results.compare.gold.a = Some(open((64, 48), 1));
+        assert_eq!(Read::of(&model).methods_shown().last(), Some(&MethodId::Gold));
+        let done = do_all(&mut model);
+        assert!(done.contains(&(MethodId::Gold, Side::A)) && !done.contains(&(MethodId::Gold, Side::B)));
+        opening::take_burst(&mut model, open((64, 48), 5));
+        assert_eq!(
+            Read::of(&model).methods_shown(),
+            [MethodId::Sift, MethodId::Buff1d],
+            "it was of the other burst's view"
+        );
+    }
+
+    #[test]
+    fn what_failed_is_not_tried_again_until_asked_or_changed() {
+        let mut model = methods();
+        let job = Read::of(&model).next_compare_job().expect("nothing is there yet");
+        model.results.compare.take_failure(job.clone(), "cancelled".into());
+        assert_eq!(model.results.compare.problem(job.method), Some("cancelled"));
+        assert_ne!(Read::of(&model).next_compare_job().map(|next| next.method), Some(job.method));
+        model.results.compare.forget_failures();
+        assert_eq!(Read::of(&model).next_compare_job().map(|next| next.method), Some(job.method));
+        model.results.compare.take_failure(job.clone(), "cancelled".into());
+        model.document.params.edge_threshold *= 2.0;
+        assert_eq!(Read::of(&model).next_compare_job().map(|next| next.method), Some(job.method));
+    }
+
+    #[test]
+    fn what_other_rooms_found_is_shared() {
+        let mut model = methods();
+        share_what_is_found(&mut model);
+        let shared =
+            Read::of(&model).method_found(MethodId::Buff1d, Side::A).expect("the window searches one line of slopes");
+        assert!(Arc::ptr_eq(&shared.detection, &Read::of(&model).found_of(Side::A).expect("found").detection));
+        assert!(Read::of(&model).method_found(MethodId::Sift, Side::A).is_none());
+    }
+
+    #[test]
+    fn the_look_from_a_file_makes_sense() {
+        let methods = vec![MethodId::Gold, MethodId::Sift, MethodId::Gold];
+        let look = CompareLook { methods, ..CompareLook::default() }.sanitised();
+        assert_eq!(look.methods, [MethodId::Sift, MethodId::Gold]);
+    }
+}

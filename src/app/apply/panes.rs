@@ -1,0 +1,285 @@
+//! Panes and their pictures: the arrangement, playing through the slopes, pictures that come, and their value ranges.
+
+use crate::app::apply::part::{Part, Pass};
+use crate::app::apply::{methods, params};
+use crate::app::document::Document;
+use crate::app::document::cursor::{Cursor, ViewKind, play_step_of, played};
+use crate::app::document::look::RangeClass;
+use crate::app::document::panes::{Change, Destination, Visibility};
+use crate::app::document::side::Side;
+use crate::app::pane::{PaneId, Preset};
+use crate::app::results::panes::Play;
+use crate::app::results::{Effect, Model, Read, Results};
+use crate::app::view::View;
+use crate::detector::{Feature, FrameRange, Slope};
+use crate::engine::{Ended, Want};
+use crate::requests::{JobError, Picture, PictureRequest, Request, Urgency};
+use std::time::{Duration, Instant};
+
+const PLAY_EVERY: Duration = Duration::from_millis(220);
+
+pub fn change_panes(model: &mut Model, change: Change) {
+    match change {
+        Change::Split(id, direction) => {
+            model.document.panes.split(id, direction);
+        }
+        Change::Close(id) => model.document.panes.close(id),
+        Change::LayOut(id, preset) => {
+            model.document.panes.set_focus(id);
+            lay_out(model, preset);
+        }
+        Change::LayOutSides(preset) => model.document.panes.lay_out_sides(preset),
+        Change::LayOutMethods(preset) => methods::lay_out_methods(model, preset),
+    }
+}
+
+pub fn go_to_selected(model: &mut Model) {
+    let Some(Feature { u, v, sigma, slope, .. }) = Read::of(model).selected_feature().copied() else { return };
+    let at = Some(([u, v], 60.0 / sigma.max(1.0)));
+    model.document.go_to(Side::A, &Destination { slope: Some(slope), at, ..Destination::default() });
+}
+
+pub fn toggle_play(model: &mut Model) {
+    model.document.playing = !model.document.playing;
+    let step = play_step_of(&Read::of(model).cursor_params().slopes, model.document.cursor().slope);
+    model.shell.play = Play { step, due: None };
+}
+
+/// The next slope, if it is due, while slopes are played, and the time after which to ask again.
+pub(in crate::app) fn step_play(model: &mut Model) -> Option<(Option<Slope>, Duration)> {
+    if !model.document.playing {
+        return None;
+    }
+    let now = Instant::now();
+    let due = model.shell.play.due.is_none_or(|due| now >= due);
+    // The next slope waits for the pictures of this one, so that a slow machine plays slowly and skips none.
+    let slope = (due && Read::of(model).pictures_are_current()).then(|| {
+        let step = model.shell.play.step + 1;
+        model.shell.play = Play { step, due: Some(now + PLAY_EVERY) };
+        played(&Read::of(model).cursor_params().slopes, step)
+    });
+    Some((slope, PLAY_EVERY / 4))
+}
+
+pub fn open_left(model: &mut Model) {
+    model.document.panels.left = Visibility::Open;
+    if !Read::of(model).shows_left() {
+        model.document.panels.right = Visibility::Closed;
+    }
+}
+
+pub fn open_probe(model: &mut Model) {
+    (model.document.probe.is_open, model.results.probed.problem) = (true, None);
+    // Slices show the place themselves, and need the space.
+    if model.document.panels.right == Visibility::Closed && !Read::of(model).shows_slice() {
+        model.document.panels.right = Visibility::Auto;
+    }
+}
+
+pub(super) struct PanePictures;
+
+impl Part for PanePictures {
+    fn wants<'m>(&self, results: &'m Results) -> Vec<&'m dyn Want> {
+        results.pictures.values().map(|shown| &shown.wanted as _).collect()
+    }
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        let pictures = &mut pass.model.results.pictures;
+        let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
+        for (id, ended) in
+            taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))
+        {
+            match ended.result {
+                Ok(picture) => take_picture(pass.model, id, picture),
+                Err(JobError::Cancelled) => pass.model.results.pictures.entry(id).or_default().wanted.forget(),
+                Err(error) => {
+                    pass.model.results.pictures.entry(id).or_default().problem =
+                        Some((ended.request, error.to_string()));
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    /// That of the pane in focus first. Pictures that need a search wait for the end of a drag, and for a running
+    /// detection in their burst, from which they may be made.
+    fn ask(&self, pass: &mut Pass<'_>) {
+        let model = &mut *pass.model;
+        let focus = model.document.focus();
+        let mut ids = model.document.panes.shown();
+        ids.sort_by_key(|id| *id != focus);
+        for id in ids {
+            let Some(wanted) = Read::of(model).wanted(id).filter(|_| !Read::of(model).is_current(id)) else { continue };
+            let side = model.document.panes.get(id).map_or(Side::A, |pane| pane.side);
+            let waits = pass.dragging || model.results.slots[side].detecting.is_pending();
+            if !(waits && wanted.urgency() == Urgency::SlowPicture) {
+                model.results.pictures.entry(id).or_default().wanted.want(pass.engine, Some(wanted));
+            }
+        }
+    }
+
+    fn is_there(&self, model: Read<'_>) -> bool {
+        model.pictures_are_current()
+    }
+}
+
+pub(super) fn take_patch(model: &mut Model, ended: Ended<PictureRequest>) {
+    model.results.patch = model.shell.messages.answer(ended.result, "Patch").or_else(|| model.results.patch.take());
+}
+
+pub(in crate::app) fn forget_asked_pictures(model: &mut Model) {
+    model.results.pictures.values_mut().for_each(|shown| shown.wanted.forget());
+    model.results.wanted_patch.forget();
+    model.results.pair.wanted_patches.forget();
+}
+
+/// Takes the picture of a pane, unless it is of another burst than the one that the pane shows now.
+pub fn take_picture(model: &mut Model, id: PaneId, picture: Picture) {
+    let Some(pane) = model.document.panes.get(id) else { return };
+    if !Read::of(model).fits(pane, &picture) {
+        return;
+    }
+    let Document { panes, look, .. } = &mut model.document;
+    let Some(pane) = panes.get_mut(id) else { return };
+    pane.own_ranges.as_mut().unwrap_or(&mut look.ranges).propose(&picture);
+    let shown = model.results.pictures.entry(id).or_default();
+    (shown.picture, shown.problem) = (Some(picture), None);
+    settle_ranges(model);
+}
+
+/// Lets another picture set the range that the picture of a pane set: that of a slope at which all may be smeared.
+pub(super) fn forget_range_of(model: &mut Model, id: PaneId) {
+    let Some(picture) = Read::of(model).picture_in(id).cloned() else { return };
+    let Document { panes, look, .. } = &mut model.document;
+    let own = panes.get_mut(id).and_then(|pane| pane.own_ranges.as_mut());
+    own.unwrap_or(&mut look.ranges).forget_that_of(&picture);
+}
+
+pub fn lay_out(model: &mut Model, preset: Preset) {
+    let params = Read::of(model).cursor_params().clone();
+    model.document.panes.lay_out(preset, &params);
+    params::check_params(model);
+}
+
+/// A pane's own range is set from its picture, a shared one from the pane in focus or the first of this class.
+pub fn settle_ranges(model: &mut Model) {
+    let mut led = Vec::new();
+    let focus = model.document.focus();
+    let mut ids = model.document.panes.shown();
+    ids.sort_by_key(|id| *id != focus);
+    for id in ids {
+        let Some(wanted) = Read::of(model).wanted(id) else { continue };
+        let class = RangeClass::of(&wanted);
+        let is_current = Read::of(model).is_current(id);
+        let Document { panes, look, .. } = &mut model.document;
+        let Some(pane) = panes.get_mut(id) else { continue };
+        let own = pane.own_ranges.as_mut();
+        let shown = model.results.pictures.get(&id);
+        if shown.is_some_and(|shown| shown.problem.is_some()) || (own.is_none() && led.contains(&class)) {
+            continue;
+        }
+        if own.is_none() {
+            led.push(class);
+        }
+        if let Some(picture) = shown.and_then(|shown| shown.picture.as_ref()).filter(|_| is_current) {
+            own.unwrap_or(&mut look.ranges).fix_once(picture);
+        }
+    }
+}
+
+/// The leading pane (that in focus, if it is on `side`) gets the cursor from `begin`; others keep their distance.
+pub(crate) fn start_panes(model: &mut Model, side: Side, begin: impl Fn(&Cursor) -> Cursor) {
+    let focus = model.document.panes.focus();
+    let leader =
+        if model.document.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
+    let Some(before) = model.document.panes.get(leader).map(|pane| pane.cursor) else { return };
+    let after = begin(&before);
+    let (panes, pictures) = (&mut model.document.panes, &mut model.results.pictures);
+    pictures.retain(|id, _| panes.get(*id).is_some_and(|pane| pane.side != side));
+    for (id, pane) in panes.iter_mut().filter(|(_, pane)| pane.side == side) {
+        pane.cursor = if id == leader { after } else { pane.cursor.moved_as(&before, &after) };
+        pane.slope_chosen = false;
+        pane.view = View::fit();
+        pane.own_ranges.iter_mut().for_each(|own| own.forget());
+    }
+}
+
+/// Shows the first `count` frames of A, added up along the slope, or of one its frame, which has no motion.
+pub fn use_frames(model: &mut Model, count: usize) {
+    let all = Read::of(model).frame_count();
+    let focus = model.document.focus();
+    if count <= 1 {
+        model.document.lead(focus, |pane| {
+            pane.cursor.frame = 0;
+            pane.show(ViewKind::Frame);
+        });
+        return;
+    }
+    model.document.params.frames = (count < all).then_some(FrameRange { start: 0, end: count });
+    if model.document.cursor().kind == ViewKind::Frame {
+        model.document.lead(focus, |pane| pane.show(ViewKind::Stack));
+    }
+    params::check_params(model);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::apply::bench::open;
+    use crate::app::apply::opening;
+    use crate::app::document::cursor::slope_limit;
+    use crate::app::pane::{Direction, Link};
+
+    #[test]
+    fn what_is_linked_moves_with_the_cursor_in_focus_and_nothing_else_does() {
+        let mut model = Model::default();
+        opening::take_burst(&mut model, open((64, 48), 5));
+        let first = model.document.focus();
+        let [second, third] =
+            [Direction::Right, Direction::Right].map(|to| model.document.panes.split(first, to).expect("room"));
+        model.document.panes.get_mut(third).expect("it is there").links.set(Link::Cursor, false);
+        model.document.panes.set_focus(first);
+        let slopes = |model: Read<'_>| {
+            [first, second, third].map(|id| model.document.panes.get(id).expect("there").cursor.slope)
+        };
+        let [start, ..] = slopes(Read::of(&model));
+        let (left, right) = (Slope::new(start.u - 1.0, start.v), Slope::new(start.u + 1.0, start.v));
+
+        model.document.show_slope(first, right);
+        assert_eq!(slopes(Read::of(&model)), [right, right, start]);
+
+        // The cursor of another pane was there already when the focus went to it, and one not in focus leads none.
+        model.document.panes.set_focus(second);
+        model.document.show_slope(second, left);
+        assert_eq!(slopes(Read::of(&model)), [left, left, start]);
+        model.document.show_slope(first, right);
+        assert_eq!(slopes(Read::of(&model)), [right, left, start]);
+
+        // At the end of the range the others keep their distance to the cursor in focus.
+        model.document.show_slope(second, Slope::new(100.0, 0.0));
+        params::check_params(&mut model);
+        let limit = slope_limit(&model.results.slots.a.usable_params.slopes);
+        assert_eq!(
+            slopes(Read::of(&model)),
+            [Slope::new(limit + right.u - left.u, 0.0), Slope::new(limit, 0.0), start]
+        );
+    }
+
+    fn model(width: f32) -> Model {
+        let mut model = Model::default();
+        model.shell.window_width_points = width;
+        model
+    }
+
+    #[test]
+    fn in_a_very_narrow_window_one_side_panel_is_open_at_a_time() {
+        let mut model = model(720.0);
+        open_left(&mut model);
+        assert!(Read::of(&model).shows_left() && !Read::of(&model).folds_left());
+        model.document.panels.right = Visibility::Auto;
+        model.document.selected = Some(0);
+        assert!(!Read::of(&model).shows_left() && Read::of(&model).folds_left() && Read::of(&model).shows_right());
+        open_left(&mut model);
+        assert!(Read::of(&model).shows_left() && !Read::of(&model).shows_right());
+    }
+}

@@ -1,0 +1,350 @@
+//! The probe: what is asked of a place, the trail and the answers that come, and what a new burst leaves of it.
+
+use crate::app::apply::{panes, params};
+use crate::app::document::probe::Probe;
+use crate::app::document::side::Side;
+use crate::app::results::probe::ProbeResults;
+use crate::app::results::{Model, Read};
+use crate::detector::{Slope, SlopeChoice, SlopeGrid};
+use crate::engine::Ended;
+use crate::inspect::probe::Wanted as Subject;
+use crate::inspect::remedy::nearest_slope;
+use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Traced};
+use crate::synth::Example;
+
+pub fn clear_probe(model: &mut Model) {
+    (model.document.probe, model.results.probed) = Default::default();
+}
+
+/// Probes the burst of `side` from now on. Question and answer about the other burst are forgotten.
+fn turn_probe_to(model: &mut Model, side: Side) {
+    if model.document.probe.side != side {
+        let Probe { is_open, follows, .. } = model.document.probe;
+        model.document.probe = Probe { side, is_open, follows, ..Probe::default() };
+        model.results.probed = ProbeResults { pointer: model.results.probed.pointer, ..ProbeResults::default() };
+    }
+}
+
+/// A question about a feature, or a sample on another grid, becomes one about the best candidate at its place.
+fn take_trail(model: &mut Model, traced: Traced) {
+    let slopes = |traced: &Traced| traced.cache.params().used_slopes();
+    let same_grid = model.results.probed.traced.as_ref().is_some_and(|before| slopes(before) == slopes(&traced));
+    if let (Some(ProbeQuestion::At { wanted, .. }), Some(_)) =
+        (model.document.probe.question, &model.results.probed.traced)
+    {
+        look_at(
+            model,
+            match wanted {
+                Subject::Candidate(sample) if same_grid => Subject::Candidate(sample),
+                _ => Subject::Best,
+            },
+        );
+    }
+    (model.results.probed.traced, model.results.probed.problem) = (Some(traced), None);
+}
+
+/// Takes an answer. The question for the strongest candidate then becomes one for its place.
+fn take_probe(model: &mut Model, mut answer: Probed) {
+    let is_asked = model.document.probe.question == Some(answer.request.question);
+    if answer.request.question == ProbeQuestion::Strongest {
+        let wanted = answer.probe.subject_fate().map_or(Subject::Best, |f| Subject::Candidate(f.of_sample()));
+        answer.request.question = ProbeQuestion::At { place: answer.probe.pos_image, wanted };
+        if is_asked {
+            model.document.probe.question = Some(answer.request.question);
+        }
+    }
+    (model.results.probed.answer, model.results.probed.problem) = (Some(answer), None);
+}
+
+pub fn look_at(model: &mut Model, wanted: Subject) {
+    if let Some(place) = Read::of(model).probed_place() {
+        model.document.probe.question = Some(ProbeQuestion::At { place, wanted });
+    }
+}
+
+pub(super) fn take_probed_trail(model: &mut Model, ended: Ended<DetectionSource>) {
+    let open = Read::of(model).burst_of(model.document.probe.side).map(|burst| burst.id);
+    match ended.result {
+        Ok(traced) if Some(traced.burst) == open => take_trail(model, traced),
+        Ok(_) => {}
+        Err(JobError::Cancelled) => {
+            model.results.probed.problem = Some("Cancelled; probe the place again".to_owned());
+        }
+        Err(error) => model.results.probed.problem = Some(error.to_string()),
+    }
+}
+
+pub(super) fn take_probed(model: &mut Model, ended: Ended<ProbeRequest>) {
+    let open = Read::of(model).burst_of(model.document.probe.side).map(|burst| burst.id);
+    match ended.result {
+        Ok(probed) if Some(probed.request.traced.burst) == open => take_probe(model, probed),
+        Ok(_) => {}
+        Err(JobError::Cancelled) => model.results.probed.wanted_answer.forget(),
+        Err(error) => model.results.probed.problem = Some(error.to_string()),
+    }
+}
+
+pub(super) fn follow_pointer(model: &mut Model) {
+    if let Some((side, place)) = model.results.probed.pointer.filter(|_| model.document.probe.follows) {
+        set_question(model, side, ProbeQuestion::At { place, wanted: Subject::Best });
+    }
+}
+
+pub(in crate::app) fn follow_with_probe(model: &mut Model) {
+    let probe = &mut model.document.probe;
+    probe.follows ^= true;
+    if probe.follows {
+        panes::open_probe(model);
+    }
+}
+
+/// A place outside the picture only gives a note.
+pub fn ask_probe(model: &mut Model, side: Side, question: ProbeQuestion) {
+    let Some((width, height)) = Read::of(model).burst_of(side).map(|open| open.burst.size()) else { return };
+    let inside = match question {
+        ProbeQuestion::At { place: [u, v], .. } => {
+            let last = |n: usize| n.saturating_sub(1) as f32;
+            (-0.5..=last(width) + 0.5).contains(&u) && (-0.5..=last(height) + 0.5).contains(&v)
+        }
+        ProbeQuestion::Strongest => true,
+    };
+    if !inside {
+        model.shell.messages.note("That place lies outside the picture at mid-burst");
+        return;
+    }
+    set_question(model, side, question);
+    panes::open_probe(model);
+}
+
+/// A question about a feature has its own scale and slope.
+fn set_question(model: &mut Model, side: Side, question: ProbeQuestion) {
+    turn_probe_to(model, side);
+    model.document.probe.question = Some(question);
+    let has_scale = matches!(question, ProbeQuestion::At { wanted: Subject::Feature(_), .. });
+    model.document.probe.near_sigma = if has_scale { None } else { Read::of(model).sigma_in_view() };
+    model.document.probe.in_view = if has_scale { None } else { Read::of(model).slope_in_view() };
+}
+
+pub fn probe_feature(model: &mut Model, side: Side, index: usize) {
+    let feature = Read::of(model).found_of(side).and_then(|found| found.detection.features.get(index));
+    if let Some(place) = feature.map(|feature| [feature.u, feature.v]) {
+        if side == Side::A {
+            model.document.selected = Some(index);
+        }
+        ask_probe(model, side, ProbeQuestion::At { place, wanted: Subject::Feature(index) });
+    }
+}
+
+pub(in crate::app) fn clear_probe_of(model: &mut Model, side: Side) {
+    if model.document.probe.side == side {
+        clear_probe(model);
+    }
+}
+
+/// An example that was opened as A gets its own grid of slopes if none was given, and is probed at its place of
+/// interest if detections start automatically. The next burst, for which `before` is that example, drops the grid
+/// again.
+pub fn start_probe(model: &mut Model, before: Option<&BurstSource>) {
+    let grid = |example: Example| {
+        let (range, count) = example.slopes_u();
+        SlopeGrid::line(range, count)
+    };
+    clear_probe_of(model, Side::A);
+    if let Some(BurstSource::Example(example)) = before
+        && !model.document.slopes.is_auto()
+        && model.document.params.slopes == grid(*example)
+    {
+        model.document.slopes = SlopeChoice::AUTO;
+    }
+    if let Some(OpenBurst { source: BurstSource::Example(example), .. }) = model.results.slots.a.burst {
+        if model.document.slopes.is_auto() {
+            (model.document.params.slopes, model.document.slopes) = (grid(example), SlopeChoice::Given);
+        }
+        let has_its_slopes = model.document.params.slopes == grid(example);
+        if has_its_slopes {
+            let pane = model.document.panes.of_mut(Side::A);
+            (pane.cursor.slope, pane.slope_chosen) = (Slope::new(example.slope_u(), 0.0), true);
+        }
+        if model.document.auto_detect {
+            let wanted = match example.scale() {
+                Some((octave, level)) if has_its_slopes && model.document.params.first_octave <= octave => {
+                    let slope_index = nearest_slope(&model.document.params.slopes, Slope::new(example.slope_u(), 0.0));
+                    Subject::Scale { octave, level, slope_index }
+                }
+                _ => Subject::Best,
+            };
+            ask_probe(model, Side::A, ProbeQuestion::At { place: example.place(), wanted });
+        }
+    }
+    params::check_params(model);
+}
+
+pub fn probe_place(model: &mut Model, side: Side, place: [f32; 2]) {
+    ask_probe(model, side, ProbeQuestion::At { place, wanted: Subject::Best });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::app::apply::bench::Bench;
+    use crate::app::apply::{explained, pair};
+    use crate::detector::params::doc;
+    use crate::detector::{NoiseGate, ParamChange};
+    use crate::inspect::{ProbeOptions, probe};
+    use crate::monitor::Monitor;
+    use crate::requests::ViewKind;
+    use crate::teach::Workspace;
+
+    fn answered(model: Read<'_>) -> (Side, crate::requests::BurstId, [f32; 2]) {
+        let answer = model.results.probed.answer.as_ref().filter(|_| model.probe_is_current()).expect("answered");
+        (model.document.probe.side, answer.request.traced.burst, answer.probe.pos_image)
+    }
+
+    #[test]
+    fn the_scale_of_the_dog_in_view_comes_first_and_another_one_can_be_chosen() {
+        let mut bench = Bench::with_two_charts();
+        let place = [50.0, 30.0];
+        probe_place(&mut bench.model, Side::A, place);
+        assert_eq!(bench.model.document.probe.near_sigma, None, "a stack shows all scales");
+        let pane = bench.model.document.panes.of_mut(Side::A);
+        (pane.cursor.octave, pane.cursor.level) = (1, 2);
+        pane.show(ViewKind::Dog);
+        probe_place(&mut bench.model, Side::A, place);
+        bench.settle();
+        let scales =
+            |model: Read<'_>| model.results.probed.answer.as_ref().expect("answered").probe.response.scales.clone();
+        let shown =
+            scales(Read::of(&bench.model)).into_iter().find(|s| (s.octave, s.level) == (1, 2)).expect("searched");
+        assert_eq!(bench.model.document.probe.near_sigma, Some(shown.sigma));
+        let finest = scales(Read::of(&bench.model))[0].sigma;
+        bench.model.document.probe.near_sigma = Some(finest);
+        assert!(!Read::of(&bench.model).probe_is_current(), "another scale is another question");
+        bench.settle();
+        assert!(Read::of(&bench.model).probe_is_current());
+        let pane = bench.model.document.panes.of_mut(Side::A);
+        (pane.cursor.slope, pane.cursor.kind) = (Slope::new(0.25, 0.0), ViewKind::Stack);
+        probe_place(&mut bench.model, Side::A, place);
+        assert_eq!(bench.model.document.probe.in_view, Some(Slope::new(0.25, 0.0)), "the slope in view comes first");
+        bench.model.document.panes.of_mut(Side::A).show(ViewKind::Frame);
+        probe_place(&mut bench.model, Side::A, place);
+        assert_eq!(bench.model.document.probe.in_view, None, "a frame has no slope");
+        probe_feature(&mut bench.model, Side::A, 0);
+        let own = (bench.model.document.probe.near_sigma, bench.model.document.probe.in_view);
+        assert_eq!(own, (None, None), "a feature has its own scale and slope");
+    }
+
+    #[test]
+    fn the_price_of_a_change_is_what_it_gives_or_the_time_of_the_search_that_it_takes() {
+        let mut bench = Bench::with_two_charts();
+        bench.model.document.open_workspace(Workspace::Inspect);
+        bench.settle();
+        // The search left what a stricter gate rejects.
+        bench.model.document.params.noise_gate = NoiseGate::Factor(300.0);
+        bench.settle();
+        ask_probe(&mut bench.model, Side::A, ProbeQuestion::Strongest);
+        bench.settle();
+        let answer = bench.model.results.probed.answer.clone().expect("answered");
+        let fate = answer.probe.subject_fate().expect("a candidate").clone();
+        assert!(!fate.is_kept(), "the gate rejects all");
+        let change = fate.remedy.as_ref().expect("it has one").change.clone();
+        let [(of, price)] = &answer.prices[..] else { panic!("not counted: {:?}", answer.prices) };
+        assert_eq!((of, price.now), (&change, Read::of(&bench.model).features().len()));
+        assert!(price.own.is_some_and(|(now, then)| now == 0 && then > 0), "{price:?}");
+        assert!(
+            Read::of(&bench.model)
+                .price_text(Side::A, &change)
+                .is_some_and(|text| text.starts_with("Keeps this one, and "))
+        );
+        explained::apply_advice(&mut bench.model, Side::A, std::slice::from_ref(&change));
+        bench.settle();
+        assert_eq!(Read::of(&bench.model).features().len(), price.then);
+        // Twice the slopes.
+        bench.model.results.slots.a.found.as_mut().expect("found").detected.search_secs = 4.0;
+        let slopes = Read::of(&bench.model).found_of(Side::A).expect("found").params.slopes.u;
+        let twice = ParamChange::new(doc::SLOPES_U, slopes.with_more(0, slopes.count));
+        let text = Read::of(&bench.model).price_text(Side::A, &twice);
+        assert_eq!(text.as_deref(), Some("Takes a new search, about 8 s"));
+        let wrong = ParamChange::new(doc::LEVELS, -1);
+        assert_eq!(Read::of(&bench.model).price_text(Side::A, &wrong), None);
+    }
+
+    #[test]
+    fn a_probe_stays_with_its_burst_and_ends_with_it() {
+        let mut bench = Bench::with_two_charts();
+        probe_place(&mut bench.model, Side::B, [20.0, 40.0]);
+        bench.settle();
+        let (_, burst, place) = answered(Read::of(&bench.model));
+        pair::swap_sides(&mut bench.model);
+        bench.settle();
+        assert_eq!(answered(Read::of(&bench.model)), (Side::A, burst, place));
+        pair::close_second(&mut bench.model, &bench.engine);
+        bench.settle();
+        assert_eq!(answered(Read::of(&bench.model)), (Side::A, burst, place), "another burst was closed");
+        let mut bench = Bench::with_two_charts();
+        probe_place(&mut bench.model, Side::B, [20.0, 40.0]);
+        bench.settle();
+        start_probe(&mut bench.model, None);
+        assert_eq!(Read::of(&bench.model).probed_place(), Some([20.0, 40.0]), "another burst was opened as A");
+        pair::close_second(&mut bench.model, &bench.engine);
+        assert!(!Read::of(&bench.model).has_probe());
+        bench.settle();
+    }
+
+    #[test]
+    fn a_change_of_the_slopes_that_is_advised_for_b_begins_with_the_slopes_of_b() {
+        let mut bench = Bench::with_two_charts();
+        bench.model.document.slopes = SlopeChoice::AUTO;
+        let own = SlopeGrid::line(-4.0..=4.0, 9);
+        bench.model.results.slots.b.found.as_mut().expect("found").detected.params.slopes = own;
+        let before = bench.model.document.params.clone();
+        let change = |parameter, value: &str| ParamChange { parameter, value: value.to_owned() };
+        bench.model.document.probe.side = Side::B;
+        explained::apply_advice(&mut bench.model, Side::B, &[change(doc::EDGE_THRESHOLD, "7")]);
+        assert_eq!(
+            (bench.model.document.params.edge_threshold, bench.model.document.params.slopes),
+            (7.0, before.slopes)
+        );
+        assert!(bench.model.document.slopes.is_auto(), "slopes were not touched");
+        explained::apply_advice(&mut bench.model, Side::B, &[change(doc::SLOPE_DIRECTION, "90")]);
+        let slopes = bench.model.document.params.slopes;
+        assert_eq!((slopes.u.count, slopes.u.max, bench.model.document.slopes), (9, 4.0, SlopeChoice::Given));
+    }
+
+    #[test]
+    fn each_burst_is_probed_where_it_lies_and_the_answer_is_that_of_its_own_search() {
+        let mut bench = Bench::with_two_charts();
+        let ids = Side::BOTH.map(|side| Read::of(&bench.model).burst_of(side).expect("open").id);
+        for (side, place) in [(Side::B, [80.0, 30.0]), (Side::A, [110.0, 30.0]), (Side::B, [20.0, 40.0])] {
+            probe_place(&mut bench.model, side, place);
+            assert!(bench.model.results.probed.answer.is_none(), "what was said of the other burst is not shown");
+            bench.settle();
+            assert_eq!(answered(Read::of(&bench.model)), (side, ids[side as usize], place));
+            let model = &bench.model;
+            let answer = model.results.probed.answer.as_ref().expect("there");
+            let cache = &answer.request.traced.cache;
+            assert_eq!(cache.detection().features, Read::of(model).found_of(side).expect("found").detection.features);
+            let options = ProbeOptions { in_view: answer.request.in_view, ..ProbeOptions::default() };
+            let expected = probe(cache, place, &options, &Monitor::default()).expect("inside");
+            assert_eq!(answer.probe.fates, expected.fates);
+            assert!(
+                Read::of(model).untraced().is_none()
+                    && !Read::of(model).probe_is_stale()
+                    && Read::of(model).probe_is_here()
+            );
+        }
+        assert_eq!(
+            Side::BOTH.map(|side| Read::of(&bench.model).burst_of(side).expect("open").id),
+            ids,
+            "nothing was swapped"
+        );
+        // This place is inside of A only.
+        probe_place(&mut bench.model, Side::B, [110.0, 30.0]);
+        assert_eq!(
+            (bench.model.document.probe.side, Read::of(&bench.model).probed_place()),
+            (Side::B, Some([20.0, 40.0]))
+        );
+        // In *One burst* only A is looked at, and B's probe waits.
+        bench.model.document.open_workspace(Workspace::Inspect);
+        assert!(!Read::of(&bench.model).probe_is_here() && Read::of(&bench.model).probe_is_current());
+    }
+}

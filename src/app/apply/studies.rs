@@ -1,0 +1,198 @@
+//! Studies: those of the Lab are started and kept, what was planted is opened to be probed, and trajectories of cameras
+//! are read, compared and closed.
+
+use crate::app::apply::{opening, probe};
+use crate::app::document::datasets::{Trajectories, Which};
+use crate::app::document::lab::LabSet;
+use crate::app::document::side::Side;
+use crate::app::results::studies::LabResult;
+use crate::app::results::studies::{ReadModel, TrajectoryResults};
+use crate::app::results::{Effect, Model, Read};
+use crate::app::view::View;
+use crate::engine::{Ended, Engine};
+use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, PoseStudy, Projection};
+use crate::figures::{FigureSize, FiguresJob, find_colmap};
+use crate::requests::{BurstSource, JobError, PosesRequest, StudyRequest, TrajectorySource};
+use crate::study::{ChartOfStudy, StudyReport};
+use crate::teach::Workspace;
+use std::path::PathBuf;
+use std::sync::Arc;
+
+const TITLE: &str = "Figures of the paper";
+
+pub fn forget_kept(model: &mut Model, index: usize) {
+    if index >= model.results.studies.kept.len() {
+        return;
+    }
+    model.results.studies.kept.remove(index);
+    match &mut model.document.lab.selected {
+        Some((LabSet::Kept(selected), _)) if *selected > index => *selected -= 1,
+        Some((LabSet::Kept(selected), _)) if *selected == index => model.document.lab.selected = None,
+        _ => {}
+    }
+}
+
+pub(in crate::app) fn run_study(model: &mut Model, engine: &Engine) {
+    match Read::of(model).lab_study() {
+        Ok(study) => {
+            let open = model.results.slots.a.burst.clone();
+            (model.document.lab.selected, model.document.lab.selected_thing) = (None, None);
+            model.shell.messages.forget_note();
+            let studies = &mut model.results.studies;
+            // Of another study the curves stay beside the new ones.
+            let is_kept = |last: &LabResult| studies.kept.iter().any(|kept| kept.result.study == last.study);
+            let is_another = |last: &LabResult| last.is_whole && last.study != study && !is_kept(last);
+            if studies.current.as_ref().is_some_and(is_another) {
+                studies.keep_current();
+            }
+            (studies.problem, studies.current, studies.shown) = (None, None, None);
+            studies.wanted.ask(engine, StudyRequest { study, open });
+        }
+        Err(problem) => model.results.studies.problem = Some(problem),
+    }
+}
+
+pub(in crate::app) fn open_planted(model: &mut Model, engine: &Engine) {
+    let (Some(one), Some((study, _)), Some(open)) =
+        (Read::of(model).selected_thing(), model.results.studies.recovered(), &model.results.slots.a.burst)
+    else {
+        return;
+    };
+    // From within a copy, the next one is of the same burst.
+    let of = match &open.source {
+        BurstSource::Planted { of, .. } => of.clone(),
+        source => Box::new(source.clone()),
+    };
+    let source = BurstSource::Planted { of, study: Box::new(study.clone()), seed: one.seed };
+    let place = [one.truth.u as f32, one.truth.v as f32];
+    model.document.workspace = Workspace::Inspect;
+    model.results.studies.probe_when_open = Some((source.clone(), place));
+    opening::open(model, Side::A, source, engine);
+}
+
+pub(super) fn take_part_of_study(model: &mut Model, report: StudyReport) {
+    let lab = &mut model.results.studies;
+    if let Some(request) = lab.wanted.pending() {
+        lab.current = Some(LabResult { study: request.study.clone(), report, is_whole: false });
+    }
+}
+
+pub(super) fn take_study(model: &mut Model, ended: Ended<StudyRequest>) -> Vec<Effect> {
+    match ended.result {
+        Ok(report) => {
+            model.results.studies.current = Some(LabResult { study: ended.request.study, report, is_whole: true });
+            model.shell.messages.note("The study is finished");
+        }
+        Err(JobError::Cancelled) => model.shell.messages.note("The study was cancelled"),
+        Err(error) => model.results.studies.problem = Some(error.to_string()),
+    }
+    Vec::new()
+}
+
+pub(super) fn take_chart(model: &mut Model, ended: Ended<ChartOfStudy>) {
+    match ended.result {
+        Ok(shown) => model.results.studies.shown = Some(shown),
+        Err(JobError::Cancelled) => {}
+        Err(error) => model.results.studies.problem = Some(error.to_string()),
+    }
+}
+
+pub(super) fn probe_planted(model: &mut Model) {
+    let is_open = |(source, _): &mut (BurstSource, [f32; 2])| {
+        model.results.slots.a.burst.as_ref().is_some_and(|open| open.source == *source)
+    };
+    if let Some((_, place)) = model.results.studies.probe_when_open.take_if(is_open) {
+        probe::probe_place(model, Side::A, place);
+    }
+}
+
+pub(in crate::app) fn make_figures(model: &mut Model, out: PathBuf, engine: &Engine) {
+    model.shell.messages.resolved(TITLE);
+    let job = FiguresJob { out, only: Vec::new(), size: FigureSize::Full, colmap: find_colmap() };
+    model.results.figures.ask(engine, job);
+}
+
+pub(super) fn take_figures(model: &mut Model, ended: Ended<FiguresJob>) -> Vec<Effect> {
+    match ended.result {
+        Ok(report) => {
+            model.shell.messages.resolved(TITLE);
+            model.shell.messages.note(format!("The figures are there: open {}", report.page.display()));
+        }
+        Err(JobError::Cancelled) => {
+            model.shell.messages.note("Figures of the paper cancelled; what is finished is kept");
+        }
+        Err(error) => model.shell.messages.error(TITLE, error.to_string()),
+    }
+    Vec::new()
+}
+
+pub fn open_trajectory(model: &mut Model, which: Which, path: PathBuf, engine: &Engine) {
+    let (set, poses) = (&mut model.document.trajectories, &mut model.results.poses);
+    let mut request = poses.request(set.study);
+    let (of_set, of_request) = match which {
+        Which::Estimate => (&mut set.estimate, &mut request.estimate),
+        Which::Truth => (&mut set.truth, &mut request.truth),
+    };
+    *of_request = Some(TrajectorySource::Path(path.clone()));
+    *of_set = Some(path);
+    poses.reading.ask(engine, request);
+    model.document.workspace = Workspace::Trajectories;
+}
+
+pub(in crate::app) fn set_pose_study(model: &mut Model, study: PoseStudy, engine: &Engine) {
+    model.document.trajectories.study = study;
+    let request = model.results.poses.request(study);
+    model.results.poses.reading.ask(engine, request);
+}
+
+pub fn close_trajectories(model: &mut Model) {
+    let Trajectories { study, projection, points, .. } = model.document.trajectories;
+    model.document.trajectories = Trajectories { study, projection, points, ..Trajectories::default() };
+    model.results.poses = TrajectoryResults::default();
+}
+
+/// Takes the answers. Other trajectories than before reset pan and zoom; where one cannot be read, those that are
+/// open stay.
+pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) -> Vec<Effect> {
+    const TITLE: &str = "Trajectories";
+    let (set, before) = (&mut model.document.trajectories, &model.results.poses.compared);
+    match ended.result {
+        Ok(compared) => {
+            model.shell.messages.resolved(TITLE);
+            let is_other = |before: &ReadModel, now: &ReadModel| match (before, now) {
+                (Some((_, before)), Some((_, now))) => !Arc::ptr_eq(before, now),
+                (before, now) => before.is_some() && now.is_none(),
+            };
+            if is_other(&before.estimate, &compared.estimate) || is_other(&before.truth, &compared.truth) {
+                set.view = View::fit();
+            }
+            set.selected = None;
+            let reading = std::mem::take(&mut model.results.poses.reading);
+            model.results.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
+        }
+        Err(error) => {
+            let path = |read: &ReadModel| read.as_ref().map(|(path, _)| path.clone());
+            (set.estimate, set.truth) = (path(&before.estimate), path(&before.truth));
+            model.shell.messages.error(TITLE, error.to_string());
+        }
+    }
+    Vec::new()
+}
+
+/// Shows the built-in cameras and points beside the true cameras.
+pub(in crate::app) fn show_demo_cameras(model: &mut Model, engine: &Engine) {
+    let [estimate, truth] = [DEMO_ESTIMATE, DEMO_TRUTH].map(|name| Some(PathBuf::from(name)));
+    let (points, projection) = (true, Projection::Xz);
+    model.document.trajectories = Trajectories { estimate, truth, points, projection, ..Trajectories::default() };
+    read_trajectories(model, engine);
+}
+
+/// Reads the trajectories of the document.
+pub(in crate::app) fn read_trajectories(model: &mut Model, engine: &Engine) {
+    model.results.poses = TrajectoryResults::default();
+    let Trajectories { estimate, truth, study, .. } = model.document.trajectories.clone();
+    let [estimate, truth] = [estimate, truth].map(|path| path.map(TrajectorySource::Path));
+    if estimate.is_some() || truth.is_some() {
+        model.results.poses.reading.ask(engine, PosesRequest { estimate, truth, study });
+    }
+}
