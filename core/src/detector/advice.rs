@@ -134,12 +134,6 @@ pub fn grouped(number: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::burst::Burst;
-    use crate::detector::NoiseGate;
-    use crate::detector::pipeline::search;
-    use crate::monitor::Monitor;
-    use crate::plane::Plane;
-    use crate::synth::{ChartParams, synth_chart};
 
     /// Advice where no feature was found in 10 million samples, of which `rejected` were.
     fn advice(params: &DetectorParams, gate: f32, rejected: &[(Test, u64)]) -> Option<Advice> {
@@ -191,30 +185,5 @@ mod tests {
             assert!(found.problem.starts_with("no feature was found: of ") && found.problem.contains(words));
             assert_eq!(found.for_command(), format!("{}; try --{} {value}", found.problem, parameter.name));
         }
-    }
-
-    #[test]
-    fn made_bursts_are_explained() {
-        let found = |burst: &Burst, params: &DetectorParams| {
-            let detection = search(burst, params, &Monitor::default()).expect("a detection");
-            explain(&detection, params, burst.size())
-        };
-        let made = |snr, discs, radius| {
-            let chart = ChartParams { width: 240, height: 180, discs, snr, radius, ..ChartParams::default() };
-            synth_chart(&chart, &Monitor::default()).expect("a chart").0
-        };
-        // Noise alone.
-        let open = DetectorParams { noise_gate: NoiseGate::Factor(5.5), ..DetectorParams::default() };
-        assert_eq!(
-            found(&made(0.3, 0, ChartParams::default().radius), &open).expect("advice").parameter,
-            doc::NOISE_GATE
-        );
-        // An even picture has no remedy, and nothing breaks.
-        let even = Burst::from_planes("even", vec![Plane::zeros(64, 48); 4]);
-        assert!(found(&even, &DetectorParams::default()).is_none_or(|advice| !advice.problem.is_empty()));
-        // A search that finds enough, or asks for few, needs no advice.
-        let clear = made(8.0, 10, 3.6..=9.0);
-        assert_eq!(found(&clear, &DetectorParams::default()), None);
-        assert_eq!(found(&clear, &DetectorParams { max_features: 2, ..DetectorParams::default() }), None);
     }
 }

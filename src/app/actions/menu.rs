@@ -182,8 +182,7 @@ fn parameter(name: &str) -> &'static Param<DetectorParams> {
 
 /// The search with a parameter set, as an option of a command sets it.
 fn with_value(name: &str, value: &str, model: Read<'_>) -> Option<SearchParams> {
-    let search = SearchParams { detector: model.document.params.clone(), slopes: model.document.slopes };
-    search.with_texts([(*parameter(name), value)]).ok()
+    model.document.search().with_texts([(*parameter(name), value)]).ok()
 }
 
 fn is_possible(found: &Entry, model: Read<'_>) -> bool {
@@ -196,7 +195,7 @@ fn is_possible(found: &Entry, model: Read<'_>) -> bool {
 /// Sets the parameter, or without a value opens the panel that shows it.
 fn set_or_show(name: &str, value: Option<&str>, model: Read<'_>, queue: &mut Queue) {
     match value.and_then(|value| with_value(name, value, model)) {
-        Some(search) => queue.push(Action::SetSearch(Box::new(search))),
+        Some(search) => model.document.action_to(search).into_iter().for_each(|action| queue.push(action)),
         None => queue.push(Action::SetPanels(Panels { left: true.into(), advanced: true, ..model.document.panels })),
     }
 }
@@ -390,6 +389,7 @@ mod tests {
     use super::*;
     use crate::app::apply::{bench, opening};
     use crate::app::results::Model;
+    use crate::detector::ParamChange;
 
     #[test]
     fn words_find_actions_and_parameters_and_nothing_else() {
@@ -410,8 +410,8 @@ mod tests {
         assert!(is_possible(&set, Read::of(&model)));
         let mut queue = Queue::default();
         set_or_show("first-octave", Some("-1"), Read::of(&model), &mut queue);
-        let Some(Action::SetSearch(search)) = queue.into_iter().next() else { panic!("it is set") };
-        assert_eq!(search.detector.first_octave, -1);
+        let Some(Action::Change(changes)) = queue.into_iter().next() else { panic!("it is set") };
+        assert_eq!(changes, [ParamChange::new(doc::FIRST_OCTAVE, -1)]);
         let wrong = Entry::Parameter("first-octave", Some("99".to_owned()));
         assert!(
             found_by("first octave 99", Read::of(&model)).contains(&wrong) && !is_possible(&wrong, Read::of(&model))

@@ -12,7 +12,8 @@ use crate::app::document::{Action, Document, Journal, Pointed};
 use crate::app::pane::{Direction, Link, PaneId, Preset};
 use crate::app::results::Read;
 use crate::app::view::{View, Zoom};
-use crate::detector::{DetectorParams, SearchParams, Slope, SlopeChoice, SlopeGrid};
+use crate::detector::params::doc;
+use crate::detector::{DetectorParams, ParamChange, SearchParams, Slope, SlopeChoice, SlopeGrid};
 use crate::matching::MatchParams;
 use crate::requests::ViewKind;
 use proptest::prelude::*;
@@ -42,6 +43,7 @@ fn of_settings() -> impl Strategy<Value = Action> {
     let slope = (-9.0f32..9.0, -9.0f32..9.0).prop_map(|(u, v)| Slope::new(u, v));
     prop_oneof![
         (1.0f32..30.0).prop_map(|edge_threshold| search(DetectorParams { edge_threshold, ..Default::default() })),
+        (-20.0f32..20.0, 0..doc::ALL.len()).prop_map(|(x, k)| Action::Change(vec![ParamChange::new(doc::ALL[k], x)])),
         (1.0f32..6.0, 2..9usize).prop_map(|(end, count)| {
             search(DetectorParams { slopes: SlopeGrid::line(-end..=end, count), ..Default::default() })
         }),
@@ -166,6 +168,44 @@ proptest! {
         }
         prop_assert_eq!(&bench.model.document, &after);
     }
+}
+
+/// Two panels that are drawn in one pass know nothing of one another.
+#[test]
+fn two_changes_in_one_pass_are_both_made_and_a_drag_is_its_last_value() {
+    let mut bench = bench();
+    let before = bench.model.document.search();
+    let with = |parameter, value: &str| {
+        before
+            .clone()
+            .with_texts([(parameter, value)])
+            .map(|after| bench.model.document.action_to(after).expect("another"))
+    };
+    let actions = [with(doc::LEVELS, "4"), with(doc::EDGE_THRESHOLD, "13.5"), with(doc::SLOPES_V, "-1:1:3")];
+    for action in actions.map(|action| action.expect("valid")) {
+        pass(&mut bench, action);
+    }
+    let Document { params, slopes, .. } = &bench.model.document;
+    assert_eq!((params.levels, params.edge_threshold, params.slopes.v.count), (4, 13.5, 3));
+    assert_eq!((params.slopes.u, *slopes), (before.detector.slopes.u, SlopeChoice::Given));
+    let auto =
+        SearchParams { slopes: SlopeChoice::Auto { direction_deg: Some(30.0) }, ..bench.model.document.search() };
+    let action = bench.model.document.action_to(auto.clone()).expect("another");
+    pass(&mut bench, action);
+    assert_eq!(bench.model.document.search(), auto);
+    assert!(bench.model.document.action_to(auto).is_none());
+    // Back to the ranges, which stay as they are.
+    let given = SearchParams { slopes: SlopeChoice::Given, ..bench.model.document.search() };
+    let action = bench.model.document.action_to(given.clone()).expect("another");
+    pass(&mut bench, action);
+    assert_eq!(bench.model.document.search(), given);
+    let mut journal = Journal::default();
+    for value in ["0.7", "0.6"] {
+        journal.take(&Action::Change(vec![ParamChange::new(doc::EDGE_THRESHOLD, value)]), false);
+    }
+    journal.take(&Action::Change(vec![ParamChange::new(doc::LEVELS, 4)]), false);
+    let text = journal.to_toml();
+    assert!(!text.contains("0.7") && text.contains("edge-threshold") && text.contains("levels"), "{text}");
 }
 
 #[test]

@@ -88,6 +88,9 @@ pub enum Action {
     SetFigure(FigureChoice),
     SetFilm(FilmChoice),
 
+    /// Values of single parameters.
+    Change(Vec<ParamChange>),
+    /// All of them, as a file has them.
     SetSearch(Box<SearchParams>),
     /// The first `n` frames, added up along the slope; of one its frame.
     UseFrames(usize),

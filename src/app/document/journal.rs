@@ -196,6 +196,7 @@ fn replaces(action: &Action, before: &Action) -> bool {
             | A::MoveCameras(_)
     );
     let sets_one = match (action, before) {
+        (A::Change(of), A::Change(last)) => of.iter().map(|one| one.parameter).eq(last.iter().map(|one| one.parameter)),
         (A::SetDisplay(of, _), A::SetDisplay(last, _)) => of == last,
         (A::NameKept(of, _), A::NameKept(last, _)) => of == last,
         _ => false,

@@ -33,7 +33,8 @@ use crate::app::document::side::{Side, Sides};
 use crate::app::pane::Panes;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
-use crate::detector::{DetectorParams, Quantity, SearchParams, SlopeChoice, Test};
+use crate::detector::params::{AUTO, Param, doc};
+use crate::detector::{DetectorParams, ParamChange, Quantity, SearchParams, SlopeChoice, Test};
 use crate::evaluate::poses::is_built_in;
 use crate::inspect::unmatched::Lost;
 use crate::matching::MatchParams;
@@ -140,6 +141,50 @@ impl Document {
 
     pub fn search(&self) -> SearchParams {
         SearchParams { detector: self.params.clone(), slopes: self.slopes }
+    }
+
+    /// Makes changes of single parameters, which may be invalid while they are edited. A range makes slopes given ones.
+    pub fn change(&mut self, changes: &[ParamChange]) {
+        for ParamChange { parameter, value } in changes {
+            match &mut self.slopes {
+                choice if *parameter == doc::SLOPES => *choice = SlopeChoice::AUTO,
+                SlopeChoice::Auto { direction_deg } if *parameter == doc::SLOPE_DIRECTION => {
+                    *direction_deg = value.parse().ok();
+                }
+                choice => {
+                    if [doc::SLOPES_U, doc::SLOPES_V].contains(parameter) {
+                        *choice = SlopeChoice::Given;
+                    }
+                    // What cannot be read is of no parameter: the value stays.
+                    let _ = parameter.read(&mut self.params, value);
+                }
+            }
+        }
+    }
+
+    /// The action that leads to `after`: changes of the parameters that differ, so that others that are changed in the
+    /// same pass stay, or all of them where a value that makes no sense cannot be written.
+    pub fn action_to(&self, after: SearchParams) -> Option<Action> {
+        let now = self.search();
+        let mut changes = Vec::new();
+        if let SlopeChoice::Auto { direction_deg } = after.slopes
+            && after.slopes != now.slopes
+        {
+            changes.push(ParamChange::new(doc::SLOPES, AUTO));
+            changes.extend(direction_deg.map(|degrees| ParamChange::new(doc::SLOPE_DIRECTION, degrees)));
+        }
+        let is_given_now = after.slopes != now.slopes && !after.slopes.is_auto();
+        let differs = |record: &Param<DetectorParams>| {
+            record.text(&now.detector) != record.text(&after.detector) || is_given_now && *record == doc::SLOPES_U
+        };
+        let records = doc::ALL.into_iter().filter(differs);
+        changes.extend(records.map(|record| ParamChange::new(record, record.text(&after.detector))));
+        let mut changed = self.clone();
+        changed.change(&changes);
+        match changed.search() == after {
+            true => (after != now).then_some(Action::Change(changes)),
+            false => Some(Action::SetSearch(Box::new(after))),
+        }
     }
 
     pub fn set_search(&mut self, params: SearchParams) {

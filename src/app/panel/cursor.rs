@@ -8,8 +8,9 @@ use crate::app::document::cursor::{level_range, octave_range, slope_limit};
 use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track};
 use crate::app::results::Read;
 use crate::detector::localise::rim_radius;
+use crate::detector::params::doc;
 use crate::detector::scale_space::ScaleSpace;
-use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeChoice};
+use crate::detector::{ParamChange, Slope, SlopeAxis, SlopeGrid};
 use crate::inspect::spectrum::features_at_slopes;
 use egui::{CursorIcon, Id, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
@@ -244,11 +245,10 @@ fn moved(axis: SlopeAxis, upper: bool, pulled: f32) -> SlopeAxis {
 }
 
 fn set_axis(model: Read<'_>, second: bool, axis: SlopeAxis, queue: &mut Queue) {
-    let mut detector = model.document.params.clone();
-    let own = if second { &mut detector.slopes.v } else { &mut detector.slopes.u };
-    if *own != axis {
-        *own = axis;
-        queue.push(Action::SetSearch(Box::new(SearchParams { detector, slopes: SlopeChoice::Given })));
+    let SlopeGrid { u, v, .. } = model.document.params.slopes;
+    let (record, own) = if second { (doc::SLOPES_V, v) } else { (doc::SLOPES_U, u) };
+    if own != axis {
+        queue.push(Action::Change(vec![ParamChange::new(record, axis)]));
     }
 }
 

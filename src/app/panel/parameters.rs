@@ -44,8 +44,7 @@ pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let chosen = found.filter(|found| !matches!(found.params.noise_gate, NoiseGate::Factor(_)));
         let note = chosen.map(|found| (doc::NOISE_GATE.name, format!("{:.2}", found.detection.noise_gate_factor)));
         let table = rows::ParamTable { error, defaults, frame_count: model.frame_count(), note };
-        let before = SearchParams { detector: model.document.params.clone(), slopes: model.document.slopes };
-        let mut search = before.clone();
+        let mut search = model.document.search();
         let is_found = |record: &Param<DetectorParams>| {
             let has_fields = [doc::SLOPES_U, doc::SLOPES_V].contains(record);
             has_fields && model.document.slopes.is_auto() && !parts::is_wanted(ui.ctx(), Part::parameter(record))
@@ -58,7 +57,7 @@ pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         if search.detector.slopes != given {
             search.slopes = SlopeChoice::Given;
         }
-        queue.set(&before, search, |search| Action::SetSearch(Box::new(search)));
+        model.document.action_to(search).into_iter().for_each(|action| queue.push(action));
     });
 }
 

@@ -1,4 +1,5 @@
-//! Planes: values between pixels, and colours.
+//! Planes: values between pixels, colours, and statistics.
 
 mod display;
 mod sample;
+mod statistics;

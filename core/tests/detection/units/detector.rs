@@ -1,7 +1,39 @@
 //! Tests of the public functions of `detector`, a module for each of its files.
 
 mod advice {
+    use burstscope_core::burst::Burst;
+    use burstscope_core::detect;
     use burstscope_core::detector::advice::*;
+    use burstscope_core::detector::params::doc;
+    use burstscope_core::detector::{DetectorParams, NoiseGate};
+    use burstscope_core::monitor::Monitor;
+    use burstscope_core::plane::Plane;
+    use burstscope_core::synth::{ChartParams, synth_chart};
+
+    #[test]
+    fn made_bursts_are_explained() {
+        let found = |burst: &Burst, params: &DetectorParams| {
+            let detection = detect(burst, params, &Monitor::default()).expect("a detection");
+            explain(&detection, params, burst.size())
+        };
+        let made = |snr, discs, radius| {
+            let chart = ChartParams { width: 240, height: 180, discs, snr, radius, ..ChartParams::default() };
+            synth_chart(&chart, &Monitor::default()).expect("a chart").0
+        };
+        // Noise alone.
+        let open = DetectorParams { noise_gate: NoiseGate::Factor(5.5), ..DetectorParams::default() };
+        assert_eq!(
+            found(&made(0.3, 0, ChartParams::default().radius), &open).expect("advice").parameter,
+            doc::NOISE_GATE
+        );
+        // An even picture has no remedy, and nothing breaks.
+        let even = Burst::from_planes("even", vec![Plane::zeros(64, 48); 4]);
+        assert!(found(&even, &DetectorParams::default()).is_none_or(|advice| !advice.problem.is_empty()));
+        // A search that finds enough, or asks for few, needs no advice.
+        let clear = made(8.0, 10, 3.6..=9.0);
+        assert_eq!(found(&clear, &DetectorParams::default()), None);
+        assert_eq!(found(&clear, &DetectorParams { max_features: 2, ..DetectorParams::default() }), None);
+    }
 
     #[test]
     fn counts_are_grouped_by_thousands() {

@@ -8,6 +8,8 @@ use crate::app::document::method::{CompareLook, MethodId};
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::Read;
 use crate::app::results::studies::LabResult;
+use crate::detector::ParamChange;
+use crate::detector::params::doc;
 use crate::evaluate::curves::{StudyCurve, StudyPlot, percent};
 use crate::export::SeriesPoint;
 use crate::inspect::words::number;
@@ -94,8 +96,7 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 /// Draws the button that makes all methods comparable, as the paper does: each at the peak threshold where the same
 /// share of its detections on the charts is false.
 fn same_false_rate_ui(ui: &mut Ui, model: Read<'_>, rate: SameFalseRate, queue: &mut Queue) {
-    let mut search = model.document.search();
-    let method = MethodId::of_search(&search.detector);
+    let method = MethodId::of_search(&model.document.params);
     let own = rate.of(method.of_studies());
     let mut tip = format!(
         "Peak thresholds at which {} of the detections on charts of SNR {} is false, as the paper compares methods:",
@@ -110,8 +111,7 @@ fn same_false_rate_ui(ui: &mut Ui, model: Read<'_>, rate: SameFalseRate, queue: 
     ui.horizontal(|ui| {
         if ui.button(text).on_hover_text(tip).clicked() {
             if let Some(threshold) = own {
-                search.detector.peak_threshold = threshold;
-                queue.push(Action::SetSearch(Box::new(search)));
+                queue.push(Action::Change(vec![ParamChange::new(doc::PEAK_THRESHOLD, threshold)]));
             }
             let same_false_rate = Some(rate);
             queue.push(Action::SetMethods(CompareLook { same_false_rate, ..model.document.methods.clone() }));
