@@ -74,7 +74,6 @@ impl Numbers for Fits {
 /// Header of an image, or of another unit of a file.
 struct Unit {
     cards: Vec<Card>,
-    /// Place of the data.
     data: u64,
     /// Axes of the data, and of the image: those of the data, unless these are a table of tiles.
     own_axes: Vec<u64>,

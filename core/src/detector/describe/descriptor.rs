@@ -71,7 +71,6 @@ impl Square {
         Self { radius, row_step, reach, ..Self::new(place, cell, orientation) }
     }
 
-    /// Square with cells of `cell` pixels.
     fn new(place: (f32, f32), cell: f32, orientation: f32) -> Self {
         // Sides that are never exactly parallel to the pixels cross every row.
         let slanted = |x: f32| if x.abs() < 1e-9 { 1e-9 } else { x };

@@ -155,7 +155,6 @@ impl Hills {
         along(slope.v, self.first.v) * self.width + along(slope.u, self.first.u)
     }
 
-    /// Bins around `bin`, and itself.
     fn around(&self, bin: usize, count: usize) -> impl Iterator<Item = usize> {
         let (i, j, width) = ((bin % self.width) as i64, (bin / self.width) as i64, self.width as i64);
         let inside = move |(di, dj): (i64, i64)| {

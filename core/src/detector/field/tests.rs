@@ -17,7 +17,6 @@ fn hash(u: i64, v: i64, seed: u64) -> f32 {
     (x >> 40) as f32 / (1u64 << 24) as f32
 }
 
-/// Smooth texture with structures of about `grain_px`.
 fn texture(u: f32, v: f32, grain_px: f32, seed: u64) -> f32 {
     let (u, v) = (u / grain_px, v / grain_px);
     let (i, j) = (u.floor(), v.floor());

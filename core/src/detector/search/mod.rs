@@ -54,7 +54,6 @@ pub(crate) struct Evidence {
     pub(crate) sample_value: f32,
     /// Ratio of σ_D at its place to that at the place of least noise.
     pub(crate) place_factor: f32,
-    /// See [`Fit::edge_quotient`].
     pub(crate) edge_quotient: f64,
 }
 

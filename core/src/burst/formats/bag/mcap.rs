@@ -18,14 +18,23 @@ const LIST: u8 = 7;
 const DATA_END: u8 = 15;
 /// Bytes of a message's record before the message: channel, number, and two times.
 const BEFORE_MESSAGE: u64 = 22;
+/// Bytes of a chunk's record before the name of its compression: two times, a size and a checksum.
+const BEFORE_PACKING: u64 = 28;
 
-/// Reads the records of a file, or of the unpacked chunk `chunk`.
 pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &mut Contents) -> io::Result<()> {
     found.is_open |= chunk == 0 && !scan.ends_with(MAGIC)?;
     while scan.goes_on()? {
         let at = scan.at;
         let [kind] = scan.array()?;
         let bytes = scan.u64()?;
+        // Of a chunk that was being written the whole messages are taken, where it is not packed.
+        if kind == CHUNK && chunk == 0 && found.is_open && scan.after(bytes).is_err() {
+            scan.skip_to(scan.at + BEFORE_PACKING)?;
+            if scan.text()?.is_empty() {
+                scan.u64()?;
+                continue;
+            }
+        }
         let end = scan.after(bytes)?;
         match kind {
             // A file without one was not closed.

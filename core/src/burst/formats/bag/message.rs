@@ -39,7 +39,6 @@ const ENCODINGS: [(&str, Number, usize, bool, Option<Mosaic>); 24] = [
     ("bayer_bggr16", Number::U16, 1, false, Some(Mosaic::Bggr)),
 ];
 
-/// Bytes of a message in which its stamp lies.
 pub(super) const STAMP_BYTES: u64 = 16;
 
 /// Reader of the fields of a message, one after the other.

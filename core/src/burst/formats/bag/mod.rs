@@ -160,7 +160,6 @@ fn segments(path: &Path, options: &OpenOptions, work: Work) -> Result<Vec<Segmen
     files.iter().map(|file| open(file)).collect()
 }
 
-/// A topic of pictures.
 struct Topic<'a> {
     channel: &'a Channel,
     wire: Wire,

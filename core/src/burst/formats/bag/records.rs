@@ -52,7 +52,6 @@ impl Work {
         let _ = of.fetch_update(Relaxed, Relaxed, |left| Some(left.saturating_add(count)));
     }
 
-    /// Adds the steps that a file of `length` bytes allows.
     pub(super) fn add_file(&self, length: u64) {
         self.add(&self.steps, length, STEPS_PER_BYTE);
     }

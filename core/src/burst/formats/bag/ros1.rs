@@ -39,7 +39,6 @@ fn time_ns([s, ns]: [u32; 2]) -> u64 {
     u64::from(s) * 1_000_000_000 + u64::from(ns)
 }
 
-/// Reads the records of a file, or of the unpacked chunk `chunk`.
 pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &mut Contents) -> io::Result<()> {
     if chunk == 0 && scan.array::<4>()? != VERSION {
         let reason = "its version is not 2.0; record it again";
@@ -75,10 +74,11 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
                 let packed_by = Some(text(&header, "compression")?).filter(|name| name != "none").unwrap_or_default();
                 let size = number(&header, "size")?.into();
                 // A chunk has its length when it is whole; until then its messages follow as they are, or packed.
-                match found.is_open && bytes == 0 {
-                    true if packed_by.is_empty() => continue,
-                    true => break,
-                    false => {}
+                if found.is_open && bytes == 0 {
+                    if packed_by.is_empty() {
+                        continue;
+                    }
+                    break;
                 }
                 found.chunks.push(Chunk { at: data, bytes, size, packed_by, crc: 0 });
             }

@@ -209,7 +209,6 @@ impl<R: Read + Seek> Walk<'_, R> {
         Ok(number(self.big_endian, next))
     }
 
-    /// Checks entries, each with its place in the file.
     fn check<'e>(&mut self, entries: impl Iterator<Item = (u64, &'e [u8])> + Clone, is_notes: bool) -> io::Result<()> {
         let big_endian = self.big_endian;
         let number = |bytes: &[u8]| number(big_endian, bytes);
