@@ -7,7 +7,7 @@ use super::document::Action;
 use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
 use super::{actions, apply, clipboard, files};
-use crate::app::apply::{datasets, opening, studies};
+use crate::app::apply::{opening, studies};
 use crate::app::document::export::{ExportKind, Purpose};
 use crate::app::document::side::Side;
 use crate::app::results::{Effect, Read};
@@ -179,7 +179,7 @@ impl BurstscopeApp {
             Purpose::OpenLessons => model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => studies::make_figures(model, first.clone(), engine),
             #[cfg(feature = "colmap")]
-            Purpose::ExportDatabase => datasets::export_database(model, first.clone(), engine),
+            Purpose::ExportDatabase => crate::app::apply::datasets::export_database(model, first.clone(), engine),
             Purpose::SaveSession | Purpose::SaveParams | Purpose::Export(_) => {
                 self.apply([Effect::Write(purpose, first.clone())]);
             }

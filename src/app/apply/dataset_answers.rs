@@ -8,7 +8,7 @@ use crate::app::results::{Effect, Model, Read};
 use crate::engine::{Ended, Engine};
 use crate::error::Error;
 use crate::inspect::words::counted;
-use crate::requests::{BurstSource, ColmapDone, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, OpenDataset};
+use crate::requests::{BurstSource, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, OpenDataset};
 use crate::teach::Workspace;
 
 pub(in crate::app) fn show_selected_pair(model: &mut Model, engine: &Engine) {
@@ -181,7 +181,7 @@ fn say_what_matched(model: &mut Model, left_out: usize, seconds: f64) {
 }
 
 #[cfg(feature = "colmap")]
-fn say_what_was_exported(model: &mut Model, done: &ColmapDone) {
+fn say_what_was_exported(model: &mut Model, done: &crate::requests::ColmapDone) {
     let report = &done.report;
     let verified = report.pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)).count();
     model.shell.messages.resolved(Work::Exporting.title());

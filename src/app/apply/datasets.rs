@@ -6,7 +6,7 @@ use crate::app::results::{Effect, Model, Read};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::engine::Engine;
-use crate::requests::{ColmapRequest, DatasetRequest};
+use crate::requests::DatasetRequest;
 use std::path::PathBuf;
 
 /// Opens a dataset in the background; the open one stays until then. Without a folder the features are kept beside
@@ -102,7 +102,7 @@ fn start_matching_pairs(model: &mut Model, pairs: Vec<BurstPair>, engine: &Engin
 #[cfg(feature = "colmap")]
 pub(in crate::app) fn export_database(model: &mut Model, out: PathBuf, engine: &Engine) {
     let Some(dataset) = &model.results.datasets.open else { return };
-    let request = ColmapRequest {
+    let request = crate::requests::ColmapRequest {
         out,
         kept: dataset.folder.clone(),
         params: Read::of(model).asked(),
