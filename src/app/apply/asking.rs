@@ -2,14 +2,32 @@
 //! requested. What is missing, each part says as a value of what is set and found (`Read`); what an answer changes stands
 //! in this room, as it may move a cursor or a selection too.
 
-use crate::app::apply::methods::Methods;
-use crate::app::apply::panes::PanePictures;
-use crate::app::apply::part::{Part, Pass};
 use crate::app::apply::{comparison, dataset_answers, detection, explained, methods, pair, panes, probe, studies};
 use crate::app::document::side::Side;
+use crate::app::results::compare::MethodFound;
+use crate::app::results::pair::Matches;
 use crate::app::results::{Effect, Model, Read, Results};
 use crate::engine::{Ended, Engine, Want, Wanted};
-use crate::requests::{Request, Urgency};
+use crate::requests::{Compared, Detected, JobError, Request, Urgency};
+use crate::teach::Workspace;
+
+/// Pass of the window. While the pointer drags a value, long work waits for the final one.
+struct Pass<'a> {
+    model: &'a mut Model,
+    engine: &'a Engine,
+    dragging: bool,
+}
+
+trait Part {
+    fn wants<'m>(&self, results: &'m Results) -> Vec<&'m dyn Want>;
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect>;
+
+    fn ask(&self, pass: &mut Pass<'_>);
+
+    /// Whether all that this part wants is there, or failed.
+    fn is_there(&self, model: Read<'_>) -> bool;
+}
 
 /// A part that wants one thing.
 struct One<R: Request> {
@@ -46,6 +64,108 @@ impl<R: Request> Part for One<R> {
 
     fn is_there(&self, model: Read<'_>) -> bool {
         (self.missing)(model, false).is_none_or(|missing| (self.wanted)(model.results).has_failed(&missing))
+    }
+}
+
+/// Pictures of the panes on the screen.
+struct PanePictures;
+
+impl Part for PanePictures {
+    fn wants<'m>(&self, results: &'m Results) -> Vec<&'m dyn Want> {
+        results.pictures.values().map(|shown| &shown.wanted as _).collect()
+    }
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        let pictures = &mut pass.model.results.pictures;
+        let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
+        for (id, ended) in
+            taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))
+        {
+            match ended.result {
+                Ok(picture) => panes::take_picture(pass.model, id, picture),
+                Err(JobError::Cancelled) => pass.model.results.pictures.entry(id).or_default().wanted.forget(),
+                Err(error) => {
+                    pass.model.results.pictures.entry(id).or_default().problem =
+                        Some((ended.request, error.to_string()));
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    /// That of the pane in focus first. Pictures that need a search wait for the end of a drag, and for a running
+    /// detection in their burst, from which they may be made.
+    fn ask(&self, pass: &mut Pass<'_>) {
+        let model = &mut *pass.model;
+        let focus = model.document.focus();
+        let mut ids = model.document.panes.shown();
+        ids.sort_by_key(|id| *id != focus);
+        for id in ids {
+            let Some(wanted) = Read::of(model).wanted(id).filter(|_| !Read::of(model).is_current(id)) else { continue };
+            let side = model.document.panes.get(id).map_or(Side::A, |pane| pane.side);
+            let waits = pass.dragging || model.results.slots[side].detecting.is_pending();
+            if !(waits && wanted.urgency() == Urgency::SlowPicture) {
+                model.results.pictures.entry(id).or_default().wanted.want(pass.engine, Some(wanted));
+            }
+        }
+    }
+
+    fn is_there(&self, model: Read<'_>) -> bool {
+        model.pictures_are_current()
+    }
+}
+
+/// Work of the comparison, one request at a time.
+struct Methods;
+
+impl Part for Methods {
+    fn wants<'m>(&self, results: &'m Results) -> Vec<&'m dyn Want> {
+        vec![&results.compare.wanted]
+    }
+
+    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
+        let (compare, messages) = (&mut pass.model.results.compare, &mut pass.model.shell.messages);
+        for ended in compare.wanted.take() {
+            let Some(job) = compare.asked.take() else { continue };
+            match ended.result {
+                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
+                    let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
+                    compare.take_found(job.method, job.side, found);
+                }
+                Ok(Compared::Matched(matched)) => {
+                    compare.take_matches(job.method, Matches::new(matched, ended.elapsed));
+                }
+                Err(error) => {
+                    if error != JobError::Cancelled {
+                        messages.error(job.method.label(), error.to_string());
+                    }
+                    compare.take_failure(job, error.to_string());
+                }
+            }
+        }
+        Vec::new()
+    }
+
+    fn ask(&self, pass: &mut Pass<'_>) {
+        let model = &mut *pass.model;
+        if model.document.workspace != Workspace::Methods || model.results.slots.a.burst.is_none() {
+            return;
+        }
+        methods::share_what_is_found(model);
+        let opening = model.results.compare.opening_gold.both();
+        let is_busy = model.results.compare.wanted.is_pending() || opening.iter().any(|gold| gold.is_pending());
+        let job =
+            Read::of(model).next_compare_job().filter(|_| !pass.dragging && model.document.auto_detect && !is_busy);
+        if let Some(job) = job {
+            model.results.compare.wanted.ask(pass.engine, job.request.clone());
+            model.results.compare.asked = Some(job);
+        }
+    }
+
+    fn is_there(&self, model: Read<'_>) -> bool {
+        model.document.workspace != Workspace::Methods
+            || !model.document.auto_detect
+            || model.next_compare_job().is_none()
     }
 }
 

@@ -1,71 +1,15 @@
 //! *Methods*: one piece of work at a time, so that times can be compared; what other workspaces found is shared; and the
 //! panes follow the methods that are shown.
 
-use crate::app::apply::part::{Part, Pass};
 use crate::app::document::method::MethodId;
 use crate::app::document::side::Side;
 use crate::app::pane::MethodsPreset;
 use crate::app::results::compare::MethodFound;
-use crate::app::results::pair::Matches;
-use crate::app::results::{Effect, Model, Read, Results};
+use crate::app::results::{Effect, Model, Read};
 use crate::burst::OpenOptions;
-use crate::engine::{Ended, Engine, Want};
-use crate::requests::{BurstSource, Compared, Detected, JobError, OpenRequest};
+use crate::engine::{Ended, Engine};
+use crate::requests::{BurstSource, Detected, OpenRequest};
 use crate::teach::Workspace;
-
-/// Work of the comparison, one request at a time.
-pub(super) struct Methods;
-
-impl Part for Methods {
-    fn wants<'m>(&self, results: &'m Results) -> Vec<&'m dyn Want> {
-        vec![&results.compare.wanted]
-    }
-
-    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
-        let (compare, messages) = (&mut pass.model.results.compare, &mut pass.model.shell.messages);
-        for ended in compare.wanted.take() {
-            let Some(job) = compare.asked.take() else { continue };
-            match ended.result {
-                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
-                    let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
-                    compare.take_found(job.method, job.side, found);
-                }
-                Ok(Compared::Matched(matched)) => {
-                    compare.take_matches(job.method, Matches::new(matched, ended.elapsed));
-                }
-                Err(error) => {
-                    if error != JobError::Cancelled {
-                        messages.error(job.method.label(), error.to_string());
-                    }
-                    compare.take_failure(job, error.to_string());
-                }
-            }
-        }
-        Vec::new()
-    }
-
-    fn ask(&self, pass: &mut Pass<'_>) {
-        let model = &mut *pass.model;
-        if model.document.workspace != Workspace::Methods || model.results.slots.a.burst.is_none() {
-            return;
-        }
-        share_what_is_found(model);
-        let opening = model.results.compare.opening_gold.both();
-        let is_busy = model.results.compare.wanted.is_pending() || opening.iter().any(|gold| gold.is_pending());
-        let job =
-            Read::of(model).next_compare_job().filter(|_| !pass.dragging && model.document.auto_detect && !is_busy);
-        if let Some(job) = job {
-            model.results.compare.wanted.ask(pass.engine, job.request.clone());
-            model.results.compare.asked = Some(job);
-        }
-    }
-
-    fn is_there(&self, model: Read<'_>) -> bool {
-        model.document.workspace != Workspace::Methods
-            || !model.document.auto_detect
-            || model.next_compare_job().is_none()
-    }
-}
 
 pub(in crate::app) fn open_gold(model: &mut Model, side: Side, source: BurstSource, engine: &Engine) {
     let options = Read::of(model).calibration_of(side).clone().with_burst_of(&OpenOptions::default());

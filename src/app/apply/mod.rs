@@ -15,7 +15,6 @@ pub mod opening;
 pub mod pair;
 pub mod panes;
 pub mod params;
-mod part;
 pub mod probe;
 pub mod staged;
 pub mod studies;

@@ -1,6 +1,5 @@
 //! Panes and their pictures: the arrangement, playing through the slopes, pictures that come, and their value ranges.
 
-use crate::app::apply::part::{Part, Pass};
 use crate::app::apply::{methods, params};
 use crate::app::document::Document;
 use crate::app::document::cursor::{Cursor, ViewKind, play_step_of, played};
@@ -9,11 +8,11 @@ use crate::app::document::panes::{Change, Destination, Visibility};
 use crate::app::document::side::Side;
 use crate::app::pane::{PaneId, Preset};
 use crate::app::results::panes::Play;
-use crate::app::results::{Effect, Model, Read, Results};
+use crate::app::results::{Model, Read};
 use crate::app::view::View;
 use crate::detector::{Feature, FrameRange, Slope};
-use crate::engine::{Ended, Want};
-use crate::requests::{JobError, Picture, PictureRequest, Request, Urgency};
+use crate::engine::Ended;
+use crate::requests::{Picture, PictureRequest};
 use std::time::{Duration, Instant};
 
 const PLAY_EVERY: Duration = Duration::from_millis(220);
@@ -73,53 +72,6 @@ pub fn open_probe(model: &mut Model) {
     // Slices show the place themselves, and need the space.
     if model.document.panels.right == Visibility::Closed && !Read::of(model).shows_slice() {
         model.document.panels.right = Visibility::Auto;
-    }
-}
-
-pub(super) struct PanePictures;
-
-impl Part for PanePictures {
-    fn wants<'m>(&self, results: &'m Results) -> Vec<&'m dyn Want> {
-        results.pictures.values().map(|shown| &shown.wanted as _).collect()
-    }
-
-    fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
-        let pictures = &mut pass.model.results.pictures;
-        let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
-        for (id, ended) in
-            taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))
-        {
-            match ended.result {
-                Ok(picture) => take_picture(pass.model, id, picture),
-                Err(JobError::Cancelled) => pass.model.results.pictures.entry(id).or_default().wanted.forget(),
-                Err(error) => {
-                    pass.model.results.pictures.entry(id).or_default().problem =
-                        Some((ended.request, error.to_string()));
-                }
-            }
-        }
-        Vec::new()
-    }
-
-    /// That of the pane in focus first. Pictures that need a search wait for the end of a drag, and for a running
-    /// detection in their burst, from which they may be made.
-    fn ask(&self, pass: &mut Pass<'_>) {
-        let model = &mut *pass.model;
-        let focus = model.document.focus();
-        let mut ids = model.document.panes.shown();
-        ids.sort_by_key(|id| *id != focus);
-        for id in ids {
-            let Some(wanted) = Read::of(model).wanted(id).filter(|_| !Read::of(model).is_current(id)) else { continue };
-            let side = model.document.panes.get(id).map_or(Side::A, |pane| pane.side);
-            let waits = pass.dragging || model.results.slots[side].detecting.is_pending();
-            if !(waits && wanted.urgency() == Urgency::SlowPicture) {
-                model.results.pictures.entry(id).or_default().wanted.want(pass.engine, Some(wanted));
-            }
-        }
-    }
-
-    fn is_there(&self, model: Read<'_>) -> bool {
-        model.pictures_are_current()
     }
 }
 

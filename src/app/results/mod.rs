@@ -1,4 +1,4 @@
-//! What was found: the answers of the engine about what the document opens, a file a part, and what is missing of them.
+//! Answers of the engine about what the document opens, a file a part, and the requests for those that are missing.
 //!
 //! Nothing in this room changes what is set. Panels and panes get `Read`, whose methods are values of the document and
 //! the results; `app/apply` takes the answers and requests what is missing.
@@ -51,7 +51,7 @@ pub struct Model {
     pub shell: Shell,
 }
 
-/// What belongs to the window: the steps to undo, the project of the user while a lesson is open, and what is said.
+/// State of the window that is of no project: steps to undo, messages, its width, and the user's project during a lesson.
 #[derive(Debug, Default)]
 pub struct Shell {
     pub history: History,
