@@ -152,7 +152,7 @@ fn look_at_each(engine: &Engine, bursts: &Bursts, params: &SearchParams) -> Soak
         answer_of(engine, &mut detecting, DetectRequest { burst: burst.clone(), params: params.clone() });
         for (wanted, u) in pictures.iter_mut().zip([0.0, 1.0]) {
             let kind = PictureKind::Stack { slope: Slope::new(u, 0.0) };
-            answer_of(engine, wanted, PictureRequest::new(burst.clone(), kind, params.detector.clone()));
+            answer_of(engine, wanted, PictureRequest::new(burst.clone(), kind, params.at_given()));
         }
         assert!(engine.wait_idle(PATIENCE));
         soak.note(engine);

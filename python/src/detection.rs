@@ -11,7 +11,9 @@ use burstscope::detect::{Searched, prepare, search};
 use burstscope::detector::quantity::Place;
 use burstscope::detector::slopes::resolve;
 use burstscope::detector::view::{coverage_view, dog_view, field_view, noise_map, stack_view};
-use burstscope::detector::{Descriptor, Feature, Method, Moves, Quantity, Slope, SlopeGrid, StageTimes, Tally};
+use burstscope::detector::{
+    Descriptor, Feature, Method, Moves, Quantity, SearchParams, Slope, SlopeGrid, StageTimes, Tally,
+};
 use burstscope::error::Error;
 use burstscope::export::ExportFormat;
 use burstscope::{Burst, Detection, DetectorParams, Monitor, Plane};
@@ -136,7 +138,7 @@ impl RawDetection {
         if descriptors.len() != features.len() {
             return Err(wrong());
         }
-        let params = DetectorParams::from_toml(params_toml).map_err(PyValueError::new_err)?;
+        let params = SearchParams::from_toml(params_toml).map_err(PyValueError::new_err)?.at_given();
         let detection = Detection {
             features,
             descriptors,
@@ -156,7 +158,7 @@ impl RawDetection {
 
     /// The parameters of the search as a parameter file (TOML), with the slopes that were searched.
     fn params_toml(&self) -> String {
-        self.searched.params.to_toml()
+        SearchParams::from(self.searched.params.clone()).to_toml()
     }
 
     /// Slopes that were searched, in the grid's order.
@@ -224,24 +226,19 @@ pub(crate) fn step_picture<'py>(
     given: Given,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
-    let params = search_params(None, &given)?.detector;
+    let params = search_params(None, &given)?;
     let burst = burst.burst.clone();
     let plane = run(py, progress, move |monitor| picture(&burst, params, &asked, monitor))?;
     array_of(py, plane)
 }
 
-fn picture(
-    burst: &Burst,
-    mut params: DetectorParams,
-    asked: &StepPicture,
-    monitor: &Monitor,
-) -> Result<Plane, Failure> {
+fn picture(burst: &Burst, params: SearchParams, asked: &StepPicture, monitor: &Monitor) -> Result<Plane, Failure> {
     let slope = Slope::new(asked.slope.0, asked.slope.1);
     if !(slope.u.is_finite() && slope.v.is_finite()) {
         return Err(Failure::usage("slope: it is not finite; give pixels per frame to the right and down"));
     }
     // Only this slope is computed, so only this slope is checked.
-    params.slopes = SlopeGrid::single(slope);
+    let params = params.at(SlopeGrid::single(slope));
     if asked.kind == "merge" {
         params.validate_frames(burst.len())?;
         let merge = DetectorParams { method: Method::Merge, ..params };

@@ -3,8 +3,8 @@
 
 use crate::parameters::keyword;
 use burstscope::cli::commands::Cli;
-use burstscope::detector::DetectorParams;
 use burstscope::detector::params::{Field, Param, doc};
+use burstscope::detector::{SearchParams, SlopeGrid};
 use burstscope::matching::MatchParams;
 use burstscope::matching::params::doc as matching_doc;
 use clap::{Arg, ArgAction, Command, CommandFactory};
@@ -138,11 +138,12 @@ fn words(words: impl Iterator<Item = impl AsRef<str>>) -> String {
     format!("Literal[{}]", words.join(", "))
 }
 
-fn of_record(record: &Param<DetectorParams>) -> String {
+fn of_record(record: &Param<SearchParams>) -> String {
     if *record == doc::SLOPES {
         return "Literal[\"auto\"]".to_owned();
     }
-    of_field((record.field)(&mut DetectorParams::default()))
+    // Slopes that are found have no fields.
+    of_field((record.field)(&mut SearchParams { slopes: SlopeGrid::default().into(), ..SearchParams::default() }))
 }
 
 fn of_match_record(record: &Param<MatchParams>) -> String {
@@ -159,7 +160,7 @@ fn of_field(field: Field<'_>) -> String {
         Field::Frames(_) => "Frames".to_owned(),
         Field::Gate(_) => "Union[float, Literal[\"auto\", \"matching\", \"strict\"]]".to_owned(),
         Field::Distinct(_) => "Union[float, Literal[\"off\"]]".to_owned(),
-        Field::Text(_) | Field::Elsewhere => "str".to_owned(),
+        Field::Text(_) | Field::Slopes(..) => "str".to_owned(),
     }
 }
 

@@ -361,7 +361,7 @@ mod tests {
     use crate::app::apply::bench::{detected, feature, open};
     use crate::app::apply::{detection, opening};
     use crate::app::results::Model;
-    use crate::detector::{DetectorParams, SearchParams};
+    use crate::detector::SearchParams;
     use std::time::Duration;
 
     const EXPORTS: [ExportKind; 10] = {
@@ -429,9 +429,10 @@ mod tests {
         let mut model = Model::default();
         let burst = open((64, 48), 5);
         opening::take_burst(&mut model, burst.clone());
-        let params = DetectorParams { levels: 3, ..model.document.params.clone() };
+        let params = SearchParams { levels: 3, ..model.document.params.clone() };
         model.document.params = params.clone();
-        let features = vec![feature(10.0, 10.0, 4, &params.slopes), feature(30.0, 20.0, 2, &params.slopes)];
+        let grid = Read::of(&model).grid_of(Side::A);
+        let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 2, &grid)];
         let found = detected(&burst, &params, features);
         detection::take_detection(&mut model, Side::A, found.clone(), Duration::ZERO);
         let home = tempfile::tempdir().expect("a folder");
@@ -440,7 +441,7 @@ mod tests {
             .map(|(purpose, path)| (prepared(purpose, Read::of(&model)).expect("all is there"), path));
         // Later changes do not matter.
         opening::take_burst(&mut model, open((32, 32), 2));
-        model.document.params = DetectorParams::default();
+        model.document.params = SearchParams::default();
         for (work, path) in work {
             work(path).expect("written");
         }
@@ -448,7 +449,7 @@ mod tests {
         export::write_csv(&expected, &found.detection.features).expect("written");
         let read = |path: &Path| std::fs::read_to_string(path).expect("text");
         assert_eq!(read(&csv), read(&expected));
-        assert_eq!(SearchParams::from_toml(&read(&toml)).expect("parameters").detector.levels, 3);
+        assert_eq!(SearchParams::from_toml(&read(&toml)).expect("parameters").levels, 3);
         // A folder that is made is fine; a file in place of a folder is not.
         let nowhere = csv.join("p.toml");
         let why =

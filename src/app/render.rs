@@ -162,8 +162,7 @@ fn check_cursor(burst: &Burst, options: &RenderOptions) -> Result<(), Error> {
             format!("give 0 to {}", burst.len() - 1),
         ));
     }
-    let mut params = options.startup.params.detector.clone();
-    params.slopes = SlopeGrid::single(options.slope.unwrap_or_default());
+    let params = options.startup.params.at(SlopeGrid::single(options.slope.unwrap_or_default()));
     params.validate_for(&burst.positions, burst.size())?;
     if options.kind == ViewKind::Dog || options.octave.is_some() {
         let octave = options.octave.unwrap_or(params.first_octave);
@@ -180,7 +179,7 @@ fn place(app: &mut BurstscopeApp, options: &RenderOptions) {
         (pane.cursor.slope, pane.slope_chosen) = (slope, true);
     }
     pane.cursor.frame = options.frame.unwrap_or(pane.cursor.frame);
-    pane.cursor.octave = options.octave.unwrap_or(options.startup.params.detector.first_octave);
+    pane.cursor.octave = options.octave.unwrap_or(options.startup.params.first_octave);
     pane.cursor.level = options.level;
     params::check_params(model);
     if model.results.slots.b.burst.is_some() {

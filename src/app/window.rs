@@ -101,7 +101,6 @@ impl BurstscopeApp {
             app.run(ctx, action);
             app.journal.close(false);
         }
-        app.model.results.slots.a.usable_params = app.model.document.params.clone();
         params::check_params(&mut app.model);
         app.model.shell.history.clear();
         if let Some(path) = startup.session {

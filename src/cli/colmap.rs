@@ -12,7 +12,7 @@ use crate::dataset::{
     LeftOut, export_colmap, gather,
 };
 use crate::detector::params::doc::NOISE_GATE;
-use crate::detector::{DetectorParams, NoiseGate, SearchParams};
+use crate::detector::{NoiseGate, SearchParams};
 use crate::matching::aligned::Moved;
 use crate::matching::{CameraModel, MatchParams, PairSelection};
 use crate::requests::next_commands;
@@ -35,8 +35,7 @@ struct ColmapDocument<'a> {
 
 /// Parameters of the search where none are given: as everywhere, with the gate for matching.
 fn defaults() -> SearchParams {
-    let search = SearchParams::default();
-    SearchParams { detector: DetectorParams { noise_gate: NoiseGate::Matching, ..search.detector }, ..search }
+    SearchParams { noise_gate: NoiseGate::Matching, ..SearchParams::default() }
 }
 
 fn gate_help(arg: Arg) -> Arg {

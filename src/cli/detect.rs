@@ -127,7 +127,7 @@ pub(super) fn detect_burst(
     let advice = explain(&detection, &params, burst.size());
     let times = [open_secs, slopes_secs, write_secs];
     let report = BurstReport::new(&name, paths, &burst, &detection, files, finding, judged, advice, times);
-    console.say(&summary(&report, &job.params.detector))?;
+    console.say(&summary(&report, &job.params.at_given()))?;
     Ok((report, burst, detection))
 }
 
@@ -136,7 +136,7 @@ mod tests {
     use super::*;
     use crate::burst::{Mosaic, RawColour};
     use crate::cli::commands::{Cli, Command};
-    use crate::detector::{DetectorParams, Distinct, NoiseGate, Rules, Slope, SlopeChoice, SlopeGrid};
+    use crate::detector::{Distinct, NoiseGate, Rules, Slope, SlopeGrid, Slopes};
     use crate::requests::detect_line;
     use clap::Parser;
 
@@ -181,16 +181,14 @@ mod tests {
             "burstscope detect demo --out features"
         );
         let (_, everything) = crate::cli::search_options::tests::everything();
-        let line = |degrees| SearchParams {
-            slopes: SlopeChoice::Auto { direction_deg: Some(degrees) },
-            ..SearchParams::default()
-        };
-        let strict = DetectorParams { noise_gate: NoiseGate::Strict, ..DetectorParams::default() };
-        let apart = DetectorParams { distinct: Distinct::Radius(1.4), ..DetectorParams::default() };
-        let still = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..DetectorParams::default() };
-        let paper = DetectorParams { levels: 5, ..DetectorParams::default().under(Rules::BUFF) };
-        let cases: [SearchParams; 7] =
-            [plain, everything.into(), line(-12.5), strict.into(), apart.into(), still.into(), paper.into()];
+        let line =
+            |degrees| SearchParams { slopes: Slopes::Auto { direction_deg: Some(degrees) }, ..SearchParams::default() };
+        let given = SearchParams { slopes: SlopeGrid::default().into(), ..plain.clone() };
+        let strict = SearchParams { noise_gate: NoiseGate::Strict, ..given.clone() };
+        let apart = SearchParams { distinct: Distinct::Radius(1.4), ..given.clone() };
+        let still = SearchParams { slopes: SlopeGrid::single(Slope::default()).into(), ..given.clone() };
+        let paper = SearchParams { levels: 5, ..given.under(Rules::BUFF) };
+        let cases: [SearchParams; 7] = [plain, everything, line(-12.5), strict, apart, still, paper];
         let calibration = OpenOptions {
             bias: Some("dark frames/b.tiff".into()),
             full_scale: Some(4095.0),

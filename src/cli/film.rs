@@ -7,7 +7,7 @@ use super::probe::{check_inside, parse_place};
 use crate::app::figure::rasterise;
 use crate::detect::search;
 use crate::detector::scale_space::searched_octaves;
-use crate::detector::{Method, Slope};
+use crate::detector::{Method, SearchParams, Slope};
 use crate::export::film::{estimated_film_bytes, is_film};
 use crate::files::path_text;
 use crate::requests::{BurstSource, Film, FilmPlace, OpenBurst, Sweep};
@@ -74,11 +74,11 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let OneBurst { console, input, options, rules } =
         args.run.begin("film", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.1))?;
-    params.detector.validate_for(&burst.positions, burst.size())?;
+    params.at_given().validate_for(&burst.positions, burst.size())?;
     let source = BurstSource::Paths(input.paths().to_vec());
     let mut film = Film {
         burst: OpenBurst::new(burst, source),
-        params: params.detector.clone(),
+        params: params.at_given(),
         sweep: args.sweep,
         slope: args.slope,
         detection: None,
@@ -86,8 +86,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         max_side_px: args.max_side as usize,
     };
     if !args.no_features {
-        let mut params = params;
-        params.detector.method = Method::Buff;
+        let params = SearchParams { method: Method::Buff, ..params };
         let searched = search(&film.burst.burst, &params, &console.monitor.part(0.1, 0.3))?;
         (film.params, film.detection) = (searched.params, Some(Arc::new(searched.detection)));
     }

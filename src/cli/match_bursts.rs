@@ -83,7 +83,8 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     }
     console.begin("matches: ".to_owned());
     let [(report_a, burst_a, a), (report_b, burst_b, b)] = &found[..] else { unreachable!("two inputs") };
-    let of = |burst, detection| DetectedBurst { burst, params: &params.detector, detection };
+    let searched = params.at_given();
+    let of = |burst, detection| DetectedBurst { burst, params: &searched, detection };
     let result = match_bursts([of(burst_a, a), of(burst_b, b)], &matching, &console.monitor)?;
     let figure = MatchFigure { pictures: args.images, matches: args.drawn, width_mm: args.width };
     let drawing = figure.drawing([of(burst_a, a), of(burst_b, b)], &result, &console.monitor.silent())?;

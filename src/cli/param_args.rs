@@ -38,7 +38,7 @@ pub(super) fn option<P: Default + 'static>(record: Param<P>) -> Arg {
     let negative = record.bounds.is_some_and(|bounds| *bounds.span().start() < 0.0);
     let mut default = P::default();
     let field = (record.field)(&mut default);
-    let hyphens = negative || matches!(field, Field::Axis(_));
+    let hyphens = negative || matches!(field, Field::Axis(_) | Field::Slopes(..));
     match field.words() {
         Some(words) => arg.value_parser(PossibleValuesParser::new(words.iter().map(|(word, _)| *word))),
         None => arg

@@ -6,7 +6,6 @@ use super::failure::Failure;
 use super::inputs::{OneBurst, check_ending};
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use crate::burst::Positions;
-use crate::detector::SlopeChoice;
 use crate::error::Error;
 use crate::export::write_text;
 use crate::files::mark::Kind;
@@ -92,7 +91,7 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
             Failure::usage("slopes: name a burst, or give the set-up with --speed, --fps, --focal-px and --depth")
         })?;
         let console = Console::new(&args.run.output)?;
-        let slopes = SetUpArgs::slopes(&set_up, &Positions::even(args.set_up.frame_count), &params.detector)?;
+        let slopes = SetUpArgs::slopes(&set_up, &Positions::even(args.set_up.frame_count), &params.at_given())?;
         return say_slopes(&console, &set_up, &slopes);
     }
     if let Some(path) = &args.plot {
@@ -103,11 +102,10 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
     let mut asked = None;
     if let Some(set_up) = &set_up {
-        let positions = burst.positions.part(params.detector.used_frames(burst.len()));
-        let slopes = SetUpArgs::slopes(set_up, &positions, &params.detector)?;
+        let positions = burst.positions.part(params.used_frames(burst.len()));
+        let slopes = SetUpArgs::slopes(set_up, &positions, &params.at_given())?;
         if params.slopes.is_auto() {
-            params.detector.slopes = slopes.grid;
-            params.slopes = SlopeChoice::Given;
+            params.slopes = slopes.grid.into();
         }
         asked = Some(slopes);
     }

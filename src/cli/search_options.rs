@@ -5,8 +5,8 @@
 
 use super::failure::Failure;
 use super::param_args::{Given, option};
+use crate::detector::SearchParams;
 use crate::detector::params::{AUTO, Param, doc};
-use crate::detector::{DetectorParams, SearchParams};
 use crate::export::case::{is_case, read_about};
 use crate::files::{MAX_SETTINGS_BYTES, explained, read_text};
 use anyhow::Context;
@@ -27,7 +27,7 @@ const HEADING: &str = "Search options";
 #[derive(Debug, Clone, Default)]
 pub struct SearchArgs {
     pub file: ParamsFileArg,
-    given: Given<DetectorParams>,
+    given: Given<SearchParams>,
 }
 
 impl Args for SearchArgs {
@@ -97,7 +97,7 @@ impl SearchArgs {
         Ok(self.file.read_or(defaults)?.with_texts(given)?)
     }
 
-    pub fn gives(&self, record: &Param<DetectorParams>) -> bool {
+    pub fn gives(&self, record: &Param<SearchParams>) -> bool {
         self.given.has(record)
     }
 }

@@ -21,9 +21,8 @@ use serde_json::json;
 
 pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     let Some(slope) = args.slope else { return run_field(args) };
-    let mut params = args.run.search.params()?.detector;
     // Only this slope is computed, so only this slope is checked.
-    params.slopes = SlopeGrid::single(slope);
+    let params = args.run.search.params()?.at(SlopeGrid::single(slope));
     check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
     let OneBurst { console, input, options, rules } =
         args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
@@ -114,7 +113,8 @@ const NO_FIELD_FILE: &str =
     "--out: the field of motion is written as TIFF, PFM or NPZ; name the file .tiff, .pfm or .npz";
 
 pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
-    let params = DetectorParams { method: Method::Merge, frames: args.frames, ..DetectorParams::default() };
+    let params: DetectorParams =
+        DetectorParams { method: Method::Merge, frames: args.frames, ..DetectorParams::default() };
     params.validate()?;
     check_ending(&args.out, &["tif", "tiff"], NO_TIFF)?;
     let console = Console::new(&args.output)?;

@@ -6,7 +6,7 @@ use super::failure::Failure;
 use super::inputs::check_ending;
 use super::search_options::SearchArgs;
 use crate::detector::params::doc;
-use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
+use crate::detector::{DetectorParams, SlopeGrid, Slopes};
 use crate::evaluate::{BurstMethod, ChartStudy, Searches};
 use crate::export::{OutputRules, write_text};
 use crate::files::mark::Kind;
@@ -31,16 +31,16 @@ pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Resul
 }
 
 fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<Searched, Failure> {
-    let SearchParams { detector, slopes } = search.params()?;
+    let params = search.params()?;
     let asked = [doc::SLOPES, doc::SLOPE_DIRECTION];
-    if let Some(doc) = asked.iter().find(|record| search.gives(record) && slopes.is_auto() && !may_find) {
+    if let Some(doc) = asked.iter().find(|record| search.gives(record) && params.slopes.is_auto() && !may_find) {
         return Err(Failure::usage(format!("--{}: {remedy}", doc.name)));
     }
-    let (slopes, direction_deg) = match slopes {
-        SlopeChoice::Given => (Some(detector.slopes), None),
-        SlopeChoice::Auto { direction_deg } => (None, direction_deg),
+    let (slopes, direction_deg) = match params.slopes {
+        Slopes::Given(grid) => (Some(grid), None),
+        Slopes::Auto { direction_deg } => (None, direction_deg),
     };
-    Ok(Searched { detector, slopes, direction_deg })
+    Ok(Searched { detector: params.at(slopes.unwrap_or_default()), slopes, direction_deg })
 }
 
 pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {

@@ -10,7 +10,7 @@ use crate::dataset::{DetectedBurst, match_bursts};
 use crate::detect;
 use crate::detect::Searched;
 use crate::detector::params::doc;
-use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeFinding};
+use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeAxis, SlopeFinding, Slopes};
 use crate::error::Error;
 use crate::files::shell_word;
 use crate::inspect::ProbeCache;
@@ -94,7 +94,7 @@ impl Detected {
     /// `detection` of the first slope of the search that was `asked` for. Its parameters are those of a search of that
     /// slope alone.
     fn of_first_slope(burst: BurstId, asked: &SearchParams, detection: Detection) -> Self {
-        let params = DetectorParams { slopes: detection.slopes, ..asked.detector.clone() };
+        let params = asked.at(detection.slopes);
         let (asked, searched) = (SearchParams::from(params.clone()), params.clone());
         let (search_secs, detection) = (detection.times.total_secs(), Arc::new(detection));
         Self { burst, asked, params, searched, search_secs, finding: None, detection, judgement: None }
@@ -192,12 +192,11 @@ pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenO
 
 fn options(params: &SearchParams) -> Vec<(String, Option<String>)> {
     let mut options = Vec::new();
-    let grid = &params.detector.slopes;
     match params.slopes {
-        SlopeChoice::Auto { direction_deg } => {
+        Slopes::Auto { direction_deg } => {
             options.extend(direction_deg.map(|degrees| (doc::SLOPE_DIRECTION.name, degrees.to_string())));
         }
-        SlopeChoice::Given => {
+        Slopes::Given(grid) => {
             options.push((doc::SLOPES_U.name, grid.u.to_string()));
             if grid.v != SlopeAxis::ZERO {
                 options.push((doc::SLOPES_V.name, grid.v.to_string()));
@@ -207,10 +206,10 @@ fn options(params: &SearchParams) -> Vec<(String, Option<String>)> {
             }
         }
     }
-    let implied = DetectorParams::implied_by(params.detector.rules);
+    let implied = SearchParams::implied_by(params.rules);
     let said = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
     for record in doc::ALL.iter().filter(|record| !said.contains(record)) {
-        let own = record.text(&params.detector);
+        let own = record.text(params);
         if own != record.text(&implied) {
             options.push((record.name, own));
         }

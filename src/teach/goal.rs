@@ -74,7 +74,7 @@ pub enum Wanted {
     Word(String),
 }
 
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone)]
 pub struct Situation<'a> {
     pub slope: Slope,
     /// Content of the focused picture; `None` where it is made of several.
@@ -89,7 +89,7 @@ pub struct Situation<'a> {
     pub selected: bool,
     /// Probed place, pixels at mid-burst, once its answer is there.
     pub probe: Option<[f32; 2]>,
-    pub params: &'a DetectorParams,
+    pub params: DetectorParams,
     pub matching: &'a MatchParams,
     pub tab: Option<BottomTab>,
     pub workspace: Workspace,
@@ -144,7 +144,7 @@ impl Goal {
         if self.params.is_empty() {
             return true;
         }
-        let (detector, matching) = (table_of(now.params), table_of(now.matching));
+        let (detector, matching) = (table_of(&now.params), table_of(now.matching));
         self.params.iter().all(|(name, wanted)| {
             let value = detector.get(name.as_str()).or_else(|| matching.get(name.as_str()));
             value.is_some_and(|value| wanted.is_met(value))
@@ -200,7 +200,7 @@ mod tests {
             features: Some(40),
             selected: false,
             probe: Some([100.0, 50.0]),
-            params: &params,
+            params,
             matching: &matching,
             tab: Some(BottomTab::Tally),
             workspace: Workspace::Inspect,

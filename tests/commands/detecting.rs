@@ -203,11 +203,11 @@ fn slopes_are_found_unless_they_are_given() {
 #[test]
 fn a_parameter_file_is_read_and_options_override_it() {
     let home = tempfile::tempdir().expect("a folder");
-    let params = burstscope::DetectorParams {
-        slopes: burstscope::SlopeGrid::line(-2.0..=2.0, 5),
+    let params = burstscope::detector::SearchParams {
+        slopes: burstscope::SlopeGrid::line(-2.0..=2.0, 5).into(),
         levels: 2,
         max_features: 50,
-        ..burstscope::DetectorParams::default()
+        ..Default::default()
     };
     std::fs::write(home.path().join("p.toml"), params.to_toml()).expect("written");
     let text = run_well(
@@ -216,7 +216,7 @@ fn a_parameter_file_is_read_and_options_override_it() {
     );
     let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let read: burstscope::DetectorParams = serde_json::from_value(json["params"].clone()).expect("parameters");
-    assert_eq!(read, burstscope::DetectorParams { max_features: 20, ..params });
+    assert_eq!(read, burstscope::DetectorParams { max_features: 20, ..params.at_given() });
     assert_eq!(features(&home.path().join("found").join("demo.csv")).len(), 20);
     std::fs::write(home.path().join("bad.toml"), "peak_treshold = 1.0").expect("written");
     let error = run_badly(home.path(), &["detect", "demo", "--out", "x", "--params", "bad.toml"], 2);

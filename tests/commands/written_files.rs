@@ -111,7 +111,7 @@ fn taken(passes: &[(Action, bool)]) -> Journal {
 
 fn search(edge_threshold: f32) -> Action {
     let mut params = SearchParams::default();
-    params.detector.edge_threshold = edge_threshold;
+    params.edge_threshold = edge_threshold;
     Action::SetSearch(Box::new(params))
 }
 

@@ -5,7 +5,7 @@ use crate::support::{Start, Window};
 use burstscope::app::document::side::Side;
 use burstscope::app::results::Read;
 use burstscope::burst::TimesChoice;
-use burstscope::detector::{FrameRange, SearchParams, SlopeChoice};
+use burstscope::detector::{FrameRange, SearchParams, SlopeGrid, Slopes};
 use burstscope::inspect::verdict::Verdict;
 use burstscope::requests::BurstSource;
 use egui::Key;
@@ -63,14 +63,14 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
     assert!(is_masked(&window));
     let model = &mut window.app_mut().model;
     model.document.params.frames = Some(FrameRange { start: 1, end: 3 });
-    model.document.slopes = SlopeChoice::Given;
+    model.document.params.slopes = SlopeGrid::line(-2.0..=2.0, 5).into();
     model.document.filter.verdict = Some(Verdict::Ghost);
-    let search = model.document.search();
+    let search = model.document.params.clone();
     // The same burst again keeps all.
     open(&mut window, &slider);
     assert!(
         is_masked(&window)
-            && window.app().model.document.search() == search
+            && window.app().model.document.params == search
             && !window.app().model.document.filter.is_open()
     );
     assert!(!window.shows("not used here"));
@@ -78,8 +78,8 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
     let model = &window.app().model;
     assert!(!is_masked(&window), "the mask of another burst");
     assert_eq!(
-        (model.document.calibration.mask.clone(), model.document.params.frames, model.document.slopes),
-        (None, None, SlopeChoice::AUTO)
+        (model.document.calibration.mask.clone(), model.document.params.frames, model.document.params.slopes),
+        (None, None, Slopes::AUTO)
     );
     assert!(model.document.filter.is_open());
     assert!(window.shows("The mask, frames used, slopes and filter of slider are not used here."));
@@ -88,8 +88,8 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
     let model = &window.app().model;
     assert!(
         is_masked(&window)
-            && model.document.search().slopes == search.slopes
-            && model.document.params.frames == search.detector.frames
+            && model.document.params.slopes == search.slopes
+            && model.document.params.frames == search.frames
     );
     assert!(!model.document.filter.is_open() && !window.shows("not used here"));
     // Back again without it, and for good.

@@ -125,13 +125,13 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
 
     // Other parameters find nothing done, and the folder's own parameters can be taken.
     let mut other = start(source);
-    other.startup.params.detector.edge_threshold *= 1.5;
+    other.startup.params.edge_threshold *= 1.5;
     let mut other = other.open();
     assert_eq!(features(&other), [None; 3]);
     assert!(other.shows("The folder has features found with other parameters"));
     other.click("Use those");
     other.settle();
-    assert_eq!((features(&other), &other.app().model.document.params), (found, &params));
+    assert_eq!((features(&other), &other.app().model.document.params), (found, &params.clone().into()));
     other.app_mut().model.document.params.edge_threshold *= 2.0;
     other.settle();
     assert!(other.shows("The parameters changed"));
@@ -184,7 +184,7 @@ fn harmful_files_of_a_dataset_lose_their_bursts_alone() {
 fn what_is_done_stays_when_it_is_cancelled() {
     let home = tempfile::tempdir().unwrap();
     let mut start = start(walk(home.path()));
-    start.startup.params.detector.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
+    start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17).into();
     let mut window = start.open();
     window.click("Detect all");
     window.wait("the first burst is done", |app| {

@@ -3,7 +3,7 @@
 use crate::support::{Start, noisy_stack};
 use burstscope::app::document::look::FeaturesShown;
 use burstscope::app::results::Read;
-use burstscope::detector::{Method, Quantity, SlopeGrid};
+use burstscope::detector::{Method, Quantity, SlopeAxis, SlopeGrid};
 use burstscope::inspect::words::counted;
 use egui::Key;
 use egui::accesskit::Role;
@@ -17,7 +17,8 @@ fn detect_finds_what_the_detector_finds() {
     window.settle();
     let model = &window.app().model;
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let expected = burstscope::detect(burst, &model.document.params, &burstscope::Monitor::default()).unwrap();
+    let expected =
+        burstscope::detect(burst, &model.document.params.at_given(), &burstscope::Monitor::default()).unwrap();
     assert_eq!(Read::of(model).features(), expected.features);
     assert!(window.shows(&format!("{} in", counted(expected.features.len(), "feature"))));
 }
@@ -87,7 +88,7 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
 #[test]
 fn nothing_found_says_which_setting_to_change() {
     let mut start = Start::without_auto_detect();
-    start.startup.params.detector.peak_threshold = 0.5;
+    start.startup.params.peak_threshold = 0.5;
     let mut window = start.open();
     window.click("Detect");
     window.settle();
@@ -103,7 +104,7 @@ fn nothing_found_says_which_setting_to_change() {
 fn a_detection_is_cancelled_and_the_window_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let mut start = Start::of(&noisy_stack(folder.path(), 12, 700, 900));
-    start.startup.params.detector.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17);
+    start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17).into();
     let mut window = start.open();
     window.click("Detect");
     window.wait("the detection runs", |app| app.model.results.slots.a.detecting.is_pending());
@@ -150,7 +151,8 @@ fn with_the_switch_on_a_change_is_detected_by_itself() {
 #[test]
 fn a_parameter_that_makes_no_sense_says_so_and_can_be_reset() {
     let mut window = Start::default().open();
-    window.app_mut().model.document.params.slopes.u.count = 0;
+    let none = SlopeGrid { u: SlopeAxis { count: 0, ..SlopeAxis::ZERO }, ..SlopeGrid::default() };
+    window.app_mut().model.document.params.slopes = none.into();
     window.settle();
     assert!(window.shows("the count is 0: give at least 1 slope"));
     assert!(window.shows("the parameters are invalid"));

@@ -56,7 +56,7 @@ pub fn open_with(start: Start) -> Window {
 /// Start of a window of `size` points on the given slopes.
 pub fn at_slopes(size: [f32; 2], slopes: SlopeGrid) -> Start {
     let mut startup = given();
-    startup.params.detector.slopes = slopes;
+    startup.params.slopes = slopes.into();
     Start { size, startup, ..Start::default() }
 }
 
@@ -65,7 +65,7 @@ pub fn at_slopes(size: [f32; 2], slopes: SlopeGrid) -> Start {
 pub fn with_features(mut window: Window) -> Window {
     let model = &mut window.app_mut().model;
     let asked = Read::of(model).asked();
-    let slopes: Vec<Slope> = asked.detector.slopes.slopes().collect();
+    let slopes: Vec<Slope> = asked.at_given().slopes.slopes().collect();
     let features = DISCS.iter().enumerate().map(|(i, &[u, v, radius, slope])| Feature {
         u,
         v,
@@ -100,14 +100,14 @@ pub fn with_features(mut window: Window) -> Window {
         noise: Arc::new(NoiseModel::white(0.004)),
         field: None,
         noise_gate_factor: 5.0,
-        slopes: asked.detector.slopes,
+        slopes: asked.at_given().slopes,
         frames_used: 0..FRAMES,
         positions: Positions::even(FRAMES),
         octaves: 0..5,
         times: Default::default(),
     });
     let burst = Read::of(model).burst_of(Side::A).expect("it is open").id;
-    let (params, searched) = (asked.detector.clone(), asked.detector.clone());
+    let (params, searched) = (asked.at_given(), asked.at_given());
     let detected =
         Detected { burst, asked, params, searched, search_secs: 0.1, finding: None, detection, judgement: None };
     model.document.bottom_tab = BottomTab::Tally;

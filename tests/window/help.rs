@@ -5,7 +5,7 @@ use crate::flat;
 use crate::probe::answer;
 use crate::steps_back::copied;
 use crate::support::{Start, Window};
-use burstscope::detector::{NoiseGate, SlopeChoice, Test};
+use burstscope::detector::{NoiseGate, Test};
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
 use burstscope::inspect::suspicion::Kind;
 use burstscope::requests::BurstSource;
@@ -28,7 +28,7 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     let mut window = example(Example::LowContrast);
     let place = Example::LowContrast.place();
     assert_eq!(answer(&window).probe.pos_image, place);
-    assert_eq!(window.app().model.document.slopes, SlopeChoice::Given);
+    assert!(!window.app().model.document.params.slopes.is_auto());
     assert!(window.shows("Nothing was kept here") && window.shows("Below the noise gate"), "it is said at once");
     let first = answer(&window).probe.subject_fate().expect("a candidate").remedy.clone().expect("a remedy");
     assert!(window.shows(&first.change.label()) && first.then_fails.is_none(), "and what would keep it");
@@ -63,7 +63,7 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     // Another burst is searched at slopes that are found in it.
     window.run_action("open demo burst");
     window.settle();
-    assert!(window.app().model.document.slopes.is_auto() && window.app().read().probed_place().is_none());
+    assert!(window.app().model.document.params.slopes.is_auto() && window.app().read().probed_place().is_none());
 }
 
 #[test]
@@ -89,7 +89,7 @@ fn the_garlands_open_on_an_alias_with_its_evidence() {
     assert_eq!(answer(&window).probe.pos_image, Example::Aliasing.place());
     // With other slopes and octaves the probe answers too.
     let mut start = Start::default();
-    start.startup.params.detector.first_octave = 1;
+    start.startup.params.first_octave = 1;
     start.startup.source = Some(BurstSource::Example(Example::Aliasing));
     assert_eq!(answer(&start.open()).probe.pos_image, Example::Aliasing.place());
 }

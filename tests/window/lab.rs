@@ -135,7 +135,7 @@ fn one_click_gives_every_method_the_same_false_rate() {
     let model = &window.app().model;
     assert_eq!(model.document.methods.same_false_rate, None);
     // The search keeps that of its own method, which one step back takes away.
-    let own = of(MethodId::of_search(&model.document.params).of_studies());
+    let own = of(MethodId::of_search(&Read::of(model).params_of(Side::A)).of_studies());
     assert_eq!(Read::of(model).method_params(sift, Side::A).peak_threshold, own);
     window.run_action("undo");
     assert_eq!(window.app().model.document.params.peak_threshold, before);

@@ -130,7 +130,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
             window.click("BuFF 2D");
         } else {
             let axis = fields(window, "Slopes u");
-            let rows = window.app().model.document.params.slopes.v.count as f64;
+            let rows = window.app().read().grid_of(Side::A).v.count as f64;
             set(window, axis[2], (f64::from(slopes.min) / rows).ceil());
         }
     }

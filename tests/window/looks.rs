@@ -49,7 +49,7 @@ fn selected_feature() {
 #[test]
 fn parameter_error() {
     let mut window = flat::with_features(flat::open(PLAIN));
-    window.app_mut().model.document.params.slopes = SlopeGrid::line(3.0..=-3.0, 7);
+    window.app_mut().model.document.params.slopes = SlopeGrid::line(3.0..=-3.0, 7).into();
     window.snapshot("flat/parameter_error");
 }
 

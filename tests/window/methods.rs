@@ -29,7 +29,7 @@ fn each_method_finds_what_the_library_finds() {
     let burst = model.results.slots.a.burst.as_ref().unwrap().burst.clone();
     for method in [MethodId::Sift, MethodId::Merge, MethodId::Buff1d, MethodId::Buff2d] {
         let found = Read::of(model).method_found(method, Side::A).unwrap();
-        let expected = detect(&burst, &method.params(&model.document.params), &Monitor::default()).unwrap();
+        let expected = detect(&burst, &method.params(&model.document.params.at_given()), &Monitor::default()).unwrap();
         assert_eq!(found.detection.features, expected.features, "{method:?}");
         assert!(window.shows(&format!("{}  ·  {}", method.label(), counted(expected.features.len(), "feature"))));
         let name = format!("A: {}", method.label());
@@ -96,7 +96,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let [stack, dog] = pane(&window, MethodId::Buff1d)[..] else { panic!("two panes") };
     let model = &window.app().model;
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let params = MethodId::Buff1d.params(&model.document.params);
+    let params = MethodId::Buff1d.params(&model.document.params.at_given());
     let plane = |id| Read::of(model).picture_in(id).unwrap().plane.clone();
     let cursor = model.document.panes.get(dog).unwrap().cursor;
     let monitor = Monitor::default();
@@ -107,7 +107,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     // The other panes switched to the DoG of their inputs.
     let [sift] = pane(&window, MethodId::Sift)[..] else { panic!("one pane") };
     let model = &window.app().model;
-    let params = MethodId::Sift.params(&model.document.params);
+    let params = MethodId::Sift.params(&model.document.params.at_given());
     let plane = Read::of(model).picture_in(sift).unwrap().plane.clone();
     let expected = dog_view(burst_of(&window), &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
     assert_eq!(*plane, expected);

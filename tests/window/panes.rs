@@ -56,7 +56,7 @@ fn every_kind_of_picture_is_what_the_library_makes() {
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let planes: Vec<_> =
         shown(&window).iter().map(|id| Read::of(model).picture_in(*id).unwrap().plane.clone()).collect();
-    let (cursor, params, monitor) = (*model.document.cursor(), &model.document.params, Monitor::default());
+    let (cursor, params, monitor) = (*model.document.cursor(), &model.document.params.at_given(), Monitor::default());
     assert_eq!(planes[0], burst.frames[cursor.frame]);
     assert_eq!(*planes[1], stack_view(burst, params, cursor.slope, &monitor).unwrap());
     assert_eq!(*planes[2], dog_view(burst, params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap());
@@ -124,7 +124,8 @@ fn a_strip_moves_as_one_until_a_pane_is_let_go() {
     let model = &window.app().model;
     let last = Read::of(model).picture_in(shown(&window)[0]).unwrap();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let expected = stack_view(burst, &model.document.params, Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
+    let expected =
+        stack_view(burst, &model.document.params.at_given(), Slope::new(-0.5, 0.0), &Monitor::default()).unwrap();
     assert_eq!(*last.plane, expected);
 }
 

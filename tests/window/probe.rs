@@ -184,7 +184,7 @@ fn the_probe_is_to_be_read_on_a_light_ground_too() {
 #[test]
 fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
     let mut start = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() };
-    start.startup.params.detector.peak_threshold = 0.5;
+    start.startup.params.peak_threshold = 0.5;
     let mut window = start.open();
     window.click("Detect");
     window.settle();
@@ -412,7 +412,7 @@ fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
     assert_eq!(*shown, decoys(&cache.trail, &DecoyStudy::default(), &Monitor::default()).unwrap());
     assert!(shown.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.sentence())));
     // Other parameters are another search, whose decoys nobody asked for.
-    window.app_mut().model.document.params.slopes = SlopeGrid::line(-2.0..=2.0, 9);
+    window.app_mut().model.document.params.slopes = SlopeGrid::line(-2.0..=2.0, 9).into();
     window.settle();
     assert!(window.app().read().stale().is_some() && !window.shows("Decoys: "));
     press(&mut window, "False rate…");

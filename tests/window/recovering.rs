@@ -6,7 +6,7 @@ use burstscope::app::document::export::FilmContent;
 use burstscope::app::results::Read;
 use burstscope::app::session::Session;
 use burstscope::app::view::ColourBy;
-use burstscope::detector::{DetectorParams, NoiseGate, Quantity, SlopeChoice, SlopeGrid};
+use burstscope::detector::{DetectorParams, NoiseGate, Quantity, SlopeGrid};
 use burstscope::export::case::{Case, Enclosed, read_session, read_truth, write_case};
 use burstscope::inspect::set_up::SetUp;
 use burstscope::requests::BurstSource;
@@ -46,7 +46,7 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     let model = &window.app().model;
     let (burst, params) = small();
     assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.frames, burst.frames);
-    assert_eq!((model.document.params.slopes, model.document.slopes), (params.slopes, SlopeChoice::Given));
+    assert_eq!(model.document.params.slopes, params.slopes.into());
     assert_eq!(Read::of(model).probed_place(), Some([120.0, 90.0]));
     // Another ending is refused, as the file could not be opened again.
     window.dialogs.will_choose(home.path().join("again.png"));
@@ -60,7 +60,7 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     window.wait("it is written", |_| again.is_file());
     window.settle();
     let read = burstscope::export::case::read_about(&again).expect("a case");
-    assert_eq!((read.place, read.search.detector.slopes), (Some([120.0, 90.0]), params.slopes));
+    assert_eq!((read.place, read.search.slopes), (Some([120.0, 90.0]), params.slopes.into()));
 }
 
 #[test]
@@ -98,7 +98,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     assert_eq!((model.document.params.edge_threshold, model.document.lab.planted.copies), (8.0, 3));
     assert_eq!(Read::of(model).probed_place(), Some([120.0, 90.0]));
     let pinned = model.document.comparisons.a.pinned.as_ref();
-    assert!(pinned.is_some_and(|pinned| pinned.detector.edge_threshold != 8.0));
+    assert!(pinned.is_some_and(|pinned| pinned.edge_threshold != 8.0));
     assert_eq!(model.document.comparisons, was.document.comparisons);
     let shown = model.results.slots.a.comparison.shown.as_ref().expect("compared with the pinned result");
     assert_eq!(shown.summary, was.results.slots.a.comparison.shown.as_ref().expect("compared").summary);
@@ -241,14 +241,14 @@ fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
             .document
             .set_up
             .values
-            .slopes(&Read::of(model).used_positions(), &model.document.params)
+            .slopes(&Read::of(model).used_positions(), &model.document.params.at_given())
             .expect("valid")
             .grid
     };
     window.harness.get_by_role_and_label(Role::Button, "Apply set-up").click();
     window.harness.run_steps(3);
     let model = &window.app().model;
-    assert_eq!((model.document.params.slopes, model.document.slopes), (expected, SlopeChoice::Given));
+    assert_eq!(model.document.params.slopes, expected.into());
 }
 
 #[test]

@@ -4,6 +4,7 @@ use crate::datasets::{click_burst, start, walk};
 use crate::support::{Start, Window};
 use burstscope::Monitor;
 use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::side::Side;
 use burstscope::app::results::Read;
 use burstscope::app::results::datasets::BurstState;
 use burstscope::detector::Slope;
@@ -24,7 +25,7 @@ fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let slope = Slope::new(model.document.cursor().slope.u, 0.0);
     assert!((slope.u - 1.37).abs() < 1e-6, "slopes between the grid's are shown");
-    let expected = stack_view(burst, &model.document.params, slope, &Monitor::default()).unwrap();
+    let expected = stack_view(burst, &model.document.params.at_given(), slope, &Monitor::default()).unwrap();
     assert_eq!(*after.plane, expected);
     assert!(window.shows("slope (1.37, 0.00) px/frame"));
 }
@@ -58,7 +59,7 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected = dog_view(
         burst,
-        &model.document.params,
+        &model.document.params.at_given(),
         model.document.cursor().slope,
         1,
         model.document.cursor().level,
@@ -120,7 +121,7 @@ fn playing_runs_through_the_slopes_until_it_is_paused() {
     window.wait("a third slope", |app| {
         app.model.document.cursor().slope != first && app.model.document.cursor().slope != second
     });
-    assert!(window.app().model.document.params.slopes.slopes().any(|s| s == second), "the grid's slopes are played");
+    assert!(window.app().read().grid_of(Side::A).slopes().any(|s| s == second), "the grid's slopes are played");
     window.click("⏸ Pause");
     assert!(!window.app().model.document.playing);
 }
@@ -172,7 +173,7 @@ fn a_burst_without_features_is_not_marked_as_good() {
     assert!(has_green_mark(&mut window, "Burst frame_002: "), "with features it is");
     let other = tempfile::tempdir().unwrap();
     let mut strict = start(walk(other.path()));
-    strict.startup.params.detector.peak_threshold = 0.9;
+    strict.startup.params.peak_threshold = 0.9;
     let mut window = detected(strict);
     assert!(window.shows("Burst frame_002: no features") && window.shows("3 bursts, 3 done"));
     assert!(!has_green_mark(&mut window, "Burst frame_002: no features"));

@@ -9,7 +9,7 @@ use burstscope::app::document::cursor::slope_limit;
 use burstscope::app::document::side::Side;
 use burstscope::app::results::Read;
 use burstscope::app::session::Session;
-use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid, SlopeVerdict};
+use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid, SlopeVerdict, Slopes};
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::verdict::judged;
 use burstscope::synth::random::Stream;
@@ -21,7 +21,11 @@ use ndarray::Array3;
 use std::path::{Path, PathBuf};
 
 fn grid(window: &Window) -> SlopeGrid {
-    window.app().model.document.params.slopes
+    window.app().read().grid_of(Side::A)
+}
+
+fn is_auto(window: &Window) -> bool {
+    window.app().model.document.params.slopes.is_auto()
 }
 
 #[test]
@@ -30,7 +34,7 @@ fn the_demo_opens_with_its_slopes_found_and_shown() {
     let model = &window.app().model;
     let found = model.results.slots.a.found.as_ref().unwrap();
     let finding = found.finding.as_ref().unwrap();
-    assert_eq!((model.document.slopes, finding.verdict), (SlopeChoice::AUTO, SlopeVerdict::Found));
+    assert!(is_auto(&window) && finding.verdict == SlopeVerdict::Found);
     assert_eq!((grid(&window), found.params.slopes), (finding.grid, finding.grid));
     assert!(finding.grid.is_plane() && Read::of(model).stale().is_none());
     let (u, v) = (finding.grid.u, finding.grid.v);
@@ -50,18 +54,18 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     let found = grid(&window);
     window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
     window.settle();
-    assert_eq!((window.app().model.document.slopes, grid(&window)), (SlopeChoice::Given, found));
+    assert_eq!((is_auto(&window), grid(&window)), (false, found));
     assert!(window.app().model.results.slots.a.found.as_ref().unwrap().finding.is_none());
     window.click("Reset Slopes");
     window.settle();
-    assert_eq!((window.app().model.document.slopes, grid(&window)), (SlopeChoice::AUTO, found));
+    assert_eq!((is_auto(&window), grid(&window)), (true, found));
     // A range edited by hand is given. Those that are found have no fields.
     assert!(window.harness.query_by_role_and_label(Role::SpinButton, "Slopes v").is_none());
     window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
     window.settle();
     window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
     window.settle();
-    assert_eq!((window.app().model.document.slopes, grid(&window).v.count), (SlopeChoice::Given, 3));
+    assert_eq!((is_auto(&window), grid(&window).v.count), (false, 3));
     assert_eq!(
         (grid(&window).u, window.app().model.results.slots.a.found.as_ref().unwrap().params.slopes.v.count),
         (found.u, 3)
@@ -73,13 +77,10 @@ fn presets_give_ranges_and_reset_all_finds_them() {
     let mut window = Start::automatic().open();
     window.click("BuFF 1D");
     window.settle();
-    assert_eq!(
-        (window.app().model.document.slopes, grid(&window)),
-        (SlopeChoice::Given, SlopeGrid::line(-3.0..=3.0, 7))
-    );
+    assert_eq!((is_auto(&window), grid(&window)), (false, SlopeGrid::line(-3.0..=3.0, 7)));
     window.click("Reset all");
     window.settle();
-    assert!(window.app().model.document.slopes.is_auto() && grid(&window).is_plane());
+    assert!(is_auto(&window) && grid(&window).is_plane());
 }
 
 #[test]
@@ -88,7 +89,7 @@ fn sessions_keep_the_switch_and_given_ranges() {
     let model = &window.app().model;
     let session = Session::of(Read::of(model)).unwrap();
     let text = session.to_toml();
-    assert!(text.contains("[document.slopes.auto]"), "{text}");
+    assert!(text.contains("slopes = \"auto\""), "{text}");
     let mut restored = Start::without_auto_detect().open();
     let model = &mut restored.app_mut().model;
     apply::staged::show_document(
@@ -96,8 +97,14 @@ fn sessions_keep_the_switch_and_given_ranges() {
         Session::from_toml(&text).unwrap().over_first(&model.document),
         Reselect::Feature(None),
     );
-    assert!(restored.app().model.document.slopes.is_auto());
-    // A session with given slopes.
+    assert!(is_auto(&restored));
+    // Sessions of before had a choice beside the ranges, which were those found last where slopes were found.
+    let old = |choice: &str| {
+        let ranges = "[document.params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
+        let text = format!("version = 4\nburst = \"demo\"\n[document.slopes.auto]\n{choice}{ranges}");
+        Session::from_toml(&text).unwrap().document.params.slopes
+    };
+    assert_eq!((old(""), old("direction_deg = 30.0\n")), (Slopes::AUTO, Slopes::Auto { direction_deg: Some(30.0) }));
     let given = "version = 4\nburst = \"demo\"\n[document]\nslopes = \"given\"\n[document.params.slopes.u]\nmin = -1.0\nmax = 1.0\ncount = 5\n";
     let model = &mut window.app_mut().model;
     apply::staged::show_document(
@@ -106,7 +113,7 @@ fn sessions_keep_the_switch_and_given_ranges() {
         Reselect::Feature(None),
     );
     window.settle();
-    assert_eq!(window.app().model.document.slopes, SlopeChoice::Given);
+    assert!(!is_auto(&window));
     assert_eq!(grid(&window).u, SlopeAxis::new(-1.0..=1.0, 5));
     assert!(window.app().model.results.slots.a.found.as_ref().unwrap().finding.is_none());
     assert_eq!(grid(&window).v.value(0.0), Slope::default().v);
@@ -229,7 +236,7 @@ fn look_at_slopes(window: &mut Window) {
 }
 
 fn axis(window: &Window) -> SlopeAxis {
-    window.app().model.document.params.slopes.u
+    grid(window).u
 }
 
 #[test]
@@ -257,7 +264,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     window.click("Apply");
     let wider = axis(&window);
     assert!(wider.max >= 2.5 && wider.min > before.max, "straight to what was found: {wider:?}");
-    assert_eq!(window.app().model.document.slopes, SlopeChoice::Given);
+    assert!(!is_auto(&window));
     window.ctrl(Key::Z);
     assert_eq!(axis(&window), before, "it is undone as any change of a parameter");
     window.click("Apply");

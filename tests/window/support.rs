@@ -5,7 +5,7 @@ use burstscope::app::dialogs::{FileDialogs, Question};
 use burstscope::app::document::panes::Panels;
 use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
-use burstscope::detector::DetectorParams;
+use burstscope::detector::{SearchParams, SlopeGrid};
 use burstscope::requests::BurstSource;
 use burstscope::teach::Workspace;
 use egui::accesskit::Role;
@@ -89,7 +89,8 @@ fn all_open() -> Settings {
 
 /// The demo, searched at the default slopes: for tests of given slopes.
 pub fn given() -> Startup {
-    Startup { params: DetectorParams::default().into(), settings: all_open(), ..Startup::default() }
+    let params = SearchParams { slopes: SlopeGrid::default().into(), ..SearchParams::default() };
+    Startup { params, settings: all_open(), ..Startup::default() }
 }
 
 /// Lets worker processes decode raw files, as the window of the program does.

@@ -68,7 +68,7 @@ mod method {
 
 mod lab {
     use burstscope::app::document::lab::*;
-    use burstscope::detector::{SearchParams, SlopeChoice};
+    use burstscope::detector::{SearchParams, SlopeGrid};
     use burstscope::evaluate::BurstMethod;
     use burstscope::study::Study;
 
@@ -77,9 +77,9 @@ mod lab {
         let lab = Lab { methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(), ..Lab::default() };
         let study = lab.study(&SearchParams::default(), None).expect("sound");
         assert_eq!(study, Study::Chart(Box::default()));
-        let given = SearchParams { slopes: SlopeChoice::Given, ..SearchParams::default() };
+        let given = SearchParams { slopes: SlopeGrid::default().into(), ..SearchParams::default() };
         let Study::Chart(study) = lab.study(&given, None).expect("sound") else { panic!("a study of charts") };
-        assert_eq!(study.searches.slopes_1d, given.detector.slopes);
+        assert_eq!(study.searches.slopes_1d, given.at_given().slopes);
     }
 
     #[test]
@@ -210,7 +210,11 @@ mod listed {
         let order = Order::default().clicked(Quantity::U);
         assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, order), [1, 2, 0]);
         assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, order.clicked(Quantity::U)), [0, 2, 1]);
-        filter.sigma = Some(Interval { min: 3.0, max: 9.0 });
+        filter.ranges.insert(Quantity::Sigma, Interval { min: 3.0, max: 9.0 });
+        // Sessions of before had a field for each range.
+        let old: Filter = toml::from_str("[sigma]\nmin = 3.0\nmax = 9.0\n").expect("read");
+        assert_eq!((&old, toml::from_str(&toml::to_string(&old).expect("written"))), (&filter, Ok(filter.clone())));
+        assert!(toml::from_str::<Filter>("[size]\nmin = 1.0\nmax = 2.0\n").is_err());
         assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, Order::default()), [1, 2]);
         filter.hide_slope_limit = true;
         assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, Order::default()), [1]);

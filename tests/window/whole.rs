@@ -49,7 +49,7 @@ fn a_selected_feature_tells_all_its_numbers() {
         for value in [format!("{:.1}", feature.snr), format!("{}, {}", feature.octave, feature.level)] {
             assert!(window.shows(&value), "{value} at {size:?}");
         }
-        assert!(window.shows("At slope limit") && window.shows("Slope index"), "{size:?}");
+        assert!(window.shows("Slope limit") && window.shows("Slope index"), "{size:?}");
     }
     assert_whole(&mut window, "a selected feature");
 }

@@ -212,7 +212,7 @@ impl FeatureStore {
 
     /// Opens `source` as it is searched, and gives the parameters of the search.
     pub(super) fn open_burst(&self, source: &BurstFiles, monitor: &Monitor) -> Result<(Burst, DetectorParams)> {
-        Ok((open_burst(&source.paths, &self.job.open, monitor)?, self.job.detector.detector.clone()))
+        Ok((open_burst(&source.paths, &self.job.open, monitor)?, self.job.detector.at_given()))
     }
 
     /// The numbers of `source` if it is finished, judged without reading its frames or its features.
@@ -302,7 +302,8 @@ impl FeatureStore {
         let stamps = FileStamp::with_checksums(files, monitor)?;
         let (found, burst) = self.find(source, camera, monitor)?;
         let content = self.write_features(&found)?;
-        let picture_content = self.write_picture_of(&found.image_name, &burst, &self.job.detector.detector, monitor)?;
+        let picture_content =
+            self.write_picture_of(&found.image_name, &burst, &self.job.detector.at_given(), monitor)?;
         let (blobs, picture) = (StoredBlobs(found.blobs.clone()), self.job.images);
         let (files, size, features, seconds) = (stamps, found.size, found.keypoints.len(), found.seconds);
         let of = KeptBurst { files, size, features, content, blobs, picture, picture_content, seconds };
@@ -356,7 +357,7 @@ impl FeatureStore {
         } else {
             let burst = open_burst(&source.paths, &self.job.open, monitor)?;
             self.begin_writing()?;
-            self.write_picture_of(&image_name, &burst, &self.job.detector.detector, monitor)?
+            self.write_picture_of(&image_name, &burst, &self.job.detector.at_given(), monitor)?
         };
         let of = KeptBurst { files: stamps, picture: self.job.images, picture_content, ..of };
         self.records().write(&image_name, &Record { made_from, of })

@@ -3,7 +3,7 @@
 //! it most is to blame. (Whether the slopes fit is judged in `inspect::spectrum`.)
 
 use super::feature::{Detection, Tally, Test};
-use super::params::{DetectorParams, Method, Param, Word, doc};
+use super::params::{DetectorParams, Method, Param, SearchParams, Word, doc};
 use super::test::{LOWEST_GATE, wider_axis};
 
 /// Reason for a poor detection, and a setting to change.
@@ -12,7 +12,7 @@ pub struct Advice {
     /// The reason: a clause without a capital at its start or a full stop at its end.
     pub problem: String,
     /// Parameter to change.
-    pub parameter: Param<DetectorParams>,
+    pub parameter: Param<SearchParams>,
     /// Its new value, as the command line takes it.
     pub value: String,
 }
@@ -59,7 +59,7 @@ pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usi
 /// Advice where there are few or no features.
 fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate: f32) -> Option<Advice> {
     let advice =
-        |problem: String, parameter: Param<DetectorParams>, value: String| Some(Advice { problem, parameter, value });
+        |problem: String, parameter: Param<SearchParams>, value: String| Some(Advice { problem, parameter, value });
     if tally.samples == 0 {
         let problem = format!("{what}, because the image is too small for the searched octaves");
         return advice(problem, doc::FIRST_OCTAVE, (params.first_octave - 1).max(-1).to_string());

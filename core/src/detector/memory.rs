@@ -10,7 +10,7 @@
 
 pub use crate::plane::memory::machine_bytes;
 
-use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeGrid};
+use super::params::{DetectorParams, Method, SearchParams};
 use super::scale_space::{octave_size, searched_octaves};
 use crate::detector::localise::slopes_around;
 use crate::detector::search::setup::SlopeGroup;
@@ -60,10 +60,7 @@ pub fn kept_bytes() -> u64 {
 /// # Errors
 /// As the search itself: the error gives the memory that it needs at least, and settings that need less.
 pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, usize)) -> Result<()> {
-    let mut detector = params.detector.clone();
-    if params.slopes.is_auto() {
-        detector.slopes = SlopeGrid::single(Slope::default());
-    }
+    let detector = params.at_given();
     // A merge is a single image when it is searched.
     let frames = if detector.method == Method::Merge { 1 } else { detector.used_frames(frames).len() };
     Plan::new(Wanted { params: &detector, frames, size }, budget()).map(|_| ())

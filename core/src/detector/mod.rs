@@ -46,8 +46,8 @@ pub use field::{Motion, MotionField, MotionLayer};
 pub use params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
 pub use params::{
     CoarseStart, DescribeSlope, DetectorParams, Distinct, Flicker, FrameRange, Interpolation, Localisation, Method,
-    NoiseGate, NoiseModelKind, Param, ParamChange, ParamDoc, Rules, SearchParams, SearchSlopes, SlopeChoice,
-    SlopeExtrema, SlopeNeighbours,
+    NoiseGate, NoiseModelKind, Param, ParamChange, ParamDoc, Rules, SearchParams, SearchSlopes, SlopeExtrema,
+    SlopeNeighbours, Slopes,
 };
 pub use pipeline::{FirstFeatures, Judgement, Neighbourhood, Sample, Trail, follows, shared_slopes};
 pub use quantity::Quantity;

@@ -7,7 +7,7 @@
 //! sentences, `crate::inspect::remedy` those of verdicts and remedies.
 
 use super::params::slope_grid::{SlopeAxis, SlopeGrid};
-use super::params::{DetectorParams, Distinct, Param, doc};
+use super::params::{DetectorParams, Distinct, Param, SearchParams, doc};
 use serde::{Deserialize, Serialize};
 use strum::{EnumCount, VariantArray};
 
@@ -60,7 +60,7 @@ impl Side {
 }
 
 /// A parameter and a value for it, as the command line takes it.
-type Setting = (Param<DetectorParams>, String);
+type Setting = (Param<SearchParams>, String);
 
 /// Record of a test. Sentences are clauses without a capital at their start or a full stop at their end.
 #[derive(Debug)]
@@ -90,7 +90,7 @@ pub struct TestRecord {
     /// Verdict on a candidate that fails it first.
     pub verdict: &'static str,
     /// Parameter that sets the limit.
-    pub parameter: Option<Param<DetectorParams>>,
+    pub parameter: Option<Param<SearchParams>>,
     /// Setting by which a candidate passes.
     pub remedy: &'static str,
     /// Usual share of the candidates that pass, in a detection that finds enough. Measured without a peak threshold on
@@ -302,7 +302,7 @@ fn other_levels(params: &DetectorParams) -> Option<Setting> {
 }
 
 /// The axis with more slopes, and its parameter.
-pub(super) fn wider_axis(grid: &SlopeGrid) -> (Param<DetectorParams>, SlopeAxis) {
+pub(super) fn wider_axis(grid: &SlopeGrid) -> (Param<SearchParams>, SlopeAxis) {
     if grid.v.count > grid.u.count { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) }
 }
 

@@ -52,8 +52,8 @@ impl DecoyStudy {
     /// # Errors
     /// As [`decoys`].
     pub fn check(&self, params: &SearchParams, frames: usize) -> Result<()> {
-        let is_one = params.detector.method == Method::Merge;
-        self.orders(if is_one { 1 } else { params.detector.used_frames(frames).len() }).map(|_| ())
+        let is_one = params.method == Method::Merge;
+        self.orders(if is_one { 1 } else { params.used_frames(frames).len() }).map(|_| ())
     }
 
     /// Orders of `frames` frames, no two of them alike or each other's reverse, all nearly unrelated to time.

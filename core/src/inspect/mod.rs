@@ -41,7 +41,7 @@ pub use reason::{Reason, ReasonKind};
 use crate::burst::Burst;
 use crate::detect::PreparedSearch;
 use crate::detector::pipeline::{FirstFeatures, Keeping, search_with_trail};
-use crate::detector::{Detection, DetectorParams, SearchParams, SlopeChoice, SlopeFinding, Trail, find_slopes};
+use crate::detector::{Detection, DetectorParams, SearchParams, SlopeFinding, Slopes, Trail, find_slopes};
 use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
 use std::sync::{Arc, OnceLock};
@@ -99,7 +99,7 @@ impl ProbeCache {
         }
         let shown = match &self.finding {
             // A finding for a line has no evidence for the rest of the plane.
-            Some(finding) if self.asked.slopes == SlopeChoice::AUTO => finding.clone(),
+            Some(finding) if self.asked.slopes == Slopes::AUTO => finding.clone(),
             _ => find_slopes(&self.burst, self.params(), None, monitor)?,
         };
         Ok(self.shown.get_or_init(|| shown))
@@ -107,15 +107,10 @@ impl ProbeCache {
 
     /// Result of another request from what this search left; `None` where it needs a new one: [`Trail::rejudged`].
     pub fn rejudged(&self, asked: &SearchParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
-        let mut judged = self.asked.detector.judged_as(&asked.detector);
-        if asked.slopes.is_auto() {
-            // Given slopes do not count then.
-            judged.slopes = asked.detector.slopes;
-        }
-        if asked.slopes != self.asked.slopes || asked.detector != judged {
+        if *asked != self.asked.judged_as(asked) {
             return Ok(None);
         }
-        let trail = self.trail.rejudged(&self.params().judged_as(&asked.detector), monitor)?;
+        let trail = self.trail.rejudged(&self.params().judged_as(asked), monitor)?;
         let (burst, finding, asked) = (self.burst.clone(), self.finding.clone(), asked.clone());
         let shown = self.shown.clone();
         Ok(trail.map(|trail| Self { burst, trail: Arc::new(trail), finding, asked, shown }))
@@ -130,7 +125,7 @@ impl ProbeCache {
     /// The parameters of the whole detection: the requested ones, with the slopes that were searched.
     pub fn made_with(&self) -> DetectorParams {
         // A merged frame is searched as one frame, whichever frames were requested.
-        DetectorParams { frames: self.asked.detector.frames, ..self.params().clone() }
+        DetectorParams { frames: self.asked.frames, ..self.params().clone() }
     }
 
     /// Approximate bytes that it takes now beside `open`, the burst that was searched; the first question adds some.

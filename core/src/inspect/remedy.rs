@@ -49,7 +49,9 @@ fn verdict(trail: &Trail, fate: &Fate) -> String {
         _ => "",
     };
     let verdict = filled(report.unless_boundless(record.verdict), |word| match (word, report.rival) {
-        ("threshold", _) => record.parameter.map_or_else(String::new, |parameter| parameter.text(trail.params())),
+        ("threshold", _) => {
+            record.parameter.map_or_else(String::new, |parameter| parameter.text(&trail.params().clone().into()))
+        }
         ("where", Some(Rival { pos_image: [u, v], .. })) => {
             match (u - fate.pos_image[0]).hypot(v - fate.pos_image[1]) {
                 px if px < 1.0 => "at the same place".to_owned(),
@@ -100,7 +102,7 @@ fn change(trail: &Trail, judgement: &Judgement, fate: &Fate) -> Option<(String, 
         Test::Duplicate => return None,
         _ => eased(report.value.filter(|value| value.is_finite())?),
     };
-    let mut was = parameter.text(params);
+    let mut was = parameter.text(&params.clone().into());
     if test == Test::NoiseGate && !matches!(params.noise_gate, NoiseGate::Factor(_)) {
         was = format!("{} ({was})", number(trail.detection().noise_gate_factor, 2));
     }

@@ -8,7 +8,7 @@ use super::texture::{Period, dirichlet, period_along};
 use super::words::{number, rounded_up, slope_text};
 use crate::detector::coherence::{Evenness, Shape};
 use crate::detector::params::doc;
-use crate::detector::{DetectorParams, Distinct, Feature, ParamChange, Slope, Trail};
+use crate::detector::{Distinct, Feature, ParamChange, Slope, Trail};
 use crate::inspect::Fate;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -102,7 +102,7 @@ fn wider_distinct(trail: &Trail, index: usize, other: usize) -> Option<ParamChan
     let params = trail.params();
     let (own, stronger) = (trail.keypoint_of_feature(index), trail.keypoint_of_feature(other));
     let Distinct::Radius(radius) = params.distinct else {
-        return Some(ParamChange::new(doc::DISTINCT, DetectorParams::default().distinct));
+        return Some(ParamChange::new(doc::DISTINCT, Distinct::default()));
     };
     let (a, b) = (trail.keypoints()[stronger], trail.keypoints()[own]);
     let (apart, scales) = (apart_sigmas(&a, &b), (a.in_image().2, b.in_image().2));

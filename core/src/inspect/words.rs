@@ -71,26 +71,3 @@ pub fn counted(count: usize, what: &str) -> String {
     let grouped = crate::detector::advice::grouped(count as u64);
     if count == 1 { format!("1 {what}") } else { format!("{grouped} {what}s") }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn numbers_are_short() {
-        assert_eq!(slope_text(Slope::new(-2.10, 0.0)), "−2.1");
-        assert_eq!(slope_text(Slope::new(1.0, -0.25)), "(1, −0.25)");
-        assert_eq!((number(-0.001, 2), number(100.0, 0)), ("0".to_owned(), "100".to_owned()));
-        assert_eq!((counted(1, "feature"), counted(2_345, "feature")), ("1 feature".into(), "2 345 features".into()));
-        let values = [4.643, 0.000_31, f64::INFINITY, 123_456.0, 0.0, -2.5].map(value_text);
-        assert_eq!(values, ["4.64", "3.1e−4", "∞", "123456", "0", "−2.5"]);
-        assert_eq!((sentence("élan is kept"), sentence("σ is 2")), ("Élan is kept.".into(), "Σ is 2.".into()));
-    }
-
-    #[test]
-    fn limits_are_rounded_to_the_passing_side() {
-        assert_eq!((rounded_down(3.987, 2), rounded_up(3.912, 2)), (3.9, 4.0));
-        assert_eq!((rounded_down(0.003_19, 2), rounded_down(0.0, 2), rounded_down(812.0, 2)), (0.0031, 0.0, 810.0));
-        assert_eq!(rounded_down(3.9, 2), 3.9);
-    }
-}

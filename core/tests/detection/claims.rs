@@ -8,7 +8,7 @@ use burstscope_core::burst::{Burst, OpenOptions, TimesChoice};
 use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::slopes::MotionWarningKind;
 use burstscope_core::detector::{
-    DetectorParams, ParamChange, SearchParams, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes,
+    DetectorParams, ParamChange, SearchParams, SlopeAxis, SlopeFinding, SlopeVerdict, Slopes, find_slopes,
 };
 use burstscope_core::inspect::spectrum::{SlopeJudgement, Subject, judgement};
 use burstscope_core::inspect::{ProbeCache, ProbeOptions, ReasonKind, probe};
@@ -243,8 +243,7 @@ fn several_motions_in_the_dark_are_not_one_crooked_motion() {
 fn slopes_fit_only_if_most_of_what_moves_has_them() {
     let mut doubted = 0;
     for (snr, seed) in [(0.15, 3), (0.2, 2), (0.1, 1), (0.08, 1)] {
-        let (judged, finding, _) =
-            judged(&dark(snr, seed), &SearchParams { detector: coarse(), ..SearchParams::default() });
+        let (judged, finding, _) = judged(&dark(snr, seed), &coarse().with_slopes(Slopes::AUTO));
         assert!(!judged.fits || finding.confidence >= 0.8, "{snr} {seed}: {} {}", judged.sentence, finding.confidence);
         doubted += usize::from(!judged.fits && judged.advice.is_none());
     }

@@ -241,8 +241,7 @@ fn threads_change_nothing_and_cancelling_ends_it() {
 #[test]
 fn parameters_are_checked_before_slopes_are_searched() {
     let frames = Some(FrameRange { start: 2, end: 99 });
-    let detector = DetectorParams { frames, ..DetectorParams::default() };
-    let past = SearchParams { detector, ..SearchParams::default() };
+    let past = SearchParams { frames, ..SearchParams::default() };
     assert!(resolve(&demo_burst(), &past, &Monitor::default()).is_err_and(|error| error.subject == "frames"));
 }
 

@@ -160,7 +160,7 @@ fn a_weak_pattern_is_measured_in_the_mean_of_the_frames() {
 
 #[test]
 fn the_noise_is_measured_unless_it_is_said_otherwise() {
-    assert_eq!(DetectorParams::default().noise_model, NoiseModelKind::Local);
+    assert_eq!(burstscope_core::detector::SearchParams::default().noise_model, NoiseModelKind::Local);
     let burst = NoiseCase::White.burst((160, 120), 5, 0.02, 5, &Monitor::default()).expect("a burst");
     let detection = detect(&burst, &DetectorParams::default(), &Monitor::default()).expect("detected");
     assert!(detection.noise.is_local && detection.noise.warnings.is_empty(), "{:?}", detection.noise.warnings);

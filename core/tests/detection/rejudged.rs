@@ -3,7 +3,7 @@
 
 use burstscope_core::detector::params::SearchParams;
 use burstscope_core::detector::{
-    DetectorParams, Distinct, NoiseGate, NoiseModelKind, Rules, SlopeChoice, SlopeExtrema, SlopeGrid, Test, Trail,
+    DetectorParams, Distinct, NoiseGate, NoiseModelKind, Rules, SlopeExtrema, SlopeGrid, Test, Trail,
 };
 use burstscope_core::inspect::ProbeCache;
 use burstscope_core::synth::{SceneParams, synth_scene};
@@ -182,20 +182,15 @@ fn what_the_search_did_not_leave_needs_another() {
 #[test]
 fn slopes_that_were_found_stay() {
     let burst = scene(7, (160, 120), false);
-    let asked = SearchParams { slopes: SlopeChoice::AUTO, ..SearchParams::default() };
+    let asked = SearchParams::default();
     let first = ProbeCache::new(&burst, &asked, &Monitor::default()).expect("valid parameters");
-    let stricter = DetectorParams { noise_gate: NoiseGate::Factor(9.0), max_features: 20, ..asked.detector.clone() };
     let judged = |asked: &SearchParams| first.rejudged(asked, &Monitor::default()).expect("nobody cancels it");
-    let asked = SearchParams { detector: stricter.clone(), ..asked };
+    let asked = SearchParams { noise_gate: NoiseGate::Factor(9.0), max_features: 20, ..asked };
     let (found, new) = (judged(&asked).expect("stricter"), ProbeCache::new(&burst, &asked, &Monitor::default()));
     let new = new.expect("valid parameters");
     assert_eq!(found.detection().features, new.detection().features);
     assert_eq!((found.made_with(), &found.asked, &found.finding), (new.made_with(), &new.asked, &new.finding));
-    // Given slopes do not count where slopes are found.
-    let other = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), ..stricter.clone() };
-    let other = judged(&SearchParams { detector: other, slopes: SlopeChoice::AUTO }).expect("stricter");
-    assert_eq!(other.detection().features, new.detection().features);
-    assert!(judged(&stricter.into()).is_none(), "given slopes are others");
+    assert!(judged(&found.made_with().into()).is_none(), "given slopes are others");
 }
 
 #[test]

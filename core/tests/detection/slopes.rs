@@ -123,7 +123,7 @@ fn a_floor_that_is_sharpest_beyond_the_range_found_widens_it() {
     let folder = shared("data/light-field-shop");
     let burst = open(&(0..27).map(|k| folder.join(format!("view_{k:02}.jpg"))).collect::<Vec<_>>());
     let monitor = Monitor::default();
-    let params = SearchParams { detector: DetectorParams { octaves: 2, ..Default::default() }, ..Default::default() };
+    let params = SearchParams { octaves: 2, ..Default::default() };
     assert!(find(&burst).grid.u.max < 5.3, "the middle of the picture alone decides");
     let Searched { detection, params, finding, .. } = search(&burst, &params, &monitor).expect("valid");
     assert!(params.slopes.u.max > 6.5 && params.slopes.u.min < 0.9, "{:?}", params.slopes);

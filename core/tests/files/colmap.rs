@@ -325,7 +325,7 @@ fn other_parameters_or_other_frames_are_other_features() {
     let (bursts, out) = (walk(home.path()), home.path().join("out"));
     done(&bursts, &out, &job());
     let mut weaker = job();
-    weaker.features.detector.detector.edge_threshold *= 1.5;
+    weaker.features.detector.edge_threshold *= 1.5;
     assert_eq!(resumed(&done(&bursts, &out, &weaker)), [false; 3]);
     // A frame that is written again has another time, whatever its content.
     let frame = home.path().join("film/frame_006.png");
@@ -380,7 +380,7 @@ fn what_makes_no_sense_is_said_before_anything_is_done() {
     let calibrated = MatchParams { geometry: Geometry::Essential, ..MatchParams::default() };
     assert!(error(ColmapJob { matching: calibrated, ..job() }).contains("camera"));
     let mut nonsense = job();
-    nonsense.features.detector.detector.levels = 0;
+    nonsense.features.detector.levels = 0;
     assert!(error(nonsense).contains("levels"));
     assert!(!out.exists());
     let small = CameraChoice::Known(Camera::centred(SIZE.0 / 2, SIZE.1 / 2, 100.0));

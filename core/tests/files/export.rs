@@ -47,7 +47,7 @@ fn feature(seed: u32) -> Feature {
 }
 
 fn detection(count: u32) -> Detection {
-    let params = DetectorParams::default();
+    let params: DetectorParams = DetectorParams::default();
     Detection {
         features: (0..count).map(feature).collect(),
         descriptors: (0..count).map(descriptor).collect(),

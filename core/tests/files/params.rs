@@ -5,7 +5,7 @@ use burstscope_core::burst::{
 };
 use burstscope_core::detector::params::{Rules, Stage, Word, doc};
 use burstscope_core::detector::{
-    DetectorParams, Distinct, Method, NoiseGate, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeExtrema, SlopeGrid,
+    DetectorParams, Distinct, Method, NoiseGate, SearchParams, Slope, SlopeAxis, SlopeExtrema, SlopeGrid, Slopes,
 };
 use proptest::prelude::*;
 
@@ -13,22 +13,22 @@ use proptest::prelude::*;
 fn a_file_may_fix_the_gate_and_the_frames() {
     let text =
         "noise_gate = 4.5\nframes = { start = 2, end = 9 }\n[slopes]\nv = { min = -1.0, max = 1.0, count = 3 }\n";
-    let params = DetectorParams::from_toml(text).expect("valid");
+    let params = SearchParams::from_toml(text).expect("valid");
     assert_eq!(params.noise_gate, NoiseGate::Factor(4.5));
     assert_eq!(params.used_frames(20), 2..9);
-    assert!(params.slopes.is_plane());
-    assert_eq!(DetectorParams::from_toml(&params.to_toml()), Ok(params));
+    assert!(params.at_given().slopes.is_plane());
+    assert_eq!(SearchParams::from_toml(&params.to_toml()), Ok(params));
 }
 
 #[test]
 fn rules_of_a_file_bring_what_the_file_does_not_say() {
-    let params = DetectorParams::from_toml("rules = \"buff\"\nlevels = 5\n").expect("valid");
-    assert_eq!(params, DetectorParams { levels: 5, ..DetectorParams::default().under(Rules::BUFF) });
-    assert_eq!(DetectorParams::from_toml(&params.to_toml()), Ok(params.clone()));
+    let params = SearchParams::from_toml("rules = \"buff\"\nlevels = 5\n").expect("valid");
+    assert_eq!(params, SearchParams { levels: 5, ..SearchParams::default().under(Rules::BUFF) });
+    assert_eq!(SearchParams::from_toml(&params.to_toml()), Ok(params.clone()));
     let search = SearchParams::from_toml("rules = \"buff\"").expect("valid");
-    assert_eq!(search.detector, DetectorParams::default().under(Rules::BUFF));
+    assert_eq!(search, SearchParams::default().under(Rules::BUFF));
     let given = [(doc::LEVELS, "5"), (doc::RULES, "buff")];
-    assert_eq!(SearchParams::default().with_texts(given).expect("valid").detector, params);
+    assert_eq!(SearchParams::default().with_texts(given).expect("valid"), params);
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn nonsense_is_named_with_its_remedy() {
 #[test]
 fn every_field_has_a_record_and_every_record_a_field() {
     // The reader's error names all fields, those that are left out of files too.
-    let error = DetectorParams::from_toml("nonsense = 1").expect_err("no such field");
+    let error = SearchParams::from_toml("nonsense = 1").expect_err("no such field");
     let (_, expected) = error.split_once("expected one of").expect("the names of the fields");
     let fields: Vec<&str> = expected.split('`').skip(1).step_by(2).collect();
     assert!(fields.len() > 15 && fields.contains(&"frames"), "{error}");
@@ -75,8 +75,8 @@ fn every_field_has_a_record_and_every_record_a_field() {
 #[test]
 fn words_are_those_of_files_and_defaults_are_within_their_bounds() {
     for record in doc::ALL {
-        assert_eq!(record.check(&DetectorParams::default()), Ok(()), "{}", record.name);
-        let mut params = DetectorParams::default();
+        assert_eq!(record.check(&SearchParams::default()), Ok(()), "{}", record.name);
+        let mut params = SearchParams::default();
         for (word, _) in (record.field)(&mut params).words().unwrap_or_default() {
             record.read(&mut params, word).expect(word);
             let table = toml::Table::try_from(&params).expect("plain values");
@@ -139,9 +139,9 @@ fn a_range_of_frames_is_one_that_files_keep() {
 
 #[test]
 fn every_choice_survives_a_file_and_json() {
-    let detector = DetectorParams { peak_threshold: 0.0003, levels: 3, ..DetectorParams::default() };
-    for slopes in [SlopeChoice::Given, SlopeChoice::AUTO, SlopeChoice::Auto { direction_deg: Some(-30.5) }] {
-        let params = SearchParams { detector: detector.clone(), slopes };
+    let plane = SlopeGrid::plane(-0.3..=0.3, 7, -1.0..=1.0, 3);
+    for slopes in [Slopes::Given(plane), Slopes::AUTO, Slopes::Auto { direction_deg: Some(-30.5) }] {
+        let params = SearchParams { peak_threshold: 0.0003, levels: 3, slopes, ..SearchParams::default() };
         let text = params.to_toml();
         assert_eq!(SearchParams::from_toml(&text).as_ref(), Ok(&params), "{text}");
         let json = serde_json::to_string(&params).expect("written");
@@ -155,11 +155,8 @@ fn a_file_without_slopes_has_them_found_and_one_with_slopes_does_not() {
     assert_eq!(SearchParams::from_toml(""), Ok(SearchParams::default()));
     assert_eq!(SearchParams::from_toml("slopes = \"auto\""), Ok(SearchParams::default()));
     let given = SearchParams::from_toml("[slopes]\nu = { min = -1.0, max = 1.0, count = 3 }\n").expect("valid");
-    assert_eq!(given.slopes, SlopeChoice::Given);
-    assert_eq!(given.detector.slopes, SlopeGrid::line(-1.0..=1.0, 3));
-    // The slopes in a file of the detector's parameters are kept.
-    let library = SearchParams::from_toml(&DetectorParams::default().to_toml()).expect("valid");
-    assert_eq!(library, DetectorParams::default().into());
+    assert_eq!(given.slopes, Slopes::Given(SlopeGrid::line(-1.0..=1.0, 3)));
+    assert_eq!(given.at_given().slopes, SlopeGrid::line(-1.0..=1.0, 3));
 }
 
 #[test]
@@ -236,7 +233,7 @@ fn rules_bring_their_parameters_and_leave_what_is_searched() {
     assert_eq!((paper.slope_extrema, paper.distinct, paper.levels), (SlopeExtrema::Joint, Distinct::Off, 4));
     assert_eq!((paper.noise_gate, paper.edge_threshold), (NoiseGate::Factor(0.0), 10.0));
     let back = paper.under(Rules::BURSTSCOPE);
-    assert_eq!(back, DetectorParams { levels: DetectorParams::default().levels, ..mine.clone() });
+    assert_eq!(back, DetectorParams { levels: SearchParams::default().levels, ..mine.clone() });
     let own = Rules { kernel_cut: 3.0, ..Rules::VLFEAT };
     assert_eq!(mine.clone().under(own), DetectorParams { rules: own, ..mine });
 }

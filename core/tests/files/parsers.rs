@@ -7,7 +7,7 @@
 
 use crate::damage::{absurd_tomls, damage, damaged, damaged_text, says_something};
 use burstscope_core::dataset::camera::read_camera;
-use burstscope_core::detector::{SearchParams, SlopeChoice};
+use burstscope_core::detector::{SearchParams, Slopes};
 use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
 use burstscope_core::inspect::changes::read_features;
 use burstscope_core::inspect::truth::read_truth;
@@ -126,10 +126,9 @@ fn sound_inputs_are_read() {
 }
 
 fn param_files() -> [String; 2] {
-    let given = DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() };
-    let line = SlopeChoice::Auto { direction_deg: Some(30.0) };
-    let auto = SearchParams { slopes: line, ..SearchParams::default() };
-    [given.to_toml(), auto.to_toml()]
+    let given = Slopes::Given(SlopeGrid::line(-2.0..=2.0, 5));
+    let line = Slopes::Auto { direction_deg: Some(30.0) };
+    [given, line].map(|slopes| SearchParams { slopes, ..SearchParams::default() }.to_toml())
 }
 
 fn model_files(extension: &str) -> (Vec<u8>, Vec<u8>) {
@@ -138,8 +137,8 @@ fn model_files(extension: &str) -> (Vec<u8>, Vec<u8>) {
 
 #[test]
 fn any_number_of_a_parameter_file_is_refused_by_its_name_or_does_no_harm() {
-    let slopes = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=0.0, 2);
-    let small = DetectorParams { slopes, octaves: 1, max_features: 5, ..DetectorParams::default() };
+    let slopes = Slopes::Given(SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=0.0, 2));
+    let small = SearchParams { slopes, octaves: 1, max_features: 5, ..SearchParams::default() };
     let chart = ChartParams { width: 64, height: 48, discs: 1, frames: 3, radius: 4.0..=5.0, ..ChartParams::default() };
     let (burst, _) =
         synth_chart(&ChartParams { max_slope: 1.0, snr: 20.0, ..chart }, &Monitor::default()).expect("a chart");
@@ -161,7 +160,7 @@ fn any_number_of_a_parameter_file_is_refused_by_its_name_or_does_no_harm() {
             }
             Ok(params) => {
                 taken += 1;
-                if let Err(error) = detect(&burst, &params.detector, &Monitor::default()) {
+                if let Err(error) = detect(&burst, &params.at_given(), &Monitor::default()) {
                     assert!(says_something(&error.to_string()), "{path} = {value}: {error}");
                 }
             }

@@ -7,7 +7,7 @@ use burstscope_core::burst::{OpenOptions, SequenceCut, cut_sequence, find_bursts
 use burstscope_core::dataset::{
     CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, export_colmap,
 };
-use burstscope_core::detector::{DetectorParams, Method, NoiseGate};
+use burstscope_core::detector::{Method, NoiseGate, SearchParams};
 use burstscope_core::matching::{MatchParams, PairSelection};
 use burstscope_lab::synth::{SceneParams, synth_scene, write_burst};
 
@@ -27,14 +27,14 @@ fn the_memory_of_an_export_does_not_grow_with_the_number_of_bursts() {
     // Bursts of one frame, in which noise gives many features.
     let bursts =
         cut_sequence(sequence, SequenceCut::new(1, None).expect("a cut"), &OpenOptions::default()).expect("bursts");
-    let params = DetectorParams {
+    let params = SearchParams {
         method: Method::Sift,
         noise_gate: NoiseGate::Factor(0.25),
         peak_threshold: 1e-4,
-        ..DetectorParams::default()
+        ..SearchParams::default()
     };
     let aligned = ColmapJob {
-        features: FeatureJob { detector: params.into(), open: OpenOptions::default(), images: ImageKind::default() },
+        features: FeatureJob { detector: params, open: OpenOptions::default(), images: ImageKind::default() },
         matching: MatchParams::default(),
         pairs: PairSelection::Sequential(4),
         camera: CameraChoice::default(),

@@ -78,7 +78,7 @@ impl ChartStudy {
             return Err(Error::param("false-fraction", self.false_fraction.to_string(), remedy));
         }
         for &method in &self.methods {
-            let params = self.searches.params(method).detector;
+            let params = self.searches.params(method).at_given();
             let positions = self.chart.uneven.whole(self.chart.frames);
             params.validate_for(&positions, (self.chart.width, self.chart.height))?;
         }

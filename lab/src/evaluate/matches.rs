@@ -179,7 +179,7 @@ impl MatchStudy {
         let (sharp, mut params) = (open(k, Shot::Gold)?, self.searches.params(method));
         if sharp.len() != burst.len() {
             // The requested frames are those of bursts; a sharp image may be the only one.
-            params.detector.frames = None;
+            params.frames = None;
         }
         Ok((sharp, params))
     }

@@ -4,7 +4,7 @@
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::{Searched, search};
-use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeChoice, SlopeGrid};
+use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeGrid, Slopes};
 use burstscope_core::error::Result;
 use burstscope_core::monitor::Monitor;
 use serde::{Deserialize, Serialize};
@@ -137,10 +137,9 @@ impl Searches {
             BurstMethod::SiftMerge => of_method(Method::Merge, given).into(),
             BurstMethod::Buff1d => of_method(Method::Buff, self.slopes_1d).into(),
             BurstMethod::Buff2d => of_method(Method::Buff, self.slopes_2d).into(),
-            BurstMethod::BuffAuto => SearchParams {
-                detector: of_method(Method::Buff, given),
-                slopes: SlopeChoice::Auto { direction_deg: self.direction_deg },
-            },
+            BurstMethod::BuffAuto => {
+                of_method(Method::Buff, given).with_slopes(Slopes::Auto { direction_deg: self.direction_deg })
+            }
         }
     }
 
@@ -160,13 +159,12 @@ impl Searches {
         if method != BurstMethod::SiftMean {
             return Ok((burst.clone(), params));
         }
-        let params = params.detector;
         // SIFT uses one frame; the mean is of all frames that the burst search would use.
-        params.validate_for(&burst.positions, burst.size())?;
-        let all = DetectorParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
+        params.at_given().validate_for(&burst.positions, burst.size())?;
+        let all = SearchParams { method: Method::Buff, ..params.clone() }.used_frames(burst.len());
         let positions = burst.positions.part(all.clone());
         let used = Burst { frames: burst.frames[all].to_vec(), positions, ..burst.clone() };
-        Ok((plain_mean(&used, monitor)?, DetectorParams { frames: None, ..params }.into()))
+        Ok((plain_mean(&used, monitor)?, SearchParams { frames: None, ..params }))
     }
 }
 

@@ -49,7 +49,7 @@ impl Ground {
     /// Parameters that make no sense, a burst without noise, or cancellation.
     pub fn new(study: &RecoverStudy, burst: &Burst, monitor: &Monitor) -> Result<Self> {
         let params = &study.search;
-        if params.detector.method == Method::Merge {
+        if params.method == Method::Merge {
             return Err(Error::param(
                 "method",
                 "planted things are not searched for in a merged frame",
@@ -58,8 +58,7 @@ impl Ground {
         }
         let cache = ProbeCache::new(burst, params, monitor)?;
         let params = SearchParams::from(cache.made_with());
-        let detector = &params.detector;
-        let used = detector.used_frames(burst.len());
+        let used = params.used_frames(burst.len());
         let noise = Self::noise(&cache, burst, monitor)?;
         let middle = &burst.frames[used.start + used.len() / 2];
         let brightness = smoothed(middle, BRIGHTNESS_SIGMA_PX, monitor)?;

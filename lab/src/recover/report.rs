@@ -137,7 +137,7 @@ impl RecoverReport {
             burst: burst.name.clone(),
             size: [width, height],
             frames: ground.used.len(),
-            detector: ground.params.detector.clone(),
+            detector: ground.cache.made_with(),
             grid: ground.cache.params().used_slopes(),
             noise_gate_factor: detection.noise_gate_factor,
             frame_noise: detection.frame_noise,

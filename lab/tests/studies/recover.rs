@@ -71,7 +71,7 @@ fn planted_discs_are_found_as_those_of_a_chart() {
         snrs: vec![0.27],
         seeds: 12,
         methods: vec![BurstMethod::Buff1d],
-        searches: Searches::of_charts(search(grid).detector, Some(grid)),
+        searches: Searches::of_charts(search(grid).at_given(), Some(grid)),
         ..ChartStudy::default()
     };
     let counted = study.run(&Monitor::default()).expect("a report");

@@ -8,8 +8,8 @@ use crate::app::results::Read;
 use crate::app::settings::Settings;
 use crate::app::words::explained;
 use crate::dataset::DatasetSource;
+use crate::detector::SearchParams;
 use crate::detector::params::{Param, doc};
-use crate::detector::{DetectorParams, SearchParams};
 use crate::requests::BurstSource;
 use egui::{Key, Modifiers, RichText};
 use std::path::PathBuf;
@@ -176,13 +176,13 @@ impl Palette {
     }
 }
 
-fn parameter(name: &str) -> &'static Param<DetectorParams> {
+fn parameter(name: &str) -> &'static Param<SearchParams> {
     doc::ALL.iter().find(|record| record.name == name).expect("the palette found it")
 }
 
 /// The search with a parameter set, as an option of a command sets it.
 fn with_value(name: &str, value: &str, model: Read<'_>) -> Option<SearchParams> {
-    model.document.search().with_texts([(*parameter(name), value)]).ok()
+    model.document.params.clone().with_texts([(*parameter(name), value)]).ok()
 }
 
 fn is_possible(found: &Entry, model: Read<'_>) -> bool {
@@ -216,7 +216,7 @@ fn palette_row_ui(ui: &mut egui::Ui, model: Read<'_>, found: &Entry, chosen: boo
             let right = match value {
                 Some(_) if !is_possible => "not a value of it".to_owned(),
                 Some(value) => format!("set to {value}"),
-                None => record.text(&model.document.params),
+                None => record.text(&model.params_of(Side::A).into()),
             };
             ("Detector", record.label.to_owned(), right, record.help())
         }

@@ -321,13 +321,13 @@ actions! {
     Cancel, Detect 0, "Cancel", [], "Stop the detection or the opening" => Run(|model, _| Read::of(model).cancel_searches()), when |model| model.is_searching();
     AutoDetect, Detect 0, "Detect after each change", [NONE A], "Detect by itself whenever a parameter or the burst changes" => Switch(auto_detect);
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame" => Set(change::search_line), on when::searches_line;
-    Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: those that are set or were found, and some to both sides of them" => Set(change::search_plane), on when::searches_plane;
+    Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: those that are set or were found, and some to both sides of them" => Run(change::search_plane), on when::searches_plane;
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline" => Set(|document| document.params.method = Method::Sift), on |model| model.document.params.method == Method::Sift;
     CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.forget_failures()), when when::in_methods;
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::A)), when when::has_burst;
     OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::B)), when when::has_both;
     SlopesFromSetUp, Detect 3, "Slopes from the set-up", [], "Compute the slopes from speed, turning, frame rate, lens and depths, and read slopes as depths" => Set(|document| document.show_set_up());
-    ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default" => Set(|document| document.set_search(SearchParams::default())), when |model| model.asked() != SearchParams::default();
+    ResetParams, Detect 3, "Reset parameters", [], "Give every parameter its default" => Set(|document| document.params = SearchParams::default()), when |model| model.asked() != SearchParams::default();
     RunStudy, Detect 4, "Run study", [], "Make the Lab's charts, run the methods on them, and draw the curves as they grow" => Run(studies::run_study), when |model| !model.results.studies.wanted.is_pending() && model.lab_study().is_ok();
     CancelStudy, Detect 4, "Cancel study", [], "Stop the Lab's study; the curves so far stay" => Run(|model, _| model.results.studies.wanted.cancel()), when |model| model.results.studies.wanted.is_pending();
     KeepCurves, Detect 4, "Keep curves", [], "Keep the curves of this study beside those of the next ones" => Run(|model, _| model.results.studies.keep_current()), when |model| model.results.studies.current.is_some() && !model.results.studies.wanted.is_pending();

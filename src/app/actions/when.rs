@@ -8,7 +8,7 @@ use crate::app::inspector::PaneWidgets;
 use crate::app::pane::{MAX_PANES, Over};
 use crate::app::results::Read;
 use crate::app::results::slot::Slot;
-use crate::detector::Method;
+use crate::detector::{Method, SlopeGrid};
 use crate::requests::BurstSource;
 use crate::teach::Workspace;
 
@@ -141,17 +141,16 @@ pub fn draws_features(model: Read<'_>) -> bool {
     }
 }
 
-fn searches_given(model: Read<'_>) -> bool {
-    !model.document.slopes.is_auto() && model.document.params.method == Method::Buff
+fn given_grid(model: Read<'_>) -> Option<SlopeGrid> {
+    model.document.params.slopes.given().filter(|_| model.document.params.method == Method::Buff)
 }
 
 pub fn searches_line(model: Read<'_>) -> bool {
-    let slopes = &model.document.params.slopes;
-    searches_given(model) && !slopes.is_plane() && slopes.len() > 1
+    given_grid(model).is_some_and(|grid| !grid.is_plane() && grid.len() > 1)
 }
 
 pub fn searches_plane(model: Read<'_>) -> bool {
-    searches_given(model) && model.document.params.slopes.is_plane()
+    given_grid(model).is_some_and(|grid| grid.is_plane())
 }
 
 /// The place under the pointer, or else the middle of what is seen of the picture in focus; with its side.

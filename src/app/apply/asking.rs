@@ -290,7 +290,7 @@ mod tests {
         let mut bench = Bench::new();
         let burst = BurstSource::Example(Example::LowContrast).open(&Default::default(), &crate::Monitor::default());
         opening::take_burst(&mut bench.model, burst.expect("built in"));
-        bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
+        bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3).into();
         bench.settle();
         let all = Read::of(&bench.model).features().len();
         assert!(all > 3);
@@ -314,8 +314,9 @@ mod tests {
         assert_eq!(dragged(|model| model.document.params.max_features = 0), (true, all, true));
         assert_eq!(dragged(|model| model.document.params.noise_gate = NoiseGate::Factor(3.0)), (false, all, false));
         assert_eq!(dragged(|model| model.document.params.noise_gate = NoiseGate::Auto), (false, all, true));
-        assert!(!dragged(|model| model.document.params.slopes = SlopeGrid::line(-0.8..=0.8, 3)).0);
-        let (asks, _, is_current) = dragged(|model| model.document.params.slopes = SlopeGrid::line(-1.0..=2.0, 4));
+        assert!(!dragged(|model| model.document.params.slopes = SlopeGrid::line(-0.8..=0.8, 3).into()).0);
+        let (asks, _, is_current) =
+            dragged(|model| model.document.params.slopes = SlopeGrid::line(-1.0..=2.0, 4).into());
         assert!(asks && is_current, "one more slope is searched while the end is dragged");
     }
 
@@ -324,7 +325,7 @@ mod tests {
         let mut bench = Bench::new();
         let burst = BurstSource::Example(Example::Street).open(&Default::default(), &crate::Monitor::default());
         opening::take_burst(&mut bench.model, burst.expect("built in"));
-        bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13);
+        bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13).into();
         bench.run_until(|model, _| model.results.slots.a.found.is_some());
         let found = bench.model.results.slots.a.found.clone().expect("found");
         assert_eq!(Read::of(&bench.model).stale(), Some(Stale::FirstSlope));
@@ -348,7 +349,7 @@ mod tests {
         let source = BurstSource::Example(Example::Street);
         let burst = source.open(&Default::default(), &crate::Monitor::default()).expect("built in");
         opening::take_burst(&mut bench.model, burst);
-        bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 31, -3.0..=3.0, 31);
+        bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 31, -3.0..=3.0, 31).into();
         bench.run_until(|model, _| model.results.slots.a.detecting.is_pending());
         assert!(Read::of(&bench.model).is_searching());
         Read::of(&bench.model).cancel_searches();
@@ -357,7 +358,7 @@ mod tests {
         assert!(bench.model.results.slots.a.detecting.failure().is_some_and(|(_, why)| *why == JobError::Cancelled));
         assert!(bench.model.shell.messages.errors().is_empty(), "a person did not want it");
         // Other parameters are another detection.
-        bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
+        bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3).into();
         bench.settle();
         assert!(Read::of(&bench.model).features_are_current(Side::A));
     }

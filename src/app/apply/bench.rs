@@ -9,7 +9,7 @@ use crate::app::pane::{PaneId, Preset};
 use crate::app::results::*;
 use crate::app::results::{Model, Read};
 use crate::burst::Burst;
-use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeChoice, SlopeGrid, StageTimes, Tally};
+use crate::detector::{Detection, DetectorParams, Feature, SearchParams, Slope, SlopeGrid, StageTimes, Tally};
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
@@ -26,8 +26,9 @@ pub(crate) struct Bench {
 
 impl Bench {
     pub fn new() -> Self {
-        let params = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), octaves: 2, ..Default::default() };
-        let document = Document { params, slopes: SlopeChoice::Given, auto_detect: true, ..Document::default() };
+        let slopes = SlopeGrid::line(-1.0..=1.0, 3).into();
+        let params = SearchParams { slopes, octaves: 2, ..Default::default() };
+        let document = Document { params, auto_detect: true, ..Document::default() };
         Self { model: Model::from(document), engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
     }
 
@@ -87,7 +88,8 @@ pub(crate) fn feature(u: f32, v: f32, slope_index: usize, grid: &SlopeGrid) -> F
     }
 }
 
-pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec<Feature>) -> Detected {
+pub(crate) fn detected(burst: &OpenBurst, asked: &SearchParams, features: Vec<Feature>) -> Detected {
+    let params = asked.at(asked.slopes.given().unwrap_or_default());
     let descriptors = vec![[0; 128]; features.len()];
     let detection = Detection {
         features,
@@ -103,17 +105,17 @@ pub(crate) fn detected(burst: &OpenBurst, params: &DetectorParams, features: Vec
         octaves: 0..1,
         times: StageTimes::default(),
     };
-    let asked = params.clone().into();
-    let (params, searched) = (params.clone(), params.clone());
+    let (asked, searched) = (asked.clone(), params.clone());
     let (search_secs, detection) = (0.1, Arc::new(detection));
     Detected { burst: burst.id, asked, params, searched, search_secs, finding: None, detection, judgement: None }
 }
 
 fn with_features() -> Model {
     let mut model = Model::default();
+    model.document.params.slopes = SlopeGrid::default().into();
     let burst = open((64, 48), 5);
     opening::take_burst(&mut model, burst.clone());
-    let grid = model.document.params.slopes;
+    let grid = Read::of(&model).grid_of(Side::A);
     let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 4, &grid), feature(50.0, 30.0, 2, &grid)];
     let detected = detected(&burst, &model.document.params.clone(), features);
     detection::take_detection(&mut model, Side::A, detected, Duration::from_millis(10));
@@ -129,7 +131,7 @@ fn answers_of_another_burst_are_dropped() {
     panes::take_picture(&mut model, id, request.compute(&Work::alone(&Monitor::default())).expect("frame 0 is there"));
     assert!(Read::of(&model).picture().is_none());
     let before = Read::of(&model).features().len();
-    let detected = detected(&other, &DetectorParams::default(), Vec::new());
+    let detected = detected(&other, &SearchParams::default(), Vec::new());
     detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
     assert_eq!(Read::of(&model).features().len(), before);
 }
@@ -141,7 +143,7 @@ fn the_busiest_slope_is_shown_until_a_hand_chooses() {
     let pane = model.document.focused_mut();
     (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
     let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
-    let grid = params.slopes;
+    let grid = Read::of(&model).grid_of(Side::A);
     let detected = detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]);
     detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
     assert_eq!(model.document.cursor().slope, Slope::new(0.25, 0.0));
@@ -152,7 +154,7 @@ fn a_feature_that_is_found_again_stays_selected() {
     let mut model = with_features();
     model.document.selected = Some(1);
     let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
-    let grid = params.slopes;
+    let grid = Read::of(&model).grid_of(Side::A);
     let again = vec![feature(30.3, 20.2, 4, &grid), feature(10.0, 10.0, 4, &grid)];
     detection::take_detection(&mut model, Side::A, detected(&burst, &params, again), Duration::ZERO);
     assert_eq!(model.document.selected, Some(0));
@@ -170,7 +172,8 @@ fn next_and_previous_walk_the_table_and_stop_at_its_ends() {
     explained::select_neighbour(&mut model, true);
     explained::select_neighbour(&mut model, true);
     assert_eq!(model.document.selected, Some(2));
-    model.document.filter.slope_u = Some(crate::app::document::filter::Interval { min: 0.5, max: 1.5 });
+    let range = crate::app::document::filter::Interval { min: 0.5, max: 1.5 };
+    model.document.filter.ranges.insert(crate::detector::Quantity::SlopeU, range);
     explained::select_neighbour(&mut model, false);
     assert_eq!(model.document.selected, Some(1), "the selected one was filtered out: the last listed is taken");
 }

@@ -11,7 +11,7 @@ use crate::app::document::side::Side;
 use crate::app::measure::Tool;
 use crate::app::pane::Pane;
 use crate::app::results::{Model, Read};
-use crate::detector::{Method, SlopeChoice, SlopeGrid};
+use crate::detector::{Method, SlopeGrid};
 use crate::engine::Engine;
 use crate::requests::BurstSource;
 use crate::teach::{BottomTab, Workspace};
@@ -131,11 +131,10 @@ pub fn colour_next(document: &mut Document) {
 }
 
 pub fn search_line(document: &mut Document) {
-    (document.params.method, document.slopes) = (Method::Buff, SlopeChoice::Given);
-    document.params.slopes = SlopeGrid::line(-3.0..=3.0, 7);
+    (document.params.method, document.params.slopes) = (Method::Buff, SlopeGrid::default().into());
 }
 
-pub fn search_plane(document: &mut Document) {
-    (document.params.method, document.slopes) = (Method::Buff, SlopeChoice::Given);
-    document.params.slopes = plane_of(document.params.slopes);
+pub fn search_plane(model: &mut Model, _: &Engine) {
+    let plane = plane_of(Read::of(model).grid_of(Side::A));
+    (model.document.params.method, model.document.params.slopes) = (Method::Buff, plane.into());
 }

@@ -37,7 +37,7 @@ pub(in crate::app) fn use_feature_folder(model: &mut Model, folder: PathBuf, eng
 
 pub(in crate::app) fn use_folder_params(model: &mut Model, engine: &Engine) {
     if let Some(params) = model.results.datasets.open.as_ref().and_then(|dataset| dataset.other_params.clone()) {
-        model.document.set_search(params);
+        model.document.params = params;
         look_at_dataset_again(model, engine);
     }
 }

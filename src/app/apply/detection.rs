@@ -54,8 +54,8 @@ pub fn take_detection(model: &mut Model, side: Side, detected: Detected, elapsed
         return;
     }
     let keep = model.results.reselect.take().or_else(|| Read::of(model).saved_selection());
-    if model.document.slopes.is_auto() && found.asked.slopes == model.document.slopes {
-        model.document.params.slopes = found.params.slopes;
+    if model.document.params.slopes.is_auto() && found.asked.slopes == model.document.params.slopes {
+        model.results.slots.a.usable_params.slopes = found.params.slopes;
         params::check_params(model);
     }
     model.results.slots.a.found = Some(found);

@@ -6,7 +6,7 @@ use crate::app::document::side::Side;
 use crate::app::results::slot::{ListedFor, listed};
 use crate::app::results::{Model, Read};
 use crate::detector::params::doc;
-use crate::detector::{Detection, DetectorParams, ParamChange, SearchParams, Slope, SlopeChoice};
+use crate::detector::{Detection, ParamChange, Slope};
 use crate::engine::Ended;
 use crate::requests::{CoherenceRequest, ExplainQuestion, ExplainRequest, Explained, Explanation};
 use std::sync::Arc;
@@ -32,15 +32,13 @@ pub(super) fn take_explained(model: &mut Model, ended: Ended<ExplainRequest>) {
 
 /// If the changes concern the slopes, these count as given, and are those of the burst of `side`.
 pub fn apply_advice(model: &mut Model, side: Side, changes: &[ParamChange]) {
-    let slopes = Read::of(model).params_of(side).slopes;
-    match ParamChange::all_applied(changes, &DetectorParams { slopes, ..model.document.params.clone() }) {
+    let grid = Read::of(model).grid_of(side);
+    match ParamChange::all_applied(changes, &model.document.params.at(grid)) {
         Ok(changed) => {
             let of_slopes = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
-            if changes.iter().any(|change| of_slopes.contains(&change.parameter)) {
-                (model.document.params, model.document.slopes) = (changed, SlopeChoice::Given);
-            } else {
-                model.document.params = DetectorParams { slopes: model.document.params.slopes, ..changed };
-            }
+            let changes_slopes = changes.iter().any(|change| of_slopes.contains(&change.parameter));
+            let slopes = if changes_slopes { changed.slopes.into() } else { model.document.params.slopes };
+            model.document.params = changed.with_slopes(slopes);
             let labels: Vec<String> = changes.iter().map(ParamChange::label).collect();
             model.shell.messages.note(format!("Set {}", labels.join(", ")));
         }
@@ -60,10 +58,10 @@ pub(super) fn take_coherences(model: &mut Model, ended: Ended<CoherenceRequest>)
 }
 
 pub fn apply_set_up(model: &mut Model) {
-    let slopes = model.document.set_up.values.slopes(&Read::of(model).used_positions(), &model.document.params);
+    let params = Read::of(model).params_of(Side::A);
+    let slopes = model.document.set_up.values.slopes(&Read::of(model).used_positions(), &params);
     if let Ok((slopes, options)) = slopes.map(|slopes| (slopes.grid, slopes.options())) {
-        let detector = DetectorParams { slopes, ..model.document.params.clone() };
-        model.document.set_search(SearchParams { detector, slopes: SlopeChoice::Given });
+        model.document.params.slopes = slopes.into();
         model.shell.messages.note(format!("Set {options}"));
     }
 }

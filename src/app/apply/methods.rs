@@ -108,7 +108,7 @@ mod tests {
             match request {
                 CompareRequest::Detect(request) => {
                     let detection = Read::of(model).found_of(side).expect("found").detection.clone();
-                    let (burst, params) = (request.burst.id, request.params.detector);
+                    let (burst, params) = (request.burst.id, request.params.at_given());
                     let found = MethodFound { burst, params, detection, elapsed: Duration::ZERO };
                     model.results.compare.take_found(method, side, found);
                 }
@@ -142,7 +142,7 @@ mod tests {
         model.document.matching.ratio = 0.7;
         let again = do_all(&mut model);
         assert_eq!(again.len(), 4, "only the matches are made again: {again:?}");
-        model.document.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9);
+        model.document.params.slopes = crate::detector::SlopeGrid::line(-3.0..=3.0, 9).into();
         let again = do_all(&mut model);
         assert!(again.iter().any(|(method, _)| *method == MethodId::Buff2d), "{again:?}");
         opening::take_burst(&mut model, open((64, 48), 5));

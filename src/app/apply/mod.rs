@@ -171,7 +171,7 @@ fn set(action: Action, document: &mut Document) {
         A::SetFigure(figure) => document.figure = figure,
         A::SetFilm(film) => document.film = film,
         A::Change(changes) => document.change(&changes),
-        A::SetSearch(search) => document.set_search(*search),
+        A::SetSearch(search) => document.params = *search,
         A::SetSetUp(set_up) => document.set_up = set_up,
         A::ReadDepths(reads) => document.read_depths(reads),
         A::Select(index) => document.selected = index,

@@ -8,7 +8,7 @@ use crate::app::results::own::Own;
 use crate::app::results::{Effect, Model, Read};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
-use crate::detector::SlopeChoice;
+use crate::detector::Slopes;
 use crate::engine::{Ended, Engine};
 use crate::requests::{BurstSource, JobError, JobId, OpenBurst, OpenRequest};
 use crate::teach::Workspace;
@@ -178,7 +178,7 @@ pub(super) fn leave_behind(model: &mut Model, side: Side) {
         model.document.params.frames = None;
     }
     if own.slopes.is_some() && own.slopes == now.slopes {
-        model.document.slopes = SlopeChoice::AUTO;
+        model.document.params.slopes = Slopes::AUTO;
     }
     if !own.filter.is_open() && own.filter == now.filter {
         model.document.filter = Filter::default();
@@ -192,9 +192,7 @@ pub(in crate::app) fn take_left_behind(model: &mut Model, uses: bool, engine: &E
     let Own { side, calibration, frames, slopes, filter, .. } = own;
     if side == Side::A {
         (model.document.params.frames, model.document.filter) = (frames.or(model.document.params.frames), filter);
-        if let Some((choice, grid)) = slopes {
-            (model.document.slopes, model.document.params.slopes) = (choice, grid);
-        }
+        model.document.params.slopes = slopes.unwrap_or(model.document.params.slopes);
     }
     let options = Read::of(model).calibration_of(side).clone().with_burst_of(&calibration);
     let source = Read::of(model).burst_of(side).map(|open| open.source.clone());

@@ -246,7 +246,7 @@ pub(in crate::app) mod tests {
         let (a, b) = (open((64, 48), 5), open((64, 48), 5));
         opening::take_burst(&mut model, a.clone());
         take_second_burst(&mut model, b.clone());
-        let grid = model.document.params.slopes;
+        let grid = Read::of(&model).grid_of(Side::A);
         let at = |du: f32| -> Vec<_> {
             (0..4).map(|i| feature(8.0 + 12.0 * i as f32 + du, 10.0 + 7.0 * i as f32, i, &grid)).collect()
         };

@@ -185,6 +185,7 @@ mod tests {
     #[test]
     fn what_is_linked_moves_with_the_cursor_in_focus_and_nothing_else_does() {
         let mut model = Model::default();
+        model.document.params.slopes = crate::detector::SlopeGrid::default().into();
         opening::take_burst(&mut model, open((64, 48), 5));
         let first = model.document.focus();
         let [second, third] =

@@ -7,26 +7,31 @@ use crate::error::Error;
 use crate::requests::OpenBurst;
 
 pub fn check_params(model: &mut Model) {
-    let auto = model.document.slopes.is_auto();
-    let a = &mut model.results.slots.a;
-    a.param_error = checked(a.burst.as_ref(), model.document.params.clone(), auto, &mut a.usable_params);
-    model.results.pair.param_error = model.document.matching.validate().err();
-    if model.results.slots.b.burst.is_some() {
-        let params = Read::of(model).params_of(Side::B);
-        let b = &mut model.results.slots.b;
-        b.param_error = checked(b.burst.as_ref(), params, auto, &mut b.usable_params);
+    let auto = model.document.params.slopes.is_auto();
+    for side in Side::BOTH {
+        let params = Read::of(model).params_of(side);
+        let slot = &mut model.results.slots[side];
+        if side == Side::A || slot.burst.is_some() {
+            slot.param_error = checked(slot.burst.as_ref(), params, auto, &mut slot.usable_params);
+        }
     }
+    model.results.pair.param_error = model.document.matching.validate().err();
     check_cursors(model);
 }
 
 /// Brings cursors into the range of their bursts. Those that follow the one in focus may lie outside, so that they
-/// keep their distance to it.
+/// keep their distance to it, and slopes until those of the burst are found.
 fn check_cursors(model: &mut Model) {
     let (follows, focus, before) = (model.document.panes.followers(), model.document.focus(), *model.document.cursor());
+    let knows_slopes = Side::BOTH.map(|side| Read::of(model).knows_slopes(side));
     for (_, pane) in model.document.panes.iter_mut().filter(|(id, _)| !follows.contains(id)) {
         let slot = &model.results.slots[pane.side];
         if let Some(burst) = &slot.burst {
+            let slope = pane.cursor.slope;
             pane.cursor = pane.cursor_within(burst, &slot.usable_params);
+            if !knows_slopes[usize::from(pane.side == Side::B)] && slope.u.is_finite() && slope.v.is_finite() {
+                pane.cursor.slope = slope;
+            }
         }
     }
     model.document.panes.follow_cursor(focus, before);

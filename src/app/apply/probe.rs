@@ -5,7 +5,7 @@ use crate::app::document::probe::Probe;
 use crate::app::document::side::Side;
 use crate::app::results::probe::ProbeResults;
 use crate::app::results::{Model, Read};
-use crate::detector::{Slope, SlopeChoice, SlopeGrid};
+use crate::detector::{Slope, SlopeGrid, Slopes};
 use crate::engine::Ended;
 use crate::inspect::probe::Wanted as Subject;
 use crate::inspect::remedy::nearest_slope;
@@ -151,16 +151,16 @@ pub fn start_probe(model: &mut Model, before: Option<&BurstSource>) {
     };
     clear_probe_of(model, Side::A);
     if let Some(BurstSource::Example(example)) = before
-        && !model.document.slopes.is_auto()
-        && model.document.params.slopes == grid(*example)
+        && model.document.params.slopes == grid(*example).into()
     {
-        model.document.slopes = SlopeChoice::AUTO;
+        model.document.params.slopes = Slopes::AUTO;
     }
     if let Some(OpenBurst { source: BurstSource::Example(example), .. }) = model.results.slots.a.burst {
-        if model.document.slopes.is_auto() {
-            (model.document.params.slopes, model.document.slopes) = (grid(example), SlopeChoice::Given);
+        let grid = grid(example);
+        if model.document.params.slopes.is_auto() {
+            model.document.params.slopes = grid.into();
         }
-        let has_its_slopes = model.document.params.slopes == grid(example);
+        let has_its_slopes = model.document.params.slopes == grid.into();
         if has_its_slopes {
             let pane = model.document.panes.of_mut(Side::A);
             (pane.cursor.slope, pane.slope_chosen) = (Slope::new(example.slope_u(), 0.0), true);
@@ -168,7 +168,7 @@ pub fn start_probe(model: &mut Model, before: Option<&BurstSource>) {
         if model.document.auto_detect {
             let wanted = match example.scale() {
                 Some((octave, level)) if has_its_slopes && model.document.params.first_octave <= octave => {
-                    let slope_index = nearest_slope(&model.document.params.slopes, Slope::new(example.slope_u(), 0.0));
+                    let slope_index = nearest_slope(&grid, Slope::new(example.slope_u(), 0.0));
                     Subject::Scale { octave, level, slope_index }
                 }
                 _ => Subject::Best,
@@ -293,7 +293,7 @@ mod tests {
     #[test]
     fn a_change_of_the_slopes_that_is_advised_for_b_begins_with_the_slopes_of_b() {
         let mut bench = Bench::with_two_charts();
-        bench.model.document.slopes = SlopeChoice::AUTO;
+        bench.model.document.params.slopes = Slopes::AUTO;
         let own = SlopeGrid::line(-4.0..=4.0, 9);
         bench.model.results.slots.b.found.as_mut().expect("found").detected.params.slopes = own;
         let before = bench.model.document.params.clone();
@@ -304,10 +304,10 @@ mod tests {
             (bench.model.document.params.edge_threshold, bench.model.document.params.slopes),
             (7.0, before.slopes)
         );
-        assert!(bench.model.document.slopes.is_auto(), "slopes were not touched");
+        assert!(bench.model.document.params.slopes.is_auto(), "slopes were not touched");
         explained::apply_advice(&mut bench.model, Side::B, &[change(doc::SLOPE_DIRECTION, "90")]);
-        let slopes = bench.model.document.params.slopes;
-        assert_eq!((slopes.u.count, slopes.u.max, bench.model.document.slopes), (9, 4.0, SlopeChoice::Given));
+        let slopes = bench.model.document.params.slopes.given().expect("given");
+        assert_eq!((slopes.u.count, slopes.u.max), (9, 4.0));
     }
 
     #[test]

@@ -13,7 +13,7 @@ use crate::app::pane::{Direction, Link, PaneId, Preset};
 use crate::app::results::Read;
 use crate::app::view::{View, Zoom};
 use crate::detector::params::doc;
-use crate::detector::{DetectorParams, ParamChange, SearchParams, Slope, SlopeChoice, SlopeGrid};
+use crate::detector::{DetectorParams, ParamChange, SearchParams, Slope, SlopeAxis, SlopeGrid, Slopes};
 use crate::matching::MatchParams;
 use crate::requests::ViewKind;
 use proptest::prelude::*;
@@ -34,7 +34,7 @@ fn pass(bench: &mut Bench, action: Action) {
 }
 
 fn search(params: DetectorParams) -> Action {
-    Action::SetSearch(Box::new(SearchParams { detector: params, slopes: SlopeChoice::Given }))
+    Action::SetSearch(Box::new(params.into()))
 }
 
 /// Actions on settings that undo covers.
@@ -104,7 +104,11 @@ fn assert_valid(model: Read<'_>) {
     for (id, pane) in panes.iter() {
         let slot = &model.results.slots[pane.side];
         if let Some(burst) = slot.burst.as_ref().filter(|_| !followers.contains(&id)) {
-            assert_eq!(pane.cursor, pane.cursor_within(burst, &slot.usable_params), "the cursor of pane {id:?}");
+            let mut within = pane.cursor_within(burst, &slot.usable_params);
+            if !model.knows_slopes(pane.side) {
+                within.slope = pane.cursor.slope;
+            }
+            assert_eq!(pane.cursor, within, "the cursor of pane {id:?}");
         }
         assert!(pane.others().iter().all(|other| panes.get(*other).is_some()), "{pane:?} shows a pane that is closed");
     }
@@ -159,7 +163,7 @@ proptest! {
             pass(&mut bench, ActionId::Undo.into());
         }
         let undone = &bench.model.document;
-        prop_assert_eq!((&undone.params, undone.slopes), (&before.params, before.slopes));
+        prop_assert_eq!(&undone.params, &before.params);
         prop_assert_eq!(bench.model.document.matching.clone(), MatchParams::default());
         let slopes = |document: &Document| -> Vec<_> { document.panes.iter().map(|(_, p)| p.cursor.slope).collect() };
         prop_assert_eq!(slopes(undone), slopes(&before));
@@ -174,7 +178,7 @@ proptest! {
 #[test]
 fn two_changes_in_one_pass_are_both_made_and_a_drag_is_its_last_value() {
     let mut bench = bench();
-    let before = bench.model.document.search();
+    let before = bench.model.document.params.clone();
     let with = |parameter, value: &str| {
         before
             .clone()
@@ -185,20 +189,21 @@ fn two_changes_in_one_pass_are_both_made_and_a_drag_is_its_last_value() {
     for action in actions.map(|action| action.expect("valid")) {
         pass(&mut bench, action);
     }
-    let Document { params, slopes, .. } = &bench.model.document;
-    assert_eq!((params.levels, params.edge_threshold, params.slopes.v.count), (4, 13.5, 3));
-    assert_eq!((params.slopes.u, *slopes), (before.detector.slopes.u, SlopeChoice::Given));
+    let params = bench.model.document.params.clone();
+    let was = before.slopes.given().expect("a line");
+    let grid = SlopeGrid { v: SlopeAxis::new(-1.0..=1.0, 3), ..was };
+    assert_eq!((params.levels, params.edge_threshold, params.slopes), (4, 13.5, grid.into()));
     let auto =
-        SearchParams { slopes: SlopeChoice::Auto { direction_deg: Some(30.0) }, ..bench.model.document.search() };
+        SearchParams { slopes: Slopes::Auto { direction_deg: Some(30.0) }, ..bench.model.document.params.clone() };
     let action = bench.model.document.action_to(auto.clone()).expect("another");
     pass(&mut bench, action);
-    assert_eq!(bench.model.document.search(), auto);
+    assert_eq!(bench.model.document.params.clone(), auto);
     assert!(bench.model.document.action_to(auto).is_none());
     // Back to the ranges, which stay as they are.
-    let given = SearchParams { slopes: SlopeChoice::Given, ..bench.model.document.search() };
+    let given = SearchParams { slopes: grid.into(), ..bench.model.document.params.clone() };
     let action = bench.model.document.action_to(given.clone()).expect("another");
     pass(&mut bench, action);
-    assert_eq!(bench.model.document.search(), given);
+    assert_eq!(bench.model.document.params.clone(), given);
     let mut journal = Journal::default();
     for value in ["0.7", "0.6"] {
         journal.take(&Action::Change(vec![ParamChange::new(doc::EDGE_THRESHOLD, value)]), false);
@@ -223,14 +228,14 @@ fn what_is_pointed_at_is_no_step_and_leaves_the_document_as_it_is() {
 #[test]
 fn a_plane_keeps_the_slopes_that_were_found_and_one_step_back_returns_to_them() {
     let Bench { mut model, engine } = Bench::new();
-    (model.document.slopes, model.document.params.slopes) = (SlopeChoice::AUTO, SlopeGrid::line(-6.0..=-3.0, 4));
-    let found = (model.document.params.clone(), model.document.slopes);
+    model.document.params.slopes = Slopes::AUTO;
+    model.results.slots.a.usable_params.slopes = SlopeGrid::line(-6.0..=-3.0, 4);
+    let asked = model.document.params.clone();
     assert!(apply(ActionId::Preset2d.into(), &mut model, &engine).is_empty());
     model.shell.history.close_step(&model.document, false);
-    assert_eq!(model.document.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5));
-    assert!(!model.document.slopes.is_auto());
+    assert_eq!(model.document.params.slopes, SlopeGrid::plane(-6.0..=-3.0, 4, -2.0..=2.0, 5).into());
     staged::undo(&mut model, &engine);
-    assert!((model.document.params.clone(), model.document.slopes) == found && !model.shell.history.can_undo());
+    assert!(model.document.params == asked && !model.shell.history.can_undo());
     staged::redo(&mut model, &engine);
-    assert!(model.document.params.slopes.is_plane() && !model.document.slopes.is_auto());
+    assert!(model.document.params.slopes.given().is_some_and(|grid| grid.is_plane()));
 }

@@ -1,12 +1,13 @@
 //! Filter and sort order of the features, and the selected one, by which it is found again.
 
-use crate::app::view::number;
-use crate::detector::{Detection, Feature, Moves, Slope, SlopeGrid};
+use crate::app::view::{Known, number, quantity_value};
+use crate::detector::quantity::Form;
+use crate::detector::{Detection, Feature, Moves, Quantity, Slope, SlopeGrid};
 use crate::inspect::spectrum::is_at_slope;
 use crate::inspect::verdict::{Judged, Verdict};
 use crate::inspect::words::counted;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Interval {
@@ -24,17 +25,10 @@ impl Interval {
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Filter {
-    /// Slope u, pixels per frame.
-    pub slope_u: Option<Interval>,
-    /// Slope v, pixels per frame.
-    pub slope_v: Option<Interval>,
-    /// Scale σ, input pixels.
-    pub sigma: Option<Interval>,
-    /// |response|, fraction of full scale.
-    pub response: Option<Interval>,
+    /// Ranges of quantities, in the unit of each; of a response its magnitude. Features without a value pass.
+    #[serde(flatten)]
+    pub ranges: BTreeMap<Quantity, Interval>,
     pub hide_slope_limit: bool,
-    /// Coherence of the frames' responses, 0 … 1. Features without one (too noisy to tell) pass.
-    pub coherence: Option<Interval>,
     pub verdict: Option<Verdict>,
     /// Motion layers that are switched off, by number from 1; 0 for what is in none.
     pub hidden_layers: BTreeSet<i32>,
@@ -71,6 +65,26 @@ pub fn at_slope(detection: &Detection, slope: Slope) -> [usize; 2] {
     [count(&is_at), count(&|f| is_at(f) && is_at_slope(grid, &own(f), slope))]
 }
 
+/// Quantities by whose ranges features can be filtered: all with decimals, but the depth, which is not the feature's.
+pub fn ranged_quantities() -> impl Iterator<Item = Quantity> {
+    let has_decimals = |quantity: &Quantity| {
+        let form = quantity.record().form;
+        *quantity != Quantity::Depth && !matches!(form, Form::Whole | Form::Degrees | Form::Flag)
+    };
+    Quantity::ALL.into_iter().filter(has_decimals)
+}
+
+/// Name of the range of a quantity.
+pub fn range_name(quantity: Quantity) -> &'static str {
+    if quantity == Quantity::Response { "|Response|" } else { quantity.record().title }
+}
+
+/// Value that has to lie in the range of a quantity; `None` where there is none, or it is not known yet.
+pub fn ranged(quantity: Quantity, feature: &Feature, known: Known<'_>) -> Option<f32> {
+    let value = quantity_value(quantity, 0, feature, known);
+    value.map(|value| if quantity == Quantity::Response { value.abs() } else { value })
+}
+
 impl Filter {
     pub fn is_open(&self) -> bool {
         *self == Self::default()
@@ -78,8 +92,9 @@ impl Filter {
 
     /// Its conditions, each in a few words.
     pub fn words(&self) -> Vec<String> {
-        let range = |name: &str, interval: Option<Interval>| {
-            interval.map(|Interval { min, max }| format!("{name} {} … {}", number(min, 3), number(max, 3)))
+        let range = |(quantity, interval): (&Quantity, &Interval)| {
+            let [min, max] = [interval.min, interval.max].map(|end| number(end, 3));
+            format!("{} {min} … {max}", range_name(*quantity))
         };
         let hidden = self.hidden_layers.len();
         let layers = (hidden > 0).then(|| format!("{} hidden", counted(hidden, "layer")));
@@ -88,18 +103,13 @@ impl Filter {
             self.moves.map(|moves| moves.words().to_owned()),
             self.near_slope.map(|_| "at this slope".to_owned()),
             self.solo_layer.map(|number| format!("layer {number} alone")).or(layers),
-            range("slope u", self.slope_u),
-            range("slope v", self.slope_v),
-            range("σ", self.sigma),
-            range("|response|", self.response),
-            range("coherence", self.coherence),
             self.hide_slope_limit.then(|| "not at the limit".to_owned()),
         ];
-        words.into_iter().flatten().collect()
+        words.into_iter().flatten().chain(self.ranges.iter().map(range)).collect()
     }
 
     pub fn needs_verdicts(&self) -> bool {
-        self.coherence.is_some() || self.verdict.is_some()
+        self.ranges.contains_key(&Quantity::Coherence) || self.verdict.is_some()
     }
 
     /// Whether layer `number` is shown; 0 for what is in none.
@@ -109,15 +119,11 @@ impl Filter {
 
     /// When the slope on show, of `grid`, is `slope`; before `judged` is known, the feature passes.
     pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, grid: &SlopeGrid, slope: Slope) -> bool {
-        let inside = |limit: Option<Interval>, x: f32| limit.is_none_or(|i| i.holds(x));
-        inside(self.slope_u, feature.slope.u)
-            && inside(self.slope_v, feature.slope.v)
-            && inside(self.sigma, feature.sigma)
-            && inside(self.response, feature.response.abs())
-            && judged.is_none_or(|judged| {
-                judged.coherence.is_none_or(|coherence| inside(self.coherence, coherence))
-                    && self.verdict.is_none_or(|verdict| judged.verdict == verdict)
-            })
+        let known = Known { judged, depth_m: None };
+        self.ranges
+            .iter()
+            .all(|(quantity, range)| ranged(*quantity, feature, known).is_none_or(|value| range.holds(value)))
+            && judged.is_none_or(|judged| self.verdict.is_none_or(|verdict| judged.verdict == verdict))
             && !(self.hide_slope_limit && feature.at_slope_limit)
             && self.shows_layer(feature.layer)
             && self.moves.is_none_or(|moves| feature.moves == moves)

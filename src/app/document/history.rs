@@ -7,19 +7,14 @@ use crate::app::document::Document;
 use crate::app::pane::{Pane, PaneId};
 use crate::burst::OpenOptions;
 use crate::detector::params::doc;
-use crate::detector::{DetectorParams, SearchParams, Slope, SlopeGrid};
+use crate::detector::{SearchParams, Slope};
 use crate::matching::MatchParams;
 
 const MAX_STEPS: usize = 200;
 
 impl Document {
-    /// Parameters as the user set them: slopes that were found are not among them.
-    fn given(&self) -> (SearchParams, &MatchParams, &OpenOptions) {
-        let mut search = self.search();
-        if self.slopes.is_auto() {
-            search.detector.slopes = SlopeGrid::default();
-        }
-        (search, &self.matching, &self.calibration)
+    fn given(&self) -> (&SearchParams, &MatchParams, &OpenOptions) {
+        (&self.params, &self.matching, &self.calibration)
     }
 
     fn slopes_on_show(&self) -> Vec<(PaneId, Slope)> {
@@ -27,24 +22,23 @@ impl Document {
     }
 
     /// Takes the settings that undo covers but the calibration, with which the burst has to be opened again; returns that.
-    /// Slopes that were found are no step, but a step back returns to them.
     fn take_settings(&mut self, from: Self) -> OpenOptions {
-        let is_found_still = from.slopes.is_auto() && self.slopes.is_auto();
-        let slopes = if is_found_still { self.params.slopes } else { from.params.slopes };
         for (id, pane) in from.panes.iter() {
             self.panes.get_mut(id).into_iter().for_each(|own| own.cursor.slope = pane.cursor.slope);
         }
-        self.params = DetectorParams { slopes, ..from.params };
-        (self.slopes, self.matching) = (from.slopes, from.matching);
+        (self.params, self.matching) = (from.params, from.matching);
         from.calibration
     }
 
     pub(in crate::app) fn changed_from(&self, before: &Self) -> String {
         let (now, was) = (self.given(), before.given());
-        let changed = doc::ALL.iter().filter(|record| record.text(&now.0.detector) != record.text(&was.0.detector));
+        let ranges = [doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
+        // Slopes that were found have no ranges before.
+        let is_switched = now.0.slopes.is_auto() != was.0.slopes.is_auto();
+        let records = doc::ALL.into_iter().filter(|record| !(is_switched && ranges.contains(record)));
+        let changed = records.filter(|record| record.text(now.0) != record.text(was.0));
         let mut names: Vec<&str> = changed.map(|record| record.label).collect();
         let others = [
-            (self.slopes != before.slopes, doc::SLOPES.label),
             (now.1 != was.1, "Matching"),
             (now.2.times != was.2.times, "Times"),
             (

@@ -1,6 +1,6 @@
 //! The Lab: its questions with the settings of their studies.
 
-use crate::detector::{DetectorParams, SearchParams, SlopeChoice, SlopeGrid};
+use crate::detector::{SearchParams, SlopeGrid};
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, FramesStudy, Searches};
 use crate::recover::RecoverStudy;
@@ -157,7 +157,7 @@ impl Lab {
     }
 
     pub fn study(&self, search: &SearchParams, bursts: Option<&BurstsOfStudy>) -> Result<Study, String> {
-        let given = (search.slopes == SlopeChoice::Given).then_some(search.detector.slopes);
+        let given = search.slopes.given();
         Ok(match self.question {
             LabQuestion::Dark => Study::Chart(Box::new(self.charts(search, given)?)),
             LabQuestion::Frames => {
@@ -174,7 +174,7 @@ impl Lab {
                     snrs: self.snrs()?,
                     first_seed: self.first_seed,
                     seeds: self.seeds,
-                    detector: DetectorParams { slopes, ..search.detector.clone() },
+                    detector: search.at(slopes),
                 }))
             }
             LabQuestion::BurstFrames => {
@@ -193,7 +193,7 @@ impl Lab {
     }
 
     fn charts(&self, search: &SearchParams, given: Option<SlopeGrid>) -> Result<ChartStudy, String> {
-        let slopes = given.unwrap_or(DetectorParams::default().slopes);
+        let slopes = given.unwrap_or(SlopeGrid::default());
         let chosen = |method: &BurstMethod| self.methods.contains(method);
         let methods: Vec<BurstMethod> = BurstMethod::ALL.into_iter().filter(chosen).collect();
         if methods.is_empty() {
@@ -205,7 +205,7 @@ impl Lab {
             first_seed: self.first_seed,
             seeds: self.seeds,
             methods,
-            searches: Searches::of_charts(DetectorParams { slopes, ..search.detector.clone() }, given),
+            searches: Searches::of_charts(search.at(slopes), given),
             ..ChartStudy::default()
         })
     }

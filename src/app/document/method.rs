@@ -67,7 +67,7 @@ impl MethodId {
     pub fn params(self, edited: &DetectorParams) -> DetectorParams {
         let (slopes_1d, slopes_2d) = (line_of(edited.slopes), plane_of(edited.slopes));
         let searches = Searches { detector: edited.clone(), slopes_1d, slopes_2d, direction_deg: None };
-        let mut params = searches.params(self.of_studies()).detector;
+        let mut params = searches.params(self.of_studies()).at_given();
         if self == Self::Gold {
             params.frames = None;
         }

@@ -33,8 +33,8 @@ use crate::app::document::side::{Side, Sides};
 use crate::app::pane::Panes;
 use crate::app::view::ColourBy;
 use crate::burst::OpenOptions;
-use crate::detector::params::{AUTO, Param, doc};
-use crate::detector::{DetectorParams, ParamChange, Quantity, SearchParams, SlopeChoice, Test};
+use crate::detector::params::doc;
+use crate::detector::{ParamChange, Quantity, SearchParams, Test};
 use crate::evaluate::poses::is_built_in;
 use crate::inspect::unmatched::Lost;
 use crate::matching::MatchParams;
@@ -50,10 +50,8 @@ pub struct Document {
     pub calibration: OpenOptions,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub calibration_of_b: Option<OpenOptions>,
-    /// They may be invalid while they are edited. If slopes are to be found, their grid is the one found last.
-    pub params: DetectorParams,
-    #[serde(with = "WrittenSlopes")]
-    pub slopes: SlopeChoice,
+    /// They may be invalid while they are edited.
+    pub params: SearchParams,
     pub auto_detect: bool,
     pub panes: Panes,
     pub look: Look,
@@ -92,18 +90,10 @@ pub struct Document {
     pub playing: bool,
 }
 
-#[derive(Serialize, Deserialize)]
-#[serde(remote = "SlopeChoice", rename_all = "snake_case")]
-enum WrittenSlopes {
-    Given,
-    Auto { direction_deg: Option<f32> },
-}
-
 impl Document {
     /// Values that a file leaves out are these too.
     pub fn of_new_window() -> Self {
-        let (slopes, theme) = (SlopeChoice::AUTO, egui::ThemePreference::Dark);
-        Self { slopes, theme, auto_detect: true, ..Self::default() }
+        Self { theme: egui::ThemePreference::Dark, auto_detect: true, ..Self::default() }
     }
 
     /// The document with absolute paths, so that it can be opened from any folder.
@@ -139,55 +129,31 @@ impl Document {
         }
     }
 
-    pub fn search(&self) -> SearchParams {
-        SearchParams { detector: self.params.clone(), slopes: self.slopes }
-    }
-
     /// Makes changes of single parameters, which may be invalid while they are edited. A range makes slopes given ones.
     pub fn change(&mut self, changes: &[ParamChange]) {
         for ParamChange { parameter, value } in changes {
-            match &mut self.slopes {
-                choice if *parameter == doc::SLOPES => *choice = SlopeChoice::AUTO,
-                SlopeChoice::Auto { direction_deg } if *parameter == doc::SLOPE_DIRECTION => {
-                    *direction_deg = value.parse().ok();
-                }
-                choice => {
-                    if [doc::SLOPES_U, doc::SLOPES_V].contains(parameter) {
-                        *choice = SlopeChoice::Given;
-                    }
-                    // What cannot be read is of no parameter: the value stays.
-                    let _ = parameter.read(&mut self.params, value);
-                }
-            }
+            // What cannot be read is of no parameter: the value stays.
+            let _ = parameter.read(&mut self.params, value);
         }
     }
 
     /// The action that leads to `after`: changes of the parameters that differ, so that others that are changed in the
     /// same pass stay, or all of them where a value that makes no sense cannot be written.
     pub fn action_to(&self, after: SearchParams) -> Option<Action> {
-        let now = self.search();
+        let mut reached = Self { params: self.params.clone(), ..Self::default() };
         let mut changes = Vec::new();
-        if let SlopeChoice::Auto { direction_deg } = after.slopes
-            && after.slopes != now.slopes
-        {
-            changes.push(ParamChange::new(doc::SLOPES, AUTO));
-            changes.extend(direction_deg.map(|degrees| ParamChange::new(doc::SLOPE_DIRECTION, degrees)));
+        for record in doc::ALL {
+            // A line on which slopes are found is written after that they are.
+            let begins = record == doc::SLOPES && after.slopes.is_auto() && after.slopes != reached.params.slopes;
+            if begins || record.text(&reached.params) != record.text(&after) && record != doc::SLOPES {
+                let change = ParamChange::new(record, record.text(&after));
+                reached.change(std::slice::from_ref(&change));
+                changes.push(change);
+            }
         }
-        let is_given_now = after.slopes != now.slopes && !after.slopes.is_auto();
-        let differs = |record: &Param<DetectorParams>| {
-            record.text(&now.detector) != record.text(&after.detector) || is_given_now && *record == doc::SLOPES_U
-        };
-        let records = doc::ALL.into_iter().filter(differs);
-        changes.extend(records.map(|record| ParamChange::new(record, record.text(&after.detector))));
-        let mut changed = self.clone();
-        changed.change(&changes);
-        match changed.search() == after {
-            true => (after != now).then_some(Action::Change(changes)),
+        match reached.params == after {
+            true => (!changes.is_empty()).then_some(Action::Change(changes)),
             false => Some(Action::SetSearch(Box::new(after))),
         }
-    }
-
-    pub fn set_search(&mut self, params: SearchParams) {
-        (self.params, self.slopes) = (params.detector, params.slopes);
     }
 }

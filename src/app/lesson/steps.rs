@@ -11,7 +11,7 @@ use crate::app::document::probe::SetUpState;
 use crate::app::document::side::Side;
 use crate::app::pane::{Content, PaneId, PaneLinks, Panes};
 use crate::app::results::Read;
-use crate::detector::DetectorParams;
+use crate::detector::{SearchParams, SlopeGrid};
 use crate::teach::{InView, Layout, Part, Situation, State, Step, Workspace};
 
 /// Panels of a step; in a hall only those with something that the step points at.
@@ -73,7 +73,10 @@ fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
         ..Document { selected, selected_match, playing, ..before.clone() }
     };
     document.read_depths(false);
-    document.set_search(state.params.clone().unwrap_or_else(|| DetectorParams::default().into()));
+    document.params = state
+        .params
+        .clone()
+        .unwrap_or_else(|| SearchParams { slopes: SlopeGrid::default().into(), ..SearchParams::default() });
     document.look.overlay = if has_features { FeaturesShown::ThisSlope } else { FeaturesShown::None };
     document.look.ranges.forget();
     set_panes(&mut document.panes, &state, frames);
@@ -117,7 +120,7 @@ pub(super) fn seen(model: Read<'_>) -> Situation<'_> {
         features: current.then(|| model.features().len()),
         selected: model.selected_feature().is_some(),
         probe: model.probed_place().filter(|_| model.document.probe.side == Side::A && model.probe_is_current()),
-        params: &model.document.params,
+        params: model.params_of(Side::A),
         matching: &model.document.matching,
         tab: model.shows_bottom().then_some(model.document.bottom_tab),
         workspace: model.document.workspace,
@@ -126,7 +129,7 @@ pub(super) fn seen(model: Read<'_>) -> Situation<'_> {
         camera: model.document.trajectories.selected.is_some(),
         reads_depths: model.document.set_up.reads_depths,
         detects: model.document.auto_detect,
-        finds_slopes: model.document.slopes.is_auto(),
+        finds_slopes: model.document.params.slopes.is_auto(),
     }
 }
 

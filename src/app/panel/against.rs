@@ -369,7 +369,7 @@ mod tests {
         model.results.slots.a.detecting.forget();
         assert!(Read::of(&model).takes_advice(Side::A));
         let params = model.document.params.clone();
-        let features = vec![feature(10.0, 10.0, 1, &params.slopes)];
+        let features = vec![feature(10.0, 10.0, 1, &Read::of(&model).grid_of(Side::A))];
         detection::take_detection(&mut model, Side::A, detected(&burst, &params, features), Duration::ZERO);
         model.document.comparisons.a.with = Some(Reference::Truth);
         assert_eq!(what_to_do(Read::of(&model), Side::A), "Comparing…");

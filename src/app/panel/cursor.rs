@@ -5,12 +5,12 @@ use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
 use crate::app::document::cursor::{level_range, octave_range, slope_limit};
+use crate::app::document::side::Side;
 use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track};
 use crate::app::results::Read;
 use crate::detector::localise::rim_radius;
-use crate::detector::params::doc;
 use crate::detector::scale_space::ScaleSpace;
-use crate::detector::{ParamChange, Slope, SlopeAxis, SlopeGrid};
+use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeGrid};
 use crate::inspect::spectrum::features_at_slopes;
 use egui::{CursorIcon, Id, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
@@ -245,10 +245,11 @@ fn moved(axis: SlopeAxis, upper: bool, pulled: f32) -> SlopeAxis {
 }
 
 fn set_axis(model: Read<'_>, second: bool, axis: SlopeAxis, queue: &mut Queue) {
-    let SlopeGrid { u, v, .. } = model.document.params.slopes;
-    let (record, own) = if second { (doc::SLOPES_V, v) } else { (doc::SLOPES_U, u) };
-    if own != axis {
-        queue.push(Action::Change(vec![ParamChange::new(record, axis)]));
+    let grid = model.grid_of(Side::A);
+    let moved = if second { SlopeGrid { v: axis, ..grid } } else { SlopeGrid { u: axis, ..grid } };
+    if moved != grid {
+        let after = SearchParams { slopes: moved.into(), ..model.document.params.clone() };
+        model.document.action_to(after).into_iter().for_each(|action| queue.push(action));
     }
 }
 

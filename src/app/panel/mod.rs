@@ -31,7 +31,7 @@ mod tests {
     use crate::app::document::{Action, Document, Queue};
     use crate::app::results::{Model, Read};
     use crate::app::{dataset, workspace};
-    use crate::detector::{Quantity, SlopeChoice, SlopeGrid, Test};
+    use crate::detector::{Quantity, SlopeGrid, Test};
     use crate::teach::BottomTab;
     use egui::Ui;
     use egui_kittest::Harness;
@@ -85,8 +85,7 @@ mod tests {
     fn documents() -> [Document; 3] {
         let plain = Document::of_new_window();
         let mut invalid = plain.clone();
-        invalid.slopes = SlopeChoice::Given;
-        (invalid.params.levels, invalid.params.slopes) = (0, SlopeGrid::line(2.0..=-1.0, 0));
+        (invalid.params.levels, invalid.params.slopes) = (0, SlopeGrid::line(2.0..=-1.0, 0).into());
         invalid.matching.ratio = -3.0;
         let mut absent = plain.clone();
         (absent.selected, absent.selected_match, absent.asked_about) = (Some(9999), Some(9999), Some(9999));

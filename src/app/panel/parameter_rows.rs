@@ -3,7 +3,7 @@
 use crate::app::panel::widgets::hint;
 use crate::app::words::explained;
 use crate::detector::params::{Drag, Field, Param, ParamDoc, Word};
-use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis, SlopeChoice};
+use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis, SlopeGrid, Slopes};
 use crate::error::Error;
 use crate::teach::Part;
 use crate::teach::glossary::glossary;
@@ -84,7 +84,7 @@ fn field_ui(ui: &mut Ui, field: Field<'_>, drag: &Drag, label: Id, frame_count: 
         Field::Gate(gate) => gate_ui(ui, gate, drag, label),
         Field::Distinct(distinct) => distinct_ui(ui, distinct, drag, label),
         // Whoever shows these has editors of their own.
-        Field::Text(_) | Field::Elsewhere => {}
+        Field::Text(_) | Field::Slopes(..) => {}
     }
 }
 
@@ -148,10 +148,11 @@ fn word_ui(ui: &mut Ui, value: &mut dyn Word, label: Id) {
     value.set_word(chosen);
 }
 
-pub fn slope_choice_ui(ui: &mut Ui, choice: &mut SlopeChoice) {
+/// Draws the switch between slopes that are found and `grid`.
+pub fn slope_choice_ui(ui: &mut Ui, choice: &mut Slopes, grid: SlopeGrid) {
     let mut auto = choice.is_auto();
     if ui.checkbox(&mut auto, "Auto slopes").changed() {
-        *choice = if auto { SlopeChoice::AUTO } else { SlopeChoice::Given };
+        *choice = if auto { Slopes::AUTO } else { grid.into() };
     }
 }
 

@@ -10,13 +10,13 @@ use crate::app::panel::widgets::section_ui;
 use crate::app::results::Read;
 use crate::app::{parts, style};
 use crate::detector::params::{Param, doc};
-use crate::detector::{DetectorParams, NoiseGate, SearchParams, SlopeAxis, SlopeChoice, SlopeFinding, SlopeVerdict};
+use crate::detector::{NoiseGate, SearchParams, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict, Slopes};
 use crate::inspect::words::{capitalised, number};
 use crate::teach::Part;
 use egui::{Align, Layout, Rect, RichText, Ui};
 
 /// Parameters that are always shown; all others are *Advanced*.
-const BASIC: [Param<DetectorParams>; 4] = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE];
+const BASIC: [Param<SearchParams>; 4] = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::NOISE_GATE];
 
 pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Detector", |ui| {
@@ -33,29 +33,28 @@ pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         });
         ui.add_space(4.0);
         let error = model.results.slots.a.param_error.as_ref();
-        let given = model.document.params.slopes;
-        let mut defaults = DetectorParams::implied_by(model.document.params.rules);
-        if model.document.slopes.is_auto() {
-            // Found slopes have no other default.
-            defaults.slopes = given;
-        }
+        let (grid, asked) = (model.grid_of(Side::A), &model.document.params);
+        // Found slopes have no other default.
+        let usual = if asked.slopes.is_auto() { grid } else { SlopeGrid::default() };
+        let defaults = SearchParams { slopes: usual.into(), ..SearchParams::implied_by(asked.rules) };
         // The gate of the search whose features are shown, where it chose by itself.
         let found = model.found_of(Side::A).filter(|found| found.params.noise_gate == model.document.params.noise_gate);
         let chosen = found.filter(|found| !matches!(found.params.noise_gate, NoiseGate::Factor(_)));
         let note = chosen.map(|found| (doc::NOISE_GATE.name, format!("{:.2}", found.detection.noise_gate_factor)));
         let table = rows::ParamTable { error, defaults, frame_count: model.frame_count(), note };
-        let mut search = model.document.search();
-        let is_found = |record: &Param<DetectorParams>| {
+        let mut search = SearchParams { slopes: grid.into(), ..asked.clone() };
+        let mut choice = asked.slopes;
+        let is_found = |record: &Param<SearchParams>| {
             let has_fields = [doc::SLOPES_U, doc::SLOPES_V].contains(record);
-            has_fields && model.document.slopes.is_auto() && !parts::is_wanted(ui.ctx(), Part::parameter(record))
+            has_fields && asked.slopes.is_auto() && !parts::is_wanted(ui.ctx(), Part::parameter(record))
         };
         // Slopes that are found stand above in words.
         for record in BASIC.into_iter().filter(|record| !is_found(record)).collect::<Vec<_>>() {
-            row_ui(ui, model, &mut search, &table, &record);
+            row_ui(ui, model, (&mut search, &mut choice), &table, &record);
         }
-        advanced_ui(ui, model, &mut search, &table, queue);
-        if search.detector.slopes != given {
-            search.slopes = SlopeChoice::Given;
+        advanced_ui(ui, model, (&mut search, &mut choice), &table, queue);
+        if search.slopes == grid.into() {
+            search.slopes = choice;
         }
         model.document.action_to(search).into_iter().for_each(|action| queue.push(action));
     });
@@ -64,18 +63,17 @@ pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 fn row_ui(
     ui: &mut Ui,
     model: Read<'_>,
-    search: &mut SearchParams,
-    table: &rows::ParamTable<'_, DetectorParams>,
-    record: &Param<DetectorParams>,
+    (search, choice): (&mut SearchParams, &mut Slopes),
+    table: &rows::ParamTable<'_, SearchParams>,
+    record: &Param<SearchParams>,
 ) {
     let finding = model.found_of(Side::A).and_then(|found| found.finding.as_ref());
-    let (p, choice) = (&mut search.detector, &mut search.slopes);
     let top = ui.next_widget_position();
-    ui.add_enabled_ui((record.in_use)(p), |ui| {
+    ui.add_enabled_ui((record.in_use)(search), |ui| {
         if *record == doc::SLOPES {
-            slopes_ui(ui, table, choice, finding.map(found_words).as_deref());
+            slopes_ui(ui, table, (choice, model.grid_of(Side::A)), finding.map(found_words).as_deref());
         } else {
-            table.row(ui, record, p);
+            table.row(ui, record, search);
         }
     });
     if [doc::SLOPES_U, doc::SLOPES_V].contains(record) {
@@ -99,7 +97,7 @@ fn found_words(finding: &SlopeFinding) -> String {
     format!("Found: {}{turned}; {:.0} % of the motion seen lies there", axes.join(", "), 100.0 * finding.confidence)
 }
 
-fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
+fn advanced() -> impl Iterator<Item = &'static Param<SearchParams>> {
     doc::ALL.iter().filter(|record| !BASIC.contains(record))
 }
 
@@ -108,19 +106,18 @@ fn advanced() -> impl Iterator<Item = &'static Param<DetectorParams>> {
 fn advanced_ui(
     ui: &mut Ui,
     model: Read<'_>,
-    search: &mut SearchParams,
-    table: &rows::ParamTable<'_, DetectorParams>,
+    (search, choice): (&mut SearchParams, &mut Slopes),
+    table: &rows::ParamTable<'_, SearchParams>,
     queue: &mut Queue,
 ) {
-    let changed =
-        advanced().filter(|record| record.text(&model.document.params) != record.text(&table.defaults)).count();
-    let is_needed = |record: &Param<DetectorParams>| {
+    let changed = advanced().filter(|record| record.text(search) != record.text(&table.defaults)).count();
+    let is_needed = |record: &Param<SearchParams>| {
         table.error.is_some_and(|error| error.subject == record.name)
             || parts::is_wanted(ui.ctx(), Part::parameter(record))
     };
     // Without an animation: a part that a lesson points at is in its place at once.
     if fold_ui(ui, model, advanced().any(is_needed), changed, queue) {
-        advanced().for_each(|record| row_ui(ui, model, search, table, record));
+        advanced().for_each(|record| row_ui(ui, model, (search, choice), table, record));
     }
 }
 
@@ -146,18 +143,18 @@ pub fn fold_ui(ui: &mut Ui, model: Read<'_>, is_needed: bool, changed: usize, qu
 
 fn slopes_ui(
     ui: &mut Ui,
-    table: &rows::ParamTable<'_, DetectorParams>,
-    choice: &mut SlopeChoice,
+    table: &rows::ParamTable<'_, SearchParams>,
+    (choice, grid): (&mut Slopes, SlopeGrid),
     finding: Option<&str>,
 ) {
     table.row_with(
         ui,
         &doc::SLOPES,
         choice,
-        |ui, choice, _| rows::slope_choice_ui(ui, choice),
+        |ui, choice, _| rows::slope_choice_ui(ui, choice, grid),
         |ui, choice| {
-            if rows::reset_ui(ui, &doc::SLOPES, *choice != SlopeChoice::AUTO) {
-                *choice = SlopeChoice::AUTO;
+            if rows::reset_ui(ui, &doc::SLOPES, *choice != Slopes::AUTO) {
+                *choice = Slopes::AUTO;
             }
         },
     );

@@ -1,13 +1,12 @@
 //! Selected feature: its numbers, patches and descriptor. The last two are also drawn for matches.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::canvas::signed_number;
 use crate::app::document::side::Side;
 use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
 use crate::app::results::Read;
-use crate::app::results::explained::{coherence_words, verdict_words};
-use crate::app::view::{Known, depth_text, fixed, layer_text, motion_text};
+use crate::app::results::explained::verdict_words;
+use crate::app::view::{Known, depth_text, fixed, layer_text, motion_text, quantity_text};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
 use crate::inspect::verdict::{Judged, Verdict};
 use crate::plane::Plane;
@@ -81,6 +80,13 @@ fn verdict_ui(ui: &mut Ui, feature: &Feature, judged: &Judged) {
     ui.add_space(4.0);
 }
 
+/// Whether it stands in a row with others, or above the numbers.
+fn stands_with_others(quantity: Quantity) -> bool {
+    use Quantity as Q;
+    let is_motion = matches!(quantity, Q::SlopeU | Q::SlopeV | Q::SlopeSigma | Q::FieldU | Q::FieldV | Q::FieldSigma);
+    is_motion || matches!(quantity, Q::Rank | Q::U | Q::V | Q::Layer | Q::Depth | Q::Verdict)
+}
+
 fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: &[MotionLayer]) {
     let grid = egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0);
     grid.show(ui, |ui| {
@@ -90,12 +96,6 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: 
             "Place (u, v)",
             "At mid-burst, pixels; the centre of the first pixel is (0, 0)",
             format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2)),
-        );
-        row("Scale σ", "Of the blob, in input pixels", format!("{:.2} px", f.sigma));
-        row(
-            "Orientation",
-            "From +u towards +v, clockwise on screen",
-            format!("{}°", fixed(f.orientation.to_degrees(), 1)),
         );
         let motion = |slope, sigma| without_unit(&motion_text(slope, sigma, 2));
         row(
@@ -108,8 +108,6 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: 
             "(u, v) of the motion of its place, from the field of motion, ± the standard deviation along the least certain direction",
             f.known_field().map_or_else(|| "unknown".to_owned(), |field| motion(field, f.field_sigma)),
         );
-        let moves = f.moves.words();
-        row("Moves", Quantity::Moves.record().help, moves.strip_prefix("moves ").unwrap_or(moves).to_owned());
         let layer = usize::try_from(f.layer - 1).ok().and_then(|index| layers.get(index));
         let layer = layer.map_or_else(|| "none".to_owned(), |layer| without_unit(&layer_text(f.layer, layer)));
         row("Layer, px/frame", Quantity::Layer.record().help, layer);
@@ -117,26 +115,13 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: 
             row("Depth", "Depth that its motion means by the set-up, ± the standard deviation", depth_text(depth));
         }
         row("Speed, px/frame", "Length of the slope", format!("{:.3}", f.slope.magnitude()));
-        row(
-            "Response",
-            "Interpolated DoG value, as a fraction of full scale; bright blobs are negative",
-            signed_number(f.response, 4),
-        );
-        row("SNR", "|response| over the noise of the DoG at its scale", format!("{:.1}", f.snr));
-        if let Some(judged) = known.judged {
-            row(
-                "Coherence",
-                "How well the single frames agree along its motion: 1 if all respond alike, less for a ghost",
-                coherence_words(judged.coherence),
-            );
-        }
-        row("Octave, level", "Where in the scale space it was found", format!("{}, {}", f.octave, f.level));
         row("Slope index", "Index of the slope of the grid at which it was found, from 0", f.slope_index.to_string());
-        row(
-            "At slope limit",
-            "Whether its slope is at the end of the searched range; its true motion may then lie beyond",
-            if f.at_slope_limit { "yes" } else { "no" }.to_owned(),
-        );
+        for quantity in Quantity::ALL.into_iter().filter(|quantity| !stands_with_others(*quantity)) {
+            let (record, text) = (quantity.record(), quantity_text(quantity, index, f, known));
+            let has_unit = !record.unit.is_empty() && !text.ends_with('°');
+            let unit = if has_unit { format!(", {}", record.unit) } else { String::new() };
+            row(&format!("{}{unit}", record.title), record.help, if text.is_empty() { "no".to_owned() } else { text });
+        }
     });
 }
 

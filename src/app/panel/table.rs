@@ -3,16 +3,16 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
-use crate::app::document::filter::{Filter, Interval, Order, at_slope};
+use crate::app::document::filter::{Filter, Interval, Order, at_slope, range_name, ranged, ranged_quantities};
 use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
 use crate::app::results::Read;
-use crate::app::view::{layer_text, quantity_text, shown_quantities};
+use crate::app::view::{Known, layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
 use crate::detector::quantity::Record;
-use crate::detector::{Feature, Moves, Quantity};
+use crate::detector::{Moves, Quantity};
 use crate::inspect::verdict::Verdict;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align, Label, Layout, Response, RichText, Sense, Ui};
@@ -279,13 +279,22 @@ pub fn filter_bar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 const AT_SLOPE_HELP: &str = "Show only features that move by the shown slope, as This slope does over the picture: with their surroundings (Field u, v) where they move with these, else by their own slope (Slope u, v)";
 
 fn ranges_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
-    let features: &[Feature] = model.features();
-    let of = |value: fn(&Feature) -> f32| ends(features.iter().map(value));
-    range_ui(ui, "Slope u", "px/frame", of(|f| f.slope.u), &mut filter.slope_u);
-    range_ui(ui, "Slope v", "px/frame", of(|f| f.slope.v), &mut filter.slope_v);
-    range_ui(ui, "Scale σ", "px", of(|f| f.sigma), &mut filter.sigma);
-    range_ui(ui, "|Response|", "of full scale", of(|f| f.response.abs()), &mut filter.response);
-    range_ui(ui, "Coherence", "those too noisy to tell pass", (0.0, 1.0), &mut filter.coherence);
+    let mut row = |ui: &mut Ui, quantity: Quantity| {
+        let values = model.features().iter().filter_map(|feature| ranged(quantity, feature, Known::default()));
+        // Coherences are known later.
+        let ends = if quantity == Quantity::Coherence { (0.0, 1.0) } else { ends(values) };
+        let mut interval = filter.ranges.get(&quantity).copied();
+        range_ui(ui, quantity, ends, &mut interval);
+        match interval {
+            Some(interval) => _ = filter.ranges.insert(quantity, interval),
+            None => _ = filter.ranges.remove(&quantity),
+        }
+    };
+    use Quantity as Q;
+    let usual = [Q::SlopeU, Q::SlopeV, Q::Sigma, Q::Response, Q::Snr, Q::Coherence];
+    usual.into_iter().for_each(|quantity| row(ui, quantity));
+    let others = ranged_quantities().filter(|quantity| !usual.contains(quantity));
+    ui.collapsing("More ranges", |ui| others.for_each(|quantity| row(ui, quantity)));
 }
 
 fn verdict_ui(ui: &mut Ui, filter: &mut Filter) {
@@ -359,9 +368,10 @@ fn ends(values: impl Iterator<Item = f32>) -> (f32, f32) {
 }
 
 /// Draws two handles over a range, that of the features' values; the whole range accepts all.
-fn range_ui(ui: &mut Ui, label: &str, unit: &str, (low, high): (f32, f32), interval: &mut Option<Interval>) {
+fn range_ui(ui: &mut Ui, quantity: Quantity, (low, high): (f32, f32), interval: &mut Option<Interval>) {
     ui.horizontal(|ui| {
-        let name = label_ui(ui, label, 70.0).on_hover_text(format!("{label}, {unit}"));
+        let name = label_ui(ui, range_name(quantity), 70.0);
+        let name = name.on_hover_text(format!("{}. Features without a value pass", quantity.record().help));
         if high <= low {
             ui.weak("all the same");
             return;

@@ -328,15 +328,16 @@ fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
 mod tests {
     use super::*;
     use crate::app::apply::bench::open;
-    use crate::detector::{DetectorParams, Sample};
+    use crate::detector::{Sample, SearchParams, SlopeGrid};
     use crate::inspect::ProbeCache;
     use crate::inspect::candidates::{SurveyOptions, survey};
     use crate::monitor::Monitor;
 
     #[test]
     fn tests_that_are_said_to_take_no_candidates_take_none() {
-        let params = DetectorParams { octaves: 1, peak_threshold: 0.001, ..DetectorParams::default() };
-        let cache = ProbeCache::new(&open((48, 40), 3).burst, &params.into(), &Monitor::default()).expect("valid");
+        let slopes = SlopeGrid::default().into();
+        let params = SearchParams { octaves: 1, peak_threshold: 0.001, slopes, ..Default::default() };
+        let cache = ProbeCache::new(&open((48, 40), 3).burst, &params, &Monitor::default()).expect("valid");
         let survey = survey(&cache.trail, &SurveyOptions::default(), &Monitor::default()).expect("not cancelled");
         assert!(survey.candidates > 0);
         for count in &survey.counts {

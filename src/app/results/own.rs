@@ -5,7 +5,7 @@ use crate::app::document::filter::Filter;
 use crate::app::document::side::Side;
 use crate::app::results::Read;
 use crate::burst::OpenOptions;
-use crate::detector::{FrameRange, SlopeChoice, SlopeGrid};
+use crate::detector::{FrameRange, SlopeGrid, Slopes};
 use crate::requests::BurstSource;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -17,7 +17,7 @@ pub struct Own {
     pub calibration: OpenOptions,
     pub frames: Option<FrameRange>,
     /// `None` for slopes that are found.
-    pub slopes: Option<(SlopeChoice, SlopeGrid)>,
+    pub slopes: Option<Slopes>,
     pub filter: Filter,
 }
 
@@ -90,11 +90,12 @@ impl<'a> Read<'a> {
     }
 
     pub fn own(self, of: &BurstSource, side: Side) -> Own {
-        let slopes = (self.document.slopes, self.document.params.slopes);
-        let is_of_example =
-            |example: crate::synth::Example| SlopeGrid::line(example.slopes_u().0, example.slopes_u().1) == slopes.1;
-        let is_usual =
-            slopes.0 == SlopeChoice::AUTO || matches!(of, BurstSource::Example(example) if is_of_example(*example));
+        let slopes = self.document.params.slopes;
+        let usual = match of {
+            BurstSource::Example(example) => SlopeGrid::line(example.slopes_u().0, example.slopes_u().1).into(),
+            _ => Slopes::AUTO,
+        };
+        let is_usual = [Slopes::AUTO, usual].contains(&slopes);
         let own = Own {
             of: of.label(),
             side,

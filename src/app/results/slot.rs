@@ -80,11 +80,10 @@ impl Read<'_> {
     pub(in crate::app) fn features_can_follow(self, side: Side) -> bool {
         let now = self.asked_of(side);
         self.found_of(side).filter(|_| !self.results.slots[side].detecting.is_pending()).is_some_and(|found| {
-            let is_near =
-                now.slopes == found.asked.slopes && found.asked.detector.judged_as(&now.detector) == now.detector;
+            let is_near = found.asked.judged_as(&now) == now;
             let shares = |now: &DetectorParams| 2 * shared_slopes(now, &found.searched) >= now.used_slopes().len();
-            is_near && follows(&found.params.judged_as(&now.detector), &found.searched)
-                || !now.slopes.is_auto() && shares(&now.detector)
+            is_near && follows(&found.params.judged_as(&now), &found.searched)
+                || now.slopes.given().is_some_and(|grid| shares(&now.at(grid)))
         })
     }
 

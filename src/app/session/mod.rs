@@ -12,15 +12,18 @@ use crate::app::document::probe::Probe;
 use crate::app::document::side::Side;
 use crate::app::pane::Panes;
 use crate::app::results::Read;
+use crate::detector::Slopes;
+use crate::detector::params::AUTO;
 use crate::export::case::read_session;
 use crate::matching::MatchParams;
 use crate::matching::params::doc;
 use crate::requests::BurstSource;
 use crate::teach::Workspace;
 use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Deserializer, Serialize};
 use std::fmt::Display;
 use std::path::Path;
+use toml::Table;
 
 const VERSION: u32 = 4;
 
@@ -101,8 +104,11 @@ impl Session {
                 "the session file has version {version}, this program reads {VERSION}; open it with {which}"
             ));
         }
-        let (mut session, unknown) =
-            read_noting_unknown_keys::<Self>(text).map_err(|error| format!("this is not a session file: {error}"))?;
+        let (mut session, unknown): (Self, _) = match text.parse().ok().and_then(with_one_choice_of_slopes) {
+            Some(table) => read_noting_unknown_keys(table),
+            None => toml::Deserializer::parse(text).and_then(read_noting_unknown_keys),
+        }
+        .map_err(|error| format!("this is not a session file: {error}"))?;
         if !unknown.is_empty() {
             return Err(format!("the session file has unknown keys: {}; remove or correct them", unknown.join(", ")));
         }
@@ -129,7 +135,7 @@ impl Session {
             named(key, source.map_or(Ok(()), BurstSource::check))?;
         }
         for (key, search) in [
-            ("document.params", Some(document.search())),
+            ("document.params", Some(document.params.clone())),
             ("document.comparisons.a.pinned", document.comparisons.a.pinned.clone()),
             ("document.comparisons.b.pinned", document.comparisons.b.pinned.clone()),
         ] {
@@ -195,8 +201,10 @@ impl Session {
 /// opened again.
 fn sound(project: Read<'_>) -> Document {
     let mut document = project.document.clone().with_absolute_paths();
-    if document.search().validate().is_err() {
-        document.params = project.results.slots.a.usable_params.clone();
+    if document.params.validate().is_err() {
+        let usable = project.results.slots.a.usable_params.clone();
+        let slopes = document.params.slopes.given().map_or(Slopes::AUTO, |_| usable.slopes.into());
+        document.params = usable.with_slopes(slopes);
     }
     document.set_up.reads_depths &= document.set_up.values.check().is_ok();
     for record in doc::ALL {
@@ -209,8 +217,24 @@ fn sound(project: Read<'_>) -> Document {
 }
 
 /// Unknown keys are paths: `pair.links.vews`. Types that deny unknown keys themselves fail at once.
-fn read_noting_unknown_keys<T: DeserializeOwned>(text: &str) -> Result<(T, Vec<String>), toml::de::Error> {
+fn read_noting_unknown_keys<'de, T: DeserializeOwned, D: Deserializer<'de>>(
+    text: D,
+) -> Result<(T, Vec<String>), D::Error> {
     let mut unknown = Vec::new();
-    let value = serde_ignored::deserialize(toml::Deserializer::parse(text)?, |path| unknown.push(path.to_string()))?;
+    let value = serde_ignored::deserialize(text, |path| unknown.push(path.to_string()))?;
     Ok((value, unknown))
+}
+
+/// A session that was written when the choice of the slopes stood beside the ranges, which were those found last where
+/// slopes are found; `None` for others.
+fn with_one_choice_of_slopes(mut session: Table) -> Option<Table> {
+    let document = session.get_mut("document")?.as_table_mut()?;
+    let choice = document.remove("slopes")?;
+    if let Some(line) = choice.get("auto") {
+        let mut auto = line.as_table()?.clone();
+        auto.insert(AUTO.into(), true.into());
+        let params = document.entry("params").or_insert_with(|| Table::new().into());
+        params.as_table_mut()?.insert("slopes".into(), auto.into());
+    }
+    Some(session)
 }

@@ -1,7 +1,7 @@
 //! Tests that every parameter is an option, and that every option sets its parameter.
 
 use super::*;
-use crate::detector::{FrameRange, SlopeAxis, SlopeChoice};
+use crate::detector::{FrameRange, SlopeAxis, Slopes};
 use clap::{CommandFactory, Parser};
 
 #[derive(Parser)]
@@ -40,13 +40,13 @@ fn nothing_given_is_the_default() {
 }
 
 /// Every option with a value that is not the default, and the parameters that follow.
-pub(in crate::cli) fn everything() -> (Vec<String>, DetectorParams) {
-    let (mut arguments, mut expected) = (Vec::new(), DetectorParams::default());
+pub(in crate::cli) fn everything() -> (Vec<String>, SearchParams) {
+    let (mut arguments, mut expected) = (Vec::new(), SearchParams::default());
     let mut records: Vec<_> = doc::ALL.into_iter().filter(|record| *record != doc::SLOPES).collect();
     // Rules bring others with them, which those given replace.
     records.sort_by_key(|record| *record != doc::RULES);
     for record in records {
-        let mut sample = DetectorParams::default();
+        let mut sample = SearchParams::default();
         let default = record.text(&sample);
         let words = (record.field)(&mut sample).words().unwrap_or_default().iter().map(|(word, _)| *word);
         let mut others =
@@ -64,23 +64,23 @@ fn every_option_reaches_its_parameter() {
     let (arguments, expected) = everything();
     let arguments: Vec<&str> = arguments.iter().map(String::as_str).collect();
     let got = params(&arguments).expect("valid");
-    assert_eq!(got, expected.into());
-    assert_eq!(got.detector.frames, Some(FrameRange { start: 2, end: 9 }));
+    assert_eq!(got, expected);
+    assert_eq!(got.frames, Some(FrameRange { start: 2, end: 9 }));
     for record in doc::ALL.into_iter().filter(|record| *record != doc::SLOPES) {
-        assert_ne!(record.text(&got.detector), record.text(&DetectorParams::default()), "{}", record.name);
+        assert_ne!(record.text(&got), record.text(&SearchParams::default()), "{}", record.name);
     }
     assert_eq!(params(&["--frames", "all"]), Ok(SearchParams::default()));
 }
 
 #[test]
 fn a_direction_alone_says_on_which_line_slopes_are_found() {
-    let line = SlopeChoice::Auto { direction_deg: Some(30.0) };
+    let line = Slopes::Auto { direction_deg: Some(30.0) };
     assert_eq!(params(&["--slope-direction", "30"]).expect("valid").slopes, line);
     assert_eq!(params(&["--slopes", "auto", "--slope-direction", "30"]).expect("valid").slopes, line);
     let given = params(&["--slopes-u", "0:2:3", "--slope-direction", "30"]).expect("valid");
-    assert_eq!((given.slopes, given.detector.slopes.direction_deg), (SlopeChoice::Given, 30.0));
+    assert_eq!(given.slopes.given().map(|grid| grid.direction_deg), Some(30.0));
     // One axis alone makes the other zero.
-    let slopes = params(&["--slopes-v", "-2:2:5"]).expect("valid").detector.slopes;
+    let slopes = params(&["--slopes-v", "-2:2:5"]).expect("valid").at_given().slopes;
     assert_eq!((slopes.u, slopes.v.count), (SlopeAxis::ZERO, 5));
 }
 

@@ -2,7 +2,7 @@
 
 use super::{DetectionSource, Trails};
 use crate::detect::{Searched, search};
-use crate::detector::{DetectorParams, Distinct, Method, NoiseGate, SearchParams, SlopeChoice, SlopeGrid};
+use crate::detector::{DetectorParams, Distinct, Method, NoiseGate, SearchParams, SlopeGrid, Slopes};
 use crate::engine::tests::answer_of;
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
 use crate::inspect::ProbeCache;
@@ -28,7 +28,7 @@ fn line(count: usize) -> SlopeGrid {
 }
 
 fn source(burst: &OpenBurst, params: &SearchParams) -> DetectionSource {
-    DetectionSource { burst: burst.clone(), asked: params.clone(), params: params.detector.clone(), finding: None }
+    DetectionSource { burst: burst.clone(), asked: params.clone(), params: params.at_given(), finding: None }
 }
 
 fn detected(engine: &Engine, burst: &OpenBurst, params: &SearchParams) -> Detected {
@@ -38,7 +38,7 @@ fn detected(engine: &Engine, burst: &OpenBurst, params: &SearchParams) -> Detect
 #[test]
 fn a_detection_that_keeps_its_trail_is_the_plain_one() {
     let (engine, burst) = (Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES), burst());
-    let auto = SearchParams { slopes: SlopeChoice::AUTO, ..with(Method::Buff, line(3)) };
+    let auto = SearchParams { slopes: Slopes::AUTO, ..with(Method::Buff, line(3)) };
     let plane = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
     let asked = [
         with(Method::Buff, line(5)),
@@ -68,9 +68,9 @@ fn a_detection_that_keeps_its_trail_is_the_plain_one() {
 fn a_change_of_thresholds_is_judged_from_what_the_last_search_left() {
     let (engine, burst) = (Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES), burst());
     let first = with(Method::Buff, line(5));
-    let changed = |change: fn(&mut DetectorParams)| {
+    let changed = |change: fn(&mut SearchParams)| {
         let mut params = first.clone();
-        change(&mut params.detector);
+        change(&mut params);
         params
     };
     let all = detected(&engine, &burst, &first);
@@ -85,7 +85,7 @@ fn a_change_of_thresholds_is_judged_from_what_the_last_search_left() {
         let found = detected(&engine, &burst, &params);
         let plain = search(&burst.burst, &params, &Monitor::default()).expect("valid").detection;
         assert!(!plain.features.is_empty(), "{params:?}");
-        assert_eq!((&found.detection.features, &found.params), (&plain.features, &params.detector));
+        assert_eq!((&found.detection.features, &found.params), (&plain.features, &params.at_given()));
         assert!(found.detection.descriptors == plain.descriptors);
         assert_eq!(found.detection.times.noise_secs, 0.0, "it was not searched again: {params:?}");
         assert_eq!(engine.stores.trails.held().0, 1, "one stands for all");
@@ -116,10 +116,10 @@ fn nobody_who_asks_after_a_detection_searches_again() {
     answer(ExplainQuestion::Candidates(SurveyOptions::default()));
     let traced = answer_of(&engine, of.clone());
     assert!(Arc::ptr_eq(&traced.cache, &engine.stores.trails.get(&of).expect("kept")));
-    let truth = ReferenceSource::Truth { burst: burst.clone(), params: params.detector.clone() };
+    let truth = ReferenceSource::Truth { burst: burst.clone(), params: params.at_given() };
     answer_of(&engine, ComparisonRequest { detection: found.detection.clone(), with: truth });
     let motion = PictureKind::Map { map: ViewKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
-    answer_of(&engine, PictureRequest::new(burst.clone(), motion, params.detector.clone()));
+    answer_of(&engine, PictureRequest::new(burst.clone(), motion, params.at_given()));
     assert_eq!(engine.stores.trails.repeated(), 0);
     // A repeated detection takes the kept trail.
     let again = detected(&engine, &burst, &params);
@@ -136,8 +136,8 @@ fn nobody_who_asks_after_a_detection_searches_again() {
 fn the_same_search_in_other_words_is_the_same_search() {
     let (trails, burst, monitor) = (Trails::default(), burst(), Monitor::default());
     let given = with(Method::Buff, line(3));
-    trails.get_or_make_for(&burst, &given.detector, &monitor).expect("valid");
-    let auto = SearchParams { slopes: SlopeChoice::AUTO, ..given.clone() };
+    trails.get_or_make_for(&burst, &given.at_given(), &monitor).expect("valid");
+    let auto = SearchParams { slopes: Slopes::AUTO, ..given.clone() };
     let of = DetectionSource { asked: auto.clone(), ..source(&burst, &given) };
     let cache = trails.get_or_make(&of, &monitor).expect("valid");
     assert_eq!((&cache.asked, trails.repeated()), (&auto, 1));

@@ -1,6 +1,6 @@
 //! Change of one setting, as advice and explanations suggest it: commands print it, and the window applies it.
 
-use super::{DetectorParams, Param, ParamDoc, doc};
+use super::{DetectorParams, Param, ParamDoc, SearchParams, doc};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
@@ -9,24 +9,24 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 pub struct ParamChange {
     /// Parameter to change.
     #[serde(serialize_with = "name_of", deserialize_with = "parameter_named")]
-    pub parameter: Param<DetectorParams>,
+    pub parameter: Param<SearchParams>,
     /// New value.
     pub value: String,
 }
 
-fn name_of<S: Serializer>(parameter: &Param<DetectorParams>, serializer: S) -> Result<S::Ok, S::Error> {
+fn name_of<S: Serializer>(parameter: &Param<SearchParams>, serializer: S) -> Result<S::Ok, S::Error> {
     serializer.serialize_str(parameter.name)
 }
 
-fn parameter_named<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Param<DetectorParams>, D::Error> {
+fn parameter_named<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Param<SearchParams>, D::Error> {
     let name = String::deserialize(deserializer)?;
-    let found = doc::ALL.into_iter().chain([doc::SLOPES]).find(|parameter| parameter.name == name);
+    let found = doc::ALL.into_iter().find(|parameter| parameter.name == name);
     found.ok_or_else(|| de::Error::custom(format!("there is no parameter '{name}'")))
 }
 
 impl ParamChange {
     /// Change of `parameter` to `value`.
-    pub fn new(parameter: Param<DetectorParams>, value: impl ToString) -> Self {
+    pub fn new(parameter: Param<SearchParams>, value: impl ToString) -> Self {
         Self { parameter, value: value.to_string() }
     }
 
@@ -43,8 +43,7 @@ impl ParamChange {
     /// Applies this change to `params` and checks the result.
     ///
     /// # Errors
-    /// A value cannot be read, the parameters make no sense with it, or it is a choice of slopes
-    /// ([`super::doc::SLOPES`]).
+    /// A value cannot be read, the parameters make no sense with it, or slopes would be found ([`doc::SLOPES`]).
     pub fn applied(&self, params: &DetectorParams) -> Result<DetectorParams> {
         Self::all_applied(std::slice::from_ref(self), params)
     }
@@ -54,7 +53,7 @@ impl ParamChange {
     /// # Errors
     /// As [`Self::applied`].
     pub fn all_applied(changes: &[Self], params: &DetectorParams) -> Result<DetectorParams> {
-        let mut changed = params.clone();
+        let mut changed = SearchParams::from(params.clone());
         for change in changes {
             let ParamDoc { name: parameter, .. } = *change.parameter;
             let remedy = format!("give what '--{parameter}' takes");
@@ -62,6 +61,7 @@ impl ParamChange {
             change.parameter.read(&mut changed, &change.value).map_err(wrong)?;
         }
         changed.validate()?;
-        Ok(changed)
+        let found = || Error::param(doc::SLOPES.name, "those of a search are known", "give ranges");
+        changed.slopes.given().map(|grid| changed.at(grid)).ok_or_else(found)
     }
 }

@@ -20,16 +20,13 @@ pub use choices::{
     CoarseStart, DescribeSlope, Distinct, Flicker, Interpolation, Localisation, Method, NoiseGate, NoiseModelKind,
     SearchSlopes, SlopeExtrema, SlopeNeighbours, Word,
 };
-pub use doc::DetectorParams;
+pub use doc::{DetectorParams, SearchParams};
 pub(crate) use record::params;
 pub use record::{Bounds, Drag, Field, Param, ParamDoc, Stage, TextValue};
 pub use rules::Rules;
-pub use searched::{AUTO, SearchParams, SlopeChoice};
-pub use slope_grid::{MAX_SLOPES, Slope, SlopeAxis, SlopeGrid};
+pub use slope_grid::{AUTO, MAX_SLOPES, Slope, SlopeAxis, SlopeGrid, Slopes, SlopesPart};
 
-use toml::Table;
-
-impl DetectorParams {
+impl<S: Clone> DetectorParams<S> {
     /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
     /// for SIFT.
     pub fn used_frames(&self, frame_count: usize) -> std::ops::Range<usize> {
@@ -43,6 +40,45 @@ impl DetectorParams {
         }
     }
 
+    /// These parameters with those of `other` that change neither a stack nor a sample of D, only the judgement of what
+    /// a search left: see [`Trail::rejudged`](crate::detector::Trail::rejudged).
+    pub fn judged_as<T>(&self, other: &DetectorParams<T>) -> Self {
+        let &DetectorParams {
+            noise_gate, peak_threshold, edge_threshold, distinct, distinct_scale, max_features, ..
+        } = other;
+        Self { noise_gate, peak_threshold, edge_threshold, distinct, distinct_scale, max_features, ..self.clone() }
+    }
+
+    /// These parameters with other `slopes`.
+    pub fn with_slopes<T>(self, slopes: T) -> DetectorParams<T> {
+        let Self { method, frames, octaves, levels, first_octave, peak_threshold, noise_gate, noise_model, .. } = self;
+        let Self { flicker, edge_threshold, search, slope_extrema, distinct, distinct_scale, rules, .. } = self;
+        let Self { max_features, max_orientations, describe_scales, .. } = self;
+        DetectorParams {
+            method,
+            frames,
+            octaves,
+            levels,
+            first_octave,
+            peak_threshold,
+            noise_gate,
+            noise_model,
+            flicker,
+            edge_threshold,
+            search,
+            slope_extrema,
+            distinct,
+            distinct_scale,
+            rules,
+            max_features,
+            max_orientations,
+            describe_scales,
+            slopes,
+        }
+    }
+}
+
+impl DetectorParams {
     /// Slopes that take part: the grid for BuFF, slope 0 for a single image.
     pub fn used_slopes(&self) -> SlopeGrid {
         match self.method {
@@ -56,43 +92,10 @@ impl DetectorParams {
         if self.used_slopes().len() == 1 { SlopeExtrema::Each } else { self.slope_extrema }
     }
 
-    /// These parameters with those of `other` that change neither a stack nor a sample of D, only the judgement of what
-    /// a search left: see [`Trail::rejudged`](crate::detector::Trail::rejudged).
-    pub fn judged_as(&self, other: &Self) -> Self {
-        let &Self { noise_gate, peak_threshold, edge_threshold, distinct, distinct_scale, max_features, .. } = other;
-        Self { noise_gate, peak_threshold, edge_threshold, distinct, distinct_scale, max_features, ..self.clone() }
-    }
-
     /// Texts of the parameters that decide the result of `stage`: those of this stage and of the ones before it.
     pub fn deciding(&self, stage: Stage) -> Vec<String> {
-        doc::ALL.iter().filter(|record| record.stage <= stage).map(|record| record.text(self)).collect()
-    }
-
-    /// Reads a parameter file.
-    ///
-    /// # Errors
-    /// TOML's error with its place, or the first parameter that makes no sense.
-    pub fn from_toml(text: &str) -> Result<Self, String> {
-        let _: Self = toml::from_str(text).map_err(|e| e.to_string())?;
-        // Errors of the text have a place, those of a table have none.
-        let params = Self::of_table(text.parse().map_err(|e: toml::de::Error| e.to_string())?)?;
-        params.validate().map_err(|e| e.to_string())?;
-        Ok(params)
-    }
-
-    /// Parameters of a file's table. What is missing is that of the rules it chooses.
-    fn of_table(table: Table) -> Result<Self, String> {
-        let given: Self = table.clone().try_into().map_err(|e: toml::de::Error| e.to_string())?;
-        let base = Self::default().under(given.rules);
-        let mut whole = Table::try_from(&base).expect("parameters are plain values, which TOML can always hold");
-        whole.extend(table);
-        whole.try_into().map_err(|e: toml::de::Error| e.to_string())
-    }
-
-    /// Text of the parameter file, which [`Self::from_toml`] reads back.
-    pub fn to_toml(&self) -> String {
-        let body = toml::to_string(self).expect("parameters are plain values, which TOML can always hold");
-        format!("# Burstscope detector parameters. Slopes are in pixels of the input image per frame.\n{body}")
+        let params = SearchParams::from(self.clone());
+        doc::ALL.iter().filter(|record| record.stage <= stage).map(|record| record.text(&params)).collect()
     }
 }
 

@@ -3,7 +3,7 @@
 //! The option of the commands, the row in the window, the changes that advice suggests, the checks, the help texts and
 //! the page of reference are made from a [`Param`].
 
-use super::{Distinct, FrameRange, NoiseGate, SlopeAxis, Word};
+use super::{Distinct, FrameRange, NoiseGate, SlopeAxis, Slopes, SlopesPart, Word};
 use crate::error::{Error, Result};
 use crate::files::whole_number;
 use std::fmt;
@@ -71,8 +71,8 @@ pub enum Field<'a> {
     Distinct(&'a mut Distinct),
     /// Value with a syntax of its own.
     Text(&'a mut dyn TextValue),
-    /// Choice that is made before these parameters are, and is not a part of them.
-    Elsewhere,
+    /// Part of slopes that has no field of its own.
+    Slopes(&'a mut Slopes, SlopesPart),
 }
 
 /// Value that is written and read in a syntax of its own.
@@ -84,6 +84,18 @@ pub trait TextValue {
     /// # Errors
     /// The fault in `text`, and an example of what is right.
     fn read(&mut self, text: &str) -> Result<(), String>;
+}
+
+impl Slopes {
+    /// A part, in place.
+    pub(super) fn field(&mut self, part: SlopesPart) -> Field<'_> {
+        match (part, self) {
+            (SlopesPart::U, Self::Given(grid)) => Field::Axis(&mut grid.u),
+            (SlopesPart::V, Self::Given(grid)) => Field::Axis(&mut grid.v),
+            (SlopesPart::Direction, Self::Given(grid)) => Field::F32(&mut grid.direction_deg),
+            (part, slopes) => Field::Slopes(slopes, part),
+        }
+    }
 }
 
 /// Text that stands for all frames.
@@ -105,7 +117,7 @@ impl Field<'_> {
             Self::Gate(gate) => gate.to_string(),
             Self::Distinct(distinct) => distinct.to_string(),
             Self::Text(value) => value.text(),
-            Self::Elsewhere => String::new(),
+            Self::Slopes(slopes, part) => slopes.text(*part),
         }
     }
 
@@ -132,7 +144,7 @@ impl Field<'_> {
             Self::Gate(gate) => *gate = text.parse()?,
             Self::Distinct(distinct) => *distinct = text.parse()?,
             Self::Text(value) => value.read(text)?,
-            Self::Elsewhere => return Err("this is chosen before the detector's parameters are".to_owned()),
+            Self::Slopes(slopes, part) => slopes.read(part, text)?,
         }
         Ok(())
     }
@@ -146,6 +158,7 @@ impl Field<'_> {
             Self::Usize(n) => Some(**n as f64),
             Self::U64(n) => Some(**n as f64),
             Self::Gate(NoiseGate::Factor(x)) | Self::Distinct(Distinct::Radius(x)) => Some(f64::from(*x)),
+            Self::Slopes(Slopes::Auto { direction_deg: Some(x) }, SlopesPart::Direction) => Some(f64::from(*x)),
             _ => None,
         }
     }
@@ -313,11 +326,7 @@ impl<P> Param<P> {
     /// # Errors
     /// The fault in `text`, with a remedy. The value is checked only for whether it can be read.
     pub fn set(&self, params: &mut P, text: &str) -> Result<()> {
-        self.set_field((self.field)(params), text)
-    }
-
-    /// Sets a value of this parameter that is held elsewhere.
-    pub(super) fn set_field(&self, field: Field<'_>, text: &str) -> Result<()> {
+        let field = (self.field)(params);
         let remedy = match (field.words(), self.bounds) {
             (Some(words), _) => {
                 let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();

@@ -5,7 +5,7 @@
 
 use super::{
     CoarseStart, DescribeSlope, DetectorParams, Distinct, Flicker, Interpolation, Localisation, NoiseGate,
-    NoiseModelKind, SearchSlopes, SlopeExtrema, SlopeNeighbours, Word,
+    NoiseModelKind, SearchParams, SearchSlopes, SlopeExtrema, SlopeNeighbours, Word,
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -59,7 +59,7 @@ impl Rules {
         [(Self::BURSTSCOPE, "burstscope"), (Self::BUFF, "buff"), (Self::LIFF, "liff"), (Self::VLFEAT, "vlfeat")];
 }
 
-impl DetectorParams {
+impl<S: Clone + Default> DetectorParams<S> {
     /// These parameters under other `rules`: the tests of candidates, the noise and the description are those of their
     /// detector. Method, frames, slopes, octaves and the number of features stay.
     ///
@@ -110,7 +110,7 @@ impl DetectorParams {
 }
 
 /// The choice of the rules, with the parameters that go with them.
-impl Word for DetectorParams {
+impl Word for SearchParams {
     fn word(&self) -> &'static str {
         self.rules.word()
     }

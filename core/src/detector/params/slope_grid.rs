@@ -1,12 +1,14 @@
-//! Grid of the slopes that the search tries.
+//! Slopes that the search tries: a grid of them, or that one is found from each burst.
 //!
 //! A slope λ = (λu, λv) is an apparent motion in pixels of the input image per frame. The grid is the product of two
 //! axes, `u` and `v`, turned as a whole by `direction_deg`: with one value on the `v` axis it is a line through the
 //! slope plane (BuFF 1D), horizontal unless turned; with several values on both axes it is BuFF 2D.
 
 use crate::burst::Offset;
-use serde::{Deserialize, Serialize};
+use serde::ser::SerializeMap;
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::ops::RangeInclusive;
+use toml::Value;
 
 /// Pixels that a step of an [enclosing](SlopeGrid::enclosing) grid moves a burst by, at most, where that is not too
 /// many.
@@ -332,5 +334,128 @@ impl SlopeGrid {
     /// Largest motion of any slope of the grid, pixels per frame.
     pub fn max_magnitude(&self) -> f32 {
         self.slopes().map(Slope::magnitude).fold(0.0, f32::max)
+    }
+}
+
+/// Value for slopes that are found from each burst.
+pub const AUTO: &str = "auto";
+/// Direction of the line in a file, where slopes are found on one.
+const DIRECTION: &str = "direction_deg";
+
+/// The slopes to search: found from each burst, or given.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Slopes {
+    /// Found from each burst; with a direction only on the line through slope 0 in it.
+    Auto {
+        /// Direction of the line, degrees from +u towards +v.
+        direction_deg: Option<f32>,
+    },
+    /// The same for every burst.
+    Given(SlopeGrid),
+}
+
+/// Part of [`Slopes`] that a parameter of its own sets.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SlopesPart {
+    /// Whether they are found.
+    Auto,
+    /// First axis of the grid.
+    U,
+    /// Second axis of the grid.
+    V,
+    /// Direction of the grid, or of the line on which slopes are found.
+    Direction,
+}
+
+impl Default for Slopes {
+    fn default() -> Self {
+        Self::AUTO
+    }
+}
+
+impl Slopes {
+    /// Found from each burst, anywhere in the plane.
+    pub const AUTO: Self = Self::Auto { direction_deg: None };
+
+    /// Whether slopes are found from each burst.
+    pub fn is_auto(self) -> bool {
+        matches!(self, Self::Auto { .. })
+    }
+
+    /// The grid, where it is given.
+    pub fn given(self) -> Option<SlopeGrid> {
+        if let Self::Given(grid) = self { Some(grid) } else { None }
+    }
+
+    /// Text of a part that has no field of its own; empty where it is found.
+    pub(super) fn text(self, part: SlopesPart) -> String {
+        match (part, self) {
+            (SlopesPart::Auto, Self::Auto { .. }) => AUTO.to_owned(),
+            (SlopesPart::Direction, Self::Auto { direction_deg: Some(degrees) }) => degrees.to_string(),
+            _ => String::new(),
+        }
+    }
+
+    /// Reads a part that has no field of its own. A range makes the slopes given ones, 0 along the other axis.
+    pub(super) fn read(&mut self, part: SlopesPart, text: &str) -> Result<(), String> {
+        let axis = || text.parse::<SlopeAxis>();
+        *self = match part {
+            SlopesPart::Auto if text == AUTO => Self::AUTO,
+            SlopesPart::Auto => return Err(format!("'{text}' is not known")),
+            SlopesPart::U => Self::Given(SlopeGrid { u: axis()?, ..SlopeGrid::single(Slope::default()) }),
+            SlopesPart::V => Self::Given(SlopeGrid { v: axis()?, ..SlopeGrid::single(Slope::default()) }),
+            SlopesPart::Direction => {
+                let degrees = text.trim().parse().map_err(|_| format!("'{text}' is not a number"))?;
+                Self::Auto { direction_deg: Some(degrees) }
+            }
+        };
+        Ok(())
+    }
+}
+
+impl From<SlopeGrid> for Slopes {
+    fn from(grid: SlopeGrid) -> Self {
+        Self::Given(grid)
+    }
+}
+
+impl Serialize for Slopes {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self {
+            Self::Auto { direction_deg: None } => serializer.serialize_str(AUTO),
+            Self::Auto { direction_deg: Some(degrees) } => {
+                let mut line = serializer.serialize_map(Some(2))?;
+                line.serialize_entry(AUTO, &true)?;
+                line.serialize_entry(DIRECTION, degrees)?;
+                line.end()
+            }
+            Self::Given(grid) => grid.serialize(serializer),
+        }
+    }
+}
+
+impl<'de> Deserialize<'de> for Slopes {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let wrong = |problem: String| de::Error::custom(problem);
+        let mut table = match Value::deserialize(deserializer)? {
+            Value::String(word) if word == AUTO => return Ok(Self::AUTO),
+            Value::Table(table) => table,
+            other => {
+                return Err(wrong(format!("slopes: {other} is not known; give \"auto\" or a table with u and v")));
+            }
+        };
+        let degrees = match table.get(DIRECTION) {
+            None => Ok(None),
+            Some(degrees) => degrees.clone().try_into().map(Some),
+        };
+        match table.remove(AUTO) {
+            None => table.try_into().map(Self::Given).map_err(|e| wrong(e.to_string())),
+            Some(Value::Boolean(true)) if table.keys().all(|key| key == DIRECTION) => degrees
+                .map(|direction_deg| Self::Auto { direction_deg })
+                .map_err(|_| wrong("slopes: direction_deg is not a number; give degrees".into())),
+            Some(_) => {
+                Err(wrong("slopes: auto = true stands alone or with direction_deg; leave out the rest, or auto".into()))
+            }
+        }
     }
 }

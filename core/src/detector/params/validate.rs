@@ -1,24 +1,35 @@
 //! Validation of parameters, alone and for a burst; each error gives a remedy.
 
-use super::{DetectorParams, MAX_SLOPES, MIN_OCTAVE_SIDE, Method, Param, doc};
+use super::{DetectorParams, MAX_SLOPES, MIN_OCTAVE_SIDE, Method, Param, SearchParams, doc};
 use crate::burst::Positions;
 use crate::error::{Error, Result};
 
-impl DetectorParams {
+impl SearchParams {
     /// Checks the parameters alone, without a burst.
     ///
     /// # Errors
     /// The first parameter that makes no sense.
     pub fn validate(&self) -> Result<()> {
         doc::ALL.iter().try_for_each(|record| record.check(self))?;
-        if self.slopes.len() > MAX_SLOPES {
+        let count = self.slopes.given().map_or(0, |grid| grid.len());
+        if count > MAX_SLOPES {
             return Err(Error::param(
                 doc::SLOPES_V.name,
-                format!("the grid has {} slopes", self.slopes.len()),
+                format!("the grid has {count} slopes"),
                 "at most 4096 slopes are searched; use coarser steps",
             ));
         }
         Ok(())
+    }
+}
+
+impl DetectorParams {
+    /// Checks the parameters alone, as [`SearchParams::validate`] does.
+    ///
+    /// # Errors
+    /// The first parameter that makes no sense.
+    pub fn validate(&self) -> Result<()> {
+        SearchParams::from(self.clone()).validate()
     }
 
     /// Checks the range of frames against a burst of `frame_count` frames.
@@ -44,7 +55,7 @@ impl DetectorParams {
         self.validate()?;
         self.validate_frames(positions.len())?;
         let used = positions.part(self.used_frames(positions.len()));
-        let fail = |parameter: Param<Self>, problem: String, remedy: String| {
+        let fail = |parameter: Param<SearchParams>, problem: String, remedy: String| {
             Err(Error::param(parameter.name, problem, remedy))
         };
         let shift = self.first_octave;

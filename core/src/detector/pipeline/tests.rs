@@ -123,7 +123,7 @@ proptest! {
                 localisation: if continuous { Localisation::Continuous } else { Localisation::Quadratic },
                 ..Rules::default()
             },
-            distinct: if distinct { DetectorParams::default().distinct } else { Distinct::Off },
+            distinct: if distinct { Distinct::default() } else { Distinct::Off },
             first_octave,
             octaves: 3,
             levels: 3,

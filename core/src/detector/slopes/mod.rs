@@ -19,7 +19,7 @@ pub use event::UniformTimes;
 pub use evidence::SlopeEvidence;
 pub use regularity::{MotionWarning, MotionWarningKind};
 
-use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeGrid};
+use super::params::{DetectorParams, Method, SearchParams, Slope, SlopeAxis, SlopeGrid, Slopes};
 use crate::burst::{Burst, OpenOptions, Positions, TimesChoice};
 use crate::detector::scale_space::ScaleSpace;
 use crate::error::Result;
@@ -256,14 +256,12 @@ pub fn resolve(
     monitor: &Monitor,
 ) -> Result<(DetectorParams, Option<SlopeFinding>)> {
     params.validate()?;
-    let SlopeChoice::Auto { direction_deg } = params.slopes else {
-        return Ok((params.detector.clone(), None));
+    let direction_deg = match params.slopes {
+        Slopes::Auto { direction_deg } if params.method == Method::Buff => direction_deg,
+        _ => return Ok((params.at_given(), None)),
     };
-    if params.detector.method != Method::Buff {
-        return Ok((params.detector.clone(), None));
-    }
     // All parameters but the slopes are checked before the slopes are searched.
-    let unmoved = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params.detector.clone() };
+    let unmoved = params.at_given();
     unmoved.validate_for(&burst.positions, burst.size())?;
     let finding = find_slopes(burst, &unmoved, direction_deg, monitor)?;
     Ok((DetectorParams { slopes: finding.grid, ..unmoved }, Some(finding)))

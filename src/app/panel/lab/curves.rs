@@ -5,6 +5,7 @@ use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::document::lab::LabSet;
 use crate::app::document::method::{CompareLook, MethodId};
+use crate::app::document::side::Side;
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::Read;
 use crate::app::results::studies::LabResult;
@@ -96,7 +97,7 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 /// Draws the button that makes all methods comparable, as the paper does: each at the peak threshold where the same
 /// share of its detections on the charts is false.
 fn same_false_rate_ui(ui: &mut Ui, model: Read<'_>, rate: SameFalseRate, queue: &mut Queue) {
-    let method = MethodId::of_search(&model.document.params);
+    let method = MethodId::of_search(&model.params_of(Side::A));
     let own = rate.of(method.of_studies());
     let mut tip = format!(
         "Peak thresholds at which {} of the detections on charts of SNR {} is false, as the paper compares methods:",

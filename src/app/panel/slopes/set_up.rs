@@ -67,7 +67,7 @@ fn depth_field(metres: &mut f64) -> DragValue<'_> {
 
 fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let set_up = model.document.set_up.values;
-    let slopes = set_up.slopes(&model.used_positions(), &model.document.params);
+    let slopes = set_up.slopes(&model.used_positions(), &model.params_of(Side::A));
     ui.horizontal(|ui| {
         let can_apply = slopes.is_ok() && model.takes_advice(Side::A);
         let apply = ui.add_enabled(can_apply, Button::new("Apply"));

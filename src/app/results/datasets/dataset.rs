@@ -247,9 +247,9 @@ mod tests {
         open.begin_detection(&SearchParams::default());
         assert_eq!((open.counts().done, open.counts().failed), (2, 0));
         let mut other = SearchParams::default();
-        other.detector.levels = 2;
+        other.levels = 2;
         open.begin_detection(&other);
-        assert_eq!((open.counts().done, open.params.detector.levels), (0, 2));
+        assert_eq!((open.counts().done, open.params.levels), (0, 2));
     }
 
     #[test]

@@ -64,8 +64,29 @@ impl Read<'_> {
         rows.map(|row| row.motion_apart()).fold(0.0, f32::max)
     }
 
-    /// B has A's, as far as they can be used: a single frame is searched by SIFT, frames that it lacks mean all.
+    /// Slopes of a side: the given ones; where they are found, those found last, in B for its own burst.
+    pub fn grid_of(self, side: Side) -> SlopeGrid {
+        let found = || match side {
+            Side::A => self.results.slots.a.usable_params.slopes,
+            Side::B => self.found_of(Side::B).map_or(SlopeGrid::default(), |found| found.params.slopes),
+        };
+        self.document.params.slopes.given().unwrap_or_else(found)
+    }
+
+    /// Whether the slopes of a side are given, or were found as they are asked for now.
+    pub fn knows_slopes(self, side: Side) -> bool {
+        let asked = self.document.params.slopes;
+        !asked.is_auto() || self.found_of(side).is_some_and(|found| found.asked.slopes == asked)
+    }
+
+    /// Parameters of a search of [`Self::grid_of`] a side.
     pub fn params_of(self, side: Side) -> DetectorParams {
+        self.asked_of(side).at(self.grid_of(side))
+    }
+
+    /// Parameters that a detection on `side` would be asked for now. B has A's, as far as they can be used: a single
+    /// frame is searched by SIFT, frames that it lacks mean all.
+    pub fn asked_of(self, side: Side) -> SearchParams {
         let mut params = self.document.params.clone();
         if let (Side::B, Some(b)) = (side, &self.results.slots.b.burst) {
             let frames = b.burst.len();
@@ -75,21 +96,8 @@ impl Read<'_> {
             if frames == 1 {
                 params.method = Method::Sift;
             }
-            if self.document.slopes.is_auto() {
-                // B's slopes are its own.
-                params.slopes = self.found_of(Side::B).map_or(SlopeGrid::default(), |found| found.params.slopes);
-            }
         }
         params
-    }
-
-    /// Parameters that a detection on `side` would be asked for now, with default slopes if they are to be found.
-    pub fn asked_of(self, side: Side) -> SearchParams {
-        let mut detector = self.params_of(side);
-        if self.document.slopes.is_auto() {
-            detector.slopes = SlopeGrid::default();
-        }
-        SearchParams { detector, slopes: self.document.slopes }
     }
 
     pub fn wanted_matches(self) -> Option<MatchRequest> {
