@@ -35,7 +35,7 @@ impl BurstscopeApp {
                 Some(OfCase::Search(actions, why)) => {
                     why.into_iter()
                         .for_each(|why| self.model.shell.messages.error(Purpose::RestoreSession.title(), why));
-                    // What is set after it is asked for is for it.
+                    // Settings made after the request belong to the new burst.
                     self.stage([Action::Open(Side::A, source)].into_iter().chain(actions));
                 }
                 None => self.stage([Action::Open(Side::A, source)]),

@@ -341,7 +341,7 @@ fn methods_work(model: Read<'_>) -> Work {
     })
 }
 
-/// The extension of `path`, one of those of its kind.
+/// The extension of `path`, if the kind of file has such an extension.
 fn ending_of(path: &Path, kind: ExportKind) -> Result<&'static str, String> {
     let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
     let known = kind.extensions().iter().find(|known| **known == ending);

@@ -60,7 +60,7 @@ impl Settings {
         self.cache_mb.clamp(*Self::CACHE_MB.start(), *Self::CACHE_MB.end()) << 20
     }
 
-    /// Reads what was stored; anything that cannot be read has its default.
+    /// Reads the stored settings; an unreadable value becomes the default.
     pub fn load(storage: &dyn eframe::Storage) -> Self {
         storage.get_string(STORAGE_KEY).and_then(|text| toml::from_str(&text).ok()).unwrap_or_default()
     }
@@ -83,7 +83,7 @@ impl Settings {
         self.burst_length = source.burst_length.unwrap_or(self.burst_length);
     }
 
-    /// Actions that make a window of the defaults one of these.
+    /// Actions that lead from the defaults to these settings.
     pub fn actions(&self) -> Queue {
         let (mut actions, plain) = (Queue::default(), Self::default());
         actions.set(&plain.panels, self.panels, Action::SetPanels);

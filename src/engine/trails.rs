@@ -35,7 +35,7 @@ struct Key {
 #[derive(Debug)]
 struct StoredTrail {
     key: Key,
-    /// The burst, which shares its frames with the open one.
+    /// The burst; the open burst shares the frames.
     open: OpenBurst,
     cache: Arc<ProbeCache>,
 }

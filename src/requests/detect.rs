@@ -65,7 +65,7 @@ impl Request for DetectRequest {
             }
         };
         let params = cache.made_with();
-        // A method that searches one merged frame made that of all frames.
+        // A method on one merged frame merged all frames.
         let detection = cache.detection().clone().over(&burst.burst, &params);
         // As `params`, of the burst itself.
         let searched = DetectorParams { frames: params.frames, ..cache.trail.searched_with().clone() };

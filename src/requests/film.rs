@@ -119,7 +119,7 @@ struct Prepared {
     steps: Vec<FilmStep>,
     planes: Vec<Option<Plane>>,
     responses: Vec<f32>,
-    /// One for all pictures, so that they can be compared.
+    /// One range for all pictures, which makes them comparable.
     display: Display,
     sheet: [f32; 2],
 }
@@ -340,7 +340,7 @@ impl Film {
         let positions = burst.positions.part(self.params.used_frames(burst.len()));
         let mark = |feature: &&Feature| FigureMark::of(feature, &positions, colours.colour(feature.motion().0));
         let marks = drawn.iter().map(mark).chain(place);
-        // One for all pictures, so that they have one size.
+        // One legend for all pictures: GIF frames have one size.
         let legend = self.detection.as_ref().map(|found| {
             slope_legend(&found.slopes, &found.features, (MAX_LEGEND_ENTRIES, colours.wheel()), |s| colours.colour(s))
         });

@@ -274,7 +274,7 @@ impl PictureKind {
         kind.about()
     }
 
-    /// Slope that it shows, if it depends on one.
+    /// Slope of the picture, if the picture depends on a slope.
     pub fn slope(self) -> Option<Slope> {
         match self {
             Self::Stack { slope } | Self::Dog { slope, .. } => Some(slope),

@@ -122,7 +122,7 @@ impl Info {
         let times_s: Vec<f64> = times.seconds.iter().map(|time| time - begin).collect();
         let rows_and_columns = timing.positions.rows_and_columns();
         let are_views = timing.positions.are_views();
-        // Times that are not asked for are told: those of the files, or else those that their names have.
+        // Times that nobody asked for are mentioned: from the files, or else from the files' names.
         let of_names = || {
             let options = OpenOptions { times: Some(TimesChoice::Names), ..options.clone() };
             Timing::of(&mut files.clone(), None, &options, monitor).ok()

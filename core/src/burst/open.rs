@@ -257,7 +257,7 @@ const DEAD_PART: f32 = 0.01;
 pub(super) struct Levels {
     /// Full scale set in the options; `None` takes each frame's own.
     pub given: Option<f32>,
-    /// Value that becomes 1.0: the given one, or that of the files.
+    /// Value that becomes 1.0, from the options or from the files.
     pub full_scale: f32,
     /// Value that becomes 0.
     pub black: f32,

@@ -28,7 +28,7 @@ pub struct BurstFiles {
 }
 
 impl BurstFiles {
-    /// Files with its frames: those of its folder in natural order, or its paths.
+    /// Files with the frames: the folder's files in natural order, or the given paths.
     pub fn files(&self) -> Result<Vec<PathBuf>> {
         files_at(&self.paths)
     }
@@ -56,7 +56,7 @@ pub fn find_bursts(inputs: &[PathBuf], options: &OpenOptions) -> Result<Vec<Burs
     Ok(find_entries(inputs, options)?.bursts)
 }
 
-/// The burst that `inputs` name, if they name one.
+/// The burst of `inputs`, if all of `inputs` together are one burst.
 pub(super) fn only_burst(inputs: &[PathBuf], options: &OpenOptions) -> Result<BurstFiles> {
     let mut bursts = find_bursts(inputs, options)?;
     if bursts.len() > 1 {

@@ -299,7 +299,7 @@ const MAX_LIST_BYTES: u64 = 64 << 20;
 /// Shortest frame interval that is taken for one, seconds. Cameras of more frames a second are triggered by a list.
 pub(super) const SHORTEST_S: f64 = 5e-6;
 
-/// Times that were found for frames, before it is known that they increase.
+/// Times found for frames, not yet checked for increasing order.
 struct FoundTimes {
     times: Source,
     /// Line of the list for each frame; empty for other sources.

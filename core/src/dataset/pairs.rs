@@ -63,7 +63,7 @@ impl From<BurstFeatures> for BurstSide {
     }
 }
 
-/// A burst, and what was found in it.
+/// A burst with the result of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct DetectedBurst<'a> {
     /// The burst.

@@ -227,7 +227,7 @@ struct Cells<'b> {
     sigma_min: f32,
     /// Grids by scale: grid k holds scales from r^k to r^(k+1) times the smallest, r being [`Cells::class_ratio`].
     grids: Vec<Grid>,
-    /// For each blob, the one inserted before it into its cell.
+    /// For each blob, the blob inserted before into the same cell.
     before: Vec<u32>,
     /// For each blob that is inserted, the number of those inserted before it.
     turn: Vec<u32>,

@@ -87,7 +87,7 @@ pub struct TestRecord {
     pub waived: [&'static str; 2],
     /// Sentence where it cannot be decided.
     pub unknown: &'static str,
-    /// Verdict on a candidate that fails it first.
+    /// Verdict on a candidate that fails this test first.
     pub verdict: &'static str,
     /// Parameter that sets the limit.
     pub parameter: Option<Param<SearchParams>>,

@@ -35,7 +35,7 @@ const VERSION: u32 = 1;
 pub struct Enclosed {
     /// Text of the window's session, which is of the case's frames.
     pub session: Option<String>,
-    /// Truth of the frames: what was planted in them, or of what they were made.
+    /// Truth of the frames: planted things, or the scene from which the frames were made.
     pub truth: Option<Truth>,
 }
 

@@ -20,7 +20,7 @@ const SUFFIX: &str = ".tmp";
 const TRIES: usize = 8;
 /// Name of what is being completed.
 const NEW: &str = "new";
-/// Name of what it replaces, in the moment in which that is done.
+/// Name of the replaced folder, for the moment of the exchange.
 const OLD: &str = "old";
 
 /// Hidden folder of unfinished work; removed when it is dropped.
@@ -60,7 +60,7 @@ impl Unfinished {
             // The mark is written when the file is locked. On a file system without locks nothing is removed either.
             let _ = in_use.lock();
             in_use.write_all(mark.as_bytes())?;
-            // Until it was locked another run could take it for one that was killed before it had marked its folder.
+            // Before the lock another run could remove the folder as the rest of a killed run.
             if path.exists() {
                 return Ok(Self { _in_use: in_use, folder });
             }
@@ -162,7 +162,7 @@ fn remove_unmarked(hidden: &Path) {
     {
         let _ = std::fs::remove_file(&path);
     }
-    // It stays if anything else is in it.
+    // A folder with other content stays.
     let _ = std::fs::remove_dir(hidden);
 }
 

@@ -217,7 +217,7 @@ impl Fate {
         &self.tests[test as usize]
     }
 
-    /// The tests after the first failed one that it also fails.
+    /// Further failed tests, after the first.
     pub fn fails_later(&self) -> impl Iterator<Item = Test> + '_ {
         let after = self.first_failed.map_or(Test::ALL.len(), |test| test as usize + 1);
         self.tests[after.min(self.tests.len())..].iter().filter(|t| t.outcome == Outcome::Fails).map(|t| t.test)

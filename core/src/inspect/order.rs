@@ -11,7 +11,7 @@ pub const AT_PLACE_PX: f32 = 3.0;
 pub(super) const LARGE_PX: f32 = 8.0;
 /// Ratio of two scales within which they count as the same.
 const SAME_SCALE: f32 = 1.3;
-/// Ratio of two scales within which they may be of one blob.
+/// Largest ratio of two scales of one blob.
 const LIKE_SCALE: f32 = 2.5;
 
 /// Motion of a place, known apart from the search.

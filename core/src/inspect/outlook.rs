@@ -23,7 +23,7 @@ pub struct Outlook {
     pub factor: f64,
     /// Number of frames that show it now.
     pub frames_now: usize,
-    /// Number of frames that it takes at this motion; `None` where it leaves the picture before.
+    /// Frames needed at this motion; `None` where the candidate leaves the picture before.
     pub frames: Option<usize>,
     /// Number of frames for which it stays in the picture at this motion; `None` where it does not move.
     pub frames_inside: Option<usize>,

@@ -303,7 +303,7 @@ fn subject(trail: &Trail, nearness: &Nearness, (fates, peaks): (&[Fate], &[Peak]
         match (candidate.filter(|index| tells(&fates[*index])), clear) {
             (Some(index), _) => return Ok(of_fate(index)),
             (None, Some((slope_index, Clear { peak, pos_image, snr, .. }))) => {
-                // By its own motion the place is what responds most in it.
+                // The motion of the strongest response is taken for the motion of the place.
                 let is_small = |fate: &Fate| nearness.is_here(fate) && fate.sigma <= LARGE_PX;
                 let is_more = |fate: &Fate| is_small(fate) && strength(fate) >= SAME_PART * snr;
                 let is_own = class + 1 == nearness.slopes.len();
@@ -333,7 +333,7 @@ const TELLING_PART: f32 = 0.5;
 /// Share of the strongest response of a place from which a candidate there is as strong.
 const SAME_PART: f32 = 0.95;
 
-/// Those that came farthest first, then the strongest.
+/// Candidates that passed most tests first, then the strongest.
 pub(super) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
     fates.sort_by(|a, b| {
         let stage = |fate: &Fate| fate.first_failed.map_or(Test::ALL.len(), |test| test as usize);

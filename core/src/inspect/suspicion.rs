@@ -148,7 +148,7 @@ fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion
     Some(Suspicion { other: Some(other), other_slope: Some(stronger.slope), ..suspicion })
 }
 
-/// The number that is given is the one by which `other` is stronger: its SNR, or else its response.
+/// Says by which number `other` is stronger: by SNR, or else by response.
 fn same_blob(other: usize, stronger: &Feature, feature: &Feature, apart_sigmas: f32) -> String {
     let by = if stronger.snr.is_finite() && stronger.snr > feature.snr {
         format!("SNR {} against {}", number(stronger.snr, 1), number(feature.snr, 1))

@@ -31,7 +31,7 @@ pub(crate) const STACKED_SLOPES: usize = 16;
 pub(crate) const STACKED_ROWS: usize = 16;
 /// Width of the strips in which keypoints are described, columns: the pixels they share stay in the cache.
 pub(crate) const STRIP_COLUMNS: f32 = 200.0;
-/// Keypoints that one thread describes in a row.
+/// Keypoints described by a thread before it takes new work.
 pub(crate) const KEYPOINTS_TOGETHER: usize = 32;
 
 #[inline(always)]

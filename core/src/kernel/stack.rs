@@ -65,7 +65,7 @@ impl<'a> Run<'a> {
         let first = slopes[0];
         let covering: Vec<usize> = (0..frames.len()).filter(|&t| first[t].covers_rows(height).contains(&v)).collect();
         let changes = first.iter().map(|offset| offset.covers_rows(height)).flat_map(|rows| [rows.start, rows.end]);
-        // Rows before the frame's first one that count as it are all copies of it.
+        // Rows above the frame are copies of its first row.
         let reads = covering.iter().map(|&t| usize::try_from(-first[t].whole_v).unwrap_or(0));
         let end = changes.chain(reads).filter(|&change| change > v).min().unwrap_or(height);
         let shifts = || slopes.iter().flat_map(|slope| slope.iter()).map(|offset| offset.whole_u);
@@ -236,7 +236,7 @@ fn side_columns(
         let covered = offset.covers_columns(width);
         let reads = FrameOffset::covered(offset.whole_u, offset.part_u, 0, width);
         let (start, end) = (covered.start.max(side.start), covered.end.min(side.end));
-        // Columns that count as the frame's first one precede those that it reads.
+        // Columns left of the frame, copies of its first column, come before the columns read.
         let first_read = reads.start.clamp(start, end.max(start));
         for u in start..first_read.min(end) {
             out[u - side.start] += source.pixels[0];

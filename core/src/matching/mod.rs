@@ -195,7 +195,7 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
 pub enum Refusal {
     /// Its motions agree with it no more than those of other places would.
     Motions,
-    /// Too few of its matches lie where their pictures put them.
+    /// Too few matches agree with the alignment of their pictures.
     Pictures,
 }
 

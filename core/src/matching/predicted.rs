@@ -62,7 +62,7 @@ pub struct Expected {
     pub place: [f64; 2],
     /// Unit vector along the epipolar line.
     pub along: [f64; 2],
-    /// Half of its length along that line, pixels.
+    /// Half of the band's length along the epipolar line, pixels.
     pub half_along_px: f64,
     /// Half of its width across it, pixels.
     pub half_across_px: f64,

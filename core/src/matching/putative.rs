@@ -34,7 +34,7 @@ pub struct Match {
     pub predicted: Option<Predicted>,
 }
 
-/// A match that was found where its motion puts it.
+/// A match found at the place that the motion predicts.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Predicted {
     /// Number of places in B that were compared.
@@ -278,7 +278,7 @@ impl State {
         *self = Self { best, second, number: numbers };
     }
 
-    /// This state and that of `later` queries as one.
+    /// Joins the state of `later` queries.
     fn with_later(&self, later: &Self) -> Self {
         let mut both = *self;
         for l in 0..LANES {

@@ -31,7 +31,7 @@ impl GaussianKernel {
         Self { half: taps.iter().map(|t| (t / sum) as f32).collect() }
     }
 
-    /// The kernel whose centre tap and those to one side are `half`.
+    /// The symmetric kernel with the taps `half`, from the centre to one side.
     pub(crate) fn of_half(half: Vec<f32>) -> Self {
         Self { half }
     }
@@ -41,7 +41,7 @@ impl GaussianKernel {
         self.half.len() - 1
     }
 
-    /// The centre tap and those to one side.
+    /// Taps from the centre to one side.
     pub fn half(&self) -> &[f32] {
         &self.half
     }

@@ -179,7 +179,7 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
     let taken = params.uneven.taken(params.frames, params.seed)?;
     let arm = Arm::new(params.mask, params.width, exposure.background, params.seed)?;
     let features = place_discs(params, monitor)?;
-    // Far (slow) discs first, so that faster ones are drawn over them.
+    // Far (slow) discs first: near (fast) discs hide them.
     let mut order: Vec<&FeatureTruth> = features.iter().collect();
     order.sort_by(|a, b| a.slope_u.hypot(a.slope_v).total_cmp(&b.slope_u.hypot(b.slope_v)).then(a.id.cmp(&b.id)));
     let burst = capture_burst("chart", &taken, params.seed, &exposure.camera, monitor, |at| {

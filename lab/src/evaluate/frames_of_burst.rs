@@ -63,7 +63,7 @@ pub struct BurstFramesRow {
     pub features: usize,
     /// Number of features that the search of all frames found too.
     pub confirmed: usize,
-    /// Number of features that it did not find.
+    /// Number of missed features.
     pub unconfirmed: usize,
     /// Number of discs of the truth that were found; absent without a truth.
     pub discs_found: Option<usize>,

@@ -21,7 +21,7 @@ pub struct FiguresJob {
     pub only: Vec<PaperFigure>,
     /// Size of the material.
     pub size: FigureSize,
-    /// COLMAP's program for the figures that need it; without it the notes say that those columns are missing.
+    /// COLMAP's program, for some figures; without COLMAP the notes name the missing columns.
     pub colmap: Option<PathBuf>,
 }
 
@@ -52,7 +52,7 @@ pub struct FigureReport {
     pub notes: Vec<String>,
     /// Whether an earlier run had made it.
     pub resumed: bool,
-    /// Time that making it took, in this or an earlier run, seconds.
+    /// Seconds that the figure took to make, in this or an earlier run.
     pub seconds: f64,
 }
 

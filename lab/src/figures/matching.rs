@@ -170,7 +170,7 @@ fn draw(bursts: &[Burst; 2], gold: &Plane, all: [&Matched; 2], found: [&Detectio
             let dim = Display::default().with_range(min, max + 0.8 * (max - min));
             Panel::draw(&mut sheet, at, half, &frames[side], &dim, title)
         });
-        // Wrong ones first, so that right ones are on top.
+        // Wrong matches first: right matches are drawn over them.
         for is_right in [false, true] {
             let colour = if is_right { RIGHT } else { WRONG };
             for (a, b, _, _) in matched.matches.iter().filter(|m| (m.2 <= RIGHT_PX) == is_right) {

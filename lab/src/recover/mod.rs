@@ -50,7 +50,7 @@ pub enum Contrast {
     Bright,
     /// Darker.
     Dark,
-    /// Half of them brighter, half of them darker.
+    /// Half brighter, half darker than the ground.
     Both,
 }
 
@@ -159,7 +159,7 @@ pub struct FoundThing {
     pub snr: f32,
 }
 
-/// One planted thing, and what became of it.
+/// One planted thing with its fate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Planted {
     /// Seed of its copy.

@@ -100,7 +100,7 @@ pub struct ActionRow {
     pub help: &'static str,
     /// All that the action does, but for those of the shell: what needs the lesson, the screen or a dialog.
     pub does: Option<Does>,
-    /// Whether it is possible, where that does not follow from what it does.
+    /// When the action is possible, where `does` does not decide it.
     when: Option<fn(Read<'_>) -> bool>,
     /// Whether it is on, of a switch or choice that does not follow from what it does.
     is_on: Option<fn(Read<'_>) -> bool>,

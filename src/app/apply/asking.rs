@@ -299,7 +299,7 @@ mod tests {
             ask(&mut bench.model, &bench.engine, true);
             let asks = bench.model.results.slots.a.detecting.is_pending();
             if asks {
-                // A newer value waits, so that the features of this one come.
+                // A newer value waits, and the features of the first value arrive.
                 change(&mut bench.model);
                 ask(&mut bench.model, &bench.engine, true);
                 while bench.model.results.slots.a.detecting.is_pending() {

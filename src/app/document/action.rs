@@ -90,7 +90,7 @@ pub enum Action {
 
     /// Values of single parameters.
     Change(Vec<ParamChange>),
-    /// All of them, as a file has them.
+    /// All parameters, as a file has them.
     SetSearch(Box<SearchParams>),
     /// The first `n` frames, added up along the slope; of one its frame.
     UseFrames(usize),

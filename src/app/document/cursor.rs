@@ -69,7 +69,7 @@ pub fn octave_range(params: &DetectorParams, size: (usize, usize)) -> RangeInclu
     octaves.start..=(octaves.end - 1).max(octaves.start)
 }
 
-/// Those that features come from, and one more on each side, against which they are compared.
+/// Levels of features, and a further level on each side for the comparison.
 pub fn level_range(params: &DetectorParams) -> RangeInclusive<i32> {
     -1..=params.levels as i32
 }

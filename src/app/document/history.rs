@@ -76,7 +76,7 @@ impl History {
         }
     }
 
-    /// Closes the step that is open, if there is one, and records it unless it ended where it began.
+    /// Closes an open step, and records the step if anything changed.
     pub fn close(&mut self, now: &Document) {
         if let Some(begun) = self.begun.take().filter(|begun| now.is_step_from(begun)) {
             self.past.push(begun);

@@ -20,7 +20,7 @@ pub const MAX_STEPS: usize = 3000;
 /// Steps that a saved session has.
 pub const LAST_STEPS: usize = 100;
 
-/// Steps to undo, or parts of none: each a list of actions, of which a drag has many.
+/// Steps to undo, or parts of no step: each a list of actions; a drag has many.
 pub type Steps = VecDeque<Vec<Action>>;
 
 #[derive(Debug, Default)]

@@ -229,7 +229,7 @@ fn address_space() -> u64 {
     line.trim().trim_end_matches(" kB").parse::<u64>().expect("a number") << 10
 }
 
-/// Another process, which limits the address space of this one: with too little left, this one cannot start any.
+/// Another process sets the limit: with too little address space left this process could not start a process.
 struct Limiter(std::process::Child);
 
 impl Limiter {

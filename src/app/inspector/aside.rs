@@ -28,7 +28,7 @@ impl HeldPlace {
         match untouched.filter(|_| !is_beside) {
             Some(original) => *view = original,
             None if is_beside && is_set => self.moved = None,
-            // One that was fitted while the panel was there is fitted without it.
+            // A picture fitted beside the panel is fitted again without the panel.
             None if !is_beside && !matches!(view.zoom, Zoom::PointsPerPixel(_)) => self.moved = None,
             None => {
                 let original = untouched.unwrap_or(*view);

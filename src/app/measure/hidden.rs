@@ -94,7 +94,7 @@ mod tests {
         let greys = mask_of(&burst, std::slice::from_ref(&square));
         let hidden: Vec<usize> = (0..96).filter(|k| greys[*k] == 0).collect();
         assert_eq!(hidden, [26, 27, 28, 38, 39, 40]);
-        // One that reaches beyond the picture, and one that is no area.
+        // A rectangle beyond the picture's rim, and an empty rectangle.
         let beyond = vec![pos2(-9.0, -9.0), pos2(99.0, -9.0), pos2(99.0, 99.0), pos2(-9.0, 99.0)];
         assert!(mask_of(&burst, &[beyond]).iter().all(|grey| *grey == 0));
         assert!(mask_of(&burst, &[vec![pos2(3.0, 3.0)], Vec::new()]).iter().all(|grey| *grey == 255));

@@ -52,7 +52,7 @@ impl Panes {
         self.forget_missing();
     }
 
-    /// Unless it is the only one. Panes that show its picture go back to their own cursors.
+    /// The last pane stays. Panes with this pane's picture go back to their own cursors.
     pub fn close(&mut self, id: PaneId) {
         self.close_in(self.open, id);
     }

@@ -16,7 +16,7 @@ pub struct ParamTable<'a, P> {
     pub error: Option<&'a Error>,
     pub defaults: P,
     pub frame_count: usize,
-    /// Name of a parameter, and what its value stands for, which is said beside it.
+    /// Name of a parameter, and a note beside its value.
     pub note: Option<(&'static str, String)>,
 }
 
@@ -83,7 +83,7 @@ fn field_ui(ui: &mut Ui, field: Field<'_>, drag: &Drag, label: Id, frame_count: 
         Field::Frames(frames) => frames_ui(ui, frames, label, frame_count),
         Field::Gate(gate) => gate_ui(ui, gate, drag, label),
         Field::Distinct(distinct) => distinct_ui(ui, distinct, drag, label),
-        // Whoever shows these has editors of their own.
+        // Panels with such values have editors of their own.
         Field::Text(_) | Field::Slopes(..) => {}
     }
 }

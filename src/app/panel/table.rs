@@ -244,7 +244,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let width = text_width(ui, format!("{total} of {total}"));
     label_ui(ui, text, width).on_hover_text("Features that pass the filter");
     let title = if model.document.filter.is_open() { RichText::new("Filter") } else { RichText::new("Filter (on)") };
-    // It stays open, so that several of its switches can be set.
+    // The popup stays open for several switches.
     let config = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
     let mut filter = model.document.filter.clone();
     MenuButton::new(title).config(config).ui(ui, |ui| {

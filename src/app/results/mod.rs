@@ -130,7 +130,7 @@ pub enum Effect {
     ForgetThumbnails,
     Ask(Purpose),
     UseFiles(Purpose, Vec<PathBuf>),
-    /// A file is written. The user agreed that it may replace one that is there.
+    /// A file is being written, in place of an older file where the user agreed.
     Write(Purpose, PathBuf),
     StartLesson(Arc<Lesson>),
     ForgetWidgets,
@@ -188,7 +188,7 @@ impl<'a> Read<'a> {
         self.shell.of_user.is_some()
     }
 
-    /// The one before the open lesson, or without one that on show.
+    /// The project before the open lesson, or the project on show.
     pub fn project_of_user(self) -> Read<'a> {
         let of_user = self.shell.of_user.as_deref();
         of_user.map_or(self, |of_user| Read { document: &of_user.document, results: &of_user.results, ..self })

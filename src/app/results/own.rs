@@ -12,7 +12,7 @@ use crate::requests::BurstSource;
 pub struct Own {
     /// Name of the burst that it was set for.
     pub of: String,
-    /// Side of the burst that began without it.
+    /// Side of the burst that began without these settings.
     pub side: Side,
     pub calibration: OpenOptions,
     pub frames: Option<FrameRange>,
@@ -40,7 +40,7 @@ impl Own {
         words.into_iter().filter(|(is_set, _)| *is_set).map(|(_, word)| word).collect()
     }
 
-    /// Sentence that says what is not used, and the words of the button that uses it.
+    /// Sentence about the unused settings, and the words of the button that uses them.
     pub fn offer(&self) -> (String, &'static str) {
         let words = self.words();
         let in_b = if self.side == Side::B { "in B" } else { "here" };

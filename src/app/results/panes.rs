@@ -56,7 +56,7 @@ impl Read<'_> {
 
     pub fn shows_right(self) -> bool {
         self.document.panels.right.or(match self.document.workspace {
-            // That of a session comes with its features.
+            // The selection of a session waits for the session's features.
             Workspace::Inspect => {
                 self.document.selected.is_some() || self.results.reselect.is_some() || self.document.probe.is_open
             }

@@ -32,7 +32,7 @@ pub struct View {
     region_points_per_pixel: f32,
 }
 
-/// Of equal views the same part of the picture is seen; how large it was drawn last is no part of them.
+/// Equal views show the same part of the picture; the size last drawn is not compared.
 impl PartialEq for View {
     fn eq(&self, other: &Self) -> bool {
         (self.zoom, self.centre_image) == (other.zoom, other.centre_image)

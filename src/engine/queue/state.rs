@@ -33,7 +33,7 @@ impl RunningJob {
 
 #[derive(Default)]
 pub(super) struct State {
-    /// In the order in which their keys asked.
+    /// In the order of the first request of each key.
     pub(super) waiting: Vec<WaitingJob>,
     pub(super) running: Vec<RunningJob>,
     pub(super) newest: u64,

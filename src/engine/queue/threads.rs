@@ -49,7 +49,7 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
         let waits = state.waiting.iter().any(|job| job.manner.lane == manner.lane || job.key == key);
         drop(state);
         if waits {
-            // A request of this lane may have waited for this one; another thread may take it.
+            // Another thread may take a request of this lane that waited.
             shared.wake.notify_all();
         }
         (shared.on_update)();

@@ -23,7 +23,7 @@ fn stubborn(go: mpsc::Receiver<()>) -> impl Fn(u32, &Monitor) -> Result<u32, Job
     }
 }
 
-/// Jobs that run until they are cancelled or receive a message, which ends one job.
+/// Jobs that run until cancelled; a message ends one job.
 fn stubborn_jobs(grace: Duration) -> (Jobs<u32, u32>, mpsc::Sender<()>) {
     let (go, gone) = mpsc::channel();
     (Jobs::new(&queue(), Urgency::Search, grace, stubborn(gone)), go)

@@ -64,6 +64,32 @@ fn late_subjects(source: &Source) -> impl Iterator<Item = String> + '_ {
     })
 }
 
+/// Comments of 8 to 60 words of which a quarter or more point at other words: a reader looks each of them up.
+fn pointing(source: &Source) -> Vec<String> {
+    const POINTERS: &str = " it its it's they them their that those this these which whose one ones what who whom ";
+    let (mut found, mut comment, mut begin) = (Vec::new(), String::new(), 0);
+    for (number, line) in source.text.lines().chain([""]).enumerate() {
+        match line.trim_start().strip_prefix("//") {
+            Some(words) => {
+                begin = if comment.is_empty() { number + 1 } else { begin };
+                comment += words.trim_start_matches(['/', '!']);
+                comment.push(' ');
+            }
+            None => {
+                let is_letter = |letter: char| letter.is_ascii_alphabetic() || letter == '\'';
+                let words: Vec<&str> = comment.split(|c| !is_letter(c)).filter(|word| !word.is_empty()).collect();
+                let is_pointer = |word: &&&str| POINTERS.contains(&format!(" {} ", word.to_lowercase()));
+                let pointers = words.iter().filter(is_pointer).count();
+                if (8..=60).contains(&words.len()) && 4 * pointers >= words.len() {
+                    found.push(format!("{}:{begin}", source.path.display()));
+                }
+                comment.clear();
+            }
+        }
+    }
+    found
+}
+
 /// Functions with a parameter of type `&mut Model`.
 fn takers(source: &Source) -> impl Iterator<Item = String> + '_ {
     source.code.match_indices(": &mut Model").map(|(at, _)| {
@@ -107,6 +133,11 @@ fn counts() -> Vec<Count> {
             "doc comments that begin with “What” or “The one that”",
             60,
             sources.iter().flat_map(late_subjects).collect(),
+        ),
+        Count::of(
+            "comments of which a quarter of the words point at others",
+            50,
+            sources.iter().flat_map(pointing).collect(),
         ),
         Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
         Count { bound: Some(559), ..Count::told("source files", sources.len()) },

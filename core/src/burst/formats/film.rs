@@ -97,7 +97,7 @@ const COLOURS: &str = "rgb24|rgb48be";
 const FRAMES: [&str; 3] = ["-fps_mode", "passthrough", "-vf"];
 const AS_Y4M: [&str; 5] = ["-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
 const AS_PPM: [&str; 5] = ["-c:v", "ppm", "-f", "image2pipe", "pipe:1"];
-/// Arguments that list the frames with their times, without decoding them.
+/// Arguments that list frames and times without decoding.
 const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
 
 /// The `ffmpeg` that is found first in `PATH`; the error says the command that keeps the bits.

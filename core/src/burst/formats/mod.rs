@@ -85,7 +85,7 @@ pub struct FormatRecord {
 
 use FormatRecord as Record;
 
-/// All formats that this program was built with.
+/// The formats of this build.
 pub fn file_formats() -> impl Iterator<Item = FormatRecord> {
     ALL.iter().map(|format| format.record())
 }
@@ -392,7 +392,7 @@ pub(super) fn times(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Re
     Ok(with_format(reading, usize::MAX, |format, input| format.times(input, reading))?.0)
 }
 
-/// The frame of a file that has one, with its mosaic binned.
+/// The only frame of a file, with the mosaic binned.
 pub(super) fn frame(reading: Reading<'_>) -> Result<RawFrame> {
     let (frame, name) = with_format(reading, usize::MAX, |format, input| format.only(input, reading))?;
     finished(reading, name, frame)

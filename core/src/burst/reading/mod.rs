@@ -66,7 +66,7 @@ pub(in crate::burst) struct RawFrame {
     pub misnamed: Option<&'static str>,
     /// Whether the file has colours for each pixel.
     pub is_colour: bool,
-    /// Mosaic of colours that its file declares; it is not binned yet.
+    /// Mosaic of colours that the file declares, not binned yet.
     pub mosaic: Option<Mosaic>,
 }
 
@@ -130,7 +130,7 @@ pub(in crate::burst) struct Expected<'a> {
 #[derive(Clone, Copy)]
 pub(in crate::burst) struct Reading<'a> {
     pub path: &'a Path,
-    /// Size that its frame must have, where others come before it.
+    /// Size of the frames before, which this frame must have too.
     pub expected: Option<Expected<'a>>,
     pub options: &'a OpenOptions,
     pub ticker: &'a Ticker<'a>,

@@ -148,7 +148,7 @@ impl Plain {
         Declared { mosaic, times, views, taken, ..declared }
     }
 
-    /// These frames, or the part of them that is to be taken.
+    /// These frames, or the part of `--take`.
     pub(in crate::burst) fn part(mut self, path: &Path, options: &OpenOptions) -> Result<Self> {
         if options.take.is_none() {
             return Ok(self);
@@ -172,7 +172,7 @@ impl Plain {
         self.size.0 * self.size.1 * self.channels
     }
 
-    /// The frame of a file that has one.
+    /// The only frame of a file.
     pub(in crate::burst) fn only(&self, reading: Reading<'_>) -> Result<RawFrame> {
         if self.places.len() != 1 {
             return Err(Error::stack_among_frames(reading.path, self.places.len()));

@@ -157,7 +157,7 @@ pub fn sums(level: &Patch, size: (usize, usize), square: &Square, scratch: &mut 
     cells.sums()
 }
 
-/// Number of samples that are computed in vectors before they are added one by one.
+/// Samples whose weights are computed as vectors before the sums take sample by sample.
 const BATCH: usize = 256;
 const LAST_DIRECTION: f32 = (DIRECTIONS - 1) as f32;
 

@@ -155,7 +155,7 @@ fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [for
     let (before, rest) = messages.split_at_mut(chain.len());
     let (belief, rest) = rest.split_at_mut(count);
     let (after, scratch) = rest.split_at_mut(count);
-    // What the cells before each one say of it.
+    // Messages to each cell from the cells before.
     before[..count].fill(1.0 / count as f32);
     for (cell, likelihood) in chain.chunks(count).enumerate().take(chain.len() / count - 1) {
         let (said, next) = before[cell * count..].split_at_mut(count);

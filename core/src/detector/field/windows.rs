@@ -21,7 +21,7 @@ use rayon::prelude::*;
 
 /// Standard deviation of the window that overrules, cells.
 const SMALL_CELLS: f64 = 1.75;
-/// Evidence that another motion needs in it, nats.
+/// Evidence above which a window gets a second motion, nats.
 const OVERRULING_NATS: f32 = 3.0;
 /// Steps of the sweep between two motions that differ.
 const OTHER_STEPS: f32 = 1.0;

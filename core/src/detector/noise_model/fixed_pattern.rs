@@ -263,7 +263,7 @@ pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> us
                 struck.push((u, v));
             }
         }
-        // From each struck pixel on, those beside it that are fainter.
+        // Grow each struck pixel into fainter neighbours: a hit spreads over several pixels.
         let mut known: BTreeSet<(usize, usize)> = struck.iter().copied().collect();
         while let Some((u, v)) = struck.pop() {
             for beside in neighbours(u, v, (width, height)) {

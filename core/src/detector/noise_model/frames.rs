@@ -52,7 +52,7 @@ pub struct FrameSurvey {
     pub(super) flat: (Vec<usize>, f32),
 }
 
-/// Spread of exposures above which it is flicker; objects that move make a smaller one.
+/// Spread of exposures above which frames flicker; moving objects cause a smaller spread.
 const MIN_FLICKER: f32 = 0.015;
 /// Spread of exposures, in standard errors of a frame's mean brightness, up to which it is noise and no flicker.
 const SURE_OF_FLICKER: f32 = 4.0;

@@ -149,7 +149,7 @@ impl Field<'_> {
         Ok(())
     }
 
-    /// Number in the value, if it has one.
+    /// The value as a number, for checks of its range.
     fn number(&self) -> Option<f64> {
         match self {
             Self::F32(x) => Some(f64::from(**x)),

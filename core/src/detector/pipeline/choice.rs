@@ -33,7 +33,7 @@ pub(super) struct Choice {
     pub(super) verdicts: Vec<Verdict>,
     /// The keypoint of each feature, strongest first.
     pub(super) ranked: Vec<usize>,
-    /// Keypoints that are known to stay among those on their blobs.
+    /// Keypoints known to be the strongest on their blobs.
     pub(super) distinct: Vec<usize>,
     /// Time for the comparison of keypoints on one blob, seconds.
     pub(super) distinct_secs: f32,
@@ -119,7 +119,7 @@ impl Chooser<'_> {
             found.truncate(max);
         }
         if let Some(weakest) = found.get(max.saturating_sub(1)).map(|one| one.feature.strength()) {
-            // Of what was examined beyond, nothing is told: how far that went depends on the turns.
+            // Candidates examined beyond are not reported: how many there are depends on the order of the threads.
             let weaker = verdicts.iter_mut().zip(keypoints).filter(|(_, keypoint)| keypoint.strength() < weakest);
             weaker.for_each(|(verdict, _)| *verdict = Verdict::Cut);
         }

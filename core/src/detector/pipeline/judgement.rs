@@ -35,7 +35,7 @@ pub struct Sample {
 }
 
 impl Sample {
-    /// Index of its DoG level among those that are computed.
+    /// Index of the DoG level among the computed levels.
     pub fn level_index(&self) -> usize {
         (self.level + 1) as usize
     }
@@ -84,7 +84,7 @@ pub struct Judgement {
 }
 
 impl Judgement {
-    /// The keypoint that it makes; `None` where a test rejects it.
+    /// The keypoint of a candidate; `None` where a test rejects the candidate.
     pub fn keypoint(&self) -> Option<Keypoint> {
         self.would_be.filter(|_| self.rejected_by.is_none())
     }

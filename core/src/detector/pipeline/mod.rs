@@ -76,7 +76,7 @@ impl Keeping<'_> {
     pub const ANEW: Self = Self { earlier: None, first: &|_| {} };
 }
 
-/// Number of pixels of an image times that of slopes from which on a search is long: it takes more than about 0.2 s.
+/// Pixels of an image times slopes above which a search is long: more than about 0.2 s.
 const LONG_SEARCH_PX: usize = 5_000_000;
 /// Least number of slopes of a long search: the first one is then a small part of it.
 const LONG_SEARCH_SLOPES: usize = 16;

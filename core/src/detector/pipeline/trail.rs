@@ -157,7 +157,7 @@ impl Trail {
         &self.inputs.noise
     }
 
-    /// Frames that took part, their indices among those used, and the positions of those used.
+    /// Frames of the search, their indices among the frames used, and the positions of all frames used.
     pub fn frames(&self) -> (&[Arc<Plane>], &[usize], &Positions) {
         (&self.inputs.frames, &self.inputs.times.kept, &self.inputs.times.positions)
     }

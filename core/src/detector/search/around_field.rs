@@ -30,7 +30,7 @@ pub(crate) struct SlopesAround {
     size: (usize, usize),
     /// Of each block, row by row, whether it searches each slope of the grid.
     searched: Vec<Vec<bool>>,
-    /// Slopes that are searched anywhere, and those beside them, between which keypoints are localised.
+    /// Slopes searched anywhere, with their neighbours, which localisation in slope needs.
     held: Vec<bool>,
 }
 

@@ -35,7 +35,7 @@ pub enum OtherSlopes {
     Unseen,
     /// D around it at the neighbouring slopes, to refine its slope.
     Seen,
-    /// D around it at the slopes that are compared, all of which it must beat.
+    /// D around the sample at the neighbouring slopes; a joint extremum exceeds all of them.
     Beaten(SlopeNeighbours),
 }
 

@@ -45,9 +45,9 @@ const STRAIGHT_PX: f64 = 1.4;
 const FILM_PART: f64 = 1.0 / 3.0;
 /// Motion of the picture from the first to the last frame, pixels, up to which it stands still.
 const STILL_PX: f64 = 0.95;
-/// Slope, in its uncertainty, above which it is surely not 0.
+/// Slope in standard deviations above which the motion is surely not 0.
 const SURELY: f64 = 2.5;
-/// Number of confirmed windows that move from which on a picture whose most stands still does not.
+/// Confirmed moving windows that turn a mostly still picture into a moving one.
 const MIN_MOVING: usize = 3;
 /// Distance from a uniform motion, in pixels of the level, up to which a picture whose windows stand still does so.
 const STILL_LEVEL_PX: f64 = 1.25;

@@ -58,7 +58,7 @@ struct Block {
     pairs: Vec<(Vec<f32>, f64)>,
     /// Slope for even times, level pixels per frame.
     slope: [f64; 2],
-    /// Lowest significance at which it counts as evidence.
+    /// Lowest significance of a block that counts as evidence.
     least: f64,
 }
 
@@ -372,7 +372,7 @@ fn nats(significance: f64) -> f64 {
     0.5 * significance.max(0.0).powi(2)
 }
 
-/// Each event once, those that agree best first.
+/// Each event once, best agreement first.
 fn best_first(tried: impl Iterator<Item = Agreement>) -> Vec<Agreement> {
     let mut all: Vec<Agreement> = tried.collect();
     all.sort_by(|a, b| b.nats.total_cmp(&a.nats));

@@ -138,7 +138,7 @@ impl<'a> Judging<'a> {
         Ok(SlopeJudgement { sentence, fits, advice })
     }
 
-    /// The first fault, with the changes that mend it and those after it.
+    /// The first fault, with changes that mend this fault and the later ones.
     fn advice(&self) -> Option<SlopeAdvice> {
         self.order().or_else(|| self.frames(true)).or_else(|| self.fault_of_slopes())
     }

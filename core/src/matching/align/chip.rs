@@ -20,7 +20,7 @@ pub const SIDE: usize = 2 * REACH + 1;
 pub(super) const STEP: f32 = 0.75;
 /// Standard deviation of the Gaussian that weights the pixels of a sample, σ.
 const BLUR: f64 = 0.55;
-/// Reach of that Gaussian in its standard deviations.
+/// Reach of the Gaussian window, standard deviations.
 const CUT: f64 = 3.0;
 /// Least variance of that Gaussian, squared pixels of the frames that are read: less would skip pixels.
 const LEAST_VARIANCE: f64 = 0.15;

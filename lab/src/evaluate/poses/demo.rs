@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Name of the built-in estimate; a folder of that name is given as `./demo-cameras`.
 pub const DEMO_ESTIMATE: &str = "demo-cameras";
-/// Name of the poses that it should have.
+/// Name of the true poses.
 pub const DEMO_TRUTH: &str = "demo-cameras-truth";
 
 /// Whether `path` is the name of a built-in trajectory.

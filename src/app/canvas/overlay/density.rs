@@ -154,7 +154,7 @@ mod tests {
         let only_weak: Vec<bool> = (0..features.len()).map(|i| i >= 4900).collect();
         let weak = drawn(&features, |i| only_weak[i].then_some(Group::Own), transform, rect, |_| false);
         assert!(weak.drawn > 40 && weak.in_view == 100 && !weak.flags[0]);
-        // Fainter ones take no place from the others, nor these from them.
+        // Faint features and the others do not compete for room.
         let groups = |i: usize| Some(if only_weak[i] { Group::Faint } else { Group::Own });
         let both = drawn(&features, groups, transform, rect, |_| false);
         assert!((0..features.len()).filter(|&i| only_weak[i]).all(|i| both.flags[i] == weak.flags[i]));

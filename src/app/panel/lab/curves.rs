@@ -171,7 +171,7 @@ pub fn shown_plots(model: Read<'_>) -> Vec<(String, Vec<StudyPlot>)> {
     results.iter().map(set).collect()
 }
 
-/// Plots of all results, those of one subject laid over one another.
+/// Plots of all results; plots of one subject lie over one another.
 fn merged(
     results: &[(LabSet, Option<&str>, &LabResult)],
     row_label: Option<&str>,

@@ -105,7 +105,7 @@ impl<'a> Read<'a> {
         (self.document.workspace == Workspace::Pair && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
     }
 
-    /// Parameters with which the feature that is asked about may match: those of the step at which it was lost.
+    /// Parameters that could keep the feature in question, from the step where its match was lost.
     pub fn remedy(self) -> Option<MatchParams> {
         let why = self.results.pair.lost.why.as_ref()?;
         let matches = self.results.pair.matches.as_ref()?;

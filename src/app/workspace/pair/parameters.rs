@@ -23,13 +23,13 @@ const ADVANCED: [Param<MatchParams>; 5] =
 #[derive(Debug, Clone, Default)]
 pub struct CameraText {
     text: String,
-    /// Camera that the text shows, so that one set elsewhere is noticed.
+    /// Camera of the text, to notice a camera set elsewhere.
     camera: Option<Camera>,
     problem: Option<String>,
 }
 
 impl CameraText {
-    /// Shows the camera that is set, unless it is the typed one.
+    /// Shows the camera of the document, unless the user is typing.
     fn follow(&mut self, camera: Option<&Camera>) {
         if self.camera.as_ref() != camera {
             self.camera = camera.cloned();

@@ -435,7 +435,7 @@ fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
     Ok(frames.into_iter().map(|(_, frame)| frame).collect())
 }
 
-/// The picture of a recording that has one.
+/// The picture of a recording with a single picture.
 fn only(reading: Reading<'_>) -> Result<RawFrame> {
     let Reading { path, options, ticker, .. } = reading;
     match count(path, options, Work::new(ticker.monitor(), false), ticker.monitor())? {

@@ -286,7 +286,7 @@ impl<'a, R: Read + Seek> Scan<'a, R> {
         Ok(one_line(&String::from_utf8_lossy(&self.field()?)))
     }
 
-    /// The place `bytes` behind this one, which must lie in the file.
+    /// Place `bytes` further on in the file; an error past the file's end.
     pub(super) fn after(&self, bytes: u64) -> io::Result<u64> {
         let end = self.at.checked_add(bytes).filter(|end| *end <= self.length);
         end.ok_or_else(|| io::ErrorKind::UnexpectedEof.into())

@@ -76,7 +76,7 @@ pub(super) fn beside(path: &Path) -> io::Result<Option<String>> {
 /// Runs a question to the database.
 fn asked<T>(path: &Path, work: &Arc<Work>, ask: impl FnOnce(Connection) -> rusqlite::Result<T>) -> io::Result<T> {
     connection(path, work).and_then(ask).map_err(|e| match (work.step(EACH), e.sqlite_error_code()) {
-        // An interrupted one is told by what interrupted it.
+        // An interrupted query is reported with the reason of the interruption.
         (Err(reason), _) => reason,
         (_, Some(rusqlite::ErrorCode::OutOfMemory)) => io::ErrorKind::OutOfMemory.into(),
         _ => io::Error::other(e),

@@ -31,7 +31,7 @@ pub(super) struct Described {
 }
 
 impl Described {
-    /// Pages in their order, of axes whose product they should be.
+    /// Pages in file order; the sizes of the axes should multiply to their number.
     pub(super) fn in_order(axes: Axes, pages: usize) -> Self {
         let count = product(&axes);
         let page = |number| (number < pages).then_some(Page { file: None, number });
@@ -112,7 +112,7 @@ fn of_tifffile(description: &str, [rows, columns, samples]: PageShape) -> Option
     })
 }
 
-/// Images in the description, of which one is to be taken: its name, and its pixels.
+/// Images of the description, from which the caller takes one: name and pixels.
 type Images<'a> = Vec<(&'a str, Node<'a, 'a>)>;
 
 /// Largest companion file, bytes.
@@ -233,7 +233,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
 }
 
 trait Named {
-    /// Whether its name is this one, whatever its prefix and namespace.
+    /// Whether the element has this name, with any prefix and namespace.
     fn has_tag_name_of(&self, name: &str) -> bool;
 }
 

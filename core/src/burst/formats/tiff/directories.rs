@@ -272,7 +272,7 @@ impl<R: Read + Seek> Walk<'_, R> {
                     // Where bytes stand for a place, decoders take that of the bytes.
                     7 if bytes > field.len() as u64 => self.parts.push((place, true)),
                     7 => self.parts.push((at + (entry.len() - field.len()) as u64, true)),
-                    // Of types that they do not know they take the first byte.
+                    // Decoders read the first byte of an unknown type.
                     0 | 13.. => {
                         let mut first = [field[0]];
                         if count > field.len() as u64 && number(field) < self.length {

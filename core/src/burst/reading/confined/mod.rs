@@ -188,7 +188,7 @@ impl Running {
 
     pub(in crate::burst) fn kill(&self) {
         let mut child = self.child.lock().unwrap_or_else(PoisonError::into_inner);
-        // Processes that it has started hold its pipes open; they are of its group.
+        // The child's own processes hold the pipes open; they belong to the child's process group.
         #[cfg(unix)]
         if matches!(child.try_wait(), Ok(None)) {
             use rustix::process::{Pid, Signal, kill_process_group};

@@ -138,7 +138,7 @@ mod confined {
         SYS_fchmod SYS_fchmodat SYS_fchown SYS_fchownat SYS_utimensat SYS_setxattr SYS_lsetxattr SYS_fsetxattr
         SYS_removexattr SYS_lremovexattr SYS_fremovexattr
     );
-    /// Those that only this processor has, for the same.
+    /// System calls of this processor alone, for the same purpose.
     #[cfg(target_arch = "x86_64")]
     const OLD_CALLS: [i64; 7] = calls!(
         SYS_chmod SYS_chown SYS_lchown SYS_utime SYS_utimes SYS_futimesat SYS_inotify_init

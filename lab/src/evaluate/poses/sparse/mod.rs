@@ -35,7 +35,7 @@ pub struct SparsePoint {
     pub position: [f64; 3],
     /// Mean reprojection error over its keypoints, pixels.
     pub reprojection_error_px: f64,
-    /// Number of keypoints in which it was seen.
+    /// Number of keypoints of the track.
     pub track_length: usize,
 }
 
@@ -48,7 +48,7 @@ pub struct SparseModel {
     pub images: Vec<SparseImage>,
     /// Points, in the file's order.
     pub points: Vec<SparsePoint>,
-    /// Number of further models beside this one: parts that could not be joined with it.
+    /// Number of further models: parts that COLMAP could not join with this model.
     pub other_models: usize,
 }
 
