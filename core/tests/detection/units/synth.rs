@@ -97,6 +97,47 @@ mod chart {
         }
         assert!(measured > 30, "only {measured} discs stood alone");
     }
+
+    #[test]
+    fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
+        let made = |seed: u64| synth_chart(&ChartParams { seed, ..small() }, &Monitor::default()).expect("a chart");
+        let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let make = |threads, seed| pool(threads).install(|| made(seed));
+        let (one, truth_one) = make(1, 3);
+        let (four, truth_four) = make(4, 3);
+        let (other, truth_other) = make(4, 4);
+        assert_eq!(one.frames, four.frames);
+        assert_eq!(truth_one, truth_four);
+        assert_ne!(one.frames, other.frames);
+        assert_ne!(truth_one.features, truth_other.features);
+    }
+
+    #[test]
+    fn discs_keep_their_distance_and_stay_inside() {
+        let params = ChartParams { motion: Motion::TwoD, frames: 10, ..ChartParams::default() };
+        let discs = synth_chart(&params, &Monitor::default()).expect("they fit").1.features;
+        assert_eq!(discs.len(), 90);
+        for a in &discs {
+            for dt in [-4.5, 4.5] {
+                let (u, v) = a.position(dt);
+                assert!(u - a.radius >= 0.0 && v - a.radius >= 0.0);
+                assert!(u + a.radius <= 799.0 && v + a.radius <= 599.0);
+            }
+            for b in discs.iter().filter(|b| b.id != a.id) {
+                assert!((a.u - b.u).hypot(a.v - b.v) >= a.radius + b.radius + params.gap);
+            }
+        }
+    }
+
+    #[test]
+    fn the_first_disc_of_a_seed_is_fixed_for_ever() {
+        // Published tables use these charts.
+        let first = synth_chart(&ChartParams::default(), &Monitor::default()).expect("they fit").1.features[0];
+        assert_eq!([first.radius, first.u, first.v, first.slope_u], FIRST_DISC_OF_SEED_1);
+    }
+
+    const FIRST_DISC_OF_SEED_1: [f64; 4] =
+        [18.941_430_711_460_43, 124.522_301_286_314_56, 42.249_995_958_163_68, 2.564_286_188_923_249_6];
 }
 
 mod examples {
