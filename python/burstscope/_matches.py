@@ -161,8 +161,10 @@ class Matches(Made):
         picture = self._raw.picture((self.a.burst._raw, self.a._raw), (self.b.burst._raw, self.b._raw))
         return bytes(picture)
 
-    def plot(self, ax: Axes | None = None, *, which: NDArray[np.bool_] | None = None, **how: Any) -> Axes:
-        """Draws both bursts side by side with lines between matches, on axes of matplotlib.
+    def plot(
+        self, ax: Axes | None = None, *, which: NDArray[np.bool_] | None = None, as_found: bool = False, **how: Any
+    ) -> Axes:
+        """Draws both bursts side by side with lines between the places of matches, on axes of matplotlib.
 
         Parameters
         ----------
@@ -171,6 +173,9 @@ class Matches(Made):
         which : bool array [m], optional
             The matches that are drawn: by default the inliers, or all where there is no geometry.
             ``~matches.inliers`` are the outliers, ``matches.distance < 80`` those that are most alike.
+        as_found : bool, default False
+            Whether lines end where features were found, `xy_a` and `xy_b`, and not at the places after the alignment,
+            `aligned_a` and `aligned_b`, which `inliers` and `geometry` are about.
         **how
             Given to ``LineCollection``: ``linewidths``, ``colors`` …
 
@@ -190,7 +195,7 @@ class Matches(Made):
         which = np.asarray(which)
         if which.shape != (len(self),) or which.dtype != bool:
             raise ValueError(f"which: an array of {which.dtype} {which.shape}; give a bool for each of the {len(self)} matches")
-        return _plot.matches(self, ax, which, how)
+        return _plot.matches(self, ax, which, as_found, how)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table of pandas with a row a match and the columns of the CSV file that ``burstscope match`` writes: NaN where a

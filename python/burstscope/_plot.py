@@ -71,8 +71,10 @@ def _in_pixels(ax: Axes, found: Detection) -> None:
     ax.set(aspect="equal", xlabel="u, px", ylabel="v, px")
 
 
-def matches(matched: Matches, ax: Axes | None, which: NDArray[np.bool_], how: dict[str, Any]) -> Axes:
-    """Both bursts side by side, with lines between matched places."""
+def matches(
+    matched: Matches, ax: Axes | None, which: NDArray[np.bool_], as_found: bool, how: dict[str, Any]
+) -> Axes:
+    """Both bursts side by side, with lines between matched places, after the alignment or as found."""
     from burstscope._detection import strongest_slope
 
     ax = _axes(ax)
@@ -88,7 +90,8 @@ def matches(matched: Matches, ax: Axes | None, which: NDArray[np.bool_], how: di
     ax.imshow(both, cmap="gray", vmin=0, vmax=1, interpolation="nearest")
     inliers = np.zeros(len(matched), bool) if matched.inliers is None else matched.inliers
     colours = np.where(inliers, "#e69f00", "#cc79a7" if matched.inliers is not None else "#56b4e9")
-    lines = np.stack([matched.xy_a, matched.xy_b + np.array([shift, 0], np.float32)], 1)
+    of_a, of_b = (matched.xy_a, matched.xy_b) if as_found else (matched.aligned_a, matched.aligned_b)
+    lines = np.stack([of_a, of_b + np.array([shift, 0], np.float32)], 1)
     style: dict[str, Any] = {"colors": list(colours[which]), "linewidths": 0.6, "alpha": 0.8, **how}
     ax.add_collection(LineCollection(list(lines[which]), **style))
     ax.set_axis_off()

@@ -55,6 +55,18 @@ def _sampson(a: NDArray[np.float32], b: NDArray[np.float32], matrix: NDArray[np.
     return distances
 
 
+def test_lines_are_drawn_between_the_places_that_the_geometry_is_about(street: tuple[bs.Detection, bs.Detection]) -> None:
+    matplotlib = pytest.importorskip("matplotlib")
+    matplotlib.use("Agg")
+    matched = bs.match(*street, geometry="homography", min_inliers=8)
+    inliers = matched.inliers
+    assert inliers is not None and np.abs(matched.aligned_b - matched.xy_b)[inliers].max() > 0.1
+    right = np.array([street[0].burst.frames.shape[2] + 8, 0], np.float32)
+    for as_found, a, b in ((False, matched.aligned_a, matched.aligned_b), (True, matched.xy_a, matched.xy_b)):
+        lines: Any = matched.plot(as_found=as_found).collections[0]
+        np.testing.assert_allclose(lines.get_segments(), np.stack([a, b + right], 1)[inliers], rtol=1e-6)
+
+
 def test_errors_and_geometry_are_those_of_the_aligned_places(street: tuple[bs.Detection, bs.Detection]) -> None:
     matched = bs.match(*street)
     assert matched.geometry is not None and matched.error_px is not None and matched.inliers is not None
