@@ -2,6 +2,7 @@
 
 mod datasets;
 mod ending;
+mod film;
 mod sameness;
 
 use burstscope::burst::{Burst, OpenOptions};

@@ -1,0 +1,99 @@
+//! Tests of films by what is drawn in their pictures.
+
+use super::{answer, detected, open, params};
+use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
+use burstscope::export::{Drawing, FigureShape};
+use burstscope::inspect::spectrum::is_at_slope;
+use burstscope::inspect::words::slope_text;
+use burstscope::monitor::Monitor;
+use burstscope::requests::{DetectRequest, Film, FilmPlace, Sweep};
+use std::collections::BTreeSet;
+use std::sync::Mutex;
+
+#[test]
+fn sweeps_are_read_as_they_are_typed_and_others_are_refused() {
+    assert_eq!("slope-u=-3:3:7".parse(), Ok(Sweep::SlopeU(-3.0, 3.0, 7)));
+    for bad in ["", "slope-u", "slope-u=1:2", "slope-u=a:b:c", "slope-u=0:inf:3", "flip=1:2:3", "slope-u=0:1:0"] {
+        assert!(bad.parse::<Sweep>().is_err_and(|why| why.contains("give")), "{bad}");
+    }
+    assert!("slope-v=0:1:9999".parse::<Sweep>().is_err_and(|why| why.contains("give 1 to 1000")));
+}
+
+/// Writes the film, and returns what `of` says of each drawing, in any order.
+fn of_pictures<T: Send>(film: &Film, of: impl Fn(&Drawing) -> T + Sync) -> Vec<T> {
+    let said = Mutex::new(Vec::new());
+    let draw = |drawing: &Drawing| {
+        said.lock().expect("kept").push(of(drawing));
+        Ok(image::RgbaImage::new(drawing.size[0] as u32, drawing.size[1] as u32))
+    };
+    let folder = tempfile::tempdir().expect("a folder");
+    film.write(&folder.path().join("film.gif"), 10, &draw, &|| Ok(()), &Monitor::default()).expect("written");
+    said.into_inner().expect("kept")
+}
+
+#[test]
+fn every_sweep_has_its_steps_in_pictures_of_one_size() {
+    let film = |sweep: &str| {
+        let place = Some(FilmPlace { at: [40.0, 30.0], scale: (0, 1) });
+        let (burst, params, sweep) = (open(), DetectorParams::default(), sweep.parse().expect("a sweep"));
+        Film { burst, params, sweep, slope: Slope::default(), detection: None, place, max_side_px: 48 }
+    };
+    // Three octaves of five levels.
+    for (text, count) in [("slope-u=-2:2:5", 5), ("slope-v=0:1:2", 2), ("frames", 4), ("scale", 15)] {
+        let film = film(text);
+        let drawn = of_pictures(&film, |drawing| (drawing.size.map(|x| x as u32), format!("{:?}", drawing.shapes)));
+        assert_eq!(drawn.len(), count, "{text}");
+        assert!(drawn.iter().all(|(size, _)| *size == <[u32; 2]>::from(film.size())), "{text}");
+        assert_eq!(drawn.iter().map(|(_, shapes)| shapes).collect::<BTreeSet<_>>().len(), count, "{text}");
+        let draw = |drawing: &Drawing| Ok(image::RgbaImage::new(drawing.size[0] as u32, drawing.size[1] as u32));
+        let [first, _] = film.samples(&draw, &Monitor::default()).expect("made");
+        assert_eq!(first.dimensions(), film.size(), "{text}");
+    }
+    let slopes: Vec<f32> = film("slope-u=-2:2:5").steps().iter().map(|step| step.slope.u).collect();
+    assert_eq!(slopes, [-2.0, -1.0, 0.0, 1.0, 2.0]);
+}
+
+/// Texts of all pictures of the film that end in the unit of slopes and are no titles.
+fn legend_of(film: &Film) -> BTreeSet<String> {
+    let texts = |drawing: &Drawing| {
+        let text = |shape: &FigureShape| match shape {
+            FigureShape::Text { text, .. } => Some(text.clone()),
+            _ => None,
+        };
+        let is_legend = |text: &String| text.ends_with(" px/frame") && !text.contains("slope ");
+        drawing.shapes.iter().filter_map(text).filter(is_legend).collect::<Vec<_>>()
+    };
+    of_pictures(film, texts).into_iter().flatten().collect()
+}
+
+#[test]
+fn the_legend_of_a_film_names_the_slopes_that_it_draws_and_no_others() {
+    let plane = DetectorParams { slopes: SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3), ..params() };
+    let in_plane = answer(DetectRequest { burst: open(), params: plane.clone().into() }).expect("valid parameters");
+    let along_u = |first: f32, last: f32, count| Sweep::SlopeU(first, last, count);
+    for (params, found, sweep, slope) in [
+        (params(), detected(), along_u(-1.0, 0.0, 2), Slope::default()),
+        (params(), detected(), Sweep::Frames, Slope::new(1.0, 0.0)),
+        (params(), detected(), along_u(-1.0, 1.0, 3), Slope::default()),
+        (plane, in_plane, along_u(0.0, 1.0, 2), Slope::new(0.0, 1.0)),
+    ] {
+        let burst = open();
+        let (place, detection) = (None, Some(found.detection.clone()));
+        let film = Film { burst, params, sweep, slope, detection, place, max_side_px: 640 };
+        let (grid, features) = (found.detection.slopes, &found.detection.features);
+        let name = |motion: Slope| format!("{} px/frame", slope_text(grid.slope(grid.nearest(motion))));
+        let steps = film.steps();
+        let is_drawn = |motion: &Slope| {
+            let by = features.iter().find(|feature| feature.motion().0 == *motion).expect("of a feature");
+            steps.iter().any(|step| is_at_slope(&grid, by, step.slope))
+        };
+        let motions = || features.iter().map(|feature| feature.motion().0);
+        let expected: BTreeSet<String> = motions().filter(is_drawn).map(name).collect();
+        assert!(!expected.is_empty(), "{sweep:?}");
+        assert_eq!(legend_of(&film), expected, "{sweep:?} at {slope:?}, of {} features", features.len());
+    }
+    // Some slopes have features that only the longest of these films draws.
+    let slopes: BTreeSet<usize> =
+        detected().detection.features.iter().map(|f| detected().detection.slopes.nearest(f.motion().0)).collect();
+    assert_eq!(slopes.len(), 3);
+}
