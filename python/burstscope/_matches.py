@@ -370,7 +370,8 @@ def colmap(
     Returns
     -------
     dict
-        What ``burstscope colmap --json`` says of cameras, images, pairs, and how far keypoints were moved.
+        What ``burstscope colmap --json`` says of cameras, images, pairs, how far keypoints were moved, and in
+        ``no_start`` why a mapper would not be able to start, or ``None``.
 
     Raises
     ------

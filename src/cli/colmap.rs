@@ -100,9 +100,13 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     said?;
     let [make, map, python] = next_commands(&args.out);
     let next = [make, map];
-    console.say(&format!("{}or:\n  {python}\n", summary(&report, &next)))?;
+    let then = format!("\nNext:\n  {}\n  {}\nor:\n  {python}\n", next[0], next[1]);
+    console.say(&(summary(&report) + if report.no_start.is_none() { &then } else { "" }))?;
     let (params, matching, report, failures) = (&job.features.detector, &job.matching, &report, &failures[..]);
     console.say_document("colmap", &ColmapDocument { params, matching, report, gathered, failures, next })?;
+    if let Some(why) = &report.no_start {
+        console.note(&format!("{why}; `burstscope match` shows what a pair lacks"));
+    }
     if failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }
 
@@ -126,7 +130,7 @@ fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
     left.chain(strange.map(|folder| format!("--gather {}: it holds none of these bursts", folder.display()))).collect()
 }
 
-fn summary(report: &ColmapReport, next: &[String]) -> String {
+fn summary(report: &ColmapReport) -> String {
     let mut text = String::new();
     for camera in &report.cameras {
         let guessed = if report.known_camera { "" } else { " (guessed: give --camera if you know it)" };
@@ -147,9 +151,7 @@ fn summary(report: &ColmapReport, next: &[String]) -> String {
             100.0 * share
         );
     }
-    text += &format!("wrote {}\n\nNext:\n", report.database.display());
-    text.extend(next.iter().map(|command| format!("  {command}\n")));
-    text
+    text + &format!("wrote {}\n", report.database.display())
 }
 
 /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
@@ -211,5 +213,6 @@ JSON (--json):
    \"images\": [{\"id\", \"burst\", \"image\", \"features\", \"resumed\"}],
    \"pairs\": [{\"ids\": [a, b], \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
    \"moved\": null without an alignment, or {\"share\": of the keypoints, \"median_px\", \"max_px\", \"refused\": keypoints that stay as found},
+   \"no_start\": null, or why a mapper will not be able to start from the database,
    \"gathered\": with --gather, {\"brought\": [burst], \"left_out\": [{\"folder\", \"burst\", \"reason\"}], \"strange_folders\": [path]},
    \"failures\": [{\"name\", \"error\"}], \"next\": [command]}";

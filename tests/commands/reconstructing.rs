@@ -108,6 +108,21 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     let next =
         "colmap mapper --database_path 'my rec/database.db' --image_path 'my rec/images' --output_path 'my rec/sparse'";
     assert!(text.contains(next), "{text}");
+    // Of few features few match: no pair from which a mapper can start, and the command ends with that.
+    let few = ["colmap", "film", "--burst-length", "4", "--slopes-u", "-2:2:5", "--max-features", "20", "--out", "few"];
+    let output = run(home.path(), &few);
+    let (text, note) = (String::from_utf8_lossy(&output.stdout).into_owned(), stderr(&output));
+    let why = "a mapper will not be able to start from it: none of 3 pairs is verified (0 without a match, 0 refused, in the \
+               others too few agree), and it needs a pair with about 30 inliers";
+    assert!(note.trim_end().ends_with(&format!("note: {why}; `burstscope match` shows what a pair lacks")), "{note}");
+    assert!(text.ends_with("database.db\n") && !text.contains("Next:") && output.status.success(), "{text}");
+    let json: serde_json::Value =
+        serde_json::from_str(&run_well(home.path(), &[&few[..], &["--json"]].concat())).expect("JSON");
+    assert_eq!(json["no_start"], why);
+    let some = ["--max-features", "45", "--align", "false", "--out", "some", "--json"];
+    let json: serde_json::Value =
+        serde_json::from_str(&run_well(home.path(), &[&few[..6], &some].concat())).expect("JSON");
+    assert!(json["no_start"].as_str().is_some_and(|why| why.contains("the most inliers of a pair are ")), "{json}");
     assert_eq!(names(&home.path().join("my rec")), ["database.db", "features", "images", "manifest.json", "records"]);
     // With a camera from a file, and as JSON; the features are there already.
     fs::write(

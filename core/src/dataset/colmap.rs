@@ -88,6 +88,38 @@ pub struct ColmapReport {
     /// Distances of the database's keypoints from where they were found, which the files of features have; `None` where
     /// they were not aligned.
     pub moved: Option<Moved>,
+    /// Says why COLMAP's mapper will not be able to start from the database; `None` where a pair has enough inliers.
+    pub no_start: Option<String>,
+}
+
+/// Inliers from which a pair can be the first of COLMAP's mapper, nearly: it asks for 100, then for 50 and for 25, and
+/// for 30 places of an image that it adds.
+const INLIERS_TO_START: usize = 30;
+
+impl ColmapReport {
+    /// The sentence of [`ColmapReport::no_start`], from the counts of the pairs.
+    fn why_no_start(&self) -> Option<String> {
+        let best = self.pairs.iter().max_by_key(|pair| pair.counts.inliers)?;
+        let most = best.counts.inliers.unwrap_or(0);
+        if most >= INLIERS_TO_START {
+            return None;
+        }
+        let name = |id: u32| self.images.iter().find(|image| image.id == id).map_or("", |image| &image.burst);
+        let pairs_with = |has: fn(&MatchCounts) -> bool| self.pairs.iter().filter(|pair| has(&pair.counts)).count();
+        let why = if most > 0 {
+            let [a, b] = best.ids.map(name);
+            format!("the most inliers of a pair are {most}, of {a} and {b}")
+        } else {
+            let no_match = pairs_with(|counts| counts.putative == 0);
+            let refused = pairs_with(|counts| counts.refused.is_some());
+            let all = self.pairs.len();
+            format!(
+                "none of {all} pairs is verified ({no_match} without a match, {refused} refused, in the others too few agree)"
+            )
+        };
+        let needed = format!("and it needs a pair with about {INLIERS_TO_START} inliers");
+        Some(format!("a mapper will not be able to start from it: {why}, {needed}"))
+    }
 }
 
 /// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder of `store`,
@@ -181,7 +213,8 @@ fn write_database(
     let (database, images_folder) = (store.folder.join(DATABASE_FILE), store.folder.join(IMAGES_FOLDER));
     let (cameras, images, pairs) = (Vec::new(), Vec::new(), Vec::new());
     let known_camera = job.camera.is_known();
-    let mut report = ColmapReport { database, images_folder, cameras, known_camera, images, pairs, moved: None };
+    let (moved, no_start) = (None, None);
+    let mut report = ColmapReport { database, images_folder, cameras, known_camera, images, pairs, moved, no_start };
     store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| {
         let mut blobs = Vec::with_capacity(count);
@@ -193,6 +226,7 @@ fn write_database(
         }
         match_all(database, (&job.pairs.pairs(count), &blobs), matching, open, &mut report, monitor)
     })?;
+    report.no_start = report.why_no_start();
     Ok(report)
 }
 

@@ -21,8 +21,6 @@ pub mod geometry;
 pub mod params;
 mod predicted;
 pub mod putative;
-#[cfg(test)]
-mod scenes;
 
 use align::Measured;
 pub use aligned::{PairAlignment, Pictures};

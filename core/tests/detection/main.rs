@@ -16,6 +16,7 @@ mod noise_model;
 mod pictures_of_places;
 mod planes;
 mod rejudged;
+mod scenes;
 mod score;
 mod slopes;
 mod stays;

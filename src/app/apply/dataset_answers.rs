@@ -187,10 +187,11 @@ fn say_what_was_exported(model: &mut Model, done: &crate::requests::ColmapDone) 
     model.shell.messages.resolved(Work::Exporting.title());
     model.results.datasets.exported = report.database.parent().map(Into::into);
     model.shell.messages.note(format!(
-        "Wrote {}: {}, {}, {verified} of them verified; Matches has the next step",
+        "Wrote {}: {}, {}, {verified} of them verified; {}",
         report.database.display(),
         counted(report.images.len(), "image"),
         counted(report.pairs.len(), "pair"),
+        report.no_start.as_deref().unwrap_or("Matches has the next step"),
     ));
     if let Some((name, why)) = done.left_out.first() {
         let others = match done.left_out.len() - 1 {

@@ -1,16 +1,32 @@
 //! Pairs of scenes of every kind, with exact truth: those that show one scene are believed, those whose motions are not
 //! of their places are not.
 
-use super::geometry::tests::camera;
-use super::predicted::tests::{Features, near};
-use super::{Blob, Geometry, MatchParams, MatchResult, MatchSide, Pictures, match_features};
-use crate::burst::Burst;
-use crate::detector::{Descriptor, DetectorParams, Slope};
-use crate::monitor::Monitor;
-use crate::plane::Plane;
-use crate::synth::random::Stream;
+use burstscope_core::burst::Burst;
+use burstscope_core::detector::{Descriptor, DetectorParams, Slope};
+use burstscope_core::matching::{
+    Blob, Camera, Geometry, MatchParams, MatchResult, MatchSide, Pictures, match_features,
+};
+use burstscope_core::monitor::Monitor;
+use burstscope_core::plane::Plane;
+use burstscope_core::synth::random::Stream;
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
+
+/// Features of one image.
+#[derive(Default)]
+struct Features {
+    places: Vec<[f64; 2]>,
+    descriptors: Vec<Descriptor>,
+    blobs: Vec<Blob>,
+}
+
+fn camera() -> Camera {
+    Camera::centred(640, 480, 600.0)
+}
+
+fn near(random: &mut Stream, around: &Descriptor, by: f64) -> Descriptor {
+    around.map(|x| (f64::from(x) + random.within(-by, by)).clamp(0.0, 255.0) as u8)
+}
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Kind {
@@ -132,7 +148,10 @@ fn matched(pair: &[Features; 2], params: &MatchParams) -> MatchResult {
     let blank = Burst::from_planes("blank", vec![Plane::zeros(4, 4)]);
     let pictures = |of: &Features| Pictures::of(&blank, &DetectorParams::default(), &of.places, &of.blobs);
     let [a, b] = pair.each_ref().map(pictures);
-    let sides = [(&pair[0], &a), (&pair[1], &b)].map(|(of, at)| MatchSide { pictures: Some(at), ..of.side() });
+    let sides = [(&pair[0], &a), (&pair[1], &b)].map(|(of, at)| {
+        let Features { places, descriptors, blobs } = of;
+        MatchSide { places, descriptors, blobs, pictures: Some(at) }
+    });
     match_features(sides, params, &Monitor::default()).expect("valid parameters").result
 }
 
