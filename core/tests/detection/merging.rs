@@ -1,9 +1,12 @@
 //! The merge on bursts whose motion and noiseless truth are known.
 
 use burstscope_core::baseline::merge_burst;
+use burstscope_core::detect::{detect, prepare};
+use burstscope_core::detector::{FrameRange, Method};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::synth::random::Stream;
-use burstscope_core::{Burst, Plane};
+use burstscope_core::synth::{SceneParams, synth_scene};
+use burstscope_core::{Burst, DetectorParams, Plane};
 use std::sync::{Arc, Mutex};
 
 /// A smooth scene with structure at several scales, at any position; values about 0.2 … 0.6.
@@ -128,4 +131,25 @@ fn cancelling_leaves_no_result_and_progress_rises_to_one() {
     let heard = heard.lock().expect("not poisoned");
     assert!(heard.iter().all(|(stage, _)| *stage == Stage::Merge));
     assert!(heard.windows(2).all(|w| w[0].1 <= w[1].1) && heard.last().is_some_and(|(_, fraction)| *fraction == 1.0));
+}
+
+#[test]
+fn the_merge_is_searched_as_one_image_would_be() {
+    let scene = SceneParams { width: 240, height: 180, frames: 6, layers: 1, ..SceneParams::default() };
+    let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
+    let frames = Some(FrameRange { start: 1, end: 6 });
+    let params = DetectorParams { method: Method::Merge, frames, ..DetectorParams::default() };
+    let found = detect(&burst, &params, &Monitor::default()).expect("detected");
+    let merged = merge_burst(&burst, 1..6, &Monitor::default()).expect("merged");
+    let sift = DetectorParams { method: Method::Sift, ..DetectorParams::default() };
+    let by_hand = detect(&merged, &sift, &Monitor::default()).expect("detected");
+    assert!(!found.features.is_empty());
+    assert_eq!((&found.features, &found.descriptors), (&by_hand.features, &by_hand.descriptors));
+    assert_eq!((found.frames_used, found.slopes.len()), (1..6, 1));
+    // The gate uses the merged image's noise: less than half of a frame's.
+    let one = detect(&burst, &sift, &Monitor::default()).expect("detected").frame_noise;
+    let ideal = one / 5f32.sqrt();
+    assert!((found.frame_noise / ideal - 1.0).abs() < 0.15, "{} of {one}", found.frame_noise);
+    let past = DetectorParams { frames: Some(FrameRange { start: 1, end: 7 }), ..params };
+    assert!(prepare(&burst, &past, &Monitor::default()).is_err_and(|error| error.subject == "frames"));
 }

@@ -5,10 +5,14 @@
 use super::judgement::Judging;
 use super::{Alias, Spectrum, coverage_share};
 use crate::burst::TimesChoice;
+use crate::detect::search;
 use crate::detector::field::field_over;
 use crate::detector::params::doc;
 use crate::detector::slopes::retimed;
-use crate::detector::{Feature, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict, find_slopes};
+use crate::detector::{
+    Feature, ParamChange, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeFinding, SlopeGrid, SlopeVerdict,
+    find_slopes,
+};
 use crate::inspect::ProbeCache;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
@@ -170,31 +174,48 @@ impl Judging<'_> {
         if advice.times.is_some() {
             return Ok(Some(if self.is_even_after(monitor)? { advice } else { unmended }));
         }
-        let Ok(params) = ParamChange::all_applied(&advice.changes, self.params) else { return Ok(Some(unmended)) };
-        if params.frames != self.params.frames {
-            let after = find_slopes(self.burst, &params, None, &monitor.silent())?;
+        let params = ParamChange::all_applied(&advice.changes, self.params).ok();
+        if let Some(params) = params.as_ref().filter(|params| params.frames != self.params.frames) {
+            let after = find_slopes(self.burst, params, None, &monitor.silent())?;
             let helps = matches!(after.verdict, SlopeVerdict::Found | SlopeVerdict::Still) && after.uniform.is_none();
             return Ok(if helps { Some(advice) } else { self.frames(false).or(Some(unmended)) });
         }
-        let wanted = params.used_slopes();
-        if advice.changes.is_empty() || wanted == self.grid {
+        // None that has more slopes than can be searched.
+        let wanted = params.map(|params| params.used_slopes());
+        if advice.changes.is_empty() || wanted == Some(self.grid) {
             return Ok(Some(advice));
         }
-        if let Some(beyond) = self.beyond().filter(|beyond| beyond.grid == wanted) {
+        if let Some(beyond) = self.beyond().filter(|beyond| wanted == Some(beyond.grid)) {
             let is_held = beyond.is_held(self.burst, self.detection.frames_used.clone(), monitor)?;
             return Ok(is_held.then_some(advice));
         }
-        let found = self.finding.filter(|finding| is_of_frames(finding)).map(|finding| finding.grid);
-        let found = found.filter(|_| !matches!(advice.subject, Subject::Aliases | Subject::Cost));
+        let own = match advice.subject {
+            Subject::Aliases | Subject::Cost => None,
+            _ => self.own_slopes(monitor)?,
+        };
         // Where all of a range would cost more than twice what the motion's own does, that is tried first.
-        let is_dear = found.is_some_and(|own| 2 * own.len() < wanted.len());
-        let grids = if is_dear { [found, Some(wanted)] } else { [Some(wanted), found] };
+        let is_dear = own.zip(wanted).is_some_and(|(own, wanted)| 2 * own.len() < wanted.len());
+        let grids = if is_dear { [own, wanted] } else { [wanted, own] };
         for grid in grids.into_iter().flatten().filter(|grid| *grid != self.grid) {
-            if self.is_mended_by(grid, advice.subject, monitor)? {
+            if self.is_mended_by(grid, own, advice.subject, monitor)? {
                 return Ok(Some(SlopeAdvice { changes: self.changes_to(grid), ..advice }));
             }
         }
         Ok((advice.subject != Subject::Cost).then_some(unmended))
+    }
+
+    /// The slopes found, as a search that is to find them widens them. `None` where the frames do not show any.
+    fn own_slopes(&self, monitor: &Monitor) -> Result<Option<SlopeGrid>, Cancelled> {
+        let Some(finding) = self.finding.filter(|finding| is_of_frames(finding)) else { return Ok(None) };
+        let field = field_over(&finding.grid, self.burst, self.detection.frames_used.clone(), monitor)?;
+        if field.is_none_or(|field| field.beyond(&finding.grid, None).is_none()) {
+            return Ok(Some(finding.grid));
+        }
+        // The field alone is not sure of what lies beyond: features bear it out, those of a search over these slopes.
+        let auto = SearchParams { slopes: SlopeChoice::AUTO, detector: self.params.clone() };
+        let searched = search(self.burst, &auto, &monitor.silent());
+        monitor.check()?;
+        Ok(Some(searched.map_or(finding.grid, |searched| searched.params.slopes)))
     }
 
     /// Whether the frames are even and straight once they have the times found.
@@ -208,9 +229,27 @@ impl Judging<'_> {
     }
 
     /// Whether no fault is left with the slopes of `grid`, or none but that of now.
-    fn is_mended_by(&self, grid: SlopeGrid, subject: Subject, monitor: &Monitor) -> Result<bool, Cancelled> {
-        if grid.len() == 1 || self.finding.is_some_and(|finding| is_of_frames(finding) && finding.grid == grid) {
+    fn is_mended_by(
+        &self,
+        grid: SlopeGrid,
+        own: Option<SlopeGrid>,
+        subject: Subject,
+        monitor: &Monitor,
+    ) -> Result<bool, Cancelled> {
+        let found = self.finding.filter(|finding| is_of_frames(finding)).map(|finding| finding.grid);
+        if grid.len() == 1 || own == Some(grid) || own.is_none() && found == Some(grid) {
             return Ok(true);
+        }
+        // Where a search over the slopes found widens them, others have to reach as far.
+        let reaches = |slope: Slope| {
+            let is_within = |(second, axis): (bool, SlopeAxis)| {
+                let (at, margin) = (grid.along(slope, second), 0.5 * axis.step());
+                (axis.min - margin..=axis.max + margin).contains(&at)
+            };
+            grid.axes().all(is_within)
+        };
+        if own != found && own.is_some_and(|own| !own.slopes().all(reaches)) {
+            return Ok(false);
         }
         let field = field_over(&grid, self.burst, self.detection.frames_used.clone(), monitor)?;
         // What still rises at an end of the slopes of now need not do so inside wider ones, and is not found beyond.

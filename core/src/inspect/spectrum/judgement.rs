@@ -306,18 +306,20 @@ impl<'a> Judging<'a> {
         let too_coarse = if steps.is_empty() { String::new() } else { format!("; steps of {steps} are too coarse") };
         let sentence = format!("{:.0} % of what the frames show {}{too_coarse}", 100.0 * part, beyond.join(", and "));
         let grid = self.grid;
-        let line = |second: bool| {
-            let degrees = grid.direction_deg + if second { 90.0 } else { 0.0 };
-            axis_through(self.evidence, self.params, self.positions, degrees)
-        };
         let wanted = match (grid.u.count > 1, grid.v.count > 1) {
-            (true, false) => SlopeGrid { u: widened(&grid.u, line(false)?), ..grid },
-            (false, true) => SlopeGrid { v: widened(&grid.v, line(true)?), ..grid },
+            (true, false) => SlopeGrid { u: widened(&grid.u, self.line(false)?), ..grid },
+            (false, true) => SlopeGrid { v: widened(&grid.v, self.line(true)?), ..grid },
             _ if grid.direction_deg != finding.grid.direction_deg => finding.grid,
             _ => SlopeGrid { u: widened(&grid.u, finding.grid.u), v: widened(&grid.v, finding.grid.v), ..grid },
         };
         let changes = self.changes_to(wanted);
         Some(SlopeAdvice::new(Subject::Range, f64::from(part), sentence, changes))
+    }
+
+    /// The range of the evidence along an axis of the grid.
+    fn line(&self, second: bool) -> Option<SlopeAxis> {
+        let degrees = self.grid.direction_deg + if second { 90.0 } else { 0.0 };
+        axis_through(self.evidence, self.params, self.positions, degrees)
     }
 
     /// The part of the sentence about one axis, some of whose evidence lies beyond its range.
@@ -418,7 +420,10 @@ impl<'a> Judging<'a> {
     fn step(&self) -> Option<SlopeAdvice> {
         let mut wanted = self.grid;
         for (second, count, _) in self.coarse() {
-            (if second { &mut wanted.v } else { &mut wanted.u }).count = count;
+            let axis = if second { &mut wanted.v } else { &mut wanted.u };
+            // A line that is far longer than the motion along it is cut to that.
+            let own = self.line(second).filter(|own| !self.grid.is_plane() && 2 * own.count < count);
+            *axis = own.unwrap_or(SlopeAxis { count, ..*axis });
         }
         let changed = self.grid.axes().filter(|(second, axis)| *axis != if *second { wanted.v } else { wanted.u });
         let axis = changed.map(|(_, axis)| axis).max_by(|a, b| a.step().total_cmp(&b.step()))?;

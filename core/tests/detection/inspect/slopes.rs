@@ -2,12 +2,13 @@
 
 use super::probing::{cache, slopes_of};
 use burstscope_core::burst::Positions;
-use burstscope_core::detector::{DetectorParams, ParamChange, Slope, SlopeGrid};
+use burstscope_core::detector::{DetectorParams, ParamChange, Slope, SlopeAxis, SlopeGrid};
 use burstscope_core::inspect::figure::spectrum_svg;
 use burstscope_core::inspect::report::spectrum_text;
 use burstscope_core::inspect::spectrum::{SlopeAdvice, Spectrum, Subject, spectrum};
 use burstscope_core::synth::examples::{ALIASING_SLOPE, Example, GARLAND_PERIOD};
 use burstscope_core::synth::random::Stream;
+use burstscope_core::synth::{Motion, SceneParams, synth_scene};
 use burstscope_core::{Burst, Monitor, Plane};
 
 /// Smooth texture without a period that moves by `place(dt)`, with a little noise.
@@ -113,6 +114,38 @@ fn a_step_that_is_too_coarse_is_refined() {
     let finer = applied(grid, &advice.changes).slopes;
     assert!(finer.u.step() < 0.5 && finer.u.min < 1.0 && finer.u.max > 1.0, "{finer:?}");
     assert_eq!(asked(&burst, finer).advice, [], "the whole range would be more than is needed");
+}
+
+#[test]
+fn after_advice_is_applied_nothing_more_is_said() {
+    let line = |min: f32, max: f32, count| SlopeGrid::line(min..=max, count);
+    let plane = |end: f32, count| SlopeGrid::plane(-end..=end, count, -end..=end, count);
+    let grids = [
+        line(-40.0, 40.0, 5),
+        line(-0.5, 0.5, 3),
+        line(1.0, 6.0, 8),
+        line(-3.0, 3.0, 4),
+        plane(40.0, 5),
+        plane(12.0, 3),
+        plane(0.5, 3),
+        SlopeGrid { v: SlopeAxis::new(1.0..=1.4, 2), ..line(-30.0, 30.0, 7) },
+    ];
+    let mut told = 0;
+    for (seed, motion) in [(1, Motion::OneD), (2, Motion::TwoD), (3, Motion::OneD), (4, Motion::TwoD)] {
+        let scene =
+            SceneParams { width: 320, height: 240, frames: 8, snr: 3.0, seed, motion, ..SceneParams::default() };
+        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
+        for grid in grids {
+            let Some(advice) = asked(&burst, grid).judgement.and_then(|judgement| judgement.advice) else { continue };
+            assert!(!advice.changes.is_empty(), "{motion:?} {seed}, {grid:?}: {advice:?}");
+            let after = applied(grid, &advice.changes).slopes;
+            // All motions are within 3.5 px/frame of 0 on each axis.
+            assert!(after.max_magnitude() < 8.0, "{motion:?} {seed}, {grid:?}: {advice:?}");
+            assert_eq!(asked(&burst, after).advice, [], "{motion:?} {seed}, {grid:?}, then {after:?}");
+            told += 1;
+        }
+    }
+    assert!(told > 24, "{told}");
 }
 
 #[test]
