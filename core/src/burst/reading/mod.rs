@@ -16,7 +16,7 @@ use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::io::{self, Read, Seek, SeekFrom};
+use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -175,6 +175,47 @@ pub(in crate::burst) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, 
 pub(in crate::burst) fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: &mut [u8]) -> io::Result<()> {
     file.seek(SeekFrom::Start(at))?;
     file.read_exact(buffer)
+}
+
+/// Reader that fails once the work is cancelled, so that a decoder of others stops between two blocks. Such a decoder
+/// calls it a fault of the file: whoever called it checks the monitor first.
+pub(in crate::burst) struct Asked<R> {
+    pub inner: R,
+    pub monitor: Monitor,
+}
+
+impl<R> Asked<R> {
+    pub(in crate::burst) fn new(inner: R, monitor: &Monitor) -> Self {
+        Self { inner, monitor: monitor.silent() }
+    }
+
+    fn ask(&mut self) -> io::Result<&mut R> {
+        // A reader that is merely interrupted would be read again.
+        self.monitor.check().map_err(io::Error::other)?;
+        Ok(&mut self.inner)
+    }
+}
+
+impl<R: Read> Read for Asked<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        self.ask()?.read(buffer)
+    }
+}
+
+impl<R: BufRead> BufRead for Asked<R> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        self.ask()?.fill_buf()
+    }
+
+    fn consume(&mut self, count: usize) {
+        self.inner.consume(count);
+    }
+}
+
+impl<R: Seek> Seek for Asked<R> {
+    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
+        self.inner.seek(to)
+    }
 }
 
 /// Error of a file that announces the impossible; `reason` is the end of a sentence about it.

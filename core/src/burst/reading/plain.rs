@@ -12,7 +12,6 @@ use crate::burst::number::{Number, Scaling};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::times::Times;
 use crate::error::{Error, Result};
-use crate::monitor::Monitor;
 use crate::plane::{Plane, memory};
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
@@ -178,7 +177,7 @@ impl Plain {
             return Err(Error::stack_among_frames(reading.path, self.places.len()));
         }
         reading.check(self.size)?;
-        Ok(self.stack(Reading { ticker: &Ticker::new(&Monitor::default(), 1), ..reading })?.remove(0))
+        Ok(self.stack(Reading { ticker: &Ticker::new(&reading.ticker.monitor().silent(), 1), ..reading })?.remove(0))
     }
 
     pub(in crate::burst) fn stack(&self, reading: Reading<'_>) -> Result<Vec<RawFrame>> {

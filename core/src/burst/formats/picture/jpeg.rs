@@ -3,23 +3,26 @@
 //! The picture library fills in missing data without an error. So a JPEG is decoded by the same decoder in its strict
 //! mode, and its end marker must be there. After it cameras put films and second pictures.
 
-use crate::burst::reading::too_few_bytes;
+use crate::burst::reading::{Asked, too_few_bytes};
+use crate::monitor::Monitor;
 use crate::plane::memory;
 use std::borrow::Cow;
+use std::io::Cursor;
 use zune_jpeg::JpegDecoder;
-use zune_jpeg::zune_core::{bytestream::ZCursor, colorspace::ColorSpace, options::DecoderOptions};
+use zune_jpeg::zune_core::{colorspace::ColorSpace, options::DecoderOptions};
 
 /// Largest number of pixels of a byte of a JPEG: a block of 8×8 takes a bit or more.
 const PIXELS_A_BYTE: u64 = 8 * 64;
 
-/// Samples of a whole JPEG; in its own colours, or `as_rgb` unless it is grey. The error is its damage, in words.
-pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool) -> Result<Vec<u8>, String> {
+/// Samples of a whole JPEG; in its own colours, or `as_rgb` unless it is grey. The error is its damage, in words,
+/// or without meaning where the work was cancelled.
+pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool, monitor: &Monitor) -> Result<Vec<u8>, String> {
     if !has_end(bytes) {
         return Err("its end marker is missing: it is cut off".to_owned());
     }
     // The caller has checked the size against its limits.
     let options = DecoderOptions::default().set_strict_mode(true).set_max_width(usize::MAX).set_max_height(usize::MAX);
-    let mut decoder = JpegDecoder::new_with_options(ZCursor::new(bytes), options);
+    let mut decoder = JpegDecoder::new_with_options(Asked::new(Cursor::new(bytes), monitor), options);
     let words = |error: zune_jpeg::errors::DecodeErrors| error.to_string().trim_matches('"').to_owned();
     decoder.decode_headers().map_err(words)?;
     let (width, height) = decoder.dimensions().unwrap_or_default();
@@ -140,12 +143,13 @@ mod tests {
 
     #[test]
     fn pictures_are_refused_wherever_they_are_cut_and_what_follows_them_is_nobodys() {
+        let monitor = &Monitor::default();
         for bytes in SAMPLES {
-            let whole = samples(bytes, true).expect("whole");
+            let whole = samples(bytes, true, monitor).expect("whole");
             assert_eq!(whole, image::load_from_memory(bytes).expect("whole").into_rgb8().into_raw());
-            assert_eq!(samples(&[bytes, bytes, b"film"].concat(), true), Ok(whole));
+            assert_eq!(samples(&[bytes, bytes, b"film"].concat(), true, monitor), Ok(whole));
             for cut in 2..bytes.len() {
-                assert!(samples(&bytes[..cut], true).is_err(), "cut at {cut} of {}", bytes.len());
+                assert!(samples(&bytes[..cut], true, monitor).is_err(), "cut at {cut} of {}", bytes.len());
             }
         }
     }

@@ -1,6 +1,8 @@
 //! PNG, JPEG, PNM, WebP and BMP. Of an animation, the first picture is taken.
 
 pub(super) mod jpeg;
+#[cfg(test)]
+mod midway;
 
 use super::{Format, Input, Rank, Record, Start, alone};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
@@ -8,7 +10,7 @@ use crate::burst::reading::confined::wire::Part;
 use crate::burst::reading::confined::{self, Budget};
 use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, turned, turned_size};
 use crate::burst::reading::{
-    Declared, FileScale, RawFrame, Reading, corrupt, exif, frame_of_plane, read_at, too_few_bytes,
+    Asked, Declared, FileScale, RawFrame, Reading, corrupt, exif, frame_of_plane, read_at, too_few_bytes,
 };
 use crate::burst::times::Times;
 use crate::error::{Error, Result};
@@ -188,11 +190,16 @@ pub(super) struct Source<'a, R> {
 }
 
 pub(super) fn decoded(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Result<RawFrame> {
-    let Reading { path, options, .. } = reading;
+    let frame = frame_of(reading, source);
+    reading.ticker.check().and(frame)
+}
+
+fn frame_of(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Result<RawFrame> {
+    let Reading { path, options, ticker, .. } = reading;
     let Source { reader, bytes, length, format, part } = source;
     let limits = &options.limits;
     let bytes = &*normalised(path, bytes, format)?;
-    let mut reader = reader;
+    let mut reader = Asked::new(reader, ticker.monitor());
     let full = full_scale(path, &mut reader, format)?;
     let mut decoder = decoder(path, reader, bytes, format, limits)?;
     let (width, height) = decoder.dimensions();
@@ -214,7 +221,7 @@ pub(super) fn decoded(reading: Reading<'_>, source: Source<'_, impl BufRead + Se
         return confined::decode(reading, name(format), part, budget);
     }
     memory::check_room(taken);
-    let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(bytes, true)) {
+    let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(bytes, true, ticker.monitor())) {
         None => (None, None),
         Some(Ok(samples)) => (Some(samples), None),
         Some(Err(reason)) if options.accept_damaged => (None, Some(reason)),
@@ -373,7 +380,7 @@ fn frames_of(
     (format, is_colour): (ImageFormat, bool),
 ) -> Result<Vec<RawFrame>> {
     let Reading { path, options, ticker, .. } = reading;
-    let fail = |e| failure(path, format, e);
+    let (fail, reader) = (|e| failure(path, format, e), Asked::new(reader, ticker.monitor()));
     let shown: Frames<'_> = match format {
         ImageFormat::Png => PngDecoder::new(reader).and_then(PngDecoder::apng).map_err(fail)?.into_frames(),
         _ => WebPDecoder::new(reader).map_err(fail)?.into_frames(),
@@ -382,7 +389,7 @@ fn frames_of(
     let end = take.map_or(usize::MAX, |range| range.end);
     let mut frames = Vec::new();
     for frame in shown.take(end) {
-        ticker.check()?;
+        ticker.check()?; // after the frame was decoded, or was not
         let picture = frame.map_err(fail)?.into_buffer();
         let (width, height) = picture.dimensions();
         limits.check_burst(path, frames.len() as u64 + 1, width.into(), height.into())?;

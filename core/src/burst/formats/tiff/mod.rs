@@ -14,9 +14,10 @@ use crate::burst::layout::Mosaic;
 use crate::burst::options::{Limits, OpenOptions};
 use crate::burst::reading::pixels::{turned, turned_size};
 use crate::burst::reading::plain::Plain;
-use crate::burst::reading::{Declared, Expected, RawFrame, Reading, exif, in_order};
+use crate::burst::reading::{Asked, Declared, Expected, RawFrame, Reading, exif, in_order};
 use crate::burst::times::Times;
 use crate::error::{Error, ErrorKind, Result};
+use crate::monitor::Monitor;
 use described::{Axes, Described, Page};
 use directories::Directories;
 use image::metadata::Orientation;
@@ -148,13 +149,13 @@ fn beside(path: &Path, name: &str) -> PathBuf {
     path.with_file_name(Path::new(name).file_name().unwrap_or_default())
 }
 
-fn decoder(path: &Path, file: File, limits: &Limits) -> Result<FileDecoder> {
+fn decoder(path: &Path, file: File, limits: &Limits, monitor: &Monitor) -> Result<FileDecoder> {
     let file_bytes = file.metadata().map_err(|e| Error::from_io(path, &e))?.len();
     let mut file = BufReader::new(file);
     let mut sensor = |pages| Directories::read(&mut file, file_bytes, false, pages).map(|found| found.sensor);
     let sensor = sensor(1).and_then(|first| if first.marks.is_empty() { Ok(first) } else { sensor(usize::MAX) });
     let file = sensor.and_then(|sensor| AsGrey::new(file, sensor)).map_err(|e| Error::from_read(path, NAME, &e))?;
-    let decoder = Decoder::new(file).map_err(|e| failure(path, e))?;
+    let decoder = Decoder::new(Asked::new(file, monitor)).map_err(|e| failure(path, e))?;
     let bytes = |n: u64| usize::try_from(n).unwrap_or(usize::MAX);
     let mut own = tiff::decoder::Limits::default();
     // At most four samples of eight bytes.
@@ -206,7 +207,7 @@ impl Pages {
             Some(_) => None,
             None => sensor.mosaic().map_err(|reason| Error::unsupported(path, NAME, reason))?,
         };
-        let mut decoder = decoder(path, file, limits)?;
+        let mut decoder = decoder(path, file, limits, &Monitor::default())?;
         let description = description(&mut decoder);
         let (samples, is_colour) = samples_of(path, &mut decoder)?;
         let (columns, rows) = decoder.dimensions().map_err(fail)?;
@@ -361,4 +362,4 @@ fn failure(path: &Path, error: tiff::TiffError) -> Error {
     }
 }
 
-type FileDecoder = Decoder<AsGrey>;
+type FileDecoder = Decoder<Asked<AsGrey>>;

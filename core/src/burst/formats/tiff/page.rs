@@ -57,12 +57,17 @@ pub(super) struct PageReader<'a> {
 impl<'a> PageReader<'a> {
     pub(super) fn open(reading: Reading<'a>, path: &Path, length: u64) -> Result<Self> {
         let file = files::open(path).map_err(|e| Error::from_io(reading.path, &e))?;
-        let decoder = decoder(reading.path, file, &reading.options.limits)?;
+        let decoder = decoder(reading.path, file, &reading.options.limits, reading.ticker.monitor())?;
         Ok(Self { reading, decoder, length })
     }
 
     /// Decodes page `page`, whose size has been checked, as frame `frame` of the burst.
     pub(super) fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame> {
+        let read = self.decoded(page, frame);
+        self.reading.ticker.check().and(read)
+    }
+
+    fn decoded(&mut self, page: usize, frame: usize) -> Result<RawFrame> {
         let Reading { path, options, .. } = self.reading;
         let fail = |e| failure(path, e);
         self.decoder.seek_to_image(page).map_err(fail)?;
@@ -110,7 +115,11 @@ impl<'a> PageReader<'a> {
         let places = self.decoder.find_tag_unsigned_vec::<u64>(places)?.unwrap_or_default();
         let lengths = self.decoder.find_tag_unsigned_vec::<u64>(lengths)?.unwrap_or_default();
         let mut file = files::open(self.reading.path)?;
+        let monitor = self.reading.ticker.monitor();
         for (at, length) in places.into_iter().zip(lengths) {
+            if monitor.is_cancelled() {
+                break;
+            }
             if at.saturating_add(length) > self.length {
                 return Ok(Some("it ends before its picture data does".to_owned()));
             }
@@ -118,9 +127,6 @@ impl<'a> PageReader<'a> {
             file.seek(SeekFrom::Start(at))?;
             file.read_exact(&mut bytes)?;
             if is_deflated {
-                if self.reading.ticker.monitor().is_cancelled() {
-                    break;
-                }
                 let unpacked = unpacked_bytes(&bytes, most).map_err(corrupt)?;
                 most -= unpacked;
                 continue;
@@ -129,7 +135,7 @@ impl<'a> PageReader<'a> {
             if !tables.is_empty() {
                 bytes.splice(..2.min(bytes.len()), tables[..tables.len().saturating_sub(2)].iter().copied());
             }
-            if let Err(reason) = jpeg::samples(&bytes, false) {
+            if let Err(reason) = jpeg::samples(&bytes, false, monitor) {
                 return Ok(Some(reason));
             }
         }
@@ -212,7 +218,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
     };
     let is_photograph = channels > 2 && kind.range == Some(255.0) && !options.linearise;
     let encoding = if is_photograph { Encoding::Srgb } else { decoded.encoding };
-    let mosaic = decoder.inner().sensor.mosaic().ok().flatten();
+    let mosaic = decoder.inner().inner.sensor.mosaic().ok().flatten();
     let mosaic = mosaic.map(|mosaic| turned_mosaic(mosaic, size, orientation));
     Ok(RawFrame { plane: turned(decoded.plane, orientation), encoding, is_colour: channels > 2, mosaic, ..decoded })
 }
@@ -358,4 +364,28 @@ pub(super) fn plain(
     let places = Plain::places_in(path, NAME, shape, (places[0], step, length), limits)?;
     let big_endian = decoder.byte_order() == tiff::tags::ByteOrder::BigEndian;
     Ok(Plain { big_endian, ..Plain::new(NAME, size, places, number) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::burst::reading::Ticker;
+    use crate::monitor::Monitor;
+    use tiff::encoder::{TiffEncoder, colortype};
+
+    #[test]
+    fn a_page_stops_where_its_decoder_reads() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let path = folder.path().join("page.tif");
+        let mut encoder = TiffEncoder::new(std::fs::File::create(&path).expect("made")).expect("begun");
+        encoder.write_image::<colortype::Gray16>(90, 70, &[7; 6300]).expect("written");
+        let (options, monitor) = (OpenOptions::default(), Monitor::default());
+        let ticker = Ticker::new(&monitor, 1);
+        let length = std::fs::metadata(&path).expect("a file").len();
+        let mut reader = PageReader::open(Reading::new(&path, &options, &ticker), &path, length).expect("a TIFF");
+        assert!(reader.read(0, 0).is_ok());
+        monitor.cancel();
+        assert!(decode_page(&path, 0, &mut reader.decoder, &options).is_err());
+        assert!(reader.read(0, 0).is_err_and(|error| error.is_cancelled()));
+    }
 }
