@@ -20,8 +20,10 @@ use std::process::Command;
 /// Documents whose tables are measured.
 const DOCUMENTS: [&str; 2] = ["docs/MEASUREMENTS.md", "docs/PAPER.md"];
 const MARK: &str = "<!-- measured ";
-/// Words of a table's paragraph that tell what its numbers are of, where they are not of the program's revision.
-const OTHER: [&str; 3] = ["earlier revision", "not measured", "of the paper"];
+/// Words above a table, or in its paragraph, that tell what its numbers are of, where no stored result has them: these
+/// marks, or of which revision they are.
+const OTHER: [&str; 2] = ["<!-- not measured -->", "<!-- of the paper -->"];
+const OF_REVISION: &str = "Of revision ";
 
 fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
@@ -75,7 +77,7 @@ fn table(result: &Value, revision: u32) -> String {
     }
     let of = &result["detector_revision"];
     if *of != json!(revision) {
-        text += &format!("\nOf an earlier revision of the detector, {of}.\n");
+        text += &format!("\n{OF_REVISION}{of} of the detector.\n");
     }
     text
 }
@@ -136,9 +138,8 @@ fn with_tables(text: &str, of: impl Fn(&str) -> String) -> (String, Vec<String>)
         // The table ends with its last line, or with the line on its revision.
         let is_table = |line: &&str| line.starts_with('|');
         let mut length: usize = after.split_inclusive('\n').take_while(is_table).map(str::len).sum();
-        if let Some(line) = after[length..].strip_prefix("\nOf an earlier revision of the detector, ") {
-            length = after.len() - line.len() + line.find('\n').expect("a line") + 1;
-        }
+        let line = after[length..].strip_prefix('\n').and_then(|rest| rest.split_inclusive('\n').next());
+        length += line.filter(|line| revision_of(line).is_some()).map_or(0, |line| 1 + line.len());
         made += &format!("{before}{MARK}{name} -->\n{}", of(name));
         names.push(name.to_owned());
         rest = &after[length..];
@@ -146,14 +147,30 @@ fn with_tables(text: &str, of: impl Fn(&str) -> String) -> (String, Vec<String>)
     (made + rest, names)
 }
 
-/// Blocks with a table that neither stands below a mark nor says what it is of.
+/// The revision of a line `Of revision N of the detector.`
+fn revision_of(line: &str) -> Option<u32> {
+    line.trim_end().strip_prefix(OF_REVISION)?.strip_suffix(" of the detector.")?.parse().ok()
+}
+
+/// Blocks with a table that neither stands below a mark nor says in it, or right above it, what it is of: a revision of
+/// the detector that there has been, or no measurement of it.
 fn unsourced(text: &str) -> Vec<&str> {
     let blocks: Vec<&str> = text.split("\n\n").collect();
-    let says = |block: &str| OTHER.iter().any(|words| block.contains(words));
-    let is_table = |block: &str| block.lines().any(|line| line.starts_with("| ---"));
-    let beside = |k: usize| [k.wrapping_sub(1), k + 1].into_iter().filter_map(|k| blocks.get(k)).any(|b| says(b));
-    let without = |k: &usize| is_table(blocks[*k]) && !(blocks[*k].contains(MARK) || says(blocks[*k]) || beside(*k));
-    (0..blocks.len()).filter(without).map(|k| blocks[k]).collect()
+    let says = |block: &&str| {
+        let is_known = |line| revision_of(line).is_some_and(|revision| revision <= REVISION);
+        OTHER.iter().any(|words| block.contains(words)) || block.lines().any(is_known)
+    };
+    let is_rule = |line: &str| {
+        let cells = line.trim().strip_prefix('|').and_then(|line| line.strip_suffix('|'));
+        cells.is_some_and(|cells| {
+            cells
+                .split('|')
+                .all(|cell| cell.contains('-') && cell.trim().trim_matches(':').trim_matches('-').is_empty())
+        })
+    };
+    let is_table = |block: &str| block.lines().any(is_rule);
+    let has_source = |k: usize| blocks[k].contains(MARK) || says(&blocks[k]) || k > 0 && says(&blocks[k - 1]);
+    (0..blocks.len()).filter(|k| is_table(blocks[*k]) && !has_source(*k)).map(|k| blocks[k]).collect()
 }
 
 #[test]
@@ -204,7 +221,7 @@ fn a_table_has_the_values_of_its_result_and_says_of_which_revision_it_is() {
     });
     let lines = "| a | b |\n| --- | --- |\n| 1D | 2.0 ± 0.3; −1.00 |\n| – | 204 ± 26 % |\n";
     assert_eq!(table(&result, 3), lines);
-    let old = format!("{lines}\nOf an earlier revision of the detector, 3.\n");
+    let old = format!("{lines}\nOf revision 3 of the detector.\n");
     assert_eq!(table(&result, 4), old);
     let document = |table: &str| format!("A\n\n<!-- measured n -->\n{table}\nB\n");
     for (before, now) in [(lines, lines), (&old, lines), (lines, &old), ("", &old)] {
@@ -212,6 +229,14 @@ fn a_table_has_the_values_of_its_result_and_says_of_which_revision_it_is() {
     }
     let without = "Words.\n\n| a |\n| --- |\n| 1 |\n\nWords.";
     assert_eq!(unsourced(without).len(), 1);
-    assert_eq!(unsourced(&without.replacen("Words", "Of an earlier revision", 1)).len(), 0);
+    let of = |revision: &str| format!("Of {revision} of the detector.");
+    assert_eq!(unsourced(&without.replacen("Words.", &of("revision 3"), 1)).len(), 0);
+    // A revision that is not named or is none, words below the table, and those above another block are none of it.
+    for words in [of("an earlier revision"), of(&format!("revision {}", REVISION + 1)), of("revision 3") + "\n\nWords."]
+    {
+        assert_eq!(unsourced(&without.replacen("Words.", &words, 1)).len(), 1, "{words}");
+    }
+    assert_eq!(unsourced(&(without.to_owned() + "\n\n" + &of("revision 3"))).len(), 1);
+    assert_eq!(unsourced(&without.replace("---", ":--:")).len(), 1);
     assert_eq!(unsourced(&document(lines)).len(), 0);
 }
