@@ -10,8 +10,7 @@ use crate::detector::field::field_over;
 use crate::detector::params::doc;
 use crate::detector::slopes::retimed;
 use crate::detector::{
-    Feature, ParamChange, SearchParams, Slope, SlopeAxis, SlopeChoice, SlopeFinding, SlopeGrid, SlopeVerdict,
-    find_slopes,
+    Feature, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict, Slopes, find_slopes,
 };
 use crate::inspect::ProbeCache;
 use crate::inspect::words::{counted, number, slope_text};
@@ -212,7 +211,7 @@ impl Judging<'_> {
             return Ok(Some(finding.grid));
         }
         // The field alone is not sure of what lies beyond: features bear it out, those of a search over these slopes.
-        let auto = SearchParams { slopes: SlopeChoice::AUTO, detector: self.params.clone() };
+        let auto = self.params.clone().with_slopes(Slopes::AUTO);
         let searched = search(self.burst, &auto, &monitor.silent());
         monitor.check()?;
         Ok(Some(searched.map_or(finding.grid, |searched| searched.params.slopes)))
