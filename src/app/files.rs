@@ -91,7 +91,7 @@ fn folder_of_burst(model: Read<'_>) -> Option<PathBuf> {
 
 /// Rectangles of the panes in *Two bursts*, with the side for which files dropped there are opened.
 pub(super) fn drop_places(model: Read<'_>, widgets: &PaneWidgets) -> Vec<(egui::Rect, Side)> {
-    if model.document.workspace != Workspace::Pair || model.results.slots.a.burst.is_none() {
+    if !model.document.workspace.shows_pair() || model.results.slots.a.burst.is_none() {
         return Vec::new();
     }
     let place = |id| Some((widgets.rect_ui(id)?, model.document.panes.get(id)?.side));

@@ -24,13 +24,6 @@ pub enum Workspace {
     Lab,
 }
 
-impl Workspace {
-    /// Whether it shows a burst, and has nothing to show while none is open.
-    pub fn needs_burst(self) -> bool {
-        matches!(self, Self::Inspect | Self::Pair | Self::Methods)
-    }
-}
-
 /// Arrangement of the pictures of *Inspect*, made from the one in focus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

@@ -78,11 +78,8 @@ impl Menu {
     /// Whether there is what the menu is about. Its actions are found by their names, or by their keys, in any case.
     pub fn has_content(self, model: Read<'_>) -> bool {
         match self {
-            Self::Pair => model.document.workspace == Workspace::Pair || model.results.slots.b.burst.is_some(),
-            Self::Dataset => {
-                model.results.datasets.open.is_some()
-                    || matches!(model.document.workspace, Workspace::Matches | Workspace::Trajectories)
-            }
+            Self::Pair => model.document.workspace.shows_pair() || model.results.slots.b.burst.is_some(),
+            Self::Dataset => model.results.datasets.open.is_some() || model.document.workspace.record().is_of_dataset,
             _ => true,
         }
     }
@@ -271,7 +268,7 @@ actions! {
     OneToOne, View 2, "Zoom 1:1", [NONE Num0], "Show one picture pixel on one screen pixel", when when::has_burst;
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre" => Set(|document| document.change_views(|view| view.zoom_by(1.25))), when when::has_burst;
     ZoomOut, View 2, "Zoom out", [NONE Minus], "Reduce around the centre" => Set(|document| document.change_views(|view| view.zoom_by(0.8))), when when::has_burst;
-    ToggleOverlay, View 3, "Features over the picture", [NONE O], "Draw the features of this slope, all features, or none" => Set(change::toggle_overlay), on when::draws_features;
+    ToggleOverlay, View 3, "Features over the picture", [NONE O], "Draw the features of this slope, all features, or none" => Set(|document| (document.workspace.record().toggle_features)(document)), on when::draws_features;
     ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst" => Switch(look.motion_vectors);
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation" => Switch(look.orientations);
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours" => Switch(look.legend);
@@ -341,9 +338,9 @@ actions! {
     PreviousFeature, Features 0, "Previous feature or match", [NONE P], "Select the previous feature (or match, with two bursts) of the table" => Run(|model, _| change::select_next(model, false)), when when::lists_any;
     StrongestFeature, Features 0, "First feature or match", [NONE Home], "Select the first feature (or match, with two bursts) of the table" => Run(change::select_first), when when::lists_any;
     GoToFeature, Features 0, "Go to the selection", [NONE Enter], "Show the motion stack at the slope of the selected feature or match, with it in the middle" => Run(change::go_to_selection), when when::has_place_to_go;
-    ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature and no match" => Set(change::clear_selection), when when::has_selection;
+    ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature and no match" => Set(Document::clear_selection), when when::has_selection;
     ProbePlace, Features 1, "Probe this place", [SHIFT P], "Say why there is a feature at the place under the pointer, or why there is none (also Shift+click)", when when::can_probe;
-    ProbeFeature, Features 1, "Why this feature?", [SHIFT W], "Probe the selected feature: its tests, its response, that of each frame, and what may be wrong with it" => Run(change::probe_selection), when |model| when::has_probe_panel(model) && model.feature_to_probe().is_some();
+    ProbeFeature, Features 1, "Why this feature?", [SHIFT W], "Probe the selected feature: its tests, its response, that of each frame, and what may be wrong with it" => Run(change::probe_selection), when |model| model.document.workspace.probes() && model.feature_to_probe().is_some();
     ProbeStrongest, Features 1, "Probe the strongest candidate", [], "Probe the strongest candidate of the whole picture, kept or not" => Run(|model, _| probe::ask_probe(model, Read::of(model).active_side(), ProbeQuestion::Strongest)), when when::can_probe;
     ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked" => Run(|model, _| probe::follow_with_probe(model)), when when::can_probe, on |model| model.document.probe.follows;
     CloseProbe, Features 1, "Clear probe", [], "Close the probe and free its memory" => Run(|model, _| probe::clear_probe(model)), when |model| model.document.probe.is_on() || model.results.probed.answer.is_some();

@@ -1,7 +1,6 @@
 //! When actions are possible, and whether they are on: what rows of the table have in common.
 
 use crate::app::document::comparison::Reference;
-use crate::app::document::look::FeaturesShown;
 use crate::app::document::panes::Tool;
 use crate::app::document::side::Side;
 use crate::app::inspector::PaneWidgets;
@@ -21,11 +20,11 @@ pub fn has_both(model: Read<'_>) -> bool {
 }
 
 pub fn in_inspect(model: Read<'_>) -> bool {
-    model.document.workspace == Workspace::Inspect
+    model.document.workspace.inspects()
 }
 
 pub fn in_pair(model: Read<'_>) -> bool {
-    model.document.workspace == Workspace::Pair
+    model.document.workspace.shows_pair()
 }
 
 pub fn in_methods(model: Read<'_>) -> bool {
@@ -60,7 +59,7 @@ pub fn has_picture(model: Read<'_>) -> bool {
 
 /// Whether the table has features, or matches of two bursts, to step through.
 pub fn lists_any(model: Read<'_>) -> bool {
-    !if in_pair(model) { &model.results.pair.listed } else { &model.results.listed }.is_empty()
+    !model.listed().is_empty()
 }
 
 pub fn has_place_to_go(model: Read<'_>) -> bool {
@@ -96,13 +95,9 @@ pub fn can_match(model: Read<'_>) -> bool {
     in_pair(model) && !model.results.pair.matching.is_pending() && model.wanted_matches().is_some()
 }
 
-pub fn has_probe_panel(model: Read<'_>) -> bool {
-    in_inspect(model) || in_pair(model)
-}
-
 pub fn can_probe(model: Read<'_>) -> bool {
     let active = active(model);
-    has_burst(model) && has_probe_panel(model) && (active.found.is_some() || active.param_error.is_none())
+    has_burst(model) && model.document.workspace.probes() && (active.found.is_some() || active.param_error.is_none())
 }
 
 pub fn has_dataset(model: Read<'_>) -> bool {
@@ -134,11 +129,7 @@ pub fn can_be_cut(model: Read<'_>) -> bool {
 }
 
 pub fn draws_features(model: Read<'_>) -> bool {
-    match model.document.workspace {
-        Workspace::Methods => model.document.methods.features,
-        Workspace::Pair => model.document.match_look.features,
-        _ => model.document.look.overlay != FeaturesShown::None,
-    }
+    (model.document.workspace.record().draws_features)(model.document)
 }
 
 fn given_grid(model: Read<'_>) -> Option<SlopeGrid> {

@@ -1,7 +1,7 @@
 //! A model with its engine for tests, and guarantees of it: stale features are marked, answers for other bursts are
 //! dropped, a feature found again stays selected.
 
-use crate::app::apply::{asking, detection, explained, opening, pair, panes, params};
+use crate::app::apply::{asking, change, detection, opening, pair, panes, params};
 use crate::app::document::Document;
 use crate::app::document::look::Ranges;
 use crate::app::document::side::Side;
@@ -166,15 +166,15 @@ fn a_feature_that_is_found_again_stays_selected() {
 #[test]
 fn next_and_previous_walk_the_table_and_stop_at_its_ends() {
     let mut model = with_features();
-    explained::select_neighbour(&mut model, true);
+    change::select_next(&mut model, true);
     assert_eq!(model.document.selected, Some(0));
-    explained::select_neighbour(&mut model, true);
-    explained::select_neighbour(&mut model, true);
-    explained::select_neighbour(&mut model, true);
+    change::select_next(&mut model, true);
+    change::select_next(&mut model, true);
+    change::select_next(&mut model, true);
     assert_eq!(model.document.selected, Some(2));
     let range = crate::app::document::filter::Interval { min: 0.5, max: 1.5 };
     model.document.filter.ranges.insert(crate::detector::Quantity::SlopeU, range);
-    explained::select_neighbour(&mut model, false);
+    change::select_next(&mut model, false);
     assert_eq!(model.document.selected, Some(1), "the selected one was filtered out: the last listed is taken");
 }
 

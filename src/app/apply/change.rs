@@ -5,10 +5,10 @@ use crate::app::apply::{comparison, detection, explained, opening, pair, panes, 
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::document::Document;
 use crate::app::document::comparison::Reference;
+use crate::app::document::filter::neighbour;
 use crate::app::document::method::plane_of;
 use crate::app::document::panes::Visibility;
 use crate::app::document::side::Side;
-use crate::app::measure::Tool;
 use crate::app::pane::Pane;
 use crate::app::results::{Model, Read};
 use crate::detector::{Method, SlopeGrid};
@@ -17,10 +17,7 @@ use crate::requests::BurstSource;
 use crate::teach::{BottomTab, Workspace};
 
 pub fn detect(model: &mut Model, engine: &Engine) {
-    detection::start_detection(model, Side::A, engine);
-    if when::in_pair(Read::of(model)) {
-        detection::start_detection(model, Side::B, engine);
-    }
+    model.document.workspace.detects().iter().for_each(|side| detection::start_detection(model, *side, engine));
 }
 
 pub fn match_pair(model: &mut Model, engine: &Engine) {
@@ -78,19 +75,15 @@ pub fn toggle_left(model: &mut Model, _: &Engine) {
 }
 
 pub fn select_next(model: &mut Model, forward: bool) {
-    if when::in_pair(Read::of(model)) {
-        pair::select_neighbouring_match(model, forward);
-    } else {
-        explained::select_neighbour(model, forward);
-    }
+    explained::refresh_listed(model);
+    pair::refresh_listed_matches(model);
+    let row = neighbour(Read::of(model).listed(), model.document.selected_row(), forward);
+    model.document.select_row(row);
 }
 
 pub fn select_first(model: &mut Model, _: &Engine) {
-    if when::in_pair(Read::of(model)) {
-        model.document.selected_match = model.results.pair.listed.first().copied();
-    } else {
-        model.document.selected = model.results.listed.first().copied();
-    }
+    let first = Read::of(model).listed().first().copied();
+    model.document.select_row(first);
 }
 
 pub fn probe_expected(model: &mut Model, _: &Engine) {
@@ -104,25 +97,6 @@ pub fn go_to_busiest_slope(model: &mut Model, _: &Engine) {
     model.document.playing = false;
     detection::go_to_busiest_slope(model, focus);
     model.document.lead(focus, Pane::show_slope);
-}
-
-/// Puts the tool away that is in hand; without one selects nothing.
-pub fn clear_selection(document: &mut Document) {
-    if document.measure.tool != Tool::Pan {
-        document.measure.toggle(document.measure.tool);
-    } else if document.workspace == Workspace::Pair {
-        (document.selected_match, document.asked_about) = (None, None);
-    } else {
-        (document.selected, document.comparisons.a.selected) = (None, None);
-    }
-}
-
-pub fn toggle_overlay(document: &mut Document) {
-    match document.workspace {
-        Workspace::Methods => document.methods.features ^= true,
-        Workspace::Pair => document.match_look.features ^= true,
-        _ => document.look.overlay = document.look.overlay.next(),
-    }
 }
 
 pub fn colour_next(document: &mut Document) {

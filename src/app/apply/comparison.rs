@@ -8,7 +8,6 @@ use crate::app::results::comparison::ComparisonResults;
 use crate::app::results::{Model, Read};
 use crate::engine::Ended;
 use crate::requests::{ComparisonRequest, JobError};
-use crate::teach::Workspace;
 use std::path::PathBuf;
 
 pub(super) fn compare_with(model: &mut Model, side: Side, with: Option<Reference>) {
@@ -111,7 +110,7 @@ pub fn restore_comparison(model: &mut Model, side: Side, set: Comparison) {
 /// Of two bursts, the features are drawn too, as the comparison is drawn in their place.
 pub fn show_comparison(model: &mut Model, side: Side, with: Option<Reference>) {
     compare_with(model, side, with);
-    if model.document.workspace == Workspace::Pair && with.is_some() {
+    if model.document.workspace.shows_pair() && with.is_some() {
         (model.document.match_look.features, model.document.pair_tab) = (true, PairTab::Compared);
     }
 }

@@ -1,7 +1,6 @@
 //! Explanations of a detection and the list of its features: the answers, advice that is applied, and the neighbours in
 //! the list.
 
-use crate::app::document::filter::neighbour;
 use crate::app::document::side::Side;
 use crate::app::results::slot::{ListedFor, listed};
 use crate::app::results::{Model, Read};
@@ -97,9 +96,4 @@ pub fn refresh_listed(model: &mut Model) {
         );
         model.results.listed_for = Some(now);
     }
-}
-
-pub fn select_neighbour(model: &mut Model, forward: bool) {
-    refresh_listed(model);
-    model.document.selected = neighbour(&model.results.listed, model.document.selected, forward);
 }

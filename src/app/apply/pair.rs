@@ -3,7 +3,6 @@
 use crate::app::apply::{comparison, explained, panes, params, probe};
 use crate::app::document::comparison::Comparison;
 use crate::app::document::cursor::Cursor;
-use crate::app::document::filter::neighbour;
 use crate::app::document::side::Side;
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::pair::Matches;
@@ -13,7 +12,6 @@ use crate::app::results::{Model, Read};
 use crate::engine::{Ended, Engine};
 use crate::inspect::unmatched::Losses;
 use crate::requests::{LossesRequest, MatchRequest, OpenBurst, PicturesRequest, are_stacked};
-use crate::teach::Workspace;
 use std::sync::Arc;
 
 /// Takes newly made matches. The selection is kept where the same pair of features was matched again.
@@ -41,11 +39,6 @@ pub fn refresh_listed_matches(model: &mut Model) {
         pair.listed = matches.listed(look, order);
         pair.listed_for = Some(now);
     }
-}
-
-pub fn select_neighbouring_match(model: &mut Model, forward: bool) {
-    refresh_listed_matches(model);
-    model.document.selected_match = neighbour(&model.results.pair.listed, model.document.selected_match, forward);
 }
 
 pub fn swap_sides(model: &mut Model) {
@@ -197,7 +190,7 @@ pub fn ask_feature(model: &mut Model, index: Option<usize>) {
 }
 
 pub fn refresh_why(model: &mut Model) {
-    if model.document.workspace != Workspace::Pair {
+    if !model.document.workspace.shows_pair() {
         return;
     }
     if model.results.pair.lost.found.is_some() && Read::of(model).losses().is_none() {

@@ -1,6 +1,6 @@
 //! Lessons begin and end, documents of sessions are put in place of the one on show, and steps are undone.
 
-use crate::app::apply::{datasets, explained, methods, opening, pair, panes, params, probe, studies};
+use crate::app::apply::{change, datasets, explained, methods, opening, pair, panes, params, probe, studies};
 use crate::app::document::Document;
 use crate::app::document::action::{Reselect, Staged};
 use crate::app::document::datasets::DatasetChoice;
@@ -13,7 +13,6 @@ use crate::app::results::{Effect, Model, Read, Results, UserProject};
 use crate::burst::OpenOptions;
 use crate::engine::Engine;
 use crate::requests::{BurstSource, OpenRequest};
-use crate::teach::Workspace;
 use std::mem::{replace, take};
 
 pub(in crate::app) fn take_staged(model: &mut Model, staged: Staged, engine: &Engine) -> Option<Effect> {
@@ -26,10 +25,7 @@ pub(in crate::app) fn take_staged(model: &mut Model, staged: Staged, engine: &En
         }
         Staged::Open { bursts, cameras } => open_for_step(model, bursts, cameras, engine),
         Staged::Begin { document, layout, probe } => begin_with(model, *document, layout, probe),
-        Staged::SelectFirst if model.document.workspace == Workspace::Pair => {
-            model.document.selected_match = model.results.pair.listed.first().copied();
-        }
-        Staged::SelectFirst => model.document.selected = model.results.listed.first().copied(),
+        Staged::SelectFirst => change::select_first(model, engine),
         Staged::Show(document, reselect) => show_document(model, *document, reselect),
         Staged::ReadNamed => return read_named(model, engine),
         Staged::ProbeWhenOpen(source, place) => model.results.studies.probe_when_open = Some((source, place)),

@@ -66,7 +66,7 @@ fn any_action() -> impl Strategy<Value = Action> {
         pane().prop_map(Action::Focus),
         (pane(), directions).prop_map(|(pane, to)| Action::ChangePanes(Change::Split(pane, to))),
         pane().prop_map(|pane| Action::ChangePanes(Change::Close(pane))),
-        (pane(), prop::sample::select(Preset::ALL.to_vec()))
+        (pane(), prop::sample::select(Preset::ALL.map(|(preset, ..)| preset).to_vec()))
             .prop_map(|(pane, preset)| Action::ChangePanes(Change::LayOut(pane, preset))),
         (pane(), prop::sample::select(ViewKind::ALL.to_vec())).prop_map(|(pane, kind)| Action::Show(pane, kind)),
         (pane(), 0..9usize).prop_map(|(pane, frame)| Action::SetFrame(pane, frame)),

@@ -15,6 +15,7 @@ pub mod pair;
 pub mod panes;
 pub mod probe;
 pub mod side;
+pub mod workspace;
 
 pub use action::{Action, Pointed, Queue};
 pub use journal::{Journal, Playback, Steps};

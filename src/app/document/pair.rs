@@ -115,12 +115,12 @@ impl Document {
     /// Cursors of two bursts that are linked are brought together.
     pub fn toggle_link(&mut self, link: Link) {
         let on = !self.panes.all_share(link);
-        if self.workspace == Workspace::Pair {
+        if self.workspace.shows_pair() {
             self.link_pair(link, on);
         } else {
             self.panes.shown().into_iter().for_each(|id| self.set_link(id, link, on));
         }
-        if on && link == Link::Cursor && self.workspace == Workspace::Pair {
+        if on && link == Link::Cursor && self.workspace.shows_pair() {
             self.bring_cursors_together();
         }
     }

@@ -12,7 +12,6 @@ use crate::app::panel::display::features_shown_ui;
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use crate::app::{canvas, style};
-use crate::teach::Workspace;
 use egui::{
     Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
     Ui, pos2, vec2,
@@ -120,7 +119,7 @@ fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets,
         ui.weak(format!("{drawn} of {in_view} drawn"))
             .on_hover_text("The strongest features of each part of the view; the others are dots. Zoom in for more");
     }
-    if has_switch && model.document.workspace == Workspace::Inspect {
+    if has_switch && model.document.workspace.inspects() {
         // From the right end of the line the buttons are drawn in reverse.
         let mut look = model.document.look.clone();
         features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL.into_iter().rev(), model, id);

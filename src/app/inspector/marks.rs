@@ -15,7 +15,6 @@ use crate::burst::Positions;
 use crate::detector::{Feature, Slope};
 use crate::inspect::probe::{AT_PLACE_PX, Wanted};
 use crate::requests::{PictureKind, ProbeQuestion};
-use crate::teach::Workspace;
 use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
 use std::ops::Range;
 
@@ -124,7 +123,7 @@ pub(super) fn probe_ui(
     let feature = widgets.get(drawn.shown).and_then(|widget| widget.picture.pointed).filter(|index| {
         let [u, v] = place;
         let is_at = |feature: &Feature| (feature.u - u).hypot(feature.v - v) <= AT_PLACE_PX;
-        with_shift && model.document.workspace == Workspace::Inspect && model.features().get(*index).is_some_and(is_at)
+        with_shift && model.document.workspace.inspects() && model.features().get(*index).is_some_and(is_at)
     });
     queue.push(match feature {
         Some(feature) => Action::ProbeFeature(Side::A, feature),

@@ -11,13 +11,12 @@ use crate::app::document::Action;
 use crate::app::document::cursor::ViewKind;
 use crate::app::document::panes::Change;
 use crate::app::document::side::Side;
-use crate::app::pane::{Content, Direction, Link, MethodsPreset, Over, PaneId, Preset, SidesPreset, SliceAxis};
+use crate::app::pane::{Content, Direction, Link, Over, PaneId, SliceAxis};
 use crate::app::results::Read;
 use crate::app::results::pair::MatchRow;
 use crate::app::words::explained;
 use crate::inspect::probe::Wanted;
 use crate::requests::ProbeQuestion;
-use crate::teach::Workspace;
 use crate::teach::glossary::glossary;
 use egui::{Button, RichText, ScrollArea, Ui};
 
@@ -57,16 +56,7 @@ fn view_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
         queue.push(Action::ChangePanes(Change::Close(id)));
     }
     ui.menu_button("Layout", |ui| {
-        let layouts: Vec<(&str, &str, Change)> = match model.document.workspace {
-            Workspace::Pair => {
-                SidesPreset::ALL.map(|preset| (preset.label(), preset.help(), Change::LayOutSides(preset))).to_vec()
-            }
-            Workspace::Methods => {
-                MethodsPreset::ALL.map(|preset| (preset.label(), preset.help(), Change::LayOutMethods(preset))).to_vec()
-            }
-            _ => Preset::ALL.map(|preset| (preset.label(), preset.help(), Change::LayOut(id, preset))).to_vec(),
-        };
-        for (label, help, change) in layouts {
+        for (label, help, change) in (model.document.workspace.record().layouts)(id) {
             if ui.button(label).on_hover_text(help).clicked() {
                 queue.push(Action::ChangePanes(change));
             }
@@ -184,13 +174,12 @@ pub(super) fn picture_menu_ui(
         let shown = widgets.get(drawn.shown).map(|widget| &widget.picture);
         let (readout, feature) = shown.map_or((None, None), |shown| (shown.readout, shown.pointed));
         let mid_burst = drawn.output.hover_image.and_then(|pos| mid_burst(model, drawn.shown, pos));
-        let inspected = model.document.workspace == Workspace::Inspect;
-        let can_probe = inspected || model.document.workspace == Workspace::Pair;
+        let inspected = model.document.workspace.inspects();
         widgets.of(id).menu = MenuPlace {
             feature: feature.filter(|_| inspected),
-            matched: model.results.pair.hovered.filter(|_| model.document.workspace == Workspace::Pair),
+            matched: model.results.pair.hovered.filter(|_| model.document.workspace.shows_pair()),
             readout,
-            mid_burst: mid_burst.filter(|_| can_probe),
+            mid_burst: mid_burst.filter(|_| model.document.workspace.probes()),
         };
     }
     let place = widgets.get(id).map(|widget| widget.menu).unwrap_or_default();

@@ -21,7 +21,6 @@ use crate::inspect::shares::Slice;
 use crate::inspect::words::{counted, number};
 use crate::plane::Plane;
 use crate::requests::Probed;
-use crate::teach::Workspace;
 use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };
@@ -71,7 +70,7 @@ pub(super) fn picture_ui(
     let canvas = Canvas {
         picture: state.shown().filter(|_| problem.is_none()),
         empty_text: problem.unwrap_or("Computing the picture…"),
-        primary_pans: model.document.workspace != Workspace::Inspect || model.document.measure.tool == Tool::Pan,
+        primary_pans: !model.document.workspace.inspects() || model.document.measure.tool == Tool::Pan,
         ..canvas_of(model, shown, name)
     };
     let output = canvas.show(ui, &mut view);
@@ -140,7 +139,7 @@ pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn,
 
 /// The filter that holds for pane `id`: where A is inspected.
 pub(super) fn filter_of(model: Read<'_>, id: PaneId) -> Option<&Filter> {
-    let is_inspected = model.document.workspace == Workspace::Inspect;
+    let is_inspected = model.document.workspace.inspects();
     let pane =
         model.document.panes.get(id).filter(|pane| is_inspected && pane.side == Side::A && pane.method.is_none());
     pane.map(|_| &model.document.filter)

@@ -17,7 +17,6 @@ use crate::app::panel::picture::stale_ui;
 use crate::app::panel::tally::candidates_ui;
 use crate::app::panel::widgets::{progress_ui, weak_ui};
 use crate::app::results::Read;
-use crate::teach::Workspace;
 use egui::{RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
@@ -37,7 +36,7 @@ pub fn inspector_ui(
         queue.set(model.document.panes.arrangement(), arrangement, Action::Rearrange);
     }
     marks_ui(model, widgets, &drawn);
-    if matches!(model.document.workspace, Workspace::Inspect | Workspace::Pair) {
+    if model.document.workspace.probes() {
         probe_ui(ui, model, widgets, &drawn, queue);
     }
     drawn
@@ -142,8 +141,7 @@ impl Inspector<'_> {
         let mut drawn = picture_ui(ui, self.model, id, self.widgets, &name, self.queue);
         over_ui(ui, self.model, id, self.widgets, &mut drawn, self.queue);
         let rect = drawn.output.response.rect;
-        let (inspected, in_focus) =
-            (self.model.document.workspace == Workspace::Inspect, self.model.document.focus() == id);
+        let (inspected, in_focus) = (self.model.document.workspace.inspects(), self.model.document.focus() == id);
         let has_legend = in_focus && rect.width() > LEGEND_ROOM.x && rect.height() > LEGEND_ROOM.y;
         let state = &mut self.widgets.of(drawn.shown).picture;
         features_ui(ui, self.model, drawn.shown, state, &drawn.output, has_legend, self.queue);

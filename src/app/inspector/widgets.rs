@@ -96,7 +96,7 @@ pub(super) fn short_description(model: Read<'_>, id: PaneId, tiny: bool) -> Stri
 }
 
 fn side(model: Read<'_>, pane: &Pane) -> String {
-    let both = model.burst_of(Side::B).is_some() || model.document.workspace == Workspace::Pair;
+    let both = model.burst_of(Side::B).is_some() || model.document.workspace.shows_pair();
     if both { format!("{}  ", pane.side.name()) } else { String::new() }
 }
 

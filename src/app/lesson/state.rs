@@ -7,7 +7,7 @@ use crate::app::document::panes::Panels;
 use crate::app::document::side::{Side, Sides};
 use crate::app::results::Read;
 use crate::requests::BurstSource;
-use crate::teach::{Lesson, Part, Step, Workspace, built_in, lessons_at};
+use crate::teach::{Lesson, Part, Step, built_in, lessons_at};
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -97,12 +97,8 @@ impl OpenLesson {
 
     /// Selects the first of the listed features or matches, as soon as there is one.
     fn select_first(&mut self, model: Read<'_>) -> Option<Staged> {
-        let of_match = model.document.workspace == Workspace::Pair;
-        let listed = if of_match {
-            !model.results.pair.listed.is_empty()
-        } else {
-            !model.results.listed.is_empty() && model.stale().is_none()
-        };
+        let is_current = model.document.workspace.shows_pair() || model.stale().is_none();
+        let listed = !model.listed().is_empty() && is_current;
         let is_free = model.document.selected_match.is_none() && model.document.selected.is_none();
         let selects = self.selects && is_free;
         self.selects = selects && !listed;

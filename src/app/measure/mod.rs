@@ -16,7 +16,7 @@ use crate::app::pane::{Link, PaneId};
 use crate::app::results::Read;
 use crate::plane::sample::{ProfileSample, profile};
 use crate::plane::statistics::Region;
-use crate::teach::{BottomTab, Workspace};
+use crate::teach::BottomTab;
 use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
 
 #[derive(Debug, Clone, PartialEq)]
@@ -39,8 +39,7 @@ pub struct PaneRegion {
 
 /// The pane that was drawn on or, when other panes took its place, the one in focus, which shows the same burst.
 fn measured_on(model: Read<'_>, drawn_on: PaneId) -> PaneId {
-    let is_replaced =
-        model.document.workspace == Workspace::Inspect && !model.document.panes.shown().contains(&drawn_on);
+    let is_replaced = model.document.workspace.inspects() && !model.document.panes.shown().contains(&drawn_on);
     if is_replaced { model.document.focus() } else { drawn_on }
 }
 
@@ -176,6 +175,7 @@ mod tests {
     use crate::app::apply::opening;
     use crate::app::pane::Direction;
     use crate::app::results::Model;
+    use crate::teach::Workspace;
 
     #[test]
     fn a_line_stays_when_other_panes_take_the_place_of_its_own() {

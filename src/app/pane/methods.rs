@@ -21,25 +21,13 @@ pub enum MethodsPreset {
 }
 
 impl MethodsPreset {
-    pub const ALL: [Self; 4] = [Self::Panes, Self::Wipe, Self::Flip, Self::Matches];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Panes => "Panes",
-            Self::Wipe => "Wipe",
-            Self::Flip => "Flip",
-            Self::Matches => "Match lines",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Panes => "A picture for each method, side by side",
-            Self::Wipe => "Two methods in one picture, with a line between them that can be dragged",
-            Self::Flip => "Two methods in one place: Y flips from one to the other",
-            Self::Matches => "A row for each method: its matches between A and B",
-        }
-    }
+    /// All, with their names and what each shows.
+    pub const ALL: [(Self, &'static str, &'static str); 4] = [
+        (Self::Panes, "Panes", "A picture for each method, side by side"),
+        (Self::Wipe, "Wipe", "Two methods in one picture, with a line between them that can be dragged"),
+        (Self::Flip, "Flip", "Two methods in one place: Y flips from one to the other"),
+        (Self::Matches, "Match lines", "A row for each method: its matches between A and B"),
+    ];
 }
 
 impl Panes {

@@ -11,16 +11,14 @@ mod methods;
 mod place;
 mod preset;
 mod set;
-mod sides;
 mod tiles;
 
 pub use arrangement::{Arrangement, Direction, MAX_PANES, Part};
 pub use links::{Link, PaneLinks};
 pub use methods::MethodsPreset;
 pub use place::place_in;
-pub use preset::Preset;
+pub use preset::{Preset, SidesPreset};
 pub use set::Panes;
-pub use sides::SidesPreset;
 pub use tiles::{arrangement_of, tree_of};
 
 use crate::app::document::cursor::{Cursor, ViewKind};

@@ -1,8 +1,13 @@
-//! Preset arrangements of *Inspect*.
+//! Preset arrangements of *One burst* and of *Two bursts*.
 
-use super::{Content, Pane, SliceAxis};
+use super::set::place_of;
+use super::{Arrangement, Content, Pane, PaneId, Panes, SliceAxis};
 use crate::app::document::cursor::{Cursor, ViewKind, level_range, nearest_on_grid, stepped};
+use crate::app::document::side::Side;
 use crate::detector::{DetectorParams, Slope};
+use crate::teach::Workspace;
+use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 pub use crate::teach::Layout as Preset;
 
@@ -14,47 +19,26 @@ pub struct Laid {
 }
 
 impl Preset {
-    pub const ALL: [Self; 10] = [
-        Self::Single,
-        Self::FrameAndStack,
-        Self::TwoSlopes,
-        Self::ThreeSlopes,
-        Self::FiveSlopes,
-        Self::SevenSlopes,
-        Self::NineSlopes,
-        Self::Scales,
-        Self::TwoByTwo,
-        Self::Slice,
-    ];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Single => "Single pane",
-            Self::FrameAndStack => "Frame and motion stack",
-            Self::TwoSlopes => "Two slopes",
-            Self::ThreeSlopes => "3 neighbouring slopes",
-            Self::FiveSlopes => "5 neighbouring slopes",
-            Self::SevenSlopes => "7 neighbouring slopes",
-            Self::NineSlopes => "9 neighbouring slopes",
-            Self::Scales => "Scales of the octave",
-            Self::TwoByTwo => "2 × 2: frame, stack, DoG, merge",
-            Self::Slice => "Stack and slice",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Single => "The pane in focus alone",
-            Self::FrameAndStack => "One frame beside the motion stack",
-            Self::TwoSlopes => "The slope beside the grid's next one, each moved on its own",
-            Self::ThreeSlopes | Self::FiveSlopes | Self::SevenSlopes | Self::NineSlopes => {
-                "Neighbouring slopes of the grid, which move together"
-            }
-            Self::Scales => "The DoG responses of all levels of the octave",
-            Self::TwoByTwo => "Frame, motion stack, DoG response and merged frames of the same place",
-            Self::Slice => "The motion stack above a slice through all frames at the probed place",
-        }
-    }
+    /// All, with their names and what each shows.
+    pub const ALL: [(Self, &'static str, &'static str); 10] = {
+        const NEIGHBOURS: &str = "Neighbouring slopes of the grid, which move together";
+        [
+            (Self::Single, "Single pane", "The pane in focus alone"),
+            (Self::FrameAndStack, "Frame and motion stack", "One frame beside the motion stack"),
+            (Self::TwoSlopes, "Two slopes", "The slope beside the grid's next one, each moved on its own"),
+            (Self::ThreeSlopes, "3 neighbouring slopes", NEIGHBOURS),
+            (Self::FiveSlopes, "5 neighbouring slopes", NEIGHBOURS),
+            (Self::SevenSlopes, "7 neighbouring slopes", NEIGHBOURS),
+            (Self::NineSlopes, "9 neighbouring slopes", NEIGHBOURS),
+            (Self::Scales, "Scales of the octave", "The DoG responses of all levels of the octave"),
+            (
+                Self::TwoByTwo,
+                "2 × 2: frame, stack, DoG, merge",
+                "Frame, motion stack, DoG response and merged frames of the same place",
+            ),
+            (Self::Slice, "Stack and slice", "The motion stack above a slice through all frames at the probed place"),
+        ]
+    };
 
     pub fn lay_out(self, base: &Pane, params: &DetectorParams) -> Laid {
         let base = Pane { over: None, content: Content::Cursor, ..base.clone() };
@@ -165,10 +149,61 @@ fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (
     ((first..first + count).map(at).collect(), here - first)
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SidesPreset {
+    SideBySide,
+    Stacked,
+    StackAndDog,
+    Difference,
+}
+
+impl SidesPreset {
+    /// All, with their names and what each shows.
+    pub const ALL: [(Self, &'static str, &'static str); 4] = [
+        (Self::SideBySide, "A beside B", "One picture of each burst, A on the left"),
+        (Self::Stacked, "A above B", "One picture of each burst, A on top: for wide frames"),
+        (Self::StackAndDog, "Stack and DoG of both", "The motion stacks of both bursts above their DoG responses"),
+        (Self::Difference, "A, B and their difference", "Both pictures, and below them A less B, pixel by pixel"),
+    ];
+}
+
+impl Panes {
+    pub fn lay_out_sides(&mut self, preset: SidesPreset) {
+        let own = Side::BOTH.map(PaneId::of);
+        let mut made = BTreeMap::new();
+        for (id, pane) in own.into_iter().zip(&self.sides) {
+            made.insert(id, Pane { over: None, content: Content::Cursor, ..pane.clone() });
+        }
+        let rows = match preset {
+            SidesPreset::SideBySide => vec![own.to_vec()],
+            SidesPreset::Stacked => own.map(|id| vec![id]).to_vec(),
+            SidesPreset::StackAndDog => {
+                let dogs = own.map(|id| {
+                    let mut dog = made[&id].clone();
+                    dog.show(ViewKind::Dog);
+                    let new = self.fresh();
+                    made.insert(new, dog);
+                    new
+                });
+                made.iter_mut().filter(|(id, _)| own.contains(id)).for_each(|(_, pane)| pane.show(ViewKind::Stack));
+                vec![own.to_vec(), dogs.to_vec()]
+            }
+            SidesPreset::Difference => {
+                let difference = Pane { content: Content::Difference(own[0], own[1]), ..made[&own[0]].clone() };
+                let new = self.fresh();
+                made.insert(new, difference);
+                vec![own.to_vec(), vec![new]]
+            }
+        };
+        let focus = self.placed_in(Workspace::Pair).1;
+        self.replace(place_of(Workspace::Pair), Arrangement::rows(&rows), made, focus);
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::document::side::Side;
     use crate::detector::SlopeGrid;
 
     fn base(slope_u: f32) -> Pane {
@@ -200,7 +235,7 @@ mod tests {
 
     #[test]
     fn the_pane_in_focus_goes_on_in_every_preset() {
-        for preset in Preset::ALL {
+        for (preset, ..) in Preset::ALL {
             for kind in ViewKind::OF_CURSOR {
                 let mut pane = base(1.0);
                 pane.show(kind);

@@ -16,7 +16,6 @@ use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_u
 use crate::app::results::Read;
 use crate::app::results::comparison::{Row, Shown};
 use crate::app::view::{fixed, signed_slope};
-use crate::teach::Workspace;
 use egui::{Align, Button, Color32, Label, Layout, RichText, Sense, Ui, pos2, vec2};
 use egui_extras::{Column, TableBuilder};
 
@@ -35,7 +34,7 @@ pub fn colour(with: Reference, kind: Kind) -> Color32 {
 }
 
 fn switch_ui(ui: &mut Ui, model: Read<'_>, side: Side, queue: &mut Queue) {
-    if model.document.workspace == Workspace::Pair {
+    if model.document.workspace.shows_pair() {
         ui.label(RichText::new(format!("Features of {}", side.name())).strong());
     }
     for with in Reference::ALL {
@@ -246,7 +245,7 @@ pub fn marks_ui(ui: &Ui, model: Read<'_>, shown: &Shown, place: &RowsInPane, out
     let (rows, marks) = marks_of(model, shown, place);
     let clip = output.painter.clip_rect();
     // Candidates and matches lie on top.
-    let is_over_match = model.document.workspace == Workspace::Pair && model.results.pair.hovered.is_some();
+    let is_over_match = model.document.workspace.shows_pair() && model.results.pair.hovered.is_some();
     let on_top = model.results.explained.pointed.is_none() && !is_over_match;
     let pointer = output.pointer_ui.filter(|pos| on_top && clip.contains(*pos));
     let pointed = pointer.and_then(|pos| mark_at(output, &marks, pos));

@@ -18,7 +18,6 @@ use crate::app::results::explained::{coherence_words, verdict_words};
 use crate::app::view::{Known, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Quantity, Slope};
 use crate::inspect::spectrum::is_at_slope;
-use crate::teach::Workspace;
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
@@ -49,12 +48,8 @@ impl FeatureLayer {
     /// Features of pane `id`; `None` while none are drawn. In *Inspect* the table, the filter and the selection are
     /// A's; where two bursts or methods are compared, all features are drawn and none are listed.
     pub fn of(model: Read<'_>, id: PaneId) -> Option<Self> {
-        let inspected = model.document.workspace == Workspace::Inspect;
-        let are_drawn = match model.document.workspace {
-            Workspace::Pair => model.document.match_look.features,
-            Workspace::Methods => model.document.methods.features,
-            _ => model.document.look.overlay != FeaturesShown::None,
-        };
+        let inspected = model.document.workspace.inspects();
+        let are_drawn = (model.document.workspace.record().draws_features)(model.document);
         let pane = model.document.panes.get(id).filter(|_| are_drawn)?;
         let detection = model.detection_in(pane)?.clone();
         let is_listed = inspected && pane.side == Side::A && pane.method.is_none();
@@ -154,7 +149,7 @@ pub fn features_ui(
     }
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
     let Some(pane) = model.document.panes.get(id) else { return };
-    let (side, is_of_burst) = (pane.side, matches!(model.document.workspace, Workspace::Inspect | Workspace::Pair));
+    let (side, is_of_burst) = (pane.side, model.document.workspace.probes());
     if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst) {
         // The colours now show the comparison's outcome.
         let drawn = shown.rows.iter().map(|row| layer.draws(row)).collect();

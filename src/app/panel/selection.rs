@@ -13,7 +13,6 @@ use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::sample_patch;
 use crate::requests::PictureKind;
-use crate::teach::Workspace;
 use egui::{
     Color32, Label, Rect, RichText, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, vec2,
 };
@@ -32,7 +31,7 @@ pub(in crate::app) fn walk_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::NextFeature, Some("Next"));
         button_ui(ui, model, queue, ActionId::GoToFeature, Some("Go to"));
         button_ui(ui, model, queue, ActionId::ClearSelection, Some("Clear"));
-        if model.document.workspace == Workspace::Inspect && model.document.selected.is_some() {
+        if model.document.workspace.inspects() && model.document.selected.is_some() {
             button_ui(ui, model, queue, ActionId::ProbeFeature, Some("Why?"));
         }
     });

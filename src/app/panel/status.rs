@@ -10,7 +10,6 @@ use crate::app::results::Read;
 use crate::app::results::own::Own;
 use crate::detector::ParamChange;
 use crate::inspect::words::counted;
-use crate::teach::Workspace;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
 use std::time::Duration;
 
@@ -105,7 +104,7 @@ fn burst_text(model: Read<'_>) -> String {
     let side = model.active_side();
     let Some(open) = model.burst_of(side) else { return "No burst open".to_owned() };
     // With two bursts, the text names this one.
-    let which = if model.document.workspace == Workspace::Pair { format!("{}: ", side.name()) } else { String::new() };
+    let which = if model.document.workspace.shows_pair() { format!("{}: ", side.name()) } else { String::new() };
     let burst = &open.burst;
     let (width, height) = burst.size();
     let depth = if burst.quantisation_step > 0.0 {
@@ -207,7 +206,7 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             if let Some(price) = model.price_text(Side::A, &change) {
                 ui.weak(format!("({price})"));
             }
-            if model.features().is_empty() && model.document.workspace == Workspace::Inspect {
+            if model.features().is_empty() && model.document.workspace.inspects() {
                 button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
             }
         });
@@ -220,6 +219,7 @@ mod tests {
     use crate::app::apply::bench::open;
     use crate::app::apply::opening;
     use crate::app::results::Model;
+    use crate::teach::Workspace;
 
     #[test]
     fn the_burst_is_said_with_its_frames_size_and_levels() {

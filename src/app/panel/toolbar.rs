@@ -8,7 +8,7 @@ use crate::app::parts::mark;
 use crate::app::results::Read;
 use crate::inspect::words::counted;
 use crate::requests::Running;
-use crate::teach::{Part, Workspace};
+use crate::teach::Part;
 use egui::{Align, Button, Color32, Layout, RichText, Ui};
 
 /// Minimum room for the button that finds actions, in points.
@@ -52,7 +52,7 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         return;
     }
     let action = ActionId::Detect.action();
-    let in_pair = model.document.workspace == Workspace::Pair;
+    let in_pair = model.document.workspace.shows_pair();
     let needed = model.needs_detection(Side::A) || (in_pair && model.needs_detection(Side::B));
     let text = RichText::new("Detect");
     let button = if needed {
@@ -90,7 +90,7 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 /// Running task, and the burst that it works on where there are two.
 fn activity(model: Read<'_>) -> Option<(&'static str, Running)> {
     let [a, b] = model.results.slots.both().map(|slot| slot.detecting.running());
-    if model.document.workspace != Workspace::Pair {
+    if !model.document.workspace.shows_pair() {
         return Some(("", a?));
     }
     let in_a = a.map(|running| ("A: ", running));
@@ -119,6 +119,7 @@ mod tests {
     use super::*;
     use crate::app::results::Model;
     use crate::requests::JobId;
+    use crate::teach::Workspace;
 
     #[test]
     fn of_two_bursts_it_is_said_for_which_one_there_is_work() {

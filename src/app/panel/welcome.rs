@@ -11,7 +11,6 @@ use crate::app::results::Read;
 use crate::app::settings::Settings;
 use crate::app::style;
 use crate::requests::BurstSource;
-use crate::teach::Workspace;
 use egui::{Align2, Area, Button, Color32, Context, Frame, Id, Rect, RichText, ScrollArea, Stroke, Ui, vec2};
 
 pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: &Lessons, queue: &mut Queue) -> Chosen {
@@ -92,7 +91,7 @@ const CARD_ROOM: egui::Vec2 = vec2(400.0, 260.0);
 
 fn shows_card(model: Read<'_>) -> bool {
     let of_demo = model.burst_of(Side::A).is_some_and(|open| open.source == BurstSource::Demo);
-    model.document.panels.welcome && of_demo && !model.is_in_lesson() && model.document.workspace == Workspace::Inspect
+    model.document.panels.welcome && of_demo && !model.is_in_lesson() && model.document.workspace.inspects()
 }
 
 /// Draws the card over the picture in `rect_ui`, if it is shown. Returns the chosen lesson.

@@ -13,7 +13,7 @@ use crate::inspect::spectrum::{SlopeJudgement, Spectrum};
 use crate::inspect::verdict::{Judged, Verdict};
 use crate::inspect::words::capitalised;
 use crate::requests::{CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, JobError, Running};
-use crate::teach::{BottomTab, Workspace};
+use crate::teach::BottomTab;
 use std::sync::Arc;
 
 /// Detection time, seconds, above which slopes are examined only on request: that takes nearly as long again.
@@ -38,12 +38,12 @@ pub struct ExplainedState {
 impl<'a> Read<'a> {
     /// The slopes of the detection on show, if they are wanted and not known. A running detection comes first.
     pub fn missing_slopes(self) -> Option<ExplainRequest> {
-        let is_time = self.document.workspace == Workspace::Inspect && !self.results.slots.a.detecting.is_pending();
+        let is_time = self.document.workspace.inspects() && !self.results.slots.a.detecting.is_pending();
         self.wanted_slopes().filter(|_| is_time && self.spectrum().is_none())
     }
 
     pub fn missing_candidates(self) -> Option<ExplainRequest> {
-        let is_time = self.document.workspace == Workspace::Inspect && !self.results.slots.a.detecting.is_pending();
+        let is_time = self.document.workspace.inspects() && !self.results.slots.a.detecting.is_pending();
         self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
     }
 
@@ -147,20 +147,16 @@ impl CoherenceState {
 impl<'a> Read<'a> {
     fn lists_verdicts(self) -> bool {
         let is_in_table = self.shows_bottom() && self.document.bottom_tab == BottomTab::Table;
-        self.document.workspace == Workspace::Inspect
+        self.document.workspace.inspects()
             && (is_in_table || self.document.filter.needs_verdicts() || self.selected_feature().is_some())
     }
 
     /// A running detection comes first.
     pub fn missing_coherence(self, side: Side) -> Option<CoherenceRequest> {
-        let is_shown = match self.document.workspace {
-            Workspace::Pair => true,
-            Workspace::Inspect => {
-                self.document.look.overlay != FeaturesShown::None
-                    && self.document.panes.iter().any(|(_, pane)| pane.side == side)
-            }
-            _ => false,
-        };
+        let is_drawn = self.document.look.overlay != FeaturesShown::None
+            && self.document.panes.iter().any(|(_, pane)| pane.side == side);
+        let workspace = self.document.workspace;
+        let is_shown = workspace.shows_pair() || workspace.inspects() && is_drawn;
         let is_asked = self.document.colour_by == ColourBy::Of(Quantity::Coherence) && is_shown
             || side == Side::A && self.lists_verdicts();
         if !is_asked || self.results.slots[side].detecting.is_pending() {

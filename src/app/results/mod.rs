@@ -163,6 +163,11 @@ impl<'a> Read<'a> {
         all.part(self.document.params.used_frames(all.len()))
     }
 
+    /// Indices of the matches of two bursts, or else of A's features, as their table lists them.
+    pub fn listed(self) -> &'a [usize] {
+        if self.document.workspace.shows_pair() { &self.results.pair.listed } else { &self.results.listed }
+    }
+
     pub fn asked(self) -> SearchParams {
         self.asked_of(Side::A)
     }

@@ -1,9 +1,9 @@
 //! Panels that are shown, by what is set, what is found and the width of the window, and the clock of playing.
 
 use crate::app::document::panes::Visibility;
+use crate::app::document::workspace::Right;
 use crate::app::pane::Content;
 use crate::app::results::Read;
-use crate::teach::Workspace;
 use std::time::Instant;
 
 #[derive(Debug, Default)]
@@ -21,7 +21,7 @@ const MIN_WIDTH_WITH_PAIR: f32 = 1500.0;
 
 impl Read<'_> {
     pub fn shows_left(self) -> bool {
-        let has_pictures = matches!(self.document.workspace, Workspace::Inspect | Workspace::Pair | Workspace::Methods);
+        let has_pictures = self.document.workspace.needs_burst();
         let is_wide = |width: f32| self.shell.window_width_points >= width;
         self.document.panels.left.or(!has_pictures || is_wide(MIN_WIDTH_WITH_LEFT))
             && !(has_pictures && self.shows_right() && !is_wide(MIN_WIDTH_WITH_BOTH))
@@ -32,7 +32,7 @@ impl Read<'_> {
     pub fn match_is_left(self) -> bool {
         let is_auto = [self.document.panels.left, self.document.panels.right] == [Visibility::Auto; 2];
         let widths = MIN_WIDTH_WITH_LEFT..MIN_WIDTH_WITH_PAIR;
-        self.document.workspace == Workspace::Pair
+        self.document.workspace.shows_pair()
             && is_auto
             && widths.contains(&self.shell.window_width_points)
             && self.shows_right()
@@ -44,7 +44,7 @@ impl Read<'_> {
 
     /// Whether the panel of a match would take the room of two pictures, so that it is opened on demand.
     fn is_narrow_pair(self) -> bool {
-        self.document.workspace == Workspace::Pair && self.shell.window_width_points < MIN_WIDTH_WITH_LEFT
+        self.document.workspace.shows_pair() && self.shell.window_width_points < MIN_WIDTH_WITH_LEFT
     }
 
     pub fn folds_right(self) -> bool {
@@ -55,22 +55,22 @@ impl Read<'_> {
     }
 
     pub fn shows_right(self) -> bool {
-        self.document.panels.right.or(match self.document.workspace {
+        self.document.panels.right.or(match self.document.workspace.record().right {
             // The selection of a session waits for the session's features.
-            Workspace::Inspect => {
+            Right::WithFeature => {
                 self.document.selected.is_some() || self.results.reselect.is_some() || self.document.probe.is_open
             }
-            Workspace::Pair => {
+            Right::WithMatch => {
                 let is_asked = self.asked_feature().is_some() && !self.is_narrow_pair();
                 is_asked || self.document.probe.is_open || self.shell.window_width_points >= MIN_WIDTH_WITH_PAIR
             }
-            Workspace::Methods => false,
-            Workspace::Matches | Workspace::Trajectories | Workspace::Lab => true,
+            Right::Always => true,
+            Right::Never => false,
         })
     }
 
     pub fn shows_bottom(self) -> bool {
-        self.document.panels.bottom.or(!matches!(self.document.workspace, Workspace::Inspect | Workspace::Pair))
+        self.document.panels.bottom.or(!self.document.workspace.probes())
     }
 
     pub fn shows_slice(self) -> bool {

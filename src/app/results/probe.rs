@@ -15,7 +15,6 @@ use crate::inspect::price::time_factor;
 use crate::inspect::probe::{AT_PLACE_PX, Wanted as Subject};
 use crate::inspect::words::capitalised;
 use crate::requests::{DetectionSource, ProbeQuestion, ProbeRequest, Probed, Traced};
-use crate::teach::Workspace;
 
 #[derive(Debug, Default)]
 pub struct ProbeResults {
@@ -109,7 +108,7 @@ impl<'a> Read<'a> {
 
     /// With its side: the selected one; of two bursts that of the match or the one asked about, on the side in focus.
     pub fn feature_to_probe(self) -> Option<(Side, usize)> {
-        if self.document.workspace != Workspace::Pair {
+        if !self.document.workspace.shows_pair() {
             return self.selected_feature().and(self.document.selected).map(|index| (Side::A, index));
         }
         let of_match =
@@ -124,7 +123,7 @@ impl<'a> Read<'a> {
     }
 
     pub fn probe_is_here(self) -> bool {
-        self.document.probe.side == Side::A || self.document.workspace == Workspace::Pair
+        self.document.probe.side == Side::A || self.document.workspace.shows_pair()
     }
 
     pub fn probed_pane_id(self) -> PaneId {

@@ -15,7 +15,6 @@ use crate::error::Error;
 use crate::inspect::set_up::SetUp;
 use crate::inspect::verdict::Judged;
 use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, OpenBurst, OpenRequest};
-use crate::teach::Workspace;
 use std::ops::Deref;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -91,7 +90,7 @@ impl Read<'_> {
     pub fn missing_features(self, side: Side, dragging: bool) -> Option<DetectRequest> {
         let follows = match side {
             Side::A => !dragging || self.features_can_follow(side),
-            Side::B => !dragging && self.document.workspace == Workspace::Pair,
+            Side::B => !dragging && self.document.workspace.shows_pair(),
         };
         let is_time = self.document.auto_detect && follows || !dragging && self.probe_wants_features(side);
         self.detect_request(side).filter(|_| is_time && self.wants_detection(side))

@@ -64,7 +64,7 @@ impl Session {
     /// The session for a case: of its frames alone, without what lies in other files.
     pub fn for_case(mut self) -> Self {
         let workspace = self.document.workspace;
-        if !matches!(workspace, Workspace::Inspect | Workspace::Methods | Workspace::Lab) {
+        if workspace.shows_pair() || workspace.record().is_of_dataset {
             self.document.workspace = Workspace::Inspect;
         }
         let document = &mut self.document;

@@ -80,11 +80,11 @@ fn layout_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let has_second = model.burst_of(Side::B).is_some();
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        for preset in MethodsPreset::ALL {
+        for (preset, name, help) in MethodsPreset::ALL {
             let enabled = preset != MethodsPreset::Matches || has_second;
             let response = ui
-                .add_enabled(enabled, egui::Button::new(preset.label()))
-                .on_hover_text(preset.help())
+                .add_enabled(enabled, egui::Button::new(name))
+                .on_hover_text(help)
                 .on_disabled_hover_text("Matches need a second burst: open one as B");
             if response.clicked() {
                 queue.push(Action::ChangePanes(Change::LayOutMethods(preset)));

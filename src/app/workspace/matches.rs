@@ -8,12 +8,12 @@ use crate::app::panel::widgets::section_ui;
 use crate::app::results::Read;
 use crate::app::style;
 use crate::app::workspace::pair::parameters;
-use crate::app::workspace::pair::parameters::CameraText;
-use crate::app::workspace::{left_panel, right_panel, side_width};
+use crate::app::workspace::{WorkspaceParts, left_panel, right_panel, side_width};
 use crate::requests::next_commands;
 use egui::{CentralPanel, DragValue, Frame, Label, Margin, RichText, Ui};
 
-pub(super) fn matches_workspace_ui(ui: &mut Ui, model: Read<'_>, camera_text: &mut CameraText, queue: &mut Queue) {
+pub(super) fn matches_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
+    let (model, camera_text, queue) = (parts.model, &mut parts.pair.camera_text, &mut *parts.queue);
     let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else {
         CentralPanel::default().show(ui, |ui| empty_ui(ui, model, queue));
         return;

@@ -37,15 +37,37 @@ pub struct WorkspaceParts<'a> {
 /// In points; narrower windows have a menu.
 const MIN_WIDTH_WITH_SWITCH: f32 = 900.0;
 
+/// A workspace as it is drawn; `document::workspace` has what is set there.
+struct Room {
+    of: Workspace,
+    has_content: fn(Read<'_>) -> bool,
+    ui: fn(&mut Ui, &mut WorkspaceParts<'_>),
+}
+
+const ROOMS: [Room; 6] = {
+    use Workspace::{Inspect, Lab, Matches, Methods, Pair, Trajectories};
+    let with_poses = |model: Read<'_>| model.results.datasets.open.is_some() || !model.results.poses.is_empty();
+    [
+        Room { of: Inspect, has_content: |_| true, ui: inspect_workspace_ui },
+        Room { of: Pair, has_content: |_| true, ui: pair::pair_workspace_ui },
+        Room { of: Methods, has_content: |_| true, ui: compare::compare_workspace_ui },
+        Room {
+            of: Matches,
+            has_content: |model| model.results.datasets.open.is_some(),
+            ui: matches::matches_workspace_ui,
+        },
+        Room { of: Trajectories, has_content: with_poses, ui: trajectories_workspace_ui },
+        Room { of: Lab, has_content: |model| !model.lab_results().is_empty(), ui: lab_workspace_ui },
+    ]
+};
+
+fn room(of: Workspace) -> &'static Room {
+    ROOMS.iter().find(|room| room.of == of).expect("each workspace has a room")
+}
+
 /// Whether there is something for the workspace to show, or it is the open one.
-fn has_content(workspace: Workspace, model: Read<'_>) -> bool {
-    let is_filled = match workspace {
-        Workspace::Matches => model.results.datasets.open.is_some(),
-        Workspace::Trajectories => model.results.datasets.open.is_some() || !model.results.poses.is_empty(),
-        Workspace::Lab => !model.lab_results().is_empty(),
-        _ => true,
-    };
-    is_filled || model.document.workspace == workspace
+fn is_offered(workspace: Workspace, model: Read<'_>) -> bool {
+    (room(workspace).has_content)(model) || model.document.workspace == workspace
 }
 
 /// Draws the switch between the workspaces, from the right end of a line: buttons, or a menu where there is no room.
@@ -62,7 +84,7 @@ pub fn switch_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue) {
             });
         } else {
             let (shown, more): (Vec<_>, Vec<_>) =
-                workspaces().partition(|(_, workspace)| has_content(*workspace, model));
+                workspaces().partition(|(_, workspace)| is_offered(*workspace, model));
             if !more.is_empty() {
                 ui.menu_button("More ⏷", |ui| more.iter().for_each(|(id, _)| item_ui(ui, model, queue, *id)));
             }
@@ -76,17 +98,7 @@ pub fn switch_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue) {
 }
 
 pub fn workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
-    match parts.model.document.workspace {
-        Workspace::Inspect => inspect_workspace_ui(ui, parts),
-        Workspace::Pair => pair::pair_workspace_ui(ui, parts),
-        Workspace::Methods => compare::compare_workspace_ui(ui, parts),
-        Workspace::Matches => {
-            let camera_text = &mut parts.pair.camera_text;
-            matches::matches_workspace_ui(ui, parts.model, camera_text, parts.queue);
-        }
-        Workspace::Lab => lab_workspace_ui(ui, parts.model, parts.lab_picture, parts.queue),
-        Workspace::Trajectories => trajectories_workspace_ui(ui, parts.model, parts.queue),
-    }
+    (room(parts.model.document.workspace).ui)(ui, parts);
 }
 
 const BOTTOM_HEIGHTS: std::ops::RangeInclusive<f32> = 90.0..=520.0;
@@ -253,7 +265,8 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     }
 }
 
-fn lab_workspace_ui(ui: &mut Ui, model: Read<'_>, picture: &mut PlaneTexture, queue: &mut Queue) {
+fn lab_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
+    let (model, WorkspaceParts { lab_picture: picture, queue, .. }) = (parts.model, parts);
     if model.shows_left() {
         left_panel(ui, model, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
     }
@@ -271,7 +284,8 @@ fn lab_workspace_ui(ui: &mut Ui, model: Read<'_>, picture: &mut PlaneTexture, qu
 
 const STRIP_HEIGHT: f32 = 84.0;
 
-fn trajectories_workspace_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
+fn trajectories_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
+    let (model, WorkspaceParts { queue, .. }) = (parts.model, parts);
     let width = side_width(model).max(330.0);
     if model.shows_right() {
         right_panel(ui, model, "trajectories right", width, 280.0..=520.0, |ui| {

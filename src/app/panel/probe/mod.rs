@@ -25,7 +25,7 @@ use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::Probed;
-use crate::teach::{Part, Workspace};
+use crate::teach::Part;
 use egui::{Frame, Label, Margin, Rect, RichText, ScrollArea, Stroke, TextureHandle, Ui};
 use std::any::Any;
 use std::sync::Arc;
@@ -82,7 +82,7 @@ fn probe_ui(ui: &mut Ui, model: Read<'_>, panel: &mut ProbePanel, queue: &mut Qu
     };
     ScrollArea::vertical().id_salt("probe").auto_shrink(false).show(ui, |ui| {
         let [u, v] = answer.probe.pos_image;
-        let burst = if model.document.workspace == Workspace::Pair {
+        let burst = if model.document.workspace.shows_pair() {
             format!(" of {}", model.document.probe.side.name())
         } else {
             String::new()

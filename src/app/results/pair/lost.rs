@@ -11,7 +11,6 @@ use crate::matching::MatchParams;
 use crate::requests::{
     FoundLosses, LossesRequest, MatchRequest, Matched, Picture, PictureKind, PictureRequest, PicturesRequest,
 };
-use crate::teach::Workspace;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -96,13 +95,13 @@ pub fn lost_label(lost: Lost) -> &'static str {
 impl<'a> Read<'a> {
     /// A request that failed is repeated with the next matches.
     pub fn missing_losses(self) -> Option<LossesRequest> {
-        self.wanted_losses().filter(|_| self.document.workspace == Workspace::Pair && self.losses().is_none())
+        self.wanted_losses().filter(|_| self.document.workspace.shows_pair() && self.losses().is_none())
     }
 
     pub fn missing_candidate_pictures(self) -> Option<PicturesRequest> {
         let pictures = self.wanted_candidate_pictures();
         let shown = self.results.pair.lost.pictures.iter().map(|picture| &picture.request);
-        (self.document.workspace == Workspace::Pair && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
+        (self.document.workspace.shows_pair() && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
     }
 
     /// Parameters that could keep the feature in question, from the step where its match was lost.
@@ -128,7 +127,7 @@ impl<'a> Read<'a> {
     }
 
     pub fn missing_price(self) -> Option<MatchRequest> {
-        if self.document.workspace != Workspace::Pair {
+        if !self.document.workspace.shows_pair() {
             return None;
         }
         let wanted = MatchRequest { params: self.remedy()?, ..self.results.pair.matches.as_ref()?.request.clone() };

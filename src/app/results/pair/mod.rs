@@ -17,7 +17,6 @@ use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::Wanted;
 use crate::error::Error;
 use crate::requests::{MatchRequest, Picture, PictureKind, PictureRequest, PicturesRequest};
-use crate::teach::Workspace;
 
 #[derive(Debug, Default)]
 pub struct PairState {
@@ -127,7 +126,7 @@ impl Read<'_> {
     }
 
     fn shows_pair(self) -> bool {
-        self.document.workspace == Workspace::Pair && self.results.slots.b.burst.is_some()
+        self.document.workspace.shows_pair() && self.results.slots.b.burst.is_some()
     }
 
     pub fn missing_patches(self) -> Option<PicturesRequest> {
@@ -160,7 +159,7 @@ impl Read<'_> {
 impl<'a> Read<'a> {
     /// Side whose slope and scale the cursor sets now.
     pub fn active_side(self) -> Side {
-        let both = self.document.workspace == Workspace::Pair && self.results.slots.b.burst.is_some();
+        let both = self.document.workspace.shows_pair() && self.results.slots.b.burst.is_some();
         if both { self.document.focused().side } else { Side::A }
     }
 
