@@ -12,7 +12,6 @@ use crate::burst::OpenOptions;
 use crate::detector::{Feature, Quantity};
 use crate::export::feature_header;
 use crate::requests::{BurstSource, detect_line};
-use crate::teach::Workspace;
 
 pub fn feature_text(feature: &Feature) -> String {
     let values = Quantity::STORED.map(|quantity| quantity.cell(feature));
@@ -60,10 +59,10 @@ pub fn copy_row(ctx: &egui::Context, model: Read<'_>, widgets: &PaneWidgets) -> 
 }
 
 fn selected_text(model: Read<'_>) -> Option<String> {
-    match model.document.workspace {
-        Workspace::Pair => Some(match_text(&model.results.pair.matches.as_ref()?.row(model.document.selected_match?)?)),
-        _ => model.selected_feature().map(feature_text),
+    if !model.document.workspace.shows_pair() {
+        return model.selected_feature().map(feature_text);
     }
+    Some(match_text(&model.results.pair.matches.as_ref()?.row(model.document.selected_match?)?))
 }
 
 /// Returns the note about what was copied, or why there is no command.

@@ -101,11 +101,12 @@ impl Lesson {
             wrong(line, error.message().replace('\n', " ").trim().to_owned())
         })?;
         let step_span = read.step.span();
+        let tables: toml::Table = toml::from_str(text).expect("it was read already");
         let mut steps = Vec::new();
-        for table in read.step.into_inner() {
+        for (table, written) in read.step.into_inner().into_iter().zip(tables["step"].as_array().expect("steps")) {
             let line = line_at(table.span().start);
             let step = table.into_inner().step(&read.set).map_err(|problem| wrong(Some(line), problem))?;
-            steps.push(step);
+            steps.push(step.with_methods(written, &tables));
         }
         if steps.is_empty() {
             return Err(wrong(Some(line_at(step_span.start)), "a lesson needs at least one [[step]]".to_owned()));
@@ -147,6 +148,21 @@ impl StepTable {
             return Err(format!("step '{title}' highlights '{part}', whose panel is closed; set {key}"));
         }
         Ok(Step { title, caption: self.caption.0, highlight: self.highlight, task, state })
+    }
+}
+
+impl Step {
+    /// With the layout *Methods* where its text, or that of its lesson, has it as a workspace: it was one once.
+    fn with_methods(mut self, step: &toml::Value, lesson: &toml::Table) -> Self {
+        let workspace = |table: Option<&toml::Value>| table?.get("workspace")?.as_str().map(str::to_owned);
+        let is_methods = |name: Option<String>| name.is_some_and(|name| name == "methods");
+        if is_methods(workspace(step.get("set")).or_else(|| workspace(lesson.get("set")))) {
+            self.state.layout = Some(Layout::Methods);
+        }
+        if let Some(task) = self.task.as_mut().filter(|_| is_methods(workspace(step.get("goal")))) {
+            task.goal.layout = Some(Layout::Methods);
+        }
+        self
     }
 }
 

@@ -13,10 +13,11 @@ use serde::{Deserialize, Deserializer, Serialize, de};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Workspace {
+    /// Files of earlier versions name *Methods* as a workspace of its own.
     #[default]
+    #[serde(alias = "methods")]
     Inspect,
     Pair,
-    Methods,
     Matches,
     /// An estimated and a true trajectory.
     Trajectories,
@@ -43,6 +44,8 @@ pub enum Layout {
     TwoByTwo,
     /// The motion stack above slices through the frames at the probed place.
     Slice,
+    /// Several methods on the burst.
+    Methods,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -56,6 +59,7 @@ pub enum BottomTab {
     Profile,
     Region,
     Compared,
+    Methods,
 }
 
 /// Flat spot on a flat background, where the signal-to-noise ratio is measured. Written `[u, v, inner, from, to]`,

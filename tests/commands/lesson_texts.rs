@@ -1,7 +1,7 @@
 //! Texts of lessons: what is read of them, and how mistakes are said.
 
 use burstscope::teach::glossary::glossary;
-use burstscope::teach::{Lesson, Part, built_in, lessons_at};
+use burstscope::teach::{Layout, Lesson, Part, Workspace, built_in, lessons_at};
 use proptest::prelude::*;
 
 const GOOD: &str = r#"title = "One"
@@ -41,6 +41,17 @@ fn a_lesson_is_read_and_its_steps_have_what_it_sets_for_all() {
     assert_eq!(first.state.burst(), second.state.burst());
     assert_eq!(first.highlight, [Part::SlopeU, Part::Parameter("noise-gate")]);
     assert!(first.task.is_some() && second.task.is_none());
+}
+
+/// *Methods* was a workspace of its own once.
+#[test]
+fn a_lesson_of_when_methods_were_a_workspace_asks_for_their_layout() {
+    let goal = GOOD.replace("goal = { slope_u = [-1, 1] }", "goal = { workspace=\"methods\", detects = true }");
+    let lesson = Lesson::read("one.toml", &goal.replace("slope = [2, 0]", "workspace = 'methods'")).expect("good");
+    let [first, second] = &lesson.steps[..] else { panic!("two steps") };
+    let goal = &first.task.as_ref().expect("a task").goal;
+    assert_eq!((goal.layout, goal.workspace), (Some(Layout::Methods), Some(Workspace::Inspect)));
+    assert_eq!((first.state.layout, second.state.layout), (None, Some(Layout::Methods)));
 }
 
 #[test]

@@ -128,7 +128,7 @@ fn one_click_gives_every_method_the_same_false_rate() {
     for (method, expected) in [(sift, of(BurstMethod::SiftFrame)), (buff_1d, of(BurstMethod::Buff1d))] {
         assert_eq!(window.app().read().method_params(method, Side::A).peak_threshold, expected);
     }
-    window.run_action("methods");
+    window.ctrl(egui::Key::Num3);
     window.settle();
     window.harness.get_by_role_and_label(Role::CheckBox, "At 10 % false on charts of SNR 0.5").click();
     window.settle();

@@ -63,6 +63,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
             Layout::SevenSlopes => "layout: 7 slopes",
             Layout::NineSlopes => "layout: 9 slopes",
             Layout::Scales => "layout: scales",
+            Layout::Methods => "methods",
             Layout::Slice => "stack and slice",
             Layout::TwoByTwo => "2 × 2",
         });
@@ -144,7 +145,6 @@ fn fulfil(window: &mut Window, goal: &Goal) {
         None => {}
     }
     match goal.workspace {
-        Some(Workspace::Methods) => window.ctrl(Key::Num3),
         Some(Workspace::Pair) => window.ctrl(Key::Num2),
         Some(Workspace::Inspect) => window.ctrl(Key::Num1),
         Some(other) => panic!("no lesson asks for {other:?}"),

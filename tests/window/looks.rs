@@ -138,14 +138,14 @@ fn single_match() {
 #[test]
 fn methods() {
     let mut window = open_pair([1400.0, 900.0]);
-    window.click("Methods");
+    window.ctrl(Key::Num3);
     window.snapshot("methods");
 }
 
 #[test]
 fn methods_matches() {
     let mut window = open_pair([1400.0, 1000.0]);
-    window.click("Methods");
+    window.ctrl(Key::Num3);
     window.settle();
     window.click("Match lines");
     window.snapshot("methods_matches");
@@ -154,7 +154,7 @@ fn methods_matches() {
 #[test]
 fn wipe() {
     let mut window = open();
-    window.click("Methods");
+    window.ctrl(Key::Num3);
     window.settle();
     window.click("Wipe");
     window.snapshot("wipe");

@@ -1,6 +1,7 @@
 //! Several methods on one burst.
 
 use crate::support::{Start, Window, noisy_stack};
+use burstscope::app::actions::ActionId;
 use burstscope::app::document::method::MethodId;
 use burstscope::app::document::side::Side;
 use burstscope::app::pane::Over;
@@ -8,6 +9,7 @@ use burstscope::app::results::Read;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::inspect::words::counted;
 use burstscope::requests::BurstSource;
+use burstscope::teach::{BottomTab, Workspace};
 use burstscope::{Monitor, detect};
 use egui::Key;
 use egui::accesskit::Role;
@@ -17,7 +19,7 @@ fn methods(second: bool) -> Window {
     let mut start = Start { size: [1400.0, 900.0], ..Start::default() };
     start.startup.second = second.then_some(BurstSource::DemoLater);
     let mut window = start.open();
-    window.click("Methods");
+    window.ctrl(Key::Num3);
     window.settle();
     window
 }
@@ -152,6 +154,37 @@ fn a_gold_standard_is_opened_and_methods_are_switched_in_the_table() {
     window.harness.get_by_role_and_label(Role::CheckBox, "BuFF 2D").click();
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "A: BuFF 2D").is_none());
+}
+
+#[test]
+fn a_session_of_when_methods_were_a_workspace_compares_them() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("methods.burstscope.toml");
+    let mut window = methods(false);
+    window.click("Wipe");
+    window.settle();
+    window.dialogs.will_choose(&file);
+    window.run_action("save session");
+    window.settle();
+    let written = std::fs::read_to_string(&file).unwrap();
+    let [workspace, tab, methods] = ["workspace = \"inspect\"", "bottom_tab = \"methods\"", "[document.methods]\n"];
+    assert!([workspace, tab, methods].iter().all(|part| written.contains(part)), "{written}");
+    let of_then = written.replace(workspace, "workspace = \"methods\"").replace(tab, "bottom_tab = \"tally\"");
+    std::fs::write(&file, of_then.replace(methods, "[document.methods]\nfeatures = false\n")).unwrap();
+    let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
+    other.dialogs.will_choose(&file);
+    other.run_action("open session");
+    other.settle();
+    let [before, after] = [&window, &other].map(|window| window.app().model.document.clone());
+    assert!(after.compares_methods() && after.workspace == Workspace::Inspect);
+    assert_eq!((after.panes.arrangement(), after.bottom_tab), (before.panes.arrangement(), BottomTab::Methods));
+    assert!(other.shows("Match score"), "the table is open");
+    // A recording of then names the action that opened it.
+    let did: ActionId = serde_json::from_str("\"workspace_methods\"").unwrap();
+    assert_eq!(did, ActionId::WorkspaceMethods);
+    other.ctrl(Key::Num1);
+    other.settle();
+    assert_eq!(other.app().model.document.panes.shown().len(), 1, "the panes of one burst are as they were");
 }
 
 #[test]

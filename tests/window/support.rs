@@ -7,7 +7,6 @@ use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::detector::{SearchParams, SlopeGrid};
 use burstscope::requests::BurstSource;
-use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -320,7 +319,8 @@ impl Window {
     fn compare(&mut self, name: &str) {
         self.settle();
         // Which of several bursts' or methods' answers comes last differs from run to run.
-        if matches!(self.app().model.document.workspace, Workspace::Pair | Workspace::Methods) {
+        let document = &self.app().model.document;
+        if document.workspace.shows_pair() || document.compares_methods() {
             self.app_mut().model.shell.messages.note("");
         }
         // Durations differ from run to run.

@@ -229,7 +229,7 @@ actions! {
     ExportFilmGif, File 4, "Export film as GIF…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation" => Ask(Purpose::Export(ExportKind::FilmGif)), when when::has_burst;
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes" => Ask(Purpose::Export(ExportKind::Profile)), when |model| model.document.measure.line.is_some() && when::in_inspect(model);
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts" => Ask(Purpose::Export(ExportKind::Matches)), when |model| model.results.pair.matches.is_some();
-    ExportMethods, File 5, "Export table of methods…", [], "Write the numbers of all methods as CSV, or as LaTeX to a name that ends in .tex" => Ask(Purpose::Export(ExportKind::Methods)), when |model| when::in_methods(model) && !model.methods_shown().is_empty();
+    ExportMethods, File 5, "Export table of methods…", [], "Write the numbers of all methods as CSV, or as LaTeX to a name that ends in .tex" => Ask(Purpose::Export(ExportKind::Methods)), when |model| model.document.compares_methods() && !model.methods_shown().is_empty();
     Quit, File 6, "Quit", [CTRL Q], "Close the window";
 
     Undo, Edit 0, "Undo", [CTRL Z], "Undo the last change of a parameter or slope", when |model| model.shell.history.can_undo();
@@ -243,9 +243,9 @@ actions! {
     UseMask, Edit 2, "Save mask…", [], "Write what was drawn around, and what is masked in all frames, to a picture that masks the frames" => Ask(Purpose::Export(ExportKind::Mask)), when |model| !model.document.measure.hidden.is_empty() && when::in_inspect(model);
     ClearMeasure, Edit 2, "Clear line, region and outlines", [], "Remove what was drawn on the picture; the pointer pans again" => Set(|document| document.measure.clear()), when |model| !model.document.measure.is_empty();
 
-    WorkspaceInspect, View 0, "One burst", [CTRL Num1], "One burst: its pictures and features" => Workspace(Workspace::Inspect);
+    WorkspaceInspect, View 0, "One burst", [CTRL Num1], "One burst: its pictures and features" => Workspace(Workspace::Inspect), on |model| when::in_inspect(model) && !model.document.compares_methods();
     WorkspacePair, View 0, "Two bursts", [CTRL Num2], "Two bursts side by side, and the matches between them" => Workspace(Workspace::Pair);
-    WorkspaceMethods, View 0, "Methods", [CTRL Num3], "Several methods on the same burst: their pictures, matches and numbers" => Workspace(Workspace::Methods);
+    WorkspaceMethods, View 0, "Methods", [CTRL Num3], "Several methods on the same burst: their pictures, matches and numbers" => Set(Document::compare_methods), on |model| model.document.compares_methods();
     WorkspaceMatches, View 0, "Matches", [CTRL Num4], "Matches of all pairs of a dataset" => Workspace(Workspace::Matches);
     WorkspaceTrajectories, View 0, "Trajectories", [CTRL Num5], "An estimated trajectory against the true one" => Workspace(Workspace::Trajectories);
     WorkspaceLab, View 0, "Lab", [CTRL Num6], "Methods and parameters measured on charts with known truth" => Workspace(Workspace::Lab);
@@ -320,7 +320,7 @@ actions! {
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame" => Set(change::search_line), on when::searches_line;
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: those that are set or were found, and some to both sides of them" => Run(change::search_plane), on when::searches_plane;
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline" => Set(|document| document.params.method = Method::Sift), on |model| model.document.params.method == Method::Sift;
-    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.forget_failures()), when when::in_methods;
+    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.forget_failures()), when |model| model.document.compares_methods();
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::A)), when when::has_burst;
     OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::B)), when when::has_both;
     SlopesFromSetUp, Detect 3, "Slopes from the set-up", [], "Compute the slopes from speed, turning, frame rate, lens and depths, and read slopes as depths" => Set(|document| document.show_set_up());
@@ -413,11 +413,11 @@ actions! {
 
 pub const PALETTE_ALSO: KeyboardShortcut = KeyboardShortcut::new(CTRL_SHIFT, Key::P);
 
-/// The workspaces, in the order of the switch, with the actions that open them.
+/// The entries of the switch in their order, with the workspaces that they open: *Methods* is a layout of *One burst*.
 pub fn workspaces() -> impl Iterator<Item = (ActionId, Workspace)> {
-    ACTIONS.iter().filter_map(|row| match row.does {
-        Some(Does::Workspace(workspace)) => Some((row.id, workspace)),
-        _ => None,
+    ACTIONS.iter().filter(|row| (row.menu, row.group) == (Menu::View, 0)).map(|row| match row.does {
+        Some(Does::Workspace(workspace)) => (row.id, workspace),
+        _ => (row.id, Workspace::Inspect),
     })
 }
 

@@ -9,7 +9,6 @@ use crate::app::results::Read;
 use crate::app::results::slot::Slot;
 use crate::detector::{Method, SlopeGrid};
 use crate::requests::BurstSource;
-use crate::teach::Workspace;
 
 pub fn has_burst(model: Read<'_>) -> bool {
     model.results.slots.a.burst.is_some()
@@ -25,10 +24,6 @@ pub fn in_inspect(model: Read<'_>) -> bool {
 
 pub fn in_pair(model: Read<'_>) -> bool {
     model.document.workspace.shows_pair()
-}
-
-pub fn in_methods(model: Read<'_>) -> bool {
-    model.document.workspace == Workspace::Methods
 }
 
 pub fn inspects_burst(model: Read<'_>) -> bool {

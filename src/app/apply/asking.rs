@@ -9,7 +9,6 @@ use crate::app::results::pair::Matches;
 use crate::app::results::{Effect, Model, Read, Results};
 use crate::engine::{Ended, Engine, Want, Wanted};
 use crate::requests::{Compared, Detected, JobError, Request, Urgency};
-use crate::teach::Workspace;
 
 /// Pass of the window. While the pointer drags a value, long work waits for the final one.
 struct Pass<'a> {
@@ -148,7 +147,7 @@ impl Part for Methods {
 
     fn ask(&self, pass: &mut Pass<'_>) {
         let model = &mut *pass.model;
-        if model.document.workspace != Workspace::Methods || model.results.slots.a.burst.is_none() {
+        if !model.document.compares_methods() || model.results.slots.a.burst.is_none() {
             return;
         }
         methods::share_what_is_found(model);
@@ -163,9 +162,7 @@ impl Part for Methods {
     }
 
     fn is_there(&self, model: Read<'_>) -> bool {
-        model.document.workspace != Workspace::Methods
-            || !model.document.auto_detect
-            || model.next_compare_job().is_none()
+        !model.document.compares_methods() || !model.document.auto_detect || model.next_compare_job().is_none()
     }
 }
 

@@ -28,7 +28,7 @@ pub fn match_pair(model: &mut Model, engine: &Engine) {
 
 pub fn open_chart(model: &mut Model, engine: &Engine) {
     if let Some(chart) = Read::of(model).selected_chart().and_then(|chart| chart.params()) {
-        model.document.workspace = Workspace::Inspect;
+        model.document.open_workspace(Workspace::Inspect);
         opening::open(model, Side::A, BurstSource::Chart(Box::new(chart)), engine);
     }
 }

@@ -23,7 +23,7 @@ pub(in crate::app) fn show_selected_pair(model: &mut Model, engine: &Engine) {
             opening::open(model, side, source, engine);
         }
     }
-    model.document.workspace = Workspace::Pair;
+    model.document.open_workspace(Workspace::Pair);
 }
 
 pub(in crate::app) fn step_burst(model: &mut Model, by: isize, engine: &Engine) {
@@ -49,7 +49,7 @@ pub(in crate::app) fn look_at_camera(model: &mut Model, label: &str, engine: &En
     match dataset.map(|d| (d.place_of_camera(label), d.source.label())) {
         Some((Some(place), _)) => {
             open_burst_at(model, place, engine);
-            model.document.workspace = Workspace::Inspect;
+            model.document.open_workspace(Workspace::Inspect);
         }
         Some((None, name)) => {
             model.shell.messages.note(format!("{name} has no burst with the name of the camera {label}"));

@@ -1,15 +1,14 @@
-//! *Methods*: one piece of work at a time, so that times can be compared; what other workspaces found is shared; and the
-//! panes follow the methods that are shown.
+//! Methods that are compared: one piece of work at a time, so that times can be compared; what other workspaces found is
+//! shared; and the panes follow the methods that are shown.
 
 use crate::app::document::method::MethodId;
 use crate::app::document::side::Side;
-use crate::app::pane::MethodsPreset;
+use crate::app::pane::{MethodsPreset, Place};
 use crate::app::results::compare::MethodFound;
 use crate::app::results::{Effect, Model, Read};
 use crate::burst::OpenOptions;
 use crate::engine::{Ended, Engine};
 use crate::requests::{BurstSource, Detected, OpenRequest};
-use crate::teach::Workspace;
 
 pub(in crate::app) fn open_gold(model: &mut Model, side: Side, source: BurstSource, engine: &Engine) {
     let options = Read::of(model).calibration_of(side).clone().with_burst_of(&OpenOptions::default());
@@ -45,10 +44,10 @@ pub fn share_what_is_found(model: &mut Model) {
     }
 }
 
-/// In *Methods*, methods that were switched on get a pane, others lose theirs; the rest of the arrangement stays.
+/// Where methods are compared, those that were switched on get a pane, others lose theirs; the rest stays.
 pub fn refresh_workspace(model: &mut Model) {
-    model.document.panes.turn_to(model.document.workspace);
-    if model.document.workspace != Workspace::Methods || model.results.slots.a.burst.is_none() {
+    model.document.panes.follow(model.document.workspace);
+    if !model.document.compares_methods() || model.results.slots.a.burst.is_none() {
         return;
     }
     let now = Read::of(model).methods_shown();
@@ -69,7 +68,7 @@ pub fn refresh_workspace(model: &mut Model) {
 }
 
 pub fn keep_methods_arranged(model: &mut Model) {
-    let shown = model.document.panes.shown_in(Workspace::Methods);
+    let shown = model.document.panes.shown_in(Place::Methods);
     let is_laid_out = shown.iter().filter_map(|id| model.document.panes.get(*id)).any(|pane| pane.method.is_some());
     model.results.compare.arranged = if is_laid_out { Read::of(model).methods_shown() } else { Vec::new() };
 }
@@ -92,13 +91,12 @@ mod tests {
     use crate::app::results::pair::Matches;
     use crate::app::results::{Model, Read};
     use crate::requests::CompareRequest;
-    use crate::teach::Workspace;
     use std::sync::Arc;
     use std::time::Duration;
 
     fn methods() -> Model {
         let mut model = pair();
-        model.document.workspace = Workspace::Methods;
+        model.document.compare_methods();
         model
     }
 

@@ -27,7 +27,7 @@ pub(in crate::app) fn take_opening(
         Ok(burst) => {
             let recent = take_opened(model, side, burst, options, engine);
             if side == Side::B && !is_restoring {
-                model.document.workspace = Workspace::Pair;
+                model.document.open_workspace(Workspace::Pair);
             }
             return recent.into_iter().collect();
         }

@@ -235,7 +235,7 @@ pub(in crate::app) mod tests {
     /// A model with two bursts and the features of both; B's are A's, moved by (2, 0).
     pub(in crate::app) fn pair() -> Model {
         let mut model = Model::default();
-        model.document.workspace = Workspace::Pair;
+        model.document.open_workspace(Workspace::Pair);
         let (a, b) = (open((64, 48), 5), open((64, 48), 5));
         opening::take_burst(&mut model, a.clone());
         take_second_burst(&mut model, b.clone());
@@ -290,7 +290,7 @@ pub(in crate::app) mod tests {
     fn panes_begin_alike_whichever_burst_is_opened_last() {
         let opened = |last: Side| {
             let mut model = Model::default();
-            model.document.workspace = Workspace::Pair;
+            model.document.open_workspace(Workspace::Pair);
             for side in [last.other(), last] {
                 let burst = open((150, 60), 5);
                 if side == Side::A {

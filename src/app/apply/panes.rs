@@ -108,6 +108,10 @@ pub(super) fn forget_range_of(model: &mut Model, id: PaneId) {
 }
 
 pub fn lay_out(model: &mut Model, preset: Preset) {
+    if preset == Preset::Methods {
+        return model.document.compare_methods();
+    }
+    model.document.panes.turn_to(model.document.workspace);
     let params = Read::of(model).cursor_params().clone();
     model.document.panes.lay_out(preset, &params);
     params::check_params(model);

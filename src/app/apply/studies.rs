@@ -65,7 +65,7 @@ pub(in crate::app) fn open_planted(model: &mut Model, engine: &Engine) {
     };
     let source = BurstSource::Planted { of, study: Box::new(study.clone()), seed: one.seed };
     let place = [one.truth.u as f32, one.truth.v as f32];
-    model.document.workspace = Workspace::Inspect;
+    model.document.open_workspace(Workspace::Inspect);
     model.results.studies.probe_when_open = Some((source.clone(), place));
     opening::open(model, Side::A, source, engine);
 }
@@ -136,7 +136,7 @@ pub fn open_trajectory(model: &mut Model, which: Which, path: PathBuf, engine: &
     *of_request = Some(TrajectorySource::Path(path.clone()));
     *of_set = Some(path);
     poses.reading.ask(engine, request);
-    model.document.workspace = Workspace::Trajectories;
+    model.document.open_workspace(Workspace::Trajectories);
 }
 
 pub(in crate::app) fn set_pose_study(model: &mut Model, study: PoseStudy, engine: &Engine) {

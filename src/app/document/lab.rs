@@ -76,37 +76,34 @@ pub enum LabQuestion {
 }
 
 impl LabQuestion {
-    pub const ALL: [Self; 5] = [Self::Dark, Self::Frames, Self::Accuracy, Self::BurstFrames, Self::InBurst];
-
-    pub fn label(self) -> &'static str {
-        match self {
-            Self::Dark => "Found in the dark",
-            Self::Frames => "Frames",
-            Self::Accuracy => "Errors",
-            Self::BurstFrames => "Frames of A",
-            Self::InBurst => "In this burst",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Dark => {
-                "ROC curves of the methods, the discs that each finds, and its false features, against the ratio of signal to noise"
-            }
-            Self::Frames => {
-                "ROC curves of the methods, the discs that each finds, and its false features, against the number of frames of a burst"
-            }
-            Self::BurstFrames => {
-                "What the middle frames of the open burst show, from two frames to all: features, those that all frames confirm, and the matches with as many frames of B"
-            }
-            Self::InBurst => {
-                "Would it have been seen? Things of known SNR, slope and size are planted in copies of the open burst, and searched for as it is set: the share found, why the others were missed, and how faint a thing is seen at each place"
-            }
-            Self::Accuracy => {
-                "How far place, scale and slope of the discs found are from the truth, against the ratio of signal to noise"
-            }
-        }
-    }
+    /// All, with their names and what each measures.
+    pub const ALL: [(Self, &'static str, &'static str); 5] = [
+        (
+            Self::Dark,
+            "Found in the dark",
+            "ROC curves of the methods, the discs that each finds, and its false features, against the ratio of signal to noise",
+        ),
+        (
+            Self::Frames,
+            "Frames",
+            "ROC curves of the methods, the discs that each finds, and its false features, against the number of frames of a burst",
+        ),
+        (
+            Self::Accuracy,
+            "Errors",
+            "How far place, scale and slope of the discs found are from the truth, against the ratio of signal to noise",
+        ),
+        (
+            Self::BurstFrames,
+            "Frames of A",
+            "What the middle frames of the open burst show, from two frames to all: features, those that all frames confirm, and the matches with as many frames of B",
+        ),
+        (
+            Self::InBurst,
+            "In this burst",
+            "Would it have been seen? Things of known SNR, slope and size are planted in copies of the open burst, and searched for as it is set: the share found, why the others were missed, and how faint a thing is seen at each place",
+        ),
+    ];
 
     pub fn needs_charts(self) -> bool {
         !matches!(self, Self::BurstFrames | Self::InBurst)

@@ -105,7 +105,9 @@ pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
 #[serde(default)]
 pub struct CompareLook {
     pub methods: Vec<MethodId>,
-    pub features: bool,
+    /// Earlier versions had a switch of its own for their features.
+    #[serde(skip_serializing)]
+    pub features: serde::de::IgnoredAny,
     /// Peak thresholds of the methods, from charts; each method has that of the search where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub same_false_rate: Option<SameFalseRate>,
@@ -113,7 +115,7 @@ pub struct CompareLook {
 
 impl Default for CompareLook {
     fn default() -> Self {
-        Self { methods: MethodId::ALL.to_vec(), features: true, same_false_rate: None }
+        Self { methods: MethodId::ALL.to_vec(), features: serde::de::IgnoredAny, same_false_rate: None }
     }
 }
 

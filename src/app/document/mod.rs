@@ -117,7 +117,7 @@ impl Document {
     }
 
     pub fn show_set_up(&mut self) {
-        self.workspace = Workspace::Inspect;
+        self.open_workspace(Workspace::Inspect);
         (self.bottom_tab, self.panels.bottom) = (BottomTab::Slopes, Visibility::Open);
         self.set_up.is_open = true;
     }

@@ -4,10 +4,10 @@ use crate::app::document::Document;
 use crate::app::document::cursor::{Cursor, ViewKind};
 use crate::app::document::look::Ranges;
 use crate::app::document::side::Side;
-use crate::app::pane::{Direction, Link, MethodsPreset, Pane, PaneId, Preset, SidesPreset};
+use crate::app::pane::{Direction, Link, MethodsPreset, Pane, PaneId, Place, Preset, SidesPreset};
 use crate::app::view::View;
 use crate::detector::Slope;
-use crate::teach::Workspace;
+use crate::teach::{BottomTab, Workspace};
 use egui::{Pos2, Rect};
 use serde::{Deserialize, Serialize};
 
@@ -91,6 +91,12 @@ impl Document {
             pane.view.look_at(place.into(), zoom);
             self.panes.follow_view(focus, &before);
         }
+    }
+
+    /// Shows panes of several methods in *One burst*, with the table of their numbers.
+    pub fn compare_methods(&mut self) {
+        (self.workspace, self.bottom_tab) = (Workspace::Inspect, BottomTab::Methods);
+        self.panes.open = Place::Methods;
     }
 
     pub fn open_workspace(&mut self, workspace: Workspace) {

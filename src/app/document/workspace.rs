@@ -4,7 +4,7 @@ use super::Document;
 use crate::app::document::look::FeaturesShown;
 use crate::app::document::panes::{Change, Tool};
 use crate::app::document::side::Side;
-use crate::app::pane::{MethodsPreset, PaneId, Preset, SidesPreset};
+use crate::app::pane::{PaneId, Place, Preset, SidesPreset};
 use crate::teach::Workspace;
 
 /// One workspace, as far as it is set; `app::workspace` draws it.
@@ -29,7 +29,6 @@ pub struct Record {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Right {
     Always,
-    Never,
     WithFeature,
     WithMatch,
 }
@@ -61,15 +60,6 @@ const PAIR: Record = Record {
     ..OF_FEATURES
 };
 
-const METHODS: Record = Record {
-    sides: &[Side::A],
-    right: Right::Never,
-    layouts: |_| MethodsPreset::ALL.map(|(preset, name, help)| (name, help, Change::LayOutMethods(preset))).to_vec(),
-    draws_features: |document| document.methods.features,
-    toggle_features: |document| document.methods.features ^= true,
-    ..OF_FEATURES
-};
-
 const OF_DATASET: Record = Record { is_of_dataset: true, ..OF_FEATURES };
 
 impl Workspace {
@@ -77,7 +67,6 @@ impl Workspace {
         match self {
             Self::Inspect => &INSPECT,
             Self::Pair => &PAIR,
-            Self::Methods => &METHODS,
             Self::Matches | Self::Trajectories => &OF_DATASET,
             Self::Lab => &OF_FEATURES,
         }
@@ -108,6 +97,11 @@ impl Workspace {
 }
 
 impl Document {
+    /// Whether panes of several methods are on show, in *One burst*.
+    pub fn compares_methods(&self) -> bool {
+        self.workspace.inspects() && self.panes.open == Place::Methods
+    }
+
     /// Index of the selected feature, or of the selected match where two bursts are on show.
     pub fn selected_row(&self) -> Option<usize> {
         (self.workspace.record().selected)(self)

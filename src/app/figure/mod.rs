@@ -32,7 +32,6 @@ use crate::export::{
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::requests::{Picture, slope_legend, titled};
-use crate::teach::Workspace;
 use egui::{DragValue, Ui};
 use pdf::write_drawing_pdf;
 use std::collections::BTreeMap;
@@ -60,11 +59,9 @@ pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), String> {
 
 /// Matches of the panes as the choice has them. Of one pair the legend counts those drawn, and all of the panes.
 fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: &FigureChoice) -> FigureMatches {
-    let shown: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.document.workspace {
-        Workspace::Pair => {
-            model.results.pair.matches.iter().map(|matches| (None, matches, model.drawn_matches())).collect()
-        }
-        Workspace::Methods => MethodId::ALL
+    let shown: Vec<(Option<MethodId>, &Matches, Vec<usize>)> = match model.document.workspace.shows_pair() {
+        true => model.results.pair.matches.iter().map(|matches| (None, matches, model.drawn_matches())).collect(),
+        false if model.document.compares_methods() => MethodId::ALL
             .into_iter()
             .filter_map(|method| Some((method, model.method_matches(method)?)))
             .map(|(method, matches)| {
@@ -72,7 +69,7 @@ fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: 
                 (Some(method), matches, rows.collect())
             })
             .collect(),
-        _ => Vec::new(),
+        false => Vec::new(),
     };
     let mut links = Vec::new();
     let (mut all, mut drawn) = (Vec::new(), Vec::new());
@@ -84,10 +81,10 @@ fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: 
         drawn.extend(rows.iter().map(|row| MatchKind::of(row.inlier)));
         links.extend(links_between(model, widgets, panes, (method, matches), &rows));
     }
-    let label = |kind: MatchKind, drawn, all| match model.document.workspace {
+    let label = |kind: MatchKind, drawn, all| match model.document.compares_methods() {
         // The title of each method has its count.
-        Workspace::Methods => kind.label().to_owned(),
-        _ => kind.counted(drawn, all),
+        true => kind.label().to_owned(),
+        false => kind.counted(drawn, all),
     };
     let has_legend = choice.legend && !links.is_empty();
     let legend = if has_legend { MatchKind::legend(&drawn, &all, label) } else { Vec::new() };
@@ -196,18 +193,20 @@ fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureC
     })
 }
 
-/// Title of a picture: in *Methods* the method with the count of its inliers, in *Two bursts* the burst, then what is
-/// shown.
+/// Title of a picture: where methods are compared the method with the count of its inliers, in *Two bursts* the burst,
+/// then what is shown.
 fn title_of(model: Read<'_>, id: PaneId, picture: &Picture) -> String {
     let shown = describe(picture);
     let Some(pane) = model.document.panes.get(id) else { return shown };
-    match (model.document.workspace, pane.method, model.burst_of(pane.side)) {
-        (Workspace::Methods, Some(method), _) => {
+    match (pane.method, model.burst_of(pane.side)) {
+        (Some(method), _) => {
             let counts = model.method_matches(method).and_then(|matches| matches.result.counts.inliers);
             let inliers = counts.map_or_else(String::new, |count| format!(" · {count} inliers"));
             format!("{}{inliers} · {shown}", method.label())
         }
-        (Workspace::Pair, _, Some(burst)) => titled(pane.side.name(), &burst.burst.name, &shown),
+        (None, Some(burst)) if model.document.workspace.shows_pair() => {
+            titled(pane.side.name(), &burst.burst.name, &shown)
+        }
         _ => shown,
     }
 }

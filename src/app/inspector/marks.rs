@@ -5,6 +5,7 @@ use super::widgets::{PaneWidgets, PlaceValue};
 use crate::app::actions::Queue;
 use crate::app::canvas::CanvasOutput;
 use crate::app::document::cursor::Cursor;
+use crate::app::document::method::MethodId;
 use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
 use crate::app::pane::{Link, PaneId, place_in};
@@ -74,7 +75,8 @@ fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
 
 /// Maps a place of pane `id` to mid-burst of the pane's burst; `None` for panes without a picture.
 pub(in crate::app) fn mid_burst(model: Read<'_>, id: PaneId, pos_image: Pos2) -> Option<(Side, [f32; 2])> {
-    let pane = model.document.panes.get(id)?;
+    // A gold standard was taken from a place of its own.
+    let pane = model.document.panes.get(id).filter(|pane| pane.method != Some(MethodId::Gold))?;
     let kind = model.picture_in(id)?.request.kind;
     let middle = PictureKind::Stack { slope: pane.cursor.slope };
     let place = place_in(pos_image, kind, &pane.cursor, middle, &pane.cursor, used(model, pane.side)?);

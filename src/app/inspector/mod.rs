@@ -1,4 +1,4 @@
-//! Centre of *Inspect*, *Two bursts* and *Methods*: panes in any arrangement, which `egui_tiles` draws and lets be
+//! Centre of *One burst* and *Two bursts*: panes in any arrangement, which `egui_tiles` draws and lets be
 //! dragged, their content and links. What a pane's menu or buttons change is pushed as actions, which are applied after
 //! all panes are drawn.
 

@@ -146,7 +146,8 @@ impl Inspector<'_> {
         let state = &mut self.widgets.of(drawn.shown).picture;
         features_ui(ui, self.model, drawn.shown, state, &drawn.output, has_legend, self.queue);
         colour_bar_ui(ui, self.model, drawn.shown, rect);
-        if inspected {
+        let of_method = self.model.document.panes.get(drawn.shown).is_some_and(|pane| pane.method.is_some());
+        if inspected && !of_method {
             candidates_ui(ui, self.model, drawn.shown, &drawn.output, self.queue);
         }
         over_names_ui(ui, self.model, id, &drawn, self.queue);
@@ -154,7 +155,7 @@ impl Inspector<'_> {
         if inspected {
             draw_ui(self.model, id, &drawn.output, self.queue);
             measure_ui(self.model, id, &drawn.output);
-            if in_focus {
+            if in_focus && !of_method {
                 stale_ui(ui, self.model, rect, self.queue);
                 hidden_ui(ui, self.model, rect, self.queue);
             }

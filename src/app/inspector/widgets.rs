@@ -13,7 +13,6 @@ use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::results::Read;
 use crate::requests::PictureKind;
-use crate::teach::Workspace;
 use egui::{Pos2, Rect};
 use std::collections::HashMap;
 
@@ -136,13 +135,13 @@ pub(super) fn long_description(model: Read<'_>, id: PaneId) -> String {
     let Some(pane) = model.document.panes.get(id) else { return String::new() };
     let Some(picture) = model.picture_in(id) else { return String::new() };
     let what = describe(picture);
-    match (pane.method, model.document.workspace) {
-        (Some(method), _) => format!("{}{}  ·  {what}", side(model, pane), method.label()),
-        (None, Workspace::Pair) => {
+    match pane.method {
+        Some(method) => format!("{}{}  ·  {what}", side(model, pane), method.label()),
+        None if model.document.workspace.shows_pair() => {
             let burst = model.burst_in(pane).map_or("", |open| open.burst.name.as_str());
             format!("{}{burst}  ·  {what}", side(model, pane))
         }
-        _ => what,
+        None => what,
     }
 }
 
@@ -152,10 +151,9 @@ pub(super) fn canvas_name(model: Read<'_>, id: PaneId) -> String {
         return String::new();
     };
     let alone = model.document.panes.shown_of(pane.side, pane.method).len() < 2;
-    let named = match (pane.method, model.document.workspace) {
-        (Some(method), _) => Some(format!("{}: {}", pane.side.name(), method.label())),
-        (None, Workspace::Pair) => Some(format!("Picture {}", pane.side.name())),
-        _ => None,
+    let named = match pane.method {
+        Some(method) => Some(format!("{}: {}", pane.side.name(), method.label())),
+        None => model.document.workspace.shows_pair().then(|| format!("Picture {}", pane.side.name())),
     };
     match named {
         Some(name) if alone => name,

@@ -152,6 +152,7 @@ fn layout(model: Read<'_>) -> Option<Layout> {
     });
     let levels = differ(|pane| (i64::from(pane.cursor.octave), i64::from(pane.cursor.level)));
     match panes.len() {
+        _ if model.document.compares_methods() => Some(Layout::Methods),
         1 => Some(Layout::Single),
         _ if slices > 0 => Some(Layout::Slice),
         2 if kinds(ViewKind::Frame) == 1 => Some(Layout::FrameAndStack),
@@ -184,6 +185,7 @@ mod tests {
             Layout::Slice,
             Layout::TwoByTwo,
             Layout::Scales,
+            Layout::Methods,
         ] {
             panes::lay_out(&mut model, layout_made);
             assert_eq!(layout(Read::of(&model)), Some(layout_made));

@@ -2,11 +2,10 @@
 //! bursts.
 
 use super::preset::Laid;
-use super::set::{PLACES, place_of};
+use super::set::Place;
 use super::{Arrangement, Content, Direction, MAX_PANES, Pane, PaneId, Panes, Preset};
 use crate::app::document::side::Side;
 use crate::detector::DetectorParams;
-use crate::teach::Workspace;
 use std::collections::BTreeMap;
 
 impl Panes {
@@ -57,8 +56,8 @@ impl Panes {
         self.close_in(self.open, id);
     }
 
-    pub(super) fn close_in(&mut self, place: usize, id: PaneId) {
-        let placed = &mut self.placed[place];
+    pub(super) fn close_in(&mut self, place: Place, id: PaneId) {
+        let placed = &mut self.placed[place as usize];
         let shown = placed.arrangement.panes();
         let Some(at) = shown.iter().position(|shown| *shown == id).filter(|_| shown.len() > 1) else { return };
         placed.arrangement.remove(id);
@@ -86,38 +85,38 @@ impl Panes {
 
     pub fn show_alone(&mut self, id: PaneId) {
         if let Some(pane) = self.get(id).cloned() {
-            self.replace(place_of(Workspace::Inspect), Arrangement::Pane(id), BTreeMap::from([(id, pane)]), id);
+            self.replace(Place::Inspect, Arrangement::Pane(id), BTreeMap::from([(id, pane)]), id);
         }
     }
 
     /// Invalid parts of what a session holds are left out.
     pub(super) fn restore(
         &mut self,
-        workspace: Workspace,
+        place: Place,
         arrangement: Arrangement,
         panes: BTreeMap<PaneId, Pane>,
         focus: PaneId,
     ) {
         let Some(arrangement) = arrangement.sanitised(|id| panes.contains_key(&id)) else { return };
-        self.replace(place_of(workspace), arrangement, panes, focus);
+        self.replace(place, arrangement, panes, focus);
     }
 
     /// Takes the arrangement of a workspace, with its panes, from others.
-    pub fn take_placed(&mut self, workspace: Workspace, from: &Self) {
+    pub fn take_placed(&mut self, place: Place, from: &Self) {
         let panes = from.iter().map(|(id, pane)| (id, pane.clone())).collect();
-        let (arrangement, focus) = from.placed_in(workspace);
-        self.restore(workspace, arrangement.clone(), panes, focus);
+        let (arrangement, focus) = from.placed_in(place);
+        self.restore(place, arrangement.clone(), panes, focus);
     }
 
     pub(super) fn replace(
         &mut self,
-        place: usize,
+        place: Place,
         arrangement: Arrangement,
         panes: BTreeMap<PaneId, Pane>,
         focus: PaneId,
     ) {
         let shown = arrangement.panes();
-        let placed = &mut self.placed[place];
+        let placed = &mut self.placed[place as usize];
         placed.focus = if shown.contains(&focus) { focus } else { shown[0] };
         placed.arrangement = arrangement;
         for (id, pane) in panes.into_iter().filter(|(id, _)| shown.contains(id)) {
@@ -154,30 +153,30 @@ impl Panes {
 
     /// A pane that is left alone goes to the other burst; *Two bursts* goes back to one pane for each.
     pub fn close_side(&mut self, side: Side) {
-        for (place, workspace) in PLACES.into_iter().enumerate() {
-            if workspace == Workspace::Pair {
+        for place in Place::ALL {
+            if place == Place::Pair {
                 self.replace(place, Arrangement::sides(), BTreeMap::new(), PaneId::of(side.other()));
                 continue;
             }
-            for id in self.placed[place].arrangement.panes() {
+            for id in self.placed[place as usize].arrangement.panes() {
                 if self.get(id).is_some_and(|pane| pane.side == side) {
                     self.close_in(place, id);
                 }
             }
-            if self.get(self.placed[place].focus).is_some_and(|pane| pane.side == side) {
+            if self.get(self.placed[place as usize].focus).is_some_and(|pane| pane.side == side) {
                 let other = PaneId::of(side.other());
                 self.replace(place, Arrangement::Pane(other), BTreeMap::new(), other);
             }
         }
     }
 
-    /// Panes of *Inspect* stay on their bursts, those of the workspaces that show both stay on their sides.
+    /// Panes of *One burst* stay on their bursts, those that show both bursts or methods stay on their sides.
     pub fn swap_sides(&mut self) {
         self.sides.swap(0, 1);
         for (pane, side) in self.sides.iter_mut().zip(Side::BOTH) {
             pane.side = side;
         }
-        let inspected = self.shown_in(Workspace::Inspect);
+        let inspected = self.shown_in(Place::Inspect);
         for (id, pane) in &mut self.more {
             if inspected.contains(id) {
                 pane.side = pane.side.other();

@@ -1,13 +1,12 @@
 //! Panes: each shows one picture of one open burst.
 //!
 //! A [`Pane`] is a plain value, and the picture that it needs follows from its values alone ([`wanted`](Pane::wanted)).
-//! *Inspect*, *Two bursts* and *Methods* have an [`Arrangement`] each, with one focused pane, which sliders and keys
-//! move. Two panes are permanent, one for each of the two bursts.
+//! *One burst*, *Two bursts* and the comparison of methods have an [`Arrangement`] each, with one focused pane, which
+//! sliders and keys move. Two panes are permanent, one for each of the two bursts.
 
 mod arrangement;
 mod changes;
 mod links;
-mod methods;
 mod place;
 mod preset;
 mod set;
@@ -15,10 +14,9 @@ mod tiles;
 
 pub use arrangement::{Arrangement, Direction, MAX_PANES, Part};
 pub use links::{Link, PaneLinks};
-pub use methods::MethodsPreset;
 pub use place::place_in;
-pub use preset::{Preset, SidesPreset};
-pub use set::Panes;
+pub use preset::{MethodsPreset, Preset, SidesPreset};
+pub use set::{Panes, Place};
 pub use tiles::{arrangement_of, tree_of};
 
 use crate::app::document::cursor::{Cursor, ViewKind};

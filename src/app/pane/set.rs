@@ -7,7 +7,24 @@ use crate::teach::Workspace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-pub(super) const PLACES: [Workspace; 3] = [Workspace::Inspect, Workspace::Pair, Workspace::Methods];
+/// Arrangement of panes: *One burst* has two, that in which methods are compared and that of all else.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Place {
+    #[default]
+    Inspect,
+    Pair,
+    Methods,
+}
+
+impl Place {
+    pub(super) const ALL: [Self; 3] = [Self::Inspect, Self::Pair, Self::Methods];
+
+    /// Workspaces without panes of their own have those of *One burst*.
+    fn of(workspace: Workspace) -> Self {
+        if workspace.shows_pair() { Self::Pair } else { Self::Inspect }
+    }
+}
 
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -22,8 +39,8 @@ pub(super) struct Placed {
 pub struct Panes {
     pub(super) sides: [Pane; 2],
     pub(super) more: BTreeMap<PaneId, Pane>,
-    pub(super) placed: [Placed; PLACES.len()],
-    pub(super) open: usize,
+    pub(super) placed: [Placed; Place::ALL.len()],
+    pub open: Place,
     pub(super) next: u32,
 }
 
@@ -33,14 +50,14 @@ impl Default for Panes {
         let mut sides = Side::BOTH.map(Pane::new);
         // A pixel position in another burst is not the same place of the scene.
         sides[Side::B as usize].links.place = false;
-        let placed = PLACES.map(|workspace| {
-            let arrangement = match workspace {
-                Workspace::Pair => Arrangement::sides(),
+        let placed = Place::ALL.map(|place| {
+            let arrangement = match place {
+                Place::Pair => Arrangement::sides(),
                 _ => Arrangement::Pane(focus),
             };
             Placed { arrangement, focus }
         });
-        Self { sides, more: BTreeMap::new(), placed, open: 0, next: 2 }
+        Self { sides, more: BTreeMap::new(), placed, open: Place::Inspect, next: 2 }
     }
 }
 
@@ -54,14 +71,16 @@ impl Arrangement {
     }
 }
 
-/// Index of `workspace` in [`PLACES`]; workspaces without panes of their own have that of *Inspect*.
-pub(super) fn place_of(workspace: Workspace) -> usize {
-    PLACES.iter().position(|place| *place == workspace).unwrap_or(0)
-}
-
 impl Panes {
     pub fn turn_to(&mut self, workspace: Workspace) {
-        self.open = place_of(workspace);
+        self.open = Place::of(workspace);
+    }
+
+    /// Follows the workspace that is on show, where methods may be compared.
+    pub fn follow(&mut self, workspace: Workspace) {
+        if !(self.open == Place::Methods && workspace.inspects()) {
+            self.turn_to(workspace);
+        }
     }
 
     pub fn get(&self, id: PaneId) -> Option<&Pane> {
@@ -91,19 +110,19 @@ impl Panes {
     }
 
     pub(super) fn here(&self) -> &Placed {
-        &self.placed[self.open]
+        &self.placed[self.open as usize]
     }
 
     pub(super) fn here_mut(&mut self) -> &mut Placed {
-        &mut self.placed[self.open]
+        &mut self.placed[self.open as usize]
     }
 
     pub fn arrangement(&self) -> &Arrangement {
         &self.here().arrangement
     }
 
-    pub fn placed_in(&self, workspace: Workspace) -> (&Arrangement, PaneId) {
-        let placed = &self.placed[place_of(workspace)];
+    pub fn placed_in(&self, place: Place) -> (&Arrangement, PaneId) {
+        let placed = &self.placed[place as usize];
         (&placed.arrangement, placed.focus)
     }
 
@@ -118,7 +137,7 @@ impl Panes {
 
     /// Places A and B one above the other or side by side, unless panes were added or moved.
     pub fn place_by_shape(&mut self, stacked: bool) {
-        let arrangement = &mut self.placed[place_of(Workspace::Pair)].arrangement;
+        let arrangement = &mut self.placed[Place::Pair as usize].arrangement;
         if [Arrangement::sides(), Arrangement::stacked_sides()].contains(arrangement) {
             *arrangement = if stacked { Arrangement::stacked_sides() } else { Arrangement::sides() };
         }
@@ -128,8 +147,8 @@ impl Panes {
         self.arrangement().panes()
     }
 
-    pub fn shown_in(&self, workspace: Workspace) -> Vec<PaneId> {
-        self.placed[place_of(workspace)].arrangement.panes()
+    pub fn shown_in(&self, place: Place) -> Vec<PaneId> {
+        self.placed[place as usize].arrangement.panes()
     }
 
     pub fn shown_of(&self, side: Side, method: Option<MethodId>) -> Vec<PaneId> {
@@ -191,7 +210,7 @@ impl Panes {
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct PanesFile {
-    open: Workspace,
+    open: Place,
     /// Number of the next pane.
     next: u32,
     inspect: Placed,
@@ -209,7 +228,7 @@ impl Default for PanesFile {
 impl From<Panes> for PanesFile {
     fn from(panes: Panes) -> Self {
         let pane = panes.iter().map(|(id, pane)| (id.0.to_string(), pane.clone())).collect();
-        let (open, next) = (PLACES[panes.open], panes.next);
+        let (open, next) = (panes.open, panes.next);
         let [inspect, pair, methods] = panes.placed;
         Self { open, next, inspect, pair, methods, pane }
     }
@@ -230,10 +249,10 @@ impl TryFrom<PanesFile> for Panes {
                 *own = Pane { side, method: None, ..pane.clone() };
             }
         }
-        for (workspace, placed) in PLACES.into_iter().zip([file.inspect, file.pair, file.methods]) {
-            panes.restore(workspace, placed.arrangement, all.clone(), placed.focus);
+        for (place, placed) in Place::ALL.into_iter().zip([file.inspect, file.pair, file.methods]) {
+            panes.restore(place, placed.arrangement, all.clone(), placed.focus);
         }
-        (panes.open, panes.next) = (place_of(file.open), panes.next.max(file.next));
+        (panes.open, panes.next) = (file.open, panes.next.max(file.next));
         Ok(panes)
     }
 }

@@ -4,7 +4,7 @@ use crate::app::actions::Queue;
 use crate::app::document::Action;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
-use crate::app::panel::{against, noise, slopes, status, table, tally};
+use crate::app::panel::{against, methods, noise, slopes, status, table, tally};
 use crate::app::parts::mark;
 use crate::app::results::Read;
 use crate::teach::{BottomTab, Part};
@@ -13,7 +13,7 @@ use egui::{Align, Layout, Ui};
 /// Minimum width with widely spaced tabs, in points.
 const ROOMY: f32 = 600.0;
 
-const TABS: [(BottomTab, &str, &str); 7] = [
+const TABS: [(BottomTab, &str, &str); 8] = [
     (BottomTab::Table, "Table", "A row for each feature"),
     (BottomTab::Tally, "Tally", "How many candidates each test rejected"),
     (BottomTab::Noise, "Noise", "The noise that was measured"),
@@ -21,6 +21,7 @@ const TABS: [(BottomTab, &str, &str); 7] = [
     (BottomTab::Profile, "Profile", "Values along a line; draw one with Q"),
     (BottomTab::Region, "Region", "Statistics of a rectangle; draw one with Shift+Q"),
     (BottomTab::Compared, "Compared", "Features against a pinned result, features from a file, or the truth"),
+    (BottomTab::Methods, "Methods", "Numbers of the methods that are compared, and which of them are shown"),
 ];
 
 /// Whether `tab` has something to show, or is the chosen one.
@@ -30,6 +31,7 @@ fn has_content(tab: BottomTab, model: Read<'_>) -> bool {
         BottomTab::Profile => model.document.measure.line.is_some(),
         BottomTab::Region => model.document.measure.region.is_some(),
         BottomTab::Compared => compared.shown.is_some() || compared.problem.is_some(),
+        BottomTab::Methods => model.document.compares_methods(),
         _ => true,
     };
     is_filled || model.document.bottom_tab == tab
@@ -73,7 +75,7 @@ pub fn bottom_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, regions: &
             BottomTab::Tally => line_ui(ui, model, tally::summary_ui),
             BottomTab::Noise => line_ui(ui, model, noise::summary_ui),
             BottomTab::Slopes => line_ui(ui, model, slopes::summary_ui),
-            BottomTab::Profile | BottomTab::Region | BottomTab::Compared => {}
+            BottomTab::Profile | BottomTab::Region | BottomTab::Compared | BottomTab::Methods => {}
         }
     });
     mark(ui, Part::Tabs, tabs.response.rect);
@@ -93,5 +95,6 @@ pub fn bottom_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, regions: &
         BottomTab::Profile => profile_ui(ui, model, widgets, queue),
         BottomTab::Region => region_ui(ui, model, widgets, regions, queue),
         BottomTab::Compared => against::against_ui(ui, model, widgets, queue),
+        BottomTab::Methods => methods::table_ui(ui, model, queue),
     }
 }

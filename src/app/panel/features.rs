@@ -48,11 +48,11 @@ impl FeatureLayer {
     /// Features of pane `id`; `None` while none are drawn. In *Inspect* the table, the filter and the selection are
     /// A's; where two bursts or methods are compared, all features are drawn and none are listed.
     pub fn of(model: Read<'_>, id: PaneId) -> Option<Self> {
-        let inspected = model.document.workspace.inspects();
         let are_drawn = (model.document.workspace.record().draws_features)(model.document);
         let pane = model.document.panes.get(id).filter(|_| are_drawn)?;
+        let inspected = model.document.workspace.inspects() && pane.method.is_none();
         let detection = model.detection_in(pane)?.clone();
-        let is_listed = inspected && pane.side == Side::A && pane.method.is_none();
+        let is_listed = inspected && pane.side == Side::A;
         let is_stale = pane.method.is_none() && !model.features_are_current(pane.side);
         let dt = frames_from_middle(model.picture_in(id), &detection);
         let slope = model.slope_in_picture(id).filter(|_| inspected);
@@ -149,7 +149,7 @@ pub fn features_ui(
     }
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
     let Some(pane) = model.document.panes.get(id) else { return };
-    let (side, is_of_burst) = (pane.side, model.document.workspace.probes());
+    let (side, is_of_burst) = (pane.side, model.document.workspace.probes() && pane.method.is_none());
     if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst) {
         // The colours now show the comparison's outcome.
         let drawn = shown.rows.iter().map(|row| layer.draws(row)).collect();

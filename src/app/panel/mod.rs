@@ -8,6 +8,7 @@ pub mod features;
 pub mod glossary;
 pub mod lab;
 pub mod legend;
+pub mod methods;
 pub mod modals;
 pub mod noise;
 pub mod parameter_rows;
@@ -73,7 +74,7 @@ mod tests {
             status::status_ui(ui, model, None, queue);
         }),
         ("advice", status::advice_ui),
-        ("methods", workspace::compare::table_ui),
+        ("methods", methods::table_ui),
         ("trajectories", dataset::cameras::plane_ui),
         ("points of cameras", dataset::cameras::points_strip_ui),
         ("cameras", dataset::cameras::camera_list_ui),

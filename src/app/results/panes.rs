@@ -65,12 +65,11 @@ impl Read<'_> {
                 is_asked || self.document.probe.is_open || self.shell.window_width_points >= MIN_WIDTH_WITH_PAIR
             }
             Right::Always => true,
-            Right::Never => false,
         })
     }
 
     pub fn shows_bottom(self) -> bool {
-        self.document.panels.bottom.or(!self.document.workspace.probes())
+        self.document.panels.bottom.or(!self.document.workspace.probes() || self.document.compares_methods())
     }
 
     pub fn shows_slice(self) -> bool {

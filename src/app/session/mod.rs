@@ -10,7 +10,7 @@ use crate::app::document::comparison::{Comparison, Reference};
 use crate::app::document::filter::{SavedMatch, SavedSelection};
 use crate::app::document::probe::Probe;
 use crate::app::document::side::Side;
-use crate::app::pane::Panes;
+use crate::app::pane::{Panes, Place};
 use crate::app::results::Read;
 use crate::detector::Slopes;
 use crate::detector::params::AUTO;
@@ -95,8 +95,10 @@ impl Session {
         #[derive(Deserialize)]
         struct Head {
             version: u32,
+            document: Option<toml::Table>,
         }
-        if let Ok(Head { version }) = toml::from_str(text)
+        let head = toml::from_str(text);
+        if let Ok(Head { version, .. }) = head
             && version != VERSION
         {
             let which = if version > VERSION { "a newer Burstscope" } else { "the Burstscope that wrote it" };
@@ -117,6 +119,11 @@ impl Session {
         document.look.ranges = document.look.ranges.sanitised();
         document.match_look = document.match_look.sanitised();
         document.methods = std::mem::take(&mut document.methods).sanitised();
+        // *Methods* was a workspace of its own.
+        let of_head = head.ok().and_then(|head| head.document);
+        if of_head.is_some_and(|head| head.get("workspace").and_then(toml::Value::as_str) == Some("methods")) {
+            document.compare_methods();
+        }
         Ok(session)
     }
 
@@ -181,7 +188,7 @@ impl Session {
             document.gold.b = None;
             document.panes.close_side(Side::B);
             if self.has_panes() {
-                document.panes.take_placed(Workspace::Pair, &self.document.panes);
+                document.panes.take_placed(Place::Pair, &self.document.panes);
             }
         }
         document.comparisons.b = self.document.comparisons.b.clone();

@@ -1,11 +1,10 @@
 //! Workspaces of the window: each lays out its panels between the toolbar above and the status bar below.
 
-pub mod compare;
 pub mod matches;
 pub mod pair;
 
 use crate::app::actions::menu::item_ui;
-use crate::app::actions::{ActionId, Queue, button_ui, workspaces};
+use crate::app::actions::{ActionId, Queue, button_ui, checked, workspaces};
 use crate::app::dataset::{cameras, errors_panel};
 use crate::app::document::Pointed;
 use crate::app::document::lab::LabQuestion;
@@ -17,7 +16,7 @@ use crate::app::panel::lab;
 use crate::app::panel::lab::{chart, curves, planted};
 use crate::app::panel::probe::{PlaneTexture, ProbePanel};
 use crate::app::panel::selection::SelectionState;
-use crate::app::panel::widgets::{named, section_ui};
+use crate::app::panel::widgets::{instead_ui, named, section_ui};
 use crate::app::results::Read;
 use crate::teach::{BottomTab, Workspace};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
@@ -44,13 +43,12 @@ struct Room {
     ui: fn(&mut Ui, &mut WorkspaceParts<'_>),
 }
 
-const ROOMS: [Room; 6] = {
-    use Workspace::{Inspect, Lab, Matches, Methods, Pair, Trajectories};
+const ROOMS: [Room; 5] = {
+    use Workspace::{Inspect, Lab, Matches, Pair, Trajectories};
     let with_poses = |model: Read<'_>| model.results.datasets.open.is_some() || !model.results.poses.is_empty();
     [
         Room { of: Inspect, has_content: |_| true, ui: inspect_workspace_ui },
         Room { of: Pair, has_content: |_| true, ui: pair::pair_workspace_ui },
-        Room { of: Methods, has_content: |_| true, ui: compare::compare_workspace_ui },
         Room {
             of: Matches,
             has_content: |model| model.results.datasets.open.is_some(),
@@ -77,7 +75,7 @@ pub fn switch_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 2.0;
         let first = ui.cursor().right();
         if is_narrow {
-            let open = workspaces().find(|(_, workspace)| *workspace == model.document.workspace);
+            let open = workspaces().find(|(id, _)| checked(*id, model) == Some(true));
             let name = open.map_or("Workspace", |(id, _)| id.action().label);
             ui.menu_button(format!("{name} ⏷"), |ui| {
                 workspaces().for_each(|(id, _)| item_ui(ui, model, queue, id));
@@ -217,6 +215,9 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
                 });
             }
             scroll_ui(ui, |ui| {
+                if model.document.compares_methods() {
+                    panel::methods::controls_ui(ui, model, queue);
+                }
                 panel::cursor::cursor_ui(ui, model, queue);
                 panel::parameters::parameters_ui(ui, model, queue);
             });
@@ -251,7 +252,15 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     }
     let pictures = CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
         crate::app::parts::mark(ui, crate::teach::Part::Pictures, ui.max_rect());
-        inspector_ui(ui, model, widgets, queue)
+        if model.document.compares_methods() && model.methods_shown().is_empty() {
+            instead_ui(ui, "Choose methods in the table below");
+            return Vec::new();
+        }
+        let drawn = inspector_ui(ui, model, widgets, queue);
+        if model.document.compares_methods() {
+            pair::lines::method_lines_ui(ui, model, &drawn);
+        }
+        drawn
     });
     // A hovered feature stays marked while the pointer is over it, in a picture or in a row of the open table.
     if pictures.inner.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {

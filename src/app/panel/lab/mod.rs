@@ -60,8 +60,8 @@ pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 fn question_ui(ui: &mut Ui, lab: &mut Lab) {
     ui.horizontal_wrapped(|ui| {
-        for question in LabQuestion::ALL {
-            ui.selectable_value(&mut lab.question, question, question.label()).on_hover_text(question.help());
+        for (question, name, help) in LabQuestion::ALL {
+            ui.selectable_value(&mut lab.question, question, name).on_hover_text(help);
         }
     });
 }

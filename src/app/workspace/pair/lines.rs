@@ -7,7 +7,7 @@ use crate::app::document::method::MethodId;
 use crate::app::document::pair::MatchesAs;
 use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
-use crate::app::inspector::{Drawn, JoinedPanes, is_with_shift, joined_panes};
+use crate::app::inspector::{Drawn, JoinedPanes, chip_ui, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
@@ -17,7 +17,7 @@ use crate::app::view::signed_slope;
 use crate::burst::Offset;
 use crate::detector::Feature;
 use crate::export::MatchKind;
-use egui::{Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
+use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 use std::sync::Arc;
 
 /// Colours of candidates in B, from the nearest descriptor on.
@@ -194,6 +194,32 @@ fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>, passed_limit: Option<String>) {
     tip_ui(ui, "match tip", |ui| {
         ui.label(RichText::new(text).monospace());
     });
+}
+
+/// Draws the matches of each method between its panes of A and of B, with a count.
+pub(in crate::app::workspace) fn method_lines_ui(ui: &Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)]) {
+    let look = &model.document.match_look;
+    let style = MatchLineStyle { opacity: MatchKind::OPACITY, ..MatchLineStyle::default() };
+    for method in MethodId::ALL {
+        let Some(matches) = model.method_matches(method) else { continue };
+        let views = MatchViews::of(model, drawn, Some(method));
+        for canvases in views.canvases(false).iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
+            let rows = matches.rows().filter(|row| row.is_shown(look));
+            let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts, None)).collect();
+            let flags = overlay::drawn_lines(&lines, &canvases.panes[0], false, |_| false);
+            let lines: Vec<MatchLine> =
+                lines.into_iter().zip(flags).filter(|(_, flag)| *flag).map(|(line, _)| line).collect();
+            overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &lines, &style);
+            let counts = matches.result.counts;
+            let text = match counts.inliers {
+                Some(inliers) => format!("{inliers} of {} matches are inliers", counts.putative),
+                None => format!("{} matches", counts.putative),
+            };
+            if let [_, Some(b)] = canvases.places {
+                chip_ui(ui, views.views[b].output, Align2::RIGHT_BOTTOM, &text, (method, "matches", canvases.places));
+            }
+        }
+    }
 }
 
 pub struct MatchView<'a> {

@@ -1,60 +1,25 @@
-//! *Methods*: several methods on the same burst, in panes side by side, and a table of their numbers.
+//! Methods that are compared: how their panes are laid out, their gold standards, and the table of their numbers.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::canvas::overlay::{MatchLine, MatchLineStyle, draw_match_lines, drawn_lines};
 use crate::app::document::Action;
 use crate::app::document::method::MethodId;
 use crate::app::document::panes::Change;
 use crate::app::document::side::Side;
-use crate::app::inspector::{Drawn, chip_ui, inspector_ui};
-use crate::app::pane::{MethodsPreset, Over, PaneId};
-use crate::app::panel;
+use crate::app::pane::{MethodsPreset, Over};
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
-use crate::app::panel::widgets::{in_time, instead_ui, label_ui, progress_text, progress_ui, section_ui};
+use crate::app::panel::widgets::{in_time, label_ui, progress_text, progress_ui, section_ui};
 use crate::app::results::Read;
-use crate::app::workspace::pair::lines::{MatchViews, line_of, painter_over};
-use crate::app::workspace::{WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_width};
 use crate::evaluate::curves::percent;
-use crate::export::MatchKind;
-use egui::{Align, Align2, CentralPanel, Frame, Layout, RichText, Ui};
+use egui::{Align, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
-pub(super) fn compare_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
-    let (model, WorkspaceParts { widgets, queue, .. }) = (parts.model, parts);
-    folded_ui(ui, model, queue);
-    if model.shows_left() {
-        left_panel(ui, model, "compare left", side_width(model), |ui| {
-            controls_ui(ui, model, queue);
-            panel::cursor::cursor_ui(ui, model, queue);
-            panel::parameters::parameters_ui(ui, model, queue);
-        });
-    }
-    if model.shows_right() {
-        right_panel(ui, model, "compare right", side_width(model), 250.0..=460.0, |ui| {
-            scroll_ui(ui, |ui| panel::display::ranges_ui(ui, model, widgets, queue));
-        });
-    }
-    if model.shows_bottom() {
-        bottom_panel(ui, model, "compare bottom", 233.0, |ui| table_ui(ui, model, queue));
-    }
-    CentralPanel::default().frame(Frame::new()).show(ui, |ui| {
-        if model.methods_shown().is_empty() {
-            instead_ui(ui, "Choose methods in the table below");
-            return;
-        }
-        let drawn = inspector_ui(ui, model, widgets, queue);
-        lines_ui(ui, model, &drawn);
-    });
-}
-
-fn controls_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
+pub fn controls_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Compare", |ui| {
         layout_ui(ui, model, queue);
         if let Some(over) = model.document.panes.over(model.document.focus()) {
             two_ui(ui, model, over, queue);
         }
         let mut look = model.document.methods.clone();
-        ui.checkbox(&mut look.features, "Features").on_hover_text("Draw the features of each method  (O)");
         if let Some(rate) = &model.document.methods.same_false_rate {
             let text = format!("At {} false on charts of SNR {}", percent(rate.false_fraction), rate.snr);
             let tip = "Each method has the peak threshold at which this share of its detections on the Lab's charts is false. \
@@ -124,37 +89,6 @@ fn gold_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             button_ui(ui, model, queue, id, Some(&format!("{}{mark}", side.name())));
         }
     });
-}
-
-pub fn lines_ui(ui: &Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)]) {
-    let look = &model.document.match_look;
-    let style = MatchLineStyle {
-        opacity: MatchKind::OPACITY,
-        selected: None,
-        hovered: None,
-        others_faint: false,
-        ..MatchLineStyle::default()
-    };
-    for method in MethodId::ALL {
-        let Some(matches) = model.method_matches(method) else { continue };
-        let views = MatchViews::of(model, drawn, Some(method));
-        for canvases in views.canvases(false).iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
-            let rows = matches.rows().filter(|row| row.is_shown(look));
-            let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts, None)).collect();
-            let flags = drawn_lines(&lines, &canvases.panes[0], false, |_| false);
-            let lines: Vec<MatchLine> =
-                lines.into_iter().zip(flags).filter(|(_, flag)| *flag).map(|(line, _)| line).collect();
-            draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &lines, &style);
-            let counts = matches.result.counts;
-            let text = match counts.inliers {
-                Some(inliers) => format!("{inliers} of {} matches are inliers", counts.putative),
-                None => format!("{} matches", counts.putative),
-            };
-            if let [_, Some(b)] = canvases.places {
-                chip_ui(ui, views.views[b].output, Align2::RIGHT_BOTTOM, &text, (method, "matches", canvases.places));
-            }
-        }
-    }
 }
 
 const COLUMNS: [(&str, &str); 9] = [
