@@ -391,25 +391,3 @@ fn street(reach: f64) -> Vec<Layer> {
     }
     vec![wall, boards]
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_examples_are_what_they_say_and_the_same_everywhere() {
-        for example in Example::ALL {
-            let burst = example.burst();
-            assert_eq!(
-                (burst.name.as_str(), burst.len(), burst.size()),
-                (example.name(), example.positions().len(), EXAMPLE_SIZE)
-            );
-            assert_eq!(burst.frames, crate::detector::memory::on_threads(1, || example.burst()).frames);
-            let [u, v] = example.place();
-            assert!(u < EXAMPLE_SIZE.0 as f32 && v < EXAMPLE_SIZE.1 as f32);
-            assert!(example.slopes_u().0.contains(&example.slope_u()));
-            assert!(example.name().starts_with("demo-") && !example.help().is_empty());
-            assert_eq!(Example::named(example.name()), Some(example));
-        }
-    }
-}

@@ -140,15 +140,15 @@ fn counts() -> Vec<Count> {
             sources.iter().flat_map(pointing).collect(),
         ),
         Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
-        Count { bound: Some(559), ..Count::told("source files", sources.len()) },
+        Count { bound: Some(558), ..Count::told("source files", sources.len()) },
         Count { bound: Some(4_000_000), ..Count::told("bytes of screenshots", screenshots::bytes(&stored)) },
         Count::of("pictures of documents above 100 000 bytes", 0, larger("", 100_000)),
         // Noise takes more.
         Count::of("pictures without noise above 70 000 bytes", 0, larger("flat", 70_000)),
         Count::told("source files under 80 lines", which(&sources, |source| lines(source) < 80).len()),
-        Count { bound: Some(61_911), ..Count::told("lines of the library, tests included", lines_in("core/src")) },
+        Count { bound: Some(61_899), ..Count::told("lines of the library, tests included", lines_in("core/src")) },
         Count { bound: Some(11_697), ..Count::told("lines of the measuring bench", lines_in("lab/src")) },
-        Count { bound: Some(48_178), ..Count::told("lines of the program", lines_in("src")) },
+        Count { bound: Some(48_164), ..Count::told("lines of the program", lines_in("src")) },
     ]
 }
 

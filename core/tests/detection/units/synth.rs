@@ -158,6 +158,24 @@ mod examples {
         let slopes: Vec<f64> = Example::Depths.truth().layers.iter().map(|layer| layer.slope_u).collect();
         assert!(slopes.len() == 9 && slopes.is_sorted() && slopes[8] > 2.0, "{slopes:?}");
     }
+
+    #[test]
+    fn the_examples_are_what_they_say_and_the_same_everywhere() {
+        for example in Example::ALL {
+            let burst = example.burst();
+            assert_eq!(
+                (burst.name.as_str(), burst.len(), burst.size()),
+                (example.name(), burst.positions.len(), (240, 180))
+            );
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+            assert_eq!(burst.frames, pool.install(|| example.burst()).frames);
+            let [u, v] = example.place();
+            assert!(u < 240.0 && v < 180.0);
+            assert!(example.slopes_u().0.contains(&example.slope_u()));
+            assert!(example.name().starts_with("demo-") && !example.help().is_empty());
+            assert_eq!(Example::named(example.name()), Some(example));
+        }
+    }
 }
 
 mod noise {
