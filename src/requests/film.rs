@@ -119,7 +119,7 @@ struct Prepared {
     steps: Vec<FilmStep>,
     planes: Vec<Option<Plane>>,
     responses: Vec<f32>,
-    /// One range for all pictures, which makes them comparable.
+    /// The same range for all pictures, for comparison.
     display: Display,
     legend: Vec<LegendEntry>,
     sheet: [f32; 2],
@@ -334,7 +334,7 @@ impl Film {
         self.features(step).filter(|feature| is_drawn([feature.u, feature.v])).collect()
     }
 
-    /// Slopes of the features that any picture draws; one legend for all pictures, so that they have one size.
+    /// Slopes of all drawn features; GIF frames have one size, so one legend serves all pictures.
     fn legend(&self) -> Vec<LegendEntry> {
         let (Some(found), colours, steps) = (&self.detection, self.colours(), self.steps()) else { return Vec::new() };
         let drawn = steps.iter().flat_map(|step| self.drawn(step));

@@ -152,7 +152,7 @@ impl StepTable {
 }
 
 impl Step {
-    /// With the layout *Methods* where its text, or that of its lesson, has it as a workspace: it was one once.
+    /// The step with the layout *Methods*, where an older lesson or step names the former workspace.
     fn with_methods(mut self, step: &toml::Value, lesson: &toml::Table) -> Self {
         let workspace = |table: Option<&toml::Value>| table?.get("workspace")?.as_str().map(str::to_owned);
         let is_methods = |name: Option<String>| name.is_some_and(|name| name == "methods");

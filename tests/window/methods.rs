@@ -176,7 +176,8 @@ fn a_session_of_when_methods_were_a_workspace_compares_them() {
     other.run_action("open session");
     other.settle();
     let [before, after] = [&window, &other].map(|window| window.app().model.document.clone());
-    assert!(after.compares_methods() && after.workspace == Workspace::Inspect);
+    let (errors, panes) = (other.app().model.shell.messages.errors(), toml::to_string(&after.panes));
+    assert!(after.compares_methods() && after.workspace == Workspace::Inspect, "{errors:?} {panes:?}");
     assert_eq!((after.panes.arrangement(), after.bottom_tab), (before.panes.arrangement(), BottomTab::Methods));
     assert!(other.shows("Match score"), "the table is open");
     // A recording of then names the action that opened it.

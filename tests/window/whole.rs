@@ -46,10 +46,12 @@ fn a_selected_feature_tells_all_its_numbers() {
         window.harness.run_steps(4);
         let index = window.app().model.document.selected.expect("the strongest");
         let feature = window.app().read().features()[index];
-        for value in [format!("{:.1}", feature.snr), format!("{}, {}", feature.octave, feature.level)] {
+        for value in [format!("{:.1}", feature.snr), feature.octave.to_string(), feature.level.to_string()] {
             assert!(window.shows(&value), "{value} at {size:?}");
         }
-        assert!(window.shows("Slope limit") && window.shows("Slope index"), "{size:?}");
+        for name in ["Slope index", "Orientation", "Octave", "Level", "Slope limit"] {
+            assert!(window.shows(name), "{name} at {size:?}");
+        }
     }
     assert_whole(&mut window, "a selected feature");
 }

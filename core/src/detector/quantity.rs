@@ -209,6 +209,7 @@ impl Quantity {
             Self::Orientation => Record {
                 place: Place::Real(|f| &mut f.orientation),
                 form: Form::Degrees,
+                title: "Orientation",
                 term: Some("orientation"),
                 width: 40.0,
                 ..named("orientation", "Orient.", "rad", "Orientation, in degrees from +u towards +v")
@@ -244,6 +245,7 @@ impl Quantity {
             },
             Self::Octave => Record {
                 place: Place::Whole(|f| &mut f.octave),
+                title: "Octave",
                 term: Some("octave"),
                 width: 34.0,
                 ..named("octave", "Oct.", "", "Octave in which it was found; −1 is the doubled image")

@@ -49,7 +49,7 @@ pub struct RecoverReport {
     pub over_size: Vec<LevelShare>,
     /// Curve of the share found over SNR.
     pub curve: FittedCurve,
-    /// SNR of which half are found; `None` where it lies beyond those that were planted.
+    /// SNR at which half are found; `None` beyond the planted range.
     pub half: Option<HalfFound>,
     /// Tests that things failed, most frequent first.
     pub fates: Vec<FateCount>,

@@ -127,7 +127,7 @@ pub enum Does {
     /// Goes to another octave or level, and shows a picture of a scale.
     Scale(fn(&mut Cursor)),
     Run(fn(&mut Model, &Engine)),
-    /// Changes the project, and what lies beyond it.
+    /// Changes the project and things beyond, such as files.
     Change(fn(&mut Model, &Engine) -> Option<Effect>),
 }
 

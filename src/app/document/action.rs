@@ -36,7 +36,7 @@ pub enum Action {
     /// A row of the action table: what menus, keys and buttons do.
     Do(ActionId),
     Open(Side, BurstSource),
-    /// The session with all that it holds, so that its file need not be there when this is done again.
+    /// The whole session: doing this again needs no file.
     Restore(Box<Session>),
     OpenDataset(DatasetSource),
     UseFeatureFolder(PathBuf),

@@ -76,7 +76,7 @@ pub enum LabQuestion {
 }
 
 impl LabQuestion {
-    /// All, with their names and what each measures.
+    /// All questions, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 5] = [
         (
             Self::Dark,

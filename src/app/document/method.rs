@@ -105,9 +105,6 @@ pub fn plane_of(grid: SlopeGrid) -> SlopeGrid {
 #[serde(default)]
 pub struct CompareLook {
     pub methods: Vec<MethodId>,
-    /// Earlier versions had a switch of its own for their features.
-    #[serde(skip_serializing)]
-    pub features: serde::de::IgnoredAny,
     /// Peak thresholds of the methods, from charts; each method has that of the search where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub same_false_rate: Option<SameFalseRate>,
@@ -115,7 +112,7 @@ pub struct CompareLook {
 
 impl Default for CompareLook {
     fn default() -> Self {
-        Self { methods: MethodId::ALL.to_vec(), features: serde::de::IgnoredAny, same_false_rate: None }
+        Self { methods: MethodId::ALL.to_vec(), same_false_rate: None }
     }
 }
 

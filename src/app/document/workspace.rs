@@ -7,7 +7,7 @@ use crate::app::document::side::Side;
 use crate::app::pane::{PaneId, Place, Preset, SidesPreset};
 use crate::teach::Workspace;
 
-/// One workspace, as far as it is set; `app::workspace` draws it.
+/// Settings of a workspace; `app::workspace` draws it.
 pub struct Record {
     /// Bursts whose pictures are on show. Where there are two, rows are their matches, and else features of A.
     pub sides: &'static [Side],
@@ -15,7 +15,7 @@ pub struct Record {
     pub inspects: bool,
     pub is_of_dataset: bool,
     pub right: Right,
-    /// Arrangements of its panes for the menu of one, with their names and what each shows.
+    /// Arrangements of the panes for the menu of a pane, with name and meaning.
     pub layouts: fn(PaneId) -> Vec<(&'static str, &'static str, Change)>,
     pub draws_features: fn(&Document) -> bool,
     pub toggle_features: fn(&mut Document),

@@ -170,7 +170,7 @@ impl Panes {
         }
     }
 
-    /// Panes of *One burst* stay on their bursts, those that show both bursts or methods stay on their sides.
+    /// Panes of *One burst* keep the burst; panes of both bursts or of methods keep the side.
     pub fn swap_sides(&mut self) {
         self.sides.swap(0, 1);
         for (pane, side) in self.sides.iter_mut().zip(Side::BOTH) {

@@ -21,7 +21,7 @@ pub struct Laid {
 }
 
 impl Preset {
-    /// All, with their names and what each shows.
+    /// All presets, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 11] = {
         const NEIGHBOURS: &str = "Neighbouring slopes of the grid, which move together";
         [
@@ -163,7 +163,7 @@ pub enum SidesPreset {
 }
 
 impl SidesPreset {
-    /// All, with their names and what each shows.
+    /// All presets, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::SideBySide, "A beside B", "One picture of each burst, A on the left"),
         (Self::Stacked, "A above B", "One picture of each burst, A on top: for wide frames"),
@@ -216,7 +216,7 @@ pub enum MethodsPreset {
 }
 
 impl MethodsPreset {
-    /// All, with their names and what each shows.
+    /// All presets, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::Panes, "Panes", "A picture for each method, side by side"),
         (Self::Wipe, "Wipe", "Two methods in one picture, with a line between them that can be dragged"),

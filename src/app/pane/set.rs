@@ -20,7 +20,7 @@ pub enum Place {
 impl Place {
     pub(super) const ALL: [Self; 3] = [Self::Inspect, Self::Pair, Self::Methods];
 
-    /// Workspaces without panes of their own have those of *One burst*.
+    /// Workspaces without own panes use the panes of *One burst*.
     fn of(workspace: Workspace) -> Self {
         if workspace.shows_pair() { Self::Pair } else { Self::Inspect }
     }

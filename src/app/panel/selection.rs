@@ -119,7 +119,8 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: 
             let (record, text) = (quantity.record(), quantity_text(quantity, index, f, known));
             let has_unit = !record.unit.is_empty() && !text.ends_with('°');
             let unit = if has_unit { format!(", {}", record.unit) } else { String::new() };
-            row(&format!("{}{unit}", record.title), record.help, if text.is_empty() { "no".to_owned() } else { text });
+            let text = if text.is_empty() { "no" } else { text.strip_prefix("moves ").unwrap_or(&text) };
+            row(&format!("{}{unit}", record.title), record.help, text.to_owned());
         }
     });
 }

@@ -77,7 +77,7 @@ impl<'a> Read<'a> {
         origin(a) == origin(b) || in_dataset(a) && in_dataset(b)
     }
 
-    /// Burst whose settings a side has: the open one, the one that is being opened, or the one that could not be.
+    /// Burst whose settings a side has: open, being opened, or refused.
     pub fn settings_are_of(self, side: Side) -> Option<&'a BurstSource> {
         let slot = &self.results.slots[side];
         let open = slot.burst.as_ref().map(|open| &open.source);

@@ -106,7 +106,7 @@ impl Session {
                 "the session file has version {version}, this program reads {VERSION}; open it with {which}"
             ));
         }
-        let (mut session, unknown): (Self, _) = match text.parse().ok().and_then(with_one_choice_of_slopes) {
+        let (mut session, unknown): (Self, _) = match text.parse().ok().and_then(brought_up_to_date) {
             Some(table) => read_noting_unknown_keys(table),
             None => toml::Deserializer::parse(text).and_then(read_noting_unknown_keys),
         }
@@ -232,16 +232,18 @@ fn read_noting_unknown_keys<'de, T: DeserializeOwned, D: Deserializer<'de>>(
     Ok((value, unknown))
 }
 
-/// A session that was written when the choice of the slopes stood beside the ranges, which were those found last where
-/// slopes are found; `None` for others.
-fn with_one_choice_of_slopes(mut session: Table) -> Option<Table> {
+/// A session of before, when the choice of the slopes stood beside the ranges (those found last, where slopes are
+/// found), and compared methods had a switch of their own for features; `None` for others.
+fn brought_up_to_date(mut session: Table) -> Option<Table> {
     let document = session.get_mut("document")?.as_table_mut()?;
-    let choice = document.remove("slopes")?;
-    if let Some(line) = choice.get("auto") {
+    let choice = document.remove("slopes");
+    let methods = document.get_mut("methods").and_then(|methods| methods.as_table_mut());
+    let switch = methods.and_then(|methods| methods.remove("features"));
+    if let Some(line) = choice.as_ref().and_then(|choice| choice.get("auto")) {
         let mut auto = line.as_table()?.clone();
         auto.insert(AUTO.into(), true.into());
         let params = document.entry("params").or_insert_with(|| Table::new().into());
         params.as_table_mut()?.insert("slopes".into(), auto.into());
     }
-    Some(session)
+    choice.or(switch).map(|_| session)
 }

@@ -136,7 +136,7 @@ fn counts() -> Vec<Count> {
         ),
         Count::of(
             "comments of which a quarter of the words point at others",
-            50,
+            44,
             sources.iter().flat_map(pointing).collect(),
         ),
         Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
@@ -146,7 +146,7 @@ fn counts() -> Vec<Count> {
         // Noise takes more.
         Count::of("pictures without noise above 70 000 bytes", 0, larger("flat", 70_000)),
         Count::told("source files under 80 lines", which(&sources, |source| lines(source) < 80).len()),
-        Count { bound: Some(61_899), ..Count::told("lines of the library, tests included", lines_in("core/src")) },
+        Count { bound: Some(61_904), ..Count::told("lines of the library, tests included", lines_in("core/src")) },
         Count { bound: Some(11_697), ..Count::told("lines of the measuring bench", lines_in("lab/src")) },
         Count { bound: Some(48_164), ..Count::told("lines of the program", lines_in("src")) },
     ]

@@ -48,7 +48,7 @@ pub struct SlopeAdvice {
     pub number: f64,
     /// Problem and its reason, as a sentence.
     pub sentence: String,
-    /// Changes that apply it: one setting, or more where one alone makes no sense.
+    /// Settings to change: several where one alone makes no sense.
     pub changes: Vec<ParamChange>,
     /// Source of the frames' times that applies it, where the frames are at fault.
     #[serde(skip_serializing_if = "Option::is_none")]

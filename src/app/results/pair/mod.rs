@@ -46,7 +46,7 @@ impl Read<'_> {
         self.document.selected_match.or(self.results.pair.hovered)
     }
 
-    /// Those that are listed, or the selected one alone if that is set, even where its kind is hidden.
+    /// Listed matches, or the selected match alone if so set, even where its kind is hidden.
     pub fn drawn_matches(self) -> Vec<usize> {
         let listed = &self.results.pair.listed;
         match self.document.selected_match {

@@ -3,7 +3,6 @@
 use super::*;
 use crate::burst::reading::Ticker;
 use crate::monitor::Monitor;
-use crate::synth::random::Stream;
 use image::RgbImage;
 use std::cell::Cell;
 
@@ -34,8 +33,12 @@ impl Seek for Cancelling<'_> {
 
 /// A picture that cannot be packed.
 fn noise(format: ImageFormat) -> Vec<u8> {
-    let mut stream = Stream::new(5, 0);
-    let picture = RgbImage::from_fn(160, 120, |_, _| image::Rgb([(); 3].map(|()| stream.below(256) as u8)));
+    let mut state = 5u32;
+    let mut next = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        (state >> 24) as u8
+    };
+    let picture = RgbImage::from_fn(160, 120, |_, _| image::Rgb([(); 3].map(|()| next())));
     let mut bytes = Cursor::new(Vec::new());
     picture.write_to(&mut bytes, format).expect("written");
     bytes.into_inner()
