@@ -110,9 +110,7 @@ fn taken(passes: &[(Action, bool)]) -> Journal {
 }
 
 fn search(edge_threshold: f32) -> Action {
-    let mut params = SearchParams::default();
-    params.edge_threshold = edge_threshold;
-    Action::SetSearch(Box::new(params))
+    Action::SetSearch(Box::new(SearchParams { edge_threshold, ..SearchParams::default() }))
 }
 
 #[test]

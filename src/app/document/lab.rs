@@ -190,7 +190,7 @@ impl Lab {
     }
 
     fn charts(&self, search: &SearchParams, given: Option<SlopeGrid>) -> Result<ChartStudy, String> {
-        let slopes = given.unwrap_or(SlopeGrid::default());
+        let slopes = given.unwrap_or_default();
         let chosen = |method: &BurstMethod| self.methods.contains(method);
         let methods: Vec<BurstMethod> = BurstMethod::ALL.into_iter().filter(chosen).collect();
         if methods.is_empty() {

@@ -246,8 +246,7 @@ mod tests {
         // Failed bursts are tried again; with other parameters all bursts are.
         open.begin_detection(&SearchParams::default());
         assert_eq!((open.counts().done, open.counts().failed), (2, 0));
-        let mut other = SearchParams::default();
-        other.levels = 2;
+        let other = SearchParams { levels: 2, ..SearchParams::default() };
         open.begin_detection(&other);
         assert_eq!((open.counts().done, open.params.levels), (0, 2));
     }
