@@ -119,7 +119,7 @@ struct Prepared {
     steps: Vec<FilmStep>,
     planes: Vec<Option<Plane>>,
     responses: Vec<f32>,
-    /// The same range for all pictures, for comparison.
+    /// Value range of all pictures, for comparison.
     display: Display,
     legend: Vec<LegendEntry>,
     sheet: [f32; 2],

@@ -350,7 +350,7 @@ pub enum Slopes {
         /// Direction of the line, degrees from +u towards +v.
         direction_deg: Option<f32>,
     },
-    /// The same for every burst.
+    /// Grid in pixels per frame, for every burst.
     Given(SlopeGrid),
 }
 
