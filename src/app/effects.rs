@@ -1,13 +1,13 @@
 //! Actions of the user and effects of the window's parts: applied here, and only here, to the part that they concern.
 
-use super::actions::ActionId;
+use super::actions::{ActionId, Queue};
 use super::dataset::CutDialog;
 use super::dialogs::Question;
 use super::document::Action;
 use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
 use super::{actions, apply, clipboard, files};
-use crate::app::apply::{opening, studies};
+use crate::app::apply::{methods, opening, studies};
 use crate::app::document::export::{ExportKind, Purpose};
 use crate::app::document::side::Side;
 use crate::app::results::{Effect, Read};
@@ -19,6 +19,47 @@ use std::path::PathBuf;
 use std::sync::Arc;
 
 impl BurstscopeApp {
+    /// Applies the actions of this pass. What they change is drawn in the next one.
+    pub(super) fn act(&mut self, ctx: &egui::Context, queue: Queue) {
+        let pointed = self.model.results.pointed();
+        let mut is_changed = false;
+        for action in queue {
+            is_changed |= !matches!(action, Action::Point(_));
+            self.run(ctx, action);
+            methods::refresh_workspace(&mut self.model);
+        }
+        if is_changed || pointed != self.model.results.pointed() {
+            ctx.request_repaint();
+        }
+    }
+
+    /// Does the next action again of those that are played; whether its step goes on.
+    pub(super) fn play_step(&mut self, ctx: &egui::Context) -> bool {
+        let rests = self.rests();
+        let Some(playback) = &mut self.playback else { return false };
+        let (action, goes_on) = (playback.next(rests), playback.goes_on);
+        if let Some(action) = action {
+            self.run(ctx, action);
+            methods::refresh_workspace(&mut self.model);
+            ctx.request_repaint();
+        }
+        goes_on
+    }
+
+    pub(super) fn take_dropped_files(&mut self, ctx: &egui::Context) {
+        let paths: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
+        if paths.is_empty() {
+            return;
+        }
+        let pointer = ctx.input(|i| i.pointer.latest_pos());
+        let is_there = |rect: &egui::Rect| pointer.is_some_and(|pos| rect.contains(pos));
+        let places = drop_places(Read::of(&self.model), &self.widgets);
+        let on_b = places.iter().any(|(rect, side)| *side == Side::B && is_there(rect));
+        let side = if on_b { Side::B } else { Side::A };
+        let purpose = purpose_of_dropped(&paths, side, self.overlays.calibration.as_ref(), Read::of(&self.model));
+        self.apply([Effect::UseFiles(purpose, paths)]);
+    }
+
     pub(super) fn run(&mut self, ctx: &egui::Context, action: Action) {
         match action {
             Action::Do(id) => self.run_action(ctx, id),

@@ -108,7 +108,7 @@ impl Overlays {
         }
         let mut figure = model.document.figure;
         super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut figure, queue);
-        queue.set(&model.document.figure, figure, Action::SetFigure);
+        queue.edit(model.document, Action::SetFigure(figure));
         self.film.ui(ctx, model, queue);
         match crate::app::panel::modals::calibration_ui(ctx, &mut self.calibration) {
             Some(CalibrationChoice::Choose(purpose)) => effects.push(Effect::Ask(purpose)),

@@ -8,7 +8,7 @@ use super::dataset::filmstrip::Thumbnails;
 use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
 use super::dialogs::{FileAnswer, FileChooser, Question};
 use super::document::{Action, Document, Journal, Playback};
-use super::files::{drop_places, purpose_of_dropped};
+use super::files::drop_places;
 use super::inspector::{PaneWidgets, PlaceValue};
 use super::lesson::{Captions, LessonAction, Lessons, lesson_ui, rings_ui, take_hall_keys};
 use super::measure::RegionCache;
@@ -50,7 +50,7 @@ pub struct BurstscopeApp {
     pub(super) restoring: Restoring,
     pub(super) journal: Journal,
     /// Steps that are done again, as soon as the window has settled after the one before.
-    playback: Option<Playback>,
+    pub(super) playback: Option<Playback>,
     pub lessons: Lessons,
     pub(super) captions: Captions,
     pub(super) chooser: FileChooser,
@@ -117,7 +117,7 @@ impl BurstscopeApp {
         self.rests() && self.playback.as_ref().is_none_or(Playback::is_over)
     }
 
-    fn rests(&self) -> bool {
+    pub(super) fn rests(&self) -> bool {
         self.engine.is_idle()
             && !self.chooser.is_asking()
             && Read::of(&self.model).is_settled()
@@ -186,33 +186,6 @@ impl BurstscopeApp {
         }
     }
 
-    /// Applies the actions of this pass. What they change is drawn in the next one.
-    fn act(&mut self, ctx: &egui::Context, queue: Queue) {
-        let pointed = self.model.results.pointed();
-        let mut is_changed = false;
-        for action in queue {
-            is_changed |= !matches!(action, Action::Point(_));
-            self.run(ctx, action);
-            methods::refresh_workspace(&mut self.model);
-        }
-        if is_changed || pointed != self.model.results.pointed() {
-            ctx.request_repaint();
-        }
-    }
-
-    /// Does the next action again of those that are played; whether its step goes on.
-    fn play_step(&mut self, ctx: &egui::Context) -> bool {
-        let rests = self.rests();
-        let Some(playback) = &mut self.playback else { return false };
-        let (action, goes_on) = (playback.next(rests), playback.goes_on);
-        if let Some(action) = action {
-            self.run(ctx, action);
-            methods::refresh_workspace(&mut self.model);
-            ctx.request_repaint();
-        }
-        goes_on
-    }
-
     fn take_answers(&mut self, ctx: &egui::Context) {
         let effects = asking::take_answers(&mut self.model, &self.engine);
         self.apply(effects);
@@ -251,20 +224,6 @@ impl BurstscopeApp {
                 }
             }
         }
-    }
-
-    fn take_dropped_files(&mut self, ctx: &egui::Context) {
-        let paths: Vec<PathBuf> = ctx.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_path_buf()).collect());
-        if paths.is_empty() {
-            return;
-        }
-        let pointer = ctx.input(|i| i.pointer.latest_pos());
-        let is_there = |rect: &egui::Rect| pointer.is_some_and(|pos| rect.contains(pos));
-        let places = drop_places(Read::of(&self.model), &self.widgets);
-        let on_b = places.iter().any(|(rect, side)| *side == Side::B && is_there(rect));
-        let side = if on_b { Side::B } else { Side::A };
-        let purpose = purpose_of_dropped(&paths, side, self.overlays.calibration.as_ref(), Read::of(&self.model));
-        self.apply([Effect::UseFiles(purpose, paths)]);
     }
 
     fn go_on_with_lesson(&mut self, ctx: &egui::Context, asked: Option<LessonAction>) {

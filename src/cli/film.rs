@@ -1,16 +1,14 @@
 //! `film` writes a sweep over slope, scale or frames as an animation.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, parse_slope, two};
+use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, parse_slope};
 use super::failure::Failure;
 use super::inputs::OneBurst;
-use super::probe::{check_inside, parse_place};
 use crate::app::figure::rasterise;
 use crate::detect::search;
-use crate::detector::scale_space::searched_octaves;
 use crate::detector::{Method, SearchParams, Slope};
 use crate::export::film::{estimated_film_bytes, is_film};
 use crate::files::path_text;
-use crate::requests::{BurstSource, Film, FilmPlace, OpenBurst, Sweep};
+use crate::requests::{BurstSource, Film, OpenBurst, Sweep};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
@@ -19,8 +17,8 @@ use std::sync::Arc;
 /// Write a sweep over slope, scale or frames as an animation.
 ///
 /// Each picture has the features of its step in the colours of their slopes, the numbers of the step, and what the
-/// colours mean; below it D at a place over all steps, with a mark at this one. Pictures of a kind share one range of
-/// values. Number, size, rate and the estimated size of the file are said before it is written.
+/// colours mean. Pictures share one range of values. Number, size, rate and the estimated size of the file are said
+/// before it is written.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = FILM_HELP)]
 pub struct FilmArgs {
@@ -30,14 +28,6 @@ pub struct FilmArgs {
     /// the DoG of every octave and level; or frames, added one by one.
     #[arg(long, value_name = "WHAT", value_parser = <Sweep as std::str::FromStr>::from_str)]
     pub sweep: Sweep,
-    /// The place whose D is drawn over the steps, in pixels at mid-burst: column and row [default: that of the
-    /// strongest feature].
-    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
-    pub at: Option<[f32; 2]>,
-    /// Octave and level of that D.
-    #[arg(long, value_name = "OCTAVE,LEVEL", allow_hyphen_values = true, value_parser = parse_scale, requires = "at",
-          default_value = "0,1")]
-    pub scale: (i32, i32),
     /// Slope of the pictures, where that does not change, pixels per frame to the right and down.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_slope, default_value = "0,0")]
     pub slope: Slope,
@@ -62,7 +52,7 @@ pub struct FilmArgs {
 const FILM_HELP: &str = "\
 Examples:
   burstscope film night/ --sweep slope-u=-3:3:49 --out sweep.gif
-  burstscope film night/ --sweep frames --slope -2.1,0 --at 412,230 --out frames.gif
+  burstscope film night/ --sweep frames --slope -2.1,0 --out frames.gif
 
 JSON (--json): {\"version\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\", \"bytes\"}";
 
@@ -82,7 +72,6 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         sweep: args.sweep,
         slope: args.slope,
         detection: None,
-        place: args.at.map(|at| FilmPlace { at, scale: args.scale }),
         max_side_px: args.max_side as usize,
     };
     if !args.no_features {
@@ -90,7 +79,6 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         let searched = search(&film.burst.burst, &params, &console.monitor.part(0.1, 0.3))?;
         (film.params, film.detection) = (searched.params, Some(Arc::new(searched.detection)));
     }
-    check_place(&film)?;
     let features = film.detection.as_ref().map_or(0, |detection| detection.features.len());
     let count = film.steps().len();
     let [first, middle] = film.samples(&rasterise, &console.monitor.part(0.4, 0.1))?;
@@ -119,25 +107,4 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
             "bytes": bytes,
         }),
     )
-}
-
-fn check_place(film: &Film) -> Result<(), Failure> {
-    let Some(FilmPlace { at: [u, v], scale: (octave, level) }) = film.place else { return Ok(()) };
-    let size = film.burst.burst.size();
-    check_inside([u, v], size)?;
-    let octaves = searched_octaves(&film.params, size);
-    if !octaves.contains(&octave) || !(0..film.params.levels as i32).contains(&level) {
-        return Err(Failure::usage(format!(
-            "--scale: the search has no octave {octave} with a level {level}; give an octave of {} to {} and a level of 0 to {}",
-            octaves.start,
-            octaves.end - 1,
-            film.params.levels - 1
-        )));
-    }
-    Ok(())
-}
-
-fn parse_scale(text: &str) -> Result<(i32, i32), String> {
-    let bad = || format!("'{text}' is no octave and level; give two whole numbers, such as 0,1");
-    two(text, ',', |_| true).map(<(i32, i32)>::from).ok_or_else(bad)
 }

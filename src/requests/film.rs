@@ -1,5 +1,5 @@
-//! A sweep over slope, scale or frames as a film: each step as a figure with its features, its numbers, the meaning of
-//! the colours, and the response at a place over all steps.
+//! A sweep over slope, scale or frames as a film: each step as a figure with its features, its numbers and the meaning of
+//! the colours.
 
 use super::map::SlopeColours;
 use super::open::OpenBurst;
@@ -9,15 +9,14 @@ use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Slope, Slo
 use crate::error::{Error, ErrorKind};
 use crate::export::film::write_film;
 use crate::export::{
-    Cells, ColourBar, Drawing, FigureCurve, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth,
-    IN_A_CELL, LegendEntry, curve_height, draw_curve, lay_out,
+    Cells, ColourBar, Drawing, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, IN_A_CELL,
+    LegendEntry, lay_out,
 };
 use crate::inspect::spectrum::is_at_slope;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
-use crate::plane::sample::bilinear;
 use crate::plane::statistics::{Region, percentiles_until};
 use image::RgbaImage;
 use rayon::prelude::*;
@@ -75,15 +74,6 @@ pub struct FilmStep {
     pub frames: Option<usize>,
 }
 
-/// Place whose response is drawn as a curve: that of a feature.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FilmPlace {
-    /// Column and row at mid-burst, pixels of the input.
-    pub at: [f32; 2],
-    /// Octave and level of the DoG.
-    pub scale: (i32, i32),
-}
-
 #[derive(Debug, Clone)]
 pub struct Film {
     pub burst: OpenBurst,
@@ -93,8 +83,6 @@ pub struct Film {
     /// Slope of the steps, where that is not swept.
     pub slope: Slope,
     pub detection: Option<Arc<Detection>>,
-    /// The place whose response is drawn; `None` for that of the strongest feature.
-    pub place: Option<FilmPlace>,
     /// Longest side of a burst's picture, pixels; larger ones are made smaller by a whole number.
     pub max_side_px: usize,
 }
@@ -110,15 +98,12 @@ fn undrawn(problem: String) -> Error {
 /// Percentiles of all pictures that are black and white.
 const RANGE: [f32; 2] = [0.1, 99.9];
 const FONT_PX: f32 = 12.0;
-/// Colour of the mark at the place of the curve.
-const MARK: [u8; 3] = [240, 228, 66];
 const MAX_LEGEND_ENTRIES: usize = 8;
 
 /// Steps, display and size that the pictures of a film share, and the values that were kept of them.
 struct Prepared {
     steps: Vec<FilmStep>,
     planes: Vec<Option<Plane>>,
-    responses: Vec<f32>,
     /// Value range of all pictures, for comparison.
     display: Display,
     legend: Vec<LegendEntry>,
@@ -199,16 +184,13 @@ impl Film {
 
     /// Computes the values of all `steps` for what the pictures share, and keeps as many as `room` bytes hold.
     fn prepared(&self, steps: &[FilmStep], mut room: u64, monitor: &Monitor) -> Result<Prepared, Error> {
-        let place = self.place();
-        let (mut planes, mut responses) = (Vec::with_capacity(steps.len()), Vec::with_capacity(steps.len()));
+        let mut planes = Vec::with_capacity(steps.len());
         let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
         for (index, step) in steps.iter().enumerate() {
             monitor.check()?;
             monitor.report(Stage::Search { octave: 0 }, index as f32 / steps.len() as f32);
             let silent = monitor.silent();
             let plane = self.plane(step, &silent)?;
-            let response = place.map(|place| self.response(step, place, &silent));
-            responses.push(response.transpose()?.unwrap_or(f32::NAN));
             let found = percentiles_until(&plane, &Region::whole(&plane), &RANGE, &silent)?;
             if let Some(found) = found {
                 (low, high) = (low.min(found[0]), high.max(found[1]));
@@ -224,7 +206,7 @@ impl Film {
         };
         let legend = self.legend();
         let sheet = self.sheet(&legend);
-        Ok(Prepared { steps: steps.to_vec(), planes, responses, display, legend, sheet })
+        Ok(Prepared { steps: steps.to_vec(), planes, display, legend, sheet })
     }
 
     /// In order, made as they are taken: as many at a time as `room` bytes hold, at least one.
@@ -271,10 +253,6 @@ impl Film {
             let panel = self.panel(&prepared.steps[index], Some((plane, &prepared.display)), &prepared.legend);
             let mut drawing = lay_out(&[vec![panel]], &FigureMatches::default(), &self.options());
             drawing.size = prepared.sheet;
-            if self.place().is_some() {
-                drawing.size[1] -= curve_height(FONT_PX);
-                draw_curve(&mut drawing, &self.curve(&prepared.steps, &prepared.responses, index), FONT_PX);
-            }
             draw(&drawing).map_err(undrawn)
         };
         group.zip(&planes).collect::<Vec<_>>().into_par_iter().map(picture).collect()
@@ -283,9 +261,7 @@ impl Film {
     fn sheet(&self, legend: &[LegendEntry]) -> [f32; 2] {
         let panel = |step: &FilmStep| vec![self.panel(step, None, legend)];
         let size = |step: &FilmStep| lay_out(&[panel(step)], &FigureMatches::default(), &self.options()).size;
-        let largest = self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0]), a[1].max(b[1])]);
-        let curve = if self.place().is_some() { curve_height(FONT_PX) } else { 0.0 };
-        [largest[0].ceil(), (largest[1] + curve).ceil()]
+        self.steps().iter().map(size).fold([1f32; 2], |a, b| [a[0].max(b[0].ceil()), a[1].max(b[1].ceil())])
     }
 
     fn options(&self) -> FigureOptions {
@@ -347,15 +323,10 @@ impl Film {
         let size = ((width / shrink).max(1), (height / shrink).max(1));
         let display = values.map_or_else(Display::default, |(_, display)| *display);
         let drawn = self.drawn(step);
-        let place = self.place().map(|place| FigureMark {
-            weight: 1.6,
-            dashed: true,
-            ..FigureMark::circle(place.at, 9.0, MARK)
-        });
         let (colours, burst) = (self.colours(), &self.burst.burst);
         let positions = burst.positions.part(self.params.used_frames(burst.len()));
         let mark = |feature: &&Feature| FigureMark::of(feature, &positions, colours.colour(feature.motion().0));
-        let marks = drawn.iter().map(mark).chain(place);
+        let marks = drawn.iter().map(mark);
         let [low, high] = [display.min, display.max].map(|end| format!("{:>6}", number(100.0 * end, 2)));
         FigurePanel {
             size,
@@ -402,61 +373,6 @@ impl Film {
             None => is_at_slope(&grid, feature, slope),
         })
     }
-
-    /// The given one, or that of the strongest feature at the film's slope, or at any.
-    fn place(&self) -> Option<FilmPlace> {
-        let of = |feature: &Feature| FilmPlace { at: [feature.u, feature.v], scale: (feature.octave, feature.level) };
-        let stack = FilmStep { slope: self.slope, scale: None, frames: None };
-        let strongest = |features: &mut dyn Iterator<Item = &Feature>| {
-            features.max_by(|a, b| a.strength().total_cmp(&b.strength())).map(of)
-        };
-        let moves = matches!(self.sweep, Sweep::SlopeU(..) | Sweep::SlopeV(..));
-        let at_slope = || strongest(&mut self.features(&stack)).filter(|_| !moves);
-        let any = || strongest(&mut self.detection.as_ref()?.features.iter());
-        let is_searched = |place: &FilmPlace| {
-            let (octave, level) = place.scale;
-            let octaves = searched_octaves(&self.params, self.burst.burst.size());
-            octaves.contains(&octave) && (0..self.params.levels as i32).contains(&level)
-        };
-        self.place.filter(is_searched).or_else(at_slope).or_else(any)
-    }
-
-    /// D at the place, with the slope, scale and frames of a step, fraction of full scale; NaN outside.
-    fn response(&self, step: &FilmStep, place: FilmPlace, monitor: &Monitor) -> Result<f32, Error> {
-        let (octave, level) = step.scale.unwrap_or(place.scale);
-        let dog = dog_view(&self.burst.burst, &self.params_of(step), step.slope, octave, level, monitor)?;
-        let [x, y] = place.at.map(|at| at * 2f32.powi(-octave));
-        Ok(bilinear(&dog, x, y).unwrap_or(f32::NAN))
-    }
-
-    fn curve(&self, steps: &[FilmStep], responses: &[f32], marked: usize) -> FigureCurve {
-        let x = |index: usize| match self.sweep {
-            Sweep::SlopeU(..) => steps[index].slope.u,
-            Sweep::SlopeV(..) => steps[index].slope.v,
-            _ => (index + 1) as f32,
-        };
-        let points: Vec<[f32; 2]> = responses.iter().enumerate().map(|(index, d)| [x(index), 100.0 * d]).collect();
-        let first_level = |(index, step): (usize, &FilmStep)| match step.scale {
-            Some((octave, 0)) => Some(((index + 1) as f32, number(self.sigma_px(octave, 0), 1))),
-            _ => None,
-        };
-        let label_x = match self.sweep {
-            Sweep::SlopeU(..) => "slope u, px/frame",
-            Sweep::SlopeV(..) => "slope v, px/frame",
-            Sweep::Scale => "σ, px",
-            Sweep::Frames => "frames",
-        };
-        let [u, v] = self.place().map_or([0.0; 2], |place| place.at);
-        let now = responses.get(marked).filter(|d| d.is_finite());
-        let now = now.map_or_else(|| "outside".to_owned(), |d| format!("{} % of full scale", number(100.0 * d, 3)));
-        FigureCurve {
-            points,
-            marked,
-            title: format!("D at ({}, {}): {now}", number(u, 0), number(v, 0)),
-            label_x: label_x.to_owned(),
-            ticks_x: steps.iter().enumerate().filter_map(first_level).collect(),
-        }
-    }
 }
 
 /// Slopes of `grid` by which the `drawn` features move, each with its colour, at most `most` of them. Where there are
@@ -491,9 +407,8 @@ mod tests {
         let chart = crate::synth::ChartParams { width: 96, height: 64, discs: 2, frames: 4, ..Default::default() };
         let source = BurstSource::Chart(Box::new(chart));
         let burst = source.open(&crate::burst::OpenOptions::default(), &Monitor::default()).expect("a chart");
-        let place = Some(FilmPlace { at: [40.0, 30.0], scale: (0, 1) });
         let params = DetectorParams::default();
-        Film { burst, params, sweep, slope: Slope::default(), detection: None, place, max_side_px: 48 }
+        Film { burst, params, sweep, slope: Slope::default(), detection: None, max_side_px: 48 }
     }
 
     fn digest(drawing: &Drawing) -> Result<RgbaImage, String> {
@@ -545,21 +460,16 @@ mod tests {
     }
 
     #[test]
-    fn a_step_shows_its_numbers_its_features_and_the_curve_with_its_mark() {
+    fn a_step_shows_its_numbers() {
         let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
         film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
-        let found = crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
-        let strongest = found.features.iter().max_by(|a, b| a.strength().total_cmp(&b.strength())).expect("some");
-        let (at, slope) = ([strongest.u, strongest.v], strongest.slope);
-        (film.place, film.detection) = (None, Some(Arc::new(found.clone())));
-        assert_eq!(film.place().map(|place| place.at), Some(at));
-        let (texts, marks) = (std::sync::Mutex::new(Vec::new()), std::sync::Mutex::new(Vec::new()));
+        film.detection =
+            Some(Arc::new(crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found")));
+        let texts = std::sync::Mutex::new(Vec::new());
         let keep = |drawing: &Drawing| {
             for shape in &drawing.shapes {
-                match shape {
-                    FigureShape::Text { text, .. } => texts.lock().expect("kept").push(text.clone()),
-                    FigureShape::Circle { centre, .. } => marks.lock().expect("kept").push(centre[0]),
-                    _ => {}
+                if let FigureShape::Text { text, .. } = shape {
+                    texts.lock().expect("kept").push(text.clone());
                 }
             }
             digest(drawing)
@@ -567,14 +477,8 @@ mod tests {
         all(&film, 1 << 30, &keep);
         // Titles are broken to the width of the picture.
         let texts = texts.into_inner().expect("kept").join(" ");
-        for part in ["slope −1 px/frame: ", "slope 1 px/frame: ", "D at (", "slope u, px/frame", "% of full scale"] {
+        for part in ["slope −1 px/frame: ", "slope 1 px/frame: ", "% of full scale"] {
             assert!(texts.contains(part), "{part}: {texts}");
         }
-        assert_eq!(marks.into_inner().expect("kept").len(), 3, "one point of the curve is marked in each picture");
-        // At the feature's slope the response is stronger than at the other end of the range.
-        let place = film.place().expect("a feature");
-        let d = |step: usize| film.response(&film.steps()[step], place, &Monitor::default()).expect("made").abs();
-        let (near, far) = if slope.u > 0.0 { (d(2).max(d(1)), d(0)) } else { (d(0).max(d(1)), d(2)) };
-        assert!(near > far, "{near} and {far} at {slope:?}");
     }
 }

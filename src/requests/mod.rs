@@ -31,7 +31,7 @@ pub use explain::{
     CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest,
     ProbeQuestion, ProbeRequest, Probed, Traced,
 };
-pub use film::{Film, FilmPlace, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
+pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::{MotionMap, SlopeColours, line_of};
 pub use match_figure::{MatchFigure, MatchPictures, are_stacked, titled};

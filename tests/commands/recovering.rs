@@ -110,11 +110,6 @@ fn a_sweep_is_a_film_and_frames_are_combined() {
     let said =
         run_well(home.path(), &[&["film"], &SEARCH[..], &["--sweep", "slope-u=0:1:2", "--out", "b.gif"]].concat());
     assert!(said.contains("2 pictures of") && said.contains("10 a second, about"), "{said}");
-    for (place, says) in [(["9999,1", "0,1"], "9999"), (["9,9", "9,0"], "octave"), (["9,9", "one"], "'one'")] {
-        let [at, scale] = place;
-        let line = ["--sweep", "scale", "--at", at, "--scale", scale, "--out", "c.gif"];
-        assert!(run_badly(home.path(), &[&["film"], &SEARCH[..], &line].concat(), 2).contains(says), "{says}");
-    }
     assert!(run_badly(home.path(), &["film", "demo", "--sweep", "up", "--out", "a.gif"], 2).contains("no sweep"));
     assert!(run_badly(home.path(), &["film", "demo", "--sweep", "scale", "--out", "a.apng"], 2).contains("GIF"));
     let mean = |how: &str| {

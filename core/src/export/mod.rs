@@ -34,10 +34,9 @@ pub use csv::{
 };
 pub use density::{Cells, IN_A_CELL};
 pub use figure::{
-    Colour, ColourBar, DASH, Drawing, FAN_OPACITY, FigureAmount, FigureCurve, FigureFormat, FigureLink, FigureMark,
-    FigureMatches, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke, FigureUnit, FigureWidth,
-    LegendEntry, LegendMark, MatchKind, curve_height, draw_curve, fan, lay_out, motion_over, round_length, sigma_over,
-    write_drawing_svg,
+    Colour, ColourBar, DASH, Drawing, FAN_OPACITY, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches,
+    FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke, FigureUnit, FigureWidth, LegendEntry,
+    LegendMark, MatchKind, fan, lay_out, motion_over, round_length, sigma_over, write_drawing_svg,
 };
 pub use floats::{write_field_pfm, write_field_tiff, write_tiff};
 pub use format::{ExportFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};

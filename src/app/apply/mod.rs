@@ -119,7 +119,11 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::ForgetKept(index) => studies::forget_kept(model, index),
         A::SortPairs(column) => model.results.datasets.open.iter_mut().for_each(|open| open.matches.sort_by(column)),
         A::ChangePanes(change) => panes::change_panes(model, change),
-        action => set(action, &mut model.document),
+        action => {
+            if let Some(other) = action.set_field(&mut model.document) {
+                set(other, &mut model.document);
+            }
+        }
     }
     Vec::new()
 }
@@ -165,45 +169,24 @@ fn set(action: Action, document: &mut Document) {
             document.look = Look { ranges: document.look.ranges, ..look };
         }
         A::SetDisplay(class, display) => *document.focused_ranges_mut().display_mut(class) = display,
-        A::SetMeasure(measure) => document.measure = measure,
-        A::SetPanels(panels) => document.panels = panels,
         A::OpenTab(tab) => (document.bottom_tab, document.panels.bottom) = (tab, Visibility::Open),
-        A::SetFigure(figure) => document.figure = figure,
-        A::SetFilm(film) => document.film = film,
         A::Change(changes) => document.change(&changes),
-        A::SetSearch(search) => document.params = *search,
-        A::SetSetUp(set_up) => document.set_up = set_up,
         A::ReadDepths(reads) => document.read_depths(reads),
-        A::Select(index) => document.selected = index,
-        A::SetFilter(filter) => document.filter = filter,
-        A::SetOrder(order) => document.order = order,
         A::ShowTest(test) => (document.shown_test, document.selected_candidate) = (test, None),
-        A::SelectCandidate(index) => document.selected_candidate = index,
-        A::ProbeNear(sigma) => document.probe.near_sigma = sigma,
-        A::OpenProbe(is_open) => document.probe.is_open = is_open,
         A::StopFollowing => document.probe.follows = false,
         A::ShowKind(side, kind, shown) => show(&mut document.comparisons[side].hidden, kind, shown),
-        A::SetMatching(params) => document.matching = *params,
-        A::SetMatchLook(look) => document.match_look = look,
         A::SetPairLinks(links) => document.set_pair_links(links),
-        A::SetMatchOrder(order) => document.match_order = order,
         A::SelectMatch(index) => (document.selected_match, document.asked_about) = (index, None),
         A::ShowLost(lost, shown) => {
             show(&mut document.hidden_losses, lost, shown);
             document.pair_tab = PairTab::Unmatched;
         }
-        A::SetMethods(look) => document.methods = look,
-        A::SetLab(lab) => document.lab = *lab,
-        A::SetPairChoice(choice) => document.pairs = choice,
         A::ChooseBurst(side, place) => document.dataset.iter_mut().for_each(|dataset| dataset.choose(side, place)),
         A::SelectPair(pair) => document.dataset.iter_mut().for_each(|dataset| dataset.select(pair)),
-        A::SetProjection(projection) => document.trajectories.projection = projection,
         A::ShowPoints(points) => {
             // The section shown is another one.
             (document.trajectories.points, document.trajectories.view) = (points, View::fit());
         }
-        A::MoveCameras(view) => document.trajectories.view = view,
-        A::SelectCamera(index) => document.trajectories.selected = index,
         action => set_pane(action, document),
     }
 }

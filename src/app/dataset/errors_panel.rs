@@ -69,7 +69,7 @@ fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.add(DragValue::new(&mut study.step).range(1..=10_000).suffix(" poses")).labelled_by(label.id);
         ui.end_row();
     });
-    queue.set(&trajectories.projection, projection, Action::SetProjection);
+    queue.edit(model.document, Action::SetProjection(projection));
     queue.set(&trajectories.study, study, Action::SetPoseStudy);
 }
 

@@ -30,9 +30,79 @@ use crate::teach::BottomTab;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Action {
+/// Declares [`Action`] with the fields of the document that an action each sets and that nothing else follows from:
+/// how it is written, what sets it and what compares it are made from one line.
+macro_rules! actions {
+    (
+        fields { $($(#[$doc:meta])* $set:ident($(#[$written:meta])* $value:ty) => $($field:ident).+;)* }
+        large { $($(#[$about:meta])* $replace:ident($large:ty) => $($place:ident).+;)* }
+        others { $($others:tt)* }
+    ) => {
+        #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum Action {
+            $($(#[$doc])* $set($(#[$written])* $value),)*
+            $($(#[$about])* $replace(Box<$large>),)*
+            $($others)*
+        }
+
+        impl Action {
+            /// Sets the field of an action that sets one; others are given back.
+            pub fn set_field(self, document: &mut Document) -> Option<Self> {
+                match self {
+                    $(Self::$set(value) => document.$($field).+ = value,)*
+                    $(Self::$replace(value) => document.$($place).+ = *value,)*
+                    other => return Some(other),
+                }
+                None
+            }
+
+            /// Whether the action sets a field.
+            pub fn sets_field(&self) -> bool {
+                matches!(self, $(Self::$set(_))|* $(| Self::$replace(_))*)
+            }
+
+            /// Whether the action sets a field to the value that it has.
+            pub fn changes_nothing(&self, document: &Document) -> bool {
+                match self {
+                    $(Self::$set(value) => document.$($field).+ == *value,)*
+                    $(Self::$replace(value) => document.$($place).+ == **value,)*
+                    _ => false,
+                }
+            }
+        }
+    };
+}
+
+actions! {
+fields {
+    SetMeasure(Measure) => measure;
+    SetPanels(Panels) => panels;
+    SetFigure(FigureChoice) => figure;
+    SetFilm(FilmChoice) => film;
+    SetSetUp(SetUpState) => set_up;
+    Select(#[serde(with = "or_none")] Option<usize>) => selected;
+    SetFilter(Filter) => filter;
+    SetOrder(Order<Quantity>) => order;
+    SelectCandidate(#[serde(with = "or_none")] Option<usize>) => selected_candidate;
+    /// Scale σ near which candidates come first, input pixels.
+    ProbeNear(#[serde(with = "or_none")] Option<f32>) => probe.near_sigma;
+    OpenProbe(bool) => probe.is_open;
+    SetMatchLook(MatchLook) => match_look;
+    SetMatchOrder(Order<MatchColumn>) => match_order;
+    SetMethods(CompareLook) => methods;
+    SetPairChoice(PairChoice) => pairs;
+    SetProjection(Projection) => trajectories.projection;
+    MoveCameras(View) => trajectories.view;
+    SelectCamera(#[serde(with = "or_none")] Option<usize>) => trajectories.selected;
+}
+large {
+    /// All parameters, as a file has them.
+    SetSearch(SearchParams) => params;
+    SetMatching(MatchParams) => matching;
+    SetLab(Lab) => lab;
+}
+others {
     /// A row of the action table: what menus, keys and buttons do.
     Do(ActionId),
     Open(Side, BurstSource),
@@ -81,72 +151,49 @@ pub enum Action {
     /// All but its value ranges.
     SetLook(Look),
     ColourBy(ColourBy),
-    SetMeasure(Measure),
-    SetPanels(Panels),
     OpenTab(BottomTab),
     ToggleTab(BottomTab),
-    SetFigure(FigureChoice),
-    SetFilm(FilmChoice),
 
     /// Values of single parameters.
     Change(Vec<ParamChange>),
-    /// All parameters, as a file has them.
-    SetSearch(Box<SearchParams>),
     /// The first `n` frames, added up along the slope; of one its frame.
     UseFrames(usize),
     /// Advice for the burst of a side.
     ApplyChanges(Side, Vec<ParamChange>),
-    SetSetUp(SetUpState),
     ApplySetUp,
     ReadDepths(bool),
 
-    Select(#[serde(with = "or_none")] Option<usize>),
-    SetFilter(Filter),
-    SetOrder(Order<Quantity>),
     ShowTest(#[serde(with = "or_none")] Option<Test>),
-    SelectCandidate(#[serde(with = "or_none")] Option<usize>),
     ExamineSlopes,
     SearchDecoys,
 
     Probe(Side, ProbeQuestion),
     ProbeFeature(Side, usize),
     ProbeSubject(ProbeSubject),
-    /// Scale σ near which candidates come first, input pixels.
-    ProbeNear(#[serde(with = "or_none")] Option<f32>),
-    OpenProbe(bool),
     StopFollowing,
 
     CompareWith(Side, #[serde(with = "or_none")] Option<Reference>),
     ShowKind(Side, Kind, bool),
     SelectRow(Side, #[serde(with = "or_none")] Option<usize>),
 
-    SetMatching(Box<MatchParams>),
-    SetMatchLook(MatchLook),
     SetPairLinks(PaneLinks),
-    SetMatchOrder(Order<MatchColumn>),
     SetPairTab(PairTab),
     SelectMatch(#[serde(with = "or_none")] Option<usize>),
     /// Why a feature of A has no match.
     AskFeature(#[serde(with = "or_none")] Option<usize>),
     ShowLost(Lost, bool),
-    SetMethods(CompareLook),
 
-    SetLab(Box<Lab>),
     ShowKept(usize, bool),
     NameKept(usize, String),
     ForgetKept(usize),
 
-    SetPairChoice(PairChoice),
     /// A burst of the open dataset, by its place, as A or B of a pair.
     ChooseBurst(Side, usize),
     SelectPair(BurstPair),
     SortPairs(PairColumn),
 
     SetPoseStudy(PoseStudy),
-    SetProjection(Projection),
     ShowPoints(bool),
-    MoveCameras(View),
-    SelectCamera(#[serde(with = "or_none")] Option<usize>),
     /// The burst of a camera, by its label.
     OpenCamera(String),
 
@@ -156,6 +203,7 @@ pub enum Action {
     Point(Pointed),
     #[serde(skip)]
     Stage(Staged),
+}
 }
 
 /// Thing under the pointer, or as last drawn: of no lasting effect.
@@ -231,6 +279,13 @@ pub struct Queue(Vec<Action>);
 impl Queue {
     pub fn push(&mut self, action: impl Into<Action>) {
         self.0.push(action.into());
+    }
+
+    /// Pushes an action that sets a field of the document, unless the field has that value.
+    pub fn edit(&mut self, document: &Document, action: Action) {
+        if !action.changes_nothing(document) {
+            self.0.push(action);
+        }
     }
 
     /// Pushes the action that sets a value, if `after` is another one.

@@ -184,22 +184,10 @@ fn is_taken_down(action: &Action) -> bool {
 /// Whether `action` makes the one before it in the same step needless: of a drag, the value at its end is enough.
 fn replaces(action: &Action, before: &Action) -> bool {
     use Action as A;
-    let sets_all = matches!(
-        action,
-        A::SetSearch(_)
-            | A::SetMatching(_)
-            | A::SetFilter(_)
-            | A::SetSetUp(_)
-            | A::SetLab(_)
-            | A::SetMeasure(_)
-            | A::SetMatchLook(_)
-            | A::MoveCameras(_)
-    );
-    let sets_one = match (action, before) {
+    match (action, before) {
         (A::Change(of), A::Change(last)) => of.iter().map(|one| one.parameter).eq(last.iter().map(|one| one.parameter)),
         (A::SetDisplay(of, _), A::SetDisplay(last, _)) => of == last,
         (A::NameKept(of, _), A::NameKept(last, _)) => of == last,
-        _ => false,
-    };
-    (sets_all && discriminant(action) == discriminant(before)) || sets_one
+        _ => action.sets_field() && discriminant(action) == discriminant(before),
+    }
 }

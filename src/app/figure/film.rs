@@ -42,7 +42,7 @@ impl FilmDialog {
             ui.add_space(6.0);
             let mut film = model.document.film;
             choice_ui(ui, &mut film);
-            queue.set(&model.document.film, film, Action::SetFilm);
+            queue.edit(model.document, Action::SetFilm(film));
             ui.add_space(4.0);
             ui.label(self.described(model));
             ui.add_space(8.0);

@@ -72,7 +72,7 @@ pub fn hidden_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
                 if ui.add_enabled(!measure.hidden.is_empty(), back).on_hover_text("Remove the last outline").clicked() {
                     measure.hidden.pop();
                 }
-                queue.set(&model.document.measure, measure, Action::SetMeasure);
+                queue.edit(model.document, Action::SetMeasure(measure));
                 button_ui(ui, model, queue, ActionId::ClearMeasure, Some("Close"));
             });
         });

@@ -137,7 +137,7 @@ pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Q
             Tool::Pan => {}
         }
     }
-    queue.set(&model.document.measure, measure, Action::SetMeasure);
+    queue.edit(model.document, Action::SetMeasure(measure));
 }
 
 pub fn measure_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput) {

@@ -29,7 +29,7 @@ pub fn controls_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 look.same_false_rate = None;
             }
         }
-        queue.set(&model.document.methods, look, Action::SetMethods);
+        queue.edit(model.document, Action::SetMethods(look));
         gold_ui(ui, model, queue);
         if let Some((method, running)) = model.results.compare.running() {
             let text = format!("{}: {}", method.label(), progress_text(&running));
@@ -144,7 +144,7 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 }
             });
     });
-    queue.set(&model.document.methods, look, Action::SetMethods);
+    queue.edit(model.document, Action::SetMethods(look));
 }
 
 fn cells(model: Read<'_>, method: MethodId) -> [String; COLUMNS.len()] {

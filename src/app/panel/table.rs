@@ -65,8 +65,8 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     };
     let name = |index: usize| format!("Feature {index}");
     let pointed = sorted_table_ui(ui, &columns, model.document.order, &listed, text, name, menu);
-    queue.set(&model.document.order, pointed.order, Action::SetOrder);
-    queue.set(&model.document.selected, chosen.or(pointed.selected), Action::Select);
+    queue.edit(model.document, Action::SetOrder(pointed.order));
+    queue.edit(model.document, Action::Select(chosen.or(pointed.selected)));
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
     }
@@ -270,7 +270,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             "{all} move with what is sharp here; {own} of all features also by their own slope"
         ));
     }
-    queue.set(&model.document.filter, filter, Action::SetFilter);
+    queue.edit(model.document, Action::SetFilter(filter));
     if !model.document.filter.is_open() {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
     }

@@ -121,6 +121,6 @@ pub fn card_ui(ctx: &Context, model: Read<'_>, lessons: &Lessons, rect_ui: Rect,
             ui.weak("Shift+click any place: why there is a feature, or none.");
         });
     });
-    queue.set(&model.document.panels, panels, Action::SetPanels);
+    queue.edit(model.document, Action::SetPanels(panels));
     chosen
 }

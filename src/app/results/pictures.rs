@@ -9,7 +9,7 @@ use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeAxis};
 use crate::plane::display::Display;
-use crate::requests::{Film, FilmPlace, MAX_FILM_PICTURES, OpenBurst, Picture, PictureKind, PictureRequest, Sweep};
+use crate::requests::{Film, MAX_FILM_PICTURES, OpenBurst, Picture, PictureKind, PictureRequest, Sweep};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -188,11 +188,7 @@ impl Read<'_> {
             FilmContent::Slopes | FilmContent::Frames => Sweep::Frames,
         };
         let detection = found.map(|found| found.detection.clone());
-        // The place that is probed, at the scale of the cursor, as the curves of the probe follow it.
-        let cursor = self.document.cursor();
-        let probed = self.probed_place().filter(|_| self.document.probe.side == side);
-        let place = probed.map(|at| FilmPlace { at, scale: (cursor.octave, cursor.level) });
-        let max_side_px = self.document.film.max_side_px;
-        Some(Film { burst, params, sweep, slope: cursor.slope, detection, place, max_side_px })
+        let (slope, max_side_px) = (self.document.cursor().slope, self.document.film.max_side_px);
+        Some(Film { burst, params, sweep, slope, detection, max_side_px })
     }
 }

@@ -67,7 +67,7 @@ fn pairs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             let field = DragValue::new(&mut choice.overlap).range(1..=100_000).suffix(" bursts");
             ui.add_enabled(choice.neighbours, field).labelled_by(label.id);
         });
-        queue.set(&model.document.pairs, choice, Action::SetPairChoice);
+        queue.edit(model.document, Action::SetPairChoice(choice));
         ui.add_space(4.0);
         if model.results.datasets.work.is_some() {
             working_ui(ui, &model.results.datasets);

@@ -6,7 +6,7 @@ use burstscope::export::{Drawing, FigureShape};
 use burstscope::inspect::spectrum::is_at_slope;
 use burstscope::inspect::words::slope_text;
 use burstscope::monitor::Monitor;
-use burstscope::requests::{DetectRequest, Detected, Film, FilmPlace, Sweep};
+use burstscope::requests::{DetectRequest, Detected, Film, Sweep};
 use std::collections::BTreeSet;
 use std::sync::Mutex;
 
@@ -34,9 +34,8 @@ fn of_pictures<T: Send>(film: &Film, of: impl Fn(&Drawing) -> T + Sync) -> Vec<T
 #[test]
 fn every_sweep_has_its_steps_in_pictures_of_one_size() {
     let film = |sweep: &str| {
-        let place = Some(FilmPlace { at: [40.0, 30.0], scale: (0, 1) });
         let (burst, params, sweep) = (open(), DetectorParams::default(), sweep.parse().expect("a sweep"));
-        Film { burst, params, sweep, slope: Slope::default(), detection: None, place, max_side_px: 48 }
+        Film { burst, params, sweep, slope: Slope::default(), detection: None, max_side_px: 48 }
     };
     // Three octaves of five levels.
     for (text, count) in [("slope-u=-2:2:5", 5), ("slope-v=0:1:2", 2), ("frames", 4), ("scale", 15)] {
@@ -89,8 +88,8 @@ fn the_legend_of_a_film_names_the_slopes_that_it_draws_and_no_others() {
         (plane, &in_plane, up_to(at_in_plane.u), at_in_plane),
     ] {
         let burst = open();
-        let (place, detection) = (None, Some(found.detection.clone()));
-        let film = Film { burst, params, sweep, slope, detection, place, max_side_px: 640 };
+        let detection = Some(found.detection.clone());
+        let film = Film { burst, params, sweep, slope, detection, max_side_px: 640 };
         let (grid, features) = (found.detection.slopes, &found.detection.features);
         let name = |motion: Slope| format!("{} px/frame", slope_text(grid.slope(grid.nearest(motion))));
         let steps = film.steps();

@@ -9,13 +9,11 @@
 //! A figure for print has a width in millimetres, and letters and lines in points. Titles are broken to the width of
 //! their pictures; bars and legends that pictures share stand once, below all.
 
-mod curve;
 mod fan;
 mod layout;
 mod links;
 mod svg;
 
-pub use curve::{FigureCurve, curve_height, draw_curve};
 pub use fan::{FAN_OPACITY, fan};
 pub use layout::{lay_out, round_length};
 pub use links::{FigureAmount, FigureLink, FigureMatches, MatchKind};

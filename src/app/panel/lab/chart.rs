@@ -20,7 +20,7 @@ pub fn lab_chart_ui(ui: &mut Ui, model: Read<'_>, texture: &mut PlaneTexture, qu
     let mut lab = model.document.lab.clone();
     choice_ui(ui, model, &mut lab);
     chosen_ui(ui, model, &mut lab, texture, queue);
-    queue.set(&model.document.lab, lab, |lab| Action::SetLab(Box::new(lab)));
+    queue.edit(model.document, Action::SetLab(Box::new(lab)));
 }
 
 fn chosen_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab, texture: &mut PlaneTexture, queue: &mut Queue) {

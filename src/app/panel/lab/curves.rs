@@ -91,7 +91,7 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if let Some((set, point, true)) = pointed.filter(|(set, ..)| has_charts(*set)) {
         (lab.selected, lab.selected_chart) = (Some((set, point)), 0);
     }
-    queue.set(&model.document.lab, lab, |lab| Action::SetLab(Box::new(lab)));
+    queue.edit(model.document, Action::SetLab(Box::new(lab)));
 }
 
 /// Draws the button that makes all methods comparable, as the paper does: each at the peak threshold where the same

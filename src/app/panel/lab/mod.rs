@@ -52,7 +52,7 @@ pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         section_ui(ui, "Methods", |ui| methods_ui(ui, &mut lab));
     }
     section_ui(ui, "Dark copy of A", |ui| dark_copy_ui(ui, model, &mut lab, queue));
-    queue.set(&model.document.lab, lab, |lab| Action::SetLab(Box::new(lab)));
+    queue.edit(model.document, Action::SetLab(Box::new(lab)));
     let text = "All methods use the detector's parameters of this window. Only the method 'slopes found' finds the slopes \
                 of each burst; the others search the given range, or ±3 px/frame.";
     ui.add(Label::new(RichText::new(text).small().weak()).wrap());

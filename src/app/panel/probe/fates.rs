@@ -63,7 +63,7 @@ fn scale_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
             ui.selectable_value(&mut chosen, Some(scale.sigma), sigma_text(scale.sigma));
         }
     });
-    queue.set(&model.document.probe.near_sigma, chosen, Action::ProbeNear);
+    queue.edit(model.document, Action::ProbeNear(chosen));
     let help = "Candidates near this scale come first; a probe begins with the scale of the DoG in view";
     named(&combo.response.on_hover_text(help), egui::Role::ComboBox, format!("Scale of candidates: {text}"));
 }

@@ -57,7 +57,7 @@ pub fn probe_tab_ui(
             ui.selectable_value(&mut is_open, true, "Probe")
                 .on_hover_text("Why there is a feature at a place, or why there is none");
         });
-        queue.set(&model.document.probe.is_open, is_open, Action::OpenProbe);
+        queue.edit(model.document, Action::OpenProbe(is_open));
         ui.separator();
     }
     if model.document.probe.is_open {

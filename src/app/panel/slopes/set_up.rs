@@ -27,7 +27,7 @@ pub(super) fn set_up_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if unfolded.header_response.clicked() {
         state.is_open ^= true;
     }
-    queue.set(&model.document.set_up, state, Action::SetSetUp);
+    queue.edit(model.document, Action::SetSetUp(state));
 }
 
 fn fields_ui(ui: &mut Ui, values: &mut SetUp) {

@@ -193,7 +193,7 @@ pub fn switches_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         for (on, label, tip) in boxes {
             ui.checkbox(on, label).on_hover_text(tip);
         }
-        queue.set(&model.document.match_look, changed, Action::SetMatchLook);
+        queue.edit(model.document, Action::SetMatchLook(changed));
     });
 }
 

@@ -100,7 +100,7 @@ fn all_rows_ui(ui: &mut Ui, model: Read<'_>, camera: &mut CameraText, queue: &mu
     if fold_ui(ui, model, needed, changed, queue) {
         ADVANCED.iter().for_each(|record| row(ui, record));
     }
-    queue.set(&model.document.matching, params, |params| Action::SetMatching(Box::new(params)));
+    queue.edit(model.document, Action::SetMatching(Box::new(params)));
 }
 
 fn camera_ui(

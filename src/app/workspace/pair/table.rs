@@ -45,7 +45,7 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) -> Option<usize
     };
     let name = |index: usize| format!("Match {index}");
     let pointed = sorted_table_ui(ui, &MatchColumn::ALL, model.document.match_order, &listed, text, name, menu);
-    queue.set(&model.document.match_order, pointed.order, Action::SetMatchOrder);
+    queue.edit(model.document, Action::SetMatchOrder(pointed.order));
     queue.set(&model.document.selected_match, chosen.or(pointed.selected), Action::SelectMatch);
     if chosen.is_some() {
         queue.push(ActionId::GoToFeature);
