@@ -4,6 +4,7 @@
 
 use super::reading::{PACKAGES, code, files};
 use super::screenshots::{self, Stored};
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 /// One line of the table.
@@ -108,7 +109,6 @@ fn drawing_takers(sources: &[Source]) -> Vec<String> {
 fn counts() -> Vec<Count> {
     let sources = sources();
     let lines = |source: &Source| source.text.lines().count();
-    let lines_in = |package: &str| sources.iter().filter(|source| source.package == package).map(lines).sum();
     let is_shell = |source: &Source| source.code.contains("BurstscopeApp") && source.path != Path::new("app/mod.rs");
     let stored = screenshots::stored();
     let larger = |folder: &str, bytes: u64| {
@@ -140,16 +140,66 @@ fn counts() -> Vec<Count> {
             sources.iter().flat_map(pointing).collect(),
         ),
         Count::of("files above 600 lines", 0, which(&sources, |source| lines(source) > 600)),
-        Count { bound: Some(558), ..Count::told("source files", sources.len()) },
+        Count { bound: Some(557), ..Count::told("source files", sources.len()) },
         Count { bound: Some(4_000_000), ..Count::told("bytes of screenshots", screenshots::bytes(&stored)) },
         Count::of("pictures of documents above 100 000 bytes", 0, larger("", 100_000)),
         // Noise takes more.
         Count::of("pictures without noise above 70 000 bytes", 0, larger("flat", 70_000)),
         Count::told("source files under 80 lines", which(&sources, |source| lines(source) < 80).len()),
-        Count { bound: Some(61_904), ..Count::told("lines of the library, tests included", lines_in("core/src")) },
-        Count { bound: Some(11_697), ..Count::told("lines of the measuring bench", lines_in("lab/src")) },
-        Count { bound: Some(48_164), ..Count::told("lines of the program", lines_in("src")) },
+        Count::told("lines of all sources, their tests included", lines_of_rooms().values().sum()),
     ]
+}
+
+/// Most lines of each room: a folder of a package's sources, or its files outside of folders.
+const ROOMS: &str = include_str!("rooms.txt");
+
+fn rooms(text: &str) -> BTreeMap<String, usize> {
+    let row = |line: &str| {
+        let (room, lines) = line.split_once(' ').expect("a room and its lines");
+        (room.to_owned(), lines.trim().parse().expect("a number"))
+    };
+    text.lines().map(row).collect()
+}
+
+fn lines_of_rooms() -> BTreeMap<String, usize> {
+    let mut found = BTreeMap::new();
+    for Source { package, path, text, .. } in sources() {
+        let folder = (path.components().count() > 1).then(|| path.iter().next()).flatten();
+        let room = folder.map_or(package.to_owned(), |folder| format!("{package}/{}", folder.display()));
+        *found.entry(room).or_default() += text.lines().count();
+    }
+    found
+}
+
+#[test]
+fn each_room_has_at_most_the_lines_that_it_is_given() {
+    let (found, given) = (lines_of_rooms(), rooms(ROOMS));
+    let text: String = found.iter().map(|(room, lines)| format!("{room} {lines}\n")).collect();
+    println!("{text}");
+    for (room, lines) in found {
+        let bound = given.get(&room).copied().unwrap_or(0);
+        assert!(lines <= bound, "{room} has {lines} lines, and is given {bound}");
+    }
+}
+
+/// A room is given more only where others are given as much less in the same commit. Of a copy without its history,
+/// only what the history would compare is left out: the rooms have their bounds.
+#[test]
+fn what_rooms_are_given_never_rises_together() {
+    let file = "tests/commands/house/rooms.txt";
+    let git = |arguments: &[&str]| {
+        let root = env!("CARGO_MANIFEST_DIR");
+        let done = std::process::Command::new("git").arg("-C").arg(root).args(arguments).output().ok()?;
+        done.status.success().then(|| String::from_utf8_lossy(&done.stdout).into_owned())
+    };
+    let commits = git(&["log", "--format=%H", "-n", "50", "--", file]).unwrap_or_default();
+    let mut later = ("the files here".to_owned(), rooms(ROOMS).values().sum::<usize>());
+    for commit in commits.lines() {
+        let Some(text) = git(&["show", &format!("{commit}:{file}")]) else { continue };
+        let given = rooms(&text).values().sum();
+        assert!(later.1 <= given, "{} give the rooms {} lines, {commit} before them {given}", later.0, later.1);
+        later = (commit.to_owned(), given);
+    }
 }
 
 #[test]
