@@ -4,6 +4,7 @@ use super::actions::{ActionId, Queue};
 use super::dataset::CutDialog;
 use super::dialogs::Question;
 use super::document::Action;
+use super::files::{drop_places, purpose_of_dropped};
 use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
 use super::{actions, apply, clipboard, files};

@@ -86,9 +86,9 @@ impl Settings {
     /// Actions that lead from the defaults to these settings.
     pub fn actions(&self) -> Queue {
         let (mut actions, plain) = (Queue::default(), Self::default());
-        actions.edit(&plain, Action::SetPanels(self.panels));
-        actions.edit(&plain, Action::SetFigure(self.figure));
-        actions.edit(&plain, Action::SetMatchLook(self.match_look.sanitised()));
+        actions.set(&plain.panels, self.panels, Action::SetPanels);
+        actions.set(&plain.figure, self.figure, Action::SetFigure);
+        actions.set(&plain.match_look, self.match_look.sanitised(), Action::SetMatchLook);
         actions.set(&plain.links, self.links, Action::SetPairLinks);
         let theme = match self.theme {
             egui::ThemePreference::System => ActionId::ThemeSystem,

@@ -33,7 +33,6 @@ use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;
 use crate::teach::Part;
 use egui::{CentralPanel, Frame, Margin, Panel};
-use std::path::PathBuf;
 use std::sync::Arc;
 
 pub struct BurstscopeApp {
