@@ -5,7 +5,7 @@
 //! and letters; that is a lost device too. The icon is drawn here as in `assets/icon.svg`.
 
 use super::gpu;
-use super::recovery::{KeptIn, SAVED_EVERY};
+use super::recovery::{KeptIn, Record, SAVED_EVERY};
 use super::settings::Settings;
 use super::startup::Startup;
 use super::window::BurstscopeApp;
@@ -59,13 +59,15 @@ impl eframe::App for Shown {
 
 pub fn run(mut startup: Startup) -> anyhow::Result<()> {
     let running = eframe::storage_dir(APP_ID).map(|folder| folder.join(RUNNING_FOLDER));
+    // A second window at the place of the first would hide it; its place is left to the desktop.
+    let is_first = !running.as_ref().is_some_and(|folder| Record::is_kept_in(folder));
     startup.kept = running.map(|folder| KeptIn { folder, every: SAVED_EVERY });
     let window = SharedWindow::default();
     let mut startup = Some(startup);
     let mut context = None;
     let mut losses: Vec<Instant> = Vec::new();
     loop {
-        let opened = draw_until_closed(&window, &mut startup, &mut context);
+        let opened = draw_until_closed(&window, &mut startup, &mut context, is_first);
         let saved = "what was open was saved and is offered at the next start";
         let opened = if losses.is_empty() { opened } else { opened.map_err(|error| anyhow!("{error}; {saved}")) };
         let Some(why) = window.borrow_mut().as_mut().and_then(BurstscopeApp::take_lost_device) else { return opened };
@@ -91,6 +93,7 @@ fn draw_until_closed(
     window: &SharedWindow,
     startup: &mut Option<Startup>,
     context: &mut Option<egui::Context>,
+    keeps_place: bool,
 ) -> anyhow::Result<()> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -103,6 +106,7 @@ fn draw_until_closed(
         renderer: eframe::Renderer::Wgpu,
         wgpu_options: gpu::wgpu_configuration(),
         persistence_path: other_settings(),
+        persist_window: keeps_place,
         ..Default::default()
     };
     let before = context.clone();

@@ -58,6 +58,7 @@ pub struct BurstscopeApp {
     pub(super) end: EndRequest,
     pub(super) is_ending: bool,
     pub(super) settings: Settings,
+    title: String,
 }
 
 impl BurstscopeApp {
@@ -94,6 +95,7 @@ impl BurstscopeApp {
             end: startup.end,
             is_ending: false,
             settings: startup.settings,
+            title: String::new(),
         };
         app.recovery = Recovery::begin(startup.kept.as_ref(), &mut app.model.shell.messages);
         for action in begins {
@@ -133,6 +135,7 @@ impl BurstscopeApp {
         ctx.set_theme(self.model.document.theme);
         self.model.shell.window_width_points = ctx.content_rect().width();
         methods::refresh_workspace(&mut self.model);
+        self.name_window(&ctx);
         self.take_answers(&ctx);
         self.take_dropped_files(&ctx);
         let (mut queue, in_hall) = (Queue::default(), self.model.document.panels.hall);
@@ -151,12 +154,11 @@ impl BurstscopeApp {
             }
         }
         let plays_on = self.play_step(&ctx);
-        // Slopes that were played are among what is done again.
+        // Pictures that were played are among what is done again.
         if self.playback.is_none()
-            && let Some((slope, rest)) = panes::step_play(&mut self.model)
+            && let Some((next, rest)) = panes::step_play(&mut self.model)
         {
-            let focus = self.model.document.focus();
-            slope.into_iter().for_each(|slope| queue.push(Action::PlaySlope(focus, slope)));
+            next.into_iter().for_each(|next| queue.push(next));
             ctx.request_repaint_after(rest);
         }
         asked = self.layout_ui(ui, &mut queue).or(asked);
@@ -182,6 +184,15 @@ impl BurstscopeApp {
         self.keep_session(&ctx);
         if self.model.document.panels.hall != in_hall {
             ctx.send_viewport_cmd(egui::ViewportCommand::Fullscreen(!in_hall));
+        }
+    }
+
+    /// Puts what is open into the title of the window.
+    fn name_window(&mut self, ctx: &egui::Context) {
+        let title = self.read().title();
+        if self.title != title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
         }
     }
 

@@ -24,20 +24,17 @@ mod cursor {
     }
 
     #[test]
-    fn playing_visits_every_slope_and_never_jumps() {
-        for grid in [SlopeGrid::line(-3.0..=3.0, 7), SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=1.0, 2)] {
-            let steps = 2 * grid.len();
-            let played_slopes: Vec<Slope> = (0..=steps).map(|s| played(&grid, s)).collect();
-            for slope in grid.slopes() {
-                assert!(played_slopes.contains(&slope));
-                assert_eq!(played(&grid, play_step_of(&grid, slope)), slope);
-            }
-            for pair in played_slopes.windows(2) {
-                let jump = Slope::new(pair[1].u - pair[0].u, pair[1].v - pair[0].v).magnitude();
-                assert!(jump <= 1.0 + 1e-6, "{pair:?}");
-            }
+    fn playing_goes_through_the_row_of_the_cursor_and_never_jumps() {
+        let plane = SlopeGrid::plane(-1.0..=1.0, 3, 0.0..=1.0, 2);
+        let (row, at) = row_of(&plane, Slope::new(0.9, 0.8));
+        assert_eq!((row, at), (vec![Slope::new(-1.0, 1.0), Slope::new(0.0, 1.0), Slope::new(1.0, 1.0)], 2));
+        let column = SlopeGrid { u: SlopeGrid::single(Slope::default()).u, ..plane };
+        assert_eq!(row_of(&column, Slope::new(3.0, 0.1)), (vec![Slope::new(0.0, 0.0), Slope::new(0.0, 1.0)], 0));
+        for count in [1, 2, 7] {
+            let places: Vec<usize> = (0..=2 * count).map(|step| back_and_forth(step, count)).collect();
+            assert!((0..count).all(|place| places[place] == place), "{places:?}");
+            assert!(places.windows(2).all(|two| two[0].abs_diff(two[1]) == usize::from(count > 1)), "{places:?}");
         }
-        assert_eq!(played(&SlopeGrid::single(Slope::new(2.0, 1.0)), 5), Slope::new(2.0, 1.0));
     }
 }
 

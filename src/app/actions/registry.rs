@@ -272,9 +272,10 @@ actions! {
     ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst" => Switch(look.motion_vectors);
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation" => Switch(look.orientations);
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours" => Switch(look.legend);
+    AutoContrast, View 3, "Auto contrast", [SHIFT A], "Set contrast and brightness so that all but the darkest and brightest 0.1 % of the values can be told apart" => Run(|model, _| panes::auto_contrast(model)), when when::has_picture;
     NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale, response, SNR, slope limit or coherence in turn" => Set(change::colour_next);
     ToggleLeft, View 4, "Cursor and parameters", [CTRL B], "Show or hide the panel on the left" => Run(change::toggle_left), on |model| model.shows_left();
-    ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right" => Run(|model, _| model.document.panels.right = Visibility::from(!Read::of(model).shows_right())), on |model| model.shows_right();
+    ToggleRight, View 4, "Feature and display", [CTRL R], "Show or hide the panel on the right: the selected feature, contrast, brightness and colours" => Run(|model, _| model.document.panels.right = Visibility::from(!Read::of(model).shows_right())), on |model| model.shows_right();
     ToggleBottom, View 4, "Table and tally", [CTRL J], "Show or hide the panel below" => Run(|model, _| model.document.panels.bottom = Visibility::from(!Read::of(model).shows_bottom())), on |model| model.shows_bottom();
     ToggleFilmstrip, View 4, "Filmstrip", [CTRL K], "Show or hide the bursts of the dataset" => Switch(panels.filmstrip), when when::has_dataset;
     ThemeSystem, View 5, "Theme as the system", [], "Follow the system's light or dark theme" => Set(|document| document.theme = ThemePreference::System), on |model| model.document.theme == ThemePreference::System;
@@ -306,7 +307,7 @@ actions! {
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames" => Slope(|_, _| Slope::default()), when when::has_burst;
     SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope" => Slope(snapped), when when::has_burst;
     BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting the ends of the range" => Run(change::go_to_busiest_slope), when |model| when::active(model).found.is_some();
-    Play, Cursor 0, "Play slopes", [NONE Space], "Step through the grid's slopes, back and forth" => Run(|model, _| panes::toggle_play(model)), when |model| when::has_burst(model) && model.cursor_params().slopes.len() > 1, on |model| model.document.playing;
+    Play, Cursor 0, "Play", [NONE Space], "Step through what the picture shows: its frames, the slopes of its row, or scales" => Run(|model, _| panes::toggle_play(model)), when |model| when::has_burst(model) && model.sweep().0.len() > 1, on |model| model.document.playing;
     FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back" => Frame(|cursor| cursor.frame = cursor.frame.saturating_sub(1)), when |model| when::has_burst(model) && model.focused_frame_count() > 1;
     FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on" => Frame(|cursor| cursor.frame += 1), when |model| when::has_burst(model) && model.focused_frame_count() > 1;
     OctaveFiner, Cursor 2, "Finer octave", [NONE OpenBracket], "Halve the scale of the DoG" => Scale(|cursor| cursor.octave -= 1), when when::has_burst;

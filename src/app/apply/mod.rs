@@ -204,16 +204,17 @@ fn set_pane(action: Action, document: &mut Document) {
         A::Rearrange(arrangement) => document.panes.rearrange(arrangement),
         A::MoveView { pane, before, after } => document.move_view(pane, &before, after),
         A::GoTo(side, destination) => document.go_to(side, &destination),
-        A::SetFrame(id, frame) => document.lead(id, |pane| {
-            pane.cursor.frame = frame;
-            pane.show(ViewKind::Frame);
-        }),
+        A::SetFrame(id, frame) => {
+            document.playing = false;
+            document.show_frame(id, frame);
+        }
+        A::PlayFrame(id, frame) => document.show_frame(id, frame),
         A::SetSlope(id, slope) => {
             document.playing = false;
             document.show_slope(id, slope);
         }
         A::PlaySlope(id, slope) => document.show_slope(id, slope),
-        A::SetScale(id, octave, level) => document.lead(id, |pane| {
+        A::SetScale(id, octave, level) | A::PlayScale(id, octave, level) => document.lead(id, |pane| {
             (pane.cursor.octave, pane.cursor.level) = (octave, level);
             pane.show_scale();
         }),

@@ -1,21 +1,19 @@
 //! Panes and their pictures: the arrangement, playing through the slopes, pictures that come, and their value ranges.
 
 use crate::app::apply::{methods, params};
-use crate::app::document::Document;
-use crate::app::document::cursor::{Cursor, ViewKind, play_step_of, played};
+use crate::app::document::cursor::{Cursor, ViewKind, back_and_forth};
 use crate::app::document::look::RangeClass;
 use crate::app::document::panes::{Change, Destination, Visibility};
 use crate::app::document::side::Side;
+use crate::app::document::{Action, Document};
 use crate::app::pane::{PaneId, Preset};
 use crate::app::results::panes::Play;
 use crate::app::results::{Model, Read};
 use crate::app::view::View;
-use crate::detector::{Feature, FrameRange, Slope};
+use crate::detector::{Feature, FrameRange};
 use crate::engine::Ended;
 use crate::requests::{Picture, PictureRequest};
 use std::time::{Duration, Instant};
-
-const PLAY_EVERY: Duration = Duration::from_millis(220);
 
 pub fn change_panes(model: &mut Model, change: Change) {
     match change {
@@ -38,26 +36,36 @@ pub fn go_to_selected(model: &mut Model) {
     model.document.go_to(Side::A, &Destination { slope: Some(slope), at, ..Destination::default() });
 }
 
-pub fn toggle_play(model: &mut Model) {
-    model.document.playing = !model.document.playing;
-    let step = play_step_of(&Read::of(model).cursor_params().slopes, model.document.cursor().slope);
-    model.shell.play = Play { step, due: None };
+pub fn auto_contrast(model: &mut Model) {
+    let Some(picture) = Read::of(model).picture().cloned() else { return };
+    let ranges = model.document.focused_ranges_mut();
+    ranges.forget();
+    ranges.fix_once(&picture);
 }
 
-/// The next slope, if it is due, while slopes are played, and the time after which to ask again.
-pub(in crate::app) fn step_play(model: &mut Model) -> Option<(Option<Slope>, Duration)> {
+pub fn toggle_play(model: &mut Model) {
+    model.document.playing = !model.document.playing;
+    model.shell.play = Play { step: Read::of(model).sweep().1, due: None };
+}
+
+/// The action that shows the next picture, if it is due, while pictures are played, and the time after which to ask again.
+pub(in crate::app) fn step_play(model: &mut Model) -> Option<(Option<Action>, Duration)> {
     if !model.document.playing {
         return None;
     }
-    let now = Instant::now();
+    let (now, every) = (Instant::now(), Duration::from_secs(1) / u32::from(model.document.play.rate.clamp(1, 60)));
     let due = model.shell.play.due.is_none_or(|due| now >= due);
-    // The next slope waits for the pictures of this one, so that a slow machine plays slowly and skips none.
-    let slope = (due && Read::of(model).pictures_are_current()).then(|| {
+    // The next picture waits for this one, so that a slow machine plays slowly and skips none.
+    let next = (due && Read::of(model).pictures_are_current()).then(|| {
+        let (mut sweep, _) = Read::of(model).sweep();
         let step = model.shell.play.step + 1;
-        model.shell.play = Play { step, due: Some(now + PLAY_EVERY) };
-        played(&Read::of(model).cursor_params().slopes, step)
+        model.shell.play = Play { step, due: Some(now + every) };
+        let count = sweep.len();
+        // Frames begin again, as a film does; slopes and scales go back, so that the picture never jumps.
+        let is_film = matches!(sweep.first(), Some(Action::PlayFrame(..)));
+        (count > 0).then(|| sweep.swap_remove(if is_film { step % count } else { back_and_forth(step, count) }))
     });
-    Some((slope, PLAY_EVERY / 4))
+    Some((next.flatten(), every / 4))
 }
 
 pub fn open_left(model: &mut Model) {
@@ -185,6 +193,7 @@ mod tests {
     use crate::app::apply::opening;
     use crate::app::document::cursor::slope_limit;
     use crate::app::pane::{Direction, Link};
+    use crate::detector::Slope;
 
     #[test]
     fn what_is_linked_moves_with_the_cursor_in_focus_and_nothing_else_does() {

@@ -196,7 +196,11 @@ pub fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View, prima
     {
         /// Points of scrolling that zoom by a factor of e; a wheel's notch gives about 40 to 50 points.
         const POINTS_PER_E_FOLD: f32 = 220.0;
-        let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta()));
+        // With Alt the wheel goes through frames and slopes.
+        let (scroll, zoom) = ui.input(|i| match i.modifiers.alt {
+            true => (Vec2::ZERO, 1.0),
+            false => (i.smooth_scroll_delta(), i.zoom_delta()),
+        });
         view.zoom_at(pointer, zoom * (scroll.y / POINTS_PER_E_FOLD).exp(), rect);
         // A second axis, or the wheel with Shift, moves sideways.
         view.pan(Vec2::new(scroll.x, 0.0));

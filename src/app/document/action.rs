@@ -4,6 +4,7 @@
 use crate::app::actions::registry::ActionId;
 use crate::app::document::Document;
 use crate::app::document::comparison::{Kind, Reference};
+use crate::app::document::cursor::Playing;
 use crate::app::document::datasets::{BurstPair, PairChoice, PairColumn, Which};
 use crate::app::document::export::{FigureChoice, FilmChoice};
 use crate::app::document::filter::{Filter, Order, SavedMatch, SavedSelection};
@@ -88,6 +89,7 @@ fields {
     /// Scale σ near which candidates come first, input pixels.
     ProbeNear(#[serde(with = "or_none")] Option<f32>) => probe.near_sigma;
     OpenProbe(bool) => probe.is_open;
+    SetPlay(Playing) => play;
     SetMatchLook(MatchLook) => match_look;
     SetMatchOrder(Order<MatchColumn>) => match_order;
     SetMethods(CompareLook) => methods;
@@ -135,8 +137,10 @@ others {
     GoTo(Side, Destination),
     SetFrame(PaneId, usize),
     SetSlope(PaneId, Slope),
-    /// The next slope, while slopes are played.
+    /// The next frame, slope, or octave and level, while these are played.
+    PlayFrame(PaneId, usize),
     PlaySlope(PaneId, Slope),
+    PlayScale(PaneId, i32, i32),
     /// Octave and level.
     SetScale(PaneId, i32, i32),
     Show(PaneId, ViewKind),

@@ -107,20 +107,47 @@ pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool
     }
 }
 
-/// Row by row, every other row backwards, so that the picture never jumps; forwards and backwards in turn, from 0.
-pub fn played(grid: &SlopeGrid, step: usize) -> Slope {
-    let count = grid.len().max(1);
-    let period = (2 * count).saturating_sub(2).max(1);
-    let place = step % period;
-    let index = if place < count { place } else { period - place };
-    let (i, j) = grid.coordinates(index);
-    let i = if j % 2 == 1 { grid.u.count.saturating_sub(1) - i } else { i };
-    grid.at(i as f32, j as f32)
+/// What is played.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PlayOver {
+    /// What the pane in focus shows: frames if it shows one, else slopes.
+    #[default]
+    Shown,
+    Frames,
+    /// Those of the row of the grid that the cursor is in.
+    Slopes,
+    Scales,
 }
 
-/// First step of [`played`] that gives the grid's slope nearest to `slope`.
-pub fn play_step_of(grid: &SlopeGrid, slope: Slope) -> usize {
+/// Playing of the pictures of a pane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Playing {
+    pub over: PlayOver,
+    /// Pictures a second, at most.
+    pub rate: u8,
+}
+
+impl Default for Playing {
+    fn default() -> Self {
+        Self { over: PlayOver::default(), rate: 5 }
+    }
+}
+
+/// Slopes of the row of the grid nearest to `slope`, or of its column where rows have one; and the place of the nearest.
+pub fn row_of(grid: &SlopeGrid, slope: Slope) -> (Vec<Slope>, usize) {
     let (i, j) = nearest_on_grid(grid, slope);
-    let i = if j % 2 == 1 { grid.u.count.saturating_sub(1) - i } else { i };
-    j * grid.u.count + i
+    if grid.u.count > 1 {
+        ((0..grid.u.count).map(|i| grid.at(i as f32, j as f32)).collect(), i)
+    } else {
+        ((0..grid.v.count).map(|j| grid.at(i as f32, j as f32)).collect(), j)
+    }
+}
+
+/// Place after so many steps from 0 through `count` places, forwards and backwards in turn.
+pub fn back_and_forth(step: usize, count: usize) -> usize {
+    let period = (2 * count).saturating_sub(2).max(1);
+    let place = step % period;
+    if place < count { place } else { period - place }
 }

@@ -21,6 +21,7 @@ pub use action::{Action, Pointed, Queue};
 pub use journal::{Journal, Playback, Steps};
 
 use crate::app::document::comparison::Comparison;
+use crate::app::document::cursor::Playing;
 use crate::app::document::datasets::{DatasetChoice, PairChoice, Trajectories};
 use crate::app::document::export::{FigureChoice, FilmChoice};
 use crate::app::document::filter::{Filter, Order};
@@ -89,6 +90,7 @@ pub struct Document {
     pub bottom_tab: BottomTab,
     pub theme: egui::ThemePreference,
     pub playing: bool,
+    pub play: Playing,
 }
 
 impl Document {

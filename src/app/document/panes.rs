@@ -45,6 +45,21 @@ impl Document {
         }
     }
 
+    /// Shows a frame. A pane beside one that shows frames, whose cursors are linked, keeps its own kind of picture.
+    pub fn show_frame(&mut self, id: PaneId, frame: usize) {
+        let Some(pane) = self.panes.get(id) else { return };
+        let shows_frame =
+            |other: &Pane| other.shown() == Some(ViewKind::Frame) && other.links.cursor && other.side == pane.side;
+        let shown = self.panes.shown();
+        let is_beside = pane.links.cursor && shown.iter().filter_map(|id| self.panes.get(*id)).any(shows_frame);
+        self.lead(id, |pane| {
+            pane.cursor.frame = frame;
+            if !is_beside {
+                pane.show(ViewKind::Frame);
+            }
+        });
+    }
+
     pub fn show_slope(&mut self, id: PaneId, slope: Slope) {
         self.lead(id, |pane| {
             pane.cursor.slope = slope;
@@ -237,15 +252,58 @@ pub struct MeasuredRegion {
     pub rect_image: Rect,
 }
 
-#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
+/// How the pointer draws what a mask hides.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MaskShape {
+    #[default]
+    Outline,
+    Rectangle,
+    /// Corners by clicks; a click on the first one, or a double click, ends it.
+    Polygon,
+    Brush,
+}
+
+/// A drawn part of the frames that a mask hides, image pixels.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum Hidden {
+    /// What a closed outline goes around.
+    Outline(Vec<Pos2>),
+    /// What is no farther from a path than its radius.
+    Stroke { path: Vec<Pos2>, radius_px: f32 },
+}
+
+impl Hidden {
+    pub fn points_mut(&mut self) -> &mut Vec<Pos2> {
+        match self {
+            Self::Outline(points) | Self::Stroke { path: points, .. } => points,
+        }
+    }
+}
+
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
 pub struct Measure {
     pub tool: Tool,
+    pub shape: MaskShape,
+    /// Radius of the brush, image pixels.
+    pub brush_px: f32,
+    /// Whether the last outline is a polygon that gets more corners.
+    pub is_open: bool,
     pub line: Option<MeasuredLine>,
     pub region: Option<MeasuredRegion>,
     pub drag: Option<(PaneId, Pos2)>,
-    /// Closed outlines around what the frames do not show, image pixels; the last one is being drawn during a drag.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub hidden: Vec<Vec<Pos2>>,
+    /// What the frames do not show; the last one is being drawn during a drag.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub hidden: Vec<Hidden>,
+}
+
+impl Default for Measure {
+    fn default() -> Self {
+        let (tool, shape, line, region) = Default::default();
+        Self { tool, shape, brush_px: 8.0, is_open: false, line, region, drag: None, hidden: Vec::new() }
+    }
 }
 
 impl Measure {
@@ -255,10 +313,21 @@ impl Measure {
     }
 
     pub fn clear(&mut self) {
-        *self = Self::default();
+        *self = Self { shape: self.shape, brush_px: self.brush_px, ..Self::default() };
     }
 
     pub fn is_empty(&self) -> bool {
-        *self == Self::default()
+        *self == Self { shape: self.shape, brush_px: self.brush_px, ..Self::default() }
+    }
+
+    /// Removes the corner or outline that was drawn last.
+    pub fn take_back(&mut self) {
+        match self.hidden.last_mut().map(Hidden::points_mut).filter(|points| self.is_open && points.len() > 1) {
+            Some(corners) => _ = corners.pop(),
+            None => {
+                self.hidden.pop();
+                self.is_open = false;
+            }
+        }
     }
 }

@@ -16,8 +16,8 @@ const BINS: usize = 256;
 
 const PLOT_POINTS: f32 = 118.0;
 
-/// Percentiles of the button "percentiles": the range leaves out the darkest and the brightest thousandth.
-pub const PERCENTILES: [f32; 2] = [0.1, 99.9];
+/// The range leaves out the darkest and the brightest thousandth.
+const PERCENTILES: [f32; 2] = [0.1, 99.9];
 
 /// State of the histogram panel: one for each kind of picture, as each kind has its own range and axis.
 #[derive(Debug, Clone, Default)]
@@ -35,12 +35,46 @@ struct Counted {
     histogram: Histogram,
 }
 
-pub fn full_range(picture: &Picture) -> Option<(f32, f32)> {
+fn full_range(picture: &Picture) -> Option<(f32, f32)> {
     summary(&picture.drawn, &Region::whole(&picture.drawn)).range()
 }
 
-pub fn percentile_range(picture: &Picture, region: &Region) -> Option<(f32, f32)> {
-    percentiles(&picture.drawn, region, &PERCENTILES).map(|p| (p[0], p[1]))
+/// Values of a picture from which its range is set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum RangeOf {
+    Percentiles,
+    All,
+    Visible,
+}
+
+impl RangeOf {
+    pub const ALL: [Self; 3] = [Self::Percentiles, Self::All, Self::Visible];
+
+    pub fn label(self) -> &'static str {
+        match self {
+            Self::Percentiles => "Percentiles",
+            Self::All => "Full range",
+            Self::Visible => "Visible region",
+        }
+    }
+
+    pub fn help(self) -> &'static str {
+        match self {
+            Self::Percentiles => "Leaves out the lowest and the highest 0.1 % of the values",
+            Self::All => "From the smallest to the largest value of the picture",
+            Self::Visible => "The same percentiles, of the part of the picture that can be seen",
+        }
+    }
+
+    /// `None` where the picture shows nothing of them; `visible` is the part that can be seen, image pixels.
+    pub fn range(self, picture: &Picture, visible: Option<Rect>) -> Option<(f32, f32)> {
+        let of = |region: &Region| percentiles(&picture.drawn, region, &PERCENTILES).map(|p| (p[0], p[1]));
+        match self {
+            Self::Percentiles => of(&Region::whole(&picture.drawn)),
+            Self::All => full_range(picture),
+            Self::Visible => visible.map(|rect| picture.region(rect)).filter(|r| !r.is_empty()).and_then(|r| of(&r)),
+        }
+    }
 }
 
 impl HistogramPanel {
@@ -70,27 +104,13 @@ impl HistogramPanel {
 
     fn buttons_ui(&mut self, ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) {
         let mut wanted = None;
-        ui.add_enabled_ui(picture.is_some(), |ui| {
-            ui.horizontal_wrapped(|ui| {
-                ui.spacing_mut().item_spacing.x = 4.0;
-                let full =
-                    ui.button("Full range").on_hover_text("From the smallest to the largest value of the picture.");
-                let percentile = ui
-                    .button("Percentiles")
-                    .on_hover_text("Leaves out the lowest and the highest 0.1 % of the values.");
-                let region = visible.zip(picture).map(|(rect, picture)| picture.region(rect)).filter(|r| !r.is_empty());
-                let seen = ui
-                    .add_enabled(region.is_some(), egui::Button::new("Visible region"))
-                    .on_hover_text("The same percentiles, of the part of the picture that can be seen.");
-                let Some(picture) = picture else { return };
-                if full.clicked() {
-                    wanted = full_range(picture);
-                } else if percentile.clicked() {
-                    wanted = percentile_range(picture, &Region::whole(&picture.plane));
-                } else if let Some(region) = region.filter(|_| seen.clicked()) {
-                    wanted = percentile_range(picture, &region);
-                }
-            });
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            for of in RangeOf::ALL {
+                let range = picture.and_then(|picture| of.range(picture, visible));
+                let button = ui.add_enabled(range.is_some(), egui::Button::new(of.label()));
+                wanted = range.filter(|_| button.on_hover_text(of.help()).clicked()).or(wanted);
+            }
         });
         if let Some((min, max)) = wanted {
             *display = display.with_range(min, max);
@@ -205,15 +225,17 @@ fn range_ui(ui: &mut Ui, display: &mut Display) -> bool {
     full_scale
 }
 
+/// Field of an end of a range, with so many significant digits.
+pub fn range_field(value: &mut f32, speed: f64, digits: usize) -> DragValue<'_> {
+    let field = DragValue::new(value).speed(speed).update_while_editing(false);
+    field.custom_formatter(move |x, _| number(x as f32, digits)).custom_parser(|text| {
+        text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
+    })
+}
+
 fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
-    let drag = DragValue::new(value)
-        .speed(speed)
-        .update_while_editing(false)
-        .custom_formatter(|x, _| number(x as f32, 4))
-        .custom_parser(|text| {
-            text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
-        });
-    ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), drag).on_hover_text("As a fraction of full scale.")
+    ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), range_field(value, speed, 4))
+        .on_hover_text("As a fraction of full scale.")
 }
 
 fn colours_ui(ui: &mut Ui, display: &mut Display) {
@@ -266,10 +288,11 @@ mod tests {
     fn ranges_of_buttons() {
         let plane = Plane::from_fn(100, 100, |u, v| if (u, v) == (0, 0) { 1.0 } else { (v as f32) / 1000.0 });
         let picture = Picture::new(Arc::new(plane), "ramp");
-        assert_eq!(full_range(&picture), Some((0.0, 1.0)));
-        let (low, high) = percentile_range(&picture, &Region::whole(&picture.plane)).unwrap();
+        assert_eq!(RangeOf::All.range(&picture, None), Some((0.0, 1.0)));
+        let (low, high) = RangeOf::Percentiles.range(&picture, None).unwrap();
         assert!(low == 0.0 && (high - 0.099).abs() < 1e-6, "{high}");
-        let region = Region { columns: 0..100, rows: 50..60 };
-        assert_eq!(percentile_range(&picture, &region), Some((0.05, 0.059)));
+        let rows = Rect::from_min_max(egui::pos2(-0.5, 49.5), egui::pos2(99.5, 59.5));
+        assert_eq!(RangeOf::Visible.range(&picture, Some(rows)), Some((0.05, 0.059)));
+        assert_eq!(RangeOf::Visible.range(&picture, None), None);
     }
 }

@@ -5,13 +5,16 @@ use super::pane_ui::filter_of;
 use super::widgets::{PaneWidgets, long_description, short_description};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
-use crate::app::document::look::FeaturesShown;
-use crate::app::document::panes::Change;
+use crate::app::document::look::{FeaturesShown, RangeClass};
+use crate::app::document::panes::{Change, Panels, Visibility};
+use crate::app::histogram::{RangeOf, range_field};
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
+use crate::app::panel::picture::PictureState;
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
-use crate::app::{canvas, style};
+use crate::app::style;
+use crate::plane::display::Display;
 use egui::{
     Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
     Ui, pos2, vec2,
@@ -59,7 +62,7 @@ pub fn header_ui(
                 ui.spacing_mut().item_spacing.x = 6.0;
                 if !is_slice && width >= if many { ROOM_FOR_NUMBERS } else { ROOM_FOR_NUMBERS_ALONE } {
                     let has_range = many || width >= ROOM_FOR_ALL;
-                    numbers_ui(ui, model, id, has_range);
+                    numbers_ui(ui, model, id, widgets, has_range, queue);
                 }
                 if !many || width >= ONE_LINE {
                     filter_chip_ui(ui, model, id, width, queue);
@@ -146,18 +149,71 @@ fn filter_chip_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &
     }
 }
 
-fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, has_range: bool) {
+/// Draws the zoom, and the value range where there is room, as fields to drag or to type in, with a menu of ranges.
+fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, has_range: bool, queue: &mut Queue) {
     let Some(pane) = model.document.panes.get(id) else { return };
-    let display = model.display_of(id);
     let percent = 100.0 * pane.view.points_per_pixel() * ui.ctx().pixels_per_point();
     ui.weak(format!("{percent:.0} %")).on_hover_text("Zoom: screen pixels per image pixel");
-    if !has_range {
+    let class = model.range_class(id);
+    if class == RangeClass::Motion {
         return;
     }
-    ui.weak("·");
-    let (min, max) = (canvas::number(display.min, 3), canvas::number(display.max, 3));
-    ui.weak(format!("{min} … {max}"))
-        .on_hover_text("The value range that is shown, as a fraction of full scale; fixed until you change it");
+    let PictureState { visible_image, .. } = widgets.of(id).picture;
+    let picture = widgets.of(id).picture.shown();
+    let mut display = model.display_of(id);
+    let before = display;
+    let of = model.document.panes.number(id).map_or_else(String::new, |number| format!(" of pane {number}"));
+    let menu = ui.add(Button::new(RichText::new("◐").small()).min_size(vec2(16.0, 16.0)));
+    named(&menu, egui::Role::Button, &format!("Contrast{of}"));
+    let tip = "Contrast and brightness: values that are black and white; colours and gamma are in the panel Display";
+    egui::Popup::menu(&menu.on_hover_text(tip)).show(|ui| {
+        for choice in RangeOf::ALL {
+            let range = picture.and_then(|picture| choice.range(picture, visible_image));
+            let button = ui.add_enabled(range.is_some(), Button::new(choice.label())).on_hover_text(choice.help());
+            if let Some((min, max)) = range.filter(|_| button.clicked()) {
+                display = display.with_range(min, max);
+            }
+        }
+        if ui.button("0 – 1").on_hover_text("The full scale of the file: from black to saturated").clicked() {
+            display = display.with_range(0.0, 1.0);
+        }
+        ui.separator();
+        if ui.button("Histogram, colours…").on_hover_text("Open the panel Display").clicked() {
+            queue.push(Action::SetPanels(Panels { right: Visibility::Open, ..model.document.panels }));
+        }
+    });
+    if has_range {
+        // From the right end of the line the fields are drawn in reverse.
+        let (mut min, mut max) = (display.min, display.max);
+        if value_ui(ui, &display, &mut max, &format!("White{of}")) {
+            display =
+                if display.symmetric { display.with_range(-max, max) } else { display.with_range(min.min(max), max) };
+        }
+        ui.weak("…");
+        if value_ui(ui, &display, &mut min, &format!("Black{of}")) {
+            display =
+                if display.symmetric { display.with_range(min, -min) } else { display.with_range(min, max.max(min)) };
+        }
+    }
+    if display != before {
+        queue.push(Action::Focus(id));
+        queue.push(Action::SetDisplay(class, display));
+    }
+}
+
+/// Draws an end of the value range; returns whether it changed.
+fn value_ui(ui: &mut Ui, display: &Display, value: &mut f32, name: &str) -> bool {
+    ui.scope(|ui| {
+        ui.spacing_mut().button_padding = vec2(2.0, 0.0);
+        ui.spacing_mut().interact_size = vec2(30.0, 16.0);
+        let field = range_field(value, f64::from(0.004 * (display.max - display.min)), 3);
+        let response = ui.add(field);
+        named(&response, egui::Role::SpinButton, name);
+        response
+            .on_hover_text("End of the value range, as a fraction of full scale: drag it, or click and type")
+            .changed()
+    })
+    .inner
 }
 
 /// Draws a switch for each link. From the right end of a line they are drawn in reverse, so that their order stays.

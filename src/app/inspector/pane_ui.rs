@@ -5,6 +5,7 @@ use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::document::Action;
+use crate::app::document::cursor::{ViewKind, stepped};
 use crate::app::document::filter::Filter;
 use crate::app::document::look::RangeClass;
 use crate::app::document::panes::Visibility;
@@ -13,7 +14,7 @@ use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
 use crate::app::panel::picture::readout_of;
-use crate::app::panel::widgets::named;
+use crate::app::panel::widgets::{named, wheel_over};
 use crate::app::results::Read;
 use crate::app::{canvas, style};
 use crate::detector::Slope;
@@ -89,6 +90,23 @@ pub(super) fn picture_ui(
         queue.push(Action::MoveView { pane: id, before, after: view });
     }
     Drawn { shown, output, right: None }
+}
+
+/// Goes through the frames of a pane that shows one, or else through its slopes, by the wheel with Alt; with Shift too
+/// along v.
+pub(super) fn scrub_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn, queue: &mut Queue) {
+    let modifiers = ui.input(|i| i.modifiers);
+    let notches = if modifiers.alt { wheel_over(ui, &drawn.output.response) } else { 0 };
+    let Some(pane) = model.document.panes.get(id).filter(|_| notches != 0) else { return };
+    queue.push(Action::Focus(id));
+    if pane.shown() == Some(ViewKind::Frame) {
+        let frame = pane.cursor.frame.saturating_add_signed(notches as isize);
+        queue.push(Action::SetFrame(id, frame));
+    } else {
+        let grid = model.cursor_params().slopes;
+        let step = |slope, _| stepped(&grid, slope, modifiers.shift, notches > 0);
+        queue.push(Action::SetSlope(id, (0..notches.abs()).fold(pane.cursor.slope, step)));
+    }
 }
 
 /// Draws the other picture of a wipe over the drawn one, with its features; the drawn one ends at the line.

@@ -3,7 +3,7 @@
 use super::header::header_ui;
 use super::marks::{marks_ui, probe_ui};
 use super::menu::picture_menu_ui;
-use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, slice_ui};
+use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, scrub_ui, slice_ui};
 use super::widgets::{PaneWidgets, canvas_name, compact_description};
 use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::document::Action;
@@ -161,6 +161,7 @@ impl Inspector<'_> {
             }
         }
         picture_menu_ui(&drawn, self.model, id, self.widgets, self.queue);
+        scrub_ui(ui, self.model, id, &drawn, self.queue);
         let touched = drawn.is_touched(ui);
         self.drawn.push((id, drawn));
         touched

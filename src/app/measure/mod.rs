@@ -4,7 +4,7 @@
 mod hidden;
 mod panels;
 
-pub use crate::app::document::panes::{Measure, MeasuredLine, MeasuredRegion, Tool};
+pub use crate::app::document::panes::{Hidden, MaskShape, Measure, MeasuredLine, MeasuredRegion, Tool};
 pub use hidden::{hidden_ui, mask_of};
 pub use panels::{RegionCache, profile_ui, region_ui};
 
@@ -86,9 +86,6 @@ pub fn region_in(model: Read<'_>, widgets: &PaneWidgets, region: &MeasuredRegion
 }
 
 const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);
-/// Least distance between two corners of an outline, points.
-const CORNER_POINTS: f32 = 4.0;
-
 fn strokes() -> [Stroke; 2] {
     [Stroke::new(3.0, Color32::from_black_alpha(150)), Stroke::new(1.2, COLOUR)]
 }
@@ -100,6 +97,11 @@ pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Q
     if measure.tool == Tool::Pan {
         return;
     }
+    if measure.tool == Tool::Mask && measure.shape == MaskShape::Polygon {
+        hidden::add_corner(&mut measure, output);
+        queue.edit(model.document, Action::SetMeasure(measure));
+        return;
+    }
     if response.drag_started_by(PointerButton::Primary)
         && let Some(pos) = response.interact_pointer_pos()
     {
@@ -107,7 +109,7 @@ pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Q
         let press = pos - response.total_drag_delta().unwrap_or_default();
         measure.drag = Some((id, place(press)));
         if measure.tool == Tool::Mask {
-            measure.hidden.push(vec![place(press)]);
+            measure.hidden.push(hidden::begun(&measure, place(press)));
         }
     }
     let Some((_, from)) = measure.drag.filter(|(on, _)| *on == id) else { return };
@@ -118,13 +120,7 @@ pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Q
             Tool::Region => {
                 measure.region = Some(MeasuredRegion { pane: id, rect_image: Rect::from_two_pos(from, to) });
             }
-            Tool::Mask => {
-                let outline = measure.hidden.last_mut();
-                let is_far = |outline: &&mut Vec<Pos2>| {
-                    outline.last().is_none_or(|last| output.ui_from_image.pos(*last).distance(pos) >= CORNER_POINTS)
-                };
-                outline.filter(is_far).into_iter().for_each(|outline| outline.push(to));
-            }
+            Tool::Mask => hidden::draw_to(&mut measure, from, to, output),
             Tool::Pan => {}
         }
     }
@@ -133,7 +129,7 @@ pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Q
         match measure.tool {
             Tool::Line => queue.push(Action::OpenTab(BottomTab::Profile)),
             Tool::Region => queue.push(Action::OpenTab(BottomTab::Region)),
-            Tool::Mask => measure.hidden.retain(|outline| outline.len() > 2),
+            Tool::Mask => measure.hidden.retain(hidden::hides_something),
             Tool::Pan => {}
         }
     }

@@ -4,9 +4,9 @@
 use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
-use crate::app::document::cursor::{level_range, octave_range, slope_limit};
+use crate::app::document::cursor::{PlayOver, level_range, octave_range, slope_limit, stepped};
 use crate::app::document::side::Side;
-use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track};
+use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track, wheel_over};
 use crate::app::results::Read;
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
@@ -112,6 +112,20 @@ fn buttons_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 4.0;
         let play = if model.document.playing { "⏸ Pause" } else { "▶ Play" };
         button_ui(ui, model, queue, ActionId::Play, Some(play));
+        let mut playing = model.document.play;
+        let choices = [(PlayOver::Frames, "frames"), (PlayOver::Slopes, "slopes"), (PlayOver::Scales, "scales")];
+        let name = choices.iter().find(|(over, _)| *over == model.played()).map_or("", |(_, name)| name);
+        let menu = ui.button(format!("{name} ⏷"));
+        named(&menu, egui::Role::Button, "What is played");
+        egui::Popup::menu(&menu.on_hover_text("What Play steps through, and how fast")).show(|ui| {
+            ui.radio_value(&mut playing.over, PlayOver::Shown, "what the picture shows");
+            for (over, name) in choices {
+                ui.radio_value(&mut playing.over, over, name);
+            }
+            let rate = egui::DragValue::new(&mut playing.rate).range(1..=30).suffix(" pictures a second");
+            ui.add(rate).on_hover_text("Slower where pictures take longer to compute; none is left out");
+        });
+        queue.edit(model.document, Action::SetPlay(playing));
     });
 }
 
@@ -146,6 +160,13 @@ pub fn slope_pad_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let limit = slope_limit(&grid);
     let scale = (0.5 * side - 8.0) / limit;
     let ui_from_slope = |s: Slope| rect.center() + scale * vec2(s.u, s.v);
+    let notches = wheel_over(ui, &response);
+    if notches != 0 {
+        let along_v = ui.input(|i| i.modifiers.shift);
+        let before = model.document.cursor().slope;
+        let slope = (0..notches.abs()).fold(before, |slope, _| stepped(&grid, slope, along_v, notches > 0));
+        queue.push(Action::SetSlope(model.document.focus(), slope));
+    }
     if let Some(pos) = response.interact_pointer_pos() {
         let at = (pos - rect.center()) / scale;
         let slope = Slope::new(at.x.clamp(-limit, limit), at.y.clamp(-limit, limit));
@@ -169,7 +190,7 @@ pub fn slope_pad_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let here = ui_from_slope(model.document.cursor().slope);
     painter.circle_stroke(here, 5.5, Stroke::new(2.0, ui.visuals().strong_text_color()));
     named(&response, egui::Role::Canvas, "Slope plane");
-    let help = "Slope plane: u to the right, v downwards. Dots: slopes of the grid, larger where more features were found. Drag to change both.";
+    let help = "Slope plane: u to the right, v downwards. Dots: slopes of the grid, larger where more features were found. Drag to change both; the wheel goes to the next slope along u, with Shift along v.";
     hint(response, help);
 }
 

@@ -22,7 +22,7 @@ pub struct DisplayState([HistogramPanel; RangeClass::Motion as usize + 1]);
 
 pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
-        range_ui(ui, model, widgets, queue);
+        range_ui(ui, model, model.document.focus(), widgets, queue);
         let mut look = model.document.look.clone();
         smoothing_ui(ui, &mut look);
         ui.add_space(4.0);
@@ -35,30 +35,30 @@ pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue
 /// Draws the section without the rows for features.
 pub fn ranges_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
-        range_ui(ui, model, widgets, queue);
+        range_ui(ui, model, model.document.focus(), widgets, queue);
         let mut look = model.document.look.clone();
         smoothing_ui(ui, &mut look);
         queue.set(&model.document.look, look, Action::SetLook);
     });
 }
 
-fn range_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) {
-    let PaneWidget { picture: pictures, display: state, .. } = widgets.of(model.document.focus());
-    pictures.refresh(model.picture());
-    let class = model.range_class(model.document.focus());
-    let own = model.document.focused().own_ranges.is_some();
-    let whose = if own { "This pane's range for" } else { "One range for all" };
+/// Value range, gamma and colours of the picture of pane `id`, with its histogram.
+pub fn range_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, queue: &mut Queue) {
+    let Some(pane) = model.document.panes.get(id) else { return };
+    let PaneWidget { picture: pictures, display: state, .. } = widgets.of(id);
+    pictures.refresh(model.picture_in(id));
+    let class = model.range_class(id);
+    let whose = if pane.own_ranges.is_some() { "This pane's range for" } else { "One range for all" };
     ui.weak(format!("{whose} {}", class.label()))
         .on_hover_text("It stays fixed until you change it, so that pictures can be compared");
     if class == RangeClass::Motion {
-        let motion = model.picture().and_then(|picture| picture.motion.as_ref());
-        let features = model.features_of_motion(model.document.focus());
-        let is_line = motion.is_some_and(|motion| line_of(&motion.grid, features).is_some());
+        let motion = model.picture_in(id).and_then(|picture| picture.motion.as_ref());
+        let is_line = motion.is_some_and(|motion| line_of(&motion.grid, model.features_of_motion(id)).is_some());
         let what = if is_line { "slope along the line of the motions" } else { "direction and length of the motion" };
         ui.add(egui::Label::new(format!("Colour: {what}; bright where it is certain")).wrap());
         return;
     }
-    let mut display = model.document.ranges_of(model.document.focused()).display(class);
+    let mut display = model.document.ranges_of(pane).display(class);
     if state.0[class as usize].ui(ui, pictures.shown(), pictures.visible_image, &mut display) {
         queue.push(Action::SetDisplay(class, display));
     }

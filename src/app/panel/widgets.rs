@@ -176,6 +176,9 @@ impl<'a> CursorRow<'a> {
                     slider = slider.step_by(1.0);
                 }
                 let slider = hint(ui.add(slider).labelled_by(label.id), self.help);
+                let notches = if enabled { wheel_over(ui, &slider) } else { 0 };
+                *value = wheeled(*value, notches, self.marks, if self.whole { 1.0 } else { 0.01 * (high - low) })
+                    .clamp(low, high.max(low));
                 marks_ui(ui, slider.rect, &span, self.marks);
                 let speed = if self.whole { 0.05 } else { f64::from(high - low) / 600.0 };
                 let mut field = egui::DragValue::new(value).range(span).speed(speed);
@@ -195,6 +198,41 @@ impl<'a> CursorRow<'a> {
         }
         *value != before
     }
+}
+
+/// Notches by which the wheel was turned over a widget, upwards counted positive; nothing else scrolls by them.
+pub fn wheel_over(ui: &Ui, response: &Response) -> i32 {
+    /// Points of a trackpad's scrolling that count as a notch.
+    const NOTCH: f32 = 40.0;
+    if !response.contains_pointer() {
+        return 0;
+    }
+    let turned = ui.input_mut(|input| {
+        // What is turned in this pass is scrolled by in this and the next ones.
+        input.smooth_scroll_delta = egui::Vec2::ZERO;
+        let notches = input.events.iter().filter_map(|event| match event {
+            egui::Event::MouseWheel { unit: egui::MouseWheelUnit::Point, delta, .. } => Some(delta.y / NOTCH),
+            egui::Event::MouseWheel { delta, .. } => Some(delta.y),
+            _ => None,
+        });
+        notches.sum::<f32>()
+    });
+    let id = response.id.with("wheel");
+    let rest = turned + ui.data(|data| data.get_temp::<f32>(id)).unwrap_or_default();
+    ui.data_mut(|data| data.insert_temp(id, rest.fract()));
+    rest.trunc() as i32
+}
+
+/// The value that lies so many marks, or steps where there are none, above `value`.
+fn wheeled(value: f32, notches: i32, marks: &[f32], step: f32) -> f32 {
+    const SAME: f32 = 1e-4;
+    if marks.len() < 2 {
+        return value + step * notches as f32;
+    }
+    (0..notches.abs()).fold(value, |at, _| match notches > 0 {
+        true => marks.iter().copied().filter(|mark| *mark > at + SAME).fold(f32::INFINITY, f32::min),
+        false => marks.iter().copied().filter(|mark| *mark < at - SAME).fold(f32::NEG_INFINITY, f32::max),
+    })
 }
 
 /// Part of the window, and entry of the glossary, of the row with this label.

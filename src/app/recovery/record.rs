@@ -77,6 +77,14 @@ impl Record {
         found.into_iter().map(|(_, record)| record).collect()
     }
 
+    /// Whether another window keeps a record in `folder` now.
+    pub fn is_kept_in(folder: &Path) -> bool {
+        let is_held = |path: PathBuf| {
+            path.extension().is_some_and(|extension| extension == LOCK) && matches!(locked(&path), Ok(None))
+        };
+        std::fs::read_dir(folder).into_iter().flatten().flatten().any(|entry| is_held(entry.path()))
+    }
+
     pub fn session(&self) -> &Path {
         &self.session
     }

@@ -2,6 +2,8 @@
 //! Panes get the same range in whichever order their pictures are made: a shared one is set by the pane in focus, or by
 //! the first in reading order that shows the class.
 
+use crate::app::document::Action;
+use crate::app::document::cursor::{PlayOver, ViewKind, octave_range, row_of};
 use crate::app::document::export::FilmContent;
 use crate::app::document::look::RangeClass;
 use crate::app::document::side::Side;
@@ -14,6 +16,37 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 impl<'a> Read<'a> {
+    /// What is played of the pane in focus: the actions that show its pictures in order, and the place of that on show.
+    pub fn sweep(self) -> (Vec<Action>, usize) {
+        let (id, cursor, params) = (self.document.focus(), *self.document.cursor(), self.cursor_params());
+        match self.played() {
+            PlayOver::Frames => {
+                ((0..self.focused_frame_count()).map(|frame| Action::PlayFrame(id, frame)).collect(), cursor.frame)
+            }
+            PlayOver::Scales => {
+                let levels = 0..params.levels as i32;
+                let scales: Vec<(i32, i32)> = octave_range(params, self.focused_size())
+                    .flat_map(|octave| levels.clone().map(move |level| (octave, level)))
+                    .collect();
+                let here = scales.iter().position(|scale| *scale == (cursor.octave, cursor.level)).unwrap_or(0);
+                (scales.into_iter().map(|(octave, level)| Action::PlayScale(id, octave, level)).collect(), here)
+            }
+            PlayOver::Slopes | PlayOver::Shown => {
+                let (slopes, here) = row_of(&params.slopes, cursor.slope);
+                (slopes.into_iter().map(|slope| Action::PlaySlope(id, slope)).collect(), here)
+            }
+        }
+    }
+
+    /// Frames, slopes or scales: as chosen, or as the picture on show has them.
+    pub fn played(self) -> PlayOver {
+        match (self.document.play.over, self.document.focused().shown()) {
+            (PlayOver::Shown, Some(ViewKind::Frame)) => PlayOver::Frames,
+            (PlayOver::Shown, _) => PlayOver::Slopes,
+            (chosen, _) => chosen,
+        }
+    }
+
     pub fn picture(self) -> Option<&'a Picture> {
         self.picture_in(self.document.focus())
     }

@@ -130,6 +130,14 @@ pub enum Stale {
 }
 
 impl<'a> Read<'a> {
+    /// Names of the open bursts that are shown, and of the program.
+    pub fn title(self) -> String {
+        let is_shown = |side: &Side| *side == Side::A || self.document.workspace.shows_pair();
+        let name = |side: Side| Some(self.results.slots[side].burst.as_ref()?.source.label());
+        let names: Vec<String> = Side::BOTH.into_iter().filter(is_shown).filter_map(name).collect();
+        if names.is_empty() { "Burstscope".to_owned() } else { format!("{} – Burstscope", names.join(" and ")) }
+    }
+
     pub fn features(self) -> &'a [Feature] {
         self.found_of(Side::A).map_or(&[], |f| &f.detection.features)
     }
