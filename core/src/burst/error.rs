@@ -21,7 +21,7 @@ impl Error {
     }
 
     pub(super) fn stack_among_frames(path: &Path, frames: usize) -> Self {
-        // Where as little as possible is read, 2 are several.
+        // A quick look stops at the second frame, so 2 stands for several.
         let held = if frames == 2 { "several".to_owned() } else { frames.to_string() };
         let problem =
             format!("several files are taken as the frames of one burst, but this one holds {held} frames itself");

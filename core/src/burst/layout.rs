@@ -114,7 +114,7 @@ pub enum Mosaic {
 }
 
 impl Mosaic {
-    /// The mosaic of what begins `u` columns and `v` rows further on.
+    /// The mosaic as seen from `u` columns and `v` rows further on.
     pub(super) fn shifted(self, u: usize, v: usize) -> Self {
         Self::of(|du, dv| self.colour_at(u + du, v + dv)).unwrap_or(self)
     }
@@ -138,7 +138,7 @@ impl Mosaic {
     }
 }
 
-/// Axis of a file.
+/// Axis of a file that has several, as `--axis` names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
     /// Time.
@@ -305,17 +305,17 @@ impl ViewGrid {
         [rows, columns].iter().all(|side| (1..=MAX_SIDE).contains(side)).then_some(Self { rows, columns })
     }
 
-    /// Number of rows.
+    /// Rows of views, 1 to 4096.
     pub fn rows(self) -> usize {
         self.rows
     }
 
-    /// Number of columns.
+    /// Columns of views, 1 to 4096.
     pub fn columns(self) -> usize {
         self.columns
     }
 
-    /// Number of views.
+    /// Number of views, rows × columns.
     pub fn count(self) -> usize {
         self.rows * self.columns
     }

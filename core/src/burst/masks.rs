@@ -1,9 +1,9 @@
 //! Masks of a burst's frames: those of files, and the samples without a value or beyond the full scale.
 //!
-//! A mask is a picture of the frames' size that hides where it is 0, and nowhere else, as COLMAP reads masks: labels and
-//! greys are seen, of which a note tells, because a program that softens edges may mean them otherwise. In a folder
-//! each file of frames has a mask of its own, under the name that COLMAP gives it (`NAME.EXT.png`) or under its own
-//! name, in a folder named as the frames' or directly.
+//! A mask is a picture of the frames' size. It hides where it is 0 and nowhere else, as COLMAP reads masks; a note
+//! reports greys and labels, since a program that softens edges may mean them otherwise. In a folder each file of
+//! frames has its own mask, under COLMAP's name for it (`NAME.EXT.png`) or its own name, in a folder named as the
+//! frames' or directly.
 
 use super::options::OpenOptions;
 use super::reading::{FileScale, RawFrame};
@@ -45,6 +45,7 @@ impl Masks {
         }
         let mut masks = Self::of_frames(&[], (count, size), options, path)?;
         for (index, (file, _)) in origins.iter().enumerate() {
+            // Frames of one file share its mask.
             if index > 0 && *file == origins[index - 1].0 {
                 masks.of_files.push(masks.of_files[index - 1].clone());
                 continue;
@@ -94,6 +95,7 @@ impl Masks {
         let mut masked = Masked { by_files: of_file.as_ref().map_or(0, hidden), undefined: 0, saturated: 0 };
         let is_hidden = |(index, x): &(usize, &f32)| x.is_nan() || saturated.get(*index) == Some(&true);
         let own: Vec<(usize, f32)> = plane.data().iter().enumerate().filter(is_hidden).map(|(i, x)| (i, *x)).collect();
+        // A frame that hides nothing of its own shares the file's mask, without a copy.
         if own.is_empty() {
             return (plane.masked(of_file), masked);
         }
@@ -101,6 +103,7 @@ impl Masks {
         let mut weights = of_file.map_or_else(all_seen, |mask| mask.weights().clone());
         for (index, value) in own {
             let weight = &mut weights.data_mut()[index];
+            // A sample that a file hides counts once, as hidden by the file.
             if *weight > 0.0 {
                 *weight = 0.0;
                 *(if value.is_nan() { &mut masked.undefined } else { &mut masked.saturated }) += 1;
@@ -109,7 +112,7 @@ impl Masks {
         (plane.masked(Mask::new(weights)), masked)
     }
 
-    /// Sentences on what is `masked` of each frame, of `pixels` pixels; an error about a frame of which nothing is seen.
+    /// Notes on what is `masked` in frames of `pixels` pixels; an error for a frame of which nothing is seen.
     pub fn told(
         &self,
         origins: &[(PathBuf, usize)],
@@ -127,6 +130,7 @@ impl Masks {
             return Err(Error::new(ErrorKind::Unsupported, problem, "leave the frame out, or mask less").about(path));
         }
         let sum = |of: fn(&Masked) -> usize| masked.iter().map(of).sum::<usize>();
+        // The first odd mask stands for all; the others are counted.
         let mut told: Vec<String> = self.notes.iter().take(1).cloned().collect();
         if self.notes.len() > 1 {
             told.push(format!("so have {} more of the masks other values than two", self.notes.len() - 1));
@@ -166,6 +170,7 @@ fn note(path: &Path, mask: &RawFrame) -> Option<String> {
     let unit = if let FileScale::Range(range) = mask.scale { range } else { 1.0 };
     let data = mask.plane.data();
     let mut values: Vec<f32> = Vec::new();
+    // Masks have few values, and neighbours repeat: no need to sort all pixels.
     for value in data {
         if values.last() != Some(value) && !values.contains(value) && values.len() <= FEW {
             values.push(*value);

@@ -1,6 +1,5 @@
 //! Types of the numbers in files that hold pixels without compression, and their conversion to floats.
 
-/// Type of a number in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Number {
     /// A byte: 0, or anything else for 1.

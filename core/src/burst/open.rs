@@ -85,12 +85,14 @@ pub(super) fn calibrated(
     let binning = raw.frames[0].binning;
     let frames = raw.frames.into_par_iter().enumerate().map(|(t, frame)| {
         monitor.check()?;
+        // Saturation is judged before calibration, which moves the full scale.
         let saturated = masks.saturated(&frame, levels.white_of(&frame));
         let (plane, masked) = masks.applied(t, calibration.apply(frame, levels), &saturated);
         Ok((Arc::new(plane), masked))
     });
     let (frames, masked): (Vec<_>, Vec<_>) = frames.collect::<Result<Vec<_>>>()?.into_iter().unzip();
     raw.taken.extend(masks.told(&raw.origins, frames[0].data().len(), &masked, options)?);
+    // Decoding has checked the values as they are stored; only arithmetic can drive them out of range.
     if !is_plain {
         check_overflow(&frames, &raw.origins)?;
     }
@@ -151,13 +153,14 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     let (mut files, limits) = (source.files()?, &options.limits);
     let count = files.len();
     let timing = if count > 1 { placed(&mut files, None, options, monitor)? } else { Timing::even(1) };
-    // Of several files those that are taken are left.
+    // Of several files, only those taken are left.
     let options = &OpenOptions { take: options.take.filter(|_| count == 1), ..options.clone() };
     let first = files.first().ok_or_else(Error::nothing_given)?;
     let Declared { width, height, frames, views, taken, first: decoded, .. } =
         formats::declared(first, options, monitor)?;
     if count == 1 {
         let ticker = Ticker::new(monitor, frames);
+        // Describing a raw file decodes its frame, which is not decoded again.
         let mut frames = match decoded {
             Some(frame) => {
                 ticker.tick();
@@ -189,6 +192,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
     let ticker = Ticker::new(monitor, files.len());
     let expected = Expected { first, size };
+    // The first frame may be decoded already; each file counts once in the progress, so its own is silent.
     let (decoded, silent) = (Mutex::new(decoded), monitor.silent());
     let frames = in_order(files.len(), |i| {
         ticker.check()?;
@@ -361,6 +365,7 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
         (FileScale::Data { integer: a, largest }, FileScale::Data { integer: b, largest: own }) => {
             let (unit, own_unit) = (!a && largest <= MAX_UNIT_VALUE, !b && own <= MAX_UNIT_VALUE);
             match levels.given {
+                // Calibration frames of zeros fit any unit.
                 _ if own == 0.0 || unit == own_unit => Ok(1.0),
                 Some(_) if own_unit => Ok(levels.full_scale),
                 _ => Err("its values are in another unit than those of the frames; save both in the same unit"),

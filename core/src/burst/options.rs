@@ -161,7 +161,7 @@ impl OpenOptions {
         })
     }
 
-    /// Paths of those files.
+    /// The paths of [`paths_mut`](Self::paths_mut), cloned.
     pub fn paths(&self) -> Vec<PathBuf> {
         self.clone().paths_mut().map(|path| path.clone()).collect()
     }
@@ -188,7 +188,6 @@ impl OpenOptions {
         Ok(all)
     }
 
-    /// The frames that are to be taken of `count`, as [`OpenOptions::taken`].
     pub(super) fn taken_of(&self, path: &Path, count: usize, (width, height): (usize, usize)) -> Result<Range<usize>> {
         let Some(range) = self.take else { return Ok(0..count) };
         let problem = match range.check() {
@@ -207,7 +206,6 @@ impl OpenOptions {
     }
 }
 
-/// A range of frames as text, as the other options are kept.
 mod as_text {
     use super::FrameRange;
     use serde::de::Error;

@@ -92,6 +92,7 @@ impl Positions {
         let place = |[u, v]: &[f64; 2]| Offset { u: near_whole(u - first_u), v: near_whole(v - first_v) };
         let places: Vec<Offset> = places.iter().map(place).collect();
         let mut sorted: Vec<[f64; 2]> = places.iter().map(|at| [at.v, at.u]).collect();
+        // Once sorted, equal places are neighbours.
         sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         let differ = sorted.iter().flatten().all(|x| x.is_finite()) && sorted.windows(2).all(|two| two[0] != two[1]);
         let is_row = places.iter().all(|at| at.v == 0.0);
@@ -117,6 +118,7 @@ impl Positions {
             return None;
         }
         gaps.sort_by(f64::total_cmp);
+        // The lower middle gap: gaps where frames are missing are the longer ones.
         let Some(median) = gaps.get(gaps.len().saturating_sub(1) / 2) else {
             return Self::new(&[0.0][..seconds.len()]);
         };

@@ -72,7 +72,7 @@ pub(super) fn only_burst(inputs: &[PathBuf], options: &OpenOptions) -> Result<Bu
 /// Bursts and stray pictures of an input.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Entries {
-    /// The bursts.
+    /// Bursts with unique names, in the order of [`find_bursts`].
     pub bursts: Vec<BurstFiles>,
     /// Pictures that lie beside the bursts of a dataset and belong to none.
     pub strays: Vec<PathBuf>,
@@ -280,8 +280,8 @@ impl SequenceCut {
 }
 
 /// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in the order of the times
-/// that `options` say, and otherwise in natural order. A burst is named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses); among bursts
-/// of several sequences, [`name_among_several`] makes the names differ.
+/// that `options` say, and otherwise in natural order. A burst has the name of its middle frame, number N/2, which SIFT
+/// on one frame also uses; among bursts of several sequences, [`name_among_several`] makes the names differ.
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
@@ -292,6 +292,7 @@ pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptio
         let remedy = "save each frame as a file of its own";
         return Err(Error::new(ErrorKind::Request, problem, remedy).about(path));
     }
+    // Ordered before the cut, so that the frames of a burst follow one another in time.
     let frames = in_order_of_times(frames, options);
     let ranges = cut.ranges(frames.len());
     if ranges.len() == 0 {

@@ -56,6 +56,7 @@ struct Seconds<'a> {
 fn seconds_in<'a>(runs: &[Run<'a>]) -> Option<Seconds<'a>> {
     const DATE_DIGITS: usize = 14;
     let from = |first: usize| {
+        // Joined or parted: 20210301220000, 20210301_220000, 2021-03-01-22-00-00.
         let lengths: Vec<usize> = runs[first..].iter().map(|run| run.digits.len()).collect();
         let (day_runs, in_day) = match lengths[..] {
             [length, ..] if length >= DATE_DIGITS => (0, 0),
@@ -75,10 +76,12 @@ fn seconds_in<'a>(runs: &[Run<'a>]) -> Option<Seconds<'a>> {
         let [year, month, day, hour, minute, second] = [0..4, 4..6, 6..8, 8..10, 10..12, 12..14].map(part);
         let value = seconds_of(&format!("{year}-{month}-{day}T{hour}:{minute}:{second}"))? as i128;
         let rest = &last[last.len() - (digits.len() - DATE_DIGITS)..];
+        // Other centuries, and more than nine digits behind, have another meaning.
         let is_usual = (year.starts_with("19") || year.starts_with("20")) && rest.len() <= 9;
         is_usual.then_some(Seconds { value, is_date: true, rest, runs: (first, next) })
     };
     let since_1970 = |at: usize| {
+        // Ten digits: from 2001 to 2286.
         let digits = runs[at].digits;
         let value = digits.parse().ok().filter(|_| digits.len() == 10 && !digits.starts_with('0'))?;
         Some(Seconds { value, is_date: false, rest: "", runs: (at, at + 1) })
@@ -103,6 +106,7 @@ fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<
     let is_point = is_point(separator);
     let numbers: Vec<i128> = digits.iter().map(|digits| digits.parse().unwrap_or(0)).collect();
     let range = numbers.iter().max()? - numbers.iter().min()?;
+    // Behind _ or -, few digits or numbers close together are counters, not fractions.
     let is_short = longest < 3 || range <= 2 * numbers.len() as i128 + 8;
     if are_counters(seconds, &numbers) || (!is_point && !separator.is_empty() && is_short) {
         return None;
@@ -117,10 +121,11 @@ fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<
     let are_of_one_length = digits.iter().all(|digits| digits.len() == longest);
     let any = |is: fn(&str) -> bool| digits.iter().any(|digits| digits.len() > 1 && is(digits));
     let (is_padded, ends_with_0) = (any(|digits| digits.starts_with('0')), any(|digits| digits.ends_with('0')));
+    // Leading zeros are those of fractions; else length, point and last digits decide.
     let are_fractions = match () {
         () if longest > 9 || is_padded => true,
         () if are_of_one_length => is_point || longest % 3 == 0,
-        // Printed numbers end with no zero.
+        // Printed fractions do not end with a zero.
         () if !is_point || ends_with_0 => false,
         () => unevenness(fractions.clone()) <= unevenness(wholes.clone()),
     };
@@ -165,9 +170,10 @@ fn in_names(names: &[String]) -> Result<Stamps, String> {
             of_day / 3600 * 10_000 + of_day % 3600 / 60 * 100 + of_day % 60
         };
         let clocks: Vec<i128> = whole.iter().map(clock).collect();
-        // Six digits behind a day that count from its first second on are no times.
+        // Times of day that count from the first second on are counters of six digits.
         let is_early = clocks.iter().all(|clock| *clock <= names.len() as i128);
         let is_counted = are_dates && times.is_none() && is_early && are_counters(&vec![0; names.len()], &clocks);
+        // Stamps must tell all frames apart: fractions, then whole seconds, then counters are tried.
         match times {
             Some(times) if are_different(&times) => return Ok(stamps(times, known_by)),
             _ if are_different(&whole) && are_dates && !is_counted => {
@@ -188,6 +194,7 @@ fn in_names(names: &[String]) -> Result<Stamps, String> {
         names.len() == 1 || found.windows(2).all(|two| at(&two[0], *from_end) != at(&two[1], *from_end))
     };
     let longest = |from_end: &usize| found.iter().map(|runs| at(runs, *from_end).len()).max();
+    // Of the numbers that differ from name to name the longest; of equally long ones the last.
     let chosen = (0..count).rev().filter(differs).max_by_key(longest);
     let Some(chosen) = chosen else {
         let odd = found.iter().position(|runs| runs.len() == count).unwrap_or(0);
@@ -209,7 +216,7 @@ fn is_point(separator: &str) -> bool {
     separator == "." || separator == ","
 }
 
-/// Runs of names, of which those without a fraction have an empty one, where others end with one.
+/// Runs of names; where the others end with a fraction, names without one get an empty fraction.
 fn with_whole_numbers(mut found: Vec<Vec<Run<'_>>>) -> Vec<Vec<Run<'_>>> {
     let most = found.iter().map(Vec::len).max().unwrap_or(0);
     let has_fraction = |runs: &Vec<Run<'_>>| runs.len() == most && most > 1 && is_point(runs[most - 1].before);
@@ -251,6 +258,7 @@ fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
             "_" | "-" => is_shared && digits.iter().any(|digits| digits.len() > 6) && sorted.windows(2).any(turns),
             _ => false,
         };
+        // Times closer than the frames of any camera are none.
         let gap = sorted.windows(2).map(|two| two[1].1 - two[0].1).min().unwrap_or(0);
         (are_seconds && gap as f64 >= SHORTEST_S * PARTS as f64).then_some(times)
     };
@@ -275,6 +283,7 @@ fn counters(
         order.sort_by_key(|t| numbers[*t]);
         let gaps: Vec<i128> = order.windows(2).map(|two| numbers[two[1]] - numbers[two[0]]).collect();
         let is_late = order.windows(2).any(|two| dates[two[1]].value < dates[two[0]].value);
+        // Counters rise by about one a frame, and never against the dates.
         gaps.iter().all(|gap| *gap > 0) && gaps.iter().sum::<i128>() <= 2 * names.len() as i128 + 8 && !is_late
     };
     let numbers = places.filter_map(numbers).find(is_in_order).ok_or(
@@ -381,6 +390,7 @@ impl Timing {
             }
             found => found?,
         };
+        // A part is counted in the order of the times, not of the names.
         let whole = if in_one.is_some() { (0..frames).collect() } else { found.times.order() };
         let order = match part {
             Some(_) => &whole[options.taken_of(&folder, frames, (1, 1))?],
@@ -561,6 +571,7 @@ fn rows_of(
         let rows = || [base_name(path), stem(path)].into_iter().filter_map(|name| by_name.get(name)).flatten().copied();
         let missing = || (format!("the list has no line for {}", base_name(path)), "add one, or open other frames");
         let alike = |row: usize| likeness(path, &list.names[row]);
+        // A list of several folders repeats names: the row whose folders agree best counts.
         let best = rows().map(alike).max().ok_or_else(missing)?;
         let mut found = rows().filter(|row| alike(*row) == best);
         let first = found.next().ok_or_else(missing)?;

@@ -26,7 +26,7 @@ impl Numbers for Dump {
         }
     }
 
-    /// By chance a file begins like another one: what it is, the options say.
+    /// A file may begin like another format by chance: the options alone decide.
     fn begins(&self, _start: &Start<'_>) -> bool {
         false
     }
@@ -63,7 +63,7 @@ pub(super) fn without_shape(path: &Path, length: u64, limits: &Limits) -> Error 
 /// A shape that fills a file without header, with its first frame.
 #[derive(Debug, Clone)]
 pub struct LikelyShape {
-    /// The shape.
+    /// Size, type of the numbers and bytes to skip, as `--raw` takes them.
     pub dump: Shape,
     /// Number of frames that it gives.
     pub frames: u64,
@@ -98,12 +98,14 @@ pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<
 /// no camera gives.
 fn likeness_of_rows(plane: &Plane) -> f32 {
     let (width, height) = plane.size();
+    // Bytes read as floats of a wrong type give tiny, infinite or undefined values.
     let sound = plane.data().iter().filter(|x| x.is_finite() && (x.abs() > 1e-20 || **x == 0.0)).count();
     if height < 4 || 10 * sound < 9 * width * height {
         return -1.0;
     }
     let correlation = |by: usize| {
         let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+        // Rows of the upper half, so that the row half a height below exists.
         for v in 0..height / 2 {
             let (a, b) = (plane.row(v), plane.row(v + by));
             let mean = |row: &[f32]| row.iter().map(|x| f64::from(*x)).sum::<f64>() / width as f64;
@@ -115,6 +117,7 @@ fn likeness_of_rows(plane: &Plane) -> f32 {
         }
         if aa * bb > 0.0 { (ab / (aa * bb).sqrt()) as f32 } else { 0.0 }
     };
+    // Columns of a constant pattern correlate at any distance, in a wrong width too: far rows take that share away.
     correlation(1) - correlation(height / 2).max(0.0)
 }
 

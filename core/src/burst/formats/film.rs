@@ -104,6 +104,7 @@ const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
 fn ffmpeg(path: &Path) -> Result<PathBuf> {
     let name = format!("ffmpeg{}", std::env::consts::EXE_SUFFIX);
     let folders = std::env::var_os("PATH").unwrap_or_default();
+    // A relative folder in `PATH` could run a program that lies beside the film.
     let found = std::env::split_paths(&folders).filter(|folder| folder.is_absolute()).map(|folder| folder.join(&name));
     found.into_iter().find(|program| program.is_file()).ok_or_else(|| missing(path))
 }
@@ -135,8 +136,8 @@ fn run<T>(
     run_once(path, (&arguments, most), options, monitor, &read)
 }
 
-/// Runs `ffmpeg` over at most `most` frames of the film `path` and reads what it writes, to its end. The container is
-/// named, so that no pattern in the name of the file stands for others.
+/// Runs `ffmpeg` on the first `most` frames of the film `path`, and reads all that it writes. The container is named,
+/// so that a pattern in the file's name cannot stand for other files.
 fn run_once<T>(
     path: &Path,
     (arguments, most): (&[&str], usize),
@@ -165,11 +166,13 @@ fn run_once<T>(
     let mut running = Running::spawn(command, path)?;
     let (stdin, stdout, stderr) = running.pipes();
     drop(stdin);
+    // Both pipes are read at once: a full one would stop the program.
     let (answer, words) = std::thread::scope(|scope| {
         let words = scope.spawn(move || last_words(stderr));
         let mut reader = BufReader::with_capacity(1 << 16, stdout);
         let answer = running.watched(path, monitor, None, || {
             let answer = read(&mut reader)?;
+            // Read to the end: a closed pipe would look like a failure of the program.
             io::copy(&mut reader, &mut io::sink()).map_err(|e| Error::from_read(path, KIND, &e))?;
             Ok::<_, Error>(answer)
         });
@@ -183,7 +186,7 @@ fn run_once<T>(
     match answer? {
         // A limit, or a value that is not finite, is not the program's failure.
         Err(error) if words.is_empty() || error.kind != ErrorKind::Damaged => Err(error),
-        // It goes on after damage, and ends well.
+        // `ffmpeg` goes on after damage, and ends well.
         Ok(answer) if ended_well && (words.is_empty() || options.accept_damaged) => Ok(answer),
         Ok(_) if ended_well => {
             Err(said(path, &words, "--accept-damaged takes the frames that it decodes all the same"))
@@ -198,7 +201,7 @@ fn said(path: &Path, words: &str, remedy: &str) -> Error {
     Error::new(ErrorKind::Damaged, format!("ffmpeg does not decode this film, and says: {words}"), remedy).about(path)
 }
 
-/// The first line that is written to `stderr`; the others are read too, so that their writer never waits.
+/// The first line written to `stderr`; the rest is read too, so that the writer never waits.
 fn last_words(stderr: impl Read) -> String {
     const MAX_WORDS_BYTES: u64 = 2000;
     let mut stderr = stderr;
@@ -208,8 +211,7 @@ fn last_words(stderr: impl Read) -> String {
     String::from_utf8_lossy(&words).lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
 }
 
-/// Reads the first `most` frames as `ffmpeg` writes them, with whether they are PPM: they are where the nearest format of
-/// pixels is one that Y4M does not hold.
+/// Reads the first `most` frames as Y4M, or as PPM (`read` gets true) where Y4M has no pixel format near the film's.
 fn run_frames<T>(reading: Reading<'_>, most: usize, read: impl Fn(&mut dyn BufRead, bool) -> Result<T>) -> Result<T> {
     let Reading { path, options, ticker, .. } = reading;
     let [nearest, colours] = [format!("{PIXELS}|{COLOURS}"), format!("format={COLOURS}")];
@@ -222,7 +224,6 @@ fn run_frames<T>(reading: Reading<'_>, most: usize, read: impl Fn(&mut dyn BufRe
     run(path, (&as_ppm, most), options, ticker.monitor(), |reader| read(reader, true))
 }
 
-/// A film in a pipe.
 enum Piped {
     Y4m(Stream),
     Ppm(PpmHeader),
@@ -265,7 +266,6 @@ impl Piped {
         if let Self::Y4m(film) = self { film.rest_bytes() } else { 0 }
     }
 
-    /// `count` frames, wherever they are.
     fn plain(&self, count: usize) -> Plain {
         match self {
             Self::Y4m(film) => film.plain(vec![0; count]),
@@ -316,7 +316,7 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
             options.limits.check_burst(path, seconds.len() as u64, 1, 1)?;
         }
     }
-    // Packets come in the order of decoding.
+    // Packets come in the order of decoding, not of display.
     seconds.sort_by(f64::total_cmp);
     let first = *seconds.first().ok_or_else(|| Error::corrupt(path, KIND, "ffmpeg finds no frame in it"))?;
     seconds.iter_mut().for_each(|time| *time -= first);
@@ -325,6 +325,7 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
 
 fn frames(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
     let Reading { path, options, .. } = reading;
+    // `ffmpeg` decodes from the start: frames before the range are read and dropped.
     let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
     run_frames(reading, range.end, |mut reader, is_ppm| {
         let film = Piped::read(path, reader, is_ppm)?;

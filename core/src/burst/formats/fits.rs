@@ -21,7 +21,6 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 const KIND: &str = "FITS";
-/// First bytes of every file.
 const MAGIC: &[u8] = b"SIMPLE  =";
 const BLOCK_BYTES: u64 = 2880;
 const CARD_BYTES: usize = 80;
@@ -32,7 +31,7 @@ const MAX_UNITS: usize = 1 << 12;
 const SUMMED_BYTES: u64 = 1 << 20;
 /// Largest number of axes of the standard.
 const MAX_AXES: u64 = 999;
-/// Values of CTYPE3 of axes that are no time begin with these.
+/// Beginnings of CTYPE3 for axes that are not time.
 const NOT_TIME: [&str; 12] =
     ["FREQ", "WAVE", "AWAV", "VELO", "VRAD", "VOPT", "ZOPT", "ENER", "LAMB", "STOKES", "FELO", "BETA"];
 
@@ -84,7 +83,6 @@ struct Unit {
 }
 
 impl Unit {
-    /// Reads the header at the reader's place.
     fn read(path: &Path, reader: &mut (impl Read + Seek)) -> Result<Self> {
         let fail = |e: io::Error| Error::from_read(path, KIND, &e);
         let corrupt = |reason: String| Error::corrupt(path, KIND, reason);
@@ -122,9 +120,11 @@ impl Unit {
         let bits = unit.whole(path, "BITPIX")?.ok_or_else(|| corrupt("BITPIX is missing".to_owned()))?.unsigned_abs();
         let values =
             if axes.is_empty() { 0 } else { axes.iter().fold(1u64, |product, length| product.saturating_mul(*length)) };
+        // Bytes of a unit, by the standard: |BITPIX| / 8 · GCOUNT · (PCOUNT + product of the axes).
         let (pcount, gcount) = (positive("PCOUNT")?.unwrap_or(0), positive("GCOUNT")?.unwrap_or(1));
         let bytes = values.saturating_add(pcount).saturating_mul(gcount).saturating_mul(bits / 8);
         let is_tiled = unit.text("XTENSION") == Some("BINTABLE") && unit.value("ZIMAGE") == Some(&Value::Logical(true));
+        // A table of tiles keeps the image's axes under names with a Z.
         let image = if is_tiled { axes_of("Z")? } else { axes.clone() };
         Ok(Self { own_axes: axes, axes: image, is_tiled, bytes, ..unit })
     }
@@ -196,6 +196,7 @@ impl Unit {
         let mut taken = Vec::new();
         let axis = self.text("CTYPE3").unwrap_or_default().trim();
         let chosen = options.axis.as_ref().map(|axis| axis.along);
+        // Three pictures may be colours or frames: the options or the header decide, else the user is asked.
         let is_named = axis.to_uppercase().starts_with("RGB") || axis.eq_ignore_ascii_case("COLOR");
         let are_colours = frames == 3 && (chosen == Some(Axis::C) || chosen.is_none() && is_named);
         let is_said = NOT_TIME.iter().any(|start| axis.starts_with(start)) || axis.to_uppercase().starts_with("TIME");
@@ -217,6 +218,7 @@ impl Unit {
         }
         let factor = self.number(path, "BSCALE")?.unwrap_or(1.0);
         let offset = self.number(path, "BZERO")?.unwrap_or(0.0);
+        // Tiles have a blank of their own where the image has none.
         let blank = match self.number(path, "BLANK")? {
             None if self.is_tiled => self.number(path, "ZBLANK")?,
             given => given,
@@ -235,6 +237,7 @@ impl Unit {
         let (places, tiles) = if self.is_tiled {
             let place = (self.data, length);
             let tiles = Tiles::of(path, &self.cards, &self.own_axes, shape, place, &options.limits)?;
+            // Places of a tiled image are numbers of pictures, not bytes.
             (Places::Even { first: 0, step: 1, count: frames }, Some(tiles))
         } else {
             (Plain::places_in(path, KIND, shape, (self.data, step, length), &options.limits)?, None)
@@ -267,11 +270,12 @@ impl Unit {
             let words =
                 block.chunks_exact(4).map(|word| u64::from(u32::from_be_bytes([word[0], word[1], word[2], word[3]])));
             sum += words.sum::<u64>();
+            // Carries are folded back after each block, so that the sum never overflows.
             sum = (sum >> 32) + (sum & u64::from(u32::MAX));
             block.clear();
         }
         sum = (sum >> 32) + (sum & u64::from(u32::MAX));
-        // Zero has two forms.
+        // Zero has two forms in ones' complement, so sums are compared modulo 2³² − 1.
         if sum % u64::from(u32::MAX) == u64::from(stated) % u64::from(u32::MAX) || reading.options.accept_damaged {
             return Ok(());
         }
@@ -291,7 +295,8 @@ impl Unit {
             Some(Value::Float(number)) => (*number as i64).rem_euclid(2) == 1,
             _ => false,
         };
-        // A pattern is that of the upper left corner; where the file's last row is the upper one, rows change places.
+        // Patterns are given from the upper left corner. In a file whose last row is the upper one, an even number of
+        // rows swaps the pattern's rows.
         let is_upside_down = self.text("ROWORDER").is_some_and(|order| order.trim().eq_ignore_ascii_case("BOTTOM-UP"));
         let is_even = self.axes[1].is_multiple_of(2);
         if offset("XBAYROFF") {
@@ -340,7 +345,7 @@ fn chosen(path: &Path, input: &Input, options: &OpenOptions) -> Result<(Unit, us
         if unit.is_image() {
             images.push(unit);
         }
-        // What is behind the last unit is nobody's, and so is a part of a block.
+        // Bytes behind the last unit, and a part of a block, belong to no unit.
         if at.saturating_add(BLOCK_BYTES) > input.length {
             break;
         }

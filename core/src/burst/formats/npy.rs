@@ -108,6 +108,7 @@ impl ArrayHeader {
         let (mut header_bytes, mut data_offset) = (usize::from(u16::from_le_bytes([start[8], start[9]])), 10);
         match start[6] {
             1 => {}
+            // Versions 2 and 3 have a length of four bytes.
             2 | 3 => {
                 let mut high = [0u8; 2];
                 reader.read_exact(&mut high).map_err(fail)?;
@@ -126,7 +127,7 @@ impl ArrayHeader {
         Ok(Self { descr, fortran_order, shape, data_offset: data_offset + header_bytes as u64 })
     }
 
-    /// Whether it has the number of axes that frames have.
+    /// Whether the axes and the type can be those of frames.
     fn is_of_frames(&self) -> bool {
         (2..=5).contains(&self.shape.len()) && DTYPES.iter().any(|(code, _)| self.descr.get(1..) == Some(*code))
     }
@@ -176,10 +177,12 @@ impl ArrayHeader {
         let step = number.bytes(height.saturating_mul(width).saturating_mul(channels));
         let bytes = (self.data_offset, step, length);
         let places = Plain::places_in(path, kind, (frames, height, width), bytes, &options.limits)?;
+        // Fastest index first, as the values lie in the file: Fortran's order has it so already.
         if !self.fortran_order {
             indices.reverse();
         }
         let in_order = [Index::Colour, Index::Column, Index::Row, Index::Frame];
+        // An axis of length 1 does not change the order in the file.
         let is_in_order = indices
             .iter()
             .filter(|(_, length)| *length > 1)
@@ -194,7 +197,6 @@ impl ArrayHeader {
     }
 }
 
-/// First bytes of every array.
 const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Axes of an array as indices with their lengths, and a word about what was guessed.
@@ -203,8 +205,8 @@ type Meaning = (Vec<(Index, u64)>, Option<String>);
 /// Least number of columns of views in an array that is taken for a light field unasked: fewer may be colours.
 const MIN_COLUMNS: u64 = 5;
 
-/// Grid of views of an array [rows, columns, v, u] or [rows, columns, v, u, colours], and the shape of its frames one
-/// after the other. One of four axes has to be what `views` says, or what no stack of frames is.
+/// Grid of views of an array [rows, columns, v, u] or [rows, columns, v, u, colours], and the shape with all frames on
+/// one axis. Four axes need `views`, or lengths that no stack of frames has.
 fn axes_of_views(shape: &[u64], views: Option<ViewsChoice>) -> Option<(ViewGrid, Vec<u64>)> {
     let [rows, columns, frame @ ..] = shape else { return None };
     let grid = ViewGrid::new(usize::try_from(*rows).ok()?, usize::try_from(*columns).ok()?)?;

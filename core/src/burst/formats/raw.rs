@@ -89,6 +89,7 @@ fn unread(path: &Path, what: &str) -> Error {
 }
 
 fn frame(reading: Reading<'_>) -> Result<RawFrame> {
+    // The library panics on some damaged files, and allocates what they announce.
     let known = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| memory::refusable(|| decoded(reading))));
     known.unwrap_or_else(|_| Ok(Err(unread(reading.path, "it fails")))).map_err(|e| e.about(reading.path))?
 }
@@ -98,7 +99,7 @@ fn decoded(reading: Reading<'_>) -> Result<RawFrame> {
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| Error::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);
-    // Of a kind that it does not know the library says the same as of damage, and sometimes panics.
+    // The library reports an unknown kind as it does damage.
     let corrupt = |e: rawler::RawlerError| match e {
         rawler::RawlerError::Unsupported { what, .. } if is_tiff(&bytes) => {
             Error::unsupported(path, NAME, format!("{what}; {ELSEWHERE}"))
@@ -115,6 +116,7 @@ fn decoded(reading: Reading<'_>) -> Result<RawFrame> {
         (width, height) = (side(TiffCommonTag::ImageWidth), side(TiffCommonTag::ImageLength));
         black_steps = BlackSteps::of(&directory);
     }
+    // Formats without this directory: a dry run of the decoder reads the size alone.
     if width == 0 || height == 0 {
         let announced = decoder.raw_image(&source, &RawDecodeParams::default(), true).map_err(corrupt)?;
         (width, height) = (announced.width, announced.height);
@@ -243,9 +245,11 @@ impl RawLevels {
         let mut black = raw.blacklevel.as_vec();
         let mut black_size = (width.max(1), height.max(1));
         let mut black_steps = black_steps;
+        // Some files announce a pattern of levels and give fewer: the first then stands for all.
         if black.len() < black_size.0 * black_size.1 * cpp.max(1) || cpp != raw.cpp {
             (black, black_size) = (vec![black.first().copied().unwrap_or(0.0); raw.cpp], (1, 1));
         }
+        // A given level replaces the file's, with its steps by column and row.
         if let Some(level) = options.black_level {
             (black, black_size, black_steps) = (vec![level; raw.cpp], (1, 1), BlackSteps::default());
         }

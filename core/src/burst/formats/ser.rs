@@ -17,7 +17,6 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 const KIND: &str = "SER";
-/// First bytes of every film.
 const MAGIC: &[u8] = b"LUCAM-RECORDER";
 const HEADER_BYTES: usize = 178;
 /// Most frames whose times are read at once.
@@ -48,7 +47,7 @@ fn plain(path: &Path, mut file: File, length: u64, options: &OpenOptions) -> Res
     let fail = |e: std::io::Error| Error::from_read(path, KIND, &e);
     let mut header = [0; HEADER_BYTES];
     file.read_exact(&mut header).map_err(fail)?;
-    // Six numbers follow the first word and the camera's.
+    // Six numbers follow the signature and the camera's number (LuID).
     let number = |index: usize| {
         let at = 18 + 4 * index;
         u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
@@ -113,6 +112,7 @@ fn aligned(plain: Plain, bits: u32, file: &mut File, number: fn([u8; 2]) -> u16)
     let mut bytes = Vec::new();
     file.seek(SeekFrom::Start(plain.places.at(0)))?;
     file.take(plain.frame_bytes().min(MAX_LOOKED)).read_to_end(&mut bytes)?;
+    // The bits that any number sets show where in the word the values lie.
     let all = bytes.as_chunks::<2>().0.iter().fold(0, |all, two| all | number(*two));
     if !(9..16).contains(&bits) || u32::from(all) >> bits == 0 {
         return Ok(plain);

@@ -14,7 +14,6 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 pub(super) const KIND: &str = "Y4M";
-/// First bytes of every film.
 const MAGIC: &[u8] = b"YUV4MPEG2 ";
 /// Longest line, bytes.
 const MAX_LINE_BYTES: u64 = 1 << 12;
@@ -36,7 +35,6 @@ pub(super) struct Film {
 }
 
 impl Film {
-    /// Reads the line that begins a film.
     pub(super) fn read(path: &Path, reader: &mut impl BufRead) -> Result<Self> {
         let line = line(path, reader)?;
         let text = String::from_utf8_lossy(&line);
@@ -66,6 +64,7 @@ impl Film {
         let (width, height) = (u64::from(width), u64::from(height));
         check_sides(path, width, height)?;
         let bytes = u64::from(bits.div_ceil(8));
+        // Planes of colour of an odd side are rounded up.
         let halved = |side: u64, by: u64| side.div_ceil(by);
         let planes = chroma.map_or(0, |(across, down)| 2 * halved(width, across) * halved(height, down));
         let alpha = if colours.contains("alpha") { width * height } else { 0 };
@@ -170,7 +169,6 @@ impl Numbers for Y4m {
     }
 }
 
-/// The frames of a film of `length` bytes.
 fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
     let fail = |e: io::Error| Error::from_read(path, KIND, &e);
     let mut reader = BufReader::with_capacity(256, file);
@@ -178,6 +176,7 @@ fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<
     let (width, height) = (film.size.0 as u64, film.size.1 as u64);
     options.limits.check_frame(path, width, height)?;
     let mut places = Vec::new();
+    // Lines of frames may have parameters, so frames are not evenly spaced: each line is visited.
     while Film::next_frame(path, &mut reader)? {
         let place = reader.stream_position().map_err(fail)?;
         if length.saturating_sub(place) < film.frame_bytes {

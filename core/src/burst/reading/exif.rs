@@ -20,6 +20,7 @@ pub(in crate::burst) fn times(path: &Path) -> Times {
     let read = || {
         let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|of| of.len() <= MAX_BYTES))?;
         let found = Reader::new().continue_on_error(true).read_from_container(&mut BufReader::new(file));
+        // Damaged parts are passed over: the rest may hold the time.
         let exif = found.or_else(|error| error.distill_partial_result(|_| ())).ok()?;
         TAGS.iter().find_map(|(time, fraction)| seconds(&exif, *time, *fraction))
     };

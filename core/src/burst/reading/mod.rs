@@ -64,7 +64,6 @@ pub(in crate::burst) struct RawFrame {
     pub damage: Option<String>,
     /// The kind of its file, where the extension names another.
     pub misnamed: Option<&'static str>,
-    /// Whether the file has colours for each pixel.
     pub is_colour: bool,
     /// Mosaic of colours that the file declares, not binned yet.
     pub mosaic: Option<Mosaic>,
@@ -84,10 +83,8 @@ impl RawFrame {
     }
 }
 
-/// Declarations of a file, before any pixel is read.
 #[derive(Debug)]
 pub(in crate::burst) struct Declared {
-    /// Name of its format.
     pub kind: &'static str,
     /// Size before a mosaic is binned.
     pub width: usize,
@@ -126,7 +123,6 @@ pub(in crate::burst) struct Expected<'a> {
     pub size: (usize, usize),
 }
 
-/// A file, and the way its frames are read.
 #[derive(Clone, Copy)]
 pub(in crate::burst) struct Reading<'a> {
     pub path: &'a Path,
@@ -141,7 +137,6 @@ impl<'a> Reading<'a> {
         Self { path, expected: None, options, ticker }
     }
 
-    /// Checks the size of a frame against the expected one.
     pub(in crate::burst) fn check(&self, size: (usize, usize)) -> Result<()> {
         match self.expected {
             Some(Expected { first, size: first_size }) if size != first_size => Err(Error::different_sizes(
@@ -156,14 +151,15 @@ impl<'a> Reading<'a> {
 /// Makes a frame of a plane in file units, in which NaN is an undefined value. Fails at the first infinite one.
 pub(in crate::burst) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame> {
     let values = plane.data();
-    // Bits of positive floats are ordered as they are, infinity and NaN above all, and those of negative ones are
-    // negative integers: so many are compared at a time.
+    // As integers, bits of positive floats keep their order, infinity and NaN above all, and negative floats stay
+    // negative: integers are compared several at a time.
     let (magnitude, largest) = values.iter().fold((0, 0), |(magnitude, largest): (i32, i32), v| {
         let bits = v.to_bits() as i32;
         ((bits & i32::MAX).max(magnitude), bits.max(largest))
     });
     let mut largest = f32::from_bits(largest as u32);
     if !f32::from_bits(magnitude as u32).is_finite() {
+        // Infinity is an error; NaN is allowed, but must not count as the largest value.
         if let Some(index) = values.iter().position(|v| v.is_infinite()) {
             return Err(Error::not_finite(path, frame, plane.width(), index, values[index]));
         }

@@ -113,7 +113,6 @@ fn of_planes<T: Sample>([red, green, blue]: [&[T]; 3], value: impl Fn(T) -> f32,
     grey
 }
 
-/// Size (columns, rows) of a picture of `size` after turning.
 pub(in crate::burst) fn turned_size((width, height): (usize, usize), orientation: Orientation) -> (usize, usize) {
     match orientation {
         Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => {
@@ -124,7 +123,7 @@ pub(in crate::burst) fn turned_size((width, height): (usize, usize), orientation
 }
 
 pub(in crate::burst) fn turned_mosaic(mosaic: Mosaic, size: (usize, usize), orientation: Orientation) -> Mosaic {
-    // A picture of a square, which ends as the whole one does.
+    // A small picture that ends as the whole one does: odd sides shift the pattern in turning.
     let colours = Plane::from_fn(2 + size.0 % 2, 2 + size.1 % 2, |u, v| mosaic.colour_at(u, v) as f32);
     let colours = turned(colours, orientation);
     Mosaic::of(|u, v| colours.at(u, v) as usize).unwrap_or(mosaic)

@@ -23,7 +23,6 @@ use zip::ZipArchive;
 /// for the cache.
 const BLOCK_BYTES: usize = 15 << 14;
 
-/// Index of an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::burst) enum Index {
     Frame,
@@ -32,7 +31,6 @@ pub(in crate::burst) enum Index {
     Colour,
 }
 
-/// Places of frames.
 #[derive(Debug, Clone)]
 pub(in crate::burst) enum Places {
     /// One after the other, in steps from the first one on: however many are announced, they take no memory.
@@ -56,7 +54,6 @@ impl Places {
         }
     }
 
-    /// The places of some of these frames.
     fn part(self, range: Range<usize>) -> Self {
         match self {
             Self::Even { step, .. } => Self::Even { first: self.at(range.start), step, count: range.len() as u64 },
@@ -71,7 +68,6 @@ impl From<Vec<u64>> for Places {
     }
 }
 
-/// Pixels of a file, and the way they are read.
 #[derive(Debug, Clone)]
 pub(in crate::burst) struct Plain {
     /// Name of the file's kind in messages.
@@ -84,7 +80,6 @@ pub(in crate::burst) struct Plain {
     pub big_endian: bool,
     /// Samples of a pixel, side by side: 1, or 3 (colours) or 4 (with alpha).
     pub channels: usize,
-    /// Whether blue comes first.
     pub is_bgr: bool,
     /// Value that is full scale; `None` for floats and long integers.
     pub white: Option<f32>,
@@ -94,9 +89,7 @@ pub(in crate::burst) struct Plain {
     pub is_encoded: bool,
     pub mosaic: Option<Mosaic>,
     pub times: Times,
-    /// Grid of views that the frames are.
     pub views: Option<ViewGrid>,
-    /// Guesses and choices, for the user.
     pub taken: Vec<String>,
     /// Lengths of an array whose frames are not one after the other, the index that runs fastest first; empty for
     /// others.
@@ -105,7 +98,6 @@ pub(in crate::burst) struct Plain {
     pub member: Option<usize>,
     /// Bytes, or tiles' layers, from one colour of a frame to the next, where its colours are planes; 0 for others.
     pub planes: u64,
-    /// Way to the frames of an image that is compressed in tiles.
     pub tiles: Option<Tiles>,
 }
 
@@ -171,7 +163,6 @@ impl Plain {
         self.size.0 * self.size.1 * self.channels
     }
 
-    /// The only frame of a file.
     pub(in crate::burst) fn only(&self, reading: Reading<'_>) -> Result<RawFrame> {
         if self.places.len() != 1 {
             return Err(Error::stack_among_frames(reading.path, self.places.len()));
@@ -197,12 +188,13 @@ impl Plain {
             let mut archive = ZipArchive::new(File::open(path).map_err(fail)?).map_err(|e| fail(e.into()))?;
             let mut reader = archive.by_index(member).map_err(|e| fail(e.into()))?;
             let length = reader.size();
-            // The checksum is compared at the end of the member, and there is no more than it says.
+            // The checksum is compared at the member's end: all is read, and nothing may follow.
             let mut whole = (&mut reader).take(length);
             skip(reading, &mut whole, self.places.at(0)).map_err(fail)?;
             let frames = all(&mut whole)?;
             reading.ticker.check()?;
             skip(reading, &mut whole, u64::MAX).map_err(fail)?;
+            // A cancelled skip ends early, which is no damage of the file.
             reading.ticker.check()?;
             if whole.limit() > 0 || reader.read(&mut [0]).map_err(fail)? > 0 {
                 let reason = format!("the array in it is not {length} bytes long, as it says");
@@ -239,13 +231,14 @@ impl Plain {
         (0..self.places.len()).map(frame).collect()
     }
 
-    /// Frames of an image in tiles: layer by layer in this process, where those that are decoded at once have room; or
-    /// each frame in a process of its own, where one takes much memory.
+    /// Frames of an image in tiles: layer by layer in this process, where the layers decoded at once have room;
+    /// otherwise each frame in a process of its own.
     fn unpacked(&self, reading: Reading<'_>, tiles: &Tiles) -> Result<Vec<RawFrame>> {
         let count = self.places.len();
         let (first, bytes) = (self.places.at(0), tiles.layer_bytes());
         if confined::takes(bytes) {
             let limits = Limits { max_frames: usize::MAX, ..reading.options.limits };
+            // The other process counts frames from the start of the file, whatever part is taken here.
             let options = &OpenOptions { take: None, limits, ..reading.options.clone() };
             let budget = Budget::new(0, (self.size.0 * self.size.1) as u64, bytes.saturating_mul(2));
             return in_order(count, |frame| {
@@ -360,6 +353,7 @@ impl Plain {
         self.convert_all(reading, from, frames * self.samples(), whole, |values| {
             for value in values {
                 planes[t][place] = *value;
+                // An odometer: the fastest index turns first, and each full turn moves the next index.
                 for (at, (is_frame, length, step)) in at.iter_mut().zip(&axes) {
                     let (counter, by) = if *is_frame { (&mut t, 1) } else { (&mut place, *step) };
                     *at += 1;

@@ -92,7 +92,6 @@ fn find<'a>(cards: &'a [Card], name: &str) -> Option<&'a Value> {
     cards.iter().find(|card| card.keyword_str() == name)?.value.as_ref()
 }
 
-/// Whole number of a keyword.
 fn whole(cards: &[Card], name: &str) -> Option<i64> {
     match find(cards, name) {
         Some(Value::Integer(number)) => Some(*number),
@@ -142,6 +141,7 @@ impl Tiles {
             ("GZIP_2", _) => Code::Gzip { is_shuffled: true },
             ("NOCOMPRESS", _) => Code::Plain,
             ("RICE_1" | "RICE_ONE", 1 | 2 | 4) => {
+                // A block of equal pixels takes only its header: 3, 4 or 5 bits for pixels of 1, 2 or 4 bytes.
                 Code::Rice(rice_bytepix as u64, 3 + rice_bytepix.ilog2() as u64, blocksize as u64)
             }
             _ => Code::Other,
@@ -157,6 +157,7 @@ impl Tiles {
         }
         let layer_rows = width.div_ceil(tile[0]) * height.div_ceil(tile[1]);
         let tiles = layer_rows.saturating_mul(frames.div_ceil(layer_frames));
+        // The heap follows the rows unless THEAP says otherwise; PCOUNT counts the gap too.
         let heap = whole(cards, "THEAP").map_or(rows_bytes, |heap| heap.max(0) as u64);
         let heap_bytes = whole(cards, "PCOUNT").map_or(0, |bytes| bytes.max(0) as u64).saturating_add(rows_bytes);
         if tiles > rows || heap_bytes > there || heap < rows_bytes {
@@ -167,6 +168,7 @@ impl Tiles {
         if !(1..=MAX_COLUMNS).contains(&tfields) {
             return Err(corrupt(format!("its table has {tfields} columns (TFIELDS)")));
         }
+        // Columns of the decoder's table: the bytes of a tile, packed or not, then the numbers of each tile.
         let mut own = vec![("COMPRESSED_DATA", "1QB"), ("UNCOMPRESSED_DATA", "1QB")];
         let (mut references, mut numbers, mut at) = ([None; 3], Vec::new(), 0usize);
         let columns = parse_binary_table_columns(cards, tfields);
@@ -212,6 +214,7 @@ impl Tiles {
         let [packed, plain, gzip] = references;
         let packed = packed.ok_or_else(|| corrupt("its table has no column COMPRESSED_DATA".to_owned()))?;
         let is_given = |name| find(cards, name).is_some() || own.iter().any(|(own, _)| *own == name);
+        // Floats are packed as integers only where both scale and zero are there.
         let is_rounded = !matches!(find(cards, "ZQUANTIZ"), Some(Value::String(text)) if text.trim() == "NONE")
             && is_given("ZSCALE")
             && is_given("ZZERO");
@@ -223,10 +226,12 @@ impl Tiles {
             16 => vec![2, 4],
             _ => vec![pixel_bytes],
         };
+        // Only these keywords of the file reach the decoder; all sizes are written anew.
         let parameters = |name: &str| name.starts_with("ZNAME") || name.starts_with("ZVAL");
         let kept = cards.iter().filter(|card| KEPT.contains(&card.keyword_str()) || parameters(card.keyword_str()));
         let mut header: Vec<Card> = kept.cloned().collect();
         let text = |text: &str| Value::String(text.to_owned());
+        // gzip data is unpacked here, so the decoder gets plain bytes.
         let unpacked = if matches!(code, Code::Gzip { .. }) { "NOCOMPRESS" } else { &zcmptype };
         header.extend([card("XTENSION", text("BINTABLE")), card("ZCMPTYPE", text(unpacked))]);
         let own_bytes = REFERENCES_BYTES + numbers.iter().map(|(_, bytes)| bytes).sum::<usize>();
@@ -337,6 +342,7 @@ impl Tiles {
                 end += length;
             }
             bytes.extend_from_slice(&tile);
+            // Tiles may share bytes of the heap, so their sum is limited too.
             if bytes.len() as u64 > self.layer_bytes() {
                 let reason = format!("the tiles up to {place} have far more bytes than their pixels");
                 return Err(Error::corrupt(reading.path, KIND, reason));
@@ -345,8 +351,8 @@ impl Tiles {
         Ok(bytes)
     }
 
-    /// Bytes of a tile of so many `pixels`, for the column of packed ones or not; gzip data is unpacked here. The error is
-    /// of the kind `InvalidData` where the tile is not as long as its pixels have it.
+    /// Bytes of a tile of `pixels` pixels, and whether they are packed; gzip data is unpacked here. An error of the
+    /// kind `InvalidData` reports a length that contradicts the pixels.
     fn tile_of(&self, file: &mut (impl Read + Seek), row: &[u8], pixels: u64) -> io::Result<(Vec<u8>, bool)> {
         let wrong = |reason: String| io::Error::new(io::ErrorKind::InvalidData, reason);
         let mut bytes_of = |reference: &Reference| {
@@ -367,6 +373,7 @@ impl Tiles {
         let packed = bytes_of(&self.packed)?;
         let length = packed.len() as u64;
         let lengths = |widths: &[u64]| widths.iter().map(|width| width * pixels).collect::<Vec<_>>();
+        // Pixels that could not be packed lie in another column.
         if length == 0 {
             let plain = self.plain.as_ref().map_or_else(|| Ok(Vec::new()), &mut bytes_of)?;
             let gzip = self.gzip.as_ref().filter(|_| plain.is_empty()).map(&mut bytes_of).transpose()?;
@@ -413,14 +420,14 @@ fn gunzip(packed: &[u8], wanted: &[u64]) -> Result<Vec<u8>, String> {
         let wanted: Vec<String> = wanted.iter().map(u64::to_string).collect();
         return Err(format!("it unpacks to {} bytes, and its pixels have {}", unpacked.len(), wanted.join(" or ")));
     }
-    // Zeros fill up what is stored in blocks.
+    // Blocks are filled up with zeros.
     if decoder.into_inner().iter().any(|byte| *byte != 0) {
         return Err("bytes follow its gzip data".to_owned());
     }
     Ok(unpacked)
 }
 
-/// Pixels byte by byte of those whose first bytes come first, then the second ones.
+/// Pixels byte by byte, from data with all first bytes first, then all second ones.
 fn in_turn(planes: &[u8], pixels: usize) -> Vec<u8> {
     let width = planes.len() / pixels;
     let mut bytes = memory::zeroed(planes.len());

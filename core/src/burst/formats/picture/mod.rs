@@ -31,7 +31,6 @@ const BESIDES_BYTES: u64 = 1 << 26;
 /// Largest number of pixels of a byte of a file: of one bit each, in deflated data of the largest ratio, about.
 const PIXELS_A_BYTE: u64 = 8 * 1040;
 
-/// A format of single pictures.
 pub(super) struct Picture {
     format: ImageFormat,
     extensions: &'static [&'static str],
@@ -149,6 +148,7 @@ pub(super) fn declared_of(
     let bytes = &*normalised(path, bytes, format)?;
     let mut reader = reader;
     let full = full_scale(path, &mut reader, format)?;
+    // Binary PNM files may hold several pictures one after another.
     let is_binary = reader.fill_buf().is_ok_and(|start| start.starts_with(b"P5") || start.starts_with(b"P6"));
     let length = reader.seek(SeekFrom::End(0)).and_then(|length| reader.rewind().map(|()| length)).unwrap_or(0);
     let mut decoder = decoder(path, reader, bytes, format, limits)?;
@@ -178,12 +178,10 @@ fn only(reading: Reading<'_>, input: Input, format: ImageFormat) -> Result<RawFr
     decoded(reading, Source { reader, bytes, length: input.length, format, part: Part::Only })
 }
 
-/// A picture, and where it lies in its file.
 pub(super) struct Source<'a, R> {
     pub reader: R,
     /// All bytes of a JPEG.
     pub bytes: &'a [u8],
-    /// Number of its bytes.
     pub length: u64,
     pub format: ImageFormat,
     pub part: Part,
@@ -191,6 +189,7 @@ pub(super) struct Source<'a, R> {
 
 pub(super) fn decoded(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Result<RawFrame> {
     let frame = frame_of(reading, source);
+    // A cancelled decoder fails with an error of its own: the cancellation is reported instead.
     reading.ticker.check().and(frame)
 }
 
@@ -216,11 +215,13 @@ fn frame_of(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Re
     let pixels = u64::from(width) * u64::from(height);
     let taken = pixels * bytes_per_pixel(format, color);
     if confined::takes(taken) {
+        // Its memory is given back before another process takes as much.
         drop(decoder);
         let budget = Budget::new(length, pixels, 2 * taken);
         return confined::decode(reading, name(format), part, budget);
     }
     memory::check_room(taken);
+    // The strict decoder first: the lenient one below serves damage that is accepted.
     let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(bytes, true, ticker.monitor())) {
         None => (None, None),
         Some(Ok(samples)) => (Some(samples), None),
@@ -342,7 +343,7 @@ fn delays_of(file: &mut (impl Read + Seek), format: ImageFormat, length: u64) ->
         let (size, kind) =
             if is_png { (u32::from_be_bytes(first), second) } else { (u32::from_le_bytes(second), first) };
         is_announced |= [b"acTL", b"ANIM"].contains(&&kind);
-        // Of a single picture no more is read than stands before its pixels.
+        // Of a single picture only what precedes the pixels is read.
         if !is_announced && [b"IDAT", b"VP8 ", b"VP8L", b"IEND"].contains(&&kind) {
             break;
         }
@@ -403,6 +404,7 @@ fn frames_of(
     if frames.is_empty() {
         return Err(Error::corrupt(path, name(format), "no frame of its animation is whole"));
     }
+    // Frames are drawn one over another, so those before the part had to be decoded too.
     options.taken(path, frames, (1, 1))
 }
 
@@ -568,6 +570,7 @@ impl<R: BufRead + Seek> ImageDecoder for PngPicture<R> {
         self.reader.next_frame(buffer).map_err(png_failure)?;
         // The file's end must follow the pixels.
         self.reader.finish().map_err(png_failure)?;
+        // PNG stores the high byte first; the buffer holds native numbers.
         if self.color.bytes_per_pixel() == 2 * self.color.channel_count() {
             for bytes in buffer.as_chunks_mut::<2>().0 {
                 *bytes = u16::from_be_bytes(*bytes).to_ne_bytes();

@@ -57,11 +57,13 @@ struct Along {
 impl Along {
     fn of(found: &Described, choice: Option<&AxisChoice>) -> Result<Self, Refusal> {
         let axes = found.axes.clone();
+        // An axis of length 1 leaves nothing to choose.
         let long: Vec<usize> = (0..axes.len()).filter(|index| axes[*index].1 > 1).collect();
         let named: Axes = long.iter().map(|index| axes[*index]).collect();
         let at = vec![0; axes.len()];
         let usual = long.first().copied().unwrap_or(0);
         let Some(choice) = choice else {
+            // One long axis is time unless it is named depth or channel; of several the user has to choose.
             if named.len() < 2 && !named.first().is_some_and(|(axis, _)| matches!(axis, 'Z' | 'C')) {
                 return Ok(Self { axes, along: usual, at });
             }
@@ -133,6 +135,7 @@ impl Along {
             counts[of_all(place)] += 1;
         }
         let whole = counts.iter().take_while(|count| **count == full).count();
+        // A stopped recording lacks pages at its end alone; a hole before other pages is an error.
         if whole == 0 || counts[whole..].iter().skip(1).any(|count| *count > 0) {
             let problem = format!(
                 "this file announces {}, and pages of it are missing from {letter}={whole} on, with others behind them",

@@ -1,5 +1,5 @@
-//! What a TIFF says of its pages: in its description (OME's XML, ImageJ's lines, tifffile's JSON), or in tags of
-//! microscopes (LSM). Places that have no page are told; a description that cannot be understood is an error.
+//! Axes of a TIFF's pages: from its description (OME's XML, ImageJ's lines, tifffile's JSON), or from tags of
+//! microscopes (LSM). Places without a page are reported; a description that cannot be understood is an error.
 
 use crate::files::read_text;
 use roxmltree::{Document, Node, ParsingOptions};
@@ -35,7 +35,7 @@ impl Described {
     pub(super) fn in_order(axes: Axes, pages: usize) -> Self {
         let count = product(&axes);
         let page = |number| (number < pages).then_some(Page { file: None, number });
-        // What is announced may be any number, and what there is not takes no place.
+        // The announced number may be absurd: places beyond twice the pages take no memory.
         let pages = (0..count.min(pages.saturating_mul(2))).map(page).collect();
         Self { axes, pages, said: Vec::new() }
     }
@@ -45,8 +45,8 @@ fn product(axes: &Axes) -> usize {
     axes.iter().fold(1, |product, (_, length)| product.saturating_mul(*length))
 }
 
-/// Pages as the description tells them; `None` where it tells nothing of them. `array` names one of several images. The
-/// error is what is wrong in the description, and a remedy where there is one.
+/// Axes and pages as the description gives them; `None` where it is silent about pages. `array` names one of several
+/// images. The error is a problem and its remedy, which may be empty.
 pub(super) fn described(
     description: &str,
     path: &Path,
@@ -63,7 +63,7 @@ pub(super) fn described(
     } else {
         None
     };
-    // That of one page tells nothing of others, of which each may have its own.
+    // A description of one page is silent about the others, which may have their own.
     let Some(axes) = found.filter(|axes| product(axes) > 1) else { return Ok(None) };
     if product(&axes) < pages {
         let problem = format!("the description of this file tells of {}, and it has {pages} pages", words(&axes));
@@ -92,6 +92,7 @@ fn of_imagej(description: &str) -> Option<Axes> {
         let value = description.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
         value.and_then(|value| value.trim().parse().ok()).filter(|length| *length > 0)
     };
+    // In ImageJ's order of pages channels change first, and times last.
     let lengths = [('T', length("frames")), ('Z', length("slices")), ('C', length("channels"))];
     let is_said = lengths.iter().any(|(_, length)| length.is_some());
     is_said.then(|| lengths.map(|(axis, length)| (axis, length.unwrap_or(1))).to_vec())
@@ -105,6 +106,7 @@ fn of_tifffile(description: &str, [rows, columns, samples]: PageShape) -> Option
     Some(match named {
         Some(axes) => axes.chars().zip(shape).filter(|(axis, _)| !"YXS".contains(*axis)).collect(),
         None => {
+            // Without names, the end of the shape that fits a page is the page; the axes before have no meaning.
             let of_page = [&[rows, columns, samples][..], &[samples, rows, columns], &[rows, columns]];
             let own = of_page.into_iter().find(|page| shape.ends_with(page)).map_or(2, |page| page.len());
             shape.iter().take(shape.len().saturating_sub(own)).map(|length| ('Q', *length)).collect()
@@ -130,6 +132,7 @@ fn of_ome(text: &str, path: &Path, pages: usize, array: Option<&str>) -> Result<
         return Ok(None);
     }
     if let Some(elsewhere) = child(root, "BinaryOnly") {
+        // Only a file beside this one is read; one that refers to yet another would lead on without end.
         let name = elsewhere.attribute("MetadataFile").unwrap_or_default();
         let beside = Path::new(name).file_name().map(|name| path.with_file_name(name));
         let companion = beside.as_deref().and_then(|beside| read_text(beside, MAX_XML_BYTES).ok());
@@ -182,6 +185,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
         .map(|channel| number(channel, "SamplesPerPixel", Some(1)))
         .collect::<Result<_, _>>()?;
     let mut axes = Axes::new();
+    // The order names the fastest axis first; here the slowest comes first.
     for axis in order.chars().rev() {
         let length = number(pixels, &format!("Size{axis}"), None)?;
         // The colours of a page are counted as channels too.
@@ -206,6 +210,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
     }
     for node in data {
         let first = number(node, "IFD", Some(0))?;
+        // By OME's rules an element without IFD covers all planes, and one with IFD a single plane.
         let usual = if node.attribute("IFD").is_some() { 1 } else { usize::MAX };
         let most = number(node, "PlaneCount", Some(usual))?;
         let mut place = 0;
@@ -216,6 +221,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
             }
             place = place * length + at;
         }
+        // A foreign UUID under a foreign name points to another file of the set.
         let name = child(node, "UUID").filter(|of| of.text().map(str::trim) != uuid || uuid.is_none());
         let own = path.file_name().map(|name| name.to_string_lossy().into_owned());
         let file =

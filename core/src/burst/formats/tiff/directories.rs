@@ -41,7 +41,6 @@ const MAX_SHARING: u64 = 4;
 /// Further allowance for the values of all entries, bytes: for small files.
 const SMALL_VALUES: u64 = 1 << 24;
 
-/// Compressions of pixels.
 const UNCOMPRESSED: u64 = 1;
 const JPEG: u64 = 7;
 
@@ -77,7 +76,7 @@ pub(super) struct Planes {
 }
 
 impl Planes {
-    /// Times of the planes, and their axes.
+    /// Times of the planes, and their axis: time where the times rise, else depth where one is given.
     pub(super) fn told(&self) -> (Times, Axes) {
         // Days count from noon of the first one of the Julian period.
         const DAY_OF_1970: f64 = 2_440_588.0;
@@ -117,6 +116,7 @@ impl Directories {
         let have = start.len().min(usize::try_from(length).unwrap_or(usize::MAX));
         read_at(file, 0, &mut start[..have])?;
         let big_endian = start[0] == b'M';
+        // BigTIFF has the version 43, and places of eight bytes.
         let big = number(big_endian, &start[2..4]) == 43;
         let first = number(big_endian, if big { &start[8..16] } else { &start[4..8] });
         let (entries, value_bytes) = (0, 0);
@@ -127,7 +127,6 @@ impl Directories {
     }
 }
 
-/// Unsigned number of any length.
 fn number(big_endian: bool, bytes: &[u8]) -> u64 {
     let push = |number: u64, byte: &u8| number << 8 | u64::from(*byte);
     if big_endian { bytes.iter().fold(0, push) } else { bytes.iter().rev().fold(0, push) }
@@ -191,7 +190,7 @@ impl<R: Read + Seek> Walk<'_, R> {
         }
         let mut bytes = number(self.big_endian, &head).saturating_mul(entry_bytes);
         if !is_begun || bytes.saturating_add((count_bytes + field_bytes) as u64) > left {
-            // A decoder reads what is there of notes, and makes room for what that announces.
+            // Decoders read the entries of cut notes that are there, so these are checked too.
             bytes = left.saturating_sub((count_bytes + field_bytes) as u64) / entry_bytes * entry_bytes;
             if !is_notes || bytes == 0 {
                 return if is_notes { Ok(0) } else { Err(corrupt("a directory lies beyond its end")) };
@@ -212,6 +211,7 @@ impl<R: Read + Seek> Walk<'_, R> {
     fn check<'e>(&mut self, entries: impl Iterator<Item = (u64, &'e [u8])> + Clone, is_notes: bool) -> io::Result<()> {
         let big_endian = self.big_endian;
         let number = |bytes: &[u8]| number(big_endian, bytes);
+        // DNG's version stands in the first directory, and changes how all entries are judged.
         if self.seen.len() == 1 && entries.clone().any(|(_, entry)| number(&entry[..2]) == tag::DNG_VERSION) {
             (self.found.is_dng, self.raw) = (true, true);
         }
@@ -238,7 +238,7 @@ impl<R: Read + Seek> Walk<'_, R> {
             if self.value_bytes > self.length.saturating_mul(MAX_SHARING).saturating_add(SMALL_VALUES) {
                 return Err(corrupt("its directories announce far more than the file holds"));
             }
-            // Of raw files of other formats decoders know what is elsewhere, and notes may be absent.
+            // Decoders of other raw formats know where values are, and notes may be absent.
             let place = if bytes > field.len() as u64 { number(field) } else { 0 };
             if place.saturating_add(bytes) > self.length && !is_notes && (self.found.is_dng || !self.raw) {
                 let end = self.length;
@@ -253,6 +253,7 @@ impl<R: Read + Seek> Walk<'_, R> {
                 tag::IMAGE_LENGTH => height = single,
                 tag::COMPRESSION => compression = single,
                 tag::PHOTOMETRIC if single == Sensor::PHOTOMETRIC => {
+                    // The two low bytes of the value.
                     let in_front = if big_endian { size.saturating_sub(2) } else { 0 };
                     self.found.sensor.marks.push(at + (entry.len() - field.len()) as u64 + in_front);
                 }

@@ -64,6 +64,7 @@ impl<'a> PageReader<'a> {
     /// Decodes page `page`, whose size has been checked, as frame `frame` of the burst.
     pub(super) fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame> {
         let read = self.decoded(page, frame);
+        // A cancelled decoder fails with an error of its own: the cancellation is reported instead.
         self.reading.ticker.check().and(read)
     }
 
@@ -79,6 +80,7 @@ impl<'a> PageReader<'a> {
         let color = self.decoder.colortype().map_err(fail)?;
         let sample_bytes = u64::from(color.num_samples()) * u64::from(color.bit_depth()).div_ceil(8);
         let taken = pixels.saturating_mul(2 * sample_bytes + 4).saturating_add(chunk.saturating_mul(2 * sample_bytes));
+        // A large page is decoded in a process of its own, whose memory has a limit.
         if confined::takes(taken) {
             let budget = Budget::new(self.length, pixels, taken.saturating_mul(2));
             let part = Part::Page { page, frame };
@@ -87,6 +89,7 @@ impl<'a> PageReader<'a> {
         memory::check_room(taken);
         // Strips and tiles at the edges may be filled up.
         let most = pixels.saturating_add(chunk).saturating_mul(2 * sample_bytes).saturating_add(FILLING_BYTES);
+        // Searched before decoding, since the decoder does not report it.
         let damage = self.damage(most).map_err(fail)?;
         if let Some(reason) = damage.as_ref().filter(|_| !options.accept_damaged) {
             return Err(Error::corrupt(path, NAME, reason));
@@ -193,7 +196,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
             DecodingResult::U8(bytes) if tag(decoder, Tag::Compression) == 1 => {
                 bytes.iter_mut().for_each(|byte| *byte = byte.reverse_bits());
             }
-            // The bits of each byte are reversed, and not the order of bytes.
+            // Only the bits of each byte are reversed, not the order of bytes.
             DecodingResult::U16(words) if tag(decoder, Tag::Compression) == 1 => {
                 words.iter_mut().for_each(|word| *word = word.reverse_bits().swap_bytes());
             }
@@ -207,6 +210,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
     let curve = Curve::of(kind.range.unwrap_or(1.0), kind.is_unsigned && options.linearise);
     let mut values = with_samples!(&samples, s => grey(s, size.0 * size.1, channels, planar, curve));
     if let (Some(nothing), Some(values)) = (has_no_data, &mut values) {
+        // In the unit of the values, which are divided by their range already.
         let nothing = nothing as f32 / kind.range.unwrap_or(1.0);
         values.iter_mut().filter(|value| **value == nothing).for_each(|value| *value = f32::NAN);
     }
@@ -216,6 +220,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
         Some(range) => RawFrame::linear(plane, FileScale::Range(range)),
         None => frame_of_plane(path, frame, plane, !kind.is_float)?,
     };
+    // Colours of 8 bits are those of a photograph, encoded for screens.
     let is_photograph = channels > 2 && kind.range == Some(255.0) && !options.linearise;
     let encoding = if is_photograph { Encoding::Srgb } else { decoded.encoding };
     let mosaic = decoder.inner().inner.sensor.mosaic().ok().flatten();
@@ -277,6 +282,7 @@ fn read_samples(
     }
     let across = width.div_ceil(tile_width);
     let tiles = across * height.div_ceil(tile_height);
+    // As floats, whatever the type of the tiles: one buffer takes all.
     let mut planes: Vec<f32> = memory::zeroed(channels * width * height);
     let mut kind = SampleKind { range: None, is_unsigned: false, is_float: true };
     for chunk in 0..tiles * channels {
@@ -348,6 +354,7 @@ pub(super) fn plain(
         (3, 64) => Some(Number::F64),
         _ => None,
     };
+    // Strips must follow one another without a gap, or frames have no common step.
     let follow = places.windows(2).zip(&lengths).all(|(two, bytes)| two[0].saturating_add(*bytes) == two[1]);
     let Some(number) = number.filter(|_| (compression, samples, light) == (1, 1, 1) && follow && places[0] > 0) else {
         let reason = format!(

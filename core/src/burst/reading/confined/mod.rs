@@ -93,6 +93,7 @@ pub(in crate::burst) fn decode(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         part,
         expected: expected.map(|expected| (expected.first.to_string_lossy().into_owned(), expected.size)),
+        // This process calibrates, so the child needs no other file.
         options: OpenOptions { bias: None, flat: None, ..options.clone() },
         limits: options.limits,
         memory_bytes: budget.memory_bytes,
@@ -160,7 +161,7 @@ impl Running {
         Ok(Self { child: Mutex::new(command.spawn().map_err(failed)?) })
     }
 
-    /// Does `work` while another thread kills the child when the work is cancelled or lasts longer than `until`.
+    /// Does `work`; another thread kills the child at a cancellation, or at the time `until`.
     pub(in crate::burst) fn watched<T>(
         &self,
         path: &Path,
@@ -260,7 +261,7 @@ fn is_out_of_time(_: &ExitStatus) -> bool {
     false
 }
 
-/// Number of the signal that ended the process, if it is none that a process brings about by what it does.
+/// Number of the signal that ended the process, unless the process raises such a signal by what it does.
 #[cfg(unix)]
 fn signal_from_outside(status: &ExitStatus) -> Option<i32> {
     use rustix::process::Signal;

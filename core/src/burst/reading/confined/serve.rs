@@ -28,7 +28,7 @@ fn serve(path: &Path, decode: fn(Reading<'_>, Part) -> Result<RawFrame>) -> io::
     // Decoders that work in parallel use this thread alone; others would take address space of their own.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     std::thread::Builder::new().stack_size(64 << 10).spawn(|| {
-        // No more input is expected. When it ends, the requesting process is gone.
+        // Input ends when the requesting process is gone: this one then ends too.
         let _ = io::stdin().lock().read(&mut [0]);
         std::process::exit(1);
     })?;
@@ -52,7 +52,7 @@ fn answer(path: &Path, request: &DecodeRequest, decode: fn(Reading<'_>, Part) ->
 #[cfg(unix)]
 fn limit(memory_bytes: u64, cpu_seconds: u64) {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-    // The soft limit of time sends a signal that tells the cause, the hard one kills.
+    // The soft limit of time sends a signal that names the cause; the hard limit kills.
     let limits = [
         (Resource::As, memory_bytes, memory_bytes),
         (Resource::Cpu, cpu_seconds, cpu_seconds.saturating_add(5)),
@@ -153,8 +153,7 @@ mod confined {
     const SPACES: [u64; 7] =
         [0x0002_0000, 0x0200_0000, 0x0400_0000, 0x0800_0000, 0x1000_0000, 0x2000_0000, 0x4000_0000];
 
-    /// The filters, which all hold: what they deny fails with `EPERM`, and what the libraries have another call for with
-    /// `ENOSYS`.
+    /// The filters, which all hold: denied calls fail with `EPERM`, calls that libraries can replace with `ENOSYS`.
     pub(in crate::burst) fn filters() -> Result<[BpfProgram; 2], BackendError> {
         let rule = |argument, operator, value| {
             SeccompRule::new(vec![SeccompCondition::new(argument, Dword, operator, value)?])

@@ -32,9 +32,7 @@ pub(in crate::burst) struct DecodeRequest {
     pub expected: Option<(String, (usize, usize))>,
     pub options: OpenOptions,
     pub limits: Limits,
-    /// Memory that the process may address, bytes.
     pub memory_bytes: u64,
-    /// Processor time that it may take, seconds.
     pub cpu_seconds: u64,
 }
 
@@ -91,6 +89,7 @@ pub(in crate::burst) fn receive_reply(
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),
     };
+    // A crafted file may have taken over the child: its size is checked before room is made.
     if let Err(error) = limits.check_frame(path, size.0 as u64, size.1 as u64) {
         return Ok(Err(error));
     }
