@@ -30,7 +30,6 @@ pub(super) fn time_text(seconds: f64) -> String {
     time.map_or_else(|| format!("{seconds} s"), |time| time.to_rfc3339_opts(SecondsFormat::Millis, true))
 }
 
-/// A time as it was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Stamp {
     /// In [`PARTS`] of its unit, so that the nanoseconds of 1970 on and the digits of Julian dates are kept.
@@ -48,7 +47,7 @@ pub(super) enum Written {
     Clock,
 }
 
-/// Parts of a unit that are told apart.
+/// Parts of a unit in a [`Stamp`]: 15 decimal digits.
 pub(super) const PARTS: i128 = 1_000_000_000_000_000;
 /// Largest magnitude of a number that is read as a stamp, and its digits.
 const LARGEST: f64 = 1e22;
@@ -81,6 +80,7 @@ impl Stamp {
     /// A date with its time, such as `2011-09-26 13:02:25.964389445`, `2011-09-26T13:02:25Z`, `2011:09:26 13:02:25` or
     /// `2011-09-26T15:02:25+02:00`.
     pub fn date(text: &str) -> Option<Self> {
+        // A sign behind the time of day begins the zone; those before part the date.
         let zone_at = text.rfind(['+', '-']).filter(|at| text[..*at].contains(':')).unwrap_or(text.len());
         let (text, zone) = text.split_at(zone_at);
         let hours_and_minutes = format!("{:0<4}", zone.get(1..).unwrap_or_default().replace(':', ""));
@@ -122,7 +122,6 @@ impl Stamp {
     }
 }
 
-/// Unit of stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unit {
     Days,
@@ -157,7 +156,6 @@ impl Unit {
         self.record().0
     }
 
-    /// The unit that the heading of a column names.
     fn of(heading: &str) -> Option<Self> {
         let named = |word: String| UNITS.iter().find(|(.., words)| words.contains(&&*word)).map(|found| found.0);
         words(heading).find_map(named)
@@ -184,7 +182,6 @@ fn time_heading(heading: &str) -> u8 {
 pub(super) const HEADED: &str = "as their heading says";
 const BY_DISTANCE: &str = "by the distance of the frames";
 
-/// Stamps with their unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stamps {
     pub values: Vec<Stamp>,
@@ -218,6 +215,7 @@ impl Stamps {
     }
 
     fn guess(values: &[Stamp]) -> Result<(Unit, &'static str), String> {
+        // Dates and clocks are sure; then sizes since 1970 count, then the distance of the frames.
         let decimals = match values.first().map(|one| one.written) {
             Some(Written::Date) => return Ok((Unit::Seconds, "as dates")),
             Some(Written::Clock) => return Ok((Unit::Seconds, "as times of day")),
@@ -235,6 +233,7 @@ impl Stamps {
         if let Some((unit, _)) = units.iter().zip([1e8, 1e11, 1e14, 1e17]).find(|(_, from)| since_1970(from)) {
             return Ok((*unit, "by their size"));
         }
+        // Whole numbers: the unit in which the usual gap is that of a camera.
         let Some(decimals) = decimals.filter(|decimals| *decimals > 0) else {
             let unit = match gap {
                 2e6.. => Unit::Nanoseconds,
@@ -279,10 +278,8 @@ impl Stamps {
     }
 }
 
-/// A list of times.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct List {
-    /// The stamps, in the order of the list.
     pub stamps: Stamps,
     /// Line of each stamp, from 1.
     pub lines: Vec<usize>,
@@ -290,7 +287,6 @@ pub(super) struct List {
     pub names: Vec<String>,
 }
 
-/// Largest number of lines that are read.
 const MAX_LINES: usize = 10_000_000;
 
 /// Fields of a line that are separated `by` a character, or else by white space, which a date has within. A separator
@@ -304,6 +300,7 @@ fn fields(line: &str, by: Option<char>) -> Vec<&str> {
     if by.is_some() {
         return separated.map(|field| field.trim().trim_matches('"')).collect();
     }
+    // White space parts a date from its time of day, too: such fields are joined again.
     let mut found: Vec<&str> = Vec::new();
     for field in separated.filter(|field| !field.is_empty()) {
         let from = found.last().map_or(field, |last| last).as_ptr().addr() - line.as_ptr().addr();
@@ -349,12 +346,10 @@ fn is_decimal(field: &str) -> bool {
     })
 }
 
-/// Name of a file without its folder.
 pub(super) fn base_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
-/// Name of a file without folder and extension.
 pub(super) fn stem(path: &str) -> &str {
     let name = base_name(path);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)
@@ -400,6 +395,7 @@ impl List {
             let numbers: Vec<i64> = rows().filter_map(|line| part(line.split_once(',')?)).collect();
             numbers.windows(2).all(|two| two[0] < two[1])
         };
+        // Two columns of counters look like one column with decimal commas, but both rise.
         let are_pairs = || is_rising(|(left, _)| left.parse().ok()) && is_rising(|(_, right)| right.parse().ok());
         let is_one = is_alone && !heading.contains(',') && (time_heading(heading) > 0 || !are_pairs());
         let by = match () {
@@ -449,6 +445,7 @@ impl List {
         // Where the times are the names of the files, the column with an extension has the names.
         let names = column(&|field| Stamp::of(field).is_none());
         let names = names.or_else(|| (first.len() > 1).then(|| column(&|_| true)).flatten());
+        // A column may hold the folder alone, which tells equal names of several folders apart.
         let folder = frames.first().and_then(|path| path.rsplit(['/', '\\']).nth(1)).unwrap_or_default();
         let is_of_folder = |at: &usize| rows.iter().any(|(_, row)| row.get(*at) == Some(&folder));
         let folders = columns().filter(|at| Some(*at) != names && !folder.is_empty()).find(is_of_folder);
@@ -474,6 +471,7 @@ impl List {
         let headed = split.map(|(seconds, _)| seconds).or(headed);
         let is_dated = |at: &usize| Stamp::of(first[*at]).is_some_and(|stamp| !stamp.is_number());
         let dated: Vec<usize> = stamped.iter().copied().filter(is_dated).collect();
+        // Without a heading, the only stamp of a row, or the only date among numbers, is the time.
         let times = match (headed, &stamped[..], &dated[..]) {
             (Some(at), ..) => at,
             (None, [at], _) | (None, _, [at]) => *at,

@@ -39,6 +39,7 @@ pub(super) fn placed(
     let file = files.first().cloned().unwrap_or_default();
     let mut options = options;
     let whole = OpenOptions { take: None, ..options.clone() };
+    // Without times the order of names is final, so the part is cut out first.
     if in_one.is_none() && !has_times && options.take.is_some() {
         let folder = file.parent().unwrap_or(Path::new(""));
         *files = options.taken(folder, std::mem::take(files), (1, 1))?;
@@ -75,6 +76,7 @@ pub(super) fn placed(
                 let said = "the axes of the array are taken for those of a light field, [rows, columns] of views";
                 grid(views, said.to_owned())
             }
+            // Names as LFToolbox writes them need no option; other files are frames in time.
             None if options.times.is_none() && is_apart => {
                 match usual(files).and_then(|places| by_name(files, &places)) {
                     Some(timing) => Ok(timing),
@@ -151,6 +153,7 @@ fn usual(files: &[PathBuf]) -> Option<Vec<[usize; 2]>> {
     places.sort_unstable();
     let ([first_row, first_column], [last_row, last_column]) = (*places.first()?, *places.last()?);
     let (rows, columns) = (last_row - first_row + 1, (last_column + 1).checked_sub(first_column)?);
+    // Sorted, the places of a full grid count through rows and columns.
     let is_full = places.iter().enumerate().all(|(k, [row, column])| {
         k / columns.max(1) + first_row == *row && k % columns.max(1) + first_column == *column
     });

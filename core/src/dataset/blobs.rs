@@ -10,7 +10,6 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt::Write;
 
-/// The shapes and motions of a burst's features.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StoredBlobs(pub Vec<Blob>);
 

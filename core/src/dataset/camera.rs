@@ -5,7 +5,7 @@ use crate::files::{MAX_SETTINGS_BYTES, read_text};
 use crate::matching::{Camera, CameraModel};
 use std::path::Path;
 
-/// The camera of a dataset.
+/// Camera of a dataset: known from a calibration, or guessed as COLMAP does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CameraChoice {
     /// Unknown: as COLMAP does, the focal length is taken as 1.2 times the larger side, and the centre as the principal

@@ -39,7 +39,7 @@ pub struct ColmapJob {
     pub matching: MatchParams,
     /// Selection of the pairs of bursts that are matched.
     pub pairs: PairSelection,
-    /// The camera.
+    /// Camera of all images, or the model that is guessed for each size.
     pub camera: CameraChoice,
 }
 
@@ -140,6 +140,7 @@ pub fn export_colmap(
         return Err(too_few(bursts.len()));
     }
     let out = store.folder.clone();
+    // Outputs are checked before the search, which may take hours.
     store.protect(bursts)?;
     store.check_output(&out.join(DATABASE_FILE))?;
     // The index of each burst whose features are in the folder, and whether an earlier run had found them.
@@ -155,6 +156,7 @@ pub fn export_colmap(
         return Err(too_few(done.len()));
     }
     on(BurstEvent::Matching(job.pairs.pairs(done.len()).len()));
+    // Where all bursts are resumed, nothing has locked the folder yet.
     store.begin_writing()?;
     let written = |place: usize| {
         let (index, resumed) = done[place];
@@ -189,6 +191,7 @@ pub fn export_detections(
     let mut store = FeatureStore::of_detections(folder, &job.features, params)?;
     store.protect(&sources)?;
     store.check_output(&folder.join(DATABASE_FILE))?;
+    // A camera of another size fails before anything is written.
     let sizes = bursts.iter().map(|of| job.camera.for_images(of.burst.size()));
     sizes.collect::<Result<Vec<_>>>()?;
     let found: Vec<BurstFeatures> =
@@ -221,6 +224,7 @@ fn write_database(
         for place in 0..count {
             monitor.check()?;
             let mut burst = features(place)?;
+            // Keypoints and descriptors go to the database; shapes alone stay in memory.
             blobs.push(std::mem::take(&mut burst.blobs));
             add_burst(database, &burst, job, &mut report)?;
         }
@@ -294,6 +298,7 @@ fn match_all(
     let mut write = |MatchedPair { indices: images, sides, found: Unaligned { result, measured } }: MatchedPair<'_>| {
         let [a, b] = [ids[images.0], ids[images.1]];
         for (image, side) in [images.0, images.1].into_iter().zip(sides) {
+            // An image's pictures leave memory with its features: what the alignment needs of them is kept.
             seen[image] = seen[image].take().or_else(|| side.pictures.as_ref().map(Pictures::seen).cloned());
         }
         report.pairs.push(PairReport { ids: [a, b], counts: result.counts });
@@ -306,6 +311,7 @@ fn match_all(
         let Some(verified) = &result.verification else { return Ok(()) };
         let agreed = result.matches.iter().zip(measured).zip(&verified.inlier).filter(|(_, inlier)| **inlier);
         let inliers: Vec<(Inlier, Option<Measured>)> = agreed.map(|((m, measured), _)| (m.into(), *measured)).collect();
+        // With alignment, geometries wait until all pairs agree on the places.
         if matching.aligns() && verified.model.is_some() {
             waiting.push(Waiting { images, inliers });
             return Ok(());
@@ -315,6 +321,7 @@ fn match_all(
         database.add_geometry(a, b, &database_geometry(places, &agreed, verified.model.as_ref()))
     };
     match_pairs(pairs, matching, &mut source, &mut write, monitor)?;
+    // Pairs come in the order of loading.
     report.pairs.sort_by_key(|pair| pair.ids);
     if matching.aligns() {
         waiting.sort_by_key(|pair| pair.images);
@@ -349,6 +356,7 @@ fn align_all(
         .zip(&linked)
         .map(|(pair, inliers)| aligned.confirmed(pair.images, inliers, matching, &monitor.silent()))
         .collect::<Result<_, _>>()?;
+    // Features move first: geometries are of the places in the database.
     for (&id, places) in ids.iter().zip(&aligned.places) {
         database.move_features(id, places)?;
     }
@@ -393,7 +401,6 @@ impl ColmapJob {
     }
 }
 
-/// COLMAP's number of a camera model.
 fn model_id(model: CameraModel) -> u32 {
     match model {
         CameraModel::SimplePinhole => 0,

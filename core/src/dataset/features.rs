@@ -197,6 +197,7 @@ impl FeatureStore {
         let settings = self.opened.iter().cloned();
         let inputs = OpenedFiles::of(of_bursts.chain(calibration.flatten()).chain(settings));
         self.rules = OutputRules::new(inputs, Overwrite::Refuse);
+        // All outputs are checked before the first burst, so that a refusal comes early.
         for image_name in bursts.iter().map(image_name) {
             for file in [self.feature_file(&image_name), self.picture_file(&image_name)] {
                 self.check_output(&file)?;
@@ -299,6 +300,7 @@ impl FeatureStore {
     ) -> Result<BurstFeatures> {
         // Checked before anything is read.
         check_memory(&source.paths, &self.job.open, &self.job.detector, monitor)?;
+        // Stamped before the search: a frame that changes meanwhile differs from its stamp.
         let stamps = FileStamp::with_checksums(files, monitor)?;
         let (found, burst) = self.find(source, camera, monitor)?;
         let content = self.write_features(&found)?;
@@ -308,6 +310,7 @@ impl FeatureStore {
         let (files, size, features, seconds) = (stamps, found.size, found.keypoints.len(), found.seconds);
         let of = KeptBurst { files, size, features, content, blobs, picture, picture_content, seconds };
         let record = Record { made_from: self.made_with.clone(), of };
+        // Written last: the record claims the files before it.
         self.records().write(&found.image_name, &record)?;
         Ok(found)
     }
@@ -316,6 +319,7 @@ impl FeatureStore {
         self.begin_writing()?;
         let path = self.feature_file(&found.image_name);
         self.check_output(&path)?;
+        // Without a record a half-written file counts as none.
         self.records().remove(&found.image_name)?;
         write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
         Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
@@ -375,6 +379,7 @@ impl FeatureStore {
         let plane = burst_plane(burst, self.job.images, params, monitor)?;
         // COLMAP looks for the mask of `a.png` in `a.png.png`.
         let mask_file = self.folder.join(MASKS_FOLDER).join(format!("{image_name}.png"));
+        // The mask of an earlier run is replaced even where nothing is hidden any more.
         if plane.mask().is_some() || mask_file.exists() {
             self.check_output(&mask_file)?;
             write_png(&mask_file, BurstPicture::of_mask(&plane).picture())?;

@@ -68,7 +68,7 @@ pub fn gather(
         let (mut brought, mut left_out) = (false, Vec::new());
         for (other, knows_one) in others.iter().zip(&mut knows_one) {
             if is_finished || brought {
-                // Only checked to see whether the folder is of this dataset.
+                // Looked at only to see whether the folder is of this dataset.
                 *knows_one = *knows_one || other.records().read::<KeptBurst>(&image_name(source)).is_some();
                 continue;
             }
@@ -101,6 +101,7 @@ fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeature
     let image = &features.image_name;
     let Some(record) = other.records().read::<KeptBurst>(image) else { return Ok(()) };
     store.begin_writing()?;
+    // The record goes first and comes last: files in between count as none.
     store.records().remove(image)?;
     let feature_file = Path::new(FEATURES_FOLDER).join(format!("{image}.txt"));
     let picture_file = Path::new(IMAGES_FOLDER).join(image);

@@ -15,27 +15,20 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
 
-/// Key of the detector's parameters in the settings.
 pub(super) const DETECTOR_KEY: &str = "detector";
 
 pub(super) type BurstRecord = Record<KeptBurst>;
 
-/// Facts about a finished burst, kept in its record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct KeptBurst {
-    /// Stamps of its files.
     pub files: Vec<FileStamp>,
     /// Size of its frames (columns, rows).
     pub size: (usize, usize),
-    /// Number of features.
     pub features: usize,
     /// Checksum of the file of features.
     pub content: Checksum,
-    /// Their scales and motions.
     pub blobs: StoredBlobs,
-    /// Kind of the picture that was written.
     pub picture: ImageKind,
-    /// Checksum of the picture.
     pub picture_content: Checksum,
     /// Time taken to open the burst and find its features, seconds.
     pub seconds: f64,

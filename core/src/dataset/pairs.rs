@@ -66,11 +66,11 @@ impl From<BurstFeatures> for BurstSide {
 /// A burst with the result of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct DetectedBurst<'a> {
-    /// The burst.
+    /// Burst that was searched.
     pub burst: &'a Burst,
     /// Parameters with which it was searched.
     pub params: &'a DetectorParams,
-    /// Its features.
+    /// Features and descriptors that were found.
     pub detection: &'a Detection,
 }
 
@@ -163,7 +163,7 @@ pub trait PairSource<E> {
 /// Bursts whose features are in the files of a store; those that are not finished are left out.
 #[derive(Debug, Clone, Copy)]
 pub struct KeptBursts<'a> {
-    /// The store.
+    /// Store that the features are read from.
     pub store: &'a FeatureStore,
     /// The bursts, by their indices.
     pub bursts: &'a [BurstFiles],
@@ -196,6 +196,7 @@ pub fn match_pairs<E: From<Error>>(
 ) -> Result<usize, E> {
     params.validate()?;
     let mut ordered = pairs.to_vec();
+    // A block of first bursts stays while second bursts pass, so each is loaded about once a block.
     ordered.sort_by_key(|&(a, b)| (a / FIRST_AT_ONCE, b, a));
     let mut loaded: BTreeMap<usize, BurstSide> = BTreeMap::new();
     let mut missing = BTreeSet::new();
@@ -203,6 +204,7 @@ pub fn match_pairs<E: From<Error>>(
     while done < ordered.len() {
         monitor.report(Stage::Match, done as f32 / ordered.len() as f32);
         let (count, needed) = next_together(&ordered[done..]);
+        // Only features that the next pairs need stay in memory.
         loaded.retain(|index, _| needed.contains(index));
         for &index in &needed {
             monitor.check().map_err(Error::from)?;

@@ -24,7 +24,6 @@ pub enum Comparison {
     Glance,
 }
 
-/// Stamp of a file at the time when it was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct FileStamp {
     /// Path as text, see [`path_text`]: a name need not be text.
@@ -41,7 +40,6 @@ pub(super) struct FileStamp {
 }
 
 impl FileStamp {
-    /// Stamps of `files` as they are now, without checksums.
     fn of(files: &[PathBuf]) -> Result<Vec<Self>> {
         files.iter().map(|path| Self::of_one(path).map_err(|e| Error::unread(path, &e))).collect()
     }
@@ -68,6 +66,7 @@ impl FileStamp {
     /// Whether `files` are those of the stamps `kept`, with unchanged content.
     pub fn all_agree(kept: &[Self], files: &[PathBuf], comparison: Comparison, monitor: &Monitor) -> Result<bool> {
         let now = Self::of(files)?;
+        // Paths and lengths cost nothing, and mostly decide.
         let same_files = kept.len() == now.len()
             && kept.iter().zip(&now).all(|(kept, now)| kept.path == now.path && kept.bytes == now.bytes);
         if !same_files {

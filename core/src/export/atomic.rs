@@ -64,6 +64,7 @@ pub(super) fn replace(path: &Path, fill: impl FnOnce(&Path) -> io::Result<File>)
     if let Some(existing) = existing.filter(std::fs::Metadata::is_file) {
         file.set_permissions(existing.permissions()).map_err(fail)?;
     }
+    // On disk before the rename: a crash leaves the old file or the whole new one.
     file.sync_all().map_err(fail)?;
     drop(file);
     std::fs::rename(unfinished.new_path(), path).map_err(fail)

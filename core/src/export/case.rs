@@ -30,7 +30,7 @@ const SESSION: &str = "session.toml";
 const TRUTH: &str = "truth.json";
 const VERSION: u32 = 1;
 
-/// What a case holds beside its frames and settings.
+/// Contents of a case beside its frames and settings.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Enclosed {
     /// Text of the window's session, which is of the case's frames.
@@ -80,11 +80,10 @@ pub struct Case {
     pub encoding: Encoding,
     /// Sensor pixels along a side of a pixel.
     pub binning: usize,
-    /// The search.
+    /// Parameters of the search, and the choice of slopes.
     pub search: SearchParams,
 }
 
-/// Ranges of the numbers of a case.
 mod bounds {
     use crate::detector::params::Bounds;
     use std::ops::Bound::{Excluded, Included};
@@ -133,6 +132,7 @@ impl Case {
             };
             part.frames = burst.frames.iter().map(crop).collect();
         }
+        // For the part alone, which may need fewer words than the whole burst.
         let (offset, scale) = words_of(&part, monitor)?;
         let case = Self {
             version: VERSION,
@@ -211,6 +211,7 @@ fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
         }
         Ok(true)
     };
+    // The step of 16-bit files holds 8-bit values too: 65535 is 255 · 257.
     for scale in [1.0 / 65535.0, 1.0 / f64::from(burst.full_scale)] {
         let holds = |x: f32| {
             let word = (f64::from(x) / scale).round();
@@ -227,6 +228,7 @@ fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
         (min, max) = finite.fold((min, max), |(a, b), x| (a.min(x), b.max(x)));
     }
     let (min, max) = if min <= max { (f64::from(min), f64::from(max)) } else { (0.0, 1.0) };
+    // Calibration shifts and stretches the files' steps, but keeps them even: a lattice.
     let step = f64::from(burst.quantisation_step);
     let on_lattice = |x: f32| {
         let steps = (f64::from(x) - min) / step;

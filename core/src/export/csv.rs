@@ -71,6 +71,7 @@ fn row(line: &str, columns: usize) -> Result<Feature, String> {
         let wrong = |right| format!("{} must be {right}, not '{cell}'", quantity.record().key);
         quantity.read(&mut feature, cell).map_err(wrong)?;
     }
+    // A table without that column: the word follows from the numbers.
     if columns < Quantity::STORED.len() {
         feature.moves = Moves::by_numbers(&feature);
     }
@@ -108,7 +109,7 @@ pub(super) fn first_line(path: &Path) -> Option<String> {
     line.strip_suffix('\n').map(str::to_owned)
 }
 
-/// Row of the table of matches: all that is said of one, by every command and library.
+/// Row of the table of matches: everything that commands and libraries report about a match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchRow {
     /// Indices of the features in images A and B.
@@ -134,7 +135,7 @@ pub struct MatchRow {
 }
 
 impl MatchRow {
-    /// How it was found, as a word.
+    /// Word for how the match was found: `sure` or `predicted`.
     pub fn how(&self) -> &'static str {
         if self.predicted.is_some() { "predicted" } else { "sure" }
     }

@@ -44,7 +44,7 @@ pub fn encode_film(
         monitor.check().map_err(io::Error::other)?;
         monitor.report(Stage::Write, index as f32 / count.max(1) as f32);
         let mut frame = gif::Frame::from_rgba_speed(width, height, &mut picture.into_raw(), GIF_SPEED);
-        // Hundredths of a second.
+        // Hundredths of a second, the unit of the format.
         frame.delay = 100 / per_second.max(1);
         encoder.write_frame(&frame).map_err(io::Error::other)?;
     }

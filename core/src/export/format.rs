@@ -25,7 +25,6 @@ impl ExportFormat {
     /// All formats.
     pub const ALL: [Self; 3] = [Self::Csv, Self::Colmap, Self::Npz];
 
-    /// Its name, the extension of its files, and its description.
     fn words(self) -> [&'static str; 3] {
         match self {
             Self::Csv => ["csv", "csv", "Table of features (CSV)"],

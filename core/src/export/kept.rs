@@ -40,7 +40,7 @@ impl MadeFrom {
         self.version == env!("CARGO_PKG_VERSION") && self.detector_revision == REVISION
     }
 
-    /// The settings.
+    /// Settings that made the result, as JSON.
     pub fn settings(&self) -> &Value {
         &self.settings
     }

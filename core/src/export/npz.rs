@@ -1,7 +1,7 @@
-//! Features with their descriptors, and fields of motion, as numpy's `.npz`. Features:
-//! `features` `[N, 17]` float32 in the CSV's columns,
-//! `descriptors` `[N, 128]` uint8 in UBC order. Where the CSV's cells are empty, `field_u` and `field_v` are NaN,
-//! `field_sigma` is infinite, and `layer` is 0. `motion` is 0 unknown, 1 surroundings, 2 own, 3 edge, 4 ghost.
+//! Features with their descriptors, and fields of motion, as numpy's `.npz`. Features: `features` `[N, 17]` float32 in
+//! the CSV's columns, `descriptors` `[N, 128]` uint8 in UBC order. Where the CSV's cells are empty, `field_u` and
+//! `field_v` are NaN, `field_sigma` is infinite, and `layer` is 0. `motion` is 0 unknown, 1 surroundings, 2 own, 3
+//! edge, 4 ghost.
 
 use super::atomic::write_marked;
 use crate::detector::{Descriptor, Feature, Motion, MotionField, Quantity};
@@ -14,8 +14,7 @@ use std::path::Path;
 
 /// Writes a field of motion, a value for each cell of `cell_px`² pixels: `motion` `[rows, columns, 2]` float32 to the
 /// right and down and `covariance` `[rows, columns, 3]` (of u, of u with v, of v), pixels per frame; `known` and
-/// `layer`
-/// `[rows, columns]` uint8; `layers` `[n, 4]` float32, the motions of the layers, their spreads and shares.
+/// `layer` `[rows, columns]` uint8; `layers` `[n, 4]` float32, the motions of the layers, their spreads and shares.
 pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<()> {
     let (columns, rows) = field.size;
     let floats = |last: usize, of: &dyn Fn(&Motion) -> Vec<f32>| {

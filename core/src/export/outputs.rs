@@ -132,6 +132,7 @@ impl OutputRules {
     /// The error is `None` for a file that is not ours.
     fn check_if(&self, path: &Path, is_ours: impl FnOnce() -> bool) -> Result<(), Option<Error>> {
         let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
+        // Devices and opened files come first: they are refused even with [`Overwrite::Force`].
         let refused = match self.overwrite {
             _ if is_of_system(path) => Error::no_file(path),
             _ if self.inputs.hold(path, &metadata) => Error::opened(path),

@@ -92,9 +92,11 @@ impl Sheet {
                 }
             }
         });
+        // Drawn after the lines, which touch the axes.
         let (left, bottom) = ((area.x, area.y), (area.x, area.bottom()));
         self.line(left, bottom, INK, "");
         self.line(bottom, (area.right(), area.bottom()), INK, "");
+        // Outside of the clipped part: a dot on an axis is seen whole.
         for (series, (x, y)) in plot.series.iter().filter_map(|series| Some((series, series.dot?))) {
             if x <= plot.range_x.1 && y <= plot.range_y.1 {
                 self.circle((x_of(x), y_of(y)), 3.6, &format!(r#"fill="{}" stroke="white""#, series.colour));

@@ -49,7 +49,6 @@ impl<'a> Picture<'a> {
         Err(Error::unfit(path, (self.width, self.height), "PNG"))
     }
 
-    /// Whether no pixel is seen through.
     fn is_opaque(&self) -> bool {
         !self.has_alpha || self.pixels.chunks_exact(4).all(|pixel| pixel[3] == 255)
     }

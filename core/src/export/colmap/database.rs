@@ -50,6 +50,7 @@ pub struct DatabaseWriter<'a> {
 /// # Errors
 /// The error of `fill`, or of a file that cannot be written.
 pub fn write_colmap_database(path: &Path, fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<()>) -> Result<()> {
+    // The error of `fill` is kept apart, since a replacement reports errors of files alone.
     let mut made = Ok(());
     let written = replace(path, |new| {
         made = make(new, path, fill);
@@ -263,6 +264,7 @@ impl DatabaseGeometry {
         let there = Matrix3::new(1.0, 0.0, FIRST_PIXEL, 0.0, 1.0, FIRST_PIXEL, 0.0, 0.0, 1.0);
         let back = Matrix3::new(1.0, 0.0, -FIRST_PIXEL, 0.0, 1.0, -FIRST_PIXEL, 0.0, 0.0, 1.0);
         Self {
+            // The shift of pixels acts on F transposed, on both sides; E is of directions, which it leaves.
             fundamental: self.fundamental.map(|f| back.transpose() * f * back),
             homography: self.homography.map(|h| there * h * back),
             ..self.clone()

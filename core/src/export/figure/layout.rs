@@ -38,6 +38,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
                 let width_px: f32 = columns_of(&widths_px, row.len()).iter().sum();
                 (width - gap * (row.len() as f32 - 1.0)).max(1.0) / width_px
             };
+            // Image pixels are equally large in all panels: the row with the least room decides.
             let scale = widths_px.iter().filter(|row| !row.is_empty()).map(fitting).fold(f32::INFINITY, f32::min);
             (if scale.is_finite() { scale } else { 1.0 }, Some(width))
         }
@@ -47,7 +48,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
     let title = |place: usize, panel: &FigurePanel| {
         style.title(panel, (options.letters && panels.len() > 1).then(|| letter(place)))
     };
-    // With titles and legends, but on paper, where pictures alone fill the width.
+    // With titles and legends; on paper pictures alone fill the width.
     let widths = of_rows(&|place, panel| match paper {
         Some(_) => width_px(panel) * scale,
         None => style.panel(panel, (&title(place, panel), 0), &shared, [0.0; 2], &mut Vec::new())[0],
@@ -67,6 +68,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
         width = width.max(left - gap);
         top += height + gap;
     }
+    // Links lead from panel to panel, so they are drawn over all of them.
     let placed: Vec<(FigureRect, &FigurePanel)> = pictures(&shapes).zip(panels.iter().copied()).collect();
     shapes.extend(lines_of(&placed, &matches.links, style.stroke));
     if let Some(&(rect, _)) = placed.first().filter(|_| options.scale_bar) {
@@ -85,6 +87,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
     }
     let size = [width.max(1.0), bottom.max(1.0)];
     let titles: Vec<&str> = panels.iter().filter_map(|panel| panel.title.as_deref()).collect();
+    // Last, when the size is known, but below all.
     shapes.insert(0, FigureShape::Fill { rect: FigureRect { min: [0.0, 0.0], size }, color: [255; 3] });
     Drawing { size, unit: options.width.unit(), shapes, title: titles.join("; ") }
 }
@@ -128,7 +131,7 @@ fn letter(place: usize) -> String {
     format!("({letters})")
 }
 
-/// Whether a number is one of a place that can be drawn.
+/// Whether a coordinate is finite, and small enough to be drawn.
 fn drawable(number: &f32) -> bool {
     number.abs() < 1e9
 }
@@ -195,6 +198,7 @@ impl Style {
         let rect = FigureRect { min: [corner[0], top], size };
         out.push(FigureShape::Picture { rect, size: panel.size, rgba: panel.rgba.clone() });
         let mut over = Vec::new();
+        // All fans below all marks, so that no fan hides a circle.
         panel.marks.iter().for_each(|mark| self.fan(panel, mark, rect, &mut over));
         panel.marks.iter().for_each(|mark| self.mark(panel, mark, rect, &mut over));
         if !over.is_empty() {

@@ -1,7 +1,7 @@
 //! Lines from a place of one panel to a place of another: matches.
 //!
-//! Inliers are solid and yellow, outliers dashed and vermilion (of M. Okabe and K. Ito's palette, which colour-blind
-//! readers can tell apart), so that the colours alone need not be told apart.
+//! Inliers are solid and yellow, outliers dashed and vermilion: colours of M. Okabe and K. Ito's palette for
+//! colour-blind readers, and dashes where colours do not suffice.
 
 use super::{Colour, FigurePanel, FigureRect, FigureShape, FigureStroke, LegendEntry, LegendMark};
 use serde::{Deserialize, Serialize};
@@ -35,7 +35,7 @@ impl MatchKind {
         }
     }
 
-    /// Name of several.
+    /// Plural for legends, such as `inliers`.
     pub fn label(self) -> &'static str {
         match self {
             Self::Inlier => "inliers",

@@ -113,7 +113,7 @@ pub fn motion_over(feature: &Feature, positions: &Positions) -> [[f32; 2]; 2] {
     })
 }
 
-/// Standard deviation of the second of these places by that of the [motion](Feature::motion), image pixels.
+/// Standard deviation of a feature's place in the last frame, from that of its [motion](Feature::motion), image pixels.
 pub fn sigma_over(feature: &Feature, positions: &Positions) -> f32 {
     let last = ends(positions)[1];
     last.u.hypot(last.v) * feature.motion().1
@@ -339,9 +339,9 @@ pub enum FigureShape {
     },
     /// Shapes clipped to a rectangle.
     Clipped {
-        /// The rectangle.
+        /// Rectangle outside which nothing is drawn.
         rect: FigureRect,
-        /// The shapes.
+        /// Shapes, the first at the bottom.
         shapes: Vec<FigureShape>,
     },
 }
@@ -362,7 +362,6 @@ pub struct Drawing {
     pub title: String,
 }
 
-/// Places of the pictures among these shapes.
 fn pictures(shapes: &[FigureShape]) -> impl Iterator<Item = FigureRect> {
     shapes.iter().filter_map(|shape| match shape {
         FigureShape::Picture { rect, .. } => Some(*rect),
