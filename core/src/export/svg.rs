@@ -101,7 +101,6 @@ impl<W: Write> SvgWriter<W> {
     }
 }
 
-/// The attributes of a rectangle: its left and upper side, width and height.
 pub(super) fn rectangle([x, y, width, height]: &[Number; 4]) -> [Attribute<'_>; 4] {
     [("x", x), ("y", y), ("width", width), ("height", height)]
 }

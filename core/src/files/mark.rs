@@ -241,6 +241,7 @@ fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
     let mut file = super::open(path)?;
     let head = part_of(&mut file, 0, HEAD)?;
     let starts = |start: &[u8]| head.starts_with(start);
+    // The application id lies at byte 68 of SQLite's header.
     if starts(b"SQLite format 3\0") {
         return Ok(head.get(68..72) == Some(&DATABASE_ID.to_be_bytes()[..]));
     }
@@ -252,6 +253,7 @@ fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
     match found {
         Some((mark, parts)) => Ok(!is_whole || Checksum::of_parts(&mut file, &parts)? == mark.content),
         None => {
+            // The second chunk's name: behind the signature, the first chunk of 25 bytes, and a length of 4.
             let is_our_png = |rest: &[u8]| starts(b"\x89PNG") && rest.starts_with(b"tEXtSoftware\0Burstscope ");
             Ok(!is_whole && head.get(37..).is_some_and(is_our_png))
         }

@@ -27,8 +27,8 @@ pub const NARROW: f32 = 0.35;
 const FEWEST_KEPT: usize = 30;
 /// Least share of its inliers that a pair keeps: wrong pairs keep less.
 const LEAST_KEPT: f64 = 0.25;
-/// Largest distance by which a keypoint is moved, pixels. Of the matches of what would be moved farther half are right, and
-/// a fifth beyond 50 px; so many σ tell nothing: of those that move by more than 3 σ as many are right as of others.
+/// Largest distance by which a keypoint is moved, pixels. Of matches that would move one farther half are right, and a
+/// fifth beyond 50 px. A limit in σ would not help: beyond 3 σ as many are right as below.
 pub const MOST_MOVED_PX: f64 = 20.0;
 
 /// Parameters with which predicted matches are verified that are aligned afterwards.
@@ -79,7 +79,6 @@ impl Seen {
     }
 }
 
-/// Places of the features at `places`, of scales as in `blobs`.
 fn places_of(places: &[[f64; 2]], blobs: &[Blob]) -> Places {
     Places::of(places.iter().zip(blobs).map(|(&[u, v], blob)| [u as f32, v as f32, blob.sigma]))
 }
@@ -171,6 +170,7 @@ pub(super) fn align_pair(
     let Some(verified) = result.verification.as_ref().filter(|v| v.model.is_some() && params.aligns()) else {
         return Ok(());
     };
+    // The solution of a dataset, for two images.
     let mut alignment = Alignment::default();
     for side in sides {
         alignment.add_image(side.places.to_vec(), side.blobs, side.pictures.map(Pictures::seen).cloned());
@@ -193,6 +193,7 @@ pub(super) fn align_pair(
         error_px.unwrap_or(f32::INFINITY)
     };
     let error_px = result.matches.iter().map(error_px).collect();
+    // Only former inliers can stay inliers.
     let mut inlier = vec![false; result.matches.len()];
     inliers.iter().zip(&confirmed.inlier).for_each(|(&index, &is_one)| inlier[index] = is_one);
     result.counts.inliers = Some(confirmed.inlier_count());
@@ -203,7 +204,7 @@ pub(super) fn align_pair(
     Ok(())
 }
 
-/// Inlier of a pair that waits for the solution. A dataset holds those of all pairs, so there is no more to it.
+/// Inlier of a pair that waits for the solution; kept small, since a dataset holds those of all pairs.
 #[derive(Debug, Clone, Copy)]
 pub struct Inlier {
     /// Index of the feature in image A.
@@ -230,7 +231,6 @@ pub struct Alignment {
     links: Vec<Link>,
 }
 
-/// An image of an [`Alignment`].
 #[derive(Debug, Clone)]
 struct Image {
     /// Place of each feature, counted over all images.
@@ -244,7 +244,7 @@ impl Alignment {
     pub fn add_image(&mut self, places: Vec<[f64; 2]>, blobs: &[Blob], seen: Option<Seen>) {
         let (of, first) = (places_of(&places, blobs), self.sigmas.len());
         self.sigmas.extend(of.first.iter().map(|&feature| blobs[feature].sigma));
-        // Of all images of a dataset at once, so as little as may be.
+        // All images of a dataset are held at once, so no more is reserved than needed.
         self.first.reserve_exact(of.first.len());
         self.first.extend(of.first.iter().map(|&feature| [self.images.len() as u32, feature as u32]));
         let place_of = of.of_feature.into_iter().map(|place| (first + place) as u32).collect();
@@ -328,6 +328,7 @@ impl AlignedImages {
     ) -> Result<Option<Verification>> {
         let limit = NARROW * params.max_error_px;
         let agrees = |link: &Option<usize>| link.is_some_and(|link| self.residuals_px[link] <= f64::from(limit));
+        // What contradicts the solved places goes before the geometry is estimated again.
         let kept: Vec<usize> = (0..inliers.len()).filter(|&index| agrees(&inliers[index].1)).collect();
         let point = |index: usize| {
             let Inlier { a, b, rank } = inliers[index].0;

@@ -35,7 +35,6 @@ impl CameraModel {
     /// All models.
     pub const ALL: [Self; 4] = [Self::SimplePinhole, Self::Pinhole, Self::SimpleRadial, Self::OpenCv];
 
-    /// Names of the model and of its parameters, in order.
     fn names(self) -> (&'static str, &'static [&'static str]) {
         match self {
             Self::SimplePinhole => ("SIMPLE_PINHOLE", &["f", "cx", "cy"]),
@@ -50,7 +49,6 @@ impl CameraModel {
         self.names().0
     }
 
-    /// The parameters' names, in order.
     pub(crate) fn param_names(self) -> &'static [&'static str] {
         self.names().1
     }
@@ -60,7 +58,7 @@ impl CameraModel {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
-    /// The model.
+    /// Mapping from directions to pixels, which gives `params` their meaning.
     pub model: CameraModel,
     /// Columns of its images.
     pub width: usize,

@@ -146,6 +146,7 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
         let pair = |m: &Match| PointPair { a: a.places[m.a], b: b.places[m.b], rank: m.rank() };
         verify(&matches.iter().map(pair).collect::<Vec<_>>(), params, monitor)
     };
+    // The sure matches first: a prediction needs their geometry.
     let mut verification = verified(&matches, params)?;
     let (mut prediction, mut refused) = (None, None);
     if let Some(sure) = verification.as_mut().filter(|_| params.predict)
@@ -153,12 +154,14 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
     {
         let inliers = matches.iter().zip(&sure.inlier).filter(|(_, inlier)| **inlier);
         let inliers: Vec<(usize, usize)> = inliers.map(|(m, _)| (m.a, m.b)).collect();
+        // Places are uncertain before the alignment, so predicted matches may err by more.
         let wide = if params.align { before_alignment(params) } else { params.clone() };
         prediction = Prediction::of([a, b], &model, &inliers, &wide);
         match &prediction {
             Some(prediction) if prediction.is_believed() => {
                 let mut found = predicted::predicted_matches([a, b], (&model, &matches), prediction, &wide, monitor)?;
                 let again = verified(&found, &wide)?;
+                // Predicted matches count only where they agree on a geometry again.
                 if again.as_ref().is_some_and(|again| again.model.is_some()) {
                     for m in &mut found {
                         let ratio_among_all = neighbours.ratio_among_all(m);
@@ -167,7 +170,7 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
                     (matches, verification) = (found, again);
                 }
             }
-            // What its pictures say decides then.
+            // The pictures of the inliers decide then.
             Some(_) if params.align => {}
             Some(_) => {
                 sure.refuse();

@@ -1,10 +1,10 @@
 //! Matches predicted by motion: where a feature lies in the other burst, and the best match there.
 //!
-//! The field of motion knows how near the place of each feature is ([`crate::detector::field`]), and nearness decides
-//! where on its epipolar line a match lies. The sure matches of a pair, those of the ratio test that agree on a
-//! geometry, tell how inverse depths turn into parallax: one number with a known camera, four with an unknown one
-//! ([`super::geometry`]). So the place of every feature in the other burst is known to some pixels. Where sure
-//! matches and motions contradict each other, the geometry is one of chance, and the pair is refused.
+//! The field of motion gives the inverse depth of each feature ([`crate::detector::field`]), which decides where on its
+//! epipolar line a match lies. The sure matches of a pair, which pass the ratio test and agree on a geometry, determine
+//! how inverse depths turn into parallax: one number with a known camera, four with an unknown one
+//! ([`super::geometry`]). So the place of every feature in the other burst is known to some pixels. Where sure matches
+//! and motions contradict each other, the geometry agrees by chance, and the pair is refused.
 //!
 //! Orientations of one keypoint count as one: they are no rivals of each other, and a pair of places is matched once.
 
@@ -25,7 +25,7 @@ use std::f64::consts::TAU;
 pub const PREDICTED_RATIO: f32 = 0.9;
 /// Half of the length of a predicted place along the epipolar line, pixels, where the motion is certain.
 const ALONG_PX: f64 = 24.0;
-/// Largest half length, pixels: beyond that a motion tells nothing.
+/// Largest half length, pixels; with less certain motions no place is predicted.
 const MOST_ALONG_PX: f64 = 72.0;
 /// Standard deviations of the motion that a predicted place reaches.
 const REACH_SIGMAS: f64 = 3.0;
@@ -47,7 +47,7 @@ const BEYOND_CHANCE: f64 = 2.0;
 const SHUFFLES: usize = 4;
 /// Maximum number of sure matches that decide on the parallax.
 const MOST_KNOWN: usize = 200;
-/// Fewest sure matches with known motion that tell the parallax.
+/// Fewest sure matches with known motion that determine the parallax.
 const FEWEST_KNOWN: usize = 8;
 /// Maximum number of samples of matches from which the parallax is found.
 const MOST_SAMPLES: usize = 400;
@@ -194,6 +194,7 @@ impl OneWay {
         let mut agreement = Agreement { known: known.len(), agreeing: agreeing(&known, &numbers), by_chance: 0.0 };
         let mut random = Stream::new(seed, 1);
         for _ in 0..SHUFFLES {
+            // By chance: the inverse depths of other places, fitted in the same way.
             for i in (1..known.len()).rev() {
                 let j = random.below(i + 1);
                 (known[i].terms[0], known[j].terms[0]) = (known[j].terms[0], known[i].terms[0]);
@@ -234,16 +235,18 @@ fn numbers(parallax: &Parallax, known: &[Known], seed: u64) -> Option<Vector4<f6
     let samples = samples(parallax.is_calibrated, known, seed);
     let scored = samples.into_iter().map(|numbers| (score(&numbers), numbers));
     let mut best = scored.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
+    // Reweighted least squares from the best sample, as long as the score rises.
     for _ in 0..REFINEMENTS {
         let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
         for known in known {
             let kappa = best.1.dot(&known.terms);
             let Some(there) = parallax.transferred(known.x, kappa) else { continue };
-            // In pixels; what is far off hardly counts.
+            // The error of κ in pixels; matches far off hardly count.
             let weight = there.by_parallax.norm_squared() * weight(&best.1, known).powi(2);
             normal += known.terms * known.terms.transpose() * weight;
             right += known.terms * (weight * known.kappa);
         }
+        // A known camera leaves one factor to be found.
         let refined = if parallax.is_calibrated {
             Some(Vector4::new(right[0] / normal[(0, 0)], 0.0, 0.0, 0.0))
         } else {
@@ -299,6 +302,7 @@ pub(super) fn predicted_matches(
     let of_b = params.mutual.then(|| nearest_among(b, a, &in_a, monitor)).transpose()?;
     let back = of_b.as_ref().map(|of_b| move |b: usize| of_b[b]);
     let limit = params.ratio.max(PREDICTED_RATIO);
+    // Orientations of a place repeat its matches: the best of each pair of places stays.
     let mut best: BTreeMap<[u64; 4], Match> = BTreeMap::new();
     let found = of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.as_ref()?.matched(a, back));
     for found in found.filter(|found| found.rank() <= limit && found.distance <= MOST_DISTANCE) {
@@ -311,7 +315,7 @@ pub(super) fn predicted_matches(
         }
     }
     let mut matches: Vec<Match> = best.into_values().collect();
-    // What has no known motion keeps its sure match, and so does what is no inlier, to be seen as such.
+    // A feature without known motion keeps its sure match, and so does an outlier, to be shown as one.
     let [of_a, of_b]: [BTreeSet<usize>; 2] =
         [matches.iter().map(|m| m.a).collect(), matches.iter().map(|m| m.b).collect()];
     let is_kept = |m: &&Match| {
@@ -329,7 +333,7 @@ fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Pre
         side.places.iter().map(|place| Vector2::from(model.straight(*place))).collect()
     };
     let (places_a, places_b) = (straight(a), straight(b));
-    // From left to right, so that few are looked at.
+    // Sorted from left to right, so that few features are compared with each place.
     let mut order: Vec<u32> = (0..places_b.len() as u32).collect();
     order.sort_by(|&i, &j| places_b[i as usize].x.total_cmp(&places_b[j as usize].x).then(i.cmp(&j)));
     let is_of_scale = |i: usize, j: usize| {

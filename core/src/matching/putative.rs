@@ -110,7 +110,6 @@ const GROUP: usize = 32;
 const PART: usize = 512;
 /// Parts of the work, at most.
 const PARTS: usize = 64;
-/// Elements of a descriptor.
 const LENGTH: usize = 128;
 
 /// Nearest of the searched descriptors, and the distance of the second nearest.
@@ -197,9 +196,11 @@ fn search(
         }
         Ok((nearest, back))
     };
+    // Few parts, of whole groups: each keeps states for all that is searched.
     let part = queries.len().div_ceil(PARTS).next_multiple_of(GROUP).max(PART);
     let parts = queries.par_chunks(part).enumerate().map(|(index, queries)| search_part((index * part, queries)));
     let (nearest, back): (Vec<_>, Vec<_>) = parts.collect::<Result<Vec<_>, Cancelled>>()?.into_iter().unzip();
+    // Joined in order, so that of equally near queries the first stays.
     let back = back
         .into_iter()
         .reduce(|before, later| before.iter().zip(&later).map(|(before, later)| before.with_later(later)).collect());
@@ -332,7 +333,6 @@ struct BlockSearch<'a> {
     block: &'a Block,
     /// Numbers of the first query and of the block.
     numbers: (u32, u32),
-    /// Results of each query.
     states: &'a mut [State; GROUP],
     /// Results of each descriptor of the block among the queries, if they are wanted.
     back: Option<&'a mut State>,

@@ -36,7 +36,6 @@ impl Arm {
         Ok(Self { columns: (share * width as f64).round() as usize, level: level as f32, seed })
     }
 
-    /// Covers its columns of the `signal`.
     pub(super) fn draw_over(&self, signal: &mut Plane) {
         for v in 0..signal.height() {
             for (u, value) in signal.row_mut(v)[..self.columns].iter_mut().enumerate() {

@@ -135,6 +135,7 @@ impl ChartParams {
             ));
         }
         let amplitude = (self.contrast - 1.0).abs();
+        // Largest difference of the levels that leaves room for the noise on both sides.
         let room = 0.96 / (2.0 * CLEARANCE_SIGMAS / self.snr + 1.0);
         let background = (room / amplitude).min(0.1);
         let disc = background * self.contrast;
@@ -234,7 +235,6 @@ pub fn draw_disc(plane: &mut Plane, u: f64, v: f64, radius: f64, value: f32) {
     }
 }
 
-/// Whether a share is 0, as in sessions of charts without a mask.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands references")]
 fn is_zero(share: &f64) -> bool {
     *share == 0.0
@@ -245,6 +245,7 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
     let mut stream = Stream::new(params.seed, 0);
     let mut radii: Vec<f64> = (0..params.discs).map(|_| params.radius_law.draw(&params.radius, &mut stream)).collect();
     radii.sort_by(|a, b| b.total_cmp(a));
+    // Frames that are left out count too: an uneven burst shows the things of the even one.
     let all = params.uneven.whole(params.frames);
     let mut placed: Vec<FeatureTruth> = Vec::with_capacity(params.discs);
     for (id, &radius) in radii.iter().enumerate() {

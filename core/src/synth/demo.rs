@@ -73,6 +73,7 @@ fn skyline(reach: f64) -> Layer {
         // Clouds, down to where the houses begin.
         if v < 220.0 { dusk + 0.010 * (fractal_relief(5, u, 2.0 * v, 90.0, 2) - 0.4).max(0.0) } else { dusk }
     });
+    // The moon in its haze, and stars.
     layer.sheet.glow(92.0, 58.0, 90.0, 0.010);
     layer.landmark(92.0, 58.0, 19.0, 0.062, true);
     for (u, v, r) in [(86.0, 52.0, 5.0), (99.0, 64.0, 4.0), (95.0, 49.0, 2.5)] {
@@ -130,6 +131,7 @@ fn houses(reach: f64) -> Layer {
         let ridge = eaves - stream.within(22.0, 34.0) as f32;
         let wall = stream.within(0.012, 0.019) as f32;
         let (middle, half) = (left + 0.5 * width, 0.5 * width + 3.0);
+        // The roof first: the front covers its lower edge.
         layer.sheet.shape(
             Area::new(left - 4.0, ridge, left + width + 4.0, eaves + 1.0),
             move |u, v| {
@@ -239,6 +241,7 @@ fn lanterns(reach: f64) -> Layer {
         (210.0, 92.0, 0.6),
         (366.0, 48.0, 0.5),
     ] {
+        // Paper lanterns: ellipses, brightest below their middle.
         let (half_u, half_v) = (9.0 * size, 12.0 * size);
         layer.sheet.shape(
             Area::new(u - half_u, v - half_v, u + half_u, v + half_v),

@@ -181,6 +181,7 @@ impl Example {
         let positions = self.positions();
         let seen_in = match self {
             Self::Views => positions.offsets().to_vec(),
+            // The later street lies farther from the layers' own mid-burst.
             _ => even_within(HALF_SPAN + self.later()),
         };
         let mut features = visible_landmarks(&layers, EXAMPLE_SIZE, &seen_in);
@@ -238,7 +239,7 @@ const STREET_SLOPES: [f64; 2] = [1.2, 2.2];
 const STREET_PLACE: [f32; 2] = [128.0, 48.0];
 /// Speed of the crossing lamps, to the right and to the left, px/frame.
 const CROSSING_SLOPE: f64 = 1.5;
-/// Of a lamp's streak the end, kept as a feature where nothing moves: its place, and its slope in px/frame.
+/// End of a lamp's streak, kept as a feature where nothing moves: its place, and its slope in px/frame.
 const GHOST: ([f32; 2], f32) = ([192.1, 89.8], 0.0);
 /// Rows of the lamps at many depths, with their radii, pixels.
 const LAMP_ROWS: [(f32, f64); 3] = [(40.0, 2.5), (90.0, 3.5), (140.0, 5.0)];

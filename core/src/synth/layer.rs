@@ -82,6 +82,7 @@ impl Layer {
         let Some([c0, c1, r0, r1]) = self.sheet.used() else { return Ok(()) };
         let half = 0.5 * (OVERSAMPLING as f64 - 1.0);
         let (du, dv) = self.displacement(at);
+        // The sample that is seen at pixel 0: the motion is undone.
         let (first_column, weights_u) = axis_filter(self.sheet.column_of(-du) - half);
         let (first_row, weights_v) = axis_filter(self.sheet.row_of(-dv) - half);
         let s = OVERSAMPLING as i64;
@@ -101,6 +102,7 @@ impl Layer {
         let from = (first_column + s * columns.start as i64).clamp(0, sheet_width) as usize;
         let to = (first_column + s * (columns.end as i64 - 1) + taps).clamp(0, sheet_width) as usize;
         let (mut values, mut alphas) = (vec![0.0f32; to - from], vec![0.0f32; to - from]);
+        // Separable: rows are filtered down once, then each pixel across.
         for v in rows {
             monitor.check()?;
             values.fill(0.0);
@@ -125,6 +127,7 @@ impl Layer {
                     value += w * values[i];
                     alpha += w * alphas[i];
                 }
+                // The sheet's values are premultiplied by alpha.
                 *pixel = *pixel * (1.0 - alpha) + value;
             }
         }
@@ -182,6 +185,7 @@ pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), offsets: &[Offs
             let seen = offsets.iter().all(|at| {
                 let (du, dv) = layer.displacement(*at);
                 let (u, v) = (landmark.u + du, landmark.v + dv);
+                // A disc that the border or a nearer layer cuts would have another centre than the truth.
                 let inside = u >= landmark.radius
                     && v >= landmark.radius
                     && u + landmark.radius <= (size.0 - 1) as f64

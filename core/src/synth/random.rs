@@ -54,6 +54,7 @@ impl Stream {
                 return self.normal_tail(place < 0.0);
             }
             let x = place * edge;
+            // In the wedge beside the block: a height between its edges is compared with the curve.
             let upper = libm::exp(-0.5 * (edge * edge - x * x));
             let inner = ziggurat.edges[block + 1];
             let lower = libm::exp(-0.5 * (inner * inner - x * x));
@@ -115,6 +116,7 @@ impl Stream {
                 continue;
             }
             let count = ((2.0 * a / us + b) * u + mean + 0.43).floor();
+            // Most numbers are accepted here, without a logarithm.
             if us >= 0.07 && v <= v_r {
                 return count;
             }

@@ -149,6 +149,7 @@ impl Taken {
         if !views.is_empty() {
             return Truth { frames: self.frames.len(), views, ..even };
         }
+        // Features are given at mid-burst, which moves with the frames that are left out.
         let later = self.frames.iter().map(|(_, at)| at.u).sum::<f64>() / self.frames.len() as f64;
         let mut truth = Truth { frames: self.frames.len(), t0: even.t0 + later, times: self.times(), ..even };
         for feature in &mut truth.features {

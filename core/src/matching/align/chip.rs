@@ -50,6 +50,7 @@ impl Chip {
         let indices = |range: &Range<u8>| usize::from(range.start)..usize::from(range.end);
         let places = || indices(&seen[1]).flat_map(|j| indices(&seen[0]).map(move |i| (i, j)));
         let values = || places().map(|(i, j)| sample(i, j)).filter(|x| x.is_finite());
+        // Levels of 16 bits over the chip's own range take half the memory of floats.
         let lowest = values().reduce(f32::min).unwrap_or(0.0);
         let highest = values().reduce(f32::max).unwrap_or(0.0);
         let unit = (highest - lowest) / f32::from(u16::MAX);
@@ -110,11 +111,13 @@ impl<'a> ChipSource<'a> {
         if !known || !inside(u, width) || !inside(v, height) {
             return None;
         }
+        // At reduced resolution a large chip costs as much as a small one.
         let octave = octave_of(sigma).min(self.octaves.len() - 1);
         let pixel = f64::from(1u32 << octave);
         let frames: Vec<&Plane> = self.octaves[octave].iter().map(AsRef::as_ref).collect();
         let in_octave = Slope::new(slope.u / pixel as f32, slope.v / pixel as f32);
         let offsets = self.times.of(frame_offsets(&self.times.positions, in_octave, Interpolation::Linear));
+        // Linear reading blurs between pixels; the samples' own Gaussian is made narrower by as much.
         let (read_u, read_v) = interpolation_blur(&offsets);
         let axis = |place: f32, size: usize, reduced: usize, read: f64| {
             Axis::new(f64::from(place), f64::from(sigma), pixel, (size, reduced), read)
@@ -164,7 +167,6 @@ impl Axis {
         Self { taps: (0..SIDE).map(of_sample).collect() }
     }
 
-    /// Samples inside the image.
     fn seen(&self) -> Range<u8> {
         let inside = |(_, weights): &(usize, Vec<f32>)| !weights.is_empty();
         let start = self.taps.iter().position(inside).unwrap_or(0);
@@ -172,7 +174,6 @@ impl Axis {
         start as u8..end as u8
     }
 
-    /// Pixels that the samples need.
     fn pixels(&self) -> Range<i64> {
         let used = || self.taps.iter().filter(|(_, weights)| !weights.is_empty());
         let first = used().map(|(first, _)| *first).min().unwrap_or(0);
@@ -194,6 +195,7 @@ impl Stacked<'_> {
         let columns = self.patch.columns();
         let mut line = vec![0.0f32; columns.clone().count()];
         let mut samples = vec![0.0; SIDE * SIDE];
+        // Separable: rows are summed once for all samples across.
         for ((top, down), out) in self.down.taps.iter().zip(samples.chunks_exact_mut(SIDE)) {
             if down.is_empty() {
                 continue;

@@ -10,7 +10,6 @@ pub(super) struct Affine {
 }
 
 impl Affine {
-    /// Shift alone.
     pub fn shifted(shift: [f32; 2]) -> Self {
         Self { matrix: [[1.0, 0.0], [0.0, 1.0]], shift }
     }
@@ -30,7 +29,6 @@ impl Affine {
         }
     }
 
-    /// The inverse; `None` where there is none.
     pub fn inverse(&self) -> Option<Self> {
         let [[a, b], [c, d]] = self.matrix;
         let determinant = a * d - b * c;
@@ -126,14 +124,12 @@ impl Grid {
     }
 }
 
-/// Points of a lattice.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Points<'a> {
     pub x: &'a [f32],
     pub y: &'a [f32],
 }
 
-/// Values at points with their derivatives.
 pub(super) struct Template<'a> {
     pub values: &'a mut [f32],
     pub along_x: &'a mut [f32],

@@ -40,7 +40,6 @@ pub(super) struct Window {
     prior: [f32; UNKNOWNS],
 }
 
-/// Values of one fit.
 #[derive(Debug, Default)]
 pub(super) struct FitScratch {
     template: Vec<f32>,
@@ -73,6 +72,7 @@ impl Window {
             values.resize(values.len().next_multiple_of(LANES), 0.0);
             values
         };
+        // The prior weighs against the noise of a mean over the window's independent values.
         let noise = NOISE / (INDEPENDENT * radius * radius);
         let (shift, matrix) = (noise / SHIFT_SIGMA.powi(2), noise / (MATRIX_SIGMA * radius).powi(2));
         let along = |of: fn(&(f32, f32)) -> f32| padded(points.iter().map(of).collect());
@@ -93,17 +93,20 @@ impl Window {
         start: [f32; 2],
         scratch: &mut FitScratch,
     ) -> Option<Fit> {
+        // Inverse composition: the derivatives are of `a` alone, so the normal equations are made once.
         let (hessian, begin) = (self.prepare(a, scratch)?, Affine::shifted(start));
         let (mut map, mut best) = (begin, None::<Fit>);
         for round in 0..=ROUNDS {
             b.0.read(&b.1.after(&map), self.points(), &mut scratch.values, &mut scratch.seen);
             let Some(alike) = Likeness::of(moments(scratch)) else { break };
+            // A step may lead away again, so the best map of all rounds is kept.
             if best.is_none_or(|best| alike.correlation > best.correlation) {
                 best = Some(Fit { map, correlation: alike.correlation });
             }
             if round == ROUNDS {
                 break;
             }
+            // The prior draws the map back to its start.
             let held = self.unknowns(&map, &begin);
             let descent = descent(scratch, &alike);
             let gradient = SVector::<f64, UNKNOWNS>::from_fn(|k, _| f64::from(descent[k] + self.prior[k] * held[k]));
@@ -143,6 +146,7 @@ impl Window {
             let all = [along_x, along_y, along_x * x, along_x * y, along_y * x, along_y * y];
             derivatives.iter_mut().zip(all).for_each(|(derivative, value)| derivative[k] = value);
         }
+        // Without their means, a change of brightness by an offset has no derivative.
         for derivative in derivatives.iter_mut() {
             let mean = weighted(weights, derivative) / sum;
             derivative.iter_mut().for_each(|value| *value -= mean);

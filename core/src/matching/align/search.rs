@@ -26,7 +26,6 @@ pub(super) struct Search {
     wide: [Vec<f32>; 2],
 }
 
-/// Values of one search.
 #[derive(Debug)]
 pub(super) struct SearchScratch {
     template: Vec<f32>,
@@ -109,6 +108,7 @@ fn add(weights: &[f32], scratch: &SearchScratch, y: usize, out: &mut Sums) {
             }
             let (t, s, m) = (scratch.template[k], &searched[i..i + LANES], &seen[i..i + LANES]);
             let (weight_t, weight_tt) = (weight * t, weight * t * t);
+            // All shifts along x at once, one a lane.
             for l in 0..LANES {
                 sums[0][l] += weight * m[l];
                 sums[1][l] += weight_t * m[l];
@@ -136,6 +136,7 @@ fn peak_of(correlations: &[[f32; SHIFTS]; SHIFTS]) -> Option<[f32; 2]> {
     let inner = 1..SHIFTS - 1;
     let around = |dx: usize, dy: usize| correlations[y + dy - 1][x + dx - 1];
     let known = |k: usize| around(k % 3, k / 3) > -1.0;
+    // On the rim, or beside shifts without a correlation, no peak can be fitted.
     if !inner.contains(&x) || !inner.contains(&y) || !(0..9).all(known) {
         return None;
     }
@@ -144,6 +145,7 @@ fn peak_of(correlations: &[[f32; SHIFTS]; SHIFTS]) -> Option<[f32; 2]> {
     let (xx, yy) = (around(2, 1) + around(0, 1) - 2.0 * middle, around(1, 2) + around(1, 0) - 2.0 * middle);
     let xy = (around(2, 2) + around(0, 0) - around(2, 0) - around(0, 2)) / 4.0;
     let determinant = xx * yy - xy * xy;
+    // Without a maximum in between, the largest correlation stands.
     let between = if determinant > 1e-12 && xx < 0.0 && yy < 0.0 {
         let solved = [yy * gradient[0] - xy * gradient[1], xx * gradient[1] - xy * gradient[0]];
         solved.map(|s| (-s / determinant).clamp(-1.0, 1.0))

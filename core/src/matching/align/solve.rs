@@ -1,10 +1,10 @@
 //! One correction for each place, from the measured matches of all pairs of images.
 //!
-//! A match says where A's place lies in B, so that a place with several matches is told several times where it is. The
-//! corrections c make the weighted sum of |c_b − J·c_a − e|²/s² over the matches least, besides a weak prior of
-//! [`PRIOR`] σ on each correction. A match that contradicts the others loses its weight (Geman and McClure's function,
-//! by iteratively reweighted least squares). A place that would be moved farther than it may be stays where it is, and
-//! the others are solved for without its matches.
+//! A match says where A's place lies in B, so a place with several matches is measured several times. The corrections c
+//! minimise the weighted sum of |c_b − J·c_a − e|²/s² over the matches, besides a weak prior of [`PRIOR`] σ on each
+//! correction. A match that contradicts the others loses its weight (Geman and McClure's function, by iteratively
+//! reweighted least squares). A place that would be moved farther than it may be stays where it is, and the others are
+//! solved for without its matches.
 
 use super::pair::Measured;
 use crate::monitor::{Cancelled, Monitor};
@@ -69,14 +69,14 @@ pub struct Link {
 pub struct Solved {
     /// Correction (u, v) of each place, pixels: exactly 0 where nothing was measured.
     pub corrections: Vec<[f64; 2]>,
-    /// What each link contradicts, pixels, the mean of those of A and B.
+    /// Contradiction of each link with the corrections, pixels: the mean of those of A and B.
     pub residuals_px: Vec<f64>,
     /// Number of places that stay because they would be moved too far.
     pub refused: usize,
 }
 
-/// Solves for the corrections of places of scales `sigmas`, pixels, from their `links`; `may_move` tells whether a place
-/// may be corrected so. The same bits for any number of threads.
+/// Solves for the corrections of places of scales `sigmas`, pixels, from their `links`; `may_move` decides whether a
+/// place may be corrected by so much. The same bits for any number of threads.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -94,6 +94,7 @@ pub fn solve(
     let mut corrections = vec![[0.0; 2]; sigmas.len()];
     let mut is_refused = vec![false; sigmas.len()];
     for _ in 0..PASSES {
+        // Weights begin anew: matches of refused places no longer press on the others.
         let mut weights: Vec<f64> = terms.iter().map(|term| term.confidence).collect();
         for _ in 0..ROUNDS {
             let system = System::new(&terms, &weights, &prior);
@@ -214,7 +215,9 @@ impl<'a> System<'a> {
         let mut product = vec![[0.0; 2]; right.len()];
         let (mut conditioned, mut remainder) = (product.clone(), right.clone());
         condition(&right, &mut conditioned);
+        // Relative to the right side, so that rounds that begin near the solution end soon.
         let enough = REMAINDER * REMAINDER * dot(&right, &conditioned);
+        // A warm start: the remainder is what the last round's solution leaves.
         self.times(solution, &mut product);
         add(&mut remainder, -1.0, &product);
         condition(&remainder, &mut conditioned);

@@ -99,6 +99,7 @@ pub(super) fn estimate<P: Problem>(
             let is_inlier = |index: &usize| loss.is_inlier(problem.squared_error(&candidate.0, *index));
             let inliers = (0..count).filter(is_inlier).count();
             best = Some(candidate);
+            // The more inliers, the fewer samples until one of inliers alone is as good as certain.
             needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, f64::from(params.confidence))
                 .max(MIN_ITERATIONS)
                 .min(params.max_iterations);
@@ -157,6 +158,7 @@ fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (
         for (index, weight) in weights.iter_mut().enumerate() {
             *weight = loss.weight(problem.squared_error(&best.0, index));
         }
+        // A damped step without gain is tried again, shorter; an undamped one ends the descent.
         let step = loop {
             let Some(model) = problem.refit(&best.0, &weights, damping) else { break None };
             if let Some(cost) = cost_below(problem, &model, loss, best.1) {

@@ -61,6 +61,7 @@ impl Problem for EssentialProblem<'_> {
             if weight > 0.0 && squared_gradient > 0.0 {
                 let (a, b) = (pair.a_homogeneous(), pair.b_homogeneous());
                 let slopes = SVector::<f64, 5>::from(changes.map(|change| b.dot(&(change * a))));
+                // Divided by its gradient, the equation's value is the Sampson distance.
                 let weight = weight / squared_gradient;
                 normal += slopes * slopes.transpose() * weight;
                 right += slopes * (weight * value);
@@ -73,6 +74,7 @@ impl Problem for EssentialProblem<'_> {
         // Levenberg–Marquardt damping: parameters that the matches hardly determine move least.
         let damped = normal + SMatrix::<f64, 5, 5>::identity() * (damping * normal.trace() / 5.0);
         let step = damped.cholesky()?.solve(&-right);
+        // A small turn as a quaternion, which normalising makes a rotation again.
         let half = nalgebra::Quaternion::new(1.0, 0.5 * step[0], 0.5 * step[1], 0.5 * step[2]);
         let turn = nalgebra::UnitQuaternion::new_normalize(half);
         let rotation = turn.to_rotation_matrix().into_inner() * pose.rotation;
@@ -182,6 +184,7 @@ fn eliminated(basis: &[Vector9; 4]) -> Option<[[f64; 10]; 10]> {
         add_product(&mut minor, -1.0, &e[1][k], &LINEAR, &e[2][j]);
         add_product(&mut equations[9], 1.0, &minor, &QUADRATIC, &e[0][i]);
     }
+    // Gauss–Jordan elimination; without a pivot the five matches are degenerate.
     for step in 0..10 {
         let pivot = (step..10).max_by(|&i, &j| equations[i][step].abs().total_cmp(&equations[j][step].abs()))?;
         equations.swap(step, pivot);
@@ -306,6 +309,7 @@ fn poses_of(e: &Matrix3<f64>) -> Option<[RelativePose; 4]> {
 
 fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut r = *matrix;
+    // The mean of a matrix and its inverse transposed converges to the nearest rotation.
     for _ in 0..30 {
         let next = (r + r.try_inverse()?.transpose()) * 0.5;
         let change = (next - r).norm();

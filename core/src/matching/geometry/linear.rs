@@ -92,6 +92,7 @@ impl FundamentalProblem<'_> {
         }
         let problem = HomographyProblem { pairs: &inliers };
         let cost = |h: &Homography| -> f64 { inliers.iter().map(|pair| loss.cost(squared_error(h, pair))).sum() };
+        // Drawn from the model's inliers, of which a dominant plane holds most.
         let mut models = Vec::new();
         for _ in 0..PLANE_ITERATIONS {
             problem.solve(&[0; 4].map(|_| sampler.below(inliers.len())), &mut models);

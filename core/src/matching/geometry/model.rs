@@ -112,7 +112,6 @@ pub(super) fn straightened(camera: &Camera, pixel: [f64; 2]) -> [f64; 2] {
     [seen.x, seen.y]
 }
 
-/// The pixel at which `camera` sees what one without distortion would see at `straight`.
 fn seen_by(camera: &Camera, straight: [f64; 2]) -> [f64; 2] {
     let k = camera.matrix();
     camera.pixel_of([(straight[0] - k.m13) / k.m11, (straight[1] - k.m23) / k.m22])
@@ -151,6 +150,7 @@ fn clipped(line: &Vector3<f64>, bounds: Bounds) -> Option<[[f64; 2]; 2]> {
     }
     let from = normal.map(|n| -n * line.z / squared);
     let along = [-normal[1], normal[0]];
+    // The piece between each pair of opposite sides; what both pieces share is inside.
     let (mut start, mut end) = (f64::NEG_INFINITY, f64::INFINITY);
     for i in 0..2 {
         if along[i] == 0.0 {

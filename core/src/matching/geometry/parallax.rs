@@ -59,7 +59,6 @@ impl Parallax {
         }
     }
 
-    /// The pixel at which a camera without distortion would see what is seen at `pixel`.
     pub fn straight(&self, pixel: [f64; 2]) -> Vector2<f64> {
         Vector2::from(self.camera.as_ref().map_or(pixel, |camera| straightened(camera, pixel)))
     }

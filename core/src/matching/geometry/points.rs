@@ -78,6 +78,7 @@ pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vecto
     debug_assert_eq!(count + D, 9, "each row takes away one dimension");
     let mut columns: [usize; 9] = std::array::from_fn(|i| i);
     let largest = rows.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
+    // With full pivoting a small pivot shows that the rows are dependent.
     for step in 0..count {
         let (mut row, mut column, mut max) = (step, step, 0.0);
         for (r, values) in rows.iter().enumerate().skip(step) {
