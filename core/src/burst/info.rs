@@ -60,8 +60,7 @@ pub struct Info {
 const MOST_FRAMES: usize = 1 << 20;
 
 impl Info {
-    /// Describes the burst that `inputs` name, as [`Burst::open_with`] takes them. Reads headers; of a raw file, which
-    /// declares little, the frame.
+    /// Describes the burst of `inputs`, as [`Burst::open_with`] takes them, by headers; a raw file's frame is decoded.
     pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         let (source, range) = (only_burst(inputs, options)?, options.take);
         let mut files = source.files()?;

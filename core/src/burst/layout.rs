@@ -1,6 +1,5 @@
-//! Statements of the user on how pixels lie in a file that does not say it itself: the shape of a file without header,
-//! the mosaic of colours, the axis along which frames follow one another, and where their times or their places in a
-//! grid of views come from.
+//! Statements of the user on what a file does not say: its shape without a header, the mosaic of colours, the axis of
+//! the frames, and where their times or their places in a grid of views come from.
 
 use super::number::Number;
 use crate::files::whole_number;
@@ -67,7 +66,6 @@ impl fmt::Display for Dump {
     }
 }
 
-/// Sizes of usual sensors and pictures, columns and rows.
 const USUAL_SIZES: &str = "1600x1200 640x480 1280x960 1920x1080 1280x1024 1440x1080 2048x1536 2448x2048 1936x1216 1920x1200 \
     2592x1944 4096x3000 5472x3648 1024x768 1280x720 800x600 720x540 752x480 320x240 512x512 1024x1024 \
     2048x2048 256x256 2064x1544 3840x2160 4000x3000 1936x1096 3096x2080 346x260";
@@ -342,8 +340,8 @@ impl fmt::Display for ViewGrid {
 pub enum Tiling {
     /// Views side by side, in rows and columns.
     Tiled,
-    /// Views interleaved, as ESLF files of Lytro cameras have them: pixel (v·rows + t, u·columns + s) is pixel (v, u)
-    /// of the view in row t and column s.
+    /// Views interleaved, as in ESLF files of Lytro cameras: pixel (v·rows + t, u·columns + s) is pixel (v, u) of view
+    /// (t, s).
     Eslf,
 }
 

@@ -1,9 +1,8 @@
 //! Masks of a burst's frames: those of files, and the samples without a value or beyond the full scale.
 //!
 //! A mask is a picture of the frames' size. It hides where it is 0 and nowhere else, as COLMAP reads masks; a note
-//! reports greys and labels, since a program that softens edges may mean them otherwise. In a folder each file of
-//! frames has its own mask, under COLMAP's name for it (`NAME.EXT.png`) or its own name, in a folder named as the
-//! frames' or directly.
+//! reports greys and labels, which a program that softens edges may mean otherwise. In a folder each file of frames has
+//! its own mask, under COLMAP's name (`NAME.EXT.png`) or its own, in a folder named as the frames' or directly.
 
 use super::options::OpenOptions;
 use super::reading::{FileScale, RawFrame};
@@ -12,7 +11,6 @@ use crate::plane::{Mask, Plane};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Masks of files, one for all frames or one a frame, and what else is masked.
 #[derive(Debug, Default)]
 pub(super) struct Masks {
     /// `None` for a mask that hides nothing.
@@ -22,7 +20,6 @@ pub(super) struct Masks {
     is_saturation_masked: bool,
 }
 
-/// Numbers of masked samples of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Masked {
     by_files: usize,
@@ -31,8 +28,8 @@ pub(super) struct Masked {
 }
 
 impl Masks {
-    /// Makes the masks that the options name for frames of `size` from the files `origins`, one a frame; `read` reads
-    /// the frames of a file.
+    /// Makes the masks that the options name for frames of `size` from the files `origins`; `read` reads a file's
+    /// frames.
     pub(super) fn of_options(
         options: &OpenOptions,
         (origins, size): (&[(PathBuf, usize)], (usize, usize)),

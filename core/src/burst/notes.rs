@@ -60,7 +60,6 @@ impl Remark {
     }
 }
 
-/// The largest values of converters of 10, 12 and 14 bit.
 const CONVERTERS: [(u32, f32); 3] = [(10, 1023.0), (12, 4095.0), (14, 16383.0)];
 
 /// Number of values between two checks of whether all converters are ruled out.

@@ -41,9 +41,9 @@ impl Burst {
     /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused,
     /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1. NaN is masked.
     ///
-    /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed;
-    /// progress is reported to `monitor` for every frame, and cancellation checked before each. Of several faulty
-    /// frames the error names the first.
+    /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed.
+    /// Each is reported to `monitor`, and cancellation checked before it. Of several faulty frames the error names the
+    /// first.
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
@@ -136,13 +136,11 @@ pub(super) struct RawBurst {
     pub frame_names: Vec<String>,
     /// File of each frame, and the frame's index in it.
     pub origins: Vec<(PathBuf, usize)>,
-    /// Guesses and choices about the files.
     pub taken: Vec<String>,
     pub positions: Positions,
 }
 
 impl RawBurst {
-    /// Size (columns, rows) of the frames.
     pub fn size(&self) -> (usize, usize) {
         self.frames[0].plane.size()
     }
@@ -316,7 +314,6 @@ pub(super) struct Calibration {
 }
 
 impl Calibration {
-    /// Calibrates `frame` and converts it to fractions of full scale.
     pub fn apply(&self, frame: RawFrame, levels: Levels) -> Plane {
         let mut plane = frame.plane;
         // `unit`: the plane is already divided by it; `divisor`: to divide by in the end.
@@ -344,8 +341,7 @@ impl Calibration {
     }
 }
 
-/// Factor from calibration frames' values to the unit of the burst's files. The error says why there is none, and a
-/// remedy.
+/// Factor from calibration frames' values to the unit of the burst's files. The error is a reason and a remedy.
 fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'static str> {
     match (frames, of) {
         (FileScale::Range(a), FileScale::Range(b)) if a == b => Ok(b),

@@ -1,8 +1,8 @@
 //! Options for opening a burst: calibration, masks, encoding, the colour that is taken of raw frames, how pixels lie in
 //! files that do not say it, and the largest size.
 //!
-//! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
-//! cannot take the machine's memory.
+//! Declared sizes are checked against the [`Limits`] before pixels are allocated: no file can take the machine's
+//! memory.
 
 use super::layout::{AxisChoice, Dump, FrameRange, Mosaic, TimesChoice, ViewsChoice};
 use crate::error::{Error, ErrorKind, Result};
@@ -121,8 +121,8 @@ impl OpenOptions {
         Self { mask, take, times, views, axis, array, topic, ..self }
     }
 
-    /// Options that are not the default, by their names on a command line, with their values as text; `None` for those
-    /// that are only named.
+    /// Options other than the default: names on a command line, with values as text; `None` for those that are only
+    /// named.
     pub fn given(&self) -> Vec<(String, Option<String>)> {
         let fields = |options: &Self| serde_json::to_value(options).ok().and_then(|all| all.as_object().cloned());
         // JSON holds no path that is not text.
@@ -176,8 +176,7 @@ impl OpenOptions {
         Self { limits, ..self.clone() }
     }
 
-    /// The part of `all` frames of the file or folder `path` that is to be taken; their size (columns, rows) is needed
-    /// for the limits.
+    /// The part of `all` frames of `path` that is to be taken; their `size` (columns, rows) is needed for the limits.
     ///
     /// # Errors
     /// It has no such frames, or they are too many.
@@ -310,8 +309,8 @@ pub enum Encoding {
     /// Proportional to light, as far as the files tell.
     #[default]
     Linear,
-    /// Encoded for screens (sRGB), with more codes for dark values than for bright ones. Colour pictures of 8 bit, JPEG
-    /// and WebP.
+    /// Encoded for screens (sRGB), with more codes for dark values than for bright ones: colours of 8 bit, JPEG and
+    /// WebP.
     Srgb,
 }
 

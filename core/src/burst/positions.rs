@@ -76,8 +76,7 @@ impl Positions {
         Self::about_mean((0..count).map(|t| Offset::from(t as f64)))
     }
 
-    /// Positions in frame intervals, of which only the differences matter; `None` unless all are finite and each lies
-    /// after the one before.
+    /// Positions in frame intervals, of which only differences matter; `None` unless all are finite and increasing.
     pub fn new(positions: &[f64]) -> Option<Self> {
         let first = positions.first().copied().unwrap_or_default();
         let made = Self::about_mean(positions.iter().map(|x| Offset::from(near_whole(x - first))));
@@ -186,8 +185,7 @@ impl Positions {
         self.offset(t).displacement(slope_px_per_frame)
     }
 
-    /// Time from the first to the last frame, frame intervals: N − 1 for even ones. The diameter of the views of a
-    /// light field.
+    /// Time from the first to the last frame, frame intervals: N − 1 for even ones; of a light field, its diameter.
     pub fn span(&self) -> f64 {
         match &*self.offsets {
             _ if self.are_views() => 2.0 * self.reach(),
@@ -206,8 +204,7 @@ impl Positions {
         self.offsets.iter().any(|offset| offset.v != 0.0)
     }
 
-    /// Numbers of rows and columns of the grid that views fill, row by row; `None` for frames of a burst, and for
-    /// views that fill none.
+    /// Rows and columns of the grid that views fill, row by row; `None` for frames of a burst, and for other places.
     pub fn rows_and_columns(&self) -> Option<(usize, usize)> {
         let columns = self.offsets.iter().take_while(|offset| offset.v == self.offsets[0].v).count();
         let rows = self.len() / columns.max(1);
@@ -283,8 +280,8 @@ impl Positions {
         self.offsets.iter().map(move |offset| *offset - first)
     }
 
-    /// Positions of `count` frames from what [`Self::list`] and [`Self::views`] gave; `None` for lists of another
-    /// length or that are none.
+    /// Positions of `count` frames from [`Self::list`] and [`Self::views`]; `None` for lists of another length or
+    /// order.
     pub fn of_lists(count: usize, times: &[f64], views: &[[f64; 2]]) -> Option<Self> {
         match (times.len(), views.len()) {
             (0, 0) => Some(Self::even(count)),

@@ -228,8 +228,8 @@ fn natural_order(a: &Path, b: &Path) -> Ordering {
     by(Path::file_stem).then_with(|| by(Path::extension)).then_with(|| a.cmp(b))
 }
 
-/// Numbers the second and later bursts of one name, so that their exports do not overwrite each other. Letter case is
-/// ignored, as some file systems do.
+/// Numbers the later bursts of one name, so that no export overwrites another. Letter case is ignored, as in some
+/// systems.
 pub(super) fn make_names_unique(sources: &mut [BurstFiles]) {
     let mut taken = HashSet::new();
     for source in sources {
@@ -271,8 +271,8 @@ impl SequenceCut {
         self.step
     }
 
-    /// The frames of each burst in a sequence of `frames` frames, in order. Frames at the end that do not fill a burst
-    /// are left out.
+    /// The frames of each burst in a sequence of `frames` frames, in order; a last part that fills no burst is left
+    /// out.
     pub fn ranges(self, frames: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
         let count = if frames < self.length { 0 } else { (frames - self.length) / self.step + 1 };
         (0..count).map(move |k| k * self.step..k * self.step + self.length)

@@ -1,5 +1,4 @@
-//! Positions of frames by their times: by stamps in lists, as robots and people write them, and in the names of files,
-//! or by what the files hold.
+//! Positions of frames by their times: by stamps in lists and in names of files, or by what the files hold.
 //!
 //! A name has a date or the seconds since 1970, which digits behind may part further: a fraction, or whole milli-, micro-
 //! or nanoseconds with or without leading zeros. Numbers that count up by one are counters, never fractions.
@@ -132,8 +131,7 @@ fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<
     Some(if are_fractions { fractions } else { wholes })
 }
 
-/// Stamps in the `names` of frames: dates or seconds with their fractions; or the numbers that differ from name to
-/// name, of several the longest ones.
+/// Stamps in the `names` of frames: dates or seconds with fractions; or the longest numbers that differ in all names.
 ///
 /// # Errors
 /// The first name without a stamp, or what is unclear, and what would be right.
@@ -303,24 +301,20 @@ pub(super) struct Timing {
     pub doubt: Option<String>,
 }
 
-/// Largest list of times, bytes.
 const MAX_LIST_BYTES: u64 = 64 << 20;
 /// Shortest frame interval that is taken for one, seconds. Cameras of more frames a second are triggered by a list.
 pub(super) const SHORTEST_S: f64 = 5e-6;
 
-/// Times found for frames, not yet checked for increasing order.
 struct FoundTimes {
     times: Source,
     /// Line of the list for each frame; empty for other sources.
     lines: Vec<usize>,
-    /// File that an error is about.
     file: PathBuf,
     said: String,
 }
 
 enum Source {
     Stamps(Stamps),
-    /// Seconds that files hold.
     Headers(Vec<f64>),
 }
 
@@ -333,7 +327,6 @@ impl Source {
         }
     }
 
-    /// The frames in the order of their times.
     fn order(&self) -> Vec<usize> {
         match self {
             Self::Stamps(stamps) => {

@@ -6,11 +6,9 @@
 use chrono::{DateTime, NaiveDateTime, SecondsFormat};
 use std::collections::HashMap;
 
-/// Times of the frames of a file or burst.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Times {
-    /// Time of each frame, seconds: since 1970 (UTC) where `is_absolute`, or else from the first frame. Empty where the
-    /// files do not say it.
+    /// Time of each frame, seconds since 1970 (UTC) where `is_absolute`, else from the first frame; empty if unknown.
     pub seconds: Vec<f64>,
     pub is_absolute: bool,
 }
@@ -77,8 +75,8 @@ impl Stamp {
         Some(Self { value: sign * (whole * PARTS + parts(fraction)), written: Written::Number(fraction.len()) })
     }
 
-    /// A date with its time, such as `2011-09-26 13:02:25.964389445`, `2011-09-26T13:02:25Z`, `2011:09:26 13:02:25` or
-    /// `2011-09-26T15:02:25+02:00`.
+    /// A date with its time: `2011-09-26 13:02:25.964389445`, `2011:09:26 13:02:25`, `2011-09-26T15:02:25+02:00`, or
+    /// with Z.
     pub fn date(text: &str) -> Option<Self> {
         // A sign behind the time of day begins the zone; those before part the date.
         let zone_at = text.rfind(['+', '-']).filter(|at| text[..*at].contains(':')).unwrap_or(text.len());
@@ -263,8 +261,7 @@ impl Stamps {
         self.unit != Unit::Frames && self.known_by != BY_DISTANCE
     }
 
-    /// Times of some of the frames, in this order, from the first of these on: in seconds, or in frame intervals for
-    /// [`Unit::Frames`].
+    /// Times of some frames, in this order, from the first of them on: seconds, or intervals for [`Unit::Frames`].
     pub fn since_first(&self, frames: &[usize]) -> Vec<f64> {
         const BILLIONTH: i128 = PARTS / 1_000_000_000;
         let (_, unit) = self.unit.record();
@@ -289,8 +286,7 @@ pub(super) struct List {
 
 const MAX_LINES: usize = 10_000_000;
 
-/// Fields of a line that are separated `by` a character, or else by white space, which a date has within. A separator
-/// in quotes is none.
+/// Fields of a line, separated `by` a character outside of quotes, or by white space, which a date has within.
 fn fields(line: &str, by: Option<char>) -> Vec<&str> {
     let mut is_quoted = false;
     let separated = line.split(|c: char| {

@@ -17,9 +17,9 @@ use crate::plane::Plane;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Positions of the frames of `files`, one each, of which those that `options` take stay; or of the frames that are taken
-/// `in_one` file, and the grid that it declares. Of views, by the choice in `options`, that grid, or LFToolbox's names;
-/// otherwise by times.
+/// Positions of the frames of `files`, one each, of which those that `options` take stay; or of those taken `in_one`
+/// file, with the grid that it declares. Views by the choice in `options`, that grid, or LFToolbox's names; else by
+/// times.
 ///
 /// Views named by row and column are brought into the order of their rows.
 ///
@@ -120,8 +120,8 @@ fn pairs(name: &str) -> Vec<(usize, [usize; 2], usize)> {
     runs.windows(2).filter_map(pair).collect()
 }
 
-/// Rows and columns in the `names` of views: of pairs of numbers with the same before them in all names, the first by
-/// which all names differ.
+/// Rows and columns in the `names` of views: the first pair of numbers, behind the same text, by which all names
+/// differ.
 ///
 /// # Errors
 /// The first name without one, and what would be right.
@@ -143,8 +143,7 @@ fn in_names(names: &[String]) -> Result<Named, String> {
     })
 }
 
-/// Places of views that are named as LFToolbox does, `view_03_07.png` or `03_07.png`, and fill a grid of several rows
-/// and columns.
+/// Places of views named as LFToolbox does, `view_03_07.png` or `03_07.png`, that fill a grid of rows and columns.
 fn usual(files: &[PathBuf]) -> Option<Vec<[usize; 2]>> {
     let Named { mut places, before, is_followed } = in_names(&names_of(files)).ok()?;
     let before = before.trim_end_matches(['_', '-']).to_lowercase();

@@ -1,8 +1,7 @@
 //! Shapes and motions of a burst's features, stored in its record: what matching needs beyond COLMAP's files.
 //!
-//! They are one text of hexadecimal digits: a checksum, and for each feature in order seven `f32`, little end first:
-//! scale σ, orientation, slope (u, v), motion of its place (u, v) and that motion's standard deviation, infinite where
-//! unknown.
+//! One text of hexadecimal digits: a checksum, and for each feature in order seven `f32`, little end first: scale σ,
+//! orientation, slope (u, v), motion of its place (u, v) and standard deviation of that motion, infinite where unknown.
 
 use crate::detector::Slope;
 use crate::matching::Blob;

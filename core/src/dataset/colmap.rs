@@ -85,8 +85,8 @@ pub struct ColmapReport {
     pub images: Vec<ImageReport>,
     /// Pairs, in order.
     pub pairs: Vec<PairReport>,
-    /// Distances of the database's keypoints from where they were found, which the files of features have; `None` where
-    /// they were not aligned.
+    /// Distances by which the database's keypoints were moved from those in the files of features; `None` if not
+    /// aligned.
     pub moved: Option<Moved>,
     /// Says why COLMAP's mapper will not be able to start from the database; `None` where a pair has enough inliers.
     pub no_start: Option<String>,
@@ -97,7 +97,6 @@ pub struct ColmapReport {
 const INLIERS_TO_START: usize = 30;
 
 impl ColmapReport {
-    /// The sentence of [`ColmapReport::no_start`], from the counts of the pairs.
     fn why_no_start(&self) -> Option<String> {
         let best = self.pairs.iter().max_by_key(|pair| pair.counts.inliers)?;
         let most = best.counts.inliers.unwrap_or(0);
@@ -123,8 +122,7 @@ impl ColmapReport {
 }
 
 /// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder of `store`,
-/// which was opened with [`ColmapJob::features`]. `on` is called with every event. A burst that cannot be opened is
-/// left out.
+/// opened with [`ColmapJob::features`]. `on` receives every event. A burst that cannot be opened is left out.
 ///
 /// # Errors
 /// Parameters, or what concerns all bursts. Files are written completely or not at all; finished bursts stay finished.
@@ -263,7 +261,6 @@ struct Waiting {
     inliers: Vec<(Inlier, Option<Measured>)>,
 }
 
-/// Features of the database's images, and frames of their bursts.
 struct InDatabase<'a, 'b> {
     database: &'a RefCell<&'a mut DatabaseWriter<'b>>,
     ids: &'a [u32],

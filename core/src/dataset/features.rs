@@ -142,8 +142,8 @@ impl FeatureStore {
         Self::at(folder, job, settings)
     }
 
-    /// Opens the dataset in `folder` for features that are in memory, found with `params`, one text for each burst.
-    /// Errors as of [`Self::open`].
+    /// Opens the dataset in `folder` for features in memory, found with `params`, a text for each burst. Errors as
+    /// [`Self::open`].
     #[cfg(feature = "colmap")]
     pub(super) fn of_detections(folder: &Path, job: &FeatureJob, params: Vec<String>) -> Result<Self> {
         Self::at(folder, job, json!({ "detectors": params }))
@@ -169,7 +169,6 @@ impl FeatureStore {
         Self { comparison, ..self }
     }
 
-    /// The store of another folder, for the same job.
     pub(super) fn like(&self, folder: &Path) -> Self {
         let (job, made_with) = (self.job.clone(), self.made_with.clone());
         let (opened, rules) = (Vec::new(), OutputRules::default());
@@ -211,7 +210,6 @@ impl FeatureStore {
         self.rules.check_own(file, &[])
     }
 
-    /// Opens `source` as it is searched, and gives the parameters of the search.
     pub(super) fn open_burst(&self, source: &BurstFiles, monitor: &Monitor) -> Result<(Burst, DetectorParams)> {
         Ok((open_burst(&source.paths, &self.job.open, monitor)?, self.job.detector.at_given()))
     }
@@ -451,7 +449,6 @@ fn found_in(source: &BurstFiles, burst: &Burst, detection: &Detection) -> BurstF
     BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds }
 }
 
-/// The files of a bias or flat frame, which may be a folder of them.
 fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>> {
     match path {
         Some(path) => files_at(std::slice::from_ref(path)),

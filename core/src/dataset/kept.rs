@@ -30,7 +30,6 @@ pub(super) struct KeptBurst {
     pub blobs: StoredBlobs,
     pub picture: ImageKind,
     pub picture_content: Checksum,
-    /// Time taken to open the burst and find its features, seconds.
     pub seconds: f64,
 }
 
@@ -58,7 +57,6 @@ pub enum NotKept {
     Failed(#[from] Error),
 }
 
-/// Writes the manifest into `folder`, unless it is there already.
 pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<()> {
     if claims(folder, Kind::Dataset).as_ref() == Some(manifest) {
         return Ok(());

@@ -82,8 +82,7 @@ impl From<&Detection> for BurstSide {
     }
 }
 
-/// Matches the features of two bursts, verifies the matches, and aligns them where `params` ask for it: their frames
-/// are needed for that alone.
+/// Matches the features of two bursts, verifies the matches, and aligns them, by the frames, where `params` ask for it.
 ///
 /// # Errors
 /// Parameters that make no sense, and cancellation once `monitor` was cancelled.

@@ -92,7 +92,6 @@ impl FileStamp {
         Ok(kept.iter().zip(now).map(|(kept, now)| Self { crc32: kept.crc32, ..now }).collect())
     }
 
-    /// The values that do not depend on the times: path, length and checksum.
     pub fn content(&self) -> serde_json::Value {
         serde_json::json!({ "path": self.path, "bytes": self.bytes, "crc32": self.crc32 })
     }

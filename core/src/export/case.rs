@@ -156,8 +156,7 @@ impl Case {
         Ok((case, part))
     }
 
-    /// Bytes of the file, about, before it is written: a 16-bit word for each pixel, which PNG seldom halves, and 8 KB
-    /// for what stands beside them.
+    /// Bytes of the file, about: a 16-bit word for each pixel, which PNG seldom halves, and 8 KB for all else.
     pub fn estimated_bytes(&self) -> u64 {
         let pixels = self.size[0] as u64 * self.size[1] as u64 * self.frames as u64;
         2 * pixels + 8192
@@ -286,7 +285,6 @@ fn frame_name(t: usize) -> String {
     format!("frames/{t:05}.png")
 }
 
-/// Entry with the weights of a frame's samples, where some are masked.
 fn mask_name(t: usize) -> String {
     format!("masks/{t:05}.png")
 }

@@ -124,8 +124,7 @@ pub struct MatchRow {
     pub ratio: Option<f32>,
     /// Of a predicted match the number of places that were compared, and its ratio among all of B; `None` for a sure one.
     pub predicted: Option<(usize, Option<f32>)>,
-    /// Error from the geometry at the aligned places and at those found, pixels; `None` without a geometry, and where it
-    /// is not defined.
+    /// Error from the geometry at the aligned places and at those found, pixels; `None` where it is not defined.
     pub error_px: [Option<f32>; 2],
     /// Whether it is an inlier; `None` where no geometry was requested.
     pub inlier: Option<bool>,

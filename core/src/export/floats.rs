@@ -28,7 +28,6 @@ pub fn write_field_tiff(path: &Path, field: &MotionField, size: (usize, usize)) 
     write_samples::<RGB32Float>(path, size, &field_samples(field, size))
 }
 
-/// Number of samples of a pixel of [`field_samples`].
 pub(super) const FIELD_SAMPLES: usize = 3;
 
 /// Motion to the right and down, and its uncertainty, for each pixel of an image of `size`, row by row.

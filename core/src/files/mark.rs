@@ -260,7 +260,6 @@ fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
     }
 }
 
-/// Mark, and the parts of the file that it claims.
 type MarkWithParts = (Mark, Vec<(u64, u64)>);
 
 fn mark_at_end(file: &mut File, place: Place) -> io::Result<Option<MarkWithParts>> {

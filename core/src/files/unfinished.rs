@@ -1,8 +1,7 @@
 //! Unfinished work: hidden folders in which files and folders are completed before they take their places.
 //!
-//! A killed run leaves its hidden folder; the next run that writes there removes it. It is known by the mark in a file
-//! in it; a system lock on that file, which ends with its process, shows that it is still in use. Only what the program
-//! puts there is removed.
+//! A killed run leaves its hidden folder; the next run that writes there removes it. A mark in a file in it identifies
+//! it; a system lock on that file, which ends with its process, shows that it is in use. Nothing else is removed.
 
 use super::lock::{HIDDEN_PREFIX, is_lock};
 use super::mark::{Kind, claiming, claims};
@@ -18,7 +17,6 @@ use tempfile::TempDir;
 const SUFFIX: &str = ".tmp";
 /// Number of folders that are begun, if other runs remove them before they are marked.
 const TRIES: usize = 8;
-/// Name of what is being completed.
 const NEW: &str = "new";
 /// Name of the replaced folder, for the moment of the exchange.
 const OLD: &str = "old";
@@ -148,8 +146,7 @@ pub fn remove_abandoned(parent: &Path) {
     }
 }
 
-/// Removes a hidden folder that a run left which was killed before it had marked it: one with nothing in it, or with an
-/// empty file for the mark.
+/// Removes a hidden folder of a run that was killed before marking it: empty, or with an empty file for the mark.
 fn remove_unmarked(hidden: &Path) {
     let name = hidden.file_name().and_then(OsStr::to_str).unwrap_or_default();
     let is_folder = std::fs::symlink_metadata(hidden).is_ok_and(|found| found.is_dir());

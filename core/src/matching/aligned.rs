@@ -20,10 +20,8 @@ use std::sync::Arc;
 
 /// Max error before the alignment, as a part of [`MatchParams::max_error_px`]: places are uncertain.
 const WIDE: f32 = 2.0;
-/// Max error after it, as a part of [`MatchParams::max_error_px`]; also the largest contradiction between a match and
-/// the solved places.
+/// Max error after it, as a part of [`MatchParams::max_error_px`]; also the largest contradiction with solved places.
 pub const NARROW: f32 = 0.35;
-/// Fewest matches that a pair keeps.
 const FEWEST_KEPT: usize = 30;
 /// Least share of its inliers that a pair keeps: wrong pairs keep less.
 const LEAST_KEPT: f64 = 0.25;
@@ -308,8 +306,7 @@ pub struct Moved {
     pub median_px: Option<f64>,
     /// Largest distance, pixels.
     pub max_px: Option<f64>,
-    /// Number of keypoints that stay as they were found, because their matches put them too far away or where nothing is
-    /// seen.
+    /// Number of keypoints that stay as found, since their matches put them too far away or out of sight.
     pub refused: usize,
 }
 

@@ -48,8 +48,7 @@ pub struct MatchResult {
     pub verification: Option<Verification>,
     /// Places that the motions predict from the sure matches; `None` without, or where too little is known.
     pub prediction: Option<Prediction>,
-    /// Alignment of the inliers; `None` without, or where no geometry was found. `verification` is that of the solved
-    /// places then.
+    /// Alignment of the inliers; `None` without a geometry. With it, `verification` is that of the solved places.
     pub alignment: Option<PairAlignment>,
     /// Counts of keypoints, putative matches and inliers.
     pub counts: MatchCounts,

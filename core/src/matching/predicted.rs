@@ -52,7 +52,6 @@ const FEWEST_KNOWN: usize = 8;
 /// Maximum number of samples of matches from which the parallax is found.
 const MOST_SAMPLES: usize = 400;
 const REFINEMENTS: usize = 4;
-/// Points of the ellipse about a predicted place.
 const OUTLINE_POINTS: usize = 48;
 
 /// Place where a feature is expected in the other image: a rectangle along the epipolar line.
@@ -142,7 +141,6 @@ impl Prediction {
     }
 }
 
-/// Transfer of the features of one image into the other.
 struct OneWay {
     parallax: Parallax,
     straight: Vec<Vector2<f64>>,
@@ -152,7 +150,6 @@ struct OneWay {
     agreement: Agreement,
 }
 
-/// A sure match of known motion.
 #[derive(Clone, Copy)]
 struct Known {
     x: Vector2<f64>,

@@ -5,8 +5,7 @@
 //!
 //! The searched descriptors are transposed into blocks of `LANES`, so that one lane is one descriptor. Queries go in
 //! groups that stay in the nearest cache with one block; `TILE` of them share each load of it. Each product serves both
-//! ways: the mutual check needs no second search. Ties go to the lowest index, so the result does not depend on
-//! threads.
+//! ways: the mutual check needs no second search. Ties go to the lowest index, for any number of threads.
 
 use super::params::MatchParams;
 use crate::detector::Descriptor;
@@ -84,7 +83,6 @@ impl Neighbours {
         candidates.filter(|m| m.rank() <= params.ratio).collect()
     }
 
-    /// [`Predicted::ratio_among_all`] of a match.
     pub fn ratio_among_all(&self, m: &Match) -> Option<f32> {
         let to_others = |nearest: &Nearest, partner: usize| match nearest.second_distance_squared {
             second if nearest.index == partner => Some(m.distance / f64::from(second?).sqrt() as f32),
@@ -108,7 +106,6 @@ const TILE: usize = 8;
 const GROUP: usize = 32;
 /// Queries of a part of the work, which has states of its own for all that is searched, at least.
 const PART: usize = 512;
-/// Parts of the work, at most.
 const PARTS: usize = 64;
 const LENGTH: usize = 128;
 
@@ -248,9 +245,8 @@ fn lengths_of(group: &[Descriptor]) -> [f32; GROUP] {
     std::array::from_fn(|index| group.get(index).map_or(0.0, |query| squared_length(query) as f32))
 }
 
-/// Best results so far, in each lane by itself: for one query those among the blocks, or for a block those of each of
-/// its descriptors among the queries. Scores are 2·a·b less the squared length of what is found: the larger, the
-/// nearer.
+/// Best results so far, lane by lane: of one query among the blocks, or of each descriptor of a block among the
+/// queries. Scores are 2·a·b less the squared length of the result: the larger, the nearer.
 #[derive(Clone, Copy)]
 struct State {
     best: [f32; LANES],
@@ -325,7 +321,6 @@ fn nearest_of(index: usize, [best, second]: [f32; 2], squared_length: u32) -> Ne
     }
 }
 
-/// Search of a group of queries in a block.
 struct BlockSearch<'a> {
     elements: &'a [[[f32; TILE]; LENGTH]; GROUP / TILE],
     /// |q|² of the queries that there are.

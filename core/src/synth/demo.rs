@@ -22,7 +22,6 @@ pub const LATER_FRAMES: f64 = 12.0;
 const HALF_SPAN: f64 = 0.5 * (DEMO_FRAMES as f64 - 1.0);
 /// Share of the light of the painted layers that reaches the camera: so little that the burst is needed.
 const LIGHT: f32 = 0.38;
-/// Value of the night sky, as painted.
 const SKY: f32 = 0.006;
 
 /// The camera: a high gain (200 electrons at full scale), 3 electrons of read noise, 12 bits.

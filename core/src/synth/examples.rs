@@ -18,7 +18,6 @@ const EXAMPLE_SIZE: (usize, usize) = (240, 180);
 /// Number of frames of an example.
 pub const EXAMPLE_FRAMES: usize = 9;
 
-/// Rows and columns of the views of the light field.
 const VIEWS: usize = 5;
 const SEED: u64 = 20_220_920;
 const HALF_SPAN: f64 = 0.5 * (EXAMPLE_FRAMES as f64 - 1.0);
@@ -227,7 +226,6 @@ pub const ALIASING_SLOPE: f32 = 1.0;
 const GARLANDS: [f32; 3] = [104.0, 128.0, 152.0];
 /// A dark gap between two lamps of a garland, which is kept as a feature at −7 px/frame.
 const GARLAND_PLACE: [f32; 2] = [172.0, 101.3];
-/// Slope of the discs of the low-contrast example, px/frame.
 const DISCS_SLOPE: f32 = 1.0;
 /// Position of the first disc, distance, and radius, pixels.
 const DISCS: (f32, f32, f32) = (40.0, 40.0, 6.0);

@@ -2,8 +2,8 @@
 //!
 //! First the *signal* of each frame is drawn without noise: discs or textured layers, each moved by its own slope. Then
 //! a [`Camera`] captures it. The drawn objects, their positions and motions are the [`Truth`]. The same seed gives the
-//! same bits on every machine and for any number of threads: each frame has its own random stream, and functions such
-//! as the logarithm come from `libm`.
+//! same bits on every machine and with any number of threads: frames have their own random streams, and logarithms come
+//! from `libm`.
 //!
 //! ```
 //! use burstscope_core::synth::{ChartParams, synth_chart};
@@ -138,8 +138,7 @@ pub fn check_camera(read_noise: f64, bits: u32) -> Result<()> {
     Ok(())
 }
 
-/// Frame t takes its noise from stream t + 1 of the seed, so the result does not depend on the threads, and a frame
-/// that is left out changes no other.
+/// Frame t takes its noise from stream t + 1 of the seed, whatever the threads and whichever frames are left out.
 fn capture_burst(
     name: &str,
     taken: &Taken,

@@ -5,9 +5,9 @@
 //! divided by `F`, is raised by the black level, which keeps noise from clipping at zero, and rounded to the levels of
 //! a converter. Level `d` of `bits` bits is the value `d·2^(16−bits)/65535`, so a 16-bit file holds each value exactly.
 //!
-//! The per-pixel signal-to-noise ratio of an object on a background is `|x_object − x_background| / σ`, where σ is the
-//! standard deviation of one pixel in one frame at the mean `x` of the two levels: `σ² = (x·F + r²)/F² + q²/12` with
-//! the quantisation step `q`.
+//! The per-pixel signal-to-noise ratio of an object on a background is `|x_object − x_background| / σ`, with the
+//! standard deviation σ of one pixel at the mean `x` of both levels: `σ² = (x·F + r²)/F² + q²/12` for the quantisation
+//! step `q`.
 
 use super::check_snr;
 use super::random::Stream;

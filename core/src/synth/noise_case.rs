@@ -1,8 +1,7 @@
 //! Noise as cameras and files produce it: bursts with one deviation from white noise.
 //!
-//! Every frame of a [`NoiseCase`] is a grey level with white Gaussian noise, except for the changes of the case. There
-//! are no objects, so every feature of such a burst is false. Values are floats without rounding unless the case is
-//! about files.
+//! Every frame of a [`NoiseCase`] is a grey level with white Gaussian noise, except for the changes of the case.
+//! Without objects, every feature is false. Values are floats without rounding unless the case is about files.
 
 use super::noise::{quantisation_step, quantised_word};
 use super::random::Stream;
@@ -152,8 +151,8 @@ impl NoiseCase {
         self.burst_at(Self::LEVEL, size, frames, sigma, seed, monitor)
     }
 
-    /// Makes a burst as [`Self::burst`] does, around the grey `level` (fraction of full scale) unless the case is about
-    /// black or white.
+    /// A burst as of [`Self::burst`], around the grey `level` (fraction of full scale) unless the case is about black
+    /// or white.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.

@@ -37,8 +37,7 @@ pub struct Truth {
     /// exchanged it is the time at which each was taken, which nothing else tells.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub times: Vec<f64>,
-    /// Column and row of each view of a light field from the first one, whose mean is the reference; empty for frames in
-    /// time.
+    /// Column and row of each view of a light field from the first one; their mean is the reference. Empty for frames.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub views: Vec<[f64; 2]>,
     /// Columns, from the left, that a thing which stands still hides in all frames; no feature is behind it.
@@ -80,8 +79,7 @@ pub struct NoiseTruth {
 const LARGEST: f64 = 1e6;
 
 impl Truth {
-    /// Truth of `frames` frames of `size` that `camera` captured over a `background` signal, without layers and
-    /// features.
+    /// Truth of `frames` frames of `size` that `camera` captured over a `background` signal; no layers, no features.
     pub(super) fn captured(
         kind: TruthKind,
         (width, height): (usize, usize),
@@ -220,8 +218,7 @@ pub struct FeatureTruth {
 }
 
 impl FeatureTruth {
-    /// Position in a frame at an offset from the reference, for frames in time the number of frames after it: (column,
-    /// row) in pixels.
+    /// Position (column, row), pixels, in a frame at an offset from the reference: frames after it, or views.
     pub fn position(&self, at: impl Into<Offset>) -> (f64, f64) {
         let (du, dv) = at.into().displacement((self.slope_u, self.slope_v));
         (self.u + du, self.v + dv)

@@ -1,8 +1,7 @@
 //! Positions of the frames of a synthetic burst: even times, or with frames left out, early and late, or exchanged; or
 //! the places of the views of a light field.
 //!
-//! Things that an even burst shows stay: an uneven one shows them at other times, so that it can be compared with the
-//! even one frame by frame.
+//! The things of an even burst stay: an uneven one shows them at other times, and can be compared frame by frame.
 
 use super::random::Stream;
 use super::truth::Truth;

@@ -94,8 +94,7 @@ pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<
     Ok(shapes)
 }
 
-/// Correlation of the rows of the upper half with the next ones, less that with rows that are far; −1 for values that
-/// no camera gives.
+/// Correlation of the upper half's rows with the next ones, less that with far rows; −1 for values of no camera.
 fn likeness_of_rows(plane: &Plane) -> f32 {
     let (width, height) = plane.size();
     // Bytes read as floats of a wrong type give tiny, infinite or undefined values.

@@ -90,14 +90,11 @@ fn container(start: &[u8]) -> Option<&'static str> {
 const PIXELS: &str = "format=gray|gray9le|gray10le|gray12le|gray16le|yuv411p|yuv420p|yuv422p|yuv444p|yuvj420p|yuvj422p|\
     yuvj444p|yuv420p9le|yuv422p9le|yuv444p9le|yuv420p10le|yuv422p10le|yuv444p10le|yuv420p12le|yuv422p12le|yuv444p12le|\
     yuv420p14le|yuv422p14le|yuv444p14le|yuv420p16le|yuv422p16le|yuv444p16le";
-/// Formats of colours that PPM holds.
 const COLOURS: &str = "rgb24|rgb48be";
-/// Arguments that decode each frame once, without the formats of pixels; before version 5.1 `ffmpeg` knows the first by
-/// another name.
+/// Arguments that decode each frame once, without pixel formats; `ffmpeg` before 5.1 knows the first by another name.
 const FRAMES: [&str; 3] = ["-fps_mode", "passthrough", "-vf"];
 const AS_Y4M: [&str; 5] = ["-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
 const AS_PPM: [&str; 5] = ["-c:v", "ppm", "-f", "image2pipe", "pipe:1"];
-/// Arguments that list frames and times without decoding.
 const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
 
 /// The `ffmpeg` that is found first in `PATH`; the error says the command that keeps the bits.
@@ -261,7 +258,6 @@ impl Piped {
         }
     }
 
-    /// Bytes of a frame that are left out.
     fn rest_bytes(&self) -> u64 {
         if let Self::Y4m(film) = self { film.rest_bytes() } else { 0 }
     }
@@ -278,7 +274,6 @@ impl Piped {
     }
 }
 
-/// Size, number of frames and times, without decoding more than the first.
 fn declared(reading: Reading<'_>) -> Result<Declared> {
     let Reading { path, options, ticker, .. } = reading;
     let monitor = ticker.monitor();
@@ -294,8 +289,7 @@ fn declared(reading: Reading<'_>) -> Result<Declared> {
     Ok(Declared { kind: KIND, times, ..plain.declared() })
 }
 
-/// Times of the frames of a list: lines of words, and of a stream's number, two times, a duration, a length and a
-/// checksum for each frame.
+/// Times in a list of frames, each a line: number of the stream, two times, duration, length and checksum.
 fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result<Times> {
     let (mut unit_s, mut seconds) = (1.0, Vec::new());
     for line in reader.take(1 << 26).lines() {

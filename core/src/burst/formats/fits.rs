@@ -29,7 +29,6 @@ const MAX_CARDS: usize = 1 << 14;
 const MAX_UNITS: usize = 1 << 12;
 /// Bytes of data that are added up at a time; a multiple of a word.
 const SUMMED_BYTES: u64 = 1 << 20;
-/// Largest number of axes of the standard.
 const MAX_AXES: u64 = 999;
 /// Beginnings of CTYPE3 for axes that are not time.
 const NOT_TIME: [&str; 12] =
@@ -257,8 +256,8 @@ impl Unit {
         Ok(Plain { places, planes: step, ..plain })
     }
 
-    /// Compares DATASUM, the sum of the data with its padding: words of 32 bits, where what is carried out is added
-    /// again (FITS standard, 4.4.2.7).
+    /// Compares DATASUM, the sum of the padded data in words of 32 bits with carries added again (FITS standard,
+    /// 4.4.2.7).
     fn verify(&self, mut file: &File, reading: Reading<'_>) -> Result<()> {
         let Some(stated) = self.text("DATASUM").and_then(|text| text.trim().parse::<u32>().ok()) else { return Ok(()) };
         let fail = |e: io::Error| Error::from_read(reading.path, KIND, &e);
@@ -295,8 +294,7 @@ impl Unit {
             Some(Value::Float(number)) => (*number as i64).rem_euclid(2) == 1,
             _ => false,
         };
-        // Patterns are given from the upper left corner. In a file whose last row is the upper one, an even number of
-        // rows swaps the pattern's rows.
+        // Patterns begin at the upper left corner: in a file from the lowest row up, an even number of rows swaps them.
         let is_upside_down = self.text("ROWORDER").is_some_and(|order| order.trim().eq_ignore_ascii_case("BOTTOM-UP"));
         let is_even = self.axes[1].is_multiple_of(2);
         if offset("XBAYROFF") {

@@ -60,8 +60,7 @@ static ALL: &[&dyn Format] = &[
     &toy::Toy,
 ];
 
-/// Rank of a format in a folder: files of the first rank that is there are frames. Beside pictures lie films of them,
-/// results and lists.
+/// Rank of a format in a folder: the frames are the files of the first rank there, beside results, films and lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
     Picture,
@@ -90,7 +89,6 @@ pub fn file_formats() -> impl Iterator<Item = FormatRecord> {
     ALL.iter().map(|format| format.record())
 }
 
-/// Beginning of a file, which decides its format.
 pub(super) struct Start<'a> {
     pub path: &'a Path,
     /// The first bytes, at most 32.
@@ -225,7 +223,6 @@ fn named(path: &Path) -> Option<&'static dyn Format> {
     ALL.iter().copied().find(|format| has_extension(path, format.record().extensions))
 }
 
-/// Extensions (lower case) of all files that this program can open.
 pub(super) fn extensions() -> impl Iterator<Item = &'static str> {
     ALL.iter().flat_map(|format| format.record().extensions.iter().copied())
 }

@@ -70,7 +70,6 @@ impl Numbers for Npz {
 /// Largest header allowed, bytes. Longer ones are of structured arrays, which are no pictures.
 const MAX_HEADER_BYTES: usize = 4096;
 
-/// Code of each type in the header.
 const DTYPES: [(&str, Number); 12] = [
     ("b1", Number::Bool),
     ("u1", Number::U8),
@@ -91,7 +90,6 @@ struct ArrayHeader {
     descr: String,
     fortran_order: bool,
     shape: Vec<u64>,
-    /// Bytes before the values.
     data_offset: u64,
 }
 
@@ -299,7 +297,6 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
 
 /// Most bytes to which a deflated byte unpacks.
 const MOST_OF_BYTE: u64 = 1032;
-/// Largest number of members that are looked at.
 const MAX_MEMBERS: usize = 256;
 
 /// The array of an `.npz` archive, stored or deflated, that the options name, or the only one that can be frames.

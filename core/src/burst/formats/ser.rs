@@ -19,11 +19,9 @@ use std::path::Path;
 const KIND: &str = "SER";
 const MAGIC: &[u8] = b"LUCAM-RECORDER";
 const HEADER_BYTES: usize = 178;
-/// Most frames whose times are read at once.
 const MAX_TIMES: usize = 1 << 20;
 /// Ticks of 100 ns of a second.
 const TICKS_A_SECOND: u64 = 10_000_000;
-/// Ticks from the start of the year 1 to that of 1970.
 const TICKS_TO_1970: u64 = 621_355_968_000_000_000;
 
 pub(super) struct Ser;

@@ -15,12 +15,9 @@ use std::path::Path;
 
 pub(super) const KIND: &str = "Y4M";
 const MAGIC: &[u8] = b"YUV4MPEG2 ";
-/// Longest line, bytes.
 const MAX_LINE_BYTES: u64 = 1 << 12;
-/// First word of each frame's line.
 const FRAME: &[u8] = b"FRAME";
 
-/// The line that begins a film.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Film {
     pub size: (usize, usize),
@@ -142,7 +139,6 @@ fn planes_of(colours: &str) -> Option<(Option<(u64, u64)>, u32)> {
     }
 }
 
-/// A line, without its end.
 fn line(path: &Path, reader: &mut impl BufRead) -> Result<Vec<u8>> {
     let mut line = Vec::new();
     reader.take(MAX_LINE_BYTES).read_until(b'\n', &mut line).map_err(|e| Error::from_read(path, KIND, &e))?;

@@ -33,8 +33,7 @@ pub(in crate::burst) enum FileScale {
     /// Float, and integers of 32 and 64 bit, whose range no sensor fills: the plane is in file units.
     Data {
         integer: bool,
-        /// Largest value in this frame, 0 where none is above it: a sensor's noise, or one bad pixel, far below 0 says
-        /// nothing of its full scale.
+        /// Largest value, 0 where none is above: noise or a bad pixel far below 0 says nothing about full scale.
         largest: f32,
     },
 }
@@ -90,7 +89,6 @@ pub(in crate::burst) struct Declared {
     pub width: usize,
     pub height: usize,
     pub frames: usize,
-    /// Name of its samples, such as "16 bit".
     pub samples: String,
     pub is_colour: bool,
     pub mosaic: Option<Mosaic>,
@@ -225,7 +223,6 @@ pub(in crate::burst) fn too_few_bytes(length: u64, width: u64, height: u64, pixe
     (!is_possible).then(|| format!("its {length} bytes are too few for {width}×{height} pixels"))
 }
 
-/// Counter of finished frames, for use from any thread.
 pub(in crate::burst) struct Ticker<'a> {
     monitor: &'a Monitor,
     done: AtomicUsize,

@@ -1,8 +1,7 @@
 //! Conversion of a file's samples to one float value a pixel, and turning of photographs as the camera was held.
 //!
 //! Colour becomes luma: Y' = 0.2126 R' + 0.7152 G' + 0.0722 B', the weights of Rec. ITU-R BT.709, applied to the values
-//! as they are stored, that is, to gamma-encoded values without decoding them, unless the [`Curve`] undoes the encoding
-//! first. Alpha is ignored.
+//! as stored, that is gamma-encoded, unless the [`Curve`] undoes the encoding first. Alpha is ignored.
 //!
 //! Of a mosaic of colours before a sensor nothing is filled in (demosaicing), which would make noise that neighbours
 //! share: the four pixels of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken.
@@ -49,14 +48,12 @@ fn luma(r: f32, g: f32, b: f32) -> f32 {
 /// Conversion of stored samples to fractions of full scale.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::burst) enum Curve {
-    /// Division by this value.
     Linear(f32),
     /// Inverse of the sRGB encoding (IEC 61966-2-1) of samples up to this value; the result is proportional to light.
     Srgb(f32),
 }
 
 impl Curve {
-    /// Curve for samples up to `largest`; with `linearise`, the inverse of the sRGB encoding.
     pub fn of(largest: f32, linearise: bool) -> Self {
         if linearise { Self::Srgb(largest) } else { Self::Linear(largest) }
     }
@@ -161,8 +158,7 @@ impl RawColour {
     }
 }
 
-/// One value for each square of 2×2 pixels of an area of `size`: the mean of the wanted pixels. `None` for an area that
-/// is smaller than a square.
+/// Mean of the wanted pixels of each square of 2×2, of an area of `size`; `None` for one smaller than a square.
 pub(in crate::burst) fn binned(
     size: (usize, usize),
     colour: RawColour,

@@ -19,8 +19,7 @@ use std::ops::Range;
 use std::path::Path;
 use zip::ZipArchive;
 
-/// Bytes that are read and converted at once: whole numbers of every size, whole groups of packed ones, and few enough
-/// for the cache.
+/// Bytes read and converted at once: whole numbers and groups of packed ones of every size, few enough for the cache.
 const BLOCK_BYTES: usize = 15 << 14;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -70,7 +69,6 @@ impl From<Vec<u64>> for Places {
 
 #[derive(Debug, Clone)]
 pub(in crate::burst) struct Plain {
-    /// Name of the file's kind in messages.
     pub kind: &'static str,
     /// Size (columns, rows) of a frame.
     pub size: (usize, usize),
@@ -91,8 +89,7 @@ pub(in crate::burst) struct Plain {
     pub times: Times,
     pub views: Option<ViewGrid>,
     pub taken: Vec<String>,
-    /// Lengths of an array whose frames are not one after the other, the index that runs fastest first; empty for
-    /// others.
+    /// Lengths of an array whose frames do not follow one another, the fastest index first; empty for others.
     pub scattered: Vec<(Index, usize)>,
     /// Index of the member of an archive that holds the pixels.
     pub member: Option<usize>,
@@ -286,7 +283,6 @@ impl Plain {
         Ok(frame)
     }
 
-    /// Reads and converts `count` numbers block by block.
     fn convert_all(
         &self,
         reading: Reading<'_>,

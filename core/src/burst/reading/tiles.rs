@@ -20,7 +20,6 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 const KIND: &str = "FITS";
-/// Largest number of columns of the standard.
 const MAX_COLUMNS: usize = 999;
 /// Largest row of a table; those of images have some tens of bytes.
 const MAX_ROW_BYTES: u64 = 1 << 16;
@@ -44,9 +43,7 @@ enum Code {
     Rice(u64, u64, u64),
     /// gzip data; whether all first bytes of the pixels come first, then all second ones.
     Gzip { is_shuffled: bool },
-    /// The pixels themselves.
     Plain,
-    /// Another, which the decoder checks.
     Other,
 }
 
@@ -81,7 +78,6 @@ pub(in crate::burst) struct Tiles {
 /// Reference of a row to bytes: their number of elements, and where they begin.
 #[derive(Debug, Clone, Copy)]
 struct Reference {
-    /// Place in the row.
     at: usize,
     /// Bytes of each of both numbers: 4 or 8.
     width: usize,
@@ -104,9 +100,8 @@ fn card(name: &str, value: Value) -> Card {
 }
 
 impl Tiles {
-    /// Checks the sizes that the header `cards` of a table declares. Its rows are those of the axes `table` (bytes,
-    /// rows), and begin at byte `data` of the `length` bytes of the file; its image has the `shape` (frames, rows,
-    /// columns).
+    /// Checks the sizes that the header `cards` of a table declares: rows of the axes `table` (bytes, rows) from byte
+    /// `data` of the file's `length` bytes on, and an image of this shape (frames, rows, columns).
     pub(in crate::burst) fn of(
         path: &Path,
         cards: &[Card],

@@ -27,8 +27,7 @@ pub struct DatabaseCamera {
     pub width: usize,
     /// Rows of its images.
     pub height: usize,
-    /// The model's parameters in COLMAP's order and convention: the principal point is measured from the first pixel's
-    /// corner.
+    /// The model's parameters in COLMAP's order; the principal point is measured from the first pixel's corner.
     pub params: Vec<f64>,
     /// Whether the focal length is known, not guessed; COLMAP then relies on it when it chooses the first two images.
     pub prior_focal_length: bool,
@@ -94,8 +93,8 @@ impl DatabaseWriter<'_> {
         Ok(id)
     }
 
-    /// Adds an image of the camera `camera_id` with its features, and returns its id. `name` is its path below the
-    /// folder of images.
+    /// Adds an image of camera `camera_id` with its features; returns its id. `name` is its path below the images'
+    /// folder.
     ///
     /// # Errors
     /// The file cannot be written, or already has an image of this name.
@@ -240,8 +239,8 @@ pub enum GeometryKind {
     PlanarOrPanoramic = 6,
 }
 
-/// Geometry of images A and B, in Burstscope's pixels (the centre of the first one is (0, 0)). The default one is of a
-/// pair whose matches do not agree.
+/// Geometry of images A and B in Burstscope's pixels (first centre at (0, 0)); by default, of matches that do not
+/// agree.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DatabaseGeometry {
     /// Kind of the geometry.
@@ -259,7 +258,6 @@ pub struct DatabaseGeometry {
 }
 
 impl DatabaseGeometry {
-    /// This geometry in COLMAP's pixels.
     pub(super) fn in_colmap_pixels(&self) -> Self {
         let there = Matrix3::new(1.0, 0.0, FIRST_PIXEL, 0.0, 1.0, FIRST_PIXEL, 0.0, 0.0, 1.0);
         let back = Matrix3::new(1.0, 0.0, -FIRST_PIXEL, 0.0, 1.0, -FIRST_PIXEL, 0.0, 0.0, 1.0);

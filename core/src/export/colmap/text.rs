@@ -1,5 +1,5 @@
-//! Keypoints in COLMAP's convention, and text for its feature importer: `N 128`, then for each feature
-//! `x y scale orientation d1 … d128`.
+//! Keypoints in COLMAP's convention, and text for its importer: `N 128`, then `x y scale orientation d1 … d128` a
+//! feature.
 //!
 //! The descriptors are in UBC order, which is the order of [`Descriptor`] and of COLMAP's own SIFT. Numbers have as
 //! many digits as are needed to read the same values back. Format:

@@ -6,7 +6,6 @@ use std::f32::consts::{FRAC_PI_2, PI};
 pub const FAN_OPACITY: f32 = 0.16;
 /// Smallest standard deviation that has a fan, pixels of the drawing.
 const MIN_SIGMA_PX: f32 = 3.0;
-/// Number of straight pieces around the circle.
 const PIECES: usize = 16;
 
 /// Outline of the fan of an arrow: from its `middle` around the circle of one standard deviation `sigma` at its `tip`,

@@ -143,7 +143,6 @@ struct Style {
     scale: f32,
     stroke: f32,
     font: f32,
-    /// Width of the paper, if the figure has a given one.
     paper: Option<f32>,
 }
 

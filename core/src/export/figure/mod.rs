@@ -176,7 +176,6 @@ pub enum FigureUnit {
     Point,
 }
 
-/// Points in a millimetre.
 const POINTS_PER_MM: f32 = 72.0 / 25.4;
 
 /// Format of the file of a figure.
@@ -313,8 +312,7 @@ pub enum FigureShape {
         stroke: FigureStroke,
         /// Whether the line is dashed, with dashes and gaps of [`DASH`] widths.
         dashed: bool,
-        /// Part of the figure that the line belongs to, for editing the figure: `orientation`, `motion`, `scale`,
-        /// `match`.
+        /// Part of the figure, for editing it: `orientation`, `motion`, `scale`, `match`, `legend`.
         class: &'static str,
     },
     /// A filled area, all of which is seen from its first point: a [`fan()`].

@@ -182,7 +182,6 @@ impl Axis {
     }
 }
 
-/// A motion-stack image around a place, and the weights of its samples.
 struct Stacked<'a> {
     patch: &'a Patch,
     across: &'a Axis,

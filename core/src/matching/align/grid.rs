@@ -75,8 +75,8 @@ impl Grid {
         Some(Self { values, readable })
     }
 
-    /// Map from a lattice of `unit_px` input pixels, turned by `angle` from +u towards +v, around the middle of `chip`
-    /// to the places of its samples.
+    /// Map from a lattice of `unit_px` input pixels, turned by `angle` around the middle of `chip`, to places of
+    /// samples.
     pub fn places(chip: &Chip, unit_px: f32, angle: f32) -> Affine {
         let (sin, cos) = angle.sin_cos();
         let scale = unit_px / (STEP * chip.sigma);
@@ -97,8 +97,8 @@ impl Grid {
         Some(([row(0), row(1), row(2), row(3)], u - i as f32, v - j as f32))
     }
 
-    /// Writes the values at the places of the points (`x`, `y`) into `values`, and into `seen` 1 where there is one;
-    /// elsewhere both are 0.
+    /// Writes values at the points (`x`, `y`) into `values`, and 1 into `seen` where there is one; elsewhere both are
+    /// 0.
     pub fn read(&self, places: &Affine, points: Points<'_>, values: &mut [f32], seen: &mut [f32]) {
         for (((&x, &y), value), seen) in points.x.iter().zip(points.y).zip(values).zip(seen) {
             (*value, *seen) = (0.0, 0.0);

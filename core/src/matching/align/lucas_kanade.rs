@@ -8,7 +8,6 @@ use super::grid::{Affine, Grid, Points, Template};
 use multiversion::multiversion;
 use nalgebra::{Cholesky, SMatrix, SVector};
 
-/// Rounds in which the map is improved.
 const ROUNDS: usize = 8;
 /// Standard deviation of the matrix's elements about the identity.
 const MATRIX_SIGMA: f32 = 0.2;

@@ -103,15 +103,13 @@ impl PairFrame {
     }
 }
 
-/// Lattices that are the same for all matches.
 struct Lattices {
     search: Search,
     window: Window,
 }
 
-/// Measures where the place of each match in A lies in B, in a window of `fit_radius` σ ([`FIT_RADIUS`]); the chips
-/// are brought to one another by `frame`. `None` where chips do not tell: the place is not found within 3 σ, or a chip
-/// shows too little or nothing.
+/// Measures where the place of each match in A lies in B, in a window of `fit_radius` σ ([`FIT_RADIUS`]); `frame`
+/// brings the chips to one another. `None` where the place is not found within 3 σ, or a chip shows too little.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

@@ -73,8 +73,7 @@ impl Search {
     }
 }
 
-/// Sums over the points that both chips show, for each shift: of weights, template, its square, searched, its square,
-/// and their product.
+/// Sums for each shift over points seen in both: of weights, template, its square, searched, its square, the product.
 type Sums = [[f32; LANES]; 6];
 
 /// Correlation at each shift, rows of shifts along y; −1 where too little is seen.

@@ -1,10 +1,9 @@
 //! One correction for each place, from the measured matches of all pairs of images.
 //!
 //! A match says where A's place lies in B, so a place with several matches is measured several times. The corrections c
-//! minimise the weighted sum of |c_b − J·c_a − e|²/s² over the matches, besides a weak prior of [`PRIOR`] σ on each
-//! correction. A match that contradicts the others loses its weight (Geman and McClure's function, by iteratively
-//! reweighted least squares). A place that would be moved farther than it may be stays where it is, and the others are
-//! solved for without its matches.
+//! minimise the weighted sum of |c_b − J·c_a − e|²/s² over the matches, besides a weak prior of [`PRIOR`] σ on each. A
+//! match that contradicts the others loses its weight (Geman and McClure's function, by iteratively reweighted least
+//! squares). A place that would move farther than it may stays, and the others are solved for without its matches.
 
 use super::pair::Measured;
 use crate::monitor::{Cancelled, Monitor};
@@ -18,8 +17,7 @@ pub const NOISE_PX: f64 = 0.5;
 const LEAST_CORRELATION: f64 = 0.5;
 /// Solutions with weights from the one before.
 const ROUNDS: usize = 8;
-/// Steps of conjugate gradients in a round, and the share of the right side that may remain. Each round goes on where
-/// the one before ended.
+/// Conjugate-gradient steps in a round, which begins where the last one ended, and the share that may remain.
 const STEPS: usize = 100;
 const REMAINDER: f64 = 1e-3;
 /// Solutions in which places are refused, each without the matches of those before.
@@ -160,9 +158,7 @@ impl Term {
     }
 }
 
-/// Normal equations of one round.
 struct System<'a> {
-    /// Terms with their weight in the equations.
     terms: Vec<(&'a Term, f64)>,
     prior: &'a [f64],
 }
@@ -173,7 +169,6 @@ impl<'a> System<'a> {
         Self { terms: known.map(|(term, weight)| (term, weight * (term.scale / NOISE_PX).powi(2))).collect(), prior }
     }
 
-    /// Writes the matrix times `of` into `product`.
     fn times(&self, of: &[Uv], product: &mut [Uv]) {
         for ((product, x), prior) in product.iter_mut().zip(of).zip(self.prior) {
             *product = x.map(|x| prior * x);

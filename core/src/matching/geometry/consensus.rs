@@ -20,7 +20,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::sync::LazyLock;
 
-/// A model to be estimated from matches.
 pub(super) trait Problem {
     type Model: Clone;
 
@@ -88,8 +87,7 @@ pub(super) fn estimate<P: Problem>(
         models.clear();
         problem.solve(&sample, &mut models);
         for model in &models {
-            // A sample's exact model is compared with other such models, not with optimised ones: it may lead to a
-            // better optimum.
+            // Compared with other exact models of samples, not with optimised ones: it may lead to a better optimum.
             let Some(raw) = cost_below(problem, model, &loss, min_raw) else { continue };
             min_raw = raw;
             let candidate = polish(problem, model.clone(), raw, &loss);
@@ -282,8 +280,7 @@ pub(super) struct Sampler {
     order: Vec<usize>,
     open: usize,
     drawn: f64,
-    /// The paper's T_n and T'_n: the samples that plain RANSAC would have drawn from the open set, and the sample after
-    /// which the set grows.
+    /// The paper's T_n and T'_n: samples that plain RANSAC would have drawn from the open set; and when the set grows.
     expected: f64,
     grows_after: f64,
     size: usize,

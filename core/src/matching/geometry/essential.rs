@@ -6,9 +6,9 @@
 //! fitted by the Levenberg–Marquardt method over rotation and direction of translation, which also works for planes.
 //! Errors are Sampson distances in pixels, by way of the focal lengths.
 //!
-//! Of the four poses of E, in only one do points lie in front of both cameras (Hartley and Zisserman, "Multiple View
-//! Geometry", 2nd ed., 9.6.2; the decomposition is Horn's, "Recovering Baseline and Orientation from 'Essential'
-//! Matrix", 1990).
+//! Of the four poses of E one alone has points in front of both cameras (Hartley and Zisserman, "Multiple View
+//! Geometry", 2nd ed., 9.6.2; decomposed after Horn, "Recovering Baseline and Orientation from 'Essential' Matrix",
+//! 1990).
 
 use super::consensus::Problem;
 use super::linear::{epipolar_row, equation};

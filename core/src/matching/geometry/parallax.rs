@@ -21,7 +21,6 @@ pub(in crate::matching) struct Parallax {
     camera: Option<Camera>,
 }
 
-/// Place of a point in the other view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::matching) struct Transferred {
     pub place: Vector2<f64>,

@@ -71,8 +71,7 @@ pub(super) fn matrix_of(vector: &Vector9) -> Matrix3<f64> {
     Matrix3::from_row_iterator(vector.iter().copied())
 }
 
-/// An orthonormal basis of the vectors perpendicular to all `9 − D` rows, by elimination with full pivoting; `None` for
-/// (nearly) dependent rows.
+/// An orthonormal basis of the vectors perpendicular to all `9 − D` rows; `None` for (nearly) dependent rows.
 pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vector9; D]> {
     let count = rows.len();
     debug_assert_eq!(count + D, 9, "each row takes away one dimension");

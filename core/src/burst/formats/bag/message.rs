@@ -41,7 +41,6 @@ const ENCODINGS: [(&str, Number, usize, bool, Option<Mosaic>); 24] = [
 
 pub(super) const STAMP_BYTES: u64 = 16;
 
-/// Reader of the fields of a message, one after the other.
 struct Fields<'a> {
     rest: &'a [u8],
     wire: Wire,

@@ -126,7 +126,6 @@ const MAX_METADATA_BYTES: u64 = 1 << 24;
 const MAX_FILES: usize = 4096;
 /// Nanoseconds of a time that counts from 1970, at least (it is in 1973); smaller ones are those of a simulation.
 const SINCE_1970_NS: u64 = 100_000_000_000_000_000;
-/// Largest number of topics in an error message.
 const FEW: usize = 12;
 
 fn segments(path: &Path, options: &OpenOptions, work: Work) -> Result<Vec<Segment>> {
@@ -347,7 +346,6 @@ impl<'a> Topic<'a> {
     }
 }
 
-/// At most [`FEW`] topics of a list, separated by commas.
 fn few(topics: impl Iterator<Item = String>) -> String {
     let mut topics: Vec<String> = topics.take(FEW + 1).collect();
     if topics.len() > FEW {
@@ -369,7 +367,6 @@ fn count(path: &Path, options: &OpenOptions, work: Work, monitor: &Monitor) -> R
     Ok(Topic::chosen(path, &segments(path, options, work)?, options, monitor)?.frames())
 }
 
-/// Size and number of the topic's pictures, and their times.
 fn declared(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Declared> {
     let segments = segments(path, options, Work::new(monitor, false))?;
     let topic = Topic::chosen(path, &segments, options, monitor)?;

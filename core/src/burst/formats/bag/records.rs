@@ -1,6 +1,5 @@
-//! Records of a recording as both of its formats with chunks have them: channels, messages, chunks, lists of messages;
-//! the reader of their numbers and texts, which never reads or reserves more than the file has; and the work that all
-//! of this may take.
+//! Records that both formats with chunks have: channels, messages, chunks, lists of messages; the reader of their
+//! numbers and texts, which reads and reserves no more than the file has; and the work that all may take.
 
 use crate::error::one_line;
 use crate::monitor::Monitor;
@@ -111,7 +110,6 @@ impl<R: Read> Read for Metered<'_, R> {
     }
 }
 
-/// Serialisation of messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wire {
     Ros1,
@@ -146,7 +144,6 @@ impl Channel {
     }
 }
 
-/// Place of a message, and the time when it was recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Message {
     pub recorded_ns: u64,
@@ -166,7 +163,6 @@ pub(super) struct List {
     pub count: u64,
 }
 
-/// A part of the file that may be packed.
 #[derive(Debug, Clone)]
 pub(super) struct Chunk {
     pub at: u64,
@@ -213,7 +209,6 @@ impl Contents {
     }
 }
 
-/// Reader of records, which knows its place.
 pub(super) struct Scan<'a, R: Read + Seek> {
     reader: BufReader<R>,
     pub at: u64,
@@ -222,7 +217,6 @@ pub(super) struct Scan<'a, R: Read + Seek> {
 }
 
 impl<'a, R: Read + Seek> Scan<'a, R> {
-    /// Begins at the place `at` of `length` bytes.
     pub(super) fn new(mut reader: R, at: u64, length: u64, work: &'a Work) -> io::Result<Self> {
         reader.seek(SeekFrom::Start(at))?;
         Ok(Self { reader: BufReader::with_capacity(512, reader), at, length, work })

@@ -119,7 +119,6 @@ pub(super) fn channels(path: &Path, work: &Arc<Work>) -> io::Result<BTreeMap<u32
     })
 }
 
-/// The first `most` messages of the topic with the number `id`.
 pub(super) fn messages(path: &Path, id: u32, most: u64, work: &Arc<Work>) -> io::Result<Vec<Message>> {
     asked(path, work, |connection| {
         let mut rows =
@@ -132,7 +131,6 @@ pub(super) fn messages(path: &Path, id: u32, most: u64, work: &Arc<Work>) -> io:
     })
 }
 
-/// The first bytes of the message in the row `row`, at most `most`.
 pub(super) fn bytes(path: &Path, row: u64, most: u64, work: &Arc<Work>) -> io::Result<Vec<u8>> {
     let message = "SELECT substr(data, 1, ?2) FROM messages WHERE id = ?1";
     asked(path, work, |connection| {

@@ -175,7 +175,7 @@ impl Segment {
         Ok(())
     }
 
-    /// Computes `f(k, bytes)` of each message in parallel, from its first `most` bytes at least; in the order of
+    /// Computes `f(k, bytes)` of each message in parallel, from at least its first `most` bytes; in the order of
     /// `messages`.
     pub(super) fn each<T: Send>(
         &self,
@@ -264,7 +264,6 @@ impl Segment {
         self.content(files::open(&self.path)?, at, self.contents.chunks[0].size, most)
     }
 
-    /// Bytes of the message in the record at the place `at`.
     fn content(&self, reader: impl Read + Seek, at: u64, length: u64, most: u64) -> io::Result<Vec<u8>> {
         let mut scan = Scan::new(reader, at, length, &self.work)?;
         let bytes = if self.form == Form::Ros1 { ros1::message(&mut scan)? } else { mcap::message(&mut scan)? };
@@ -287,7 +286,6 @@ impl Segment {
         if hasher.finalize() == crc { Ok(()) } else { Err(corrupt(format!("{name} is not what its checksum says"))) }
     }
 
-    /// Fails before anything is unpacked where the chunks announce more than may be.
     fn check_unpacked<'a>(&self, chunks: impl Iterator<Item = &'a Chunk>) -> io::Result<()> {
         let sum = |(packed, unpacked): (u64, u64), chunk: &Chunk| {
             (packed.saturating_add(chunk.bytes), unpacked.saturating_add(chunk.size))

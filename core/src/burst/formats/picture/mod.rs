@@ -38,7 +38,6 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// Seconds for which each frame of an animation is shown.
     fn delays_s(&self, input: &Input, path: &Path) -> Result<Vec<f64>> {
         let mut reader = BufReader::with_capacity(64, &input.file);
         let found = delays_of(&mut reader, self.format, input.length);
@@ -270,7 +269,6 @@ fn frame_of(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Re
     }
 }
 
-/// Name of the samples of a colour type, and whether there are colours.
 fn samples_of(color: ColorType) -> (String, bool) {
     let bits = color.bits_per_pixel() / u16::from(color.channel_count());
     (if bits == 32 { "floats of 32 bit".to_owned() } else { format!("{bits} bit") }, color.has_color())
@@ -324,7 +322,6 @@ fn full_scale(path: &Path, reader: &mut (impl BufRead + Seek), format: ImageForm
     Ok(largest.filter(|largest| !matches!(largest, 0 | 255 | 65535..)).map(|largest| largest as f32))
 }
 
-/// Largest number of parts of a file that are looked at.
 const MAX_PARTS: usize = 1 << 16;
 
 /// Seconds for which each frame of an animation is shown; none for a single picture.
@@ -450,8 +447,7 @@ fn decoder<'a>(
     format: ImageFormat,
     limits: &Limits,
 ) -> Result<Box<dyn ImageDecoder + 'a>> {
-    // `Limits` checks sizes before pixels are read; this bounds the decoder's other memory: at most four channels of
-    // four bytes.
+    // `Limits` checks sizes; this bounds the decoder's other memory: at most four channels of four bytes.
     let max_bytes = limits.max_pixels.saturating_mul(16).saturating_add(BESIDES_BYTES);
     let mut own = image::Limits::no_limits();
     own.max_alloc = Some(max_bytes);

@@ -12,7 +12,6 @@ pub(super) struct Chosen {
     pub said: Vec<String>,
 }
 
-/// A problem and its remedy.
 pub(super) type Refusal = (String, String);
 
 /// The frames of a file of `pages` pages that are `described` so, along the axis that the user chooses.

@@ -20,13 +20,11 @@ pub(super) struct Page {
     pub number: usize,
 }
 
-/// Pages of a file by their places on axes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Described {
     pub axes: Axes,
     /// Page of each place, the last axis running fastest; `None` where the file says that none has been written.
     pub pages: Vec<Option<Page>>,
-    /// Choices, for the user.
     pub said: Vec<String>,
 }
 
@@ -117,7 +115,6 @@ fn of_tifffile(description: &str, [rows, columns, samples]: PageShape) -> Option
 /// Images of the description, from which the caller takes one: name and pixels.
 type Images<'a> = Vec<(&'a str, Node<'a, 'a>)>;
 
-/// Largest companion file, bytes.
 const MAX_XML_BYTES: u64 = 1 << 28;
 /// Largest number of pages of a set of files that is listed.
 const MAX_PLANES: usize = 1 << 20;

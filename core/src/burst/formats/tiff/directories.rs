@@ -18,7 +18,6 @@ pub(in crate::burst::formats) const OF_SENSORS: &[&str] = &[
     "kdc", "dcr", "mrw", "erf", "mef", "mos", "x3f",
 ];
 
-/// Whether a file begins as a TIFF or BigTIFF of either byte order.
 pub(in crate::burst::formats) fn begins(start: &[u8]) -> bool {
     [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic))
 }
@@ -96,7 +95,6 @@ pub(in crate::burst::formats) struct Directories {
     pub pixels: u64,
     /// Whether the first one is marked as that of a DNG.
     pub is_dng: bool,
-    /// Planes of a MetaMorph stack, which lie behind those of the first directory.
     pub(super) planes: Planes,
     pub(super) sensor: Sensor,
     /// Pages that a tile of a volume has, 0 where none has several.
@@ -151,8 +149,7 @@ struct Walk<'a, R> {
     entries: u64,
     value_bytes: u64,
     seen: HashSet<u64>,
-    /// Positions of directories that the ones before refer to, and whether each holds notes (EXIF): those may be
-    /// absent, and decoders skip them.
+    /// Positions of directories that earlier ones refer to, and whether each holds notes (EXIF), which may be absent.
     parts: Vec<(u64, bool)>,
     found: Directories,
 }

@@ -169,10 +169,8 @@ fn decoder(path: &Path, file: File, limits: &Limits, monitor: &Monitor) -> Resul
 }
 
 struct Pages {
-    /// Size (columns, rows) of all pages.
     size: (usize, usize),
     orientation: Orientation,
-    /// Pages that are frames, in their order.
     list: Vec<Page>,
     /// The frames of a file of which one directory tells of all.
     plain: Option<Plain>,
@@ -180,7 +178,6 @@ struct Pages {
     is_colour: bool,
     /// Mosaic of the pages as they are stored.
     mosaic: Option<Mosaic>,
-    /// Words about which pages were chosen.
     taken: Vec<String>,
 }
 
@@ -329,7 +326,6 @@ fn description(decoder: &mut FileDecoder) -> Option<String> {
     Some(String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next()?).into_owned())
 }
 
-/// Type of the samples of the current page, and whether they are colours.
 fn samples_of(path: &Path, decoder: &mut FileDecoder) -> Result<(String, bool)> {
     let color = decoder.colortype().map_err(|e| failure(path, e))?;
     let format =

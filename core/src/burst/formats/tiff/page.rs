@@ -29,8 +29,7 @@ use tiff::{ColorType, TiffResult};
 /// Bytes that deflated strips and tiles may have besides their pixels.
 const FILLING_BYTES: u64 = 1 << 20;
 
-/// Number of bytes, at most `most`, to which zlib's data unpacks whose checksum is right. The error is the end of a
-/// sentence.
+/// Number of bytes, at most `most`, of zlib's data, whose checksum is compared. The error is the end of a sentence.
 fn unpacked_bytes(packed: &[u8], most: u64) -> Result<u64, String> {
     let (mut state, mut block) = (Decompress::new(true), [0; 1 << 14]);
     loop {
@@ -61,7 +60,6 @@ impl<'a> PageReader<'a> {
         Ok(Self { reading, decoder, length })
     }
 
-    /// Decodes page `page`, whose size has been checked, as frame `frame` of the burst.
     pub(super) fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame> {
         let read = self.decoded(page, frame);
         // A cancelled decoder fails with an error of its own: the cancellation is reported instead.
@@ -146,7 +144,6 @@ impl<'a> PageReader<'a> {
     }
 }
 
-/// Samples of `$result`, whatever their type, as `$samples` in `$value`.
 macro_rules! with_samples {
     ($result:expr, $samples:ident => $value:expr) => {
         match $result {
@@ -179,7 +176,6 @@ pub(super) fn channels_of(color: ColorType) -> Result<usize, String> {
         .ok_or_else(|| format!("its samples have {} bits; save it with 8, 16 or 32", color.bit_depth()))
 }
 
-/// Decodes the decoder's current page; its size has been checked.
 fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &OpenOptions) -> Result<RawFrame> {
     let fail = |e| failure(path, e);
     let unsupported = |reason: String| Error::unsupported(path, NAME, reason);

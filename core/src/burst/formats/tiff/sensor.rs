@@ -5,7 +5,6 @@ use crate::burst::layout::Mosaic;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 
-/// Mosaic of colours of which directories tell.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Sensor {
     /// Positions in the file of the photometric interpretations that say that there is one, of two bytes each.
@@ -38,7 +37,6 @@ pub(super) struct AsGrey {
 }
 
 impl AsGrey {
-    /// `file`, from its start, whose directories tell of `sensor`.
     pub(super) fn new(mut file: BufReader<File>, mut sensor: Sensor) -> io::Result<Self> {
         file.rewind()?;
         sensor.marks.sort_unstable();

@@ -200,7 +200,6 @@ impl Running {
         let _ = child.kill();
     }
 
-    /// Waits for the end of the child; whether it ended well.
     pub(in crate::burst) fn ends_well(&mut self) -> bool {
         self.child.get_mut().unwrap_or_else(PoisonError::into_inner).wait().is_ok_and(|status| status.success())
     }

@@ -1,5 +1,4 @@
-//! The process that decodes one file for another process: it reads the request, gives up what decoding does not need,
-//! and sends the frame back.
+//! The process that decodes one file for another process: reads the request, confines itself, and sends the frame back.
 //!
 //! A decoder that a crafted file has taken over can do what its process may do. So before the file is read the process
 //! gives up the rest ([`confine`]): reading any other file, changing any, the network, other programs and processes.
@@ -119,12 +118,11 @@ mod confined {
         ($($call:ident)*) => { [$(libc::$call),*] };
     }
 
-    /// System calls of which decoding makes none and that [`to_file`] leaves: the network, and programs that wait for
-    /// orders at a socket; other programs and processes; priority, processors and memory, of other processes too;
-    /// memory, messages, semaphores and keys that are shared by number or name; namespaces, in which a process has
-    /// rights that it has not outside (see [`SPACES`]); news of what others do to files, and files by a handle in place
-    /// of a path; and permissions, owners, times and attributes of files, in which Landlock has no say. Each then fails
-    /// with `EPERM`.
+    /// System calls that decoding needs not and [`to_file`] leaves: the network, and programs that wait for orders at a
+    /// socket; other programs and processes; priority, processors and memory, of other processes too; memory, messages,
+    /// semaphores and keys shared by number or name; namespaces, which give rights that a process has not outside (see
+    /// [`SPACES`]); news of others' files, and files by a handle in place of a path; and permissions, owners, times and
+    /// attributes of files, in which Landlock has no say. Each then fails with `EPERM`.
     const CALLS: [i64; 55] = calls!(
         SYS_socket SYS_io_uring_setup
         SYS_execve SYS_execveat SYS_ptrace SYS_process_vm_readv SYS_process_vm_writev SYS_pidfd_getfd SYS_kcmp
@@ -148,8 +146,8 @@ mod confined {
     /// fchmodat2, setxattrat, removexattrat, file_setattr: one number on all processors, not yet in `libc` for all.
     const NEW_CALLS: [i64; 4] = [452, 463, 466, 469];
 
-    /// Flags of a new process that give it namespaces of its own: files, control groups, names, shared memory, users,
-    /// processes and network.
+    /// Flags of a new process with namespaces of its own: files, control groups, names, memory, users, processes,
+    /// network.
     const SPACES: [u64; 7] =
         [0x0002_0000, 0x0200_0000, 0x0400_0000, 0x0800_0000, 0x1000_0000, 0x2000_0000, 0x4000_0000];
 
