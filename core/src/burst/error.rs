@@ -82,8 +82,7 @@ impl Error {
         Self::unread(path, error)
     }
 
-    /// Error for a decoder's failed read of a file of the format `format`: damage where the file ends early or the data
-    /// is invalid, the system's error otherwise.
+    /// Error for a decoder's failed read: damage where data ends early or is invalid, the system's error otherwise.
     pub(super) fn from_read(path: &Path, format: &str, error: &std::io::Error) -> Self {
         use std::io::ErrorKind::{InvalidData, InvalidInput, Other, UnexpectedEof};
         match error.kind() {

@@ -75,8 +75,8 @@ impl Dump {
         self.number.bytes((self.size.0 as u64).saturating_mul(self.size.1 as u64))
     }
 
-    /// Shapes of usual sensors that fill a file of `length` bytes with up to `max_frames` frames, with the number of
-    /// frames; those of the fewest frames first.
+    /// Shapes of usual sensors that fill `length` bytes with at most `max_frames` frames, and their number; fewest
+    /// first.
     pub(super) fn likely(length: u64, max_frames: u64) -> Vec<(Self, u64)> {
         let whole = |(dump, _): &(Self, u64)| length.is_multiple_of(dump.frame_bytes());
         let size = |text: &str| text.split_once('x').and_then(|(u, v)| Some((u.parse().ok()?, v.parse().ok()?)));

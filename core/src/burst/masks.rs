@@ -28,8 +28,7 @@ pub(super) struct Masked {
 }
 
 impl Masks {
-    /// Makes the masks that the options name for frames of `size` from the files `origins`; `read` reads a file's
-    /// frames.
+    /// Masks that the options name for frames of `size` from the files `origins`; `read` reads a file's frames.
     pub(super) fn of_options(
         options: &OpenOptions,
         (origins, size): (&[(PathBuf, usize)], (usize, usize)),
@@ -59,7 +58,6 @@ impl Masks {
         Ok(masks)
     }
 
-    /// Masks that are the `masks` of a file: none, one for all frames, or one for each of the `frames` of `size`.
     pub(super) fn of_frames(
         masks: &[RawFrame],
         (frames, size): (usize, (usize, usize)),

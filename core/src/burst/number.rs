@@ -93,8 +93,7 @@ impl Number {
         }
     }
 
-    /// Appends the values of `bytes`, scaled and divided by `divisor`, to `values`. A block of numbers begins with a
-    /// whole group of packed ones; a last group that is not whole is filled up with zeros.
+    /// Appends the values of `bytes`, scaled and divided by `divisor`. Packed numbers begin with a whole group.
     pub(super) fn convert(
         self,
         bytes: &[u8],

@@ -208,7 +208,6 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions: timing.positions })
 }
 
-/// Checks that the frames' values have a common unit; `path` gives the path of a frame.
 fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<()> {
     let Some((first, others)) = frames.split_first() else { return Ok(()) };
     for (t, frame) in others.iter().enumerate() {
@@ -246,8 +245,7 @@ fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result
     Ok(())
 }
 
-/// Float files whose largest value is not above this are taken to be in [0, 1] already. Noise and calibration push
-/// single values of such files above 1; files in other units lie far above it.
+/// Float files up to this value are taken to be in [0, 1]: noise and calibration exceed 1 a little, other units by far.
 const MAX_UNIT_VALUE: f32 = 2.0;
 /// Fraction of the flat frame's mean; a pixel below it is dead, and is left as it is.
 const DEAD_GAIN: f32 = 0.05;
@@ -266,7 +264,6 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    /// Levels of `frames`, where no others are given; an error for given ones that make no sense.
     pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self> {
         if let Some(value) = given.filter(|s| !(s.is_finite() && *s > 0.0)) {
             let problem = "the full scale is the file's value that becomes 1.0";
@@ -436,8 +433,7 @@ fn mean_of(plane: &Plane) -> f64 {
     values.clone().map(|v| f64::from(*v)).sum::<f64>() / values.count() as f64
 }
 
-/// Gain of each pixel from a flat frame and the bias, or black level, that it contains. Dead pixels have a gain of 1;
-/// a flat frame without light, or with many of them, is refused.
+/// Gain of each pixel from a flat frame and the bias or black in it; 1 for dead pixels, of which many are refused.
 pub(super) fn gain(mut flat: Plane, bias: Option<&Plane>, black: f32, path: &Path) -> Result<Plane> {
     match bias {
         Some(bias) => flat.data_mut().iter_mut().zip(bias.data()).for_each(|(f, b)| *f -= b),

@@ -176,10 +176,7 @@ impl OpenOptions {
         Self { limits, ..self.clone() }
     }
 
-    /// The part of `all` frames of `path` that is to be taken; their `size` (columns, rows) is needed for the limits.
-    ///
-    /// # Errors
-    /// It has no such frames, or they are too many.
+    /// The part of `all` frames of `path` to be taken, checked against the limits for frames of `size` (columns, rows).
     pub(super) fn taken<T>(&self, path: &Path, mut all: Vec<T>, size: (usize, usize)) -> Result<Vec<T>> {
         let range = self.taken_of(path, all.len(), size)?;
         all.truncate(range.end);
@@ -261,7 +258,6 @@ impl Limits {
         Self { max_frames: usize::MAX, ..self }
     }
 
-    /// Checks the declared size of one frame of the file `path`, and the memory that it needs.
     pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<()> {
         if width == 0 || height == 0 {
             let problem = format!("this file's frames have no pixels ({width}×{height})");

@@ -167,8 +167,8 @@ fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<Bur
     Ok(vec![BurstFiles { name, paths: files }])
 }
 
-/// Whether each file is a burst: one at least holds several frames, and none a single one. One that cannot be read is a
-/// burst too, whose opening gives the error, so that the others are not lost.
+/// Whether each file is a burst: none holds a single frame, and one at least several. A file that cannot be read counts
+/// as a burst, whose opening gives the error, so that the others are not lost.
 fn are_stacks(files: &[PathBuf], options: &OpenOptions) -> bool {
     let is_single = |file: &PathBuf| formats::frame_count(file, options).is_ok_and(|frames| frames < 2);
     !files.iter().any(is_single) && files.iter().any(|file| is_stack(file, options))
@@ -194,7 +194,7 @@ pub(super) fn folder_name(folder: &Path) -> String {
     named(folder).or_else(|| named(&std::fs::canonicalize(folder).ok()?)).unwrap_or_else(|| "burst".into())
 }
 
-/// Pictures and subfolders of a folder, each in natural order, without hidden files and those of other kinds. Without
+/// Pictures and subfolders of a folder, in natural order, without hidden files and those of other kinds. Without
 /// pictures, the films; without these, the archives and the files without header.
 fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     let (mut found, mut subfolders) = (Vec::<(Rank, PathBuf)>::new(), Vec::new());
@@ -219,8 +219,8 @@ fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     Ok((pictures, subfolders))
 }
 
-/// Natural order of file names without their extensions, so that `x.png` stands before its copies `x(1).png`; names that
-/// differ only in leading zeros are ordered by their bytes, so that the order never depends on the file system.
+/// Natural order of file names without extensions, so that `x.png` precedes its copies `x(1).png`; names that differ
+/// only in leading zeros by their bytes, so that the order never depends on the file system.
 fn natural_order(a: &Path, b: &Path) -> Ordering {
     let by = |part: fn(&Path) -> Option<&OsStr>| {
         alphanumeric_sort::compare_os_str(part(a).unwrap_or_default(), part(b).unwrap_or_default())
@@ -228,7 +228,7 @@ fn natural_order(a: &Path, b: &Path) -> Ordering {
     by(Path::file_stem).then_with(|| by(Path::extension)).then_with(|| a.cmp(b))
 }
 
-/// Numbers the later bursts of one name, so that no export overwrites another. Letter case is ignored, as in some
+/// Numbers the later bursts of a name, so that no export overwrites another. Letter case is ignored, as in some
 /// systems.
 pub(super) fn make_names_unique(sources: &mut [BurstFiles]) {
     let mut taken = HashSet::new();

@@ -18,7 +18,6 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A run of digits in a name, and what stands between it and the one before, and behind it.
 #[derive(Debug, Clone, Copy)]
 struct Run<'a> {
     before: &'a str,
@@ -98,8 +97,8 @@ fn are_counters(seconds: &[i128], numbers: &[i128]) -> bool {
     numbers.len() > 1 && (counts(&all) || each.values().all(|of| of[0] <= 1 && counts(of)))
 }
 
-/// Times, in [`PARTS`] of a second, of whole `seconds` and the `digits` behind them: a fraction, or whole milli-, micro-
-/// or nanoseconds, whose leading zeros were left out. `None` where they are counters.
+/// Times, in [`PARTS`] of a second, of whole `seconds` and the `digits` behind: a fraction, or whole milli-, micro- or
+/// nanoseconds without leading zeros. `None` for counters.
 fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<Vec<i128>> {
     let longest = digits.iter().map(|digits| digits.len()).max().filter(|longest| (1..=15).contains(longest))?;
     let is_point = is_point(separator);
@@ -131,10 +130,8 @@ fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<
     Some(if are_fractions { fractions } else { wholes })
 }
 
-/// Stamps in the `names` of frames: dates or seconds with fractions; or the longest numbers that differ in all names.
-///
-/// # Errors
-/// The first name without a stamp, or what is unclear, and what would be right.
+/// Stamps in the `names` of frames: dates or seconds with fractions, or the longest numbers that differ in all names.
+/// The error names the first name without a stamp, or says what is unclear.
 fn in_names(names: &[String]) -> Result<Stamps, String> {
     let found: Vec<Vec<Run<'_>>> = names.iter().map(|name| runs(stem(name))).collect();
     let stamps = |values: Vec<i128>, known_by| {
@@ -225,8 +222,8 @@ fn with_whole_numbers(mut found: Vec<Vec<Run<'_>>>) -> Vec<Vec<Run<'_>>> {
     found
 }
 
-/// Times of names with seconds from a start of their own and fractions, such as `12_9658000` or `0.04`. `None` where
-/// nothing shows that the two numbers are one.
+/// Times of names with seconds from their own start and fractions, such as `12_9658000`; `None` if not surely one
+/// number.
 fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
     let count = found.iter().map(Vec::len).min().unwrap_or(0);
     let of = |from_end: usize| {
@@ -263,8 +260,8 @@ fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
     (0..count.saturating_sub(1)).find_map(of)
 }
 
-/// Counters of names whose dates do not tell them apart, as numbers of frames; of the numbers outside of the date those
-/// behind it first. `is_in_day` where they are what looks like a time of day.
+/// Counters of names whose dates do not differ, as numbers of frames; those behind the date come first. `is_in_day`
+/// where the counters look like times of day.
 fn counters(
     names: &[String],
     found: &[Vec<Run<'_>>],
@@ -353,12 +350,9 @@ impl Timing {
         Self { positions: Positions::even(frames), said: None, doubt: None }
     }
 
-    /// Positions of the frames of `files`, by the choice in `options`: one each, of which those that `options` take stay
-    /// and are brought into the order of their times, or `in_one` file, which are taken already.
-    ///
-    /// # Errors
-    /// There is no such list, it has no time for a frame, files or names have none, two are equal, or closer than those
-    /// of any camera; there are no such frames to be taken.
+    /// Positions of the frames of `files`, by the choice in `options`: one each, of which those to be taken stay, in
+    /// the order of their times, or `in_one` file, taken already. An error where a frame has no time, or times are
+    /// equal or too close.
     pub fn of(
         files: &mut Vec<PathBuf>,
         in_one: Option<usize>,
@@ -417,7 +411,6 @@ impl Timing {
     }
 }
 
-/// The `files` in the order of the times that `options` say; in their own where these say none, or not of all.
 pub(super) fn in_order_of_times(files: Vec<PathBuf>, options: &OpenOptions) -> Vec<PathBuf> {
     let found = choice_of(options)
         .and_then(|choice| FoundTimes::of(choice, &files, files.len(), options, &Monitor::default()).ok());
@@ -536,8 +529,8 @@ fn read_list(path: &Path, frames: &[String]) -> Result<List> {
     List::read(&String::from_utf8_lossy(&bytes), frames).map_err(wrong)
 }
 
-/// Row of `list` for each of the `count` frames: that of the folder and name in `paths`, or in their order, from the
-/// start of a `part` on where the list is that of the whole file. The error has a remedy.
+/// Row of `list` for each of the `count` frames: by folder and name in `paths`, or in their order, from the start of
+/// `part` on in a list of the whole file. The error has a remedy.
 fn rows_of(
     list: &List,
     paths: &[String],

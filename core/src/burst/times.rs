@@ -75,8 +75,7 @@ impl Stamp {
         Some(Self { value: sign * (whole * PARTS + parts(fraction)), written: Written::Number(fraction.len()) })
     }
 
-    /// A date with its time: `2011-09-26 13:02:25.964389445`, `2011:09:26 13:02:25`, `2011-09-26T15:02:25+02:00`, or
-    /// with Z.
+    /// A date with time: `2011-09-26 13:02:25.96`, `2011-09-26T13:02:25Z`, `2011:09:26 13:02:25`, `…T15:02:25+02:00`.
     pub fn date(text: &str) -> Option<Self> {
         // A sign behind the time of day begins the zone; those before part the date.
         let zone_at = text.rfind(['+', '-']).filter(|at| text[..*at].contains(':')).unwrap_or(text.len());
@@ -164,8 +163,8 @@ fn words(heading: &str) -> impl Iterator<Item = String> {
     heading.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase)
 }
 
-/// How surely a heading is that of a column of times: 0 not at all; 1 by a word that may be that of another quantity
-/// (the height h, the minimum); 2 by a unit; 3 by a word for times.
+/// How surely a heading is that of times: 0 not; 1 by a word of other quantities too (h, min); 2 by a unit; 3 by its
+/// word.
 fn time_heading(heading: &str) -> u8 {
     let has = |known: &[&str]| words(heading).any(|word| known.contains(&&*word));
     match Unit::of(heading) {
@@ -189,10 +188,7 @@ pub(super) struct Stamps {
 }
 
 impl Stamps {
-    /// Stamps in the order in which they were written, of the `unit` that their heading names.
-    ///
-    /// # Errors
-    /// Two units are as likely, or the stamps are of several forms; what would be right.
+    /// Stamps in their order, of the `unit` that their heading names, else a guess; an error where two are as likely.
     pub fn new(mut values: Vec<Stamp>, unit: Option<Unit>) -> Result<Self, String> {
         let form = |one: &Stamp| (one.is_number(), one.written == Written::Clock);
         if values.windows(2).any(|two| form(&two[0]) != form(&two[1])) {
@@ -317,8 +313,7 @@ fn fields(line: &str, by: Option<char>) -> Vec<&str> {
     found
 }
 
-/// The text of a list with points for the commas in times such as `22:00:00,880`, as loggers and subtitles write them;
-/// of subtitles, the lines `00:00:01,500 --> …`, up to the arrow.
+/// Text of a list with points for the commas in times such as `22:00:00,880`; of subtitles, the part before the arrow.
 fn pointed(text: &str) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for at in 3..bytes.len() {
@@ -362,12 +357,9 @@ pub(super) fn likeness(a: &str, b: &str) -> (usize, bool) {
 }
 
 impl List {
-    /// Reads a list of one time a line, or of columns of which one has the times and one may have `frames`' names, with
-    /// or without extension and folders. Lines that begin with `#` are comments; the last one before the first row,
-    /// and a first line without a time, are headings if they have as many fields.
-    ///
-    /// # Errors
-    /// The line, what is wrong in it and what would be right.
+    /// Reads a list of one time a line, or of columns, one with times and perhaps one with `frames`' names, with or
+    /// without extension and folders. Lines that begin with `#` are comments; the last one before the first row, and a
+    /// first line without a time, are headings if they have as many fields. The error names the line and the remedy.
     pub fn read(text: &str, frames: &[String]) -> Result<Self, String> {
         let text = pointed(text.trim_start_matches('\u{feff}'));
         let lines: Vec<(usize, &str)> =
@@ -407,7 +399,6 @@ impl List {
         Self::of_lines(&lines, by, frames)
     }
 
-    /// Reads `lines` with their numbers, whose fields are separated `by` a character or white space.
     fn of_lines(lines: &[(usize, &str)], by: Option<char>, frames: &[String]) -> Result<Self, String> {
         let mut heading: Vec<&str> = Vec::new();
         let mut rows: Vec<(usize, Vec<&str>)> = Vec::new();

@@ -17,14 +17,9 @@ use crate::plane::Plane;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Positions of the frames of `files`, one each, of which those that `options` take stay; or of those taken `in_one`
-/// file, with the grid that it declares. Views by the choice in `options`, that grid, or LFToolbox's names; else by
-/// times.
-///
-/// Views named by row and column are brought into the order of their rows.
-///
-/// # Errors
-/// Those of [`Timing::of`]; names without row and column or two that are equal, another number of views, times of views.
+/// Positions of the frames of `files`, one each, of which those to be taken stay; or of those taken `in_one` file, with
+/// the grid that it declares. Views by the choice in `options`, that grid, or LFToolbox's names, in the order of rows;
+/// else by times. An error where names or numbers of views do not fit, or views have times; else as [`Timing::of`].
 pub(super) fn placed(
     files: &mut Vec<PathBuf>,
     in_one: Option<(usize, Option<ViewGrid>)>,
@@ -120,11 +115,8 @@ fn pairs(name: &str) -> Vec<(usize, [usize; 2], usize)> {
     runs.windows(2).filter_map(pair).collect()
 }
 
-/// Rows and columns in the `names` of views: the first pair of numbers, behind the same text, by which all names
-/// differ.
-///
-/// # Errors
-/// The first name without one, and what would be right.
+/// Rows and columns in the `names` of views: the first pair of numbers, behind the same text, that differs in all
+/// names. The error names the first name without one.
 fn in_names(names: &[String]) -> Result<Named, String> {
     let all: Vec<Vec<(usize, [usize; 2], usize)>> = names.iter().map(|name| pairs(stem(name))).collect();
     let count = all.iter().map(Vec::len).min().unwrap_or(0);
@@ -174,10 +166,7 @@ fn by_name(files: &mut [PathBuf], places: &[[usize; 2]]) -> Option<Timing> {
     Some(Timing { positions, said, doubt: None })
 }
 
-/// Size (columns, rows) of a view of a picture of `size` that holds a grid of them.
-///
-/// # Errors
-/// The sides are no multiples of the numbers of views.
+/// Size (columns, rows) of a view in a picture of `size` that holds a grid; an error unless the sides are multiples.
 pub(super) fn size_of_view(path: &Path, (width, height): (usize, usize), grid: ViewGrid) -> Result<(usize, usize)> {
     if width % grid.columns == 0 && height % grid.rows == 0 && width > 0 && height > 0 {
         return Ok((width / grid.columns, height / grid.rows));
@@ -190,10 +179,6 @@ pub(super) fn size_of_view(path: &Path, (width, height): (usize, usize), grid: V
         .about(path))
 }
 
-/// The views in the picture `frame` of the file `path`, row by row.
-///
-/// # Errors
-/// As [`size_of_view`].
 pub(super) fn views_of(path: &Path, frame: &RawFrame, grid: ViewGrid, tiling: Tiling) -> Result<Vec<RawFrame>> {
     let (width, height) = size_of_view(path, frame.plane.size(), grid)?;
     let view = |k: usize| {

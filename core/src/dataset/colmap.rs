@@ -92,8 +92,7 @@ pub struct ColmapReport {
     pub no_start: Option<String>,
 }
 
-/// Inliers from which a pair can be the first of COLMAP's mapper, nearly: it asks for 100, then for 50 and for 25, and
-/// for 30 places of an image that it adds.
+/// Inliers with which COLMAP's mapper begins, nearly: it asks for 100, 50, 25, and for 30 places of each further image.
 const INLIERS_TO_START: usize = 30;
 
 impl ColmapReport {
@@ -327,7 +326,6 @@ fn match_all(
     Ok(monitor.check()?)
 }
 
-/// Moves all features to the places on which the pairs agree, and writes the pairs' geometries there.
 fn align_all(
     database: &mut DatabaseWriter<'_>,
     (waiting, blobs, seen): (&[Waiting], &[Vec<Blob>], Vec<Option<Seen>>),
@@ -407,7 +405,6 @@ fn model_id(model: CameraModel) -> u32 {
     }
 }
 
-/// Geometry of a pair whose `inliers` agree on `model` at `places`, the features' places in both images.
 fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Inlier], model: Option<&TwoViewModel>) -> DatabaseGeometry {
     let Some(model) = model else { return DatabaseGeometry::default() };
     let none =

@@ -142,7 +142,7 @@ impl FeatureStore {
         Self::at(folder, job, settings)
     }
 
-    /// Opens the dataset in `folder` for features in memory, found with `params`, a text for each burst. Errors as
+    /// Opens the dataset in `folder` for features in memory, found with `params`, one text a burst. Errors as
     /// [`Self::open`].
     #[cfg(feature = "colmap")]
     pub(super) fn of_detections(folder: &Path, job: &FeatureJob, params: Vec<String>) -> Result<Self> {
@@ -223,7 +223,6 @@ impl FeatureStore {
         there.then_some(FinishedBurst { features, seconds })
     }
 
-    /// Files with the frames of `source`, with their masks and with the list of their times.
     fn files(&self, source: &BurstFiles) -> Result<Vec<PathBuf>> {
         let mut files = source.files()?;
         let list = self.job.open.list_of_times(&files).filter(|list| list.is_file());
@@ -323,8 +322,8 @@ impl FeatureStore {
         Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
-    /// Writes the features and the picture of a burst that was searched elsewhere; there is no record of it, so that
-    /// another run finds its features again.
+    /// Writes features and picture of a burst that was searched elsewhere; without a record, so another run searches
+    /// anew.
     #[cfg(feature = "colmap")]
     pub(super) fn keep(
         &mut self,
@@ -386,8 +385,8 @@ impl FeatureStore {
         Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
-    /// Before the first write: locks the folder for this process, removes files that a killed run left, and writes the
-    /// manifest. Later: checks that the folder is still the locked one.
+    /// First locks the folder, removes what a killed run left and writes the manifest; later checks that the lock
+    /// holds.
     pub(super) fn begin_writing(&mut self) -> Result<()> {
         if let Some(lock) = &self.lock {
             return lock.check();
@@ -412,7 +411,6 @@ impl FeatureStore {
         Ok((BurstFeatures { slopes, seconds, ..found }, burst))
     }
 
-    /// The record of `source`, if it was made with the current settings from `files` as they are now.
     fn record(
         &self,
         source: &BurstFiles,

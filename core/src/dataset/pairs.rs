@@ -235,7 +235,6 @@ pub fn match_pairs<E: From<Error>>(
     Ok(left_out)
 }
 
-/// Number of the first of `pairs` that are matched together, at least 1, and the bursts that they need.
 fn next_together(pairs: &[(usize, usize)]) -> (usize, BTreeSet<usize>) {
     let mut needed = BTreeSet::new();
     for (count, &(a, b)) in pairs.iter().take(PAIRS_AT_ONCE).enumerate() {

@@ -49,7 +49,6 @@ impl BurstPicture {
         Self { size: plane.size(), rgb }
     }
 
-    /// Picture of the mask of `plane`, white where it is seen.
     pub(super) fn of_mask(plane: &Plane) -> Self {
         let (width, height) = plane.size();
         let at = |index: usize| if plane.weight_at(index % width, index / width) < 0.5 { 0 } else { 255 };

@@ -44,8 +44,7 @@ impl FileStamp {
         files.iter().map(|path| Self::of_one(path).map_err(|e| Error::unread(path, &e))).collect()
     }
 
-    /// Stamps of `files` as they are now, with checksums. Each file's times are taken before it is read, so that a file
-    /// that changes meanwhile differs from its stamp.
+    /// Stamps of `files` with checksums. Times are taken before a file is read: one that changes meanwhile differs.
     pub fn with_checksums(files: &[PathBuf], monitor: &Monitor) -> Result<Vec<Self>> {
         let mut stamps = Self::of(files)?;
         for (stamp, path) in stamps.iter_mut().zip(files) {
@@ -63,7 +62,6 @@ impl FileStamp {
         Ok(Self { path, bytes, modified_ns, changed_ns, crc32: None })
     }
 
-    /// Whether `files` are those of the stamps `kept`, with unchanged content.
     pub fn all_agree(kept: &[Self], files: &[PathBuf], comparison: Comparison, monitor: &Monitor) -> Result<bool> {
         let now = Self::of(files)?;
         // Paths and lengths cost nothing, and mostly decide.

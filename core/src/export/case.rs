@@ -193,8 +193,8 @@ impl Case {
     }
 }
 
-/// Offset and scale of the words that hold the values of a burst: those of 8 and 16-bit files and of the burst's full
-/// scale where they hold every value exactly, otherwise the lattice of the files' steps, otherwise equal steps.
+/// Offset and scale of words for a burst's values: those of 8 and 16-bit files or of the full scale where they are
+/// exact, else the lattice of the files' steps, else equal steps.
 fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
     // Values below masks are filled, and need not be exact.
     let seen = |frame: &Arc<Plane>| frame.mask().map(|_| Cow::Owned(frame.seen_values()));

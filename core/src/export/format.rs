@@ -97,8 +97,7 @@ pub fn detection_files(folder: &Path, burst_name: &str, formats: &[ExportFormat]
     formats.iter().map(|format| folder.join(format!("{name}.{}", format.extension()))).collect()
 }
 
-/// Maximum length of a name from [`safe_file_name`], bytes: a file's name may have 255, and extensions such as
-/// `.matches.csv` and `-burstscope-100-100` are added.
+/// Longest name, bytes: a file's may have 255, with extensions such as `.matches.csv` and `-burstscope-100-100`.
 const LONGEST_NAME: usize = 200;
 
 /// The name with all characters replaced by `_` that some system does not allow in a file's name. Never empty, never a

@@ -71,7 +71,6 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// Encodes the picture and the program's name; its size has been checked.
     pub(super) fn encode_png(&self, out: impl Write) -> io::Result<()> {
         let failed = |error: EncodingError| match error {
             EncodingError::IoError(error) => error,

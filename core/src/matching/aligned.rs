@@ -153,11 +153,8 @@ impl PairAlignment {
     }
 }
 
-/// Solves for the places of one pair's features from its `measured` matches, and verifies the inliers again there.
-/// Nothing is done to a pair without a geometry, and without an alignment in `params`.
-///
-/// # Errors
-/// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+/// Solves for the places of one pair's features from its `measured` matches, and verifies the inliers there; does
+/// nothing to a pair without a geometry, or without an alignment in `params`.
 pub(super) fn align_pair(
     result: &mut MatchResult,
     sides: [MatchSide<'_>; 2],

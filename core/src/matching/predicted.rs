@@ -217,13 +217,11 @@ impl OneWay {
     }
 }
 
-/// Distance of a sure match from where `numbers` puts it, pixels.
 fn miss(parallax: &Parallax, known: &Known, numbers: &Vector4<f64>) -> f64 {
     let there = parallax.transferred(known.x, numbers.dot(&known.terms));
     there.map_or(f64::INFINITY, |there| (there.place - known.there).norm())
 }
 
-/// The numbers of [`OneWay`] on which most of the sure matches agree.
 fn numbers(parallax: &Parallax, known: &[Known], seed: u64) -> Option<Vector4<f64>> {
     let weight = |numbers: &Vector4<f64>, known: &Known| {
         1.0 / (1.0 + (miss(parallax, known, numbers) / (0.5 * AGREEING_PX)).powi(2))
@@ -281,8 +279,8 @@ fn samples(is_calibrated: bool, known: &[Known], seed: u64) -> Vec<Vector4<f64>>
 type Candidates = Vec<Vec<u32>>;
 
 /// Finds the matches at the places of `prediction`, in the order of A's features: nearest there, with a ratio of at
-/// most [`PREDICTED_RATIO`] to the nearest one at another place there, and, with the mutual check, both ways. Features
-/// without a predicted place keep their match of the `sure` ones, as do those that do not agree with `model`.
+/// most [`PREDICTED_RATIO`] to the nearest at another place, and, with the mutual check, both ways. Features without a
+/// predicted place keep their `sure` match, as do those that do not agree with `model`.
 pub(super) fn predicted_matches(
     [a, b]: [MatchSide<'_>; 2],
     (model, sure): (&TwoViewModel, &[Match]),

@@ -61,7 +61,6 @@ impl Match {
     }
 }
 
-/// Nearest descriptors in B of A's, and with the mutual check those in A of B's.
 pub(super) struct Neighbours {
     of_a: Vec<Nearest>,
     of_b: Vec<Nearest>,
@@ -74,9 +73,9 @@ impl Neighbours {
         Ok(Self { of_a, of_b })
     }
 
-    /// Putative matches in the order of A's descriptors: each with its nearest one in B, if its ratio is at most
-    /// [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of equally near
-    /// descriptors the first counts as the nearest.
+    /// Putative matches in the order of A's descriptors: the nearest in B, if the ratio is at most
+    /// [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of equally near ones the
+    /// first counts.
     pub fn matches(&self, params: &MatchParams) -> Vec<Match> {
         let back = params.mutual.then_some(|b: usize| Some(self.of_b[b]));
         let candidates = self.of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.matched(a, back));
@@ -158,7 +157,6 @@ pub fn nearest_two_both_ways(
     search(a, b, true, monitor)
 }
 
-/// The nearest two of each of `queries`, and with `both` those of each of `searched` among the queries.
 fn search(
     queries: &[Descriptor],
     searched: &[Descriptor],
@@ -251,7 +249,6 @@ fn lengths_of(group: &[Descriptor]) -> [f32; GROUP] {
 struct State {
     best: [f32; LANES],
     second: [f32; LANES],
-    /// Number of the block, or of the query.
     number: [u32; LANES],
 }
 

@@ -24,10 +24,7 @@ const SPOTS_PX: f32 = 24.0;
 const SEEN: f64 = 0.8;
 
 impl Arm {
-    /// The arm that hides a `share` of `width` columns of a scene whose signal is about `level`.
-    ///
-    /// # Errors
-    /// A share that would leave nothing.
+    /// The arm that hides a `share` of `width` columns of a scene of about `level`; an error if too little is left.
     pub(super) fn new(share: f64, width: usize, level: f64, seed: u64) -> Result<Self> {
         if !(0.0..=LARGEST).contains(&share) {
             let remedy = format!("give 0 to {LARGEST}, the share of the columns that is hidden");
@@ -45,7 +42,6 @@ impl Arm {
         }
     }
 
-    /// The truth without the things that it hides, of frames at the `offsets` from the reference.
     pub(super) fn truth(&self, truth: Truth, offsets: &[Offset]) -> Truth {
         let edge = self.columns as f64 - 0.5;
         let is_seen = |feature: &FeatureTruth| {

@@ -249,7 +249,6 @@ pub fn disc_place(index: usize) -> [f32; 2] {
     [first + apart * (index % 5) as f32, if index < 5 { 60.0 } else { 120.0 }]
 }
 
-/// Place of the lamp in column `index` and the middle row of the lamps at many depths.
 fn lamp_place(index: usize) -> [f32; 2] {
     [18.0 + 25.0 * index as f32, LAMP_ROWS[1].0]
 }
@@ -350,7 +349,6 @@ fn lamps() -> Layer {
     layer
 }
 
-/// Hot pixels of the sensor: their positions (column, row) and their added values.
 fn hot_pixels() -> Vec<([usize; 2], f32)> {
     let mut stream = Stream::new(SEED, 900);
     (0..60)

@@ -117,14 +117,12 @@ impl Taken {
         Self { frames: positions.offsets().iter().copied().enumerate().collect(), is_even }
     }
 
-    /// Time of each frame, frame intervals of the even burst.
     fn times(&self) -> Vec<f64> {
         let earliest = self.frames.iter().min_by(|(_, a), (_, b)| a.u.total_cmp(&b.u));
         let Some(&(first, at_first)) = earliest else { return Vec::new() };
         self.frames.iter().map(|(_, at)| at.u - at_first.u + first as f64).collect()
     }
 
-    /// Column and row of each view; empty for frames in time.
     fn views(&self) -> Vec<[f64; 2]> {
         let are_views = self.frames.iter().any(|(_, at)| at.v != 0.0);
         let places = self.frames.iter().map(|(_, at)| *at - self.frames[0].1);
@@ -139,7 +137,6 @@ impl Taken {
         positions.expect("frames follow one another, and views differ")
     }
 
-    /// The truth of these frames, at their mid-burst, from that of the even burst.
     pub(super) fn truth(&self, even: Truth) -> Truth {
         if self.is_even {
             return even;

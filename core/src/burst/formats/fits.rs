@@ -69,7 +69,6 @@ impl Numbers for Fits {
     }
 }
 
-/// Header of an image, or of another unit of a file.
 struct Unit {
     cards: Vec<Card>,
     data: u64,
@@ -256,8 +255,7 @@ impl Unit {
         Ok(Plain { places, planes: step, ..plain })
     }
 
-    /// Compares DATASUM, the sum of the padded data in words of 32 bits with carries added again (FITS standard,
-    /// 4.4.2.7).
+    /// Compares DATASUM, the sum of the padded data in words of 32 bits with carries added (FITS standard, 4.4.2.7).
     fn verify(&self, mut file: &File, reading: Reading<'_>) -> Result<()> {
         let Some(stated) = self.text("DATASUM").and_then(|text| text.trim().parse::<u32>().ok()) else { return Ok(()) };
         let fail = |e: io::Error| Error::from_read(reading.path, KIND, &e);
@@ -284,7 +282,6 @@ impl Unit {
         Err(Error::new(ErrorKind::Damaged, problem, remedy).about(reading.path))
     }
 
-    /// Mosaic of colours at the corner of the frames as they are read.
     fn mosaic(&self) -> Option<Mosaic> {
         let pattern = self.text("BAYERPAT").or_else(|| self.text("COLORTYP"))?.trim().to_uppercase();
         let named = [("RGGB", Mosaic::Rggb), ("GRBG", Mosaic::Grbg), ("GBRG", Mosaic::Gbrg), ("BGGR", Mosaic::Bggr)];

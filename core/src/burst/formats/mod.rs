@@ -151,7 +151,6 @@ pub(super) trait Format: Sync {
     }
 }
 
-/// A format whose pixels lie in the file as plain numbers.
 pub(super) trait Numbers: Sync {
     fn record(&self) -> Record;
 
@@ -227,7 +226,6 @@ pub(super) fn extensions() -> impl Iterator<Item = &'static str> {
     ALL.iter().flat_map(|format| format.record().extensions.iter().copied())
 }
 
-/// Rank of a file in its folder, by its name; `None` for files that cannot be opened.
 pub(super) fn rank(path: &Path) -> Option<Rank> {
     if ALL.iter().any(|format| format.has_name(path)) {
         return Some(Rank::Film);
@@ -257,8 +255,7 @@ fn found(path: &Path, options: &OpenOptions) -> Result<(&'static dyn Format, Inp
     Ok((format, Input { file, length }))
 }
 
-/// Does `work` with the format of the file that is read, and the file. A panic in a decoder, and memory that the system
-/// refuses it, become errors about the file.
+/// Does `work` with the format and the file. A decoder's panic or refused memory becomes an error about the file.
 fn with_format<T>(
     reading: Reading<'_>,
     pages: usize,
@@ -389,7 +386,6 @@ pub(super) fn frame(reading: Reading<'_>) -> Result<RawFrame> {
     finished(reading, name, frame)
 }
 
-/// The frames of a file that are to be taken, with their mosaic binned.
 pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
     let (frames, name) = with_format(reading, usize::MAX, |format, input| format.frames(input, reading))?;
     frames.into_par_iter().map(|frame| finished(reading, name, frame)).collect()
@@ -400,7 +396,6 @@ fn finished(reading: Reading<'_>, name: &'static str, frame: RawFrame) -> Result
     with_mosaic(reading.path, frame, reading.options)
 }
 
-/// The frame of a file that has one, where it is to be taken.
 fn alone(reading: Reading<'_>, frame: RawFrame) -> Result<Vec<RawFrame>> {
     reading.ticker.tick();
     reading.options.taken(reading.path, vec![frame], (1, 1))

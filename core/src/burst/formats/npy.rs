@@ -94,7 +94,6 @@ struct ArrayHeader {
 }
 
 impl ArrayHeader {
-    /// Reads the header with which `reader` begins; `kind` is the name of the file's kind.
     fn read(path: &Path, kind: &str, reader: &mut impl Read) -> Result<Self> {
         let corrupt = |reason: &str| Error::corrupt(path, kind, reason);
         let fail = |e: std::io::Error| Error::from_read(path, kind, &e);

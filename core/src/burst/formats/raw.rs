@@ -65,7 +65,6 @@ impl Format for Raw {
     }
 }
 
-/// Largest number of pixels that a picture in the file can have.
 fn declared_pixels(input: &Input, reading: Reading<'_>) -> Result<u64> {
     let failed = |e| Error::from_read(reading.path, NAME, &e);
     let mut start = [0; 4];

@@ -125,8 +125,8 @@ fn aligned(plain: Plain, bits: u32, file: &mut File, number: fn([u8; 2]) -> u16)
     Ok(Plain { white: Some(white as f32), taken, ..plain })
 }
 
-/// Times of the frames to be taken, from behind the last frame, which ends at `end` of `length` bytes; none where the
-/// file has none or they make no sense. `taken` gets a word about times that are not read.
+/// Times of the frames to be taken, behind the last frame, which ends at `end` of `length` bytes; none where there are
+/// none or they make no sense. `taken` gets a note on times that are not read.
 fn times(
     path: &Path,
     file: &mut File,

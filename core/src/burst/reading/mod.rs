@@ -75,7 +75,6 @@ impl RawFrame {
         Self { plane, scale, encoding, binning: 1, damage, misnamed, is_colour: false, mosaic }
     }
 
-    /// Frame of the same file with the pixels of `plane`.
     pub(in crate::burst) fn like(&self, plane: Plane) -> Self {
         let Self { scale, encoding, binning, misnamed, is_colour, mosaic, .. } = *self;
         Self { plane, scale, encoding, binning, damage: self.damage.clone(), misnamed, is_colour, mosaic }
@@ -95,7 +94,6 @@ pub(in crate::burst) struct Declared {
     pub times: Times,
     /// Grid of views that the frames are, where the file says so.
     pub views: Option<ViewGrid>,
-    /// Guesses and choices, for the user.
     pub taken: Vec<String>,
     /// Its frame, where a file declares nothing that decoding does not change.
     pub first: Option<RawFrame>,
@@ -114,7 +112,6 @@ impl Declared {
     }
 }
 
-/// Size that a frame must have, and the file that it comes from.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::burst) struct Expected<'a> {
     pub first: &'a Path,
@@ -171,8 +168,8 @@ pub(in crate::burst) fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: 
     file.read_exact(buffer)
 }
 
-/// Reader that fails once the work is cancelled, so that a decoder of others stops between two blocks. Such a decoder
-/// calls it a fault of the file: whoever called it checks the monitor first.
+/// Reader that fails once the work is cancelled, so that a decoder stops between two blocks. The decoder takes this for
+/// a fault of the file: whoever called it checks the monitor first.
 pub(in crate::burst) struct Asked<R> {
     pub inner: R,
     pub monitor: Monitor,
@@ -248,8 +245,8 @@ impl<'a> Ticker<'a> {
     }
 }
 
-/// Computes `f(0) … f(count − 1)` in parallel. When several fail, the error is that of the lowest index, whatever the
-/// number of threads, so that a user who mends one file after the other sees them in order.
+/// Computes `f(0) … f(count − 1)` in parallel. Of several errors the lowest index counts, whatever the number of
+/// threads, so that a user who mends one file after the other sees them in order.
 pub(in crate::burst) fn in_order<T: Send>(count: usize, f: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
     let first_failure = AtomicUsize::new(usize::MAX);
     let answers: Vec<Option<Result<T>>> = (0..count)

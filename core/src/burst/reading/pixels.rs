@@ -95,7 +95,6 @@ fn interleaved<T: Sample>(samples: &[T], channels: usize, value: impl Fn(T) -> f
     grey
 }
 
-/// One value for each pixel of three planes of colour, by `curve`.
 pub(in crate::burst) fn grey_from_planes<T: Sample>(red: &[T], green: &[T], blue: &[T], curve: Curve) -> Vec<f32> {
     match curve {
         Curve::Linear(divisor) => of_planes([red, green, blue], T::to_f32, divisor),

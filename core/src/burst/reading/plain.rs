@@ -99,7 +99,6 @@ pub(in crate::burst) struct Plain {
 }
 
 impl Plain {
-    /// Grey frames of `size`, whose numbers are their values.
     pub(in crate::burst) fn new(
         kind: &'static str,
         size: (usize, usize),
@@ -210,7 +209,6 @@ impl Plain {
         in_order(self.places.len(), |t| self.read(reading, t, &mut at(self.places.at(t)).map_err(fail)?))
     }
 
-    /// Frames whose colours are planes one behind another: the luma of the three.
     fn merged(&self, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
         let frame = |t: usize| {
             let places = (0..3).map(|colour| self.places.at(t) + colour * self.planes).collect::<Vec<_>>();
@@ -228,8 +226,7 @@ impl Plain {
         (0..self.places.len()).map(frame).collect()
     }
 
-    /// Frames of an image in tiles: layer by layer in this process, where the layers decoded at once have room;
-    /// otherwise each frame in a process of its own.
+    /// Frames of an image in tiles: layer by layer here where memory allows, else each frame in a process of its own.
     fn unpacked(&self, reading: Reading<'_>, tiles: &Tiles) -> Result<Vec<RawFrame>> {
         let count = self.places.len();
         let (first, bytes) = (self.places.at(0), tiles.layer_bytes());
@@ -262,7 +259,6 @@ impl Plain {
         Ok(frames.into_iter().flatten().collect())
     }
 
-    /// The frame with the number `page` in the file, which is frame `frame` of its burst.
     pub(in crate::burst) fn page(mut self, reading: Reading<'_>, page: usize) -> Result<RawFrame> {
         if page >= self.places.len() {
             return Err(Error::corrupt(reading.path, self.kind, "it became shorter"));
@@ -307,7 +303,6 @@ impl Plain {
         Ok(())
     }
 
-    /// Frame of the samples of frame `t`; `whole` where they are not yet divided by the full scale.
     fn frame_of(&self, reading: Reading<'_>, t: usize, mut values: Vec<f32>, whole: bool) -> Result<RawFrame> {
         let Reading { path, options, .. } = reading;
         if self.is_bgr {
@@ -330,7 +325,6 @@ impl Plain {
         Ok(RawFrame { encoding, mosaic: self.mosaic, is_colour: self.channels > 2, ..frame })
     }
 
-    /// Reads an array whose frames are not one after the other.
     fn read_scattered(&self, reading: Reading<'_>, from: &mut dyn Read) -> Result<Vec<RawFrame>> {
         let frames = self.places.len();
         let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(self.samples())).collect();
@@ -369,8 +363,8 @@ impl Plain {
         frames.collect()
     }
 
-    /// Checks the size of the frames against the limits, and their bytes against the `there` bytes from the first
-    /// one on. `step` is the distance of two frames.
+    /// Checks frames of this size against the limits, and their `step` each against the file's `length` from `first`
+    /// on.
     pub(in crate::burst) fn places_in(
         path: &Path,
         kind: &str,

@@ -47,7 +47,6 @@ enum Code {
     Other,
 }
 
-/// Way to the tiles of an image. A layer is the frames that tiles have in common: one, or several.
 #[derive(Debug, Clone)]
 pub(in crate::burst) struct Tiles {
     /// Header of the decoder's table, but for what differs from layer to layer.
@@ -279,7 +278,6 @@ impl Tiles {
         (across, across * down)
     }
 
-    /// Memory that the decoding of a layer takes, bytes, at most.
     pub(in crate::burst) fn layer_bytes(&self) -> u64 {
         let pixels = self.layer_frames * self.size[0] * self.size[1];
         // Packed, unpacked and written out; numbers of one tile in the decoder; rows with what surrounds their pixels.
@@ -346,8 +344,7 @@ impl Tiles {
         Ok(bytes)
     }
 
-    /// Bytes of a tile of `pixels` pixels, and whether they are packed; gzip data is unpacked here. An error of the
-    /// kind `InvalidData` reports a length that contradicts the pixels.
+    /// Bytes of a tile of `pixels` pixels, gzip unpacked, and whether still packed. `InvalidData`: of another length.
     fn tile_of(&self, file: &mut (impl Read + Seek), row: &[u8], pixels: u64) -> io::Result<(Vec<u8>, bool)> {
         let wrong = |reason: String| io::Error::new(io::ErrorKind::InvalidData, reason);
         let mut bytes_of = |reference: &Reference| {

@@ -174,7 +174,6 @@ impl DatabaseWriter<'_> {
         )
     }
 
-    /// Number of the pair of images `a` and `b`, which have the features that `matches` name.
     fn pair_of(&self, a: u32, b: u32, matches: &[[u32; 2]]) -> i64 {
         assert!(1 <= a && a < b && b as usize <= self.keypoints.len(), "pairs are of images that were added, in order");
         let (of_a, of_b) = (self.keypoints[a as usize - 1], self.keypoints[b as usize - 1]);

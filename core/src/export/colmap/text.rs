@@ -37,8 +37,8 @@ fn print(out: &mut impl Write, keypoints: &[ColmapKeypoint], descriptors: &[Desc
     Ok(())
 }
 
-/// Whether the file at `path` has COLMAP's header; with `is_whole`, also whether all of it is as this program writes
-/// these numbers. Other programs write as many digits for each.
+/// Whether the file at `path` has COLMAP's header; with `is_whole`, also whether all numbers are as this program prints
+/// them, which others with as many digits do not.
 pub(in crate::export) fn is_colmap_text(path: &Path, is_whole: bool) -> bool {
     let is_number = |count: &str| !count.is_empty() && count.bytes().all(|byte| byte.is_ascii_digit());
     let is_printed = |text: String| {

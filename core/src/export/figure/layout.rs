@@ -213,7 +213,6 @@ impl Style {
         [width.max(legend_width), bottom + legend_height - corner[1]]
     }
 
-    /// Place on the sheet of the place `at` of a panel's image, whose picture lies in `rect`.
     fn place(&self, panel: &FigurePanel, rect: FigureRect, at: [f32; 2]) -> [f32; 2] {
         [0, 1].map(|i| rect.min[i] + (at[i] - panel.origin_image[i]) * self.scale)
     }

@@ -134,8 +134,7 @@ pub struct FigureMatches {
     pub legend: Vec<LegendEntry>,
 }
 
-/// Lines between panels whose pictures lie in these rectangles. As in the window, a line is drawn where both its ends
-/// are visible; a single visible end is a small ring.
+/// Lines between panels with pictures in these rectangles, where both ends are visible; a single end is a small ring.
 pub(super) fn lines_of(
     panels: &[(FigureRect, &FigurePanel)],
     links: &[FigureLink],

@@ -44,8 +44,7 @@ pub struct Chip {
 }
 
 impl Chip {
-    /// Chip of the place (`u`, `v`) of scale `sigma` with the values `sample(i, j)`, of which those in the columns
-    /// `seen[0]` and rows `seen[1]` exist.
+    /// Chip with the values `sample(i, j)`, which exist in the columns `seen[0]` and rows `seen[1]`.
     fn new(place: (f32, f32), sigma: f32, seen: [Range<u8>; 2], sample: impl Fn(usize, usize) -> f32) -> Self {
         let indices = |range: &Range<u8>| usize::from(range.start)..usize::from(range.end);
         let places = || indices(&seen[1]).flat_map(|j| indices(&seen[0]).map(move |i| (i, j)));
@@ -138,15 +137,14 @@ fn octave_of(sigma: f32) -> usize {
     (BLUR * f64::from(sigma)).log2().floor().clamp(0.0, 16.0) as usize
 }
 
-/// Pixels and their weights for each sample along one axis.
 struct Axis {
     /// First pixel of each sample, and the weights from there on; none beyond the image.
     taps: Vec<(usize, Vec<f32>)>,
 }
 
 impl Axis {
-    /// Axis through `place` for the scale `sigma`, both input pixels, on an octave whose pixels are `pixel` of these
-    /// wide, of an image of `size` of either; `read` is the variance of the reading between the octave's pixels.
+    /// Axis through `place` for the scale `sigma`, both input pixels, on an octave with pixels `pixel` of these wide,
+    /// of an image of `size` of either; `read` is the variance of reading between the octave's pixels.
     fn new(place: f64, sigma: f64, pixel: f64, (size, reduced): (usize, usize), read: f64) -> Self {
         // The mean over a pixel of the octave is a blur as well.
         let average = (1.0 - 1.0 / (pixel * pixel)) / 12.0;

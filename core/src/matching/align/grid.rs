@@ -75,8 +75,7 @@ impl Grid {
         Some(Self { values, readable })
     }
 
-    /// Map from a lattice of `unit_px` input pixels, turned by `angle` around the middle of `chip`, to places of
-    /// samples.
+    /// Map from a lattice of `unit_px` input pixels, turned by `angle`, around the middle of `chip` to its samples.
     pub fn places(chip: &Chip, unit_px: f32, angle: f32) -> Affine {
         let (sin, cos) = angle.sin_cos();
         let scale = unit_px / (STEP * chip.sigma);
@@ -84,8 +83,7 @@ impl Grid {
         Affine { matrix, shift: [REACH as f32; 2] }
     }
 
-    /// The 4 × 4 samples around a place, the first of which is in the column and row before it, and how far the place
-    /// lies beyond the next; `None` where any of them is missing.
+    /// The 4 × 4 samples around a place, and its distance beyond the inner first one; `None` where a sample is missing.
     fn around(&self, [u, v]: [f32; 2]) -> Option<([&[f32]; 4], f32, f32)> {
         let [columns, rows] = self.readable;
         if !(u >= columns[0] && u < columns[1] && v >= rows[0] && v < rows[1]) {
@@ -97,8 +95,7 @@ impl Grid {
         Some(([row(0), row(1), row(2), row(3)], u - i as f32, v - j as f32))
     }
 
-    /// Writes values at the points (`x`, `y`) into `values`, and 1 into `seen` where there is one; elsewhere both are
-    /// 0.
+    /// Writes values at the points into `values`, and 1 into `seen` where there is one; elsewhere both are 0.
     pub fn read(&self, places: &Affine, points: Points<'_>, values: &mut [f32], seen: &mut [f32]) {
         for (((&x, &y), value), seen) in points.x.iter().zip(points.y).zip(values).zip(seen) {
             (*value, *seen) = (0.0, 0.0);
@@ -137,8 +134,8 @@ pub(super) struct Template<'a> {
     pub seen: &'a mut [f32],
 }
 
-/// Weights of four samples for a place at `t` of 0 … 1 between the middle two: cubic convolution (Keys, "Cubic
-/// convolution interpolation for digital image processing", 1981).
+/// Weights of four samples at `t` of 0 … 1 between the middle two: cubic convolution (Keys, "Cubic convolution
+/// interpolation for digital image processing", 1981).
 #[inline(always)]
 fn weights(t: f32) -> [f32; 4] {
     [

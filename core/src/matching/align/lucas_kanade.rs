@@ -29,7 +29,6 @@ const UNKNOWNS: usize = 6;
 /// Points are padded to a multiple of this by those of weight 0.
 const LANES: usize = 16;
 
-/// Points and weights of the window: the same for all matches.
 #[derive(Debug)]
 pub(super) struct Window {
     radius: f32,
@@ -83,8 +82,8 @@ impl Window {
         Points { x: &self.x, y: &self.y }
     }
 
-    /// Fits the map of the lattice by which `a` becomes `b`, each a grid with the places of the lattice in it, from the
-    /// shift `start` on. `None` where too little of either is seen or the window has no contrast.
+    /// Fits the map of the lattice by which `a` becomes `b`, each a grid with the lattice's places, from the shift
+    /// `start` on. `None` where too little of either is seen or the window has no contrast.
     pub fn fit(
         &self,
         a: (&Grid, &Affine),
@@ -241,8 +240,8 @@ fn moments(scratch: &FitScratch) -> [f32; 6] {
     sums.map(total)
 }
 
-/// Weighted sum of the difference of the chips times each derivative. The second is made brighter by what noise takes
-/// from their correlation, at most by half.
+/// Weighted sum of the chips' difference times each derivative; the second chip is scaled up by what noise takes from
+/// the correlation, at most to double.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn descent(scratch: &FitScratch, alike: &Likeness) -> [f32; UNKNOWNS] {
     let gain = alike.scale[1] / alike.correlation.max(LEAST_GAIN);

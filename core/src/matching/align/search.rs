@@ -18,7 +18,6 @@ const STRIDE: usize = WINDOW + LANES;
 /// Least share of the window, by weight, that both chips show.
 const LEAST_SEEN: f32 = 0.5;
 
-/// Weights and points of the search: the same for all matches.
 #[derive(Debug)]
 pub(super) struct Search {
     weights: Vec<f32>,
@@ -61,9 +60,8 @@ impl Search {
         Self { weights: weights.iter().map(|w| w / sum).collect(), window, wide: square(WIDE, STRIDE) }
     }
 
-    /// Shift along the axes of the lattice, σ, at which `b` shows most nearly what `a` shows, each a grid with the
-    /// places of the lattice in it. `None` where the best shift is the largest, since the true one may be larger, and
-    /// where too little of either is seen.
+    /// Shift along the lattice's axes, σ, at which `b` is most like `a`, each a grid with the lattice's places. `None`
+    /// for a shift on the rim, beyond which the true one may lie, and where too little of either is seen.
     pub fn peak(&self, a: (&Grid, &Affine), b: (&Grid, &Affine), scratch: &mut SearchScratch) -> Option<[f32; 2]> {
         let window = Points { x: &self.window[0], y: &self.window[1] };
         let wide = Points { x: &self.wide[0], y: &self.wide[1] };

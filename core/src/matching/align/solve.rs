@@ -117,7 +117,6 @@ pub fn solve(
     Ok(Solved { corrections, residuals_px, refused: is_refused.iter().filter(|refused| **refused).count() })
 }
 
-/// A link in the units of the solution.
 struct Term {
     a: usize,
     b: usize,

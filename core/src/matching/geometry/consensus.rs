@@ -56,8 +56,8 @@ const POLISH_TOLERANCE: f64 = 1e-3;
 /// Damping: of the first step, its factors after a success and a failure, and its largest value.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
-/// The model with the minimum cost for inliers with errors of at most `max_error`, if any, and the number of samples
-/// drawn. `order` are the indices of all matches, the most promising first.
+/// The model of least cost for inliers with errors up to `max_error`, and the number of samples. `order` has all
+/// matches, the most promising first.
 pub(super) fn estimate<P: Problem>(
     problem: &P,
     order: Vec<usize>,
@@ -135,7 +135,6 @@ fn finished<P: Problem>(
     best
 }
 
-/// The sum of the costs; `None` as soon as it reaches `limit`.
 fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64) -> Option<f64> {
     let mut sum = 0.0;
     for index in 0..problem.count() {
@@ -317,7 +316,6 @@ impl Sampler {
         }
     }
 
-    /// Fills `places` with different numbers below `below`.
     fn distinct(&mut self, places: &mut [usize], below: usize) {
         for i in 0..places.len() {
             places[i] = loop {

@@ -139,7 +139,6 @@ fn add_product(sum: &mut Cubic, factor: f64, p: &Cubic, p_places: &[usize], q: &
     }
 }
 
-/// Up to ten essential matrices for which five matches hold exactly.
 fn from_five(pairs: &[&RayPair; 5]) -> Vec<Matrix3<f64>> {
     let Some(basis) = null_space::<4>(&mut pairs.map(epipolar_row)) else { return Vec::new() };
     let Some(reduced) = eliminated(&basis) else { return Vec::new() };
@@ -236,7 +235,6 @@ fn product(p: &InZ, q: &InZ) -> InZ {
     out
 }
 
-/// The determinant of the three equations, a polynomial of the tenth degree.
 fn determinant(rows: &[[InZ; 3]; 3]) -> InZ {
     let mut sum = [0.0; 11];
     for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {

@@ -130,7 +130,6 @@ pub(super) fn equation(f: &Matrix3<f64>, pair: &RayPair, px: [f64; 2]) -> (f64, 
     (value, gradient.iter().map(|g| g * g).sum())
 }
 
-/// Up to three matrices of rank 2 for which seven matches hold exactly.
 fn from_seven(pairs: &[&RayPair; 7]) -> Vec<Matrix3<f64>> {
     let Some([first, second]) = null_space::<2>(&mut pairs.map(epipolar_row)) else { return Vec::new() };
     let (first, second) = (matrix_of(&first), matrix_of(&second));

@@ -10,8 +10,7 @@ use super::points::{cross_matrix, null_vector};
 use crate::matching::camera::Camera;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-/// Transfer of points of one view into another by their parallax. Places are those that a camera without distortion
-/// would see ([`Parallax::straight`]), pixels.
+/// Transfer of points into the other view by their parallax, in pixels without distortion ([`Parallax::straight`]).
 #[derive(Debug, Clone)]
 pub(in crate::matching) struct Parallax {
     by_plane: Matrix3<f64>,
@@ -29,8 +28,8 @@ pub(in crate::matching) struct Transferred {
 }
 
 impl Parallax {
-    /// From A to B and from B to A, for matches `inliers` that agree on `model`; `None` for a homography, which knows
-    /// the places, and for a degenerate model.
+    /// From A to B and back, for `inliers` of `model`; `None` for a homography, which knows the places, or if
+    /// degenerate.
     pub fn of(model: &TwoViewModel, inliers: &[([f64; 2], [f64; 2])]) -> Option<[Self; 2]> {
         match model {
             TwoViewModel::Homography { .. } => None,
@@ -71,7 +70,6 @@ impl Parallax {
         is_there.then_some(Transferred { place, by_parallax })
     }
 
-    /// The parallax at which `x` comes nearest to its match `there`; `None` at the epipole.
     pub fn parallax(&self, x: Vector2<f64>, there: Vector2<f64>) -> Option<f64> {
         let there = there.push(1.0);
         let (fixed, moves) = (there.cross(&(self.by_plane * x.push(1.0))), there.cross(&self.epipole));

@@ -100,7 +100,6 @@ impl<'a> Fields<'a> {
         Ok(u64::from(s) * 1_000_000_000 + u64::from(ns))
     }
 
-    /// Fields that follow the message's header, and its stamp, nanoseconds.
     fn after_header(message: &'a [u8], wire: Wire) -> Result<(Self, u64), String> {
         let mut fields = Self::of(message, wire)?;
         let stamp_ns = fields.stamp()?;
@@ -144,7 +143,6 @@ impl<'a> Picture<'a> {
         ENCODINGS.iter().find(|(name, ..)| *name == encoding).and_then(|(.., mosaic)| *mosaic)
     }
 
-    /// The numbers of a picture that is not compressed, and the way they are read.
     pub(super) fn plain(&self, path: &Path, kind: &'static str, limits: &Limits) -> Result<(Plain, Cow<'a, [u8]>)> {
         let Self { encoding, data, shape, .. } = self;
         let corrupt = |reason: String| Error::corrupt(path, kind, reason);

@@ -227,8 +227,8 @@ impl<'a> Topic<'a> {
         Err(Error::new(ErrorKind::Unsupported, problem, remedy).about(path))
     }
 
-    /// Restricts the topic to the messages to be taken, counted in the order of their stamps. Messages are recorded at
-    /// most a few places late, so that many stamps more are read at either end.
+    /// Restricts the topic to the messages to be taken, in the order of their stamps. Messages are recorded at most a
+    /// few places late, so that many stamps more are read at either end.
     fn part(self, path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         const LATE: usize = 64;
         let count = self.frames();
@@ -267,7 +267,6 @@ impl<'a> Topic<'a> {
         self.parts.iter().map(|(.., messages)| messages.len()).sum()
     }
 
-    /// Kind, size and samples of the first picture.
     fn header(&self, options: &OpenOptions) -> Result<Declared> {
         let first = self.parts.iter().find_map(|(segment, _, messages)| Some((*segment, messages.first()?)));
         let (segment, first) = first.ok_or_else(|| self.parts[0].0.wrong("the topic has no message"))?;

@@ -15,8 +15,7 @@ pub(super) fn corrupt(reason: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, reason.into())
 }
 
-/// Bytes that a recording may unpack to whatever its length, and for each byte that is packed. Frames of a sensor are
-/// packed to a tenth at best; drawn ones to some hundredth.
+/// Bytes that a recording of any length may unpack to, and for each packed byte: frames are packed to a tenth at best.
 const UNPACKED_BYTES: u64 = 1 << 28;
 const UNPACKED_PER_BYTE: u64 = 1000;
 /// Times that all may be unpacked: to look for messages, for their stamps, and for frames.
@@ -116,7 +115,6 @@ pub(super) enum Wire {
     Cdr,
 }
 
-/// Messages of one writer to a topic.
 #[derive(Debug, Clone)]
 pub(super) struct Channel {
     pub topic: String,
@@ -153,7 +151,6 @@ pub(super) struct Message {
     pub at: u64,
 }
 
-/// A file's list of the messages of a channel in a chunk.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct List {
     pub channel: u32,
@@ -231,7 +228,6 @@ impl<'a, R: Read + Seek> Scan<'a, R> {
         Ok(last == *end)
     }
 
-    /// Whether another record follows, which is counted as work.
     pub(super) fn goes_on(&self) -> io::Result<bool> {
         self.work.step(1)?;
         Ok(self.at < self.length)

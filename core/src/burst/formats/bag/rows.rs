@@ -46,10 +46,7 @@ pub(super) fn check_length(start: &[u8], length: u64) -> io::Result<()> {
     Ok(())
 }
 
-/// Sentence about the file of a recorder that still writes, or was killed, beside the database at `path`.
-///
-/// # Errors
-/// One that says that the database is in the middle of a write.
+/// Note on a recorder that still writes, or was killed, beside the database; an error in the middle of a write.
 pub(super) fn beside(path: &Path) -> io::Result<Option<String>> {
     let named = |ending: &str| {
         let mut name = path.as_os_str().to_owned();
@@ -75,7 +72,6 @@ pub(super) fn beside(path: &Path) -> io::Result<Option<String>> {
     )))
 }
 
-/// Runs `ask` on the database; it is interrupted when the budget is spent.
 fn asked<T>(path: &Path, work: &Arc<Work>, ask: impl FnOnce(Connection) -> rusqlite::Result<T>) -> io::Result<T> {
     connection(path, work).and_then(ask).map_err(|e| match (work.step(EACH), e.sqlite_error_code()) {
         // An interrupted query is reported with the reason of the interruption.

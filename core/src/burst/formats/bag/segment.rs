@@ -133,7 +133,6 @@ impl Segment {
         Error { remedy: format!("copy it again, or save what is whole with '{}'", self.form.repair()), ..error }
     }
 
-    /// Error for a message whose content cannot be read; `reason` names the field.
     pub(super) fn wrong(&self, reason: impl std::fmt::Display) -> Error {
         Error::corrupt(&self.path, self.form.name(), reason)
     }
@@ -154,7 +153,6 @@ impl Segment {
         Ok(messages)
     }
 
-    /// Adds the messages of the channels `ids` that lists or rows name.
     fn listed(&self, ids: &[u32], messages: &mut Vec<Message>) -> io::Result<()> {
         if self.form == Form::Rows {
             for id in ids {
@@ -175,8 +173,7 @@ impl Segment {
         Ok(())
     }
 
-    /// Computes `f(k, bytes)` of each message in parallel, from at least its first `most` bytes; in the order of
-    /// `messages`.
+    /// Computes `f(k, bytes)` of each message in parallel, from its first `most` bytes or more; in their order.
     pub(super) fn each<T: Send>(
         &self,
         messages: &[Message],

@@ -14,8 +14,7 @@ use zune_jpeg::zune_core::{colorspace::ColorSpace, options::DecoderOptions};
 /// Largest number of pixels of a byte of a JPEG: a block of 8×8 takes a bit or more.
 const PIXELS_A_BYTE: u64 = 8 * 64;
 
-/// Samples of a whole JPEG; in its own colours, or `as_rgb` unless it is grey. The error is its damage, in words,
-/// or without meaning where the work was cancelled.
+/// Samples of a whole JPEG in its own colours, or `as_rgb` unless grey; the error is its damage, or a cancellation.
 pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool, monitor: &Monitor) -> Result<Vec<u8>, String> {
     if !has_end(bytes) {
         return Err("its end marker is missing: it is cut off".to_owned());
@@ -38,12 +37,10 @@ pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool, monitor: &M
     Ok(samples)
 }
 
-/// The tables of Huffman codes that the standard gives as examples (ITU-T T.81, K.3 to K.6), as segments: frames of
-/// films (Motion JPEG) leave them out.
+/// Example Huffman tables of the standard (ITU-T T.81, K.3 to K.6), as segments: frames of Motion JPEG omit them.
 const USUAL_TABLES: &[u8] = include_bytes!("samples/usual_tables.dht");
 
-/// A JPEG as decoders take it: without other bytes between its segments, and with the tables that it leaves out. The
-/// error is the reason why no decoder here reads it, with what would.
+/// A JPEG without bytes between segments and with the tables that it omits. The error says why nothing here reads it.
 pub(in crate::burst::formats) fn normalised(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     const START_OF_SCAN: u8 = 0xda;
     let mut clean = bytes.get(..2).unwrap_or(bytes).to_vec();

@@ -136,7 +136,6 @@ fn declared(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Re
     declared_of(path, BufReader::with_capacity(1 << 16, file), &bytes, format, limits)
 }
 
-/// Declarations of the picture that `reader` gives; `bytes` are all of it, of a JPEG.
 pub(super) fn declared_of(
     path: &Path,
     reader: impl BufRead + Seek,
@@ -371,7 +370,6 @@ fn times_of(delays_s: &[f64]) -> Times {
     Times { seconds: delays_s.iter().scan(0.0, from).collect(), is_absolute: false }
 }
 
-/// The frames as they are shown, one over the other, up to the last that is taken.
 fn frames_of(
     reading: Reading<'_>,
     reader: impl BufRead + Seek,

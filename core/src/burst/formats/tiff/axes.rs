@@ -14,7 +14,6 @@ pub(super) struct Chosen {
 
 pub(super) type Refusal = (String, String);
 
-/// The frames of a file of `pages` pages that are `described` so, along the axis that the user chooses.
 pub(super) fn frames_of(
     described: Result<Option<Described>, Refusal>,
     pages: usize,
@@ -46,7 +45,6 @@ pub(super) fn frames_of(
     Along::of(&found, choice)?.taken(&found)
 }
 
-/// An axis along which frames follow one another, and the places on the others.
 struct Along {
     axes: Axes,
     along: usize,

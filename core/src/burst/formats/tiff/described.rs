@@ -236,7 +236,6 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
 }
 
 trait Named {
-    /// Whether the element has this name, with any prefix and namespace.
     fn has_tag_name_of(&self, name: &str) -> bool;
 }
 

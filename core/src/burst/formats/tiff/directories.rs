@@ -66,8 +66,8 @@ mod tag {
     pub(super) const LAST_OF_PLANES: u64 = 33631;
 }
 
-/// Planes of a MetaMorph stack: their number, and for each six numbers: its distance in depth (two), the day and the
-/// millisecond when it was taken, and those when it was changed.
+/// Planes of a MetaMorph stack, six numbers each: distance in depth (two), day and millisecond of recording and of
+/// change.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(super) struct Planes {
     pub count: u64,
@@ -175,7 +175,6 @@ impl<R: Read + Seek> Walk<'_, R> {
         Ok(())
     }
 
-    /// Reads the directory at `at`; returns the position of the next page, 0 for none.
     fn read_directory(&mut self, at: u64, is_notes: bool) -> io::Result<u64> {
         let (count_bytes, field_bytes) = if self.big { (8, 8) } else { (2, 4) };
         let entry_bytes = 4 + 2 * field_bytes as u64;

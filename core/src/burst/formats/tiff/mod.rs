@@ -303,7 +303,6 @@ fn axes_of_lsm(decoder: &mut FileDecoder) -> Option<Axes> {
     Some(vec![('T', number(24)?), ('Z', number(16)?)])
 }
 
-/// Axes of a volume in one directory (SGI's ImageDepth).
 fn axes_of_volume(decoder: &mut FileDecoder) -> Option<Described> {
     let depth = decoder.find_tag_unsigned::<u32>(Tag::Unknown(32997)).ok().flatten()? as usize;
     (depth > 1).then(|| Described::in_order(vec![('Z', depth)], depth))

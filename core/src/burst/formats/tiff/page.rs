@@ -96,8 +96,8 @@ impl<'a> PageReader<'a> {
         Ok(RawFrame { damage, ..decoded })
     }
 
-    /// Damage of the decoder's current page that the decoder would not report: its strips or tiles may be JPEGs, or
-    /// deflated, of which it does not read the checksum: a wrong one is an error. All unpack to at most `most` bytes.
+    /// Damage of the current page that the decoder would not report: of JPEGs, or of deflated data, whose checksum it
+    /// ignores. All strips or tiles unpack to at most `most` bytes.
     fn damage(&mut self, mut most: u64) -> TiffResult<Option<String>> {
         const JPEG: u16 = 7;
         const DEFLATED: [u16; 2] = [8, 32946];
@@ -258,8 +258,7 @@ impl SampleKind {
     }
 }
 
-/// Reads the decoder's current page, of `size` (columns, rows) and `channels` samples a pixel; returns its samples, the
-/// type that they have in the file, and whether they are plane after plane.
+/// Samples of the current page, of `size` (columns, rows), their type in the file, and whether plane follows plane.
 fn read_samples(
     decoder: &mut FileDecoder,
     (width, height): (usize, usize),
@@ -317,10 +316,8 @@ pub(super) fn announced(description: Option<&str>, path: &Path, shape: PageShape
     (count > 1).then(|| Described::in_order(found.axes, count))
 }
 
-/// `count` frames of `size` behind one another, of the decoder's current directory, in a file of `length` bytes.
-///
-/// # Errors
-/// They are compressed, in tiles or planes, not alike, or more than the file holds.
+/// `count` frames of `size` behind one another, of the current directory; an error if compressed, in tiles, or too
+/// many.
 pub(super) fn plain(
     decoder: &mut FileDecoder,
     (path, length): (&Path, u64),

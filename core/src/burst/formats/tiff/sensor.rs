@@ -16,7 +16,6 @@ pub(super) struct Sensor {
 impl Sensor {
     pub(super) const PHOTOMETRIC: u64 = 0x8023;
 
-    /// The mosaic, if there is one. The error ends a sentence about the file.
     pub(super) fn mosaic(&self) -> Result<Option<Mosaic>, &'static str> {
         let square = (self.pattern.len() == 4).then(|| Mosaic::of(|u, v| self.pattern[2 * v + u] as usize));
         match (square.flatten(), self.pattern.len()) {
@@ -28,7 +27,6 @@ impl Sensor {
     }
 }
 
-/// A file in which pages with a mosaic are grey.
 pub(super) struct AsGrey {
     file: BufReader<File>,
     at: u64,

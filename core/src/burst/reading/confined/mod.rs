@@ -76,8 +76,7 @@ pub(in crate::burst) fn is_installed() -> bool {
     WORKER.get().is_some()
 }
 
-/// Decodes `part` of a file of the format `kind` in a child process. Where that ends without an answer, the
-/// file is damaged, unless somebody else ended it.
+/// Decodes `part` of a file in a child process. One that ends without an answer damns the file, unless ended by others.
 pub(in crate::burst) fn decode(
     reading: Reading<'_>,
     kind: &'static str,
@@ -145,7 +144,6 @@ impl Running {
         Self::spawn(command, path)
     }
 
-    /// Starts `command`, which decodes the file `path`, with pipes and without a terminal.
     pub(in crate::burst) fn spawn(mut command: Command, path: &Path) -> Result<Self> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.

@@ -11,8 +11,6 @@ use crate::monitor::Monitor;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// Decodes the part of a file that a request names by `decode`, in this process; see
-/// [`serve_decoding`](crate::burst::serve_decoding).
 pub(in crate::burst) fn serve_decoding(path: &Path, decode: fn(Reading<'_>, Part) -> Result<RawFrame>) -> u8 {
     // A panic becomes an error about the file, which is sent; its message is dropped.
     std::panic::set_hook(Box::new(|_| {}));
@@ -67,12 +65,10 @@ fn limit(memory_bytes: u64, cpu_seconds: u64) {
     }
 }
 
-/// Sets no limits: the parent's wall-clock limit remains.
 #[cfg(not(unix))]
 fn limit(_memory_bytes: u64, _cpu_seconds: u64) {}
 
-/// Gives up what decoding `path` does not need, for the calling thread and those that it starts. Where the system does
-/// not offer a part of it, the rest and the limits hold.
+/// Gives up what decoding `path` does not need, for this thread and those it starts, as far as the system offers it.
 fn confine(path: &Path) {
     #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
     let _ = (confined::to_file(path), confined::without_calls());
@@ -98,8 +94,7 @@ mod confined {
     /// Newest interface of Landlock whose rights are given up; an older kernel offers fewer of them.
     const NEWEST: ABI = ABI::V10;
 
-    /// Gives up all files but reading `path`, TCP, signals to other processes, and privileges of programs that might be
-    /// started. Returns how much of it the kernel offers.
+    /// Gives up all files but reading `path`, TCP, signals and privileges; returns how much of this the kernel offers.
     pub(in crate::burst) fn to_file(path: &Path) -> Result<RulesetStatus, RulesetError> {
         let rules = Ruleset::default()
             .handle_access(AccessFs::from_all(NEWEST))?
@@ -146,8 +141,7 @@ mod confined {
     /// fchmodat2, setxattrat, removexattrat, file_setattr: one number on all processors, not yet in `libc` for all.
     const NEW_CALLS: [i64; 4] = [452, 463, 466, 469];
 
-    /// Flags of a new process with namespaces of its own: files, control groups, names, memory, users, processes,
-    /// network.
+    /// Flags for namespaces of a new process: files, control groups, names, memory, users, processes, network.
     const SPACES: [u64; 7] =
         [0x0002_0000, 0x0200_0000, 0x0400_0000, 0x0800_0000, 0x1000_0000, 0x2000_0000, 0x4000_0000];
 

@@ -78,8 +78,7 @@ pub(in crate::burst) fn send_reply(to: &mut impl Write, reply: Result<RawFrame>)
     }
 }
 
-/// Receives the reply about the file `path`. The outer error is of a reply that is damaged or cut off, the inner one is
-/// the child's error about the file, or of a frame beyond `limits`.
+/// Receives the reply about the file `path`. The outer error is a damaged reply, the inner one the child's own.
 pub(in crate::burst) fn receive_reply(
     from: &mut impl Read,
     path: &Path,
