@@ -119,6 +119,7 @@ impl Monitor {
 
     /// Whether [`Self::cancel`] was called on this monitor or a clone of it.
     pub fn is_cancelled(&self) -> bool {
+        // No data is handed over with the flag.
         self.cancel.load(Ordering::Relaxed)
     }
 

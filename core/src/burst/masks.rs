@@ -115,6 +115,7 @@ impl Masks {
         masked: &[Masked],
         options: &OpenOptions,
     ) -> Result<Vec<String>> {
+        // A frame of which nothing is seen has no mean: an error, not a note.
         let blind = |masked: &Masked| masked.by_files + masked.undefined + masked.saturated >= pixels;
         if let Some(t) = masked.iter().position(blind) {
             let (path, frame) = &origins[t];

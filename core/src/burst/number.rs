@@ -126,6 +126,7 @@ impl Number {
         let mut packed = |group: usize, numbers: fn([u64; 5]) -> [u64; 4]| {
             let count = if group == 5 { 4 } else { 2 };
             for chunk in bytes.chunks(group) {
+                // Missing bytes of a last group count as 0: its whole numbers are still right.
                 let byte = std::array::from_fn(|i| chunk.get(i).copied().map_or(0, u64::from));
                 values.extend(numbers(byte)[..count].iter().map(|number| *number as f32 / divisor));
             }

@@ -94,6 +94,7 @@ pub fn find_entries(inputs: &[PathBuf], options: &OpenOptions) -> Result<Entries
             return Err(Error::not_a_file(path));
         }
     }
+    // Beside a folder, a file could be a burst or a frame.
     if let (Some(folder), Some(file)) = (folders.first(), files.first()) {
         let (folder, file) = (folder.display(), file.display());
         let problem = format!("open either folders or files, not both: {folder} is a folder and {file} is a file");

@@ -463,6 +463,7 @@ impl FoundTimes {
             TimesChoice::List(path) => {
                 let path = options.list_of_times(files).unwrap_or_else(|| path.clone());
                 let list = read_list(&path, &paths)?;
+                // In one file the part is taken already, and the list may be that of the whole.
                 let part = options.take.filter(|_| files.len() != frames);
                 let rows = rows_of(&list, &paths, (frames, part.map(|part| part.start..part.end)));
                 let rows = rows.map_err(|(problem, remedy)| wrong(problem, remedy, &path))?;
@@ -480,6 +481,7 @@ impl FoundTimes {
                 let problem = format!("this one file holds all {frames} frames, so its name says no times");
                 Err(wrong(problem, "give a list of times", &first))
             }
+            // Even and found times never come here: `choice_of` leaves them out.
             TimesChoice::Header | TimesChoice::Even | TimesChoice::Found => {
                 let seconds = of_headers(files, options, monitor)?.seconds;
                 if seconds.len() != frames {

@@ -339,6 +339,7 @@ fn align_all(
         let (keypoints, _) = database.features(id)?;
         alignment.add_image(keypoints.iter().map(ColmapKeypoint::pos_image).collect(), blobs, seen);
     }
+    // Links are numbered over all pairs, as the solution returns residuals by link.
     let mut linked: Vec<Vec<(Inlier, Option<usize>)>> = Vec::with_capacity(waiting.len());
     for Waiting { images, inliers } in waiting {
         let mut link = |m: &Inlier, measured| alignment.add_match(*images, (m.a as usize, m.b as usize), measured);
@@ -360,6 +361,7 @@ fn align_all(
         let agreed: Vec<Inlier> =
             inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m).collect();
         let pair = [ids[images.0], ids[images.1]];
+        // The reports were sorted before the alignment.
         if let Ok(index) = report.pairs.binary_search_by_key(&pair, |report| report.ids) {
             let counts = &mut report.pairs[index].counts;
             counts.inliers = Some(agreed.len());

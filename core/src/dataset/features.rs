@@ -279,6 +279,7 @@ impl FeatureStore {
         let files = self.files(source)?;
         match self.kept_with_record(source, &files, monitor) {
             Ok((kept, record)) => {
+                // Also for kept features: the camera may be another one than that of the earlier run.
                 camera.for_images(kept.size)?;
                 self.complete(source, &files, record, monitor)?;
                 Ok(kept)

@@ -59,6 +59,7 @@ pub fn gather(
         return Err(Error::unread_file(missing, "there is no such folder of kept features"));
     }
     store.protect(bursts)?;
+    // The same job in each folder: features count only if these parameters would find them.
     let others = folders.iter().map(|folder| store.like(folder)).collect::<Vec<_>>();
     let mut knows_one = vec![false; folders.len()];
     let mut report = GatherReport::default();
@@ -78,6 +79,7 @@ pub fn gather(
                     bring(store, other, &features)?;
                 }
                 Err(NotKept::Failed(error)) if error.is_cancelled() => return Err(error),
+                // Nothing of this burst is there, which is no fault.
                 Err(NotKept::NoRecord) => {}
                 Err(reason) => {
                     *knows_one = true;
@@ -88,6 +90,7 @@ pub fn gather(
         if brought {
             report.brought.push(source.name.clone());
         } else {
+            // Reported only where no folder has provided the features.
             report.left_out.append(&mut left_out);
         }
     }

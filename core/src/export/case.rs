@@ -120,6 +120,7 @@ impl Case {
             (Some([u, v]), Some(half)) => (span(u, half, width), span(v, half, height)),
             _ => (0..width, 0..height),
         };
+        // Frames are shared: only a crop copies pixels.
         let mut part = burst.clone();
         if columns.len() < width || rows.len() < height {
             let crop = |frame: &Arc<Plane>| {
@@ -327,6 +328,7 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
         .check_frame(path, width as u64, height as u64)
         .and_then(|()| limits.check_burst(path, case.frames as u64, width as u64, height as u64))
         .map_err(|error| invalid(path, error.to_string()))?;
+    // The number of frames is within the limits: room may be made.
     let mut frames = Vec::with_capacity(case.frames);
     for t in 0..case.frames {
         monitor.check()?;

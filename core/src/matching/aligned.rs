@@ -89,6 +89,7 @@ impl Pictures {
         let largest = blobs.iter().map(|blob| blob.sigma).fold(0.0, f32::max);
         let source = ChipSource::new(&frames, &FrameTimes::all(burst.positions.part(used)), largest);
         let of = places_of(places, blobs);
+        // One chip for all orientations of a place.
         let chip = |&index: &usize| {
             let ([u, v], blob) = (places[index].map(|x| x as f32), &blobs[index]);
             source.chip((u, v), blob.sigma, blob.slope)

@@ -182,6 +182,7 @@ impl OneWay {
         if all.len() < FEWEST_KNOWN {
             return None;
         }
+        // Evenly thinned out, so that all parts of the image decide.
         let mut known: Vec<Known> = all.iter().copied().step_by(all.len().div_ceil(MOST_KNOWN)).collect();
         let agreeing = |known: &[Known], numbers: &Vector4<f64>| {
             known.iter().filter(|known| miss(&parallax, known, numbers) < AGREEING_PX).count()
@@ -367,6 +368,7 @@ fn nearest_among(
             best = match best {
                 None => found(None),
                 Some(old) => {
+                    // Orientations of one place are no rivals: the second nearest must lie elsewhere.
                     let elsewhere = to.places[old.index] != to.places[other];
                     if distance_squared < old.distance_squared {
                         found(if elsewhere { Some(old.distance_squared) } else { old.second_distance_squared })

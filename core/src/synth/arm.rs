@@ -45,6 +45,7 @@ impl Arm {
     pub(super) fn truth(&self, truth: Truth, offsets: &[Offset]) -> Truth {
         let edge = self.columns as f64 - 0.5;
         let is_seen = |feature: &FeatureTruth| {
+            // The mean over the frames, as the detector judges places below masks.
             let shares = offsets.iter().map(|at| share_right_of(edge, feature.position(*at).0, 2.0 * feature.sigma));
             self.columns == 0 || shares.sum::<f64>() >= SEEN * offsets.len() as f64
         };

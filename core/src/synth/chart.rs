@@ -258,6 +258,7 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
                 Motion::TwoD => stream.within(-params.max_slope, params.max_slope),
             };
             let (x, y) = (stream.uniform(), stream.uniform());
+            // The disc stays inside in all frames, with two pixels to spare.
             let rim = radius + 2.0;
             let (reach_u, reach_v) = outermost(all.offsets(), (slope_u, slope_v));
             let (du, dv) = (rim + reach_u, rim + reach_v);

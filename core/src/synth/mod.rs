@@ -102,6 +102,7 @@ pub fn check_common(
     if !(max_slope.is_finite() && max_slope >= 0.0) {
         return Err(Error::param("max-slope", format!("{max_slope}"), "give 0 or more pixels per frame"));
     }
+    // Things that cross the whole image would be in few frames.
     let moved_px = span * max_slope;
     if moved_px >= width.min(height) as f64 {
         return Err(Error::param(
@@ -165,6 +166,7 @@ fn capture_burst(
     monitor.check()?;
     let mut burst = Burst::from_planes(name, planes);
     burst.positions = taken.positions();
+    // Values are words of 16 bits, so that files hold the same bits.
     burst.full_scale = 65535.0;
     burst.quantisation_step = camera.quantisation_step() as f32;
     Ok(burst)

@@ -106,6 +106,7 @@ impl Camera {
     }
 
     fn capture_pixel(&self, signal: f64, stream: &mut Stream) -> f32 {
+        // A Poisson mean is not negative.
         let mut value = signal.max(0.0);
         if !self.is_noiseless() {
             let electrons =

@@ -188,6 +188,7 @@ impl NoiseCase {
                 }
                 Self::Correlated => with_shared_noise(&frame, level),
                 Self::ClippedBlack | Self::Saturated => mapped(&frame, |x| x.clamp(0.0, 1.0)),
+                // A filter over time, as of a camera that denoises: neighbouring frames share noise.
                 Self::Smoothed => match planes.last() {
                     Some(before) => {
                         let share = 0.8;
@@ -204,6 +205,7 @@ impl NoiseCase {
         }
         let mut burst = Burst::from_planes(self.name(), planes);
         if matches!(self, Self::Jpeg(_) | Self::ColourJpeg(_)) {
+            // All other cases are floats without rounding.
             burst.quantisation_step = quantisation_step(8) as f32;
         }
         Ok(burst)
@@ -302,6 +304,7 @@ impl std::str::FromStr for NoiseCase {
             let digit = |text: &str| text.parse::<u8>().ok().filter(|n| *n <= 9);
             digit(whole).zip(digit(part)).map(|(whole, part)| 10 * whole + part).filter(|n| *n > 0)
         };
+        // Names with a number first: `ALL` has only the numbers that are commonly measured.
         let found = (number("jpeg-", 1..=100).map(Self::Jpeg))
             .or_else(|| number("colour-jpeg-", 1..=100).map(Self::ColourJpeg))
             .or_else(|| number("varying-", 2..=9).map(Self::Varying))

@@ -101,6 +101,7 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     }
     let mut camera = Camera::for_snr(params.snr, BOARD, MARK, params.read_noise, 0.0, params.bits)?;
     camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(1.0 / 64.0);
+    // Marks and noise above the pedestal must stay below white.
     if camera.black_level + 3.0 * MARK > 1.0 {
         return Err(Error::param(
             "snr",
@@ -119,6 +120,7 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     })?;
     let noise = (BOARD, Some(params.snr));
     let truth = Truth::captured(TruthKind::Scene, size, (params.frames, params.seed), &camera, noise);
+    // Seen in all frames of the even burst, so that an uneven one has the same things.
     let features = visible_landmarks(&layers, size, whole.offsets());
     let truth = taken.truth(Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth });
     let offsets = truth.offsets();

@@ -80,15 +80,18 @@ impl Uneven {
         let (Some(&first), Some(&last)) = (kept.first(), kept.last()) else {
             return Err(Error::param("drop", "no frame would be left", "leave out fewer frames"));
         };
+        // A stream of its own: jitter changes no noise.
         let (mut stream, even) = (Stream::new(seed, JITTER_STREAM), Taken::even(frames));
         let at = |t: usize| {
             let is_end = t == first || t == last;
+            // The ends keep their times, and so the burst its span.
             let late = if is_end || self.jitter == 0.0 { 0.0 } else { stream.within(-self.jitter, self.jitter) };
             (t, Offset::from(even.frames[t].1.u + late))
         };
         let mut frames: Vec<_> = kept.into_iter().map(at).collect();
         match self.exchange[..] {
             [] => {}
+            // Each frame keeps its true time, which the truth reports.
             [a, b] if a != b && a.max(b) < frames.len() => frames.swap(a, b),
             _ => {
                 let remedy = format!("give two frames from 0 to {}, such as 1,2", frames.len() - 1);

@@ -86,6 +86,7 @@ pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<
     for (dump, frames) in Shape::likely(length, limits.max_frames as u64) {
         let Shape { size, number, skip, .. } = dump;
         let one = Plain::new(NAME, size, vec![skip], number);
+        // A wrong shape shows in the first frame already.
         let Some(frame) = one.stack(Reading::new(path, &options, &ticker))?.into_iter().next() else { continue };
         let likeness = likeness_of_rows(&frame.plane);
         shapes.push(LikelyShape { dump, frames, first: frame.plane, likeness });

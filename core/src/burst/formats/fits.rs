@@ -88,6 +88,7 @@ impl Unit {
         let mut card = [0; CARD_BYTES];
         for count in 0.. {
             reader.read_exact(&mut card).map_err(fail)?;
+            // A header without END would be read to the end of the file.
             if count >= MAX_CARDS {
                 return Err(corrupt(format!("a header has no END within {MAX_CARDS} lines")));
             }
@@ -333,6 +334,7 @@ fn chosen(path: &Path, input: &Input, options: &OpenOptions) -> Result<(Unit, us
     let fail = |e: io::Error| Error::from_read(path, KIND, &e);
     let mut reader = BufReader::with_capacity(BLOCK_BYTES as usize, &input.file);
     let (mut images, mut at) = (Vec::<Unit>::new(), 0u64);
+    // Units follow one another by their declared lengths, in a damaged file perhaps without end.
     for _ in 0..MAX_UNITS {
         reader.seek(SeekFrom::Start(at)).map_err(fail)?;
         let unit = Unit::read(path, &mut reader)?;
@@ -349,6 +351,7 @@ fn chosen(path: &Path, input: &Input, options: &OpenOptions) -> Result<(Unit, us
         let (problem, remedy) = ("this FITS file has no image", "name one with an image of two or three axes");
         return Err(Error::new(ErrorKind::Unsupported, problem, remedy).about(path));
     }
+    // The name first, which may be a number too.
     let number = match &options.array {
         None => 0,
         Some(name) => {

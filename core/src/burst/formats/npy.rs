@@ -241,6 +241,7 @@ fn meaning(shape: &[u64], axis: Option<&AxisChoice>) -> Result<Meaning, String> 
             let words = "the last axis, which is by far the shortest, is taken for that of the frames; --axis first takes the first";
             (&[Row, Column, Frame], Some(words.to_owned()))
         }
+        // The order that numpy.stack makes of frames.
         [_, _, _] => (&[Frame, Row, Column], None),
         [_, 1, _, _] => (&[Frame, Colour, Row, Column], None),
         [_, _, _, 1] => (&[Frame, Row, Column, Colour], None),
@@ -329,6 +330,7 @@ fn of_archive(path: &Path, file: File, options: &OpenOptions) -> Result<Plain> {
         let remedy = format!("say with --array NAME which one holds the frames: {}", all.join(", "));
         Error::new(ErrorKind::Unsupported, problem, remedy).about(path)
     };
+    // A named array is taken whatever it looks like; unasked, exactly one must look like frames.
     let chosen = match &options.array {
         Some(array) => {
             let named = found.iter().find(|(name, ..)| name == array);

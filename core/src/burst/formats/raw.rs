@@ -124,6 +124,7 @@ fn decoded(reading: Reading<'_>) -> Result<RawFrame> {
     let raw = decoder.raw_image(&source, &RawDecodeParams::default(), false).map_err(corrupt)?;
     let unsupported = |reason: String| Error::unsupported(path, NAME, reason);
     let too_few = || Error::corrupt(path, NAME, "it has fewer values than its size announces");
+    // Checked before values are indexed.
     let area = active_area(&raw).ok_or_else(too_few)?;
     let levels = RawLevels::of(&raw, (area.d.w, area.d.h), black_steps, options).map_err(unsupported)?;
     let (plane, binning) = plane_of(&raw, &area, &levels, options).map_err(unsupported)?;
@@ -164,6 +165,7 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, options: &OpenOptio
     if let (RawPhotometricInterpretation::Cfa(config), 1, true) = (&raw.photometric, raw.cpp, is_binned) {
         let mosaic = &config.cfa;
         let colour_at = |u: usize, v: usize| mosaic.color_at(area.p.y + v, area.p.x + u);
+        // A square of two green, a red and a blue pixel: other mosaics have other colours or periods.
         let mut square: Vec<usize> = (0..4).map(|k| colour_at(k % 2, k / 2)).collect();
         square.sort_unstable();
         if (mosaic.width, mosaic.height) != (2, 2) || square != [0, 1, 1, 2] {

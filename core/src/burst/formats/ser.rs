@@ -154,6 +154,7 @@ fn times(
     file.seek(SeekFrom::Start(end + 8 * range.start as u64)).map_err(|e| Error::from_read(path, KIND, &e))?;
     file.read_exact(&mut bytes).map_err(|e| Error::from_read(path, KIND, &e))?;
     let ticks: Vec<u64> = bytes.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
+    // Earlier stamps are no times of a recording.
     if ticks.iter().any(|ticks| *ticks < TICKS_TO_1970) {
         return Ok(Times::default());
     }

@@ -43,6 +43,7 @@ impl Film {
             side.ok_or_else(|| corrupt(format!("its line has no number of pixels {letter}")))
         };
         let (width, height) = (side('W')?, side('H')?);
+        // 4:2:0 is the format's default.
         let colours = field('C').unwrap_or("420");
         let (chroma, bits) = planes_of(colours).ok_or_else(|| {
             let reason = format!("its colours are {colours}; save it as mono, 420, 422 or 444 of 8 to 16 bits");

@@ -198,6 +198,7 @@ impl Plain {
             }
             return Ok(frames);
         }
+        // A file handle for each frame, since frames are read in parallel.
         let at = |place: u64| {
             let mut file = File::open(path)?;
             file.seek(SeekFrom::Start(place))?;
@@ -305,6 +306,7 @@ impl Plain {
 
     fn frame_of(&self, reading: Reading<'_>, t: usize, mut values: Vec<f32>, whole: bool) -> Result<RawFrame> {
         let Reading { path, options, .. } = reading;
+        // Luma weighs red and blue differently, so their order matters.
         if self.is_bgr {
             values.chunks_exact_mut(self.channels).for_each(|pixel| pixel.swap(0, 2));
         }

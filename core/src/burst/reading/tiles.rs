@@ -327,6 +327,7 @@ impl Tiles {
             })?;
             let own = number as usize * own_bytes;
             let reference = own + if is_packed { 0 } else { REFERENCES_BYTES / 2 };
+            // References count from the end of the rows, where the bytes of tiles begin.
             let numbers = [tile.len() as u64, (bytes.len() - rows_end) as u64].map(u64::to_be_bytes);
             bytes[reference..reference + REFERENCES_BYTES / 2].copy_from_slice(&numbers.concat());
             let mut end = own + REFERENCES_BYTES;

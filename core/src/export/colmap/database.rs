@@ -155,6 +155,7 @@ impl DatabaseWriter<'_> {
         let geometry = geometry.in_colmap_pixels();
         let inliers = &geometry.inliers;
         let turn = geometry.b_from_a.map(|pose| {
+            // COLMAP stores quaternions with w first.
             let q = pose.rotation.quaternion();
             float_bytes([q.w, q.i, q.j, q.k])
         });

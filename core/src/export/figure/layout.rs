@@ -208,6 +208,7 @@ impl Style {
             width = width.max(self.colour_bar(bar, [corner[0], bottom], size[0], out));
             bottom += BAR_HEIGHT * font;
         }
+        // A legend that all panels share stands once, below all.
         let legend = if shared.legend.is_empty() { &panel.legend[..] } else { &[] };
         let (legend_width, legend_height) = self.legend(legend, [corner[0], bottom], size[0], out);
         [width.max(legend_width), bottom + legend_height - corner[1]]
@@ -315,6 +316,7 @@ impl Style {
                     let rect = FigureRect { min, size: [swatch; 2] };
                     out.push(FigureShape::Fill { rect, color: entry.color });
                 }
+                // A wheel is higher than a line: its label stands at the middle, and rows are added.
                 LegendMark::Wheel => {
                     out.extend(wheel(min.map(|corner| corner + 0.5 * swatch), 0.5 * swatch));
                     label = min[1] + 0.5 * swatch + 0.35 * font;

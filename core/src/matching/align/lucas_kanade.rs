@@ -131,6 +131,7 @@ impl Window {
         weights.iter_mut().zip(&self.weights).for_each(|(seen, weight)| *seen *= weight);
         let sum: f32 = weights.iter().sum();
         let mean = weighted(weights, template) / sum;
+        // Mean 0 and variance 1, since brightness may differ by an offset and a factor.
         template.iter_mut().for_each(|value| *value -= mean);
         let variance = template.iter().zip(&*weights).map(|(t, w)| w * t * t).sum::<f32>() / sum;
         if sum < LEAST_SEEN || variance <= 1e-6 {
@@ -140,6 +141,7 @@ impl Window {
         template.iter_mut().for_each(|value| *value *= scale);
         for k in 0..count {
             let (x, y) = (self.x[k] / self.radius, self.y[k] / self.radius);
+            // In units of the radius all unknowns are of one size.
             let (along_x, along_y) = (scale * derivatives[0][k], scale * derivatives[1][k]);
             let all = [along_x, along_y, along_x * x, along_x * y, along_y * x, along_y * y];
             derivatives.iter_mut().zip(all).for_each(|(derivative, value)| derivative[k] = value);

@@ -102,6 +102,7 @@ pub fn solve(
             };
             weights = terms.iter().map(robust).collect();
         }
+        // Places that would move too far stay at 0 from here on.
         let mut is_done = true;
         for (place, correction) in corrections.iter_mut().enumerate() {
             if *correction != [0.0; 2] && !may_move(place, *correction) {

@@ -298,6 +298,7 @@ impl Sampler {
         self.drawn += 1.0;
         let count = self.order.len();
         while self.drawn > self.grows_after && self.open < count {
+            // T_(n+1) = T_n·(n + 1)/(n + 1 − m), as in the paper.
             let next = self.expected * (self.open + 1) as f64 / (self.open + 1 - self.size) as f64;
             self.grows_after += (next - self.expected).ceil().max(1.0);
             self.expected = next;

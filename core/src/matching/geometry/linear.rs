@@ -58,6 +58,7 @@ impl Problem for FundamentalProblem<'_> {
             return None;
         }
         normal.fill_upper_triangle_with_lower_triangle();
+        // A linear fit has no rank of its own: it is made 2 afterwards.
         of_rank_two(&matrix_of(&min_eigenvector(&normal)?))
     }
 
@@ -221,6 +222,7 @@ impl Problem for HomographyProblem<'_> {
 
     fn solve(&self, sample: &[usize], models: &mut Vec<Homography>) {
         let pairs: [&RayPair; 4] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        // A cheap test before the solution, which many samples with outliers fail.
         if !keeps_orientation(&pairs) {
             return;
         }

@@ -385,6 +385,7 @@ fn declared(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Dec
     let mut taken = vec![format!("the topic is {}, of {}{others}", topic.channel.topic, topic.channel.of)];
     taken.extend(header.taken);
     taken.extend(segments.iter().filter_map(|segment| segment.unread.clone()));
+    // Stamps, of the exposure, come before times of the recording.
     let times = if are_stamps(stamps.iter()) {
         if !stamps.is_sorted() {
             taken.push("the frames are in the order of their stamps, which is not that of the recording".to_owned());

@@ -104,6 +104,7 @@ pub(super) fn channels(path: &Path, work: &Arc<Work>) -> io::Result<BTreeMap<u32
             ))
         })?;
         let mut channels: BTreeMap<u32, Channel> = topics.collect::<rusqlite::Result<_>>()?;
+        // One pass over the messages for all topics.
         let mut counts = connection.prepare("SELECT topic_id, count(*) FROM messages GROUP BY topic_id")?;
         for count in counts.query_map([], |row| Ok((row.get::<_, u32>(0)?, row.get::<_, i64>(1)?)))? {
             let (id, count) = count?;

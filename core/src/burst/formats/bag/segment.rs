@@ -297,6 +297,7 @@ impl Segment {
             return Ok(unpacked.clone());
         }
         let Chunk { at, bytes, size, packed_by, crc } = chunk;
+        // Before room is made: the size is only announced.
         if *size > self.most {
             let problem = format!("a chunk of it announces {size} bytes, and the limit is {} bytes", self.most);
             return Err(io::Error::new(io::ErrorKind::QuotaExceeded, problem));

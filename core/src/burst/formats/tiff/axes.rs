@@ -24,6 +24,7 @@ pub(super) fn frames_of(
     let is_first = choice.is_some_and(|choice| choice.along == Axis::First && choice.at.is_empty());
     let found = match described {
         Ok(Some(found)) => found,
+        // Without a description pages are frames, and there is no axis to choose.
         Ok(None) if pages == 1 => return all(Vec::new()),
         Ok(None) => match choice {
             Some(choice) if !matches!(choice.along, Axis::T | Axis::First | Axis::Last) || !choice.at.is_empty() => {
@@ -34,6 +35,7 @@ pub(super) fn frames_of(
             }
             _ => return all(Vec::new()),
         },
+        // The user's choice overrides a description that does not fit.
         Err(_) if is_first => {
             return all(vec!["all pages are taken in their order, whatever the description says".to_owned()]);
         }

@@ -121,6 +121,7 @@ const MAX_PLANES: usize = 1 << 20;
 
 fn of_ome(text: &str, path: &Path, pages: usize, array: Option<&str>) -> Result<Option<Described>, (String, String)> {
     let wrong = |what: String| (format!("the OME description of this file {what}"), String::new());
+    // Against hostile XML: no entities that expand, and a limit on nodes.
     let options = ParsingOptions { allow_dtd: false, nodes_limit: 1 << 22, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options);
     let document = document.map_err(|e| wrong(format!("cannot be understood: {e}")))?;

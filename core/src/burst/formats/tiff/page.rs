@@ -118,6 +118,7 @@ impl<'a> PageReader<'a> {
         let mut file = files::open(self.reading.path)?;
         let monitor = self.reading.ticker.monitor();
         for (at, length) in places.into_iter().zip(lengths) {
+            // The caller reports the cancellation.
             if monitor.is_cancelled() {
                 break;
             }
@@ -129,6 +130,7 @@ impl<'a> PageReader<'a> {
             file.read_exact(&mut bytes)?;
             if is_deflated {
                 let unpacked = unpacked_bytes(&bytes, most).map_err(corrupt)?;
+                // All strips together may not exceed the page.
                 most -= unpacked;
                 continue;
             }

@@ -76,7 +76,7 @@ pub(in crate::burst) fn is_installed() -> bool {
     WORKER.get().is_some()
 }
 
-/// Decodes `part` of a file in a child process. One that ends without an answer damns the file, unless ended by others.
+/// Decodes `part` of a file in a child process. An end without an answer is damage, unless others ended the child.
 pub(in crate::burst) fn decode(
     reading: Reading<'_>,
     kind: &'static str,

@@ -20,6 +20,7 @@ pub(in crate::burst) fn serve_decoding(path: &Path, decode: fn(Reading<'_>, Part
 
 fn serve(path: &Path, decode: fn(Reading<'_>, Part) -> Result<RawFrame>) -> io::Result<()> {
     let request: DecodeRequest = receive(&mut io::stdin().lock())?;
+    // Before the file is opened: the request alone comes from a trusted process.
     limit(request.memory_bytes, request.cpu_seconds);
     confine(path);
     // Decoders that work in parallel use this thread alone; others would take address space of their own.
