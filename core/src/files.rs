@@ -102,8 +102,7 @@ pub fn written_by() -> String {
     format!("{WRITTEN_BY}{VERSION}\n")
 }
 
-/// Returns the `problem` with a parameter or session file of this text; adds that a newer program wrote the file if so,
-/// because that version may know what is unknown here.
+/// Returns the `problem` with a file of this text; adds that a newer program wrote it, which may know more, if so.
 pub fn explained(text: &str, problem: &str) -> String {
     let numbers = |version: &str| -> Option<Vec<u64>> { version.split('.').map(|part| part.parse().ok()).collect() };
     let writer = text.lines().find_map(|line| line.strip_prefix(WRITTEN_BY)).map(str::trim);

@@ -75,8 +75,7 @@ impl Dump {
         self.number.bytes((self.size.0 as u64).saturating_mul(self.size.1 as u64))
     }
 
-    /// Shapes of usual sensors that fill `length` bytes with at most `max_frames` frames, and their number; fewest
-    /// first.
+    /// Shapes of usual sensors that fill `length` bytes with up to `max_frames` frames, and their number; fewest first.
     pub(super) fn likely(length: u64, max_frames: u64) -> Vec<(Self, u64)> {
         let whole = |(dump, _): &(Self, u64)| length.is_multiple_of(dump.frame_bytes());
         let size = |text: &str| text.split_once('x').and_then(|(u, v)| Some((u.parse().ok()?, v.parse().ok()?)));
@@ -340,8 +339,8 @@ impl fmt::Display for ViewGrid {
 pub enum Tiling {
     /// Views side by side, in rows and columns.
     Tiled,
-    /// Views interleaved, as in ESLF files of Lytro cameras: pixel (v·rows + t, u·columns + s) is pixel (v, u) of view
-    /// (t, s).
+    /// Interleaved, as in ESLF files of Lytro cameras: pixel (v·rows + t, u·columns + s) is pixel (v, u) of view (t,
+    /// s).
     Eslf,
 }
 

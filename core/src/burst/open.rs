@@ -27,9 +27,9 @@ impl Burst {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
 
-    /// Opens one burst: a folder of frames (in natural order), a file that holds several (a multi-page TIFF, a `.npy`
-    /// stack, a film), or several files that are its frames (in the order given). One single picture is a burst of one
-    /// frame, which is enough for SIFT but has no slopes.
+    /// Opens one burst: a folder of frames (in natural order), a file with several (a multi-page TIFF, a `.npy` stack,
+    /// a film), or several files, its frames in this order. A single picture is a burst without slopes, enough for
+    /// SIFT.
     ///
     /// Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
     /// signed), also when the camera has fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless
@@ -42,8 +42,7 @@ impl Burst {
     /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1. NaN is masked.
     ///
     /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed.
-    /// Each is reported to `monitor`, and cancellation checked before it. Of several faulty frames the error names the
-    /// first.
+    /// Each is reported to `monitor`, and cancellation checked before it. Of several errors the first frame's counts.
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);

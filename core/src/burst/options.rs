@@ -1,8 +1,6 @@
-//! Options for opening a burst: calibration, masks, encoding, the colour that is taken of raw frames, how pixels lie in
-//! files that do not say it, and the largest size.
+//! Options for opening a burst: calibration, masks, encoding, layout of pixels where files are silent, and limits.
 //!
-//! Declared sizes are checked against the [`Limits`] before pixels are allocated: no file can take the machine's
-//! memory.
+//! Declared sizes are checked against the [`Limits`] before pixels are allocated: no file can exhaust the memory.
 
 use super::layout::{AxisChoice, Dump, FrameRange, Mosaic, TimesChoice, ViewsChoice};
 use crate::error::{Error, ErrorKind, Result};
@@ -113,16 +111,14 @@ impl OpenOptions {
         *self == Self { limits: self.limits, ..Self::default() }
     }
 
-    /// These options with those of `other` that hold for one burst alone: its mask, part, times, views, and where in its
-    /// file it lies. The rest is of the camera and its files.
+    /// These options with the mask, part, times, views and place in a file of `other`: what holds for one burst alone.
     #[must_use]
     pub fn with_burst_of(self, other: &Self) -> Self {
         let Self { mask, take, times, views, axis, array, topic, .. } = other.clone();
         Self { mask, take, times, views, axis, array, topic, ..self }
     }
 
-    /// Options other than the default: names on a command line, with values as text; `None` for those that are only
-    /// named.
+    /// Options other than the default: names on a command line, with values as text; `None` for switches.
     pub fn given(&self) -> Vec<(String, Option<String>)> {
         let fields = |options: &Self| serde_json::to_value(options).ok().and_then(|all| all.as_object().cloned());
         // JSON holds no path that is not text.
@@ -148,8 +144,7 @@ impl OpenOptions {
         self.bias.iter_mut().chain(&mut self.flat).chain(&mut self.mask).chain(times)
     }
 
-    /// File with the list of times for frames in the files `frames`, also where it lies beside them or in the folder
-    /// above theirs; `None` where no list is to be read.
+    /// File with the times of `frames`, also beside them or in the folder above; `None` where no list is to be read.
     pub fn list_of_times(&self, frames: &[PathBuf]) -> Option<PathBuf> {
         let Some(TimesChoice::List(path)) = &self.times else { return None };
         let frame = frames.first().and_then(|frame| std::path::absolute(frame).ok()).unwrap_or_default();
@@ -305,8 +300,7 @@ pub enum Encoding {
     /// Proportional to light, as far as the files tell.
     #[default]
     Linear,
-    /// Encoded for screens (sRGB), with more codes for dark values than for bright ones: colours of 8 bit, JPEG and
-    /// WebP.
+    /// Encoded for screens (sRGB), with more codes for dark values than for bright: 8-bit colours, JPEG and WebP.
     Srgb,
 }
 

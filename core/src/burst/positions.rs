@@ -1,10 +1,9 @@
 //! Positions of the frames of a burst: when each was taken, or from where.
 //!
-//! A thing of slope s is displaced in a frame by s times the frame's position from mid-burst. Everything that moves
-//! with the frames takes that position from [`Positions::offset`], and the displacement from
-//! [`Offset::displacement`]; nothing else knows where a frame lies. A frame of a burst has one coordinate, its time. A
-//! view of a light field has two, its column and its row in the grid of views; mid-burst is the mean view then, and a
-//! slope is the disparity between neighbouring views.
+//! Something of slope s is displaced in a frame by s times the frame's position from mid-burst. Everything that moves
+//! with the frames takes this position from [`Positions::offset`], and the displacement from [`Offset::displacement`].
+//! A frame of a burst has one coordinate, its time. A view of a light field has two, column and row in the grid of
+//! views; mid-burst is the mean view then, and a slope is the disparity between neighbouring views.
 
 use std::ops::{Add, Mul, Range, Sub};
 use std::sync::Arc;
@@ -107,9 +106,8 @@ impl Positions {
 
     /// Positions of frames taken at `seconds`; `None` unless these increase.
     ///
-    /// The frame interval is that of the camera, of which gaps where frames are missing are multiples: the time from
-    /// the first to the last frame over the number of intervals, each gap being as many as it has of the median gap. So
-    /// frames that are dropped change the slopes of those that stay by nothing.
+    /// The frame interval is the camera's: the time from the first to the last frame over the number of intervals,
+    /// where a gap counts as many as it has median gaps. So dropped frames do not change the slopes of those that stay.
     pub fn of_seconds(seconds: &[f64]) -> Option<Self> {
         let mut gaps: Vec<f64> = seconds.windows(2).map(|two| two[1] - two[0]).collect();
         let span = seconds.last().zip(seconds.first()).map_or(0.0, |(last, first)| last - first);
@@ -280,8 +278,7 @@ impl Positions {
         self.offsets.iter().map(move |offset| *offset - first)
     }
 
-    /// Positions of `count` frames from [`Self::list`] and [`Self::views`]; `None` for lists of another length or
-    /// order.
+    /// Positions of `count` frames from [`Self::list`] and [`Self::views`]; `None` for other lengths or orders.
     pub fn of_lists(count: usize, times: &[f64], views: &[[f64; 2]]) -> Option<Self> {
         match (times.len(), views.len()) {
             (0, 0) => Some(Self::even(count)),

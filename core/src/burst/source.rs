@@ -47,8 +47,7 @@ pub fn supported_extensions() -> Vec<&'static str> {
     formats::extensions().collect()
 }
 
-/// Bursts that `inputs` name, in natural order (folders and stacks named one by one keep their order). Reads folders
-/// and the headers of possible stacks as `options` say, no pixels.
+/// Bursts that `inputs` name, in natural order, or as given one by one. Reads folders and headers of stacks, no pixels.
 ///
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
@@ -229,8 +228,7 @@ fn natural_order(a: &Path, b: &Path) -> Ordering {
     by(Path::file_stem).then_with(|| by(Path::extension)).then_with(|| a.cmp(b))
 }
 
-/// Numbers the later bursts of a name, so that no export overwrites another. Letter case is ignored, as in some
-/// systems.
+/// Numbers the later bursts of a name, so that no export overwrites another. Letter case does not count.
 pub(super) fn make_names_unique(sources: &mut [BurstFiles]) {
     let mut taken = HashSet::new();
     for source in sources {
@@ -248,8 +246,7 @@ pub struct SequenceCut {
 }
 
 impl SequenceCut {
-    /// Bursts of `length` frames; each begins `step` frames after the one before, by default `length`: each frame is in
-    /// one burst. Either being 0 is an error.
+    /// Bursts of `length` frames that begin `step` frames apart, by default `length`. Either being 0 is an error.
     pub fn new(length: usize, step: Option<usize>) -> Result<Self> {
         let step = step.unwrap_or(length);
         if length == 0 || step == 0 {
@@ -272,8 +269,7 @@ impl SequenceCut {
         self.step
     }
 
-    /// The frames of each burst in a sequence of `frames` frames, in order; a last part that fills no burst is left
-    /// out.
+    /// The frames of each burst in a sequence of `frames` frames, in order; a last part that fills none is left out.
     pub fn ranges(self, frames: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
         let count = if frames < self.length { 0 } else { (frames - self.length) / self.step + 1 };
         (0..count).map(move |k| k * self.step..k * self.step + self.length)

@@ -97,8 +97,7 @@ fn are_counters(seconds: &[i128], numbers: &[i128]) -> bool {
     numbers.len() > 1 && (counts(&all) || each.values().all(|of| of[0] <= 1 && counts(of)))
 }
 
-/// Times, in [`PARTS`] of a second, of whole `seconds` and the `digits` behind: a fraction, or whole milli-, micro- or
-/// nanoseconds without leading zeros. `None` for counters.
+/// Times in [`PARTS`] of a second: `digits` as a fraction, or as milli-, micro- or nanoseconds; `None` for counters.
 fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<Vec<i128>> {
     let longest = digits.iter().map(|digits| digits.len()).max().filter(|longest| (1..=15).contains(longest))?;
     let is_point = is_point(separator);
@@ -130,8 +129,8 @@ fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<
     Some(if are_fractions { fractions } else { wholes })
 }
 
-/// Stamps in the `names` of frames: dates or seconds with fractions, or the longest numbers that differ in all names.
-/// The error names the first name without a stamp, or says what is unclear.
+/// Stamps in `names`: dates or seconds with fractions, or the longest numbers that differ; an error names the first
+/// name.
 fn in_names(names: &[String]) -> Result<Stamps, String> {
     let found: Vec<Vec<Run<'_>>> = names.iter().map(|name| runs(stem(name))).collect();
     let stamps = |values: Vec<i128>, known_by| {
@@ -222,8 +221,7 @@ fn with_whole_numbers(mut found: Vec<Vec<Run<'_>>>) -> Vec<Vec<Run<'_>>> {
     found
 }
 
-/// Times of names with seconds from their own start and fractions, such as `12_9658000`; `None` if not surely one
-/// number.
+/// Times of names with seconds from an own start and fractions, such as `12_9658000`; `None` if not surely so.
 fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
     let count = found.iter().map(Vec::len).min().unwrap_or(0);
     let of = |from_end: usize| {
@@ -260,8 +258,7 @@ fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
     (0..count.saturating_sub(1)).find_map(of)
 }
 
-/// Counters of names whose dates do not differ, as numbers of frames; those behind the date come first. `is_in_day`
-/// where the counters look like times of day.
+/// Counters of names with equal dates, as numbers of frames. `is_in_day` where they look like times of day.
 fn counters(
     names: &[String],
     found: &[Vec<Run<'_>>],
@@ -351,8 +348,7 @@ impl Timing {
     }
 
     /// Positions of the frames of `files`, by the choice in `options`: one each, of which those to be taken stay, in
-    /// the order of their times, or `in_one` file, taken already. An error where a frame has no time, or times are
-    /// equal or too close.
+    /// the order of their times, or `in_one` file, taken already. An error if a time is missing, equal or too near.
     pub fn of(
         files: &mut Vec<PathBuf>,
         in_one: Option<usize>,
@@ -531,8 +527,7 @@ fn read_list(path: &Path, frames: &[String]) -> Result<List> {
     List::read(&String::from_utf8_lossy(&bytes), frames).map_err(wrong)
 }
 
-/// Row of `list` for each of the `count` frames: by folder and name in `paths`, or in their order, from the start of
-/// `part` on in a list of the whole file. The error has a remedy.
+/// Row of `list` for each of the `count` frames: by folder and name, or in order, from the start of `part` on.
 fn rows_of(
     list: &List,
     paths: &[String],

@@ -163,8 +163,7 @@ fn words(heading: &str) -> impl Iterator<Item = String> {
     heading.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase)
 }
 
-/// How surely a heading is that of times: 0 not; 1 by a word of other quantities too (h, min); 2 by a unit; 3 by its
-/// word.
+/// How surely a heading is that of times: 0 not; 1 by a word like h or min; 2 by a unit; 3 by a word for times.
 fn time_heading(heading: &str) -> u8 {
     let has = |known: &[&str]| words(heading).any(|word| known.contains(&&*word));
     match Unit::of(heading) {

@@ -1,9 +1,7 @@
-//! Views of a light field as the frames of a burst: their places in the grid of views, by names or in order, and
-//! pictures that hold all views of a grid.
+//! Views of a light field as frames: their places in the grid by names or in order, and pictures of all views.
 //!
-//! Rows of views go downwards and columns to the right, as LFToolbox has them, and both directions have one baseline:
-//! a thing of disparity d is displaced by d to the right from a view to that of the next column, and by d downwards
-//! from a view to that of the next row.
+//! Rows of views go downwards and columns to the right, as in LFToolbox, with one baseline: a disparity d is a
+//! displacement by d to the right from a column to the next, and by d downwards from a row to the next.
 
 use super::layout::{MAX_SIDE, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use super::options::OpenOptions;
@@ -115,8 +113,8 @@ fn pairs(name: &str) -> Vec<(usize, [usize; 2], usize)> {
     runs.windows(2).filter_map(pair).collect()
 }
 
-/// Rows and columns in the `names` of views: the first pair of numbers, behind the same text, that differs in all
-/// names. The error names the first name without one.
+/// Rows and columns in the `names` of views: the first pair of numbers that differs in all names, with equal text
+/// before.
 fn in_names(names: &[String]) -> Result<Named, String> {
     let all: Vec<Vec<(usize, [usize; 2], usize)>> = names.iter().map(|name| pairs(stem(name))).collect();
     let count = all.iter().map(Vec::len).min().unwrap_or(0);

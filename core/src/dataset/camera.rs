@@ -8,8 +8,7 @@ use std::path::Path;
 /// Camera of a dataset: known from a calibration, or guessed as COLMAP does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CameraChoice {
-    /// Unknown: as COLMAP does, the focal length is taken as 1.2 times the larger side, and the centre as the principal
-    /// point. Images of different sizes have separate cameras.
+    /// Unknown: as in COLMAP a focal length of 1.2 times the larger side, and a camera for each size of images.
     Guessed(CameraModel),
     /// One known camera for all images.
     Known(Camera),

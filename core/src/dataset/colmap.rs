@@ -85,8 +85,7 @@ pub struct ColmapReport {
     pub images: Vec<ImageReport>,
     /// Pairs, in order.
     pub pairs: Vec<PairReport>,
-    /// Distances by which the database's keypoints were moved from those in the files of features; `None` if not
-    /// aligned.
+    /// Distances by which the database's keypoints moved from those in the files; `None` if they were not aligned.
     pub moved: Option<Moved>,
     /// Says why COLMAP's mapper will not be able to start from the database; `None` where a pair has enough inliers.
     pub no_start: Option<String>,

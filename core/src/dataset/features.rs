@@ -142,8 +142,7 @@ impl FeatureStore {
         Self::at(folder, job, settings)
     }
 
-    /// Opens the dataset in `folder` for features in memory, found with `params`, one text a burst. Errors as
-    /// [`Self::open`].
+    /// Opens the dataset in `folder` for features in memory, found with `params`, one text a burst.
     #[cfg(feature = "colmap")]
     pub(super) fn of_detections(folder: &Path, job: &FeatureJob, params: Vec<String>) -> Result<Self> {
         Self::at(folder, job, json!({ "detectors": params }))
@@ -323,8 +322,7 @@ impl FeatureStore {
         Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
-    /// Writes features and picture of a burst that was searched elsewhere; without a record, so another run searches
-    /// anew.
+    /// Writes features and picture of a burst that was searched elsewhere, without a record: another run searches it.
     #[cfg(feature = "colmap")]
     pub(super) fn keep(
         &mut self,
@@ -386,8 +384,7 @@ impl FeatureStore {
         Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
-    /// First locks the folder, removes what a killed run left and writes the manifest; later checks that the lock
-    /// holds.
+    /// First locks the folder, removes rests of killed runs and writes the manifest; later checks the lock.
     pub(super) fn begin_writing(&mut self) -> Result<()> {
         if let Some(lock) = &self.lock {
             return lock.check();
@@ -469,8 +466,8 @@ pub fn image_name(source: &BurstFiles) -> String {
 /// Finds the features of all `bursts` in turn; `on` is called with every event.
 ///
 /// # Errors
-/// One that concerns all bursts, or cancellation. A burst that cannot be opened is reported as [`BurstEvent::Failed`]
-/// and left out.
+/// One that concerns all bursts, or cancellation. Others are reported as [`BurstEvent::Failed`], and the burst left
+/// out.
 pub fn detect_all(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],

@@ -47,8 +47,7 @@ fn as_text<S: Serializer>(reason: &NotKept, serializer: S) -> Result<S::Ok, S::E
 /// Copies the finished ones among `bursts` from the `folders` of other runs into the folder of `store`.
 ///
 /// # Errors
-/// A path that is no folder, a file that cannot be read or written, a folder in which another process writes, or
-/// cancellation.
+/// A path that is no folder, a file that cannot be read or written, a folder in use by another process, cancellation.
 pub fn gather(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],

@@ -1,5 +1,4 @@
-//! Pictures of bursts, 8 bit, stretched so that dark content is visible: one for programs that take one image, and
-//! thumbnails for a list of many bursts.
+//! Pictures of bursts, 8 bit, stretched so that dark content is visible: for other programs, and as thumbnails.
 
 use crate::burst::{Burst, BurstFiles, OpenOptions, ViewsChoice};
 use crate::detect::prepare;

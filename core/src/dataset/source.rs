@@ -29,8 +29,7 @@ impl DatasetSource {
     /// Lists the bursts as `options` open them, in order, each with a unique name. No pixel is read.
     ///
     /// # Errors
-    /// A path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
-    /// too short for it.
+    /// A path that is missing or without pictures, a cut that makes no sense, a sequence too short for it.
     pub fn bursts(&self, options: &OpenOptions) -> Result<Vec<BurstFiles>> {
         self.entries(options).map(|found| found.bursts)
     }

@@ -36,10 +36,8 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<()> {
     })
 }
 
-/// Reads a table that [`write_csv`] wrote, also one of an earlier version, which says nothing about the field of
-/// motion, or of ghosts and edges.
-/// Strict: the header must be exact and every line complete. The table does not say at which of the searched slopes a
-/// feature was found: `slope_index` is 0.
+/// Reads a table that [`write_csv`] wrote, also one of an earlier version, without field of motion, ghosts or edges.
+/// The header must be exact and every line complete. `slope_index` is 0, since the table does not have it.
 ///
 /// # Errors
 /// The file cannot be read, or a line has a wrong form; it is named with its number.
@@ -128,8 +126,7 @@ pub struct MatchRow {
     pub error_px: [Option<f32>; 2],
     /// Whether it is an inlier; `None` where no geometry was requested.
     pub inlier: Option<bool>,
-    /// From the place in B to where A's place is seen there (u, v), pixels, and the correlation of the pictures of
-    /// both; `None` where they were not compared or do not tell.
+    /// Vector from the place in B to A's place seen there (u, v), pixels, and the correlation; `None` if not measured.
     pub measured: Option<([f64; 2], f64)>,
 }
 

@@ -71,9 +71,8 @@ impl FromStr for ExportFormat {
     }
 }
 
-/// Writes the detection of the burst `burst_name` into the folder `folder` (created if missing) in each of `formats`:
-/// `NAME.csv`, `NAME.txt` for COLMAP, `NAME.npz`. NAME is the burst's name made safe by [`safe_file_name`]. Returns the
-/// files' paths, one for each format, in the order of `formats`.
+/// Writes the detection into `folder` (created if missing) in each of `formats`: `NAME.csv`, `NAME.txt` for COLMAP,
+/// `NAME.npz`, with `burst_name` made safe by [`safe_file_name`]. Returns the paths in the order of `formats`.
 ///
 /// # Errors
 /// The one of the first file that cannot be written; earlier files are complete.

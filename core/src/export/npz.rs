@@ -1,7 +1,6 @@
 //! Features with their descriptors, and fields of motion, as numpy's `.npz`. Features: `features` `[N, 17]` float32 in
-//! the CSV's columns, `descriptors` `[N, 128]` uint8 in UBC order. Where the CSV has empty cells, `field_u` and
-//! `field_v` are NaN, `field_sigma` is infinite and `layer` 0. `motion` is 0 unknown, 1 surroundings, 2 own, 3 edge, 4
-//! ghost.
+//! the CSV's columns, `descriptors` `[N, 128]` uint8 in UBC order. For empty cells of the CSV, `field_u` and `field_v`
+//! are NaN, `field_sigma` infinite, `layer` 0. `motion` is 0 unknown, 1 surroundings, 2 own, 3 edge, 4 ghost.
 
 use super::atomic::write_marked;
 use crate::detector::{Descriptor, Feature, Motion, MotionField, Quantity};

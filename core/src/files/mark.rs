@@ -201,8 +201,7 @@ impl Place {
     }
 }
 
-/// Puts the mark of this kind into a complete PNG, GIF, ZIP, XML or PDF file, or as a comment line at the end of any
-/// other. A file that does not end as its format does is an error.
+/// Puts the mark into a complete PNG, GIF, ZIP, XML or PDF file, or as a last comment line; an error for a cut file.
 pub fn seal(file: &mut File, kind: Kind) -> io::Result<()> {
     let place = Place::of(&part_of(file, 0, HEAD)?);
     let length = file.seek(SeekFrom::End(0))?;

@@ -36,8 +36,7 @@ struct Making {
 }
 
 impl Unfinished {
-    /// Makes a hidden folder beside `target`, which is what will be made; the first time that this process writes
-    /// there, those that killed runs have left are removed.
+    /// Makes a hidden folder beside `target`; at first in a process, those that killed runs have left are removed.
     pub fn beside(target: &Path) -> io::Result<Self> {
         let parent = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
@@ -113,8 +112,7 @@ fn is_unfinished(folder: &Path) -> bool {
         && claims::<Making>(folder, Kind::Unfinished).is_some()
 }
 
-/// Removes the unfinished work of killed runs from `parent`, if it exists. If a run was killed while it put a folder in
-/// the place of another, that other one is put back.
+/// Removes the unfinished work of killed runs from `parent`. A folder that one was replacing is put back.
 pub fn remove_abandoned(parent: &Path) {
     for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
         let hidden = entry.path();

@@ -1,9 +1,8 @@
 //! Matches made exact: every inlier is measured by the pictures of its two places, and what contradicts goes.
 //!
-//! [`Pictures`] are the chips of an image's places ([`super::align`]). The inliers of each pair are measured by them
+//! [`Pictures`] are the chips of an image's places ([`super::align`]), by which the inliers of each pair are measured
 //! ([`measure_inliers`]); from all pairs together [`Alignment`] solves for one place of each keypoint, and
-//! [`AlignedImages::confirmed`] estimates each pair's geometry again, at the solved places and with a smaller error. A
-//! pair that keeps few of its matches agreed by chance, and is refused.
+//! [`AlignedImages::confirmed`] estimates each pair's geometry again, at these places and with a smaller error.
 
 use super::align::{Chip, ChipSource, Link, Measured, PairFrame, Places, Solved, View, measure, pair, solve};
 use super::geometry::{PointPair, Verification, verify};
@@ -140,8 +139,7 @@ pub struct PairAlignment {
     pub places: [Vec<[f64; 2]>; 2],
     /// For each match whether it was an inlier before.
     pub was_inlier: Vec<bool>,
-    /// For each match what the pictures say, and how far it contradicts the solved places, pixels; `None` for what was
-    /// no inlier, and where the pictures do not tell.
+    /// For each match its measurement, and the contradiction with the solved places, pixels; `None` if not measured.
     pub measured: Vec<Option<(Measured, f64)>>,
 }
 
@@ -309,8 +307,8 @@ pub struct Moved {
 }
 
 impl AlignedImages {
-    /// Estimates a pair's geometry again. `inliers` are its matches that agreed before, each with its index among the
-    /// measured ones, if it was measured. In the order of `inliers`.
+    /// Estimates a pair's geometry again from its former `inliers`, each with the index of its measurement, in this
+    /// order.
     ///
     /// # Errors
     /// Parameters that make no sense, and cancellation once `monitor` was cancelled.

@@ -191,8 +191,7 @@ impl Camera {
         self.distortion() == Distortion::default()
     }
 
-    /// The direction (x, y, 1) seen at the pixel (u, v), undistorted. Panics for a camera that [`Self::validate`]
-    /// refuses.
+    /// The direction (x, y, 1) seen at the pixel (u, v), undistorted. Panics if [`Self::validate`] refuses the camera.
     pub fn direction_of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [fx, fy, cx, cy] = self.pinhole();
         self.distortion().remove([(u + FIRST_PIXEL - cx) / fx, (v + FIRST_PIXEL - cy) / fy])

@@ -111,8 +111,7 @@ impl Unaligned {
     }
 }
 
-/// Matches the features of two images, verifies the matches, and aligns them where `params` ask for it: what all
-/// callers with one pair get, of whichever features.
+/// Matches the features of two images, verifies the matches, and aligns them where `params` ask for it.
 ///
 /// # Errors
 /// As of [`match_features`].

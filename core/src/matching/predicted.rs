@@ -118,8 +118,7 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Predicts the matches of a pair whose sure matches `inliers` agree on `model`. `None` where too few of their
-    /// motions are known, and for a homography.
+    /// Predicts the matches of a pair with sure matches `inliers` of `model`; `None` if few motions are known.
     pub fn of(
         [a, b]: [MatchSide<'_>; 2],
         model: &TwoViewModel,

@@ -23,8 +23,7 @@ pub struct Match {
     pub a: usize,
     /// Index of the feature in image B.
     pub b: usize,
-    /// Euclidean distance of their descriptors, in the descriptors' own unit: 0 … 2885, and up to about 724 for those
-    /// of the detector, which have a length of about 512.
+    /// Euclidean distance of the descriptors: 0 … 2885, and up to about 724 for the detector's, of length 512.
     pub distance: f32,
     /// Ratio of that distance to the one to the second nearest descriptor among those that were compared, 0 … 1; with
     /// the mutual check the larger of the two images' ratios. `None` without a second, and 1 where both are 0.
@@ -74,8 +73,8 @@ impl Neighbours {
     }
 
     /// Putative matches in the order of A's descriptors: the nearest in B, if the ratio is at most
-    /// [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of equally near ones the
-    /// first counts.
+    /// [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of equals the first
+    /// counts.
     pub fn matches(&self, params: &MatchParams) -> Vec<Match> {
         let back = params.mutual.then_some(|b: usize| Some(self.of_b[b]));
         let candidates = self.of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.matched(a, back));

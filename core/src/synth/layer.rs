@@ -1,9 +1,8 @@
 //! Layers: painted sheets that move, one in front of the other.
 //!
 //! A layer's point at `x` at mid-burst is at `x + dt·λ` in the frame `dt` frames later. To draw a frame, each layer's
-//! samples are interpolated (Catmull–Rom, which preserves every centre of gravity exactly) at the moved positions and
-//! averaged over each pixel; then the layers are composited, far to near. Interpolating and averaging is one short
-//! filter per axis, the same for all pixels of a frame.
+//! samples are interpolated (Catmull–Rom, which preserves centres of gravity) at the moved positions and averaged over
+//! each pixel, in one short filter per axis; then the layers are composited, far to near.
 
 use super::outermost;
 use super::paint::{OVERSAMPLING, Sheet};

@@ -2,8 +2,7 @@
 //!
 //! First the *signal* of each frame is drawn without noise: discs or textured layers, each moved by its own slope. Then
 //! a [`Camera`] captures it. The drawn objects, their positions and motions are the [`Truth`]. The same seed gives the
-//! same bits on every machine and with any number of threads: frames have their own random streams, and logarithms come
-//! from `libm`.
+//! same bits on every machine and with any threads: frames have own random streams, and logarithms come from `libm`.
 //!
 //! ```
 //! use burstscope_core::synth::{ChartParams, synth_chart};

@@ -5,9 +5,8 @@
 //! divided by `F`, is raised by the black level, which keeps noise from clipping at zero, and rounded to the levels of
 //! a converter. Level `d` of `bits` bits is the value `d·2^(16−bits)/65535`, so a 16-bit file holds each value exactly.
 //!
-//! The per-pixel signal-to-noise ratio of an object on a background is `|x_object − x_background| / σ`, with the
-//! standard deviation σ of one pixel at the mean `x` of both levels: `σ² = (x·F + r²)/F² + q²/12` for the quantisation
-//! step `q`.
+//! The per-pixel signal-to-noise ratio of an object on a background is `|x_object − x_background| / σ`, with σ of one
+//! pixel at the mean `x` of both levels: `σ² = (x·F + r²)/F² + q²/12` for the quantisation step `q`.
 
 use super::check_snr;
 use super::random::Stream;
@@ -34,9 +33,8 @@ impl Camera {
         Self { full_scale_electrons: f64::INFINITY, read_noise_electrons: 0.0, black_level, bits: None }
     }
 
-    /// The camera whose exposure gives the per-pixel SNR `snr` between the signals `background` and `object`
-    /// (fractions of full scale above black), with the given read noise (electrons) and converter.
-    /// An infinite `snr` gives [`Self::noiseless`].
+    /// The camera whose exposure gives the per-pixel SNR `snr` between `background` and `object` (fractions of full
+    /// scale above black), with read noise (electrons) and converter; [`Self::noiseless`] for an infinite `snr`.
     ///
     /// # Errors
     /// When `snr` is not positive, or so high that rounding alone makes more noise.

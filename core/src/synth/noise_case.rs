@@ -151,8 +151,7 @@ impl NoiseCase {
         self.burst_at(Self::LEVEL, size, frames, sigma, seed, monitor)
     }
 
-    /// A burst as of [`Self::burst`], around the grey `level` (fraction of full scale) unless the case is about black
-    /// or white.
+    /// A burst as of [`Self::burst`], around the grey `level` (fraction of full scale) where the case has no own.
     ///
     /// # Errors
     /// [`Cancelled`] once `monitor` was cancelled.

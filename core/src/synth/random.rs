@@ -1,8 +1,7 @@
 //! Random numbers that are the same on every machine.
 //!
-//! The generator is ChaCha with 8 rounds, whose output for a seed and stream never changes. The distributions use only
-//! additions, multiplications, square roots and `libm`'s logarithm and exponential, so that the rounding of the
-//! system's own mathematics library cannot change a pixel.
+//! The generator is ChaCha with 8 rounds, whose output never changes. The distributions use only additions,
+//! multiplications, square roots and `libm`, so that no system's mathematics library can change a pixel.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};

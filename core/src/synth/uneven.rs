@@ -1,5 +1,4 @@
-//! Positions of the frames of a synthetic burst: even times, or with frames left out, early and late, or exchanged; or
-//! the places of the views of a light field.
+//! Positions of a synthetic burst's frames: even, left out, early, late or exchanged; or places of views.
 //!
 //! The things of an even burst stay: an uneven one shows them at other times, and can be compared frame by frame.
 
@@ -58,8 +57,7 @@ impl Uneven {
     /// Frames that are taken of `frames` even ones, or of the views.
     ///
     /// # Errors
-    /// No frame would be left, there is no such frame, the jitter exchanges frames, not two frames are exchanged, or
-    /// views have times.
+    /// No frame would be left, there is no such frame, too much jitter, not two frames exchanged, or views with times.
     pub fn taken(&self, frames: usize, seed: u64) -> Result<Taken> {
         if self.views.is_some() {
             if !self.drop.is_empty() || self.jitter != 0.0 || !self.exchange.is_empty() {

@@ -1,5 +1,4 @@
-//! Films, decoded by the `ffmpeg` of this machine: it writes them to a pipe with all bits of their luma, as Y4M, or with
-//! their colours, as PPM, where they are RGB.
+//! Films, decoded by this machine's `ffmpeg` into a pipe: luma with all its bits as Y4M, or RGB colours as PPM.
 //!
 //! The program is started without a shell, may read this file alone and no address of a network, and is killed when the
 //! work is cancelled. Its words are an error, also where it ends well. Memory holds the frames and a block of the pipe.

@@ -1,6 +1,5 @@
-//! FITS images: two axes, or three of which the last is that of the frames, of any type, scaled by BSCALE and BZERO;
-//! as numbers, or compressed in tiles that lie in the rows of a table (`fpack`). Of several images in a file the first
-//! is taken, or the one whose EXTNAME or number is named.
+//! FITS images: two axes, or three with the frames last, of any type, scaled by BSCALE and BZERO; as numbers, or as
+//! tiles in the rows of a table (`fpack`). Of several images the first is taken, or the one that is named or numbered.
 //!
 //! Rows are in the file's order, as astropy reads them; many programs show the first one at the bottom. Format: the
 //! FITS standard 4.0, <https://fits.gsfc.nasa.gov/fits_standard.html>; tiles are section 10 of it.

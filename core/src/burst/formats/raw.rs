@@ -1,9 +1,8 @@
 //! Raw frames: a sensor's own values, by `rawler` (DNG, and the other formats that it knows).
 //!
 //! Squares of the mosaic become pixels. Values under black stay negative; nothing is stretched, balanced or clipped.
-//! The active area is taken, not the crop that the camera recommends. The black and white levels,
-//! which become 0 and 1, are the file's unless given; black may differ by colour, column and row (DNG's
-//! `BlackLevelDeltaH` and `BlackLevelDeltaV`).
+//! The sensor's active area is taken, not the camera's crop. Black and white levels, which become 0 and 1, are the
+//! file's unless given; black may differ by colour, column and row (DNG's `BlackLevelDeltaH` and `BlackLevelDeltaV`).
 
 use super::tiff::directories::{Directories, OF_SENSORS, begins as is_tiff};
 use super::tiff::is_of_sensor;

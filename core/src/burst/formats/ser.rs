@@ -1,5 +1,4 @@
-//! SER films of astronomical cameras: a header of 178 bytes, frames of 8 to 16 bits of grey, mosaic or colours, and
-//! the time of each frame behind the last.
+//! SER films of astronomical cameras: a header, frames of 8 to 16 bits of grey, mosaic or colours, and their times.
 //!
 //! Format: <http://www.grischa-hahn.homepage.t-online.de/astro/ser/>. The description says of the field
 //! LittleEndian that 1 stands for numbers whose low byte comes first, but the first programs wrote 0 for these, and all

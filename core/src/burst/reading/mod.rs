@@ -146,8 +146,7 @@ impl<'a> Reading<'a> {
 /// Makes a frame of a plane in file units, in which NaN is an undefined value. Fails at the first infinite one.
 pub(in crate::burst) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame> {
     let values = plane.data();
-    // As integers, bits of positive floats keep their order, infinity and NaN above all, and negative floats stay
-    // negative: integers are compared several at a time.
+    // Positive floats are ordered as their bits, infinity and NaN last; integers are compared several at a time.
     let (magnitude, largest) = values.iter().fold((0, 0), |(magnitude, largest): (i32, i32), v| {
         let bits = v.to_bits() as i32;
         ((bits & i32::MAX).max(magnitude), bits.max(largest))
@@ -168,8 +167,8 @@ pub(in crate::burst) fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: 
     file.read_exact(buffer)
 }
 
-/// Reader that fails once the work is cancelled, so that a decoder stops between two blocks. The decoder takes this for
-/// a fault of the file: whoever called it checks the monitor first.
+/// Reader that fails once the work is cancelled, which a decoder takes for a fault of the file: check the monitor
+/// first.
 pub(in crate::burst) struct Asked<R> {
     pub inner: R,
     pub monitor: Monitor,

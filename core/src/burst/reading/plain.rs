@@ -1,6 +1,5 @@
-//! Frames that lie in a file as plain numbers, at known places: what the readers of `.npy`, `.npz`, FITS, SER, Y4M and
-//! files without header have in common. Each frame is read in blocks, several frames at a time. Nothing is made in
-//! proportion to a number of frames that a file announces.
+//! Frames that lie in a file as plain numbers, at known places, as in `.npy`, `.npz`, FITS, SER, Y4M and files without
+//! header. Each is read in blocks, several at a time. No memory is taken for frames that a file only announces.
 
 use super::confined::wire::Part;
 use super::confined::{self, Budget};
@@ -365,7 +364,7 @@ impl Plain {
         frames.collect()
     }
 
-    /// Checks frames of this size against the limits, and their `step` each against the file's `length` from `first`
+    /// Checks frames of this size against the limits, and `step` bytes each against the file's `length` from `first`
     /// on.
     pub(in crate::burst) fn places_in(
         path: &Path,

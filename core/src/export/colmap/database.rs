@@ -93,8 +93,7 @@ impl DatabaseWriter<'_> {
         Ok(id)
     }
 
-    /// Adds an image of camera `camera_id` with its features; returns its id. `name` is its path below the images'
-    /// folder.
+    /// Adds an image of camera `camera_id` with its features; returns its id. `name` is below the images' folder.
     ///
     /// # Errors
     /// The file cannot be written, or already has an image of this name.
@@ -239,8 +238,7 @@ pub enum GeometryKind {
     PlanarOrPanoramic = 6,
 }
 
-/// Geometry of images A and B in Burstscope's pixels (first centre at (0, 0)); by default, of matches that do not
-/// agree.
+/// Geometry of images A and B in Burstscope's pixels (first centre (0, 0)); by default, of matches that disagree.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DatabaseGeometry {
     /// Kind of the geometry.

@@ -1,5 +1,4 @@
-//! Keypoints in COLMAP's convention, and text for its importer: `N 128`, then `x y scale orientation d1 … d128` a
-//! feature.
+//! Keypoints in COLMAP's convention, and its importer's text: `N 128`, then `x y scale orientation d1 … d128` each.
 //!
 //! The descriptors are in UBC order, which is the order of [`Descriptor`] and of COLMAP's own SIFT. Numbers have as
 //! many digits as are needed to read the same values back. Format:
@@ -37,8 +36,7 @@ fn print(out: &mut impl Write, keypoints: &[ColmapKeypoint], descriptors: &[Desc
     Ok(())
 }
 
-/// Whether the file at `path` has COLMAP's header; with `is_whole`, also whether all numbers are as this program prints
-/// them, which others with as many digits do not.
+/// Whether the file has COLMAP's header; with `is_whole`, also numbers exactly as this program prints them.
 pub(in crate::export) fn is_colmap_text(path: &Path, is_whole: bool) -> bool {
     let is_number = |count: &str| !count.is_empty() && count.bytes().all(|byte| byte.is_ascii_digit());
     let is_printed = |text: String| {

@@ -1,7 +1,6 @@
 //! Lines from a place of one panel to a place of another: matches.
 //!
-//! Inliers are solid and yellow, outliers dashed and vermilion: colours of M. Okabe and K. Ito's palette for
-//! colour-blind readers, and dashes where colours do not suffice.
+//! Inliers are solid yellow, outliers dashed vermilion: colours (Okabe and Ito's) and dashes both tell them apart.
 
 use super::{Colour, FigurePanel, FigureRect, FigureShape, FigureStroke, LegendEntry, LegendMark};
 use serde::{Deserialize, Serialize};

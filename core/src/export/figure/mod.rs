@@ -103,8 +103,7 @@ impl FigureMark {
     }
 }
 
-/// Places (u, v) of a feature in the first and in the last of the frames at `positions` by its
-/// [motion](Feature::motion), image pixels.
+/// Places (u, v) of a feature in the first and the last frame by its [motion](Feature::motion), image pixels.
 pub fn motion_over(feature: &Feature, positions: &Positions) -> [[f32; 2]; 2] {
     let (motion, _) = feature.motion();
     ends(positions).map(|offset| {

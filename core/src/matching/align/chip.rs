@@ -1,8 +1,7 @@
 //! The picture of a place: the frames of a burst averaged along its motion, for matching to a fraction of its scale.
 //!
-//! A chip has samples `STEP` σ apart, `REACH` of them to each side, in the image's own orientation. Each is a mean
-//! of pixels weighted by a Gaussian of `BLUR` σ, so that nothing finer than the lattice can tell is in it. Large ones
-//! are made from frames at reduced resolution.
+//! A chip has samples `STEP` σ apart, `REACH` of them to each side, in the image's own orientation. Each is a mean with
+//! Gaussian weights of `BLUR` σ, so that the lattice resolves all detail. Large chips come from reduced frames.
 
 use crate::detector::params::{Interpolation, Slope};
 use crate::detector::stack::{FrameTimes, frame_offsets, interpolation_blur};

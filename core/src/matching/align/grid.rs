@@ -134,8 +134,7 @@ pub(super) struct Template<'a> {
     pub seen: &'a mut [f32],
 }
 
-/// Weights of four samples at `t` of 0 … 1 between the middle two: cubic convolution (Keys, "Cubic convolution
-/// interpolation for digital image processing", 1981).
+/// Weights of four samples at `t` of 0 … 1 between the middle two: cubic convolution (Keys, 1981).
 #[inline(always)]
 fn weights(t: f32) -> [f32; 4] {
     [

@@ -1,8 +1,7 @@
 //! The affine map by which one chip becomes another: inverse-compositional Lucas–Kanade (Baker and Matthews,
 //! "Lucas-Kanade 20 Years On: A Unifying Framework", IJCV 2004).
 //!
-//! Brightness may change by an offset and a factor. The map is held near the one that it starts from by a weak prior:
-//! little is known of it where a chip is hardly more than noise.
+//! Brightness may differ by offset and factor. A weak prior holds the map near its start, where a chip is mostly noise.
 
 use super::grid::{Affine, Grid, Points, Template};
 use multiversion::multiversion;
@@ -242,8 +241,7 @@ fn moments(scratch: &FitScratch) -> [f32; 6] {
     sums.map(total)
 }
 
-/// Weighted sum of the chips' difference times each derivative; the second chip is scaled up by what noise takes from
-/// the correlation, at most to double.
+/// Weighted sum of the chips' difference times each derivative; noise is made up for by a gain of at most two.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn descent(scratch: &FitScratch, alike: &Likeness) -> [f32; UNKNOWNS] {
     let gain = alike.scale[1] / alike.correlation.max(LEAST_GAIN);

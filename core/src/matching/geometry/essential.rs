@@ -7,8 +7,7 @@
 //! Errors are Sampson distances in pixels, by way of the focal lengths.
 //!
 //! Of the four poses of E one alone has points in front of both cameras (Hartley and Zisserman, "Multiple View
-//! Geometry", 2nd ed., 9.6.2; decomposed after Horn, "Recovering Baseline and Orientation from 'Essential' Matrix",
-//! 1990).
+//! Geometry", 2nd ed., 9.6.2; the poses after Horn, "Recovering Baseline and Orientation from 'Essential' Matrix").
 
 use super::consensus::Problem;
 use super::linear::{epipolar_row, equation};

@@ -159,8 +159,7 @@ fn of_rank_two(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     (norm > 0.0).then(|| f / norm)
 }
 
-/// The fundamental matrix of a plane's homography `h` and two matches off that plane. The lines from the points mapped
-/// by `h` to the matched points meet in the epipole.
+/// The fundamental matrix of a plane's homography `h` and two matches off it, whose lines meet in the epipole.
 fn from_plane_and_parallax(h: &Matrix3<f64>, first: &RayPair, second: &RayPair) -> Option<Matrix3<f64>> {
     let line = |pair: &RayPair| pair.b_homogeneous().cross(&(h * pair.a_homogeneous()));
     let epipole = line(first).cross(&line(second));

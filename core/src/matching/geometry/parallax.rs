@@ -28,8 +28,7 @@ pub(in crate::matching) struct Transferred {
 }
 
 impl Parallax {
-    /// From A to B and back, for `inliers` of `model`; `None` for a homography, which knows the places, or if
-    /// degenerate.
+    /// From A to B and back, for `inliers` of `model`; `None` for a homography, or a degenerate model.
     pub fn of(model: &TwoViewModel, inliers: &[([f64; 2], [f64; 2])]) -> Option<[Self; 2]> {
         match model {
             TwoViewModel::Homography { .. } => None,

@@ -1,5 +1,4 @@
-//! Messages of pictures, `sensor_msgs/Image` and `sensor_msgs/CompressedImage`, as ROS 1 serialises them and as CDR of
-//! either byte order. Errors name the field.
+//! ROS messages `sensor_msgs/Image` and `CompressedImage`, in ROS 1's form and as CDR of either byte order.
 
 use super::records::Wire;
 use crate::burst::layout::Mosaic;

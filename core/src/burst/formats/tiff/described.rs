@@ -43,8 +43,7 @@ fn product(axes: &Axes) -> usize {
     axes.iter().fold(1, |product, (_, length)| product.saturating_mul(*length))
 }
 
-/// Axes and pages as the description gives them; `None` where it is silent about pages. `array` names one of several
-/// images. The error is a problem and its remedy, which may be empty.
+/// Axes and pages as the description gives them; `None` if it is silent. `array` names an image. Errors: problem, remedy.
 pub(super) fn described(
     description: &str,
     path: &Path,

@@ -66,8 +66,7 @@ mod tag {
     pub(super) const LAST_OF_PLANES: u64 = 33631;
 }
 
-/// Planes of a MetaMorph stack, six numbers each: distance in depth (two), day and millisecond of recording and of
-/// change.
+/// Planes of a MetaMorph stack, six numbers each: depth (two), day and millisecond of recording and of change.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(super) struct Planes {
     pub count: u64,

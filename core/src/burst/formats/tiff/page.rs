@@ -1,10 +1,8 @@
 //! Pixels of a TIFF. A page is decoded: its strips or tiles in this process, or in another where they take much memory.
 //!
-//! A page in planes and tiles is assembled here, tile by tile: the library (tiff 0.11.3) panics where the size of such
-//! a page is no multiple of the tile's.
+//! A page in planes and tiles is assembled here: tiff 0.11.3 panics if its size is no multiple of the tile's.
 //!
-//! Frames that lie behind one another in a file of which one directory tells (STK of MetaMorph, ImageJ beyond 4 GiB,
-//! arrays of tifffile, volumes) are plain numbers at even distances.
+//! Frames of one directory (MetaMorph's STK, ImageJ beyond 4 GiB, tifffile, volumes) are numbers at even distances.
 
 use super::described::{Described, PageShape, described};
 use super::{FileDecoder, NAME, decoder, failure, no_data, orientation};
@@ -96,8 +94,7 @@ impl<'a> PageReader<'a> {
         Ok(RawFrame { damage, ..decoded })
     }
 
-    /// Damage of the current page that the decoder would not report: of JPEGs, or of deflated data, whose checksum it
-    /// ignores. All strips or tiles unpack to at most `most` bytes.
+    /// Damage of the page that the decoder would not report: of JPEGs, and of deflated data, whose checksum it ignores.
     fn damage(&mut self, mut most: u64) -> TiffResult<Option<String>> {
         const JPEG: u16 = 7;
         const DEFLATED: [u16; 2] = [8, 32946];
@@ -318,8 +315,7 @@ pub(super) fn announced(description: Option<&str>, path: &Path, shape: PageShape
     (count > 1).then(|| Described::in_order(found.axes, count))
 }
 
-/// `count` frames of `size` behind one another, of the current directory; an error if compressed, in tiles, or too
-/// many.
+/// `count` frames of `size` behind one another, of the current directory; an error if compressed or in tiles.
 pub(super) fn plain(
     decoder: &mut FileDecoder,
     (path, length): (&Path, u64),

@@ -21,8 +21,8 @@ use std::time::{Duration, Instant};
 use wire::{DecodeRequest, Part, receive_reply, send};
 
 /// The program that decodes files in a separate process. It is started with the arguments and the path of a file, and
-/// must call [`serve_decoding`](crate::burst::serve_decoding) with that path. Without one, all files are decoded in the
-/// calling process, which a decoder that asks for too much memory ends.
+/// must call [`serve_decoding`](crate::burst::serve_decoding). Without one, decoding in this process may exhaust
+/// memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DecodeWorker {
     /// The program.
