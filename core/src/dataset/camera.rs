@@ -59,9 +59,6 @@ fn guessed(model: CameraModel, (width, height): (usize, usize)) -> Camera {
 }
 
 /// Reads a camera file: TOML with `model`, `width`, `height` and `params` (in COLMAP's order and convention).
-///
-/// # Errors
-/// The problem of the file, and what would be right.
 pub fn read_camera(path: &Path) -> Result<Camera> {
     let fail = |problem: String| {
         Error::param(

@@ -147,15 +147,9 @@ impl MatchedPair<'_> {
 /// Source of the bursts of a dataset for [`match_pairs`], by their indices.
 pub trait PairSource<E> {
     /// Features of a burst; `None` where there are none.
-    ///
-    /// # Errors
-    /// Of the source.
     fn features(&mut self, index: usize) -> Result<Option<BurstSide>, E>;
 
     /// A burst with the parameters of its search; needed only where matches are aligned.
-    ///
-    /// # Errors
-    /// Of the source.
     fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams), E>;
 }
 

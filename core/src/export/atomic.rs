@@ -59,8 +59,10 @@ pub(super) fn replace(path: &Path, fill: impl FnOnce(&Path) -> io::Result<File>)
     if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         std::fs::create_dir_all(parent).map_err(fail)?;
     }
+    // Beside the target, because only within a file system a file is moved at once.
     let unfinished = Unfinished::beside(path).map_err(fail)?;
     let file = fill(&unfinished.new_path()).map_err(fail)?;
+    // A private file stays private.
     if let Some(existing) = existing.filter(std::fs::Metadata::is_file) {
         file.set_permissions(existing.permissions()).map_err(fail)?;
     }

@@ -237,6 +237,7 @@ fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
     if step > 0.0 && (max - min) / step <= 65535.5 && all(&on_lattice)? {
         return Ok((min, step));
     }
+    // No common step: the whole range is divided, and values are within half a word.
     Ok((min, ((max - min) / 65535.0).max(f64::MIN_POSITIVE)))
 }
 
@@ -248,6 +249,7 @@ impl Truth {
         let features =
             self.features.iter().map(|one| FeatureTruth { u: one.u - corner_u, v: one.v - corner_v, ..*one });
         let is_inside = |x: f64, n: usize| x >= -0.5 && x < n as f64 - 0.5;
+        // Half a pixel beyond the outer centres the picture ends.
         let features = features.filter(|one| is_inside(one.u, width) && is_inside(one.v, height)).collect();
         Self { width, height, features, ..self.clone() }
     }
@@ -265,6 +267,7 @@ pub fn write_case(path: &Path, (case, burst): (&Case, &Burst), enclosed: &Enclos
         Ok((frame_name(t), encoded(frame, case, monitor)?))
     });
     let weights = case.of_weights();
+    // Masks may be soft: their weights are stored as words over the whole range, whatever scale the values have.
     let masks = burst.frames.iter().enumerate().filter_map(|(t, frame)| Some((t, frame.mask()?)));
     let masks = masks.map(|(t, mask)| Ok((mask_name(t), encoded(mask.weights(), &weights, monitor)?)));
     write_marked(path, Kind::Case, |out| out.write_all(&zipped(texts.chain(frames).chain(masks))?))
@@ -324,6 +327,7 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
     let mut zip = opened(path)?;
     let case = about(path, &mut zip)?;
     let [width, height] = case.size;
+    // Checked by the declared numbers: no frame is decoded of a case that no memory holds.
     limits
         .check_frame(path, width as u64, height as u64)
         .and_then(|()| limits.check_burst(path, case.frames as u64, width as u64, height as u64))
@@ -334,6 +338,7 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
         monitor.check()?;
         monitor.report(Stage::Open, t as f32 / case.frames as f32);
         let (plane, mask) = (frame(path, &mut zip, &case, &frame_name(t))?, mask_name(t));
+        // A case of a burst without masks has no such entries.
         let has_mask = zip.index_for_name(&mask).is_some();
         let weights = has_mask.then(|| frame(path, &mut zip, &case.of_weights(), &mask)).transpose()?;
         frames.push(Arc::new(plane.masked(weights.and_then(Mask::new))));
@@ -425,6 +430,7 @@ fn frame(path: &Path, zip: &mut Zip, case: &Case, name: &str) -> Result<Plane> {
     // A PNG of random words is hardly larger than these.
     let bytes = entry(path, zip, name, words + words / 64 + (1 << 16))?;
     let wrong = |problem: String| invalid(path, format!("{name}: {problem}"));
+    // A small picture may declare rows of gigabytes.
     let limits = png::Limits { bytes: words as usize + (1 << 20) };
     let mut reader = png::Decoder::new_with_limits(Cursor::new(bytes), limits)
         .read_info()

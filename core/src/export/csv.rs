@@ -64,6 +64,7 @@ fn row(line: &str, columns: usize) -> Result<Feature, String> {
     if cells.len() != columns {
         return Err(format!("there must be {columns} cells, not {}", cells.len()));
     }
+    // Columns that a shorter table lacks mean that no field of motion was found.
     let mut feature = Feature { field_sigma: f32::INFINITY, ..Feature::default() };
     for (quantity, cell) in Quantity::STORED.into_iter().zip(cells) {
         let wrong = |right| format!("{} must be {right}, not '{cell}'", quantity.record().key);
@@ -103,6 +104,7 @@ pub(super) fn is_table(path: &Path) -> bool {
 pub(super) fn first_line(path: &Path) -> Option<String> {
     let mut line = String::new();
     let file = files::open(path).ok()?;
+    // A file without line ends may be of any length.
     BufReader::new(file.take(1024)).read_line(&mut line).ok()?;
     line.strip_suffix('\n').map(str::to_owned)
 }

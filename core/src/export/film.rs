@@ -35,6 +35,7 @@ pub fn encode_film(
         return Err(io::Error::other("a GIF has at most 65535 columns and rows"));
     };
     let mut encoder = gif::Encoder::new(out, width, height, &[]).map_err(io::Error::other)?;
+    // Viewers show a film without this once, and then its last picture.
     encoder.set_repeat(gif::Repeat::Infinite).map_err(io::Error::other)?;
     for (index, picture) in std::iter::once(Ok(first)).chain(pictures).enumerate() {
         let picture = picture?;

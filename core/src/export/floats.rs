@@ -33,6 +33,7 @@ pub(super) const FIELD_SAMPLES: usize = 3;
 /// Motion to the right and down, and its uncertainty, for each pixel of an image of `size`, row by row.
 pub(super) fn field_samples(field: &MotionField, size: (usize, usize)) -> Vec<f32> {
     let at = |place: usize| -> [f32; FIELD_SAMPLES] {
+        // Sampled at pixels, not cells: readers expect a picture of the image's size.
         let motion = field.at((place % size.0) as f32, (place / size.0) as f32);
         [motion.slope.u, motion.slope.v, motion.ellipse().0[0]]
     };
@@ -45,6 +46,7 @@ fn write_samples<C: ColorType<Inner = f32>>(
     samples: &[f32],
 ) -> Result<()> {
     let unfit = || Error::unfit(path, (width, height), "TIFF");
+    // TIFF counts sides in 32 bits, and has no empty pages.
     let columns = u32::try_from(width).ok().filter(|w| *w > 0).ok_or_else(unfit)?;
     let rows = u32::try_from(height).ok().filter(|h| *h > 0).ok_or_else(unfit)?;
     write_whole(path, |out| {
@@ -54,6 +56,7 @@ fn write_samples<C: ColorType<Inner = f32>>(
         } else {
             TiffEncoder::new(out).and_then(|encoder| write_page::<C, _>(encoder, size, samples))
         };
+        // The system's own errors stay recognisable: a full disk is reported as such.
         written.map_err(|e| match e {
             tiff::TiffError::IoError(e) => e,
             other => io::Error::other(other),

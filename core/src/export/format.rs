@@ -83,6 +83,7 @@ pub fn write_detection(
     formats: &[ExportFormat],
 ) -> Result<Vec<PathBuf>> {
     let files = detection_files(folder, burst_name, formats);
+    // Stops at the first error: a full disk fails for every format.
     let written = files.into_iter().zip(formats).map(|(path, format)| {
         format.write(&path, detection)?;
         Ok(path)
@@ -109,6 +110,7 @@ pub fn safe_file_name(name: &str) -> String {
     if name.len() <= LONGEST_NAME {
         return if name.is_empty() { "burst".into() } else { name.into() };
     }
+    // Two long names that differ only at their ends stay different.
     let checksum = format!("~{:08x}", crc32fast::hash(name.as_bytes()));
     format!("{}{checksum}", &name[..name.floor_char_boundary(LONGEST_NAME - checksum.len())])
 }

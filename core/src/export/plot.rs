@@ -61,6 +61,7 @@ impl Sheet {
         let part = |value: f64, range: (f64, f64)| (value - range.0) / (range.1 - range.0);
         let x_of = |x: f64| area.x + part(x, plot.range_x) * area.width;
         let y_of = |y: f64| area.bottom() - part(y, plot.range_y) * area.height;
+        // The grid first, under everything.
         for tick in super::sheet::ticks(plot.range_y) {
             self.line((area.x, y_of(tick)), (area.right(), y_of(tick)), GRID, "");
         }
@@ -73,6 +74,7 @@ impl Sheet {
         self.clipped(area, |sheet| {
             for series in plot.series {
                 let Series { colour, dashes, width, points, .. } = series;
+                // A missing value is a gap, not a straight line to the next one.
                 let finite = |p: &SeriesPoint| (p.x.is_finite() && p.y.is_finite()).then(|| (x_of(p.x), y_of(p.y)));
                 let style = format!(
                     r#"stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}" stroke-linejoin="round""#

@@ -76,6 +76,7 @@ impl<'a> Picture<'a> {
             EncodingError::IoError(error) => error,
             other => io::Error::other(other),
         };
+        // Most pictures of bursts are grey, and a third as large so.
         let (kind, pixels) = self.reduced();
         let mut encoder = png::Encoder::new(out, self.width as u32, self.height as u32);
         encoder.set_color(kind);

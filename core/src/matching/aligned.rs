@@ -114,9 +114,6 @@ impl Pictures {
 }
 
 /// Measures those of `matches` that are `inlier`; `None` for the others, and for those whose pictures do not tell.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn measure_inliers(
     matches: &[Match],
     inlier: &[bool],
@@ -261,9 +258,6 @@ impl Alignment {
     }
 
     /// Solves for the places on which all matches agree best.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn solve(self, monitor: &Monitor) -> Result<AlignedImages, Cancelled> {
         let may_move = |place, correction| self.may_move(place, correction);
         let Solved { corrections, residuals_px, refused } = solve(&self.sigmas, &self.links, may_move, monitor)?;

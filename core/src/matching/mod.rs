@@ -111,10 +111,7 @@ impl Unaligned {
     }
 }
 
-/// Matches the features of two images, verifies the matches, and aligns them where `params` ask for it.
-///
-/// # Errors
-/// As of [`match_features`].
+/// [`match_features`], and the alignment of the matches where `params` ask for it; the same errors.
 pub fn match_pair(sides: [MatchSide<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
     match_features(sides, params, monitor)?.aligned(sides, params, monitor)
 }

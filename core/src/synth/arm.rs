@@ -36,6 +36,7 @@ impl Arm {
     pub(super) fn draw_over(&self, signal: &mut Plane) {
         for v in 0..signal.height() {
             for (u, value) in signal.row_mut(v)[..self.columns].iter_mut().enumerate() {
+                // Textured, so that a search without the mask finds features in it, all at slope 0.
                 let relief = fractal_relief(self.seed ^ 0xa2, u as f32, v as f32, SPOTS_PX, 4);
                 *value = self.level * (0.2 + 1.6 * relief);
             }

@@ -134,6 +134,7 @@ impl ChartParams {
                 "give a ratio above 0 and up to 8, other than 1",
             ));
         }
+        // As a share of the background's signal, for brighter and darker discs alike.
         let amplitude = (self.contrast - 1.0).abs();
         // Largest difference of the levels that leaves room for the noise on both sides.
         let room = 0.96 / (2.0 * CLEARANCE_SIGMAS / self.snr + 1.0);
@@ -144,10 +145,7 @@ impl ChartParams {
         Ok(Exposure { background, disc, camera })
     }
 
-    /// Checks the parameters.
-    ///
-    /// # Errors
-    /// The first one that makes no sense.
+    /// Checks the parameters; the error is of the first one that makes no sense.
     pub fn check(&self) -> Result<()> {
         check_snr(self.snr)?;
         let frames = self.uneven.count_and_span(self.frames);
@@ -218,6 +216,7 @@ pub fn draw_disc(plane: &mut Plane, u: f64, v: f64, radius: f64, value: f32) {
     let columns =
         clip((u - radius + 0.5).floor(), plane.width())..clip((u + radius + 0.5).floor() + 1.0, plane.width());
     for row in rows {
+        // By area, not by centres of pixels: a disc of whole pixels would move in jumps.
         let mut chords = [0.0f64; STRIPS];
         for (k, half_chord) in chords.iter_mut().enumerate() {
             let dv = row as f64 - 0.5 + (k as f64 + 0.5) / STRIPS as f64 - v;
@@ -250,6 +249,7 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
     let mut placed: Vec<FeatureTruth> = Vec::with_capacity(params.discs);
     for (id, &radius) in radii.iter().enumerate() {
         let mut place = None;
+        // Attempts end: a chart too full for its discs must fail, not hang.
         for _ in 0..2000 {
             monitor.check()?;
             let slope_u = stream.within(-params.max_slope, params.max_slope);

@@ -40,6 +40,7 @@ pub fn later_demo_burst() -> Burst {
 }
 
 fn demo_burst_at(name: &str, later: f64, noise_seed: u64) -> Burst {
+    // Painted as far as the later burst sees: the street must not end at its border.
     let layers = layers(HALF_SPAN + later);
     let never = Monitor::default();
     let signal = |at: Offset| {
@@ -156,6 +157,7 @@ fn houses(reach: f64) -> Layer {
                     layer.landmark(f64::from(u), f64::from(v) - 9.0, 3.2, 0.075, true);
                     continue;
                 }
+                // By place, not from the stream, so that lit windows change nothing else.
                 let lit = lattice(SEED ^ 57, house * 4 + i, j) < 0.62;
                 let value = if lit { 0.062 } else { 0.004 };
                 layer.sheet.rectangle(Area::new(u - 7.0, v, u + 7.0, v + 19.0), value);

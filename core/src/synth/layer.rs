@@ -38,6 +38,7 @@ fn axis_filter(first_sample: f64) -> (i64, [f32; TAPS]) {
     // The pixel's subsamples lie at first, first + 1, …; all have the same fraction.
     let base = first_sample.floor();
     let f = first_sample - base;
+    // Catmull–Rom weights of the four samples around the fraction.
     let cubic = [
         ((-0.5 * f + 1.0) * f - 0.5) * f,
         (1.5 * f - 2.5) * f * f + 1.0,
@@ -78,6 +79,7 @@ impl Layer {
     }
 
     pub fn draw_over(&self, picture: &mut Plane, at: Offset, monitor: &Monitor) -> Result<(), Cancelled> {
+        // A sparse layer costs only its painted part.
         let Some([c0, c1, r0, r1]) = self.sheet.used() else { return Ok(()) };
         let half = 0.5 * (OVERSAMPLING as f64 - 1.0);
         let (du, dv) = self.displacement(at);
@@ -140,6 +142,7 @@ impl Layer {
     /// Whether the layer covers any of the image's disc around (u, v) in a frame `at` an offset from mid-burst.
     fn hides(&self, u: f64, v: f64, radius: f64, at: Offset) -> bool {
         let (du, dv) = self.displacement(at);
+        // Back to mid-burst, where the sheet is painted.
         let (u, v) = (u - du, v - dv);
         let reach = radius.ceil() as i64;
         (-reach..=reach).any(|j| {

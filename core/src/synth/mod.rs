@@ -71,9 +71,6 @@ pub fn outermost(offsets: &[Offset], slope: (f64, f64)) -> (f64, f64) {
 
 /// Checks the parameters that all kinds of synthetic bursts have: sizes in pixels, the largest slope in px/frame, the
 /// read noise in electrons; `frames` are their number and the time from the first to the last.
-///
-/// # Errors
-/// The parameter and the range that it has.
 pub fn check_common(
     width: usize,
     height: usize,
@@ -113,10 +110,7 @@ pub fn check_common(
     check_camera(read_noise, bits)
 }
 
-/// Checks a ratio of signal to noise.
-///
-/// # Errors
-/// As [`check_common`].
+/// Checks a ratio of signal to noise: 0.000001 to 1000000000, or infinite.
 pub fn check_snr(snr: f64) -> Result<()> {
     if snr == f64::INFINITY || (1e-6..=1e9).contains(&snr) {
         return Ok(());
@@ -124,10 +118,7 @@ pub fn check_snr(snr: f64) -> Result<()> {
     Err(Error::param("snr", format!("{snr}"), "give a ratio above 0, from 0.000001 to 1000000000, or inf for no noise"))
 }
 
-/// Checks the read noise (electrons) and the bits of a camera.
-///
-/// # Errors
-/// As [`check_common`].
+/// Checks the read noise (0 or more electrons) and the bits (4 … 16) of a camera.
 pub fn check_camera(read_noise: f64, bits: u32) -> Result<()> {
     if !(read_noise.is_finite() && read_noise >= 0.0) {
         return Err(Error::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));

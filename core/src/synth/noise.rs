@@ -89,9 +89,6 @@ impl Camera {
     }
 
     /// Captures one frame: `signal` (fractions of full scale above black) with black level, noise, rounding; in [0, 1].
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn capture(&self, signal: &Plane, stream: &mut Stream, monitor: &Monitor) -> Result<Plane, Cancelled> {
         let mut frame = signal.clone();
         for row in 0..frame.height() {

@@ -137,9 +137,6 @@ impl NoiseCase {
 
     /// Makes a burst of `frames` frames of `size` = (columns, rows) around half of full scale, with noise of standard
     /// deviation `sigma` (fraction of full scale) unless the case changes it.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn burst(
         self,
         size: (usize, usize),
@@ -152,9 +149,6 @@ impl NoiseCase {
     }
 
     /// A burst as of [`Self::burst`], around the grey `level` (fraction of full scale) where the case has no own.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn burst_at(
         self,
         level: f64,
@@ -166,6 +160,7 @@ impl NoiseCase {
     ) -> Result<Burst, Cancelled> {
         // Stream 0 is for the pattern shared by all frames; frame t has stream t + 1.
         let pattern = self.pattern(size, sigma, &mut Stream::new(seed, 0));
+        // A stream beyond those of the frames: gains change no noise.
         let mut exposures = Stream::new(seed, frames as u64 + 1);
         let mut planes: Vec<Plane> = Vec::with_capacity(frames);
         for t in 0..frames {
@@ -181,6 +176,7 @@ impl NoiseCase {
                 Self::GainFlicker => mapped(&frame, |x| (f64::from(x) * gain) as f32),
                 Self::Jpeg(quality) => through_jpeg(&[&frame], quality),
                 Self::ColourJpeg(quality) => {
+                    // Independent noise in each channel, as colours of a sensor have.
                     let [green, blue] =
                         [(); 2].map(|()| self.frame(size, (level, sigma), &pattern, (t, frames), stream));
                     through_jpeg(&[&frame, &green, &blue], quality)
@@ -339,6 +335,7 @@ fn mapped(plane: &Plane, value: impl FnMut(f32) -> f32) -> Plane {
 /// The frame after storage in an 8-bit JPEG file of `quality`: grey for one channel, the luma of three.
 fn through_jpeg(channels: &[&Plane], quality: u8) -> Plane {
     let (width, height) = channels[0].size();
+    // Rounded as a camera of 8 bits rounds.
     let byte = |x: f32| (quantised_word(f64::from(x), 8) >> 8) as u8;
     let bytes: Vec<u8> =
         (0..width * height).flat_map(|i| channels.iter().map(move |channel| byte(channel.data()[i]))).collect();

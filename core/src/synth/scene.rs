@@ -152,7 +152,7 @@ fn layer_slope(params: &SceneParams, index: usize, stream: &mut Stream) -> (f64,
     let u = along();
     match params.motion {
         Motion::OneD => (u, 0.0),
-        // For the vertical slopes the parts are taken in another order, so that the slopes do not lie on a line.
+        // The vertical parts go in steps of two, so that the slopes do not lie on a line.
         Motion::TwoD => {
             let other = (index * 2 + 1) % params.layers.max(1);
             (u, -params.max_slope + part * (other as f64 + stream.within(0.2, 0.8)))
@@ -173,6 +173,7 @@ fn paint_ground(layer: &mut Layer, seed: u64, stream: &mut Stream) {
     for _ in 0..count {
         let radius = stream.within(2.5, 9.0);
         let (u, v) = place_in(area, radius + 2.0, stream);
+        // Blobs apart from each other by several pixels are single features.
         if placed.iter().all(|p| (p.0 - u).hypot(p.1 - v) > p.2 + radius + 6.0) {
             placed.push((u, v, radius));
             let bright = stream.uniform() < 0.6;
@@ -191,6 +192,7 @@ fn paint_boards(layer: &mut Layer, params: &SceneParams, index: usize, stream: &
     let scale = (params.width.min(params.height) as f64 / 480.0).clamp(0.25, 4.0);
     let size = scale * (60.0 + 25.0 * index as f64);
     let area = layer.sheet.area();
+    // About a fifth of the sheet for each layer, so that farther ones stay visible.
     let covered = 0.22 * f64::from((area.u1 - area.u0) * (area.v1 - area.v0));
     let count = ((covered / (size * size)).round() as usize).clamp(1, 400);
     for number in 0..count {

@@ -109,6 +109,7 @@ impl Truth {
 
     /// Offset of each frame from the reference.
     pub fn offsets(&self) -> Vec<Offset> {
+        // Views that make no sense give none.
         let of_views = || Positions::of_views(&self.views).map(|positions| positions.offsets().to_vec());
         let time = |t: usize| self.times.get(t).copied().unwrap_or(t as f64) - self.t0;
         let of_times = || (0..self.frames).map(|t| time(t).into()).collect();
@@ -118,6 +119,7 @@ impl Truth {
     /// Time from the first to the last frame, frame intervals, or diameter of the grid of views.
     pub fn span(&self) -> f64 {
         match self.times[..] {
+            // Views have no times: their span is the grid's diameter.
             _ if !self.views.is_empty() => Positions::of_views(&self.views).map_or(0.0, |positions| positions.span()),
             [_, _, ..] => {
                 self.times.iter().copied().fold(f64::MIN, f64::max)
@@ -127,10 +129,7 @@ impl Truth {
         }
     }
 
-    /// Checks the numbers: a file may hold anything.
-    ///
-    /// # Errors
-    /// The first number that makes no sense, and its range.
+    /// Checks the numbers, as a file may hold anything; the error is the first that makes no sense, and its range.
     pub fn check(&self) -> Result<(), String> {
         let within = |name: &str, number: f64, range: RangeInclusive<f64>| {
             let (least, most) = (range.start(), range.end());

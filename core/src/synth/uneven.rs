@@ -119,6 +119,7 @@ impl Taken {
     }
 
     fn times(&self) -> Vec<f64> {
+        // Exchanged frames are not in order: the first in time need not be the first in the list.
         let earliest = self.frames.iter().min_by(|(_, a), (_, b)| a.u.total_cmp(&b.u));
         let Some(&(first, at_first)) = earliest else { return Vec::new() };
         self.frames.iter().map(|(_, at)| at.u - at_first.u + first as f64).collect()

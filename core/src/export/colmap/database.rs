@@ -44,15 +44,13 @@ pub struct DatabaseWriter<'a> {
 }
 
 /// Writes the database `path` by `fill`. It is made beside its target and replaces it when it is complete: after a
-/// failure an older file is unchanged and no other one is left behind.
-///
-/// # Errors
-/// The error of `fill`, or of a file that cannot be written.
+/// failure an older file is unchanged and no other one is left behind. An error of `fill` is passed on.
 pub fn write_colmap_database(path: &Path, fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<()>) -> Result<()> {
     // The error of `fill` is kept apart, since a replacement reports errors of files alone.
     let mut made = Ok(());
     let written = replace(path, |new| {
         made = make(new, path, fill);
+        // Any error keeps the old file; its text is not shown.
         made.as_ref().map_err(|_| io::Error::other("the database was not completed"))?;
         File::options().read(true).write(true).open(new)
     });
@@ -124,9 +122,6 @@ impl DatabaseWriter<'_> {
 
     /// Moves the features of the image `id` to `places` (u, v), pixels, whose first centre is at (0, 0).
     ///
-    /// # Errors
-    /// The file cannot be written.
-    ///
     /// # Panics
     /// When the image was not added, or has another number of features.
     pub fn move_features(&mut self, id: u32, places: &[[f64; 2]]) -> Result<()> {
@@ -151,6 +146,7 @@ impl DatabaseWriter<'_> {
     /// Adds the two-view geometry of images `a` and `b`; errors and panics as of [`Self::add_matches`].
     pub fn add_geometry(&mut self, a: u32, b: u32, geometry: &DatabaseGeometry) -> Result<()> {
         let id = self.pair_of(a, b, &geometry.inliers);
+        // The only place where the half pixel between both conventions enters matrices.
         let geometry = geometry.in_colmap_pixels();
         let inliers = &geometry.inliers;
         let turn = geometry.b_from_a.map(|pose| {
@@ -191,6 +187,7 @@ impl DatabaseWriter<'_> {
                 let [x, y, scale, orientation] = std::array::from_fn(|k| number(bytes, k));
                 ColmapKeypoint { x, y, scale, orientation }
             };
+            // Four `f32` a row.
             let keypoints = row.get_ref(0)?.as_blob()?.chunks_exact(16).map(keypoint).collect();
             Ok((keypoints, row.get_ref(1)?.as_blob()?.as_chunks().0.to_vec()))
         });

@@ -53,10 +53,12 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
         Some(_) => width_px(panel) * scale,
         None => style.panel(panel, (&title(place, panel), 0), &shared, [0.0; 2], &mut Vec::new())[0],
     });
+    // Row by row, with columns in line over all rows of the same length.
     let mut shapes = Vec::new();
     let (mut width, mut top, mut first) = (paper.unwrap_or(0.0), 0f32, 0);
     for row in rows {
         let titles: Vec<Vec<String>> = (first..).zip(row).map(|(place, panel)| title(place, panel)).collect();
+        // The longest title makes room for all of its row: pictures of a row are level.
         let lines = titles.iter().map(Vec::len).max().unwrap_or(0);
         let (mut left, mut height) = (0f32, 0f32);
         for (column, (panel, in_column)) in row.iter().zip(columns_of(&widths, row.len())).enumerate() {
@@ -158,6 +160,7 @@ impl Style {
 
     /// Lines of a panel's title, each as wide as the picture at most where its words allow it.
     fn title(&self, panel: &FigurePanel, letter: Option<String>) -> Vec<String> {
+        // On a screen a small picture's title may be wider than the picture; on paper the width is fixed.
         let least = if self.paper.is_some() { 0.0 } else { LEAST_ROOM * self.font };
         let room = (width_px(panel) * self.scale).max(least);
         let mut lines: Vec<String> = Vec::new();
@@ -185,6 +188,7 @@ impl Style {
         out: &mut Vec<FigureShape>,
     ) -> [f32; 2] {
         let font = self.font;
+        // A panel's picture may be binned: the scale is of image pixels, the same in all panels.
         let px = self.scale * panel.image_px_per_px;
         let size = [panel.size.0 as f32 * px, panel.size.1 as f32 * px];
         let mut width = size[0];
@@ -230,6 +234,7 @@ impl Style {
 
     fn mark(&self, panel: &FigurePanel, mark: &FigureMark, rect: FigureRect, out: &mut Vec<FigureShape>) {
         let place = |at: [f32; 2]| self.place(panel, rect, at);
+        // Features may come from a table, which may hold any numbers.
         let numbers = [mark.centre[0], mark.centre[1], mark.radius, mark.orientation.unwrap_or(0.0)];
         if !(numbers.iter().all(drawable) && mark.radius >= 0.0) {
             return;
@@ -261,6 +266,7 @@ impl Style {
     }
 
     fn scale_bar(&self, rect: FigureRect, out: &mut Vec<FigureShape>) {
+        // At most a fifth of the picture, a round number of image pixels.
         let length_px = round_length(f64::from(0.2 * rect.size[0] / self.scale).max(1.0)) as f32;
         let (font, length, label) = (self.font, length_px * self.scale, format!("{length_px} px"));
         let width = length.max(self.text_width(&label)) + 0.6 * font;
@@ -280,6 +286,7 @@ impl Style {
     fn colour_bar(&self, bar: &ColourBar, corner: [f32; 2], room: f32, out: &mut Vec<FigureShape>) -> f32 {
         let font = self.font;
         let (low, high) = (self.text_width(&bar.low), self.text_width(&bar.high));
+        // Under a narrow picture the bar may be wider than it; under a wide one it stays short.
         let length = (room - low - high - font).clamp(4.0 * font, 20.0 * font);
         let (left, baseline) = (corner[0] + low + 0.4 * font, corner[1] + 1.35 * font);
         out.push(self.text([corner[0], baseline], &bar.low));
@@ -305,6 +312,7 @@ impl Style {
                 LegendMark::Wheel => WHEEL_HEIGHT * font,
             };
             let needed = swatch + 1.4 * font + self.text_width(&entry.label); // with the gaps
+            // The first entry of a line stays, however long: another line would not help.
             if left > 0.0 && left + needed > room {
                 (left, row) = (0.0, row + 1);
             }

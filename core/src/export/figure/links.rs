@@ -150,6 +150,7 @@ pub(super) fn lines_of(
         if let [Some(from), Some(to)] = ends {
             shapes.push(FigureShape::Line { points: vec![from, to], stroke, dashed: link.dashed, class: "match" });
         }
+        // A single ring shows that a match exists whose other end is out of sight.
         let radius = RING * width;
         let ring = |centre| FigureShape::Circle { centre, radius, stroke, dashed: false };
         shapes.extend(ends.into_iter().flatten().map(ring));
@@ -161,6 +162,7 @@ pub(super) fn lines_of(
 fn seen(rect: &FigureRect, panel: &FigurePanel, at_image: [f32; 2]) -> Option<[f32; 2]> {
     let scale = rect.size[0] / (panel.size.0 as f32 * panel.image_px_per_px);
     let at = [0, 1].map(|i| rect.min[i] + (at_image[i] - panel.origin_image[i]) * scale);
+    // NaN is inside of nothing.
     let inside = (0..2).all(|i| (rect.min[i]..=rect.min[i] + rect.size[i]).contains(&at[i]));
     inside.then_some(at)
 }

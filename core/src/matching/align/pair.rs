@@ -110,9 +110,6 @@ struct Lattices {
 
 /// Measures where the place of each match in A lies in B, in a window of `fit_radius` σ ([`FIT_RADIUS`]); `frame`
 /// brings the chips to one another. `None` where the place is not found within 3 σ, or a chip shows too little.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn measure(
     pairs: &[[View<'_>; 2]],
     frame: PairFrame,
