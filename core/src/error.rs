@@ -1,5 +1,4 @@
-//! The one record of everything that goes wrong, from a parameter to a window that cannot be drawn: each message names
-//! the file or parameter, says what is wrong and gives a remedy.
+//! The record of everything that goes wrong: a message names the file or parameter, the problem and a remedy.
 
 use crate::monitor::Cancelled;
 use serde::{Deserialize, Serialize};

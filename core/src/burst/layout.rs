@@ -339,8 +339,7 @@ impl fmt::Display for ViewGrid {
 pub enum Tiling {
     /// Views side by side, in rows and columns.
     Tiled,
-    /// Interleaved, as in ESLF files of Lytro cameras: pixel (v·rows + t, u·columns + s) is pixel (v, u) of view (t,
-    /// s).
+    /// Interleaved, as in Lytro cameras' ESLF files: pixel (v·rows + t, u·columns + s) is pixel (v, u) of view (t, s).
     Eslf,
 }
 

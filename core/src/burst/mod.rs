@@ -56,8 +56,7 @@ pub struct Burst {
     pub quantisation_step: f32,
     /// Relation of the values to light.
     pub encoding: Encoding,
-    /// Sensor pixels along a side of a frame's pixel, which is the unit of places and slopes: 1 unless a mosaic was
-    /// binned.
+    /// Sensor pixels along a side of a frame's pixel, the unit of places and slopes: 1 unless a mosaic was binned.
     pub binning: usize,
     /// Largest value of a converter of fewer bits that could have made these 16-bit files. Only a suggestion.
     pub suggested_full_scale: Option<f32>,

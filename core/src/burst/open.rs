@@ -28,18 +28,16 @@ impl Burst {
     }
 
     /// Opens one burst: a folder of frames (in natural order), a file with several (a multi-page TIFF, a `.npy` stack,
-    /// a film), or several files, its frames in this order. A single picture is a burst without slopes, enough for
-    /// SIFT.
+    /// a film), or several files, its frames in this order. A single picture is a burst without slopes.
     ///
-    /// Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
-    /// signed), also when the camera has fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless
-    /// [`OpenOptions::full_scale`] says otherwise. Float files are taken as they are if their values lie in [0, 1]
-    /// (values up to 2 are taken for noise around that), otherwise they are divided by the burst's largest value (before
-    /// the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the file's value that
-    /// became 1. Colour becomes luma with the weights of Rec. 709 on the stored values
-    /// ([`super::LUMA_WEIGHTS`]), or on linear ones with [`OpenOptions::linearise`]; alpha is ignored. A photograph is
-    /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused,
-    /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1. NaN is masked.
+    /// Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if signed), even
+    /// if the camera has fewer bits: 12-bit values reach 4095/65535 only, unless [`OpenOptions::full_scale`] says
+    /// otherwise. Float files are taken as they are if their values lie in [0, 1] (values up to 2 are taken for noise
+    /// around that), otherwise they are divided by the burst's largest value (before the bias is subtracted); so are
+    /// integers of 32 and 64 bit. [`Burst::full_scale`] remembers the file's value that became 1. Colour becomes luma
+    /// with the weights of Rec. 709 on the stored values ([`super::LUMA_WEIGHTS`]), or on linear ones with
+    /// [`OpenOptions::linearise`]; alpha is ignored. A photograph is turned as its EXIF orientation says. Frames of
+    /// different bits or types are refused without [`OpenOptions::full_scale`]. NaN is masked.
     ///
     /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed.
     /// Each is reported to `monitor`, and cancellation checked before it. Of several errors the first frame's counts.

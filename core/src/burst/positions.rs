@@ -8,8 +8,7 @@
 use std::ops::{Add, Mul, Range, Sub};
 use std::sync::Arc;
 
-/// Positions of frames that follow one another, in frame intervals, or of the views of a light field, in steps of
-/// their grid. Evenly spaced frames are at 0, 1, 2, … to the bit. Cheap to clone.
+/// Positions of frames, in frame intervals (even ones exactly 0, 1, 2, …), or of views, in steps of their grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Positions {
     /// Position of each frame from the mean of all.

@@ -167,8 +167,7 @@ fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<Bur
     Ok(vec![BurstFiles { name, paths: files }])
 }
 
-/// Whether each file is a burst: none holds a single frame, and one at least several. A file that cannot be read counts
-/// as a burst, whose opening gives the error, so that the others are not lost.
+/// Whether each file is a burst of several frames. One that cannot be read counts: opening it gives the error.
 fn are_stacks(files: &[PathBuf], options: &OpenOptions) -> bool {
     let is_single = |file: &PathBuf| formats::frame_count(file, options).is_ok_and(|frames| frames < 2);
     !files.iter().any(is_single) && files.iter().any(|file| is_stack(file, options))
@@ -194,8 +193,7 @@ pub(super) fn folder_name(folder: &Path) -> String {
     named(folder).or_else(|| named(&std::fs::canonicalize(folder).ok()?)).unwrap_or_else(|| "burst".into())
 }
 
-/// Pictures and subfolders of a folder, in natural order, without hidden files and those of other kinds. Without
-/// pictures, the films; without these, the archives and the files without header.
+/// Pictures and subfolders of a folder, in natural order; without pictures films, else archives and raw numbers.
 fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     let (mut found, mut subfolders) = (Vec::<(Rank, PathBuf)>::new(), Vec::new());
     let entries = std::fs::read_dir(folder).map_err(|e| Error::from_io(folder, &e))?;

@@ -129,8 +129,7 @@ fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<
     Some(if are_fractions { fractions } else { wholes })
 }
 
-/// Stamps in `names`: dates or seconds with fractions, or the longest numbers that differ; an error names the first
-/// name.
+/// Stamps in `names`: dates or seconds with fractions, or the longest numbers that differ; an error names one name.
 fn in_names(names: &[String]) -> Result<Stamps, String> {
     let found: Vec<Vec<Run<'_>>> = names.iter().map(|name| runs(stem(name))).collect();
     let stamps = |values: Vec<i128>, known_by| {

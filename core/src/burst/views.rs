@@ -113,8 +113,7 @@ fn pairs(name: &str) -> Vec<(usize, [usize; 2], usize)> {
     runs.windows(2).filter_map(pair).collect()
 }
 
-/// Rows and columns in the `names` of views: the first pair of numbers that differs in all names, with equal text
-/// before.
+/// Rows and columns in the `names` of views: the first pair that differs in all names, with equal text before.
 fn in_names(names: &[String]) -> Result<Named, String> {
     let all: Vec<Vec<(usize, [usize; 2], usize)>> = names.iter().map(|name| pairs(stem(name))).collect();
     let count = all.iter().map(Vec::len).min().unwrap_or(0);

@@ -70,8 +70,7 @@ pub fn burst_plane(burst: &Burst, kind: ImageKind, params: &DetectorParams, moni
     Ok(burst.frames[params.used_frames(burst.len()).start].clone())
 }
 
-/// The middle frame of `source`, opened with `options` and reduced by a whole factor so that no side is longer than
-/// `max_side_px` (1 or more). Where each frame is a file, no other is read.
+/// The middle frame of `source`, reduced by a whole factor to sides of at most `max_side_px`; no other one is read.
 pub fn thumbnail(
     source: &BurstFiles,
     max_side_px: usize,

@@ -194,8 +194,7 @@ impl Case {
     }
 }
 
-/// Offset and scale of words: those of 8 and 16-bit files or of the full scale if exact, else the files' lattice of
-/// steps.
+/// Offset and scale of words: those of 8 and 16-bit files or of the full scale if exact, else the files' steps.
 fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
     // Values below masks are filled, and need not be exact.
     let seen = |frame: &Arc<Plane>| frame.mask().map(|_| Cow::Owned(frame.seen_values()));

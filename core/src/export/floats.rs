@@ -76,9 +76,8 @@ fn write_page<C: ColorType<Inner = f32>, K: TiffKind>(
     page.write_data(samples)
 }
 
-/// Writes a field of motion as [`write_field_tiff`](super::write_field_tiff) does, little-endian, the last row first.
-/// The format has no place for a mark, so the file counts as another program's and is replaced only with
-/// [`Overwrite::Force`](super::Overwrite::Force).
+/// As [`write_field_tiff`](super::write_field_tiff), little-endian, the last row first. The format has no place for a
+/// mark, so the file is replaced only with [`Overwrite::Force`](super::Overwrite::Force).
 pub fn write_field_pfm(path: &Path, field: &MotionField, size: (usize, usize)) -> Result<()> {
     write_whole(path, |out| {
         write!(out, "PF\n{} {}\n-1.0\n", size.0, size.1)?;

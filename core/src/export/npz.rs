@@ -23,7 +23,7 @@ pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<()> {
     let bytes = |values: Vec<u8>| Array2::from_shape_vec((rows, columns), values).expect("a value for each cell");
     let layers = field.layers.iter().flat_map(|layer| [layer.slope.u, layer.slope.v, layer.spread, layer.share]);
     let layers = Array2::from_shape_vec((field.layers.len(), 4), layers.collect()).expect("four numbers a layer");
-    // Cells that nothing supports have a filled-in motion, which readers must be able to leave out.
+    // The motion of a cell may be uncertain along an edge: readers must be able to leave it out.
     let known = field.motions.iter().map(|motion| u8::from(field.is_known(motion))).collect();
     write_marked(path, Kind::Features, |out| {
         let mut npz = NpzWriter::new(out);

@@ -12,9 +12,8 @@ use std::collections::HashSet;
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
-/// Whether this program wrote the file at `path` as it is now: by its mark (see [`mark`](crate::files::mark)); a table,
-/// which has no place for one, by its header and the form of all its lines, and COLMAP's text by the form of all its
-/// numbers. False for a file that cannot be read.
+/// Whether this program wrote the file at `path` as it is now: by its [`mark`](crate::files::mark); a table by its
+/// header and the form of its lines, COLMAP's text by its numbers. False for a file that cannot be read.
 pub fn is_ours(path: &Path) -> bool {
     has_mark(path, true) || is_table(path) || is_colmap_text(path, true)
 }

@@ -71,8 +71,7 @@ impl Unfinished {
     }
 
     /// Puts the complete folder in the place of `target`, and returns true. An existing one is moved away first and
-    /// removed with the hidden folder, if `may_go` then agrees; otherwise it is put back.
-    /// After an error, of the system or of `may_go`, it is in its place.
+    /// removed if `may_go` then agrees; otherwise, and after an error, it is put back.
     pub fn put_folder(&self, target: &Path, may_go: impl FnOnce(&Path) -> io::Result<bool>) -> io::Result<bool> {
         let old = self.folder.path().join(OLD);
         let is_there = target.exists();

@@ -301,8 +301,7 @@ pub struct Moved {
 }
 
 impl AlignedImages {
-    /// Estimates a pair's geometry again from its former `inliers`, each with the index of its measurement, in this
-    /// order.
+    /// Estimates a pair's geometry again from its former `inliers`, each with the index of its measurement.
     ///
     /// # Errors
     /// Parameters that make no sense, and cancellation once `monitor` was cancelled.

@@ -73,8 +73,7 @@ impl Neighbours {
     }
 
     /// Putative matches in the order of A's descriptors: the nearest in B, if the ratio is at most
-    /// [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of equals the first
-    /// counts.
+    /// [`MatchParams::ratio`], and with [`MatchParams::mutual`] both ways. Of equals the first counts.
     pub fn matches(&self, params: &MatchParams) -> Vec<Match> {
         let back = params.mutual.then_some(|b: usize| Some(self.of_b[b]));
         let candidates = self.of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.matched(a, back));
@@ -137,8 +136,7 @@ impl Nearest {
     }
 }
 
-/// Finds, for each of `queries` in order, the nearest and second nearest of `searched` by Euclidean distance. Empty
-/// when `searched` is empty. Progress is reported as [`Stage::Match`].
+/// The nearest and second nearest of `searched`, by Euclidean distance, of each of `queries`; empty if there is none.
 pub fn nearest_two(
     queries: &[Descriptor],
     searched: &[Descriptor],
@@ -242,8 +240,7 @@ fn lengths_of(group: &[Descriptor]) -> [f32; GROUP] {
     std::array::from_fn(|index| group.get(index).map_or(0.0, |query| squared_length(query) as f32))
 }
 
-/// Best results so far, lane by lane: of one query among the blocks, or of each descriptor of a block among the
-/// queries. Scores are 2·a·b less the squared length of the result: the larger, the nearer.
+/// Best results so far, lane by lane. Scores are 2·a·b less the squared length of the result: the larger, the nearer.
 #[derive(Clone, Copy)]
 struct State {
     best: [f32; LANES],

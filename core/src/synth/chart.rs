@@ -207,8 +207,7 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
     Ok((burst, arm.truth(truth, &offsets)))
 }
 
-/// Blends a disc of level `value` into `plane`, weighting each pixel by the share of its area that the disc covers.
-/// The area is exact along rows and taken from 16 thin strips across them.
+/// Blends a disc of level `value` into `plane` by the share of each pixel's area, in 16 thin strips, exact along rows.
 pub fn draw_disc(plane: &mut Plane, u: f64, v: f64, radius: f64, value: f32) {
     const STRIPS: usize = 16;
     let clip = |x: f64, size: usize| x.clamp(0.0, size as f64) as usize;

@@ -73,8 +73,7 @@ pub struct LikelyShape {
     pub likeness: f32,
 }
 
-/// Shapes of usual sensors that fill the file at `path`, those first whose rows resemble one another most: of a wrong
-/// width neighbours in a column are no neighbours in the picture. No more than the first frames are read.
+/// Shapes of usual sensors that fill the file at `path`, best first by the likeness of neighbouring rows.
 ///
 /// # Errors
 /// A file that cannot be read, or cancellation.

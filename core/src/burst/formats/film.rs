@@ -132,8 +132,7 @@ fn run<T>(
     run_once(path, (&arguments, most), options, monitor, &read)
 }
 
-/// Runs `ffmpeg` on the first `most` frames of the film `path`, and reads all that it writes. The container is named,
-/// so that a pattern in the file's name cannot stand for other files.
+/// Runs `ffmpeg` on the first `most` frames of `path`. The container is named: a file's name may look like a pattern.
 fn run_once<T>(
     path: &Path,
     (arguments, most): (&[&str], usize),

@@ -202,8 +202,7 @@ type Meaning = (Vec<(Index, u64)>, Option<String>);
 /// Least number of columns of views in an array that is taken for a light field unasked: fewer may be colours.
 const MIN_COLUMNS: u64 = 5;
 
-/// Grid of views of an array [rows, columns, v, u] or [rows, columns, v, u, colours], and the shape with all frames on
-/// one axis. Four axes need `views`, or lengths that no stack of frames has.
+/// Grid of views of an array [rows, columns, v, u] (and colours), and its shape as a stack; four axes may need `views`.
 fn axes_of_views(shape: &[u64], views: Option<ViewsChoice>) -> Option<(ViewGrid, Vec<u64>)> {
     let [rows, columns, frame @ ..] = shape else { return None };
     let grid = ViewGrid::new(usize::try_from(*rows).ok()?, usize::try_from(*columns).ok()?)?;

@@ -167,8 +167,7 @@ pub(in crate::burst) fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: 
     file.read_exact(buffer)
 }
 
-/// Reader that fails once the work is cancelled, which a decoder takes for a fault of the file: check the monitor
-/// first.
+/// Reader that fails once the work is cancelled. A decoder takes that for damage: check the monitor first.
 pub(in crate::burst) struct Asked<R> {
     pub inner: R,
     pub monitor: Monitor,

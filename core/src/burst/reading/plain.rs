@@ -364,8 +364,7 @@ impl Plain {
         frames.collect()
     }
 
-    /// Checks frames of this size against the limits, and `step` bytes each against the file's `length` from `first`
-    /// on.
+    /// Checks frames of this size, of `step` bytes from `first` on, against the limits and the file's `length`.
     pub(in crate::burst) fn places_in(
         path: &Path,
         kind: &str,

@@ -350,8 +350,7 @@ impl Style {
 const WHEEL_HEIGHT: f32 = 4.0;
 const WHEEL_ROWS: usize = 3;
 
-/// The colours of motions by direction and length, around `centre`. Each disc lies on the larger one before it, and each
-/// sector reaches below its neighbour, so that no gap is seen between them.
+/// The colours of motions by direction and length. Discs and sectors overlap, so that no gap is seen.
 fn wheel(centre: [f32; 2], radius: f32) -> Vec<FigureShape> {
     const RINGS: u8 = 5;
     const SECTORS: u8 = 36;

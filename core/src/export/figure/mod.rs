@@ -6,8 +6,7 @@
 //! radius at which it is drawn in the window), a tick in the direction of its orientation, and an arrow along its
 //! motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
 //!
-//! A figure for print has a width in millimetres, and letters and lines in points. Titles are broken to the width of
-//! their pictures; bars and legends that pictures share stand once, below all.
+//! A figure for print has a width in millimetres, letters and lines in points, and titles broken to fit.
 
 mod fan;
 mod layout;

@@ -73,8 +73,7 @@ pub struct Solved {
     pub refused: usize,
 }
 
-/// Solves for the corrections of places of scales `sigmas`, pixels, from their `links`; `may_move` decides whether a
-/// place may be corrected by so much. The same bits for any number of threads.
+/// Solves for corrections of places of scales `sigmas`, pixels, from `links`. `may_move` decides how far places move.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.

@@ -37,9 +37,8 @@ pub(super) trait Problem {
     /// Whether a step of [`Self::refit`] may be too long and is shortened by damping.
     const IS_DAMPED: bool = false;
 
-    /// The model near `model` with the minimum weighted sum of squared errors, or one closer to it; `None` where the
-    /// weights leave it undetermined. `damping`, above 0, shortens the steps of damped problems: near 0 the step is
-    /// full, above 1 it is a small step downhill.
+    /// The model near `model` of the least weighted squared errors, or one closer to it; `None` where the weights leave
+    /// it undetermined. `damping`, above 0, shortens the steps of damped problems.
     fn refit(&self, model: &Self::Model, weights: &[f64], damping: f64) -> Option<Self::Model>;
 
     /// A model that may be better than `model`, which may explain only a degenerate part of the scene, such as a plane.

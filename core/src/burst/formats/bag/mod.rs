@@ -227,8 +227,7 @@ impl<'a> Topic<'a> {
         Err(Error::new(ErrorKind::Unsupported, problem, remedy).about(path))
     }
 
-    /// Restricts the topic to messages by the order of stamps; as recorders are a little late, some more are read
-    /// around.
+    /// Restricts the topic to messages by the order of stamps; as recorders are late, some more are read around.
     fn part(self, path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         const LATE: usize = 64;
         let count = self.frames();

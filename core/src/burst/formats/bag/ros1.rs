@@ -1,5 +1,4 @@
-//! ROS 1 bags: records of named fields and data. Chunks of messages are each followed by the lists of their messages,
-//! and the connections, which say topic and type, are repeated at the end.
+//! ROS 1 bags: records of named fields and data. The lists of its messages follow each chunk; connections are repeated.
 //!
 //! Format: <http://wiki.ros.org/Bags/Format/2.0>.
 

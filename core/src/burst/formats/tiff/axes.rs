@@ -121,8 +121,7 @@ impl Along {
             let step: usize = axes[index + 1..].iter().map(|(_, length)| length).product();
             start + step * at[index]
         });
-        // Recordings that are stopped end within a time: it counts only if whole. Along other axes only taken places
-        // count.
+        // A stopped recording ends within a time, which counts only if whole. Along other axes only taken places count.
         let is_first = axes[..*along].iter().all(|(_, length)| *length == 1);
         let chosen = |place: usize| {
             is_first || place >= start && (place - start).is_multiple_of(step) && (place - start) / step < announced

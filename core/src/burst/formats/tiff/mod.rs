@@ -1,5 +1,4 @@
-//! TIFF and BigTIFF with one page or many: grey or RGB (with or without alpha, interleaved or in planes) of 8, 16, 32
-//! or 64-bit integers or floats. Pages that are marked as thumbnails are left out.
+//! TIFF and BigTIFF: grey or RGB, alpha or not, of 8 to 64-bit integers or floats. Thumbnails are left out.
 
 mod axes;
 mod described;

@@ -20,9 +20,8 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 use wire::{DecodeRequest, Part, receive_reply, send};
 
-/// The program that decodes files in a separate process. It is started with the arguments and the path of a file, and
-/// must call [`serve_decoding`](crate::burst::serve_decoding). Without one, decoding in this process may exhaust
-/// memory.
+/// The program that decodes files in a separate process. It gets the arguments and a file's path, and must call
+/// [`serve_decoding`](crate::burst::serve_decoding). Without one, decoding in this process may exhaust memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DecodeWorker {
     /// The program.

@@ -186,8 +186,7 @@ mod tests {
     use std::path::Path;
     use std::process::Command;
 
-    /// Runs `test` in a thread of its own with the paths of two files and their folder. What a thread gives up, the
-    /// others keep, so it may not end others' tests.
+    /// Runs `test` with the paths of two files and their folder, in a thread: rights once given up do not come back.
     fn with_files(test: impl FnOnce(&Path, &Path, &Path) + Send) {
         let folder = tempfile::tempdir().expect("a folder");
         let (own, other) = (folder.path().join("own.raw"), folder.path().join("other.raw"));
