@@ -43,6 +43,7 @@ impl StoredBlobs {
             let is_blob = sigma > 0.0 && motion_sigma >= 0.0 && finite.iter().all(|x| x.is_finite());
             is_blob.then_some(Blob { sigma, orientation, slope, motion, motion_sigma })
         };
+        // A record that a person edited is no error: the features are found again.
         let is_unchanged = u32::from_be_bytes(*checksum) == crc32fast::hash(bytes);
         if is_whole && is_unchanged { blobs.iter().map(blob).collect::<Option<_>>().map(Self) } else { None }
     }

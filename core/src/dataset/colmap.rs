@@ -107,6 +107,7 @@ impl ColmapReport {
             let [a, b] = best.ids.map(name);
             format!("the most inliers of a pair are {most}, of {a} and {b}")
         } else {
+            // The three causes have different remedies.
             let no_match = pairs_with(|counts| counts.putative == 0);
             let refused = pairs_with(|counts| counts.refused.is_some());
             let all = self.pairs.len();
@@ -182,6 +183,7 @@ pub fn export_detections(
     }
     let of = |of: &DetectedBurst<'_>| BurstFiles { name: of.burst.name.clone(), paths: of.burst.sources.clone() };
     let mut sources: Vec<BurstFiles> = bursts.iter().map(of).collect();
+    // Bursts in memory may share a name, and their files must not.
     make_file_names_unique(sources.iter_mut().map(|source| &mut source.name));
     let params = bursts.iter().map(|of| SearchParams::from(of.params.clone()).to_toml()).collect();
     let mut store = FeatureStore::of_detections(folder, &job.features, params)?;
@@ -237,6 +239,7 @@ fn add_burst(
     report: &mut ColmapReport,
 ) -> Result<()> {
     let camera = job.camera.for_images(burst.size)?;
+    // One camera for images of one size: the mapper then refines one lens, not many.
     let camera_id = match report.cameras.iter().position(|c| *c == camera) {
         Some(index) => index as u32 + 1,
         None => {
@@ -384,6 +387,7 @@ impl ColmapJob {
             CameraChoice::Known(camera) => Some(camera.clone()),
             CameraChoice::Guessed(_) => None,
         };
+        // A guessed focal length is too uncertain for an essential matrix.
         let matching = MatchParams { camera, ..self.matching.clone() };
         matching.validate()?;
         if matching.geometry == Geometry::None {
@@ -420,6 +424,7 @@ fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Inlier], model: Option
         TwoViewModel::Essential { essential, .. } => {
             let places: Vec<([f64; 2], [f64; 2])> =
                 inliers.iter().map(|m| (a[m.a as usize], b[m.b as usize])).collect();
+            // E alone leaves four poses; the inliers decide.
             let pose = model.relative_pose(&places).map(|(pose, _)| {
                 let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(pose.rotation));
                 Isometry3::from_parts(Translation3::from(pose.translation), rotation)

@@ -346,9 +346,11 @@ impl FeatureStore {
     ) -> Result<()> {
         let image_name = image_name(source);
         let picture_file = self.picture_file(&image_name);
+        // A picture may have been deleted or edited; the features, which took long, are still right.
         let is_whole = of.picture_content.is_of(&picture_file);
         let stamps = FileStamp::with_times_of(&of.files, files)?;
         let picture_content = if is_whole && of.picture == self.job.images {
+            // Nothing is written where nothing changed, and the folder needs no lock.
             if stamps == of.files {
                 return Ok(());
             }
@@ -418,11 +420,13 @@ impl FeatureStore {
     ) -> Result<BurstRecord, NotKept> {
         let record: BurstRecord = self.records().read(&image_name(source)).ok_or(NotKept::NoRecord)?;
         if record.made_from != self.made_with {
+            // Of other options the differing ones are named, for the user to set them back.
             return Err(match record.made_from.is_of_this_program() {
                 true => NotKept::OtherOptions(differences(&record.made_from, &self.made_with)),
                 false => NotKept::OtherProgram,
             });
         }
+        // Last, because contents may have to be read.
         let agree = FileStamp::all_agree(&record.of.files, files, comparison, monitor)?;
         if agree { Ok(record) } else { Err(NotKept::OtherFiles) }
     }
@@ -476,12 +480,14 @@ pub fn detect_all(
     monitor: &Monitor,
 ) -> Result<()> {
     store.job.detector.validate()?;
+    // Before the first burst: a refusal after hours of search would lose them.
     store.protect(bursts)?;
     let share = 1.0 / bursts.len().max(1) as f32;
     for (index, source) in bursts.iter().enumerate() {
         on(BurstEvent::Begin(index));
         match store.features(source, camera, &monitor.part(index as f32 * share, share)) {
             Ok(features) => on(BurstEvent::Done(index, &features)),
+            // A full disk, say, would fail for every burst.
             Err(error) if concerns_all(error.kind) => return Err(error),
             Err(error) => on(BurstEvent::Failed(index, &error)),
         }

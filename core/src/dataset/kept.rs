@@ -79,6 +79,7 @@ pub(super) fn differences(ours: &MadeFrom, other: &MadeFrom) -> Vec<String> {
     for key in all.into_iter().filter(|key| ours.settings().get(key) != other.settings().get(key)) {
         let table = |made: &MadeFrom| made.settings().get(&key)?.as_str()?.parse::<toml::Table>().ok();
         match (key.as_str(), table(ours), table(other)) {
+            // The user set parameters, not a text: only those that differ are named.
             (DETECTOR_KEY, Some(own), Some(others)) => {
                 let named: BTreeSet<&String> = own.keys().chain(others.keys()).collect();
                 names.extend(named.into_iter().filter(|name| own.get(*name) != others.get(*name)).cloned());
@@ -86,6 +87,7 @@ pub(super) fn differences(ours: &MadeFrom, other: &MadeFrom) -> Vec<String> {
             _ => names.push(key),
         }
     }
+    // As on the command line.
     names.iter().map(|name| name.replace('_', "-")).collect()
 }
 

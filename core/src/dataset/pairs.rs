@@ -106,6 +106,7 @@ pub fn match_rows(a: &[Feature], b: &[Feature], result: &MatchResult) -> Vec<Mat
             [of_a[m.a], of_b[m.b]].map(|place| place.map(|x| x as f32))
         });
         let [of_a, of_b] = places.map(|place| place.map(f64::from));
+        // Without a model no match has an error, and the column stays empty.
         let as_found = model.map(|model| model.error_px(of_a, of_b) as f32);
         let error_px = verified.filter(|_| model.is_some()).map(|verified| verified.error_px[index]);
         MatchRow {

@@ -41,6 +41,7 @@ impl DatasetSource {
             return Ok(Entries { bursts: with_unique_names(sequences), strays });
         };
         let cut = SequenceCut::new(length, self.burst_step)?;
+        // Names of frames may repeat from sequence to sequence.
         let several = sequences.len() > 1;
         let mut bursts = Vec::new();
         for sequence in &sequences {

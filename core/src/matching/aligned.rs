@@ -121,6 +121,7 @@ pub fn measure_inliers(
     monitor: &Monitor,
 ) -> Result<Vec<Option<Measured>>, Cancelled> {
     let views = |(index, m): (usize, &Match)| Some((index, [a.view(m.a)?, b.view(m.b)?]));
+    // Outliers would disturb the common rotation and scale, which come from these views.
     let some = matches.iter().enumerate().filter(|(index, _)| inlier[*index]);
     let (indices, views): (Vec<usize>, Vec<[View<'_>; 2]>) = some.filter_map(views).unzip();
     let found = measure(&views, PairFrame::of(&views), pair::FIT_RADIUS, monitor)?;
@@ -267,6 +268,7 @@ impl Alignment {
         };
         let moved = |image: Image| image.features.into_iter().zip(image.place_of).map(place).collect();
         let places = self.images.into_iter().map(moved).collect();
+        // Median and largest are of places that move: most features have no match.
         let mut moved_px: Vec<f64> = corrections.iter().map(|[u, v]| u.hypot(*v)).filter(|px| *px > 0.0).collect();
         moved_px.sort_unstable_by(f64::total_cmp);
         let share = moved_px.len() as f64 / corrections.len().max(1) as f64;
@@ -324,6 +326,7 @@ impl AlignedImages {
         let again = verify(&points, &MatchParams { max_error_px: limit, ..params.clone() }, monitor)?;
         let Some(mut of_kept) = again else { return Ok(None) };
         let enough = FEWEST_KEPT.max((LEAST_KEPT * inliers.len() as f64).ceil() as usize);
+        // A wrong geometry agrees by chance, and its pictures do not: few are left.
         if of_kept.inlier_count() < enough {
             of_kept.refuse();
         }
@@ -331,6 +334,7 @@ impl AlignedImages {
             let PointPair { a, b, .. } = point(index);
             of_kept.model.as_ref().map_or(f32::INFINITY, |model| model.error_px(a, b) as f32)
         };
+        // Back to the indices of the former inliers.
         let mut inlier = vec![false; inliers.len()];
         kept.iter().zip(&of_kept.inlier).for_each(|(&index, &is_one)| inlier[index] = is_one);
         let error_px = (0..inliers.len()).map(error_px).collect();

@@ -148,6 +148,7 @@ impl Camera {
             return fail(format!("{}×{} pixels", self.width, self.height), "give the size of its images".into());
         }
         for (name, &value) in names.iter().zip(&self.params) {
+            // Focal lengths divide; all other parameters may have either sign.
             if !value.is_finite() || (name.starts_with('f') && value <= 0.0) {
                 let right = if name.starts_with('f') { "a focal length is above 0 pixels" } else { "give a number" };
                 return fail(format!("{name} is {value}"), right.into());
@@ -225,6 +226,7 @@ impl FromStr for Camera {
         let model = model.ok_or_else(|| format!("'{name}' is no camera model; there are {}", names()))?;
         let form = || format!("write {} WIDTH HEIGHT {}", model.name(), model.param_names().join(" "));
         let mut side = || words.next().and_then(|word| word.parse().ok()).ok_or_else(form);
+        // COLMAP's order in `cameras.txt`: the size before the parameters.
         let (width, height) = (side()?, side()?);
         let number = |word: &str| word.parse().map_err(|_| format!("'{word}' is not a number; {}", form()));
         let params = words.map(number).collect::<Result<_, String>>()?;

@@ -291,6 +291,7 @@ impl ImageCounts {
         let putative = of_images(&|c| c.putative);
         let inliers = of_images(&|c| c.inliers.unwrap_or(0));
         let mean = |sums: &[usize]| sums.iter().sum::<usize>() as f64 / images;
+        // An image without keypoints counts as 0, so that means are over all images.
         let share = |sums: &[usize]| {
             let of_one = |(&sum, &all): (&usize, &usize)| if all > 0 { sum as f64 / all as f64 } else { 0.0 };
             sums.iter().zip(keypoints).map(of_one).sum::<f64>() / images

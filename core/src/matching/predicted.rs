@@ -130,6 +130,7 @@ impl Prediction {
         let across = ACROSS * f64::from(params.max_error_px);
         let there = OneWay::new(forward, a, inliers.iter().map(|&(i, j)| (i, b.places[j])), params.seed)?;
         let back = OneWay::new(backward, b, inliers.iter().map(|&(i, j)| (j, a.places[i])), params.seed)?;
+        // Both ways: motions of one burst may be right and those of the other not.
         let agreement = [there.agreement, back.agreement];
         Some(Self { agreement, in_b: there.expected(across), in_a: back.expected(across) })
     }
@@ -337,6 +338,7 @@ fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Pre
     };
     let of_one = |(i, expected): (usize, &Option<Expected>)| {
         let Some(expected) = expected else { return Vec::new() };
+        // The line may have any direction: along the columns the area reaches no further than this.
         let reach = expected.half_along_px + expected.half_across_px;
         let from = order.partition_point(|&j| places_b[j as usize].x < expected.place[0] - reach);
         let near = order[from..].iter().take_while(|&&j| places_b[j as usize].x <= expected.place[0] + reach);
@@ -345,6 +347,7 @@ fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Pre
             expected.holds(places_b[j].into()) && agrees_back && is_of_scale(i, j)
         };
         let mut others: Vec<u32> = near.copied().filter(|&j| is_it(j as usize)).collect();
+        // Of equal descriptors the first counts, as in the search among all.
         others.sort_unstable();
         others
     };

@@ -352,6 +352,7 @@ impl BlockSearch<'_> {
             let (tile, within) = (&self.elements[first / TILE], first % TILE);
             let mut sums = [[simd.splat_f32s(0.0); REGISTERS]; QUERIES];
             for (queries, row) in tile.iter().zip(&self.block.elements) {
+                // Loaded once for all queries: the loop waits for arithmetic, not for memory.
                 let row = S::as_simd_f32s(row).0;
                 for q in 0..QUERIES {
                     let query = simd.splat_f32s(queries[within + q]);
@@ -365,6 +366,7 @@ impl BlockSearch<'_> {
                 let out = S::as_mut_simd_f32s(&mut products).0;
                 out.copy_from_slice(&sums[q - first]);
                 self.states[q].update(&products, &self.block.squared_lengths, self.numbers.1);
+                // The same products, seen from the block's descriptors.
                 if let Some(back) = &mut self.back {
                     back.update(&products, &[length; LANES], self.numbers.0 + q as u32);
                 }

@@ -42,7 +42,9 @@ enum Code {
     /// Bytes of the first pixel, bits of a block of pixels at least, and pixels of a block.
     Rice(u64, u64, u64),
     /// gzip data; whether all first bytes of the pixels come first, then all second ones.
-    Gzip { is_shuffled: bool },
+    Gzip {
+        is_shuffled: bool,
+    },
     Plain,
     Other,
 }

@@ -229,6 +229,7 @@ fn moments(scratch: &FitScratch) -> [f32; 6] {
     let pictures = scratch.template.chunks_exact(LANES).zip(scratch.values.chunks_exact(LANES));
     for ((w, m), (t, s)) in blocks.zip(pictures) {
         for l in 0..LANES {
+            // All six in one pass: the values of a round are read once.
             let weight = w[l] * m[l];
             sums[0][l] += weight;
             sums[1][l] += weight * t[l];
@@ -246,10 +247,12 @@ fn moments(scratch: &FitScratch) -> [f32; 6] {
 fn descent(scratch: &FitScratch, alike: &Likeness) -> [f32; UNKNOWNS] {
     let gain = alike.scale[1] / alike.correlation.max(LEAST_GAIN);
     let (mean, scale) = (alike.mean, alike.scale[0]);
+    // One sum a lane: the compiler vectorises the loops, and the order of additions is fixed.
     let mut sums = [[0.0; LANES]; UNKNOWNS];
     let blocks = scratch.weights.chunks_exact(LANES).zip(scratch.seen.chunks_exact(LANES));
     let pictures = scratch.template.chunks_exact(LANES).zip(scratch.values.chunks_exact(LANES));
     for (block, ((w, m), (t, s))) in blocks.zip(pictures).enumerate() {
+        // Both chips at mean 0 and equal strength: an exposure differs from burst to burst.
         let mut differences = [0.0; LANES];
         for l in 0..LANES {
             differences[l] = w[l] * m[l] * ((s[l] - mean[1]) * gain - (t[l] - mean[0]) * scale);

@@ -53,6 +53,7 @@ impl Search {
         let radius = RADIUS as f32;
         let weight = |(x, y): (&f32, &f32)| {
             let squared = x * x + y * y;
+            // Round, so that a rotation between the chips changes no weight.
             if squared <= radius * radius { (-2.0 * squared / (radius * radius)).exp() } else { 0.0 }
         };
         let weights: Vec<f32> = window[0].iter().zip(&window[1]).map(weight).collect();
@@ -83,6 +84,7 @@ fn correlations(weights: &[f32], scratch: &SearchScratch) -> [[f32; SHIFTS]; SHI
         for (x, found) in found.iter_mut().enumerate() {
             let [weight, t, tt, s, ss, ts] = [0, 1, 2, 3, 4, 5].map(|k| sums[k][x]);
             let (variance_t, variance_s) = (tt - t * t / weight, ss - s * s / weight);
+            // Each shift has its own means: near a chip's rim different samples are seen.
             if weight >= LEAST_SEEN && variance_t > 1e-6 && variance_s > 1e-6 {
                 *found = (ts - t * s / weight) / (variance_t * variance_s).sqrt();
             }

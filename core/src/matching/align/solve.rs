@@ -187,6 +187,7 @@ impl<'a> System<'a> {
         for &(term, weight) in &self.terms {
             let [[xx, xy], [yx, yy]] = term.jacobian;
             let of_a = [xx * xx + yx * yx, xx * xy + yx * yy, xy * xy + yy * yy];
+            // The prior keeps every block positive: a place without a match has an inverse too.
             blocks[term.a].iter_mut().zip(of_a).for_each(|(block, x)| *block += weight * x);
             blocks[term.b][0] += weight;
             blocks[term.b][2] += weight;

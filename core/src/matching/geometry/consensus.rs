@@ -151,6 +151,7 @@ fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (
     let (mut damping, after_success, after_failure, max) = DAMPING;
     for _ in 0..POLISH_STEPS {
         for (index, weight) in weights.iter_mut().enumerate() {
+            // Weights of the last model: each step solves a quadratic problem.
             *weight = loss.weight(problem.squared_error(&best.0, index));
         }
         // A damped step without gain is tried again, shorter; an undamped one ends the descent.

@@ -243,6 +243,7 @@ impl Problem for HomographyProblem<'_> {
         let weighted = || self.pairs.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
         for (pair, &weight) in weighted() {
             let [x, y] = pair.a;
+            // The algebraic error over the depth is the error in pixels.
             let depth = model.forward.m31 * x + model.forward.m32 * y + model.forward.m33;
             if depth > 0.0 {
                 for row in transfer_rows(pair).map(Vector9::from) {

@@ -70,6 +70,7 @@ impl TwoViewModel {
             Self::Fundamental { fundamental } => straight(line(fundamental, point)),
             Self::Essential { essential, camera } => {
                 let line = line(&straight_fundamental(essential, camera), straightened(camera, point));
+                // A lens bends the line, which then needs many points.
                 if camera.is_straight() { straight(line) } else { bent(&line, camera, size) }
             }
             Self::Homography { forward, backward } => {

@@ -42,12 +42,14 @@ impl Parallax {
                     is_calibrated: true,
                     camera: Some(camera.clone()),
                 };
+                // The way back: the inverse of the pose.
                 let turned = pose.rotation.transpose();
                 Some([there(pose.rotation, pose.translation), there(turned, -(turned * pose.translation))])
             }
             TwoViewModel::Fundamental { fundamental } => {
                 let there = |f: Matrix3<f64>| {
                     let epipole = null_vector(&f.transpose())?;
+                    // Any plane will do, since the parallax counts from it: this matrix needs no match.
                     let by_plane = (cross_matrix(&epipole) * f).try_normalize(0.0)?;
                     Some(Self { by_plane, epipole, is_calibrated: false, camera: None })
                 };

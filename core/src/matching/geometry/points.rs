@@ -42,6 +42,7 @@ impl Normalisation {
         let (centre_a, centre_b) = (mean(|p| p.a), mean(|p| p.b));
         let off = |p: [f64; 2], c: [f64; 2]| (p[0] - c[0]) * (p[0] - c[0]) + (p[1] - c[1]) * (p[1] - c[1]);
         let spread = pairs.iter().map(|p| off(p.a, centre_a) + off(p.b, centre_b)).sum::<f64>() / (2.0 * count);
+        // Points that all coincide have no size.
         let scale = if spread > 0.0 { (2.0 / spread).sqrt() } else { 1.0 };
         let to = |p: [f64; 2], c: [f64; 2]| [(p[0] - c[0]) * scale, (p[1] - c[1]) * scale];
         let normalised = pairs.iter().map(|pair| RayPair { a: to(pair.a, centre_a), b: to(pair.b, centre_b) });
