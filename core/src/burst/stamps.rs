@@ -1,7 +1,7 @@
 //! Positions of frames by their times: by stamps in lists and in names of files, or by what the files hold.
 //!
-//! A name has a date or the seconds since 1970, which digits behind may part further: a fraction, or whole milli-, micro-
-//! or nanoseconds with or without leading zeros. Numbers that count up by one are counters, never fractions.
+//! A name has a date or the seconds since 1970, which digits behind may part further: a fraction, or whole milli-,
+//! micro- or nanoseconds with or without leading zeros. Numbers that count up by one are counters, never fractions.
 
 use super::formats;
 use super::layout::TimesChoice;

@@ -1,7 +1,7 @@
 //! Times as files, robots and people write them: dates, times of day, and numbers with a unit.
 //!
-//! The unit of a number stands in the heading of its column (`timestamp [ns]`, `time_s`, `MJD`), or is guessed: from the
-//! size of a number that counts from 1970, and else from its digits and the distance of the frames.
+//! The unit of a number stands in the heading of its column (`timestamp [ns]`, `time_s`, `MJD`), or is guessed: from
+//! the size of a number that counts from 1970, and else from its digits and the distance of the frames.
 
 use chrono::{DateTime, NaiveDateTime, SecondsFormat};
 use std::collections::HashMap;

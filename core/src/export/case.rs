@@ -1,9 +1,9 @@
 //! A case: a burst, or the part of it around a place, with the settings and the question about it, in one file.
 //!
 //! The file is a ZIP without compression of its own: `case.toml`, a 16-bit grey PNG for each frame (`frames/00000.png`
-//! and on), and where there are some the frames' masks, the window's `session.toml` and the frames' `truth.json`. Values
-//! are `offset + word·scale`; those of 8 and 16-bit files come back exactly, calibrated ones within rounding. Reading is
-//! bounded: declared sizes are checked before frames are decoded, and no entry is read further than these can need.
+//! and on), and where there are some the frames' masks, the window's `session.toml` and the frames' `truth.json`.
+//! Values are `offset + word·scale`; those of 8 and 16-bit files come back exactly, calibrated ones within rounding.
+//! Reading is bounded: declared sizes are checked before frames are decoded, and no entry is read beyond these.
 
 use super::atomic::write_marked;
 use crate::burst::{Burst, Encoding, Limits, Positions};

@@ -122,7 +122,7 @@ pub struct MatchRow {
     pub distance: f32,
     /// Ratio of the distances to the nearest and the second nearest of those compared; `None` without a second.
     pub ratio: Option<f32>,
-    /// Of a predicted match the number of places that were compared, and its ratio among all of B; `None` for a sure one.
+    /// Of a predicted match the number of places compared, and its ratio among all of B; `None` for a sure one.
     pub predicted: Option<(usize, Option<f32>)>,
     /// Error from the geometry at the aligned places and at those found, pixels; `None` where it is not defined.
     pub error_px: [Option<f32>; 2],

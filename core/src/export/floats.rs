@@ -1,5 +1,5 @@
-//! Planes as TIFF files of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy. Fields of motion also
-//! as colour PFM (portable float map), which programs for optical flow and stereo read.
+//! Planes as TIFF files of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy. Fields of motion
+//! also as colour PFM (portable float map), which programs for optical flow and stereo read.
 
 use super::atomic::write_whole;
 use crate::detector::MotionField;

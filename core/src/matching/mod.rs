@@ -5,14 +5,14 @@
 //! Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest. An *inlier* is a putative match that
 //! agrees with a geometry of the two views on which most others agree too. [`match_features`] does it all for whoever
 //! matches: [`putative`] → [`geometry`] → where the motions are known, both again at the places that they predict
-//! ([`Prediction`]) → where there are frames, the pictures of the inliers ([`aligned`]). [`match_pair`] aligns each pair
-//! by itself; a dataset for COLMAP is aligned as a whole.
+//! ([`Prediction`]) → where there are frames, the pictures of the inliers ([`aligned`]). [`match_pair`] aligns each
+//! pair by itself; a dataset for COLMAP is aligned as a whole.
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
-//! match, and inlier ratio the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and
-//! Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017, who call it precision). The
-//! first two are means over the images, here A and B. Against many others, as in the paper's Table 1, an image's matches
-//! with all of them are added up: each match counts for both of its images, and these shares may pass 1.
+//! match, and inlier ratio the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler
+//! and Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017, who call it
+//! precision). The first two are means over the images, here A and B. Against many others, as in the paper's Table 1,
+//! an image's matches with all of them are added up: each counts for both of its images, and shares may pass 1.
 
 pub mod align;
 pub mod aligned;

@@ -42,10 +42,10 @@ enum Code {
     /// Bytes of the first pixel, bits of a block of pixels at least, and pixels of a block.
     Rice(u64, u64, u64),
     /// gzip data; whether all first bytes of the pixels come first, then all second ones.
-    Gzip {
-        is_shuffled: bool,
-    },
+    Gzip { is_shuffled: bool },
+    /// Tiles as they are.
     Plain,
+    /// Packed in another way, which the decoder alone checks.
     Other,
 }
 

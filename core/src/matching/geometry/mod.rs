@@ -63,7 +63,7 @@ pub struct PointPair {
     pub rank: f32,
 }
 
-/// Finds the geometry on which most of `pairs` agree; `None` for [`Geometry::None`]. Both images are of the camera in `params`.
+/// Finds the geometry on which most of `pairs` agree; `None` for [`Geometry::None`]. Both have the camera of `params`.
 pub fn verify(pairs: &[PointPair], params: &MatchParams, monitor: &Monitor) -> Result<Option<Verification>> {
     params.validate()?;
     let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();

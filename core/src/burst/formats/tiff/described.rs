@@ -43,7 +43,7 @@ fn product(axes: &Axes) -> usize {
     axes.iter().fold(1, |product, (_, length)| product.saturating_mul(*length))
 }
 
-/// Axes and pages as the description gives them; `None` if it is silent. `array` names an image. Errors: problem, remedy.
+/// Axes and pages as the description gives them; `None` if it is silent. `array` names an image. Errors with remedy.
 pub(super) fn described(
     description: &str,
     path: &Path,

@@ -1,8 +1,8 @@
 //! Decoding in a separate process, so that a faulty third-party decoder cannot end the program.
 //!
 //! A decoder that asks for more memory than there is ends its whole process. So raw files, and pictures whose decoding
-//! takes much memory, are decoded by a child process ([`serve_decoding`](crate::burst::serve_decoding)), with a limit of
-//! memory and of time, which may read this file and nothing else. A failure of the child is an error about the file.
+//! takes much memory, are decoded by a child process ([`serve_decoding`](crate::burst::serve_decoding)), with a limit
+//! of memory and of time, which may read this file and nothing else. A failure of the child is an error about the file.
 
 pub(in crate::burst) mod serve;
 pub(in crate::burst) mod wire;
