@@ -25,8 +25,9 @@
 //! monitor             progress and cancellation
 //! ```
 //!
-//! # Conventions `u` is the column, to the right; `v` the row, down; the centre of the first pixel is (0, 0). Slopes
-//! are input pixels per frame; a point at `x` at the reference time `t0 = (N − 1)/2` is at `x + (t − t0)·λ` in frame
+//! # Conventions
+//! `u` is the column, to the right; `v` the row, down; the centre of the first pixel is (0, 0). Slopes are pixels of
+//! the input image per frame; a point at `x` at the reference time `t0 = (N − 1)/2` is at `x + (t − t0)·λ` in frame
 //! `t`. Frames hold `f32` in [0, 1] of the file's full scale, and thresholds are in that unit. Scale `sigma` is in
 //! input pixels. `D = G(next level) − G(this level)`: a bright blob is a negative extremum. Orientations are radians
 //! from +u towards +v.

@@ -71,9 +71,8 @@ pub struct Arrays {
 }
 
 impl Burst {
-    /// Makes a burst of arrays: the bits that `.npy` files of them give ([`Burst::open_with`]); in error messages they
-    /// are named `frames`, `bias`, `flat` and `mask`. Floats that need no conversion are not copied. Of the options,
-    /// those about levels, saturation, a grid of views and limits count.
+    /// Makes a burst of arrays, as of `.npy` files ([`Burst::open_with`]); errors name `frames`, `bias`, `flat` or
+    /// `mask`. Floats that need no conversion are not copied. Options about levels, saturation, views and limits count.
     pub fn from_arrays(
         name: impl Into<String>,
         arrays: Arrays,

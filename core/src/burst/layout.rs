@@ -1,5 +1,4 @@
-//! Statements of the user on what a file does not say: its shape without a header, the mosaic of colours, the axis of
-//! the frames, and where their times or their places in a grid of views come from.
+//! What the user says of a file: its shape without a header, mosaic, axis of the frames, and source of times or views.
 
 use super::number::Number;
 use crate::files::whole_number;

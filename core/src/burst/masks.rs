@@ -15,7 +15,6 @@ use std::sync::Arc;
 pub(super) struct Masks {
     /// `None` for a mask that hides nothing.
     of_files: Vec<Option<Arc<Mask>>>,
-    /// A note on each mask of others than two values.
     notes: Vec<String>,
     is_saturation_masked: bool,
 }

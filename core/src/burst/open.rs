@@ -256,7 +256,6 @@ pub(super) struct Levels {
     pub given: Option<f32>,
     /// Value that becomes 1.0, from the options or from the files.
     pub full_scale: f32,
-    /// Value that becomes 0.
     pub black: f32,
 }
 

@@ -217,8 +217,7 @@ fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     Ok((pictures, subfolders))
 }
 
-/// Natural order of file names without extensions, so that `x.png` precedes its copies `x(1).png`; names that differ
-/// only in leading zeros by their bytes, so that the order never depends on the file system.
+/// Natural order of file names without extensions, so that `x.png` precedes `x(1).png`; then by bytes.
 fn natural_order(a: &Path, b: &Path) -> Ordering {
     let by = |part: fn(&Path) -> Option<&OsStr>| {
         alphanumeric_sort::compare_os_str(part(a).unwrap_or_default(), part(b).unwrap_or_default())

@@ -284,7 +284,6 @@ fn counters(
     Ok(Stamps { values: values.collect(), unit: Unit::Frames, known_by: "by their counters" })
 }
 
-/// Positions of frames, and what is to be said of them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Timing {
     pub positions: Positions,

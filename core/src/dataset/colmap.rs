@@ -166,8 +166,7 @@ pub fn export_colmap(
     Ok(report)
 }
 
-/// Writes the input of COLMAP's mapper into `folder`, as [`export_colmap`] does, from the features of `bursts` that are
-/// in memory. The parameters of their search are their own, not those of `job`.
+/// Writes COLMAP's input as [`export_colmap`] does, from `bursts` in memory, each with its own search parameters.
 ///
 /// # Errors
 /// Parameters, a folder that holds other files, and files that cannot be written.

@@ -97,7 +97,6 @@ mod tests {
     use crate::detector::REVISION;
     use serde_json::{Value, json};
 
-    /// A folder with a manifest, changed by `change`.
     fn begun(change: impl FnOnce(&mut Value)) -> tempfile::TempDir {
         let home = tempfile::tempdir().expect("a folder");
         let manifest = MadeFrom::new(json!({ DETECTOR_KEY: "levels = 4" }));

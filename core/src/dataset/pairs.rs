@@ -41,9 +41,6 @@ impl BurstSide {
     }
 
     /// These features with the pictures of their places, in the frames of `burst` in which `params` search.
-    ///
-    /// # Errors
-    /// Parameters that make no sense for the burst, and cancellation once `monitor` was cancelled.
     pub fn with_pictures(self, burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self> {
         let (burst, params) = prepare(burst, params, monitor)?;
         let pictures = Some(Pictures::of(&burst, &params, &self.places, &self.blobs));
@@ -83,9 +80,6 @@ impl From<&Detection> for BurstSide {
 }
 
 /// Matches the features of two bursts, verifies the matches, and aligns them, by the frames, where `params` ask for it.
-///
-/// # Errors
-/// Parameters that make no sense, and cancellation once `monitor` was cancelled.
 pub fn match_bursts(bursts: [DetectedBurst<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
     let [mut a, mut b] = bursts.map(|of| BurstSide::from(of.detection));
     if params.aligns() {
@@ -137,9 +131,6 @@ pub struct MatchedPair<'a> {
 
 impl MatchedPair<'_> {
     /// The result after an alignment of this pair alone, as [`match_bursts`] gives it.
-    ///
-    /// # Errors
-    /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
     pub fn aligned(&self, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
         self.found.clone().aligned(self.sides.map(BurstSide::side), params, monitor)
     }

@@ -154,7 +154,6 @@ impl OutputRules {
 mod tests {
     use super::*;
 
-    /// A folder with a frame, a note, and a table of ours.
     fn home() -> (tempfile::TempDir, impl Fn(&str) -> PathBuf) {
         let home = tempfile::tempdir().expect("a folder");
         let root = home.path().to_path_buf();

@@ -142,16 +142,14 @@ pub struct PairAlignment {
 }
 
 impl PairAlignment {
-    /// From the place in B of match `index` to where A's place is seen there (u, v), pixels, and the correlation of the
-    /// pictures of both, −1 … 1; `None` where they do not tell.
+    /// Shift (u, v) in B of match `index`, pixels, to A's place seen there, and its correlation; `None` if unmeasured.
     pub fn shift_in_b(&self, index: usize) -> Option<([f64; 2], f64)> {
         let (measured, _) = self.measured[index]?;
         Some((measured.shift_px, measured.correlation))
     }
 }
 
-/// Solves for the places of one pair's features from its `measured` matches, and verifies the inliers there; does
-/// nothing to a pair without a geometry, or without an alignment in `params`.
+/// Moves the places of one pair's features by its `measured` matches, and verifies again, if `params` ask for it.
 pub(super) fn align_pair(
     result: &mut MatchResult,
     sides: [MatchSide<'_>; 2],
@@ -304,9 +302,6 @@ pub struct Moved {
 
 impl AlignedImages {
     /// Estimates a pair's geometry again from its former `inliers`, each with the index of its measurement.
-    ///
-    /// # Errors
-    /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
     pub fn confirmed(
         &self,
         images: (usize, usize),

@@ -1,8 +1,7 @@
 //! A camera's intrinsics: mapping between directions in space and pixels.
 //!
 //! Models, names and the order of the parameters are COLMAP's, and so is the principal point: **the centre of the first
-//! pixel is (0.5, 0.5)** there. [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels in Burstscope's
-//! convention, where it is (0, 0), and add the half pixel themselves.
+//! pixel is (0.5, 0.5)** there. [`Camera::direction_of`] and [`Camera::pixel_of`] use Burstscope's, where it is (0, 0).
 
 use crate::error::{Error, Result};
 use nalgebra::Matrix3;

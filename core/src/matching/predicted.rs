@@ -396,7 +396,6 @@ pub(super) mod tests {
     use crate::matching::geometry::tests::{camera, places_in_space};
     use crate::matching::{Blob, Geometry, MatchResult, match_pair};
 
-    /// Features of one image.
     #[derive(Clone, Default)]
     pub struct Features {
         pub places: Vec<[f64; 2]>,
@@ -412,7 +411,6 @@ pub(super) mod tests {
 
     const MOTION_SIGMA: f64 = 0.05;
 
-    /// Motion sideways of what lies at so large an inverse depth.
     fn blob(random: &mut Stream, inverse_depth: f64) -> Blob {
         let speed = 8.0 * inverse_depth + MOTION_SIGMA * random.normal();
         let slope = Slope::new(speed as f32, 0.0);
@@ -423,8 +421,7 @@ pub(super) mod tests {
         around.map(|x| (f64::from(x) + random.within(-by, by)).clamp(0.0, 255.0) as u8)
     }
 
-    /// A scene of `count` points in both images, whose descriptors differ by noise, and `others` in each image alone;
-    /// many descriptors are alike, so that few are clearly nearest in the whole image.
+    /// A scene of `count` points in both images with noisy, often alike descriptors, and `others` in each image alone.
     fn noisy_pair(seed: u64, count: usize, others: usize) -> [Features; 2] {
         let mut random = Stream::new(seed, 1);
         let kinds: Vec<Descriptor> = (0..8).map(|_| std::array::from_fn(|_| random.within(20.0, 70.0) as u8)).collect();

@@ -268,7 +268,6 @@ impl State {
         *self = Self { best, second, number: numbers };
     }
 
-    /// Joins the state of `later` queries.
     fn with_later(&self, later: &Self) -> Self {
         let mut both = *self;
         for l in 0..LANES {

@@ -1,7 +1,6 @@
 //! The demo: a street at night, built into the program and drawn on request.
 //!
-//! Four planes move past the camera, in so poor light that one frame shows little. The plain average of the frames
-//! smears what moves; averaging at a plane's own slope makes that plane visible.
+//! Four planes pass the camera, so dark that one frame shows little. Averaging at a plane's slope makes it visible.
 
 use super::capture_burst;
 use super::layer::{Layer, draw_layers, even_within, visible_landmarks};
@@ -264,7 +263,6 @@ fn lanterns(reach: f64) -> Layer {
 mod tests {
     use super::*;
 
-    /// A checksum of all frames (FNV-1a over the converter's levels).
     fn checksum(burst: &Burst) -> u64 {
         burst.frames.iter().flat_map(|f| f.data()).fold(0xcbf2_9ce4_8422_2325, |hash, &x| {
             let word = (f64::from(x) * 65535.0).round() as u64;

@@ -135,8 +135,7 @@ impl NoiseCase {
         name
     }
 
-    /// Makes a burst of `frames` frames of `size` = (columns, rows) around half of full scale, with noise of standard
-    /// deviation `sigma` (fraction of full scale) unless the case changes it.
+    /// A burst of `size` (columns, rows) around half of full scale, with noise of σ `sigma` (fraction of it).
     pub fn burst(
         self,
         size: (usize, usize),

@@ -1,7 +1,6 @@
 //! Layered scenes: textured planes at several depths, each with its own slope.
 //!
-//! The farthest layer fills the frame: relief, cracks and blobs. Each nearer one carries boards with rows of strokes
-//! like writing, with stripes, or with dots, which are the landmarks of the truth.
+//! The farthest layer fills the frame; nearer ones carry boards of writing, stripes, or dots, the truth's landmarks.
 
 use super::arm::Arm;
 use super::layer::{Layer, draw_layers, visible_landmarks};
@@ -61,7 +60,6 @@ pub struct SceneParams {
 }
 
 impl Default for SceneParams {
-    /// Four layers in 640×480 pixels, ten frames, horizontal slopes up to ±3 px/frame, per-pixel SNR 1.
     fn default() -> Self {
         Self {
             width: 640,

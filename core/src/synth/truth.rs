@@ -33,8 +33,7 @@ pub struct Truth {
     pub frames: usize,
     /// Reference time, the mean of the frames' times, in frames: (N − 1)/2 for even ones.
     pub t0: f64,
-    /// Time of each frame, in frame intervals of the even burst; empty for even ones: 0, 1, 2, …. Where frames are
-    /// exchanged it is the time at which each was taken, which nothing else tells.
+    /// Time of each frame, in frame intervals; empty for even ones: 0, 1, 2, …. Of exchanged frames the true ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub times: Vec<f64>,
     /// Column and row of each view of a light field from the first one; their mean is the reference. Empty for frames.

@@ -61,8 +61,7 @@ impl Format for Film {
     }
 }
 
-/// Name that `ffmpeg` has for the container that begins with `start`: MP4 and QuickTime (but not HEIF, a picture in the
-/// same container), Matroska and WebM, AVI, MPEG, Flash, Windows Media, GIF.
+/// Name in `ffmpeg` of the container that begins with `start`; none for HEIF, a picture in MP4's container.
 fn container(start: &[u8]) -> Option<&'static str> {
     let at = |place: usize, magic: &[u8]| start.get(place..).is_some_and(|rest| rest.starts_with(magic));
     let is_picture = [&b"hei"[..], b"hev", b"mif1", b"msf1", b"avi"].iter().any(|brand| at(8, brand));

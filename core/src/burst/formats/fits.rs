@@ -140,7 +140,6 @@ impl Unit {
         }
     }
 
-    /// A whole number; an error names the keyword.
     fn whole(&self, path: &Path, name: &str) -> Result<Option<i64>> {
         match self.value(name) {
             None => Ok(None),

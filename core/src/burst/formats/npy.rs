@@ -1,5 +1,4 @@
-//! `.npy` arrays, of any integer or float type in either byte order, in C or Fortran order: a stack, one frame, with or
-//! without colours. Booleans become 0 and 1. Of `.npz` archives one array is taken.
+//! `.npy` arrays of integers, floats or booleans, C or Fortran order: a stack or a frame. Of an `.npz` one is taken.
 //!
 //! The header is a Python dictionary such as `{'descr': '<u2', 'fortran_order': False, 'shape': (10, 480, 640), }`. It
 //! is read here rather than by a library, because a stack is read frame by frame, and because a hostile header must

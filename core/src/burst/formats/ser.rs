@@ -1,8 +1,7 @@
 //! SER films of astronomical cameras: a header, frames of 8 to 16 bits of grey, mosaic or colours, and their times.
 //!
-//! Format: <http://www.grischa-hahn.homepage.t-online.de/astro/ser/>. The description says of the field
-//! LittleEndian that 1 stands for numbers whose low byte comes first, but the first programs wrote 0 for these, and all
-//! others followed them. So 1 is read as big endian here, as Siril reads it.
+//! Format: <http://www.grischa-hahn.homepage.t-online.de/astro/ser/>. By it LittleEndian is 1 for numbers with the low
+//! byte first, but the first programs wrote 0, and all others follow them: 1 is big endian here, as in Siril.
 
 use super::{Input, Numbers, Rank, Record, Start};
 use crate::burst::layout::Mosaic;
@@ -124,8 +123,7 @@ fn aligned(plain: Plain, bits: u32, file: &mut File, number: fn([u8; 2]) -> u16)
     Ok(Plain { white: Some(white as f32), taken, ..plain })
 }
 
-/// Times of the frames to be taken, behind the last frame, which ends at `end` of `length` bytes; none where there are
-/// none or they make no sense. `taken` gets a note on times that are not read.
+/// Times of `taken`, behind the last frame, which ends at `end` of `length` bytes; none that make no sense.
 fn times(
     path: &Path,
     file: &mut File,

@@ -20,7 +20,6 @@ use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Unit of a file's values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(in crate::burst) enum FileScale {
     /// Integers of up to 16 bit: the largest value of the type. The plane is already divided by it.
@@ -243,8 +242,7 @@ impl<'a> Ticker<'a> {
     }
 }
 
-/// Computes `f(0) … f(count − 1)` in parallel. Of several errors the lowest index counts, whatever the number of
-/// threads, so that a user who mends one file after the other sees them in order.
+/// Computes `f(0) … f(count − 1)` in parallel. Of several errors the lowest index counts, with any threads.
 pub(in crate::burst) fn in_order<T: Send>(count: usize, f: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
     let first_failure = AtomicUsize::new(usize::MAX);
     let answers: Vec<Option<Result<T>>> = (0..count)

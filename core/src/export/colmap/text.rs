@@ -1,8 +1,7 @@
 //! Keypoints in COLMAP's convention, and its importer's text: `N 128`, then `x y scale orientation d1 … d128` each.
 //!
-//! The descriptors are in UBC order, which is the order of [`Descriptor`] and of COLMAP's own SIFT. Numbers have as
-//! many digits as are needed to read the same values back. Format:
-//! <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
+//! The descriptors are in UBC order, which is the order of [`Descriptor`] and of COLMAP's own SIFT. Numbers read back
+//! exactly. Format: <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
 
 use crate::detector::{Descriptor, Feature};
 use crate::error::{Error, Result};

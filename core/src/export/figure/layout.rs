@@ -94,7 +94,6 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
     Drawing { size, unit: options.width.unit(), shapes, title: titles.join("; ") }
 }
 
-/// Width of a panel's picture, image pixels.
 fn width_px(panel: &FigurePanel) -> f32 {
     panel.size.0 as f32 * panel.image_px_per_px
 }
@@ -105,7 +104,6 @@ fn columns_of(widths: &[Vec<f32>], count: usize) -> Vec<f32> {
     (0..count).map(|column| alike().map(|row| row[column]).fold(0.0, f32::max)).collect()
 }
 
-/// Parts that stand once for all panels.
 struct Shared<'a> {
     bar: Option<&'a ColourBar>,
     legend: &'a [LegendEntry],

@@ -2,9 +2,8 @@
 //!
 //! [`lay_out`] puts one or several [`FigurePanel`]s on a sheet of paper, which gives a [`Drawing`]: shapes with
 //! positions in its [unit](FigureUnit). [`write_drawing_svg`] writes it as vectors; a caller with fonts can make pixels
-//! or a PDF of it. Matches between panels are [`FigureMatches`]. A feature is a circle (of the
-//! radius at which it is drawn in the window), a tick in the direction of its orientation, and an arrow along its
-//! motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
+//! or a PDF of it. [`FigureMatches`] joins panels. A feature is a circle, as in the window, a tick along its
+//! orientation, and an arrow along its motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
 //!
 //! A figure for print has a width in millimetres, letters and lines in points, and titles broken to fit.
 

@@ -19,7 +19,6 @@ impl Affine {
         [along(0), along(1)]
     }
 
-    /// This map after `first`.
     pub fn after(&self, first: &Self) -> Self {
         let (m, f) = (&self.matrix, &first.matrix);
         let entry = |i: usize, j: usize| m[i][0] * f[0][j] + m[i][1] * f[1][j];
@@ -145,7 +144,6 @@ fn weights(t: f32) -> [f32; 4] {
     ]
 }
 
-/// Derivatives of [`weights`].
 #[inline(always)]
 fn slopes(t: f32) -> [f32; 4] {
     [-0.5 + t * (2.0 - 1.5 * t), t * (4.5 * t - 5.0), 0.5 + t * (4.0 - 4.5 * t), t * (1.5 * t - 1.0)]

@@ -1,5 +1,4 @@
-//! The affine map by which one chip becomes another: inverse-compositional Lucas–Kanade (Baker and Matthews,
-//! "Lucas-Kanade 20 Years On: A Unifying Framework", IJCV 2004).
+//! The affine map from chip to chip: inverse-compositional Lucas–Kanade (Baker, Matthews, IJCV 2004).
 //!
 //! Brightness may differ by offset and factor. A weak prior holds the map near its start, where a chip is mostly noise.
 

@@ -268,8 +268,7 @@ mod tests {
         assert_eq!(found.residuals_px[1], 1.0);
     }
 
-    /// Six views of 30 places whose true errors are known, each pair of views measured exactly; the view k sees all
-    /// turned and 1 + k/10 times as large.
+    /// Six views of 30 places of known errors, measured exactly; view k sees all turned and 1 + k/10 times as large.
     fn exact() -> (Vec<f32>, Vec<Uv>, Vec<Link>) {
         let mut random = crate::synth::random::Stream::new(5, 0);
         let (views, count) = (6, 30);

@@ -205,8 +205,7 @@ fn eliminated(basis: &[Vector9; 4]) -> Option<[[f64; 10]; 10]> {
 /// Coefficients of a polynomial in z of at most the tenth degree, the constant first.
 type InZ = [f64; 11];
 
-/// Three equations b₀(z)·x + b₁(z)·y + b₂(z) = 0. Each comes from two reduced rows, those led by m·z and by m for m =
-/// x², y², xy: the first minus z times the second has no leading monomial left.
+/// Equations b₀(z)·x + b₁(z)·y + b₂(z) = 0: for m = x², y², xy the row led by m·z less z times the row led by m.
 fn polynomial_rows(reduced: &[[f64; 10]; 10]) -> [[InZ; 3]; 3] {
     [(4, 5), (6, 7), (8, 9)].map(|(with_z, without)| {
         let (p, q) = (&reduced[with_z], &reduced[without]);

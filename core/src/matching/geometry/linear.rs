@@ -266,8 +266,7 @@ fn transfer_rows(pair: &RayPair) -> [[f64; 9]; 2] {
     [[-x, -y, -1.0, 0.0, 0.0, 0.0, u * x, u * y, u], [0.0, 0.0, 0.0, -x, -y, -1.0, v * x, v * y, v]]
 }
 
-/// Whether any three of the four points turn the same way in both images, and no three lie on a line. Planes in front
-/// of both cameras can be seen mirrored, from behind; then all turns are reversed.
+/// Whether all triples of the four points turn alike in both images, or all reversed (from behind); none on a line.
 fn keeps_orientation(pairs: &[&RayPair; 4]) -> bool {
     let turn = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let mut sign = 0.0;

@@ -51,8 +51,7 @@ impl TwoViewModel {
         if squared.is_nan() { f64::INFINITY } else { squared.sqrt() }
     }
 
-    /// Possible places in image B, of `size` (columns, rows), of the point `a` of image A, as a line through (u, v)
-    /// points: one point for a homography, bent by a lens, empty outside the image.
+    /// Places in B, of `size` (columns, rows), where point `a` of A may be: a line of (u, v); one for a homography.
     pub fn locus_in_b(&self, a: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
         self.locus(a, size, false)
     }
@@ -96,8 +95,7 @@ impl TwoViewModel {
         }
     }
 
-    /// The relative pose for which most of `pairs` (matched pixels, as a rule the inliers) lie in front of both
-    /// cameras, and their number. `None` for all models but an essential matrix.
+    /// The relative pose with most `pairs` in front of both cameras, and their number; of an essential matrix only.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
         let Self::Essential { essential, camera } = self else { return None };
         let directions: Vec<RayPair> =

@@ -445,7 +445,6 @@ fn only(reading: Reading<'_>) -> Result<RawFrame> {
     }
 }
 
-/// The picture with the index `page` in the file, which is frame `frame` of its burst.
 fn page(reading: Reading<'_>, page: usize, frame: usize) -> Result<RawFrame> {
     let Reading { path, options, ticker, .. } = reading;
     let segments = segments(path, options, Work::new(ticker.monitor(), false))?;

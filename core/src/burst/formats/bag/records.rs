@@ -132,7 +132,6 @@ impl Channel {
         Self { topic, of: of.replace("/msg/", "/"), wire, count: 0, found: Vec::new() }
     }
 
-    /// Whether the messages are pictures in a serialisation that is read.
     pub(super) fn has_pictures(&self) -> bool {
         self.wire.is_some() && (self.of == "sensor_msgs/Image" || self.is_compressed())
     }

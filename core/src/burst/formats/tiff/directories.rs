@@ -92,7 +92,6 @@ impl Planes {
 pub(in crate::burst::formats) struct Directories {
     /// Largest size, columns × rows.
     pub pixels: u64,
-    /// Whether the first one is marked as that of a DNG.
     pub is_dng: bool,
     pub(super) planes: Planes,
     pub(super) sensor: Sensor,

@@ -175,7 +175,6 @@ struct Pages {
     plain: Option<Plain>,
     samples: String,
     is_colour: bool,
-    /// Mosaic of the pages as they are stored.
     mosaic: Option<Mosaic>,
     taken: Vec<String>,
 }

@@ -1,5 +1,4 @@
-//! Messages between the program and the child process that decodes: a length, JSON of that length, and the pixels as
-//! they are in memory, because both processes are of one program on one machine.
+//! Messages between both processes: a length, JSON of that length, and pixels as in memory: both are of one program.
 
 use crate::burst::layout::Mosaic;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
