@@ -1,5 +1,4 @@
-//! The one record of everything that goes wrong, from a parameter to a window that cannot be drawn: each message names
-//! the file or parameter, says what is wrong and gives a remedy.
+//! The record of everything that goes wrong: a message names the file or parameter, the problem and a remedy.
 
 use crate::monitor::Cancelled;
 use serde::{Deserialize, Serialize};
@@ -28,11 +27,9 @@ pub type Result<T, E = Error> = std::result::Result<T, E>;
 pub enum ErrorKind {
     /// The work was cancelled.
     Cancelled,
-    /// A parameter, or a combination of them, makes no sense. The subject is the name of the one to change, as on the
-    /// command line without the dashes.
+    /// A parameter, or a combination, makes no sense. The subject is the one to change, named as on the command line.
     Parameter,
-    /// A request to open that makes no sense: nothing, files with folders, a stack among frames, a level out of its
-    /// range.
+    /// A request to open that makes no sense: nothing, files with folders, a stack among frames, a level out of range.
     Request,
     /// There is no such file or folder, or nothing in it.
     NotFound,

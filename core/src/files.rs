@@ -30,10 +30,7 @@ pub fn open(path: &Path) -> io::Result<File> {
     open_as(path, OpenOptions::new().read(true))
 }
 
-/// Opens the regular file `path` as `options` say.
-///
-/// # Errors
-/// As [`open`].
+/// Opens the regular file `path` as `options` say; errors as of [`open`].
 pub fn open_as(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     // Opening a pipe waits for its other end, and so does reading what the system makes up, such as /proc/kmsg.
     #[cfg(unix)]
@@ -76,10 +73,7 @@ pub fn read_text(path: &Path, max_bytes: u64) -> io::Result<String> {
 /// Largest whole number that files of parameters, sessions and cases keep: TOML has no larger one.
 pub const MAX_INTEGER: u64 = i64::MAX.unsigned_abs();
 
-/// Reads a whole number of 0 or more, at most [`MAX_INTEGER`].
-///
-/// # Errors
-/// The fault in `text`.
+/// Reads a whole number of 0 or more, at most [`MAX_INTEGER`]; the error is the fault in `text`.
 pub fn whole_number<T: TryFrom<u64>>(text: &str) -> Result<T, String> {
     let digits = text.trim();
     let number =
@@ -102,8 +96,7 @@ pub fn written_by() -> String {
     format!("{WRITTEN_BY}{VERSION}\n")
 }
 
-/// Returns the `problem` with a parameter or session file of this text; adds that a newer program wrote the file if so,
-/// because that version may know what is unknown here.
+/// Returns the `problem` with a file of this text; adds that a newer program wrote it, which may know more, if so.
 pub fn explained(text: &str, problem: &str) -> String {
     let numbers = |version: &str| -> Option<Vec<u64>> { version.split('.').map(|part| part.parse().ok()).collect() };
     let writer = text.lines().find_map(|line| line.strip_prefix(WRITTEN_BY)).map(str::trim);

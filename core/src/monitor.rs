@@ -95,8 +95,7 @@ impl Monitor {
         Self { cancel: self.cancel.clone(), listener: None }
     }
 
-    /// Monitor for a part of larger work: the same cancel flag; its progress of 0 … 1 is reported as `done` to `done +
-    /// share` of the whole.
+    /// Monitor for a part of larger work, with the same cancel flag; its 0 … 1 is reported as `done` to `done + share`.
     pub fn part(&self, done: f32, share: f32) -> Self {
         let listener = self.listener.clone().map(|listener| -> Listener {
             Arc::new(move |p: Progress| {
@@ -120,6 +119,7 @@ impl Monitor {
 
     /// Whether [`Self::cancel`] was called on this monitor or a clone of it.
     pub fn is_cancelled(&self) -> bool {
+        // No data is handed over with the flag.
         self.cancel.load(Ordering::Relaxed)
     }
 

@@ -17,7 +17,7 @@ use std::path::{Path, PathBuf};
 pub enum ArrayFrame {
     /// Integers of 8 or 16 bit, as fractions of their type's largest value.
     Integers {
-        /// The fractions.
+        /// The integers divided by `range`, in [0, 1].
         plane: Plane,
         /// Largest value of the type: 255 or 65535.
         range: f32,
@@ -71,9 +71,8 @@ pub struct Arrays {
 }
 
 impl Burst {
-    /// Makes a burst of arrays: the bits that `.npy` files of them give ([`Burst::open_with`]); in error messages they
-    /// are named `frames`, `bias`, `flat` and `mask`. Floats that need no conversion are not copied. Of the options,
-    /// those about levels, saturation, a grid of views and limits count.
+    /// Makes a burst of arrays, as of `.npy` files ([`Burst::open_with`]); errors name `frames`, `bias`, `flat` or
+    /// `mask`. Floats that need no conversion are not copied. Options about levels, saturation, views and limits count.
     pub fn from_arrays(
         name: impl Into<String>,
         arrays: Arrays,
@@ -85,6 +84,7 @@ impl Burst {
         let frames = decoded("frames", arrays.frames, options)?.ok_or_else(Error::nothing_given)?;
         let calibration = [decoded("bias", arrays.bias, options)?, decoded("flat", arrays.flat, options)?];
         let count = frames.frames.len();
+        // Arrays have no file names, and one array is one view: of the choices of views only a grid applies.
         let views = options.views.filter(|views| matches!(views, ViewsChoice::Grid(_)));
         let of_grid = OpenOptions { views, ..OpenOptions::default() };
         let Measured { frames, path } = frames;

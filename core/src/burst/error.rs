@@ -21,7 +21,7 @@ impl Error {
     }
 
     pub(super) fn stack_among_frames(path: &Path, frames: usize) -> Self {
-        // Where as little as possible is read, 2 are several.
+        // A quick look stops at the second frame, so 2 stands for several.
         let held = if frames == 2 { "several".to_owned() } else { frames.to_string() };
         let problem =
             format!("several files are taken as the frames of one burst, but this one holds {held} frames itself");
@@ -82,8 +82,7 @@ impl Error {
         Self::unread(path, error)
     }
 
-    /// Error for a decoder's failed read of a file of the format `format`: damage where the file ends early or the data
-    /// is invalid, the system's error otherwise.
+    /// Error for a decoder's failed read: damage where data ends early or is invalid, the system's error otherwise.
     pub(super) fn from_read(path: &Path, format: &str, error: &std::io::Error) -> Self {
         use std::io::ErrorKind::{InvalidData, InvalidInput, Other, UnexpectedEof};
         match error.kind() {

@@ -14,14 +14,14 @@ use crate::monitor::Monitor;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Description of a burst.
+/// Description of a burst, with the options applied.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Info {
     /// Name of the burst.
     pub name: String,
     /// Kind of its (first) file, such as "PNG" or "FITS".
     pub kind: String,
-    /// Number of files.
+    /// Number of files; 0 for a burst in memory.
     pub files: usize,
     /// Number of frames, at least 1.
     pub frames: usize,
@@ -56,12 +56,11 @@ pub struct Info {
     pub taken: Vec<String>,
 }
 
-/// Largest number of frames whose times are told.
+/// Largest number of frames whose times are listed.
 const MOST_FRAMES: usize = 1 << 20;
 
 impl Info {
-    /// Describes the burst that `inputs` name, as [`Burst::open_with`] takes them. Reads headers; of a raw file, which
-    /// declares little, the frame.
+    /// Describes the burst of `inputs`, as [`Burst::open_with`] takes them, by headers; a raw file's frame is decoded.
     pub fn of(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         let (source, range) = (only_burst(inputs, options)?, options.take);
         let mut files = source.files()?;
@@ -94,8 +93,9 @@ impl Info {
             }
             None => (width, height, frames),
         };
-        // Files can announce any number of frames: of more than any recording has, nothing is made.
+        // Files can announce any number of frames; beyond what a recording has, none are listed.
         let are_countable = frames <= MOST_FRAMES;
+        // Files of one frame each: their times come from every file's header.
         let each = is_apart && times.seconds.len() != frames;
         let known = if each { of_headers(&files, options, monitor)? } else { times };
         let mut times = if known.seconds.len() == frames { known } else { Times::default() };
@@ -105,7 +105,7 @@ impl Info {
             None => Timing::even(1),
         };
         let is_used = timing.said.is_some();
-        // Times that cannot be those of frames are told in words, and nothing is derived from them.
+        // Times that cannot be those of frames are reported in words, and nothing is derived from them.
         let odd = times.seconds.windows(2).position(|two| two[1] - two[0] < SHORTEST_S).filter(|_| are_countable);
         let doubt = odd.filter(|_| !is_used).map(|at| {
             let relation = match times.seconds[at + 1] - times.seconds[at] {
@@ -128,6 +128,7 @@ impl Info {
             Timing::of(&mut files.clone(), None, &options, monitor).ok()
         };
         let of_headers = Positions::of_seconds(&times_s).filter(|_| !times_s.is_empty());
+        // Views have places instead of times; times that were asked for precede those of headers and names.
         let positions = match of_headers {
             _ if are_views || timing.doubt.is_some() => None,
             _ if is_used => Some(timing.positions),

@@ -1,6 +1,4 @@
-//! Statements of the user on how pixels lie in a file that does not say it itself: the shape of a file without header,
-//! the mosaic of colours, the axis along which frames follow one another, and where their times or their places in a
-//! grid of views come from.
+//! What the user says of a file: its shape without a header, mosaic, axis of the frames, and source of times or views.
 
 use super::number::Number;
 use crate::files::whole_number;
@@ -67,7 +65,6 @@ impl fmt::Display for Dump {
     }
 }
 
-/// Sizes of usual sensors and pictures, columns and rows.
 const USUAL_SIZES: &str = "1600x1200 640x480 1280x960 1920x1080 1280x1024 1440x1080 2048x1536 2448x2048 1936x1216 1920x1200 \
     2592x1944 4096x3000 5472x3648 1024x768 1280x720 800x600 720x540 752x480 320x240 512x512 1024x1024 \
     2048x2048 256x256 2064x1544 3840x2160 4000x3000 1936x1096 3096x2080 346x260";
@@ -77,8 +74,7 @@ impl Dump {
         self.number.bytes((self.size.0 as u64).saturating_mul(self.size.1 as u64))
     }
 
-    /// Shapes of usual sensors that fill a file of `length` bytes with up to `max_frames` frames, with the number of
-    /// frames; those of the fewest frames first.
+    /// Shapes of usual sensors that fill `length` bytes with up to `max_frames` frames, and their number; fewest first.
     pub(super) fn likely(length: u64, max_frames: u64) -> Vec<(Self, u64)> {
         let whole = |(dump, _): &(Self, u64)| length.is_multiple_of(dump.frame_bytes());
         let size = |text: &str| text.split_once('x').and_then(|(u, v)| Some((u.parse().ok()?, v.parse().ok()?)));
@@ -114,7 +110,7 @@ pub enum Mosaic {
 }
 
 impl Mosaic {
-    /// The mosaic of what begins `u` columns and `v` rows further on.
+    /// The mosaic as seen from `u` columns and `v` rows further on.
     pub(super) fn shifted(self, u: usize, v: usize) -> Self {
         Self::of(|du, dv| self.colour_at(u + du, v + dv)).unwrap_or(self)
     }
@@ -138,7 +134,7 @@ impl Mosaic {
     }
 }
 
-/// Axis of a file.
+/// Axis of a file that has several, as `--axis` names it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Axis {
     /// Time.
@@ -305,17 +301,17 @@ impl ViewGrid {
         [rows, columns].iter().all(|side| (1..=MAX_SIDE).contains(side)).then_some(Self { rows, columns })
     }
 
-    /// Number of rows.
+    /// Rows of views, 1 to 4096.
     pub fn rows(self) -> usize {
         self.rows
     }
 
-    /// Number of columns.
+    /// Columns of views, 1 to 4096.
     pub fn columns(self) -> usize {
         self.columns
     }
 
-    /// Number of views.
+    /// Number of views, rows × columns.
     pub fn count(self) -> usize {
         self.rows * self.columns
     }
@@ -342,8 +338,7 @@ impl fmt::Display for ViewGrid {
 pub enum Tiling {
     /// Views side by side, in rows and columns.
     Tiled,
-    /// Views interleaved, as ESLF files of Lytro cameras have them: pixel (v·rows + t, u·columns + s) is pixel (v, u)
-    /// of the view in row t and column s.
+    /// Interleaved, as in Lytro cameras' ESLF files: pixel (v·rows + t, u·columns + s) is pixel (v, u) of view (t, s).
     Eslf,
 }
 

@@ -1,9 +1,8 @@
 //! Masks of a burst's frames: those of files, and the samples without a value or beyond the full scale.
 //!
-//! A mask is a picture of the frames' size that hides where it is 0, and nowhere else, as COLMAP reads masks: labels and
-//! greys are seen, of which a note tells, because a program that softens edges may mean them otherwise. In a folder
-//! each file of frames has a mask of its own, under the name that COLMAP gives it (`NAME.EXT.png`) or under its own
-//! name, in a folder named as the frames' or directly.
+//! A mask is a picture of the frames' size. It hides where it is 0 and nowhere else, as COLMAP reads masks; a note
+//! reports greys and labels, which a program that softens edges may mean otherwise. In a folder each file of frames has
+//! its own mask, under COLMAP's name (`NAME.EXT.png`) or its own, in a folder named as the frames' or directly.
 
 use super::options::OpenOptions;
 use super::reading::{FileScale, RawFrame};
@@ -12,17 +11,14 @@ use crate::plane::{Mask, Plane};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// Masks of files, one for all frames or one a frame, and what else is masked.
 #[derive(Debug, Default)]
 pub(super) struct Masks {
     /// `None` for a mask that hides nothing.
     of_files: Vec<Option<Arc<Mask>>>,
-    /// A note on each mask of others than two values.
     notes: Vec<String>,
     is_saturation_masked: bool,
 }
 
-/// Numbers of masked samples of a frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Masked {
     by_files: usize,
@@ -31,8 +27,7 @@ pub(super) struct Masked {
 }
 
 impl Masks {
-    /// Makes the masks that the options name for frames of `size` from the files `origins`, one a frame; `read` reads
-    /// the frames of a file.
+    /// Masks that the options name for frames of `size` from the files `origins`; `read` reads a file's frames.
     pub(super) fn of_options(
         options: &OpenOptions,
         (origins, size): (&[(PathBuf, usize)], (usize, usize)),
@@ -45,6 +40,7 @@ impl Masks {
         }
         let mut masks = Self::of_frames(&[], (count, size), options, path)?;
         for (index, (file, _)) in origins.iter().enumerate() {
+            // Frames of one file share its mask.
             if index > 0 && *file == origins[index - 1].0 {
                 masks.of_files.push(masks.of_files[index - 1].clone());
                 continue;
@@ -61,7 +57,6 @@ impl Masks {
         Ok(masks)
     }
 
-    /// Masks that are the `masks` of a file: none, one for all frames, or one for each of the `frames` of `size`.
     pub(super) fn of_frames(
         masks: &[RawFrame],
         (frames, size): (usize, (usize, usize)),
@@ -94,6 +89,7 @@ impl Masks {
         let mut masked = Masked { by_files: of_file.as_ref().map_or(0, hidden), undefined: 0, saturated: 0 };
         let is_hidden = |(index, x): &(usize, &f32)| x.is_nan() || saturated.get(*index) == Some(&true);
         let own: Vec<(usize, f32)> = plane.data().iter().enumerate().filter(is_hidden).map(|(i, x)| (i, *x)).collect();
+        // A frame that hides nothing of its own shares the file's mask, without a copy.
         if own.is_empty() {
             return (plane.masked(of_file), masked);
         }
@@ -101,6 +97,7 @@ impl Masks {
         let mut weights = of_file.map_or_else(all_seen, |mask| mask.weights().clone());
         for (index, value) in own {
             let weight = &mut weights.data_mut()[index];
+            // A sample that a file hides counts once, as hidden by the file.
             if *weight > 0.0 {
                 *weight = 0.0;
                 *(if value.is_nan() { &mut masked.undefined } else { &mut masked.saturated }) += 1;
@@ -109,7 +106,7 @@ impl Masks {
         (plane.masked(Mask::new(weights)), masked)
     }
 
-    /// Sentences on what is `masked` of each frame, of `pixels` pixels; an error about a frame of which nothing is seen.
+    /// Notes on what is `masked` in frames of `pixels` pixels; an error for a frame of which nothing is seen.
     pub fn told(
         &self,
         origins: &[(PathBuf, usize)],
@@ -117,6 +114,7 @@ impl Masks {
         masked: &[Masked],
         options: &OpenOptions,
     ) -> Result<Vec<String>> {
+        // A frame of which nothing is seen has no mean: an error, not a note.
         let blind = |masked: &Masked| masked.by_files + masked.undefined + masked.saturated >= pixels;
         if let Some(t) = masked.iter().position(blind) {
             let (path, frame) = &origins[t];
@@ -127,6 +125,7 @@ impl Masks {
             return Err(Error::new(ErrorKind::Unsupported, problem, "leave the frame out, or mask less").about(path));
         }
         let sum = |of: fn(&Masked) -> usize| masked.iter().map(of).sum::<usize>();
+        // The first odd mask stands for all; the others are counted.
         let mut told: Vec<String> = self.notes.iter().take(1).cloned().collect();
         if self.notes.len() > 1 {
             told.push(format!("so have {} more of the masks other values than two", self.notes.len() - 1));
@@ -166,6 +165,7 @@ fn note(path: &Path, mask: &RawFrame) -> Option<String> {
     let unit = if let FileScale::Range(range) = mask.scale { range } else { 1.0 };
     let data = mask.plane.data();
     let mut values: Vec<f32> = Vec::new();
+    // Masks have few values, and neighbours repeat: no need to sort all pixels.
     for value in data {
         if values.last() != Some(value) && !values.contains(value) && values.len() <= FEW {
             values.push(*value);

@@ -48,18 +48,15 @@ pub struct Burst {
     pub frames: Vec<Arc<Plane>>,
     /// Name of each frame (file name, or file name and index in a stack).
     pub frame_names: Vec<String>,
-    /// Position of each frame: when it was taken, where [`OpenOptions`] say that this matters; otherwise even. Of the
-    /// views of a light field, their places.
+    /// Position of each frame: its time where [`OpenOptions`] ask for it, otherwise even; of views, their places.
     pub positions: Positions,
-    /// File value that became 1.0: 255 for 8 bit, 65535 for 16 bit, 1 for float files in [0, 1], the largest value
-    /// for others, unless set in the options.
+    /// File value that became 1.0: unless given, 255 or 65535 for 8 or 16 bit, and 1 or the largest value for others.
     pub full_scale: f32,
     /// Smallest difference that the files can hold, in [0, 1] units: 1/255 for 8 bit; 0 when unknown (float).
     pub quantisation_step: f32,
     /// Relation of the values to light.
     pub encoding: Encoding,
-    /// Sensor pixels along a side of one pixel of the frames: 1 unless a colour mosaic was binned. Places, scales and
-    /// slopes are in pixels of the frames.
+    /// Sensor pixels along a side of a frame's pixel, the unit of places and slopes: 1 unless a mosaic was binned.
     pub binning: usize,
     /// Largest value of a converter of fewer bits that could have made these 16-bit files. Only a suggestion.
     pub suggested_full_scale: Option<f32>,

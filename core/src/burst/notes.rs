@@ -60,18 +60,16 @@ impl Remark {
     }
 }
 
-/// The largest values of converters of 10, 12 and 14 bit.
 const CONVERTERS: [(u32, f32); 3] = [(10, 1023.0), (12, 4095.0), (14, 16383.0)];
 
 /// Number of values between two checks of whether all converters are ruled out.
 const CHUNK: usize = 4096;
-/// Adding a float of this magnitude (up to its double) to a small number rounds that to a whole number, in the sum's
-/// lower bits; far faster than rounding each number by itself.
+/// Adding a float of this size (to its double) rounds a small number to a whole one, in the lower bits; far faster.
 const INTEGERS: f32 = (1 << 23) as f32;
 const MANTISSA: u32 = (1 << 23) - 1;
 
-/// Largest value of the smallest usual converter that could have made these 16-bit frames. `None` where their values
-/// need 16 bits or are all even (aligned to the top of the word), or were scaled or linearised by an option.
+/// Largest value of the smallest usual converter that could have made these 16-bit frames. `None` where values need 16
+/// bits, are all even (aligned to the top of the word), or were scaled or linearised by an option.
 pub(super) fn suggested_full_scale(frames: &[RawFrame], options: &OpenOptions) -> Option<f32> {
     const WORD: f32 = 65535.0;
     let is_of_words = frames.iter().all(|f| f.scale == FileScale::Range(WORD));

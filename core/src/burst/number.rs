@@ -1,6 +1,5 @@
 //! Types of the numbers in files that hold pixels without compression, and their conversion to floats.
 
-/// Type of a number in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Number {
     /// A byte: 0, or anything else for 1.
@@ -94,8 +93,7 @@ impl Number {
         }
     }
 
-    /// Appends the values of `bytes`, scaled and divided by `divisor`, to `values`. A block of numbers begins with a
-    /// whole group of packed ones; a last group that is not whole is filled up with zeros.
+    /// Appends the values of `bytes`, scaled and divided by `divisor`. Packed numbers begin with a whole group.
     pub(super) fn convert(
         self,
         bytes: &[u8],
@@ -128,6 +126,7 @@ impl Number {
         let mut packed = |group: usize, numbers: fn([u64; 5]) -> [u64; 4]| {
             let count = if group == 5 { 4 } else { 2 };
             for chunk in bytes.chunks(group) {
+                // Missing bytes of a last group count as 0: its whole numbers are still right.
                 let byte = std::array::from_fn(|i| chunk.get(i).copied().map_or(0, u64::from));
                 values.extend(numbers(byte)[..count].iter().map(|number| *number as f32 / divisor));
             }

@@ -27,23 +27,20 @@ impl Burst {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
 
-    /// Opens one burst: a folder of frames (in natural order), a file that holds several (a multi-page TIFF, a `.npy`
-    /// stack, a film), or several files that are its frames (in the order given). One single picture is a burst of one
-    /// frame, which is enough for SIFT but has no slopes.
+    /// Opens one burst: a folder of frames (in natural order), a file with several (a multi-page TIFF, a `.npy` stack,
+    /// a film), or several files, its frames in this order. A single picture is a burst without slopes.
     ///
-    /// Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if
-    /// signed), also when the camera has fewer bits: 12-bit values in 16-bit files reach 4095/65535 only, unless
-    /// [`OpenOptions::full_scale`] says otherwise. Float files are taken as they are if their values lie in [0, 1]
-    /// (values up to 2 are taken for noise around that), otherwise they are divided by the burst's largest value (before
-    /// the bias is subtracted); so are integers of 32 and 64 bit. [`Burst::full_scale`] remembers the file's value that
-    /// became 1. Colour becomes luma with the weights of Rec. 709 on the stored values
-    /// ([`super::LUMA_WEIGHTS`]), or on linear ones with [`OpenOptions::linearise`]; alpha is ignored. A photograph is
-    /// turned as its EXIF orientation says. Frames of different bits (8 and 16, integers and floats) are refused,
-    /// unless [`OpenOptions::full_scale`] says which value of all their files becomes 1. NaN is masked.
+    /// Integers of 8 and 16 bit are divided by their type's largest value (255, 65535; 127 and 32767 if signed), even
+    /// if the camera has fewer bits: 12-bit values reach 4095/65535 only, unless [`OpenOptions::full_scale`] says
+    /// otherwise. Float files are taken as they are if their values lie in [0, 1] (values up to 2 are taken for noise
+    /// around that), otherwise they are divided by the burst's largest value (before the bias is subtracted); so are
+    /// integers of 32 and 64 bit. [`Burst::full_scale`] remembers the file's value that became 1. Colour becomes luma
+    /// with the weights of Rec. 709 on the stored values ([`super::LUMA_WEIGHTS`]), or on linear ones with
+    /// [`OpenOptions::linearise`]; alpha is ignored. A photograph is turned as its EXIF orientation says. Frames of
+    /// different bits or types are refused without [`OpenOptions::full_scale`]. NaN is masked.
     ///
-    /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed;
-    /// progress is reported to `monitor` for every frame, and cancellation checked before each. Of several faulty
-    /// frames the error names the first.
+    /// Frames are decoded in parallel, raw and very large ones by a [`super::DecodeWorker`] where one is installed.
+    /// Each is reported to `monitor`, and cancellation checked before it. Of several errors the first frame's counts.
     pub fn open_with(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         monitor.check()?;
         monitor.report(Stage::Open, 0.0);
@@ -85,12 +82,14 @@ pub(super) fn calibrated(
     let binning = raw.frames[0].binning;
     let frames = raw.frames.into_par_iter().enumerate().map(|(t, frame)| {
         monitor.check()?;
+        // Saturation is judged before calibration, which moves the full scale.
         let saturated = masks.saturated(&frame, levels.white_of(&frame));
         let (plane, masked) = masks.applied(t, calibration.apply(frame, levels), &saturated);
         Ok((Arc::new(plane), masked))
     });
     let (frames, masked): (Vec<_>, Vec<_>) = frames.collect::<Result<Vec<_>>>()?.into_iter().unzip();
     raw.taken.extend(masks.told(&raw.origins, frames[0].data().len(), &masked, options)?);
+    // Decoding has checked the values as they are stored; only arithmetic can drive them out of range.
     if !is_plain {
         check_overflow(&frames, &raw.origins)?;
     }
@@ -134,13 +133,11 @@ pub(super) struct RawBurst {
     pub frame_names: Vec<String>,
     /// File of each frame, and the frame's index in it.
     pub origins: Vec<(PathBuf, usize)>,
-    /// Guesses and choices about the files.
     pub taken: Vec<String>,
     pub positions: Positions,
 }
 
 impl RawBurst {
-    /// Size (columns, rows) of the frames.
     pub fn size(&self) -> (usize, usize) {
         self.frames[0].plane.size()
     }
@@ -151,13 +148,14 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     let (mut files, limits) = (source.files()?, &options.limits);
     let count = files.len();
     let timing = if count > 1 { placed(&mut files, None, options, monitor)? } else { Timing::even(1) };
-    // Of several files those that are taken are left.
+    // Of several files, only those taken are left.
     let options = &OpenOptions { take: options.take.filter(|_| count == 1), ..options.clone() };
     let first = files.first().ok_or_else(Error::nothing_given)?;
     let Declared { width, height, frames, views, taken, first: decoded, .. } =
         formats::declared(first, options, monitor)?;
     if count == 1 {
         let ticker = Ticker::new(monitor, frames);
+        // Describing a raw file decodes its frame, which is not decoded again.
         let mut frames = match decoded {
             Some(frame) => {
                 ticker.tick();
@@ -189,6 +187,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
     let ticker = Ticker::new(monitor, files.len());
     let expected = Expected { first, size };
+    // The first frame may be decoded already; each file counts once in the progress, so its own is silent.
     let (decoded, silent) = (Mutex::new(decoded), monitor.silent());
     let frames = in_order(files.len(), |i| {
         ticker.check()?;
@@ -206,7 +205,6 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions: timing.positions })
 }
 
-/// Checks that the frames' values have a common unit; `path` gives the path of a frame.
 fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<()> {
     let Some((first, others)) = frames.split_first() else { return Ok(()) };
     for (t, frame) in others.iter().enumerate() {
@@ -244,8 +242,7 @@ fn check_overflow(frames: &[Arc<Plane>], origins: &[(PathBuf, usize)]) -> Result
     Ok(())
 }
 
-/// Float files whose largest value is not above this are taken to be in [0, 1] already. Noise and calibration push
-/// single values of such files above 1; files in other units lie far above it.
+/// Float files up to this value are taken to be in [0, 1]: noise and calibration exceed 1 a little, other units by far.
 const MAX_UNIT_VALUE: f32 = 2.0;
 /// Fraction of the flat frame's mean; a pixel below it is dead, and is left as it is.
 const DEAD_GAIN: f32 = 0.05;
@@ -259,12 +256,10 @@ pub(super) struct Levels {
     pub given: Option<f32>,
     /// Value that becomes 1.0, from the options or from the files.
     pub full_scale: f32,
-    /// Value that becomes 0.
     pub black: f32,
 }
 
 impl Levels {
-    /// Levels of `frames`, where no others are given; an error for given ones that make no sense.
     pub fn of(frames: &[RawFrame], given: Option<f32>, black: Option<f32>) -> Result<Self> {
         if let Some(value) = given.filter(|s| !(s.is_finite() && *s > 0.0)) {
             let problem = "the full scale is the file's value that becomes 1.0";
@@ -312,7 +307,6 @@ pub(super) struct Calibration {
 }
 
 impl Calibration {
-    /// Calibrates `frame` and converts it to fractions of full scale.
     pub fn apply(&self, frame: RawFrame, levels: Levels) -> Plane {
         let mut plane = frame.plane;
         // `unit`: the plane is already divided by it; `divisor`: to divide by in the end.
@@ -340,8 +334,7 @@ impl Calibration {
     }
 }
 
-/// Factor from calibration frames' values to the unit of the burst's files. The error says why there is none, and a
-/// remedy.
+/// Factor from calibration frames' values to the unit of the burst's files. The error is a reason and a remedy.
 fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'static str> {
     match (frames, of) {
         (FileScale::Range(a), FileScale::Range(b)) if a == b => Ok(b),
@@ -361,6 +354,7 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
         (FileScale::Data { integer: a, largest }, FileScale::Data { integer: b, largest: own }) => {
             let (unit, own_unit) = (!a && largest <= MAX_UNIT_VALUE, !b && own <= MAX_UNIT_VALUE);
             match levels.given {
+                // Calibration frames of zeros fit any unit.
                 _ if own == 0.0 || unit == own_unit => Ok(1.0),
                 Some(_) if own_unit => Ok(levels.full_scale),
                 _ => Err("its values are in another unit than those of the frames; save both in the same unit"),
@@ -435,8 +429,7 @@ fn mean_of(plane: &Plane) -> f64 {
     values.clone().map(|v| f64::from(*v)).sum::<f64>() / values.count() as f64
 }
 
-/// Gain of each pixel from a flat frame and the bias, or black level, that it contains. Dead pixels have a gain of 1;
-/// a flat frame without light, or with many of them, is refused.
+/// Gain of each pixel from a flat frame and the bias or black in it; 1 for dead pixels, of which many are refused.
 pub(super) fn gain(mut flat: Plane, bias: Option<&Plane>, black: f32, path: &Path) -> Result<Plane> {
     match bias {
         Some(bias) => flat.data_mut().iter_mut().zip(bias.data()).for_each(|(f, b)| *f -= b),

@@ -1,8 +1,6 @@
-//! Options for opening a burst: calibration, masks, encoding, the colour that is taken of raw frames, how pixels lie in
-//! files that do not say it, and the largest size.
+//! Options for opening a burst: calibration, masks, encoding, layout of pixels where files are silent, and limits.
 //!
-//! Declared sizes are checked against the [`Limits`] before any pixel is allocated, so that a damaged or hostile file
-//! cannot take the machine's memory.
+//! Declared sizes are checked against the [`Limits`] before pixels are allocated: no file can exhaust the memory.
 
 use super::layout::{AxisChoice, Dump, FrameRange, Mosaic, TimesChoice, ViewsChoice};
 use crate::error::{Error, ErrorKind, Result};
@@ -113,16 +111,14 @@ impl OpenOptions {
         *self == Self { limits: self.limits, ..Self::default() }
     }
 
-    /// These options with those of `other` that hold for one burst alone: its mask, part, times, views, and where in its
-    /// file it lies. The rest is of the camera and its files.
+    /// These options with the mask, part, times, views and place in a file of `other`: what holds for one burst alone.
     #[must_use]
     pub fn with_burst_of(self, other: &Self) -> Self {
         let Self { mask, take, times, views, axis, array, topic, .. } = other.clone();
         Self { mask, take, times, views, axis, array, topic, ..self }
     }
 
-    /// Options that are not the default, by their names on a command line, with their values as text; `None` for those
-    /// that are only named.
+    /// Options other than the default: names on a command line, with values as text; `None` for switches.
     pub fn given(&self) -> Vec<(String, Option<String>)> {
         let fields = |options: &Self| serde_json::to_value(options).ok().and_then(|all| all.as_object().cloned());
         // JSON holds no path that is not text.
@@ -148,8 +144,7 @@ impl OpenOptions {
         self.bias.iter_mut().chain(&mut self.flat).chain(&mut self.mask).chain(times)
     }
 
-    /// File with the list of times for frames in the files `frames`, also where it lies beside them or in the folder
-    /// above theirs; `None` where no list is to be read.
+    /// File with the times of `frames`, also beside them or in the folder above; `None` where no list is to be read.
     pub fn list_of_times(&self, frames: &[PathBuf]) -> Option<PathBuf> {
         let Some(TimesChoice::List(path)) = &self.times else { return None };
         let frame = frames.first().and_then(|frame| std::path::absolute(frame).ok()).unwrap_or_default();
@@ -161,7 +156,7 @@ impl OpenOptions {
         })
     }
 
-    /// Paths of those files.
+    /// The paths of [`paths_mut`](Self::paths_mut), cloned.
     pub fn paths(&self) -> Vec<PathBuf> {
         self.clone().paths_mut().map(|path| path.clone()).collect()
     }
@@ -176,11 +171,7 @@ impl OpenOptions {
         Self { limits, ..self.clone() }
     }
 
-    /// The part of `all` frames of the file or folder `path` that is to be taken; their size (columns, rows) is needed
-    /// for the limits.
-    ///
-    /// # Errors
-    /// It has no such frames, or they are too many.
+    /// The part of `all` frames of `path` to be taken, checked against the limits for frames of `size` (columns, rows).
     pub(super) fn taken<T>(&self, path: &Path, mut all: Vec<T>, size: (usize, usize)) -> Result<Vec<T>> {
         let range = self.taken_of(path, all.len(), size)?;
         all.truncate(range.end);
@@ -188,7 +179,6 @@ impl OpenOptions {
         Ok(all)
     }
 
-    /// The frames that are to be taken of `count`, as [`OpenOptions::taken`].
     pub(super) fn taken_of(&self, path: &Path, count: usize, (width, height): (usize, usize)) -> Result<Range<usize>> {
         let Some(range) = self.take else { return Ok(0..count) };
         let problem = match range.check() {
@@ -207,7 +197,6 @@ impl OpenOptions {
     }
 }
 
-/// A range of frames as text, as the other options are kept.
 mod as_text {
     use super::FrameRange;
     use serde::de::Error;
@@ -264,7 +253,6 @@ impl Limits {
         Self { max_frames: usize::MAX, ..self }
     }
 
-    /// Checks the declared size of one frame of the file `path`, and the memory that it needs.
     pub(crate) fn check_frame(&self, path: &Path, width: u64, height: u64) -> Result<()> {
         if width == 0 || height == 0 {
             let problem = format!("this file's frames have no pixels ({width}×{height})");
@@ -312,8 +300,7 @@ pub enum Encoding {
     /// Proportional to light, as far as the files tell.
     #[default]
     Linear,
-    /// Encoded for screens (sRGB), with more codes for dark values than for bright ones. Colour pictures of 8 bit, JPEG
-    /// and WebP.
+    /// Encoded for screens (sRGB), with more codes for dark values than for bright: 8-bit colours, JPEG and WebP.
     Srgb,
 }
 

@@ -1,16 +1,14 @@
 //! Positions of the frames of a burst: when each was taken, or from where.
 //!
-//! A thing of slope s is displaced in a frame by s times the frame's position from mid-burst. Everything that moves
-//! with the frames takes that position from [`Positions::offset`], and the displacement from
-//! [`Offset::displacement`]; nothing else knows where a frame lies. A frame of a burst has one coordinate, its time. A
-//! view of a light field has two, its column and its row in the grid of views; mid-burst is the mean view then, and a
-//! slope is the disparity between neighbouring views.
+//! Something of slope s is displaced in a frame by s times the frame's position from mid-burst. Everything that moves
+//! with the frames takes this position from [`Positions::offset`], and the displacement from [`Offset::displacement`].
+//! A frame of a burst has one coordinate, its time. A view of a light field has two, column and row in the grid of
+//! views; mid-burst is the mean view then, and a slope is the disparity between neighbouring views.
 
 use std::ops::{Add, Mul, Range, Sub};
 use std::sync::Arc;
 
-/// Positions of frames that follow one another, in frame intervals, or of the views of a light field, in steps of
-/// their grid. Evenly spaced frames are at 0, 1, 2, … to the bit. Cheap to clone.
+/// Positions of frames, in frame intervals (even ones exactly 0, 1, 2, …), or of views, in steps of their grid.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Positions {
     /// Position of each frame from the mean of all.
@@ -76,8 +74,7 @@ impl Positions {
         Self::about_mean((0..count).map(|t| Offset::from(t as f64)))
     }
 
-    /// Positions in frame intervals, of which only the differences matter; `None` unless all are finite and each lies
-    /// after the one before.
+    /// Positions in frame intervals, of which only differences matter; `None` unless all are finite and increasing.
     pub fn new(positions: &[f64]) -> Option<Self> {
         let first = positions.first().copied().unwrap_or_default();
         let made = Self::about_mean(positions.iter().map(|x| Offset::from(near_whole(x - first))));
@@ -92,6 +89,7 @@ impl Positions {
         let place = |[u, v]: &[f64; 2]| Offset { u: near_whole(u - first_u), v: near_whole(v - first_v) };
         let places: Vec<Offset> = places.iter().map(place).collect();
         let mut sorted: Vec<[f64; 2]> = places.iter().map(|at| [at.v, at.u]).collect();
+        // Once sorted, equal places are neighbours.
         sorted.sort_by(|a, b| a[0].total_cmp(&b[0]).then(a[1].total_cmp(&b[1])));
         let differ = sorted.iter().flatten().all(|x| x.is_finite()) && sorted.windows(2).all(|two| two[0] != two[1]);
         let is_row = places.iter().all(|at| at.v == 0.0);
@@ -107,9 +105,8 @@ impl Positions {
 
     /// Positions of frames taken at `seconds`; `None` unless these increase.
     ///
-    /// The frame interval is that of the camera, of which gaps where frames are missing are multiples: the time from
-    /// the first to the last frame over the number of intervals, each gap being as many as it has of the median gap. So
-    /// frames that are dropped change the slopes of those that stay by nothing.
+    /// The frame interval is the camera's: the time from the first to the last frame over the number of intervals,
+    /// where a gap counts as many as it has median gaps. So dropped frames do not change the slopes of those that stay.
     pub fn of_seconds(seconds: &[f64]) -> Option<Self> {
         let mut gaps: Vec<f64> = seconds.windows(2).map(|two| two[1] - two[0]).collect();
         let span = seconds.last().zip(seconds.first()).map_or(0.0, |(last, first)| last - first);
@@ -117,6 +114,7 @@ impl Positions {
             return None;
         }
         gaps.sort_by(f64::total_cmp);
+        // The lower middle gap: gaps where frames are missing are the longer ones.
         let Some(median) = gaps.get(gaps.len().saturating_sub(1) / 2) else {
             return Self::new(&[0.0][..seconds.len()]);
         };
@@ -184,8 +182,7 @@ impl Positions {
         self.offset(t).displacement(slope_px_per_frame)
     }
 
-    /// Time from the first to the last frame, frame intervals: N − 1 for even ones. The diameter of the views of a
-    /// light field.
+    /// Time from the first to the last frame, frame intervals: N − 1 for even ones; of a light field, its diameter.
     pub fn span(&self) -> f64 {
         match &*self.offsets {
             _ if self.are_views() => 2.0 * self.reach(),
@@ -204,8 +201,7 @@ impl Positions {
         self.offsets.iter().any(|offset| offset.v != 0.0)
     }
 
-    /// Numbers of rows and columns of the grid that views fill, row by row; `None` for frames of a burst, and for
-    /// views that fill none.
+    /// Rows and columns of the grid that views fill, row by row; `None` for frames of a burst, and for other places.
     pub fn rows_and_columns(&self) -> Option<(usize, usize)> {
         let columns = self.offsets.iter().take_while(|offset| offset.v == self.offsets[0].v).count();
         let rows = self.len() / columns.max(1);
@@ -281,8 +277,7 @@ impl Positions {
         self.offsets.iter().map(move |offset| *offset - first)
     }
 
-    /// Positions of `count` frames from what [`Self::list`] and [`Self::views`] gave; `None` for lists of another
-    /// length or that are none.
+    /// Positions of `count` frames from [`Self::list`] and [`Self::views`]; `None` for other lengths or orders.
     pub fn of_lists(count: usize, times: &[f64], views: &[[f64; 2]]) -> Option<Self> {
         match (times.len(), views.len()) {
             (0, 0) => Some(Self::even(count)),

@@ -47,8 +47,7 @@ pub fn supported_extensions() -> Vec<&'static str> {
     formats::extensions().collect()
 }
 
-/// Bursts that `inputs` name, in natural order (folders and stacks named one by one keep their order). Reads folders
-/// and the headers of possible stacks as `options` say, no pixels.
+/// Bursts that `inputs` name, in natural order, or as given one by one. Reads folders and headers of stacks, no pixels.
 ///
 /// # Errors
 /// Nothing given, a missing path, a folder without pictures, folders and files together, a stack among single frames.
@@ -72,7 +71,7 @@ pub(super) fn only_burst(inputs: &[PathBuf], options: &OpenOptions) -> Result<Bu
 /// Bursts and stray pictures of an input.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Entries {
-    /// The bursts.
+    /// Bursts with unique names, in the order of [`find_bursts`].
     pub bursts: Vec<BurstFiles>,
     /// Pictures that lie beside the bursts of a dataset and belong to none.
     pub strays: Vec<PathBuf>,
@@ -94,6 +93,7 @@ pub fn find_entries(inputs: &[PathBuf], options: &OpenOptions) -> Result<Entries
             return Err(Error::not_a_file(path));
         }
     }
+    // Beside a folder, a file could be a burst or a frame.
     if let (Some(folder), Some(file)) = (folders.first(), files.first()) {
         let (folder, file) = (folder.display(), file.display());
         let problem = format!("open either folders or files, not both: {folder} is a folder and {file} is a file");
@@ -167,8 +167,7 @@ fn bursts_of_files(files: Vec<PathBuf>, options: &OpenOptions) -> Result<Vec<Bur
     Ok(vec![BurstFiles { name, paths: files }])
 }
 
-/// Whether each file is a burst: one at least holds several frames, and none a single one. One that cannot be read is a
-/// burst too, whose opening gives the error, so that the others are not lost.
+/// Whether each file is a burst of several frames. One that cannot be read counts: opening it gives the error.
 fn are_stacks(files: &[PathBuf], options: &OpenOptions) -> bool {
     let is_single = |file: &PathBuf| formats::frame_count(file, options).is_ok_and(|frames| frames < 2);
     !files.iter().any(is_single) && files.iter().any(|file| is_stack(file, options))
@@ -194,8 +193,7 @@ pub(super) fn folder_name(folder: &Path) -> String {
     named(folder).or_else(|| named(&std::fs::canonicalize(folder).ok()?)).unwrap_or_else(|| "burst".into())
 }
 
-/// Pictures and subfolders of a folder, each in natural order, without hidden files and those of other kinds. Without
-/// pictures, the films; without these, the archives and the files without header.
+/// Pictures and subfolders of a folder, in natural order; without pictures films, else archives and raw numbers.
 fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     let (mut found, mut subfolders) = (Vec::<(Rank, PathBuf)>::new(), Vec::new());
     let entries = std::fs::read_dir(folder).map_err(|e| Error::from_io(folder, &e))?;
@@ -219,8 +217,7 @@ fn list(folder: &Path) -> Result<(Vec<PathBuf>, Vec<PathBuf>)> {
     Ok((pictures, subfolders))
 }
 
-/// Natural order of file names without their extensions, so that `x.png` stands before its copies `x(1).png`; names that
-/// differ only in leading zeros are ordered by their bytes, so that the order never depends on the file system.
+/// Natural order of file names without extensions, so that `x.png` precedes `x(1).png`; then by bytes.
 fn natural_order(a: &Path, b: &Path) -> Ordering {
     let by = |part: fn(&Path) -> Option<&OsStr>| {
         alphanumeric_sort::compare_os_str(part(a).unwrap_or_default(), part(b).unwrap_or_default())
@@ -228,8 +225,7 @@ fn natural_order(a: &Path, b: &Path) -> Ordering {
     by(Path::file_stem).then_with(|| by(Path::extension)).then_with(|| a.cmp(b))
 }
 
-/// Numbers the second and later bursts of one name, so that their exports do not overwrite each other. Letter case is
-/// ignored, as some file systems do.
+/// Numbers the later bursts of a name, so that no export overwrites another. Letter case does not count.
 pub(super) fn make_names_unique(sources: &mut [BurstFiles]) {
     let mut taken = HashSet::new();
     for source in sources {
@@ -247,8 +243,7 @@ pub struct SequenceCut {
 }
 
 impl SequenceCut {
-    /// Bursts of `length` frames; each begins `step` frames after the one before, by default `length`: each frame is in
-    /// one burst. Either being 0 is an error.
+    /// Bursts of `length` frames that begin `step` frames apart, by default `length`. Either being 0 is an error.
     pub fn new(length: usize, step: Option<usize>) -> Result<Self> {
         let step = step.unwrap_or(length);
         if length == 0 || step == 0 {
@@ -271,8 +266,7 @@ impl SequenceCut {
         self.step
     }
 
-    /// The frames of each burst in a sequence of `frames` frames, in order. Frames at the end that do not fill a burst
-    /// are left out.
+    /// The frames of each burst in a sequence of `frames` frames, in order; a last part that fills none is left out.
     pub fn ranges(self, frames: usize) -> impl ExactSizeIterator<Item = Range<usize>> {
         let count = if frames < self.length { 0 } else { (frames - self.length) / self.step + 1 };
         (0..count).map(move |k| k * self.step..k * self.step + self.length)
@@ -280,8 +274,8 @@ impl SequenceCut {
 }
 
 /// Cuts the sequence `sequence` (a folder of frames, or the frames themselves) into bursts, in the order of the times
-/// that `options` say, and otherwise in natural order. A burst is named after its middle frame (of N frames the one with index N/2, which SIFT on one frame also uses); among bursts
-/// of several sequences, [`name_among_several`] makes the names differ.
+/// that `options` say, and otherwise in natural order. A burst has the name of its middle frame, number N/2, which SIFT
+/// on one frame also uses; among bursts of several sequences, [`name_among_several`] makes the names differ.
 ///
 /// # Errors
 /// A folder cannot be read; a sequence is shorter than one burst; a file is a stack.
@@ -292,6 +286,7 @@ pub fn cut_sequence(sequence: &BurstFiles, cut: SequenceCut, options: &OpenOptio
         let remedy = "save each frame as a file of its own";
         return Err(Error::new(ErrorKind::Request, problem, remedy).about(path));
     }
+    // Ordered before the cut, so that the frames of a burst follow one another in time.
     let frames = in_order_of_times(frames, options);
     let ranges = cut.ranges(frames.len());
     if ranges.len() == 0 {

@@ -1,8 +1,7 @@
-//! Positions of frames by their times: by stamps in lists, as robots and people write them, and in the names of files,
-//! or by what the files hold.
+//! Positions of frames by their times: by stamps in lists and in names of files, or by what the files hold.
 //!
-//! A name has a date or the seconds since 1970, which digits behind may part further: a fraction, or whole milli-, micro-
-//! or nanoseconds with or without leading zeros. Numbers that count up by one are counters, never fractions.
+//! A name has a date or the seconds since 1970, which digits behind may part further: a fraction, or whole milli-,
+//! micro- or nanoseconds with or without leading zeros. Numbers that count up by one are counters, never fractions.
 
 use super::formats;
 use super::layout::TimesChoice;
@@ -19,7 +18,6 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-/// A run of digits in a name, and what stands between it and the one before, and behind it.
 #[derive(Debug, Clone, Copy)]
 struct Run<'a> {
     before: &'a str,
@@ -56,6 +54,7 @@ struct Seconds<'a> {
 fn seconds_in<'a>(runs: &[Run<'a>]) -> Option<Seconds<'a>> {
     const DATE_DIGITS: usize = 14;
     let from = |first: usize| {
+        // Joined or parted: 20210301220000, 20210301_220000, 2021-03-01-22-00-00.
         let lengths: Vec<usize> = runs[first..].iter().map(|run| run.digits.len()).collect();
         let (day_runs, in_day) = match lengths[..] {
             [length, ..] if length >= DATE_DIGITS => (0, 0),
@@ -75,10 +74,12 @@ fn seconds_in<'a>(runs: &[Run<'a>]) -> Option<Seconds<'a>> {
         let [year, month, day, hour, minute, second] = [0..4, 4..6, 6..8, 8..10, 10..12, 12..14].map(part);
         let value = seconds_of(&format!("{year}-{month}-{day}T{hour}:{minute}:{second}"))? as i128;
         let rest = &last[last.len() - (digits.len() - DATE_DIGITS)..];
+        // Other centuries, and more than nine digits behind, have another meaning.
         let is_usual = (year.starts_with("19") || year.starts_with("20")) && rest.len() <= 9;
         is_usual.then_some(Seconds { value, is_date: true, rest, runs: (first, next) })
     };
     let since_1970 = |at: usize| {
+        // Ten digits: from 2001 to 2286.
         let digits = runs[at].digits;
         let value = digits.parse().ok().filter(|_| digits.len() == 10 && !digits.starts_with('0'))?;
         Some(Seconds { value, is_date: false, rest: "", runs: (at, at + 1) })
@@ -96,13 +97,13 @@ fn are_counters(seconds: &[i128], numbers: &[i128]) -> bool {
     numbers.len() > 1 && (counts(&all) || each.values().all(|of| of[0] <= 1 && counts(of)))
 }
 
-/// Times, in [`PARTS`] of a second, of whole `seconds` and the `digits` behind them: a fraction, or whole milli-, micro-
-/// or nanoseconds, whose leading zeros were left out. `None` where they are counters.
+/// Times in [`PARTS`] of a second: `digits` as a fraction, or as milli-, micro- or nanoseconds; `None` for counters.
 fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<Vec<i128>> {
     let longest = digits.iter().map(|digits| digits.len()).max().filter(|longest| (1..=15).contains(longest))?;
     let is_point = is_point(separator);
     let numbers: Vec<i128> = digits.iter().map(|digits| digits.parse().unwrap_or(0)).collect();
     let range = numbers.iter().max()? - numbers.iter().min()?;
+    // Behind _ or -, few digits or numbers close together are counters, not fractions.
     let is_short = longest < 3 || range <= 2 * numbers.len() as i128 + 8;
     if are_counters(seconds, &numbers) || (!is_point && !separator.is_empty() && is_short) {
         return None;
@@ -117,21 +118,18 @@ fn with_fractions(seconds: &[i128], digits: &[&str], separator: &str) -> Option<
     let are_of_one_length = digits.iter().all(|digits| digits.len() == longest);
     let any = |is: fn(&str) -> bool| digits.iter().any(|digits| digits.len() > 1 && is(digits));
     let (is_padded, ends_with_0) = (any(|digits| digits.starts_with('0')), any(|digits| digits.ends_with('0')));
+    // Leading zeros are those of fractions; else length, point and last digits decide.
     let are_fractions = match () {
         () if longest > 9 || is_padded => true,
         () if are_of_one_length => is_point || longest % 3 == 0,
-        // Printed numbers end with no zero.
+        // Printed fractions do not end with a zero.
         () if !is_point || ends_with_0 => false,
         () => unevenness(fractions.clone()) <= unevenness(wholes.clone()),
     };
     Some(if are_fractions { fractions } else { wholes })
 }
 
-/// Stamps in the `names` of frames: dates or seconds with their fractions; or the numbers that differ from name to
-/// name, of several the longest ones.
-///
-/// # Errors
-/// The first name without a stamp, or what is unclear, and what would be right.
+/// Stamps in `names`: dates or seconds with fractions, or the longest numbers that differ; an error names one name.
 fn in_names(names: &[String]) -> Result<Stamps, String> {
     let found: Vec<Vec<Run<'_>>> = names.iter().map(|name| runs(stem(name))).collect();
     let stamps = |values: Vec<i128>, known_by| {
@@ -165,9 +163,10 @@ fn in_names(names: &[String]) -> Result<Stamps, String> {
             of_day / 3600 * 10_000 + of_day % 3600 / 60 * 100 + of_day % 60
         };
         let clocks: Vec<i128> = whole.iter().map(clock).collect();
-        // Six digits behind a day that count from its first second on are no times.
+        // Times of day that count from the first second on are counters of six digits.
         let is_early = clocks.iter().all(|clock| *clock <= names.len() as i128);
         let is_counted = are_dates && times.is_none() && is_early && are_counters(&vec![0; names.len()], &clocks);
+        // Stamps must tell all frames apart: fractions, then whole seconds, then counters are tried.
         match times {
             Some(times) if are_different(&times) => return Ok(stamps(times, known_by)),
             _ if are_different(&whole) && are_dates && !is_counted => {
@@ -188,6 +187,7 @@ fn in_names(names: &[String]) -> Result<Stamps, String> {
         names.len() == 1 || found.windows(2).all(|two| at(&two[0], *from_end) != at(&two[1], *from_end))
     };
     let longest = |from_end: &usize| found.iter().map(|runs| at(runs, *from_end).len()).max();
+    // Of the numbers that differ from name to name the longest; of equally long ones the last.
     let chosen = (0..count).rev().filter(differs).max_by_key(longest);
     let Some(chosen) = chosen else {
         let odd = found.iter().position(|runs| runs.len() == count).unwrap_or(0);
@@ -209,7 +209,7 @@ fn is_point(separator: &str) -> bool {
     separator == "." || separator == ","
 }
 
-/// Runs of names, of which those without a fraction have an empty one, where others end with one.
+/// Runs of names; where the others end with a fraction, names without one get an empty fraction.
 fn with_whole_numbers(mut found: Vec<Vec<Run<'_>>>) -> Vec<Vec<Run<'_>>> {
     let most = found.iter().map(Vec::len).max().unwrap_or(0);
     let has_fraction = |runs: &Vec<Run<'_>>| runs.len() == most && most > 1 && is_point(runs[most - 1].before);
@@ -220,8 +220,7 @@ fn with_whole_numbers(mut found: Vec<Vec<Run<'_>>>) -> Vec<Vec<Run<'_>>> {
     found
 }
 
-/// Times of names with seconds from a start of their own and fractions, such as `12_9658000` or `0.04`. `None` where
-/// nothing shows that the two numbers are one.
+/// Times of names with seconds from an own start and fractions, such as `12_9658000`; `None` if not surely so.
 fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
     let count = found.iter().map(Vec::len).min().unwrap_or(0);
     let of = |from_end: usize| {
@@ -251,14 +250,14 @@ fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
             "_" | "-" => is_shared && digits.iter().any(|digits| digits.len() > 6) && sorted.windows(2).any(turns),
             _ => false,
         };
+        // Times closer than the frames of any camera are none.
         let gap = sorted.windows(2).map(|two| two[1].1 - two[0].1).min().unwrap_or(0);
         (are_seconds && gap as f64 >= SHORTEST_S * PARTS as f64).then_some(times)
     };
     (0..count.saturating_sub(1)).find_map(of)
 }
 
-/// Counters of names whose dates do not tell them apart, as numbers of frames; of the numbers outside of the date those
-/// behind it first. `is_in_day` where they are what looks like a time of day.
+/// Counters of names with equal dates, as numbers of frames. `is_in_day` where they look like times of day.
 fn counters(
     names: &[String],
     found: &[Vec<Run<'_>>],
@@ -275,6 +274,7 @@ fn counters(
         order.sort_by_key(|t| numbers[*t]);
         let gaps: Vec<i128> = order.windows(2).map(|two| numbers[two[1]] - numbers[two[0]]).collect();
         let is_late = order.windows(2).any(|two| dates[two[1]].value < dates[two[0]].value);
+        // Counters rise by about one a frame, and never against the dates.
         gaps.iter().all(|gap| *gap > 0) && gaps.iter().sum::<i128>() <= 2 * names.len() as i128 + 8 && !is_late
     };
     let numbers = places.filter_map(numbers).find(is_in_order).ok_or(
@@ -284,7 +284,6 @@ fn counters(
     Ok(Stamps { values: values.collect(), unit: Unit::Frames, known_by: "by their counters" })
 }
 
-/// Positions of frames, and what is to be said of them.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Timing {
     pub positions: Positions,
@@ -294,24 +293,20 @@ pub(super) struct Timing {
     pub doubt: Option<String>,
 }
 
-/// Largest list of times, bytes.
 const MAX_LIST_BYTES: u64 = 64 << 20;
 /// Shortest frame interval that is taken for one, seconds. Cameras of more frames a second are triggered by a list.
 pub(super) const SHORTEST_S: f64 = 5e-6;
 
-/// Times found for frames, not yet checked for increasing order.
 struct FoundTimes {
     times: Source,
     /// Line of the list for each frame; empty for other sources.
     lines: Vec<usize>,
-    /// File that an error is about.
     file: PathBuf,
     said: String,
 }
 
 enum Source {
     Stamps(Stamps),
-    /// Seconds that files hold.
     Headers(Vec<f64>),
 }
 
@@ -324,7 +319,6 @@ impl Source {
         }
     }
 
-    /// The frames in the order of their times.
     fn order(&self) -> Vec<usize> {
         match self {
             Self::Stamps(stamps) => {
@@ -351,12 +345,8 @@ impl Timing {
         Self { positions: Positions::even(frames), said: None, doubt: None }
     }
 
-    /// Positions of the frames of `files`, by the choice in `options`: one each, of which those that `options` take stay
-    /// and are brought into the order of their times, or `in_one` file, which are taken already.
-    ///
-    /// # Errors
-    /// There is no such list, it has no time for a frame, files or names have none, two are equal, or closer than those
-    /// of any camera; there are no such frames to be taken.
+    /// Positions of the frames of `files`, by the choice in `options`: one each, of which those to be taken stay, in
+    /// the order of their times, or `in_one` file, taken already. An error if a time is missing, equal or too near.
     pub fn of(
         files: &mut Vec<PathBuf>,
         in_one: Option<usize>,
@@ -381,6 +371,7 @@ impl Timing {
             }
             found => found?,
         };
+        // A part is counted in the order of the times, not of the names.
         let whole = if in_one.is_some() { (0..frames).collect() } else { found.times.order() };
         let order = match part {
             Some(_) => &whole[options.taken_of(&folder, frames, (1, 1))?],
@@ -414,7 +405,6 @@ impl Timing {
     }
 }
 
-/// The `files` in the order of the times that `options` say; in their own where these say none, or not of all.
 pub(super) fn in_order_of_times(files: Vec<PathBuf>, options: &OpenOptions) -> Vec<PathBuf> {
     let found = choice_of(options)
         .and_then(|choice| FoundTimes::of(choice, &files, files.len(), options, &Monitor::default()).ok());
@@ -467,6 +457,7 @@ impl FoundTimes {
             TimesChoice::List(path) => {
                 let path = options.list_of_times(files).unwrap_or_else(|| path.clone());
                 let list = read_list(&path, &paths)?;
+                // In one file the part is taken already, and the list may be that of the whole.
                 let part = options.take.filter(|_| files.len() != frames);
                 let rows = rows_of(&list, &paths, (frames, part.map(|part| part.start..part.end)));
                 let rows = rows.map_err(|(problem, remedy)| wrong(problem, remedy, &path))?;
@@ -484,6 +475,7 @@ impl FoundTimes {
                 let problem = format!("this one file holds all {frames} frames, so its name says no times");
                 Err(wrong(problem, "give a list of times", &first))
             }
+            // Even and found times never come here: `choice_of` leaves them out.
             TimesChoice::Header | TimesChoice::Even | TimesChoice::Found => {
                 let seconds = of_headers(files, options, monitor)?.seconds;
                 if seconds.len() != frames {
@@ -533,8 +525,7 @@ fn read_list(path: &Path, frames: &[String]) -> Result<List> {
     List::read(&String::from_utf8_lossy(&bytes), frames).map_err(wrong)
 }
 
-/// Row of `list` for each of the `count` frames: that of the folder and name in `paths`, or in their order, from the
-/// start of a `part` on where the list is that of the whole file. The error has a remedy.
+/// Row of `list` for each of the `count` frames: by folder and name, or in order, from the start of `part` on.
 fn rows_of(
     list: &List,
     paths: &[String],
@@ -561,6 +552,7 @@ fn rows_of(
         let rows = || [base_name(path), stem(path)].into_iter().filter_map(|name| by_name.get(name)).flatten().copied();
         let missing = || (format!("the list has no line for {}", base_name(path)), "add one, or open other frames");
         let alike = |row: usize| likeness(path, &list.names[row]);
+        // A list of several folders repeats names: the row whose folders agree best counts.
         let best = rows().map(alike).max().ok_or_else(missing)?;
         let mut found = rows().filter(|row| alike(*row) == best);
         let first = found.next().ok_or_else(missing)?;

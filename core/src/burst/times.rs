@@ -1,16 +1,14 @@
 //! Times as files, robots and people write them: dates, times of day, and numbers with a unit.
 //!
-//! The unit of a number stands in the heading of its column (`timestamp [ns]`, `time_s`, `MJD`), or is guessed: from the
-//! size of a number that counts from 1970, and else from its digits and the distance of the frames.
+//! The unit of a number stands in the heading of its column (`timestamp [ns]`, `time_s`, `MJD`), or is guessed: from
+//! the size of a number that counts from 1970, and else from its digits and the distance of the frames.
 
 use chrono::{DateTime, NaiveDateTime, SecondsFormat};
 use std::collections::HashMap;
 
-/// Times of the frames of a file or burst.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Times {
-    /// Time of each frame, seconds: since 1970 (UTC) where `is_absolute`, or else from the first frame. Empty where the
-    /// files do not say it.
+    /// Time of each frame, seconds since 1970 (UTC) where `is_absolute`, else from the first frame; empty if unknown.
     pub seconds: Vec<f64>,
     pub is_absolute: bool,
 }
@@ -30,7 +28,6 @@ pub(super) fn time_text(seconds: f64) -> String {
     time.map_or_else(|| format!("{seconds} s"), |time| time.to_rfc3339_opts(SecondsFormat::Millis, true))
 }
 
-/// A time as it was written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Stamp {
     /// In [`PARTS`] of its unit, so that the nanoseconds of 1970 on and the digits of Julian dates are kept.
@@ -48,7 +45,7 @@ pub(super) enum Written {
     Clock,
 }
 
-/// Parts of a unit that are told apart.
+/// Parts of a unit in a [`Stamp`]: 15 decimal digits.
 pub(super) const PARTS: i128 = 1_000_000_000_000_000;
 /// Largest magnitude of a number that is read as a stamp, and its digits.
 const LARGEST: f64 = 1e22;
@@ -78,9 +75,9 @@ impl Stamp {
         Some(Self { value: sign * (whole * PARTS + parts(fraction)), written: Written::Number(fraction.len()) })
     }
 
-    /// A date with its time, such as `2011-09-26 13:02:25.964389445`, `2011-09-26T13:02:25Z`, `2011:09:26 13:02:25` or
-    /// `2011-09-26T15:02:25+02:00`.
+    /// A date with time: `2011-09-26 13:02:25.96`, `2011-09-26T13:02:25Z`, `2011:09:26 13:02:25`, `…T15:02:25+02:00`.
     pub fn date(text: &str) -> Option<Self> {
+        // A sign behind the time of day begins the zone; those before part the date.
         let zone_at = text.rfind(['+', '-']).filter(|at| text[..*at].contains(':')).unwrap_or(text.len());
         let (text, zone) = text.split_at(zone_at);
         let hours_and_minutes = format!("{:0<4}", zone.get(1..).unwrap_or_default().replace(':', ""));
@@ -122,7 +119,6 @@ impl Stamp {
     }
 }
 
-/// Unit of stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Unit {
     Days,
@@ -157,7 +153,6 @@ impl Unit {
         self.record().0
     }
 
-    /// The unit that the heading of a column names.
     fn of(heading: &str) -> Option<Self> {
         let named = |word: String| UNITS.iter().find(|(.., words)| words.contains(&&*word)).map(|found| found.0);
         words(heading).find_map(named)
@@ -168,8 +163,7 @@ fn words(heading: &str) -> impl Iterator<Item = String> {
     heading.split(|c: char| !c.is_alphanumeric()).map(str::to_lowercase)
 }
 
-/// How surely a heading is that of a column of times: 0 not at all; 1 by a word that may be that of another quantity
-/// (the height h, the minimum); 2 by a unit; 3 by a word for times.
+/// How surely a heading is that of times: 0 not; 1 by a word like h or min; 2 by a unit; 3 by a word for times.
 fn time_heading(heading: &str) -> u8 {
     let has = |known: &[&str]| words(heading).any(|word| known.contains(&&*word));
     match Unit::of(heading) {
@@ -184,7 +178,6 @@ fn time_heading(heading: &str) -> u8 {
 pub(super) const HEADED: &str = "as their heading says";
 const BY_DISTANCE: &str = "by the distance of the frames";
 
-/// Stamps with their unit.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stamps {
     pub values: Vec<Stamp>,
@@ -194,10 +187,7 @@ pub(super) struct Stamps {
 }
 
 impl Stamps {
-    /// Stamps in the order in which they were written, of the `unit` that their heading names.
-    ///
-    /// # Errors
-    /// Two units are as likely, or the stamps are of several forms; what would be right.
+    /// Stamps in their order, of the `unit` that their heading names, else a guess; an error where two are as likely.
     pub fn new(mut values: Vec<Stamp>, unit: Option<Unit>) -> Result<Self, String> {
         let form = |one: &Stamp| (one.is_number(), one.written == Written::Clock);
         if values.windows(2).any(|two| form(&two[0]) != form(&two[1])) {
@@ -218,6 +208,7 @@ impl Stamps {
     }
 
     fn guess(values: &[Stamp]) -> Result<(Unit, &'static str), String> {
+        // Dates and clocks are sure; then sizes since 1970 count, then the distance of the frames.
         let decimals = match values.first().map(|one| one.written) {
             Some(Written::Date) => return Ok((Unit::Seconds, "as dates")),
             Some(Written::Clock) => return Ok((Unit::Seconds, "as times of day")),
@@ -235,6 +226,7 @@ impl Stamps {
         if let Some((unit, _)) = units.iter().zip([1e8, 1e11, 1e14, 1e17]).find(|(_, from)| since_1970(from)) {
             return Ok((*unit, "by their size"));
         }
+        // Whole numbers: the unit in which the usual gap is that of a camera.
         let Some(decimals) = decimals.filter(|decimals| *decimals > 0) else {
             let unit = match gap {
                 2e6.. => Unit::Nanoseconds,
@@ -264,8 +256,7 @@ impl Stamps {
         self.unit != Unit::Frames && self.known_by != BY_DISTANCE
     }
 
-    /// Times of some of the frames, in this order, from the first of these on: in seconds, or in frame intervals for
-    /// [`Unit::Frames`].
+    /// Times of some frames, in this order, from the first of them on: seconds, or intervals for [`Unit::Frames`].
     pub fn since_first(&self, frames: &[usize]) -> Vec<f64> {
         const BILLIONTH: i128 = PARTS / 1_000_000_000;
         let (_, unit) = self.unit.record();
@@ -279,10 +270,8 @@ impl Stamps {
     }
 }
 
-/// A list of times.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct List {
-    /// The stamps, in the order of the list.
     pub stamps: Stamps,
     /// Line of each stamp, from 1.
     pub lines: Vec<usize>,
@@ -290,11 +279,9 @@ pub(super) struct List {
     pub names: Vec<String>,
 }
 
-/// Largest number of lines that are read.
 const MAX_LINES: usize = 10_000_000;
 
-/// Fields of a line that are separated `by` a character, or else by white space, which a date has within. A separator
-/// in quotes is none.
+/// Fields of a line, separated `by` a character outside of quotes, or by white space, which a date has within.
 fn fields(line: &str, by: Option<char>) -> Vec<&str> {
     let mut is_quoted = false;
     let separated = line.split(|c: char| {
@@ -304,6 +291,7 @@ fn fields(line: &str, by: Option<char>) -> Vec<&str> {
     if by.is_some() {
         return separated.map(|field| field.trim().trim_matches('"')).collect();
     }
+    // White space parts a date from its time of day, too: such fields are joined again.
     let mut found: Vec<&str> = Vec::new();
     for field in separated.filter(|field| !field.is_empty()) {
         let from = found.last().map_or(field, |last| last).as_ptr().addr() - line.as_ptr().addr();
@@ -324,8 +312,7 @@ fn fields(line: &str, by: Option<char>) -> Vec<&str> {
     found
 }
 
-/// The text of a list with points for the commas in times such as `22:00:00,880`, as loggers and subtitles write them;
-/// of subtitles, the lines `00:00:01,500 --> …`, up to the arrow.
+/// Text of a list with points for the commas in times such as `22:00:00,880`; of subtitles, the part before the arrow.
 fn pointed(text: &str) -> String {
     let mut bytes = text.as_bytes().to_vec();
     for at in 3..bytes.len() {
@@ -349,12 +336,10 @@ fn is_decimal(field: &str) -> bool {
     })
 }
 
-/// Name of a file without its folder.
 pub(super) fn base_name(path: &str) -> &str {
     path.rsplit(['/', '\\']).next().unwrap_or(path)
 }
 
-/// Name of a file without folder and extension.
 pub(super) fn stem(path: &str) -> &str {
     let name = base_name(path);
     name.rsplit_once('.').map_or(name, |(stem, _)| stem)
@@ -371,12 +356,9 @@ pub(super) fn likeness(a: &str, b: &str) -> (usize, bool) {
 }
 
 impl List {
-    /// Reads a list of one time a line, or of columns of which one has the times and one may have `frames`' names, with
-    /// or without extension and folders. Lines that begin with `#` are comments; the last one before the first row,
-    /// and a first line without a time, are headings if they have as many fields.
-    ///
-    /// # Errors
-    /// The line, what is wrong in it and what would be right.
+    /// Reads a list of one time a line, or of columns, one with times and perhaps one with `frames`' names, with or
+    /// without extension and folders. Lines that begin with `#` are comments; the last one before the first row, and a
+    /// first line without a time, are headings if they have as many fields. The error names the line and the remedy.
     pub fn read(text: &str, frames: &[String]) -> Result<Self, String> {
         let text = pointed(text.trim_start_matches('\u{feff}'));
         let lines: Vec<(usize, &str)> =
@@ -400,6 +382,7 @@ impl List {
             let numbers: Vec<i64> = rows().filter_map(|line| part(line.split_once(',')?)).collect();
             numbers.windows(2).all(|two| two[0] < two[1])
         };
+        // Two columns of counters look like one column with decimal commas, but both rise.
         let are_pairs = || is_rising(|(left, _)| left.parse().ok()) && is_rising(|(_, right)| right.parse().ok());
         let is_one = is_alone && !heading.contains(',') && (time_heading(heading) > 0 || !are_pairs());
         let by = match () {
@@ -415,7 +398,6 @@ impl List {
         Self::of_lines(&lines, by, frames)
     }
 
-    /// Reads `lines` with their numbers, whose fields are separated `by` a character or white space.
     fn of_lines(lines: &[(usize, &str)], by: Option<char>, frames: &[String]) -> Result<Self, String> {
         let mut heading: Vec<&str> = Vec::new();
         let mut rows: Vec<(usize, Vec<&str>)> = Vec::new();
@@ -449,6 +431,7 @@ impl List {
         // Where the times are the names of the files, the column with an extension has the names.
         let names = column(&|field| Stamp::of(field).is_none());
         let names = names.or_else(|| (first.len() > 1).then(|| column(&|_| true)).flatten());
+        // A column may hold the folder alone, which tells equal names of several folders apart.
         let folder = frames.first().and_then(|path| path.rsplit(['/', '\\']).nth(1)).unwrap_or_default();
         let is_of_folder = |at: &usize| rows.iter().any(|(_, row)| row.get(*at) == Some(&folder));
         let folders = columns().filter(|at| Some(*at) != names && !folder.is_empty()).find(is_of_folder);
@@ -474,6 +457,7 @@ impl List {
         let headed = split.map(|(seconds, _)| seconds).or(headed);
         let is_dated = |at: &usize| Stamp::of(first[*at]).is_some_and(|stamp| !stamp.is_number());
         let dated: Vec<usize> = stamped.iter().copied().filter(is_dated).collect();
+        // Without a heading, the only stamp of a row, or the only date among numbers, is the time.
         let times = match (headed, &stamped[..], &dated[..]) {
             (Some(at), ..) => at,
             (None, [at], _) | (None, _, [at]) => *at,

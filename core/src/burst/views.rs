@@ -1,9 +1,7 @@
-//! Views of a light field as the frames of a burst: their places in the grid of views, by names or in order, and
-//! pictures that hold all views of a grid.
+//! Views of a light field as frames: their places in the grid by names or in order, and pictures of all views.
 //!
-//! Rows of views go downwards and columns to the right, as LFToolbox has them, and both directions have one baseline:
-//! a thing of disparity d is displaced by d to the right from a view to that of the next column, and by d downwards
-//! from a view to that of the next row.
+//! Rows of views go downwards and columns to the right, as in LFToolbox, with one baseline: a disparity d is a
+//! displacement by d to the right from a column to the next, and by d downwards from a row to the next.
 
 use super::layout::{MAX_SIDE, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use super::options::OpenOptions;
@@ -17,14 +15,9 @@ use crate::plane::Plane;
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// Positions of the frames of `files`, one each, of which those that `options` take stay; or of the frames that are taken
-/// `in_one` file, and the grid that it declares. Of views, by the choice in `options`, that grid, or LFToolbox's names;
-/// otherwise by times.
-///
-/// Views named by row and column are brought into the order of their rows.
-///
-/// # Errors
-/// Those of [`Timing::of`]; names without row and column or two that are equal, another number of views, times of views.
+/// Positions of the frames of `files`, one each, of which those to be taken stay; or of those taken `in_one` file, with
+/// the grid that it declares. Views by the choice in `options`, that grid, or LFToolbox's names, in the order of rows;
+/// else by times. An error where names or numbers of views do not fit, or views have times; else as [`Timing::of`].
 pub(super) fn placed(
     files: &mut Vec<PathBuf>,
     in_one: Option<(usize, Option<ViewGrid>)>,
@@ -39,6 +32,7 @@ pub(super) fn placed(
     let file = files.first().cloned().unwrap_or_default();
     let mut options = options;
     let whole = OpenOptions { take: None, ..options.clone() };
+    // Without times the order of names is final, so the part is cut out first.
     if in_one.is_none() && !has_times && options.take.is_some() {
         let folder = file.parent().unwrap_or(Path::new(""));
         *files = options.taken(folder, std::mem::take(files), (1, 1))?;
@@ -75,6 +69,7 @@ pub(super) fn placed(
                 let said = "the axes of the array are taken for those of a light field, [rows, columns] of views";
                 grid(views, said.to_owned())
             }
+            // Names as LFToolbox writes them need no option; other files are frames in time.
             None if options.times.is_none() && is_apart => {
                 match usual(files).and_then(|places| by_name(files, &places)) {
                     Some(timing) => Ok(timing),
@@ -118,11 +113,7 @@ fn pairs(name: &str) -> Vec<(usize, [usize; 2], usize)> {
     runs.windows(2).filter_map(pair).collect()
 }
 
-/// Rows and columns in the `names` of views: of pairs of numbers with the same before them in all names, the first by
-/// which all names differ.
-///
-/// # Errors
-/// The first name without one, and what would be right.
+/// Rows and columns in the `names` of views: the first pair that differs in all names, with equal text before.
 fn in_names(names: &[String]) -> Result<Named, String> {
     let all: Vec<Vec<(usize, [usize; 2], usize)>> = names.iter().map(|name| pairs(stem(name))).collect();
     let count = all.iter().map(Vec::len).min().unwrap_or(0);
@@ -141,8 +132,7 @@ fn in_names(names: &[String]) -> Result<Named, String> {
     })
 }
 
-/// Places of views that are named as LFToolbox does, `view_03_07.png` or `03_07.png`, and fill a grid of several rows
-/// and columns.
+/// Places of views named as LFToolbox does, `view_03_07.png` or `03_07.png`, that fill a grid of rows and columns.
 fn usual(files: &[PathBuf]) -> Option<Vec<[usize; 2]>> {
     let Named { mut places, before, is_followed } = in_names(&names_of(files)).ok()?;
     let before = before.trim_end_matches(['_', '-']).to_lowercase();
@@ -151,6 +141,7 @@ fn usual(files: &[PathBuf]) -> Option<Vec<[usize; 2]>> {
     places.sort_unstable();
     let ([first_row, first_column], [last_row, last_column]) = (*places.first()?, *places.last()?);
     let (rows, columns) = (last_row - first_row + 1, (last_column + 1).checked_sub(first_column)?);
+    // Sorted, the places of a full grid count through rows and columns.
     let is_full = places.iter().enumerate().all(|(k, [row, column])| {
         k / columns.max(1) + first_row == *row && k % columns.max(1) + first_column == *column
     });
@@ -172,10 +163,7 @@ fn by_name(files: &mut [PathBuf], places: &[[usize; 2]]) -> Option<Timing> {
     Some(Timing { positions, said, doubt: None })
 }
 
-/// Size (columns, rows) of a view of a picture of `size` that holds a grid of them.
-///
-/// # Errors
-/// The sides are no multiples of the numbers of views.
+/// Size (columns, rows) of a view in a picture of `size` that holds a grid; an error unless the sides are multiples.
 pub(super) fn size_of_view(path: &Path, (width, height): (usize, usize), grid: ViewGrid) -> Result<(usize, usize)> {
     if width % grid.columns == 0 && height % grid.rows == 0 && width > 0 && height > 0 {
         return Ok((width / grid.columns, height / grid.rows));
@@ -188,10 +176,6 @@ pub(super) fn size_of_view(path: &Path, (width, height): (usize, usize), grid: V
         .about(path))
 }
 
-/// The views in the picture `frame` of the file `path`, row by row.
-///
-/// # Errors
-/// As [`size_of_view`].
 pub(super) fn views_of(path: &Path, frame: &RawFrame, grid: ViewGrid, tiling: Tiling) -> Result<Vec<RawFrame>> {
     let (width, height) = size_of_view(path, frame.plane.size(), grid)?;
     let view = |k: usize| {

@@ -1,8 +1,7 @@
 //! Shapes and motions of a burst's features, stored in its record: what matching needs beyond COLMAP's files.
 //!
-//! They are one text of hexadecimal digits: a checksum, and for each feature in order seven `f32`, little end first:
-//! scale σ, orientation, slope (u, v), motion of its place (u, v) and that motion's standard deviation, infinite where
-//! unknown.
+//! One text of hexadecimal digits: a checksum, and for each feature in order seven `f32`, little end first: scale σ,
+//! orientation, slope (u, v), motion of its place (u, v) and standard deviation of that motion, infinite where unknown.
 
 use crate::detector::Slope;
 use crate::matching::Blob;
@@ -10,7 +9,6 @@ use serde::de::Error;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use std::fmt::Write;
 
-/// The shapes and motions of a burst's features.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct StoredBlobs(pub Vec<Blob>);
 
@@ -45,6 +43,7 @@ impl StoredBlobs {
             let is_blob = sigma > 0.0 && motion_sigma >= 0.0 && finite.iter().all(|x| x.is_finite());
             is_blob.then_some(Blob { sigma, orientation, slope, motion, motion_sigma })
         };
+        // A record that a person edited is no error: the features are found again.
         let is_unchanged = u32::from_be_bytes(*checksum) == crc32fast::hash(bytes);
         if is_whole && is_unchanged { blobs.iter().map(blob).collect::<Option<_>>().map(Self) } else { None }
     }

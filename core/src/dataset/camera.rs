@@ -5,11 +5,10 @@ use crate::files::{MAX_SETTINGS_BYTES, read_text};
 use crate::matching::{Camera, CameraModel};
 use std::path::Path;
 
-/// The camera of a dataset.
+/// Camera of a dataset: known from a calibration, or guessed as COLMAP does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CameraChoice {
-    /// Unknown: as COLMAP does, the focal length is taken as 1.2 times the larger side, and the centre as the principal
-    /// point. Images of different sizes have separate cameras.
+    /// Unknown: as in COLMAP a focal length of 1.2 times the larger side, and a camera for each size of images.
     Guessed(CameraModel),
     /// One known camera for all images.
     Known(Camera),
@@ -60,9 +59,6 @@ fn guessed(model: CameraModel, (width, height): (usize, usize)) -> Camera {
 }
 
 /// Reads a camera file: TOML with `model`, `width`, `height` and `params` (in COLMAP's order and convention).
-///
-/// # Errors
-/// The problem of the file, and what would be right.
 pub fn read_camera(path: &Path) -> Result<Camera> {
     let fail = |problem: String| {
         Error::param(

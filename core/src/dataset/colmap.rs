@@ -39,7 +39,7 @@ pub struct ColmapJob {
     pub matching: MatchParams,
     /// Selection of the pairs of bursts that are matched.
     pub pairs: PairSelection,
-    /// The camera.
+    /// Camera of all images, or the model that is guessed for each size.
     pub camera: CameraChoice,
 }
 
@@ -85,19 +85,16 @@ pub struct ColmapReport {
     pub images: Vec<ImageReport>,
     /// Pairs, in order.
     pub pairs: Vec<PairReport>,
-    /// Distances of the database's keypoints from where they were found, which the files of features have; `None` where
-    /// they were not aligned.
+    /// Distances by which the database's keypoints moved from those in the files; `None` if they were not aligned.
     pub moved: Option<Moved>,
     /// Says why COLMAP's mapper will not be able to start from the database; `None` where a pair has enough inliers.
     pub no_start: Option<String>,
 }
 
-/// Inliers from which a pair can be the first of COLMAP's mapper, nearly: it asks for 100, then for 50 and for 25, and
-/// for 30 places of an image that it adds.
+/// Inliers with which COLMAP's mapper begins, nearly: it asks for 100, 50, 25, and for 30 places of each further image.
 const INLIERS_TO_START: usize = 30;
 
 impl ColmapReport {
-    /// The sentence of [`ColmapReport::no_start`], from the counts of the pairs.
     fn why_no_start(&self) -> Option<String> {
         let best = self.pairs.iter().max_by_key(|pair| pair.counts.inliers)?;
         let most = best.counts.inliers.unwrap_or(0);
@@ -110,6 +107,7 @@ impl ColmapReport {
             let [a, b] = best.ids.map(name);
             format!("the most inliers of a pair are {most}, of {a} and {b}")
         } else {
+            // The three causes have different remedies.
             let no_match = pairs_with(|counts| counts.putative == 0);
             let refused = pairs_with(|counts| counts.refused.is_some());
             let all = self.pairs.len();
@@ -123,8 +121,7 @@ impl ColmapReport {
 }
 
 /// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder of `store`,
-/// which was opened with [`ColmapJob::features`]. `on` is called with every event. A burst that cannot be opened is
-/// left out.
+/// opened with [`ColmapJob::features`]. `on` receives every event. A burst that cannot be opened is left out.
 ///
 /// # Errors
 /// Parameters, or what concerns all bursts. Files are written completely or not at all; finished bursts stay finished.
@@ -140,6 +137,7 @@ pub fn export_colmap(
         return Err(too_few(bursts.len()));
     }
     let out = store.folder.clone();
+    // Outputs are checked before the search, which may take hours.
     store.protect(bursts)?;
     store.check_output(&out.join(DATABASE_FILE))?;
     // The index of each burst whose features are in the folder, and whether an earlier run had found them.
@@ -155,6 +153,7 @@ pub fn export_colmap(
         return Err(too_few(done.len()));
     }
     on(BurstEvent::Matching(job.pairs.pairs(done.len()).len()));
+    // Where all bursts are resumed, nothing has locked the folder yet.
     store.begin_writing()?;
     let written = |place: usize| {
         let (index, resumed) = done[place];
@@ -167,8 +166,7 @@ pub fn export_colmap(
     Ok(report)
 }
 
-/// Writes the input of COLMAP's mapper into `folder`, as [`export_colmap`] does, from the features of `bursts` that are
-/// in memory. The parameters of their search are their own, not those of `job`.
+/// Writes COLMAP's input as [`export_colmap`] does, from `bursts` in memory, each with its own search parameters.
 ///
 /// # Errors
 /// Parameters, a folder that holds other files, and files that cannot be written.
@@ -184,11 +182,13 @@ pub fn export_detections(
     }
     let of = |of: &DetectedBurst<'_>| BurstFiles { name: of.burst.name.clone(), paths: of.burst.sources.clone() };
     let mut sources: Vec<BurstFiles> = bursts.iter().map(of).collect();
+    // Bursts in memory may share a name, and their files must not.
     make_file_names_unique(sources.iter_mut().map(|source| &mut source.name));
     let params = bursts.iter().map(|of| SearchParams::from(of.params.clone()).to_toml()).collect();
     let mut store = FeatureStore::of_detections(folder, &job.features, params)?;
     store.protect(&sources)?;
     store.check_output(&folder.join(DATABASE_FILE))?;
+    // A camera of another size fails before anything is written.
     let sizes = bursts.iter().map(|of| job.camera.for_images(of.burst.size()));
     sizes.collect::<Result<Vec<_>>>()?;
     let found: Vec<BurstFeatures> =
@@ -221,6 +221,7 @@ fn write_database(
         for place in 0..count {
             monitor.check()?;
             let mut burst = features(place)?;
+            // Keypoints and descriptors go to the database; shapes alone stay in memory.
             blobs.push(std::mem::take(&mut burst.blobs));
             add_burst(database, &burst, job, &mut report)?;
         }
@@ -237,6 +238,7 @@ fn add_burst(
     report: &mut ColmapReport,
 ) -> Result<()> {
     let camera = job.camera.for_images(burst.size)?;
+    // One camera for images of one size: the mapper then refines one lens, not many.
     let camera_id = match report.cameras.iter().position(|c| *c == camera) {
         Some(index) => index as u32 + 1,
         None => {
@@ -259,7 +261,6 @@ struct Waiting {
     inliers: Vec<(Inlier, Option<Measured>)>,
 }
 
-/// Features of the database's images, and frames of their bursts.
 struct InDatabase<'a, 'b> {
     database: &'a RefCell<&'a mut DatabaseWriter<'b>>,
     ids: &'a [u32],
@@ -294,6 +295,7 @@ fn match_all(
     let mut write = |MatchedPair { indices: images, sides, found: Unaligned { result, measured } }: MatchedPair<'_>| {
         let [a, b] = [ids[images.0], ids[images.1]];
         for (image, side) in [images.0, images.1].into_iter().zip(sides) {
+            // An image's pictures leave memory with its features: what the alignment needs of them is kept.
             seen[image] = seen[image].take().or_else(|| side.pictures.as_ref().map(Pictures::seen).cloned());
         }
         report.pairs.push(PairReport { ids: [a, b], counts: result.counts });
@@ -306,6 +308,7 @@ fn match_all(
         let Some(verified) = &result.verification else { return Ok(()) };
         let agreed = result.matches.iter().zip(measured).zip(&verified.inlier).filter(|(_, inlier)| **inlier);
         let inliers: Vec<(Inlier, Option<Measured>)> = agreed.map(|((m, measured), _)| (m.into(), *measured)).collect();
+        // With alignment, geometries wait until all pairs agree on the places.
         if matching.aligns() && verified.model.is_some() {
             waiting.push(Waiting { images, inliers });
             return Ok(());
@@ -315,6 +318,7 @@ fn match_all(
         database.add_geometry(a, b, &database_geometry(places, &agreed, verified.model.as_ref()))
     };
     match_pairs(pairs, matching, &mut source, &mut write, monitor)?;
+    // Pairs come in the order of loading.
     report.pairs.sort_by_key(|pair| pair.ids);
     if matching.aligns() {
         waiting.sort_by_key(|pair| pair.images);
@@ -323,7 +327,6 @@ fn match_all(
     Ok(monitor.check()?)
 }
 
-/// Moves all features to the places on which the pairs agree, and writes the pairs' geometries there.
 fn align_all(
     database: &mut DatabaseWriter<'_>,
     (waiting, blobs, seen): (&[Waiting], &[Vec<Blob>], Vec<Option<Seen>>),
@@ -337,6 +340,7 @@ fn align_all(
         let (keypoints, _) = database.features(id)?;
         alignment.add_image(keypoints.iter().map(ColmapKeypoint::pos_image).collect(), blobs, seen);
     }
+    // Links are numbered over all pairs, as the solution returns residuals by link.
     let mut linked: Vec<Vec<(Inlier, Option<usize>)>> = Vec::with_capacity(waiting.len());
     for Waiting { images, inliers } in waiting {
         let mut link = |m: &Inlier, measured| alignment.add_match(*images, (m.a as usize, m.b as usize), measured);
@@ -349,6 +353,7 @@ fn align_all(
         .zip(&linked)
         .map(|(pair, inliers)| aligned.confirmed(pair.images, inliers, matching, &monitor.silent()))
         .collect::<Result<_, _>>()?;
+    // Features move first: geometries are of the places in the database.
     for (&id, places) in ids.iter().zip(&aligned.places) {
         database.move_features(id, places)?;
     }
@@ -357,6 +362,7 @@ fn align_all(
         let agreed: Vec<Inlier> =
             inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m).collect();
         let pair = [ids[images.0], ids[images.1]];
+        // The reports were sorted before the alignment.
         if let Ok(index) = report.pairs.binary_search_by_key(&pair, |report| report.ids) {
             let counts = &mut report.pairs[index].counts;
             counts.inliers = Some(agreed.len());
@@ -380,6 +386,7 @@ impl ColmapJob {
             CameraChoice::Known(camera) => Some(camera.clone()),
             CameraChoice::Guessed(_) => None,
         };
+        // A guessed focal length is too uncertain for an essential matrix.
         let matching = MatchParams { camera, ..self.matching.clone() };
         matching.validate()?;
         if matching.geometry == Geometry::None {
@@ -393,7 +400,6 @@ impl ColmapJob {
     }
 }
 
-/// COLMAP's number of a camera model.
 fn model_id(model: CameraModel) -> u32 {
     match model {
         CameraModel::SimplePinhole => 0,
@@ -403,7 +409,6 @@ fn model_id(model: CameraModel) -> u32 {
     }
 }
 
-/// Geometry of a pair whose `inliers` agree on `model` at `places`, the features' places in both images.
 fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Inlier], model: Option<&TwoViewModel>) -> DatabaseGeometry {
     let Some(model) = model else { return DatabaseGeometry::default() };
     let none =
@@ -418,6 +423,7 @@ fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Inlier], model: Option
         TwoViewModel::Essential { essential, .. } => {
             let places: Vec<([f64; 2], [f64; 2])> =
                 inliers.iter().map(|m| (a[m.a as usize], b[m.b as usize])).collect();
+            // E alone leaves four poses; the inliers decide.
             let pose = model.relative_pose(&places).map(|(pose, _)| {
                 let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(pose.rotation));
                 Isometry3::from_parts(Translation3::from(pose.translation), rotation)

@@ -142,8 +142,7 @@ impl FeatureStore {
         Self::at(folder, job, settings)
     }
 
-    /// Opens the dataset in `folder` for features that are in memory, found with `params`, one text for each burst.
-    /// Errors as of [`Self::open`].
+    /// Opens the dataset in `folder` for features in memory, found with `params`, one text a burst.
     #[cfg(feature = "colmap")]
     pub(super) fn of_detections(folder: &Path, job: &FeatureJob, params: Vec<String>) -> Result<Self> {
         Self::at(folder, job, json!({ "detectors": params }))
@@ -169,7 +168,6 @@ impl FeatureStore {
         Self { comparison, ..self }
     }
 
-    /// The store of another folder, for the same job.
     pub(super) fn like(&self, folder: &Path) -> Self {
         let (job, made_with) = (self.job.clone(), self.made_with.clone());
         let (opened, rules) = (Vec::new(), OutputRules::default());
@@ -197,6 +195,7 @@ impl FeatureStore {
         let settings = self.opened.iter().cloned();
         let inputs = OpenedFiles::of(of_bursts.chain(calibration.flatten()).chain(settings));
         self.rules = OutputRules::new(inputs, Overwrite::Refuse);
+        // All outputs are checked before the first burst, so that a refusal comes early.
         for image_name in bursts.iter().map(image_name) {
             for file in [self.feature_file(&image_name), self.picture_file(&image_name)] {
                 self.check_output(&file)?;
@@ -210,7 +209,6 @@ impl FeatureStore {
         self.rules.check_own(file, &[])
     }
 
-    /// Opens `source` as it is searched, and gives the parameters of the search.
     pub(super) fn open_burst(&self, source: &BurstFiles, monitor: &Monitor) -> Result<(Burst, DetectorParams)> {
         Ok((open_burst(&source.paths, &self.job.open, monitor)?, self.job.detector.at_given()))
     }
@@ -224,7 +222,6 @@ impl FeatureStore {
         there.then_some(FinishedBurst { features, seconds })
     }
 
-    /// Files with the frames of `source`, with their masks and with the list of their times.
     fn files(&self, source: &BurstFiles) -> Result<Vec<PathBuf>> {
         let mut files = source.files()?;
         let list = self.job.open.list_of_times(&files).filter(|list| list.is_file());
@@ -281,6 +278,7 @@ impl FeatureStore {
         let files = self.files(source)?;
         match self.kept_with_record(source, &files, monitor) {
             Ok((kept, record)) => {
+                // Also for kept features: the camera may be another one than that of the earlier run.
                 camera.for_images(kept.size)?;
                 self.complete(source, &files, record, monitor)?;
                 Ok(kept)
@@ -299,6 +297,7 @@ impl FeatureStore {
     ) -> Result<BurstFeatures> {
         // Checked before anything is read.
         check_memory(&source.paths, &self.job.open, &self.job.detector, monitor)?;
+        // Stamped before the search: a frame that changes meanwhile differs from its stamp.
         let stamps = FileStamp::with_checksums(files, monitor)?;
         let (found, burst) = self.find(source, camera, monitor)?;
         let content = self.write_features(&found)?;
@@ -308,6 +307,7 @@ impl FeatureStore {
         let (files, size, features, seconds) = (stamps, found.size, found.keypoints.len(), found.seconds);
         let of = KeptBurst { files, size, features, content, blobs, picture, picture_content, seconds };
         let record = Record { made_from: self.made_with.clone(), of };
+        // Written last: the record claims the files before it.
         self.records().write(&found.image_name, &record)?;
         Ok(found)
     }
@@ -316,13 +316,13 @@ impl FeatureStore {
         self.begin_writing()?;
         let path = self.feature_file(&found.image_name);
         self.check_output(&path)?;
+        // Without a record a half-written file counts as none.
         self.records().remove(&found.image_name)?;
         write_colmap_keypoints(&path, &found.keypoints, &found.descriptors)?;
         Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
-    /// Writes the features and the picture of a burst that was searched elsewhere; there is no record of it, so that
-    /// another run finds its features again.
+    /// Writes features and picture of a burst that was searched elsewhere, without a record: another run searches it.
     #[cfg(feature = "colmap")]
     pub(super) fn keep(
         &mut self,
@@ -346,9 +346,11 @@ impl FeatureStore {
     ) -> Result<()> {
         let image_name = image_name(source);
         let picture_file = self.picture_file(&image_name);
+        // A picture may have been deleted or edited; the features, which took long, are still right.
         let is_whole = of.picture_content.is_of(&picture_file);
         let stamps = FileStamp::with_times_of(&of.files, files)?;
         let picture_content = if is_whole && of.picture == self.job.images {
+            // Nothing is written where nothing changed, and the folder needs no lock.
             if stamps == of.files {
                 return Ok(());
             }
@@ -375,6 +377,7 @@ impl FeatureStore {
         let plane = burst_plane(burst, self.job.images, params, monitor)?;
         // COLMAP looks for the mask of `a.png` in `a.png.png`.
         let mask_file = self.folder.join(MASKS_FOLDER).join(format!("{image_name}.png"));
+        // The mask of an earlier run is replaced even where nothing is hidden any more.
         if plane.mask().is_some() || mask_file.exists() {
             self.check_output(&mask_file)?;
             write_png(&mask_file, BurstPicture::of_mask(&plane).picture())?;
@@ -383,8 +386,7 @@ impl FeatureStore {
         Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
-    /// Before the first write: locks the folder for this process, removes files that a killed run left, and writes the
-    /// manifest. Later: checks that the folder is still the locked one.
+    /// First locks the folder, removes rests of killed runs and writes the manifest; later checks the lock.
     pub(super) fn begin_writing(&mut self) -> Result<()> {
         if let Some(lock) = &self.lock {
             return lock.check();
@@ -409,7 +411,6 @@ impl FeatureStore {
         Ok((BurstFeatures { slopes, seconds, ..found }, burst))
     }
 
-    /// The record of `source`, if it was made with the current settings from `files` as they are now.
     fn record(
         &self,
         source: &BurstFiles,
@@ -419,11 +420,13 @@ impl FeatureStore {
     ) -> Result<BurstRecord, NotKept> {
         let record: BurstRecord = self.records().read(&image_name(source)).ok_or(NotKept::NoRecord)?;
         if record.made_from != self.made_with {
+            // Of other options the differing ones are named, for the user to set them back.
             return Err(match record.made_from.is_of_this_program() {
                 true => NotKept::OtherOptions(differences(&record.made_from, &self.made_with)),
                 false => NotKept::OtherProgram,
             });
         }
+        // Last, because contents may have to be read.
         let agree = FileStamp::all_agree(&record.of.files, files, comparison, monitor)?;
         if agree { Ok(record) } else { Err(NotKept::OtherFiles) }
     }
@@ -446,7 +449,6 @@ fn found_in(source: &BurstFiles, burst: &Burst, detection: &Detection) -> BurstF
     BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds }
 }
 
-/// The files of a bias or flat frame, which may be a folder of them.
 fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>> {
     match path {
         Some(path) => files_at(std::slice::from_ref(path)),
@@ -468,8 +470,8 @@ pub fn image_name(source: &BurstFiles) -> String {
 /// Finds the features of all `bursts` in turn; `on` is called with every event.
 ///
 /// # Errors
-/// One that concerns all bursts, or cancellation. A burst that cannot be opened is reported as [`BurstEvent::Failed`]
-/// and left out.
+/// One that concerns all bursts, or cancellation. Others are reported as [`BurstEvent::Failed`], and the burst left
+/// out.
 pub fn detect_all(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],
@@ -478,12 +480,14 @@ pub fn detect_all(
     monitor: &Monitor,
 ) -> Result<()> {
     store.job.detector.validate()?;
+    // Before the first burst: a refusal after hours of search would lose them.
     store.protect(bursts)?;
     let share = 1.0 / bursts.len().max(1) as f32;
     for (index, source) in bursts.iter().enumerate() {
         on(BurstEvent::Begin(index));
         match store.features(source, camera, &monitor.part(index as f32 * share, share)) {
             Ok(features) => on(BurstEvent::Done(index, &features)),
+            // A full disk, say, would fail for every burst.
             Err(error) if concerns_all(error.kind) => return Err(error),
             Err(error) => on(BurstEvent::Failed(index, &error)),
         }

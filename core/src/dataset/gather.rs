@@ -47,8 +47,7 @@ fn as_text<S: Serializer>(reason: &NotKept, serializer: S) -> Result<S::Ok, S::E
 /// Copies the finished ones among `bursts` from the `folders` of other runs into the folder of `store`.
 ///
 /// # Errors
-/// A path that is no folder, a file that cannot be read or written, a folder in which another process writes, or
-/// cancellation.
+/// A path that is no folder, a file that cannot be read or written, a folder in use by another process, cancellation.
 pub fn gather(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],
@@ -59,6 +58,7 @@ pub fn gather(
         return Err(Error::unread_file(missing, "there is no such folder of kept features"));
     }
     store.protect(bursts)?;
+    // The same job in each folder: features count only if these parameters would find them.
     let others = folders.iter().map(|folder| store.like(folder)).collect::<Vec<_>>();
     let mut knows_one = vec![false; folders.len()];
     let mut report = GatherReport::default();
@@ -68,7 +68,7 @@ pub fn gather(
         let (mut brought, mut left_out) = (false, Vec::new());
         for (other, knows_one) in others.iter().zip(&mut knows_one) {
             if is_finished || brought {
-                // Only checked to see whether the folder is of this dataset.
+                // Looked at only to see whether the folder is of this dataset.
                 *knows_one = *knows_one || other.records().read::<KeptBurst>(&image_name(source)).is_some();
                 continue;
             }
@@ -78,6 +78,7 @@ pub fn gather(
                     bring(store, other, &features)?;
                 }
                 Err(NotKept::Failed(error)) if error.is_cancelled() => return Err(error),
+                // Nothing of this burst is there, which is no fault.
                 Err(NotKept::NoRecord) => {}
                 Err(reason) => {
                     *knows_one = true;
@@ -88,6 +89,7 @@ pub fn gather(
         if brought {
             report.brought.push(source.name.clone());
         } else {
+            // Reported only where no folder has provided the features.
             report.left_out.append(&mut left_out);
         }
     }
@@ -101,6 +103,7 @@ fn bring(store: &mut FeatureStore, other: &FeatureStore, features: &BurstFeature
     let image = &features.image_name;
     let Some(record) = other.records().read::<KeptBurst>(image) else { return Ok(()) };
     store.begin_writing()?;
+    // The record goes first and comes last: files in between count as none.
     store.records().remove(image)?;
     let feature_file = Path::new(FEATURES_FOLDER).join(format!("{image}.txt"));
     let picture_file = Path::new(IMAGES_FOLDER).join(image);

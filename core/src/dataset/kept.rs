@@ -15,29 +15,21 @@ use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::Path;
 
-/// Key of the detector's parameters in the settings.
 pub(super) const DETECTOR_KEY: &str = "detector";
 
 pub(super) type BurstRecord = Record<KeptBurst>;
 
-/// Facts about a finished burst, kept in its record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct KeptBurst {
-    /// Stamps of its files.
     pub files: Vec<FileStamp>,
     /// Size of its frames (columns, rows).
     pub size: (usize, usize),
-    /// Number of features.
     pub features: usize,
     /// Checksum of the file of features.
     pub content: Checksum,
-    /// Their scales and motions.
     pub blobs: StoredBlobs,
-    /// Kind of the picture that was written.
     pub picture: ImageKind,
-    /// Checksum of the picture.
     pub picture_content: Checksum,
-    /// Time taken to open the burst and find its features, seconds.
     pub seconds: f64,
 }
 
@@ -65,7 +57,6 @@ pub enum NotKept {
     Failed(#[from] Error),
 }
 
-/// Writes the manifest into `folder`, unless it is there already.
 pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<()> {
     if claims(folder, Kind::Dataset).as_ref() == Some(manifest) {
         return Ok(());
@@ -88,6 +79,7 @@ pub(super) fn differences(ours: &MadeFrom, other: &MadeFrom) -> Vec<String> {
     for key in all.into_iter().filter(|key| ours.settings().get(key) != other.settings().get(key)) {
         let table = |made: &MadeFrom| made.settings().get(&key)?.as_str()?.parse::<toml::Table>().ok();
         match (key.as_str(), table(ours), table(other)) {
+            // The user set parameters, not a text: only those that differ are named.
             (DETECTOR_KEY, Some(own), Some(others)) => {
                 let named: BTreeSet<&String> = own.keys().chain(others.keys()).collect();
                 names.extend(named.into_iter().filter(|name| own.get(*name) != others.get(*name)).cloned());
@@ -95,6 +87,7 @@ pub(super) fn differences(ours: &MadeFrom, other: &MadeFrom) -> Vec<String> {
             _ => names.push(key),
         }
     }
+    // As on the command line.
     names.iter().map(|name| name.replace('_', "-")).collect()
 }
 
@@ -104,7 +97,6 @@ mod tests {
     use crate::detector::REVISION;
     use serde_json::{Value, json};
 
-    /// A folder with a manifest, changed by `change`.
     fn begun(change: impl FnOnce(&mut Value)) -> tempfile::TempDir {
         let home = tempfile::tempdir().expect("a folder");
         let manifest = MadeFrom::new(json!({ DETECTOR_KEY: "levels = 4" }));

@@ -41,9 +41,6 @@ impl BurstSide {
     }
 
     /// These features with the pictures of their places, in the frames of `burst` in which `params` search.
-    ///
-    /// # Errors
-    /// Parameters that make no sense for the burst, and cancellation once `monitor` was cancelled.
     pub fn with_pictures(self, burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Self> {
         let (burst, params) = prepare(burst, params, monitor)?;
         let pictures = Some(Pictures::of(&burst, &params, &self.places, &self.blobs));
@@ -66,11 +63,11 @@ impl From<BurstFeatures> for BurstSide {
 /// A burst with the result of a search.
 #[derive(Debug, Clone, Copy)]
 pub struct DetectedBurst<'a> {
-    /// The burst.
+    /// Burst that was searched.
     pub burst: &'a Burst,
     /// Parameters with which it was searched.
     pub params: &'a DetectorParams,
-    /// Its features.
+    /// Features and descriptors that were found.
     pub detection: &'a Detection,
 }
 
@@ -82,11 +79,7 @@ impl From<&Detection> for BurstSide {
     }
 }
 
-/// Matches the features of two bursts, verifies the matches, and aligns them where `params` ask for it: their frames
-/// are needed for that alone.
-///
-/// # Errors
-/// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+/// Matches the features of two bursts, verifies the matches, and aligns them, by the frames, where `params` ask for it.
 pub fn match_bursts(bursts: [DetectedBurst<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
     let [mut a, mut b] = bursts.map(|of| BurstSide::from(of.detection));
     if params.aligns() {
@@ -107,6 +100,7 @@ pub fn match_rows(a: &[Feature], b: &[Feature], result: &MatchResult) -> Vec<Mat
             [of_a[m.a], of_b[m.b]].map(|place| place.map(|x| x as f32))
         });
         let [of_a, of_b] = places.map(|place| place.map(f64::from));
+        // Without a model no match has an error, and the column stays empty.
         let as_found = model.map(|model| model.error_px(of_a, of_b) as f32);
         let error_px = verified.filter(|_| model.is_some()).map(|verified| verified.error_px[index]);
         MatchRow {
@@ -137,9 +131,6 @@ pub struct MatchedPair<'a> {
 
 impl MatchedPair<'_> {
     /// The result after an alignment of this pair alone, as [`match_bursts`] gives it.
-    ///
-    /// # Errors
-    /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
     pub fn aligned(&self, params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
         self.found.clone().aligned(self.sides.map(BurstSide::side), params, monitor)
     }
@@ -148,22 +139,16 @@ impl MatchedPair<'_> {
 /// Source of the bursts of a dataset for [`match_pairs`], by their indices.
 pub trait PairSource<E> {
     /// Features of a burst; `None` where there are none.
-    ///
-    /// # Errors
-    /// Of the source.
     fn features(&mut self, index: usize) -> Result<Option<BurstSide>, E>;
 
     /// A burst with the parameters of its search; needed only where matches are aligned.
-    ///
-    /// # Errors
-    /// Of the source.
     fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams), E>;
 }
 
 /// Bursts whose features are in the files of a store; those that are not finished are left out.
 #[derive(Debug, Clone, Copy)]
 pub struct KeptBursts<'a> {
-    /// The store.
+    /// Store that the features are read from.
     pub store: &'a FeatureStore,
     /// The bursts, by their indices.
     pub bursts: &'a [BurstFiles],
@@ -196,6 +181,7 @@ pub fn match_pairs<E: From<Error>>(
 ) -> Result<usize, E> {
     params.validate()?;
     let mut ordered = pairs.to_vec();
+    // A block of first bursts stays while second bursts pass, so each is loaded about once a block.
     ordered.sort_by_key(|&(a, b)| (a / FIRST_AT_ONCE, b, a));
     let mut loaded: BTreeMap<usize, BurstSide> = BTreeMap::new();
     let mut missing = BTreeSet::new();
@@ -203,6 +189,7 @@ pub fn match_pairs<E: From<Error>>(
     while done < ordered.len() {
         monitor.report(Stage::Match, done as f32 / ordered.len() as f32);
         let (count, needed) = next_together(&ordered[done..]);
+        // Only features that the next pairs need stay in memory.
         loaded.retain(|index, _| needed.contains(index));
         for &index in &needed {
             monitor.check().map_err(Error::from)?;
@@ -234,7 +221,6 @@ pub fn match_pairs<E: From<Error>>(
     Ok(left_out)
 }
 
-/// Number of the first of `pairs` that are matched together, at least 1, and the bursts that they need.
 fn next_together(pairs: &[(usize, usize)]) -> (usize, BTreeSet<usize>) {
     let mut needed = BTreeSet::new();
     for (count, &(a, b)) in pairs.iter().take(PAIRS_AT_ONCE).enumerate() {

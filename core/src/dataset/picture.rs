@@ -1,5 +1,4 @@
-//! Pictures of bursts, 8 bit, stretched so that dark content is visible: one for programs that take one image, and
-//! thumbnails for a list of many bursts.
+//! Pictures of bursts, 8 bit, stretched so that dark content is visible: for other programs, and as thumbnails.
 
 use crate::burst::{Burst, BurstFiles, OpenOptions, ViewsChoice};
 use crate::detect::prepare;
@@ -49,7 +48,6 @@ impl BurstPicture {
         Self { size: plane.size(), rgb }
     }
 
-    /// Picture of the mask of `plane`, white where it is seen.
     pub(super) fn of_mask(plane: &Plane) -> Self {
         let (width, height) = plane.size();
         let at = |index: usize| if plane.weight_at(index % width, index / width) < 0.5 { 0 } else { 255 };
@@ -72,8 +70,7 @@ pub fn burst_plane(burst: &Burst, kind: ImageKind, params: &DetectorParams, moni
     Ok(burst.frames[params.used_frames(burst.len()).start].clone())
 }
 
-/// The middle frame of `source`, opened with `options` and reduced by a whole factor so that no side is longer than
-/// `max_side_px` (1 or more). Where each frame is a file, no other is read.
+/// The middle frame of `source`, reduced by a whole factor to sides of at most `max_side_px`; no other one is read.
 pub fn thumbnail(
     source: &BurstFiles,
     max_side_px: usize,

@@ -29,8 +29,7 @@ impl DatasetSource {
     /// Lists the bursts as `options` open them, in order, each with a unique name. No pixel is read.
     ///
     /// # Errors
-    /// A path that is missing or holds no pictures, a cut that makes no sense, a sequence that is
-    /// too short for it.
+    /// A path that is missing or without pictures, a cut that makes no sense, a sequence too short for it.
     pub fn bursts(&self, options: &OpenOptions) -> Result<Vec<BurstFiles>> {
         self.entries(options).map(|found| found.bursts)
     }
@@ -42,6 +41,7 @@ impl DatasetSource {
             return Ok(Entries { bursts: with_unique_names(sequences), strays });
         };
         let cut = SequenceCut::new(length, self.burst_step)?;
+        // Names of frames may repeat from sequence to sequence.
         let several = sequences.len() > 1;
         let mut bursts = Vec::new();
         for sequence in &sequences {

@@ -24,7 +24,6 @@ pub enum Comparison {
     Glance,
 }
 
-/// Stamp of a file at the time when it was read.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct FileStamp {
     /// Path as text, see [`path_text`]: a name need not be text.
@@ -41,13 +40,11 @@ pub(super) struct FileStamp {
 }
 
 impl FileStamp {
-    /// Stamps of `files` as they are now, without checksums.
     fn of(files: &[PathBuf]) -> Result<Vec<Self>> {
         files.iter().map(|path| Self::of_one(path).map_err(|e| Error::unread(path, &e))).collect()
     }
 
-    /// Stamps of `files` as they are now, with checksums. Each file's times are taken before it is read, so that a file
-    /// that changes meanwhile differs from its stamp.
+    /// Stamps of `files` with checksums. Times are taken before a file is read: one that changes meanwhile differs.
     pub fn with_checksums(files: &[PathBuf], monitor: &Monitor) -> Result<Vec<Self>> {
         let mut stamps = Self::of(files)?;
         for (stamp, path) in stamps.iter_mut().zip(files) {
@@ -65,9 +62,9 @@ impl FileStamp {
         Ok(Self { path, bytes, modified_ns, changed_ns, crc32: None })
     }
 
-    /// Whether `files` are those of the stamps `kept`, with unchanged content.
     pub fn all_agree(kept: &[Self], files: &[PathBuf], comparison: Comparison, monitor: &Monitor) -> Result<bool> {
         let now = Self::of(files)?;
+        // Paths and lengths cost nothing, and mostly decide.
         let same_files = kept.len() == now.len()
             && kept.iter().zip(&now).all(|(kept, now)| kept.path == now.path && kept.bytes == now.bytes);
         if !same_files {
@@ -93,7 +90,6 @@ impl FileStamp {
         Ok(kept.iter().zip(now).map(|(kept, now)| Self { crc32: kept.crc32, ..now }).collect())
     }
 
-    /// The values that do not depend on the times: path, length and checksum.
     pub fn content(&self) -> serde_json::Value {
         serde_json::json!({ "path": self.path, "bytes": self.bytes, "crc32": self.crc32 })
     }

@@ -59,11 +59,14 @@ pub(super) fn replace(path: &Path, fill: impl FnOnce(&Path) -> io::Result<File>)
     if let Some(parent) = path.parent().filter(|parent| !parent.as_os_str().is_empty()) {
         std::fs::create_dir_all(parent).map_err(fail)?;
     }
+    // Beside the target, because only within a file system a file is moved at once.
     let unfinished = Unfinished::beside(path).map_err(fail)?;
     let file = fill(&unfinished.new_path()).map_err(fail)?;
+    // A private file stays private.
     if let Some(existing) = existing.filter(std::fs::Metadata::is_file) {
         file.set_permissions(existing.permissions()).map_err(fail)?;
     }
+    // On disk before the rename: a crash leaves the old file or the whole new one.
     file.sync_all().map_err(fail)?;
     drop(file);
     std::fs::rename(unfinished.new_path(), path).map_err(fail)

@@ -1,9 +1,9 @@
 //! A case: a burst, or the part of it around a place, with the settings and the question about it, in one file.
 //!
 //! The file is a ZIP without compression of its own: `case.toml`, a 16-bit grey PNG for each frame (`frames/00000.png`
-//! and on), and where there are some the frames' masks, the window's `session.toml` and the frames' `truth.json`. Values
-//! are `offset + word·scale`; those of 8 and 16-bit files come back exactly, calibrated ones within rounding. Reading is
-//! bounded: declared sizes are checked before frames are decoded, and no entry is read further than these can need.
+//! and on), and where there are some the frames' masks, the window's `session.toml` and the frames' `truth.json`.
+//! Values are `offset + word·scale`; those of 8 and 16-bit files come back exactly, calibrated ones within rounding.
+//! Reading is bounded: declared sizes are checked before frames are decoded, and no entry is read beyond these.
 
 use super::atomic::write_marked;
 use crate::burst::{Burst, Encoding, Limits, Positions};
@@ -30,7 +30,7 @@ const SESSION: &str = "session.toml";
 const TRUTH: &str = "truth.json";
 const VERSION: u32 = 1;
 
-/// What a case holds beside its frames and settings.
+/// Contents of a case beside its frames and settings.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Enclosed {
     /// Text of the window's session, which is of the case's frames.
@@ -80,11 +80,10 @@ pub struct Case {
     pub encoding: Encoding,
     /// Sensor pixels along a side of a pixel.
     pub binning: usize,
-    /// The search.
+    /// Parameters of the search, and the choice of slopes.
     pub search: SearchParams,
 }
 
-/// Ranges of the numbers of a case.
 mod bounds {
     use crate::detector::params::Bounds;
     use std::ops::Bound::{Excluded, Included};
@@ -121,6 +120,7 @@ impl Case {
             (Some([u, v]), Some(half)) => (span(u, half, width), span(v, half, height)),
             _ => (0..width, 0..height),
         };
+        // Frames are shared: only a crop copies pixels.
         let mut part = burst.clone();
         if columns.len() < width || rows.len() < height {
             let crop = |frame: &Arc<Plane>| {
@@ -133,6 +133,7 @@ impl Case {
             };
             part.frames = burst.frames.iter().map(crop).collect();
         }
+        // For the part alone, which may need fewer words than the whole burst.
         let (offset, scale) = words_of(&part, monitor)?;
         let case = Self {
             version: VERSION,
@@ -156,8 +157,7 @@ impl Case {
         Ok((case, part))
     }
 
-    /// Bytes of the file, about, before it is written: a 16-bit word for each pixel, which PNG seldom halves, and 8 KB
-    /// for what stands beside them.
+    /// Bytes of the file, about: a 16-bit word for each pixel, which PNG seldom halves, and 8 KB for all else.
     pub fn estimated_bytes(&self) -> u64 {
         let pixels = self.size[0] as u64 * self.size[1] as u64 * self.frames as u64;
         2 * pixels + 8192
@@ -194,8 +194,7 @@ impl Case {
     }
 }
 
-/// Offset and scale of the words that hold the values of a burst: those of 8 and 16-bit files and of the burst's full
-/// scale where they hold every value exactly, otherwise the lattice of the files' steps, otherwise equal steps.
+/// Offset and scale of words: those of 8 and 16-bit files or of the full scale if exact, else the files' steps.
 fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
     // Values below masks are filled, and need not be exact.
     let seen = |frame: &Arc<Plane>| frame.mask().map(|_| Cow::Owned(frame.seen_values()));
@@ -211,6 +210,7 @@ fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
         }
         Ok(true)
     };
+    // The step of 16-bit files holds 8-bit values too: 65535 is 255 · 257.
     for scale in [1.0 / 65535.0, 1.0 / f64::from(burst.full_scale)] {
         let holds = |x: f32| {
             let word = (f64::from(x) / scale).round();
@@ -227,6 +227,7 @@ fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
         (min, max) = finite.fold((min, max), |(a, b), x| (a.min(x), b.max(x)));
     }
     let (min, max) = if min <= max { (f64::from(min), f64::from(max)) } else { (0.0, 1.0) };
+    // Calibration shifts and stretches the files' steps, but keeps them even: a lattice.
     let step = f64::from(burst.quantisation_step);
     let on_lattice = |x: f32| {
         let steps = (f64::from(x) - min) / step;
@@ -235,6 +236,7 @@ fn words_of(burst: &Burst, monitor: &Monitor) -> Result<(f64, f64), Cancelled> {
     if step > 0.0 && (max - min) / step <= 65535.5 && all(&on_lattice)? {
         return Ok((min, step));
     }
+    // No common step: the whole range is divided, and values are within half a word.
     Ok((min, ((max - min) / 65535.0).max(f64::MIN_POSITIVE)))
 }
 
@@ -246,6 +248,7 @@ impl Truth {
         let features =
             self.features.iter().map(|one| FeatureTruth { u: one.u - corner_u, v: one.v - corner_v, ..*one });
         let is_inside = |x: f64, n: usize| x >= -0.5 && x < n as f64 - 0.5;
+        // Half a pixel beyond the outer centres the picture ends.
         let features = features.filter(|one| is_inside(one.u, width) && is_inside(one.v, height)).collect();
         Self { width, height, features, ..self.clone() }
     }
@@ -263,6 +266,7 @@ pub fn write_case(path: &Path, (case, burst): (&Case, &Burst), enclosed: &Enclos
         Ok((frame_name(t), encoded(frame, case, monitor)?))
     });
     let weights = case.of_weights();
+    // Masks may be soft: their weights are stored as words over the whole range, whatever scale the values have.
     let masks = burst.frames.iter().enumerate().filter_map(|(t, frame)| Some((t, frame.mask()?)));
     let masks = masks.map(|(t, mask)| Ok((mask_name(t), encoded(mask.weights(), &weights, monitor)?)));
     write_marked(path, Kind::Case, |out| out.write_all(&zipped(texts.chain(frames).chain(masks))?))
@@ -284,7 +288,6 @@ fn frame_name(t: usize) -> String {
     format!("frames/{t:05}.png")
 }
 
-/// Entry with the weights of a frame's samples, where some are masked.
 fn mask_name(t: usize) -> String {
     format!("masks/{t:05}.png")
 }
@@ -323,15 +326,18 @@ pub fn read_case(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<(Cas
     let mut zip = opened(path)?;
     let case = about(path, &mut zip)?;
     let [width, height] = case.size;
+    // Checked by the declared numbers: no frame is decoded of a case that no memory holds.
     limits
         .check_frame(path, width as u64, height as u64)
         .and_then(|()| limits.check_burst(path, case.frames as u64, width as u64, height as u64))
         .map_err(|error| invalid(path, error.to_string()))?;
+    // The number of frames is within the limits: room may be made.
     let mut frames = Vec::with_capacity(case.frames);
     for t in 0..case.frames {
         monitor.check()?;
         monitor.report(Stage::Open, t as f32 / case.frames as f32);
         let (plane, mask) = (frame(path, &mut zip, &case, &frame_name(t))?, mask_name(t));
+        // A case of a burst without masks has no such entries.
         let has_mask = zip.index_for_name(&mask).is_some();
         let weights = has_mask.then(|| frame(path, &mut zip, &case.of_weights(), &mask)).transpose()?;
         frames.push(Arc::new(plane.masked(weights.and_then(Mask::new))));
@@ -423,6 +429,7 @@ fn frame(path: &Path, zip: &mut Zip, case: &Case, name: &str) -> Result<Plane> {
     // A PNG of random words is hardly larger than these.
     let bytes = entry(path, zip, name, words + words / 64 + (1 << 16))?;
     let wrong = |problem: String| invalid(path, format!("{name}: {problem}"));
+    // A small picture may declare rows of gigabytes.
     let limits = png::Limits { bytes: words as usize + (1 << 20) };
     let mut reader = png::Decoder::new_with_limits(Cursor::new(bytes), limits)
         .read_info()

@@ -36,10 +36,8 @@ pub fn write_csv(path: &Path, features: &[Feature]) -> Result<()> {
     })
 }
 
-/// Reads a table that [`write_csv`] wrote, also one of an earlier version, which says nothing about the field of
-/// motion, or of ghosts and edges.
-/// Strict: the header must be exact and every line complete. The table does not say at which of the searched slopes a
-/// feature was found: `slope_index` is 0.
+/// Reads a table that [`write_csv`] wrote, also one of an earlier version, without field of motion, ghosts or edges.
+/// The header must be exact and every line complete. `slope_index` is 0, since the table does not have it.
 ///
 /// # Errors
 /// The file cannot be read, or a line has a wrong form; it is named with its number.
@@ -66,11 +64,13 @@ fn row(line: &str, columns: usize) -> Result<Feature, String> {
     if cells.len() != columns {
         return Err(format!("there must be {columns} cells, not {}", cells.len()));
     }
+    // Columns that a shorter table lacks mean that no field of motion was found.
     let mut feature = Feature { field_sigma: f32::INFINITY, ..Feature::default() };
     for (quantity, cell) in Quantity::STORED.into_iter().zip(cells) {
         let wrong = |right| format!("{} must be {right}, not '{cell}'", quantity.record().key);
         quantity.read(&mut feature, cell).map_err(wrong)?;
     }
+    // A table without that column: the word follows from the numbers.
     if columns < Quantity::STORED.len() {
         feature.moves = Moves::by_numbers(&feature);
     }
@@ -104,11 +104,12 @@ pub(super) fn is_table(path: &Path) -> bool {
 pub(super) fn first_line(path: &Path) -> Option<String> {
     let mut line = String::new();
     let file = files::open(path).ok()?;
+    // A file without line ends may be of any length.
     BufReader::new(file.take(1024)).read_line(&mut line).ok()?;
     line.strip_suffix('\n').map(str::to_owned)
 }
 
-/// Row of the table of matches: all that is said of one, by every command and library.
+/// Row of the table of matches: everything that commands and libraries report about a match.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchRow {
     /// Indices of the features in images A and B.
@@ -121,20 +122,18 @@ pub struct MatchRow {
     pub distance: f32,
     /// Ratio of the distances to the nearest and the second nearest of those compared; `None` without a second.
     pub ratio: Option<f32>,
-    /// Of a predicted match the number of places that were compared, and its ratio among all of B; `None` for a sure one.
+    /// Of a predicted match the number of places compared, and its ratio among all of B; `None` for a sure one.
     pub predicted: Option<(usize, Option<f32>)>,
-    /// Error from the geometry at the aligned places and at those found, pixels; `None` without a geometry, and where it
-    /// is not defined.
+    /// Error from the geometry at the aligned places and at those found, pixels; `None` where it is not defined.
     pub error_px: [Option<f32>; 2],
     /// Whether it is an inlier; `None` where no geometry was requested.
     pub inlier: Option<bool>,
-    /// From the place in B to where A's place is seen there (u, v), pixels, and the correlation of the pictures of
-    /// both; `None` where they were not compared or do not tell.
+    /// Vector from the place in B to A's place seen there (u, v), pixels, and the correlation; `None` if not measured.
     pub measured: Option<([f64; 2], f64)>,
 }
 
 impl MatchRow {
-    /// How it was found, as a word.
+    /// Word for how the match was found: `sure` or `predicted`.
     pub fn how(&self) -> &'static str {
         if self.predicted.is_some() { "predicted" } else { "sure" }
     }

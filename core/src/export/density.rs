@@ -36,8 +36,7 @@ impl Cells {
         Self { per_pixel: side.recip(), first, size, held: vec![0; size[0] * size[1]] }
     }
 
-    /// Adds a mark to the cell of `place`; returns the number of marks that were there before. `None` for a place that
-    /// is no number.
+    /// Adds a mark to the cell of `place`; returns the number of marks there before. `None` for a place that is NaN.
     pub fn add(&mut self, place: [f32; 2]) -> Option<u16> {
         if place.iter().any(|x| x.is_nan()) {
             return None;

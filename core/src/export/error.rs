@@ -19,7 +19,6 @@ impl Error {
         Self::new(ErrorKind::Refused, problem, "choose another name, or remove it").about(path)
     }
 
-    /// Error for a picture without pixels, or of a size that the format cannot hold.
     pub(super) fn unfit(path: &Path, (width, height): (usize, usize), format: &str) -> Self {
         let problem = format!("a picture of {width}×{height} pixels cannot be written as {format}");
         Self::new(ErrorKind::Refused, problem, "").about(path)

@@ -35,6 +35,7 @@ pub fn encode_film(
         return Err(io::Error::other("a GIF has at most 65535 columns and rows"));
     };
     let mut encoder = gif::Encoder::new(out, width, height, &[]).map_err(io::Error::other)?;
+    // Viewers show a film without this once, and then its last picture.
     encoder.set_repeat(gif::Repeat::Infinite).map_err(io::Error::other)?;
     for (index, picture) in std::iter::once(Ok(first)).chain(pictures).enumerate() {
         let picture = picture?;
@@ -44,7 +45,7 @@ pub fn encode_film(
         monitor.check().map_err(io::Error::other)?;
         monitor.report(Stage::Write, index as f32 / count.max(1) as f32);
         let mut frame = gif::Frame::from_rgba_speed(width, height, &mut picture.into_raw(), GIF_SPEED);
-        // Hundredths of a second.
+        // Hundredths of a second, the unit of the format.
         frame.delay = 100 / per_second.max(1);
         encoder.write_frame(&frame).map_err(io::Error::other)?;
     }

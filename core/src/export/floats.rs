@@ -1,5 +1,5 @@
-//! Planes as TIFF files of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy. Fields of motion also
-//! as colour PFM (portable float map), which programs for optical flow and stereo read.
+//! Planes as TIFF files of one page of 32-bit floats: the exact values, for ImageJ, napari or numpy. Fields of motion
+//! also as colour PFM (portable float map), which programs for optical flow and stereo read.
 
 use super::atomic::write_whole;
 use crate::detector::MotionField;
@@ -28,12 +28,12 @@ pub fn write_field_tiff(path: &Path, field: &MotionField, size: (usize, usize)) 
     write_samples::<RGB32Float>(path, size, &field_samples(field, size))
 }
 
-/// Number of samples of a pixel of [`field_samples`].
 pub(super) const FIELD_SAMPLES: usize = 3;
 
 /// Motion to the right and down, and its uncertainty, for each pixel of an image of `size`, row by row.
 pub(super) fn field_samples(field: &MotionField, size: (usize, usize)) -> Vec<f32> {
     let at = |place: usize| -> [f32; FIELD_SAMPLES] {
+        // Sampled at pixels, not cells: readers expect a picture of the image's size.
         let motion = field.at((place % size.0) as f32, (place / size.0) as f32);
         [motion.slope.u, motion.slope.v, motion.ellipse().0[0]]
     };
@@ -46,6 +46,7 @@ fn write_samples<C: ColorType<Inner = f32>>(
     samples: &[f32],
 ) -> Result<()> {
     let unfit = || Error::unfit(path, (width, height), "TIFF");
+    // TIFF counts sides in 32 bits, and has no empty pages.
     let columns = u32::try_from(width).ok().filter(|w| *w > 0).ok_or_else(unfit)?;
     let rows = u32::try_from(height).ok().filter(|h| *h > 0).ok_or_else(unfit)?;
     write_whole(path, |out| {
@@ -55,6 +56,7 @@ fn write_samples<C: ColorType<Inner = f32>>(
         } else {
             TiffEncoder::new(out).and_then(|encoder| write_page::<C, _>(encoder, size, samples))
         };
+        // The system's own errors stay recognisable: a full disk is reported as such.
         written.map_err(|e| match e {
             tiff::TiffError::IoError(e) => e,
             other => io::Error::other(other),
@@ -74,10 +76,8 @@ fn write_page<C: ColorType<Inner = f32>, K: TiffKind>(
     page.write_data(samples)
 }
 
-/// Writes a field of motion on the pixels of an image of `size` (columns, rows), with the samples of
-/// [`write_field_tiff`](super::write_field_tiff): little-endian, the last row first. The format has no place for a
-/// mark, so the file counts as another program's and is replaced only with
-/// [`Overwrite::Force`](super::Overwrite::Force).
+/// As [`write_field_tiff`](super::write_field_tiff), little-endian, the last row first. The format has no place for a
+/// mark, so the file is replaced only with [`Overwrite::Force`](super::Overwrite::Force).
 pub fn write_field_pfm(path: &Path, field: &MotionField, size: (usize, usize)) -> Result<()> {
     write_whole(path, |out| {
         write!(out, "PF\n{} {}\n-1.0\n", size.0, size.1)?;

@@ -25,7 +25,6 @@ impl ExportFormat {
     /// All formats.
     pub const ALL: [Self; 3] = [Self::Csv, Self::Colmap, Self::Npz];
 
-    /// Its name, the extension of its files, and its description.
     fn words(self) -> [&'static str; 3] {
         match self {
             Self::Csv => ["csv", "csv", "Table of features (CSV)"],
@@ -72,9 +71,8 @@ impl FromStr for ExportFormat {
     }
 }
 
-/// Writes the detection of the burst `burst_name` into the folder `folder` (created if missing) in each of `formats`:
-/// `NAME.csv`, `NAME.txt` for COLMAP, `NAME.npz`. NAME is the burst's name made safe by [`safe_file_name`]. Returns the
-/// files' paths, one for each format, in the order of `formats`.
+/// Writes the detection into `folder` (created if missing) in each of `formats`: `NAME.csv`, `NAME.txt` for COLMAP,
+/// `NAME.npz`, with `burst_name` made safe by [`safe_file_name`]. Returns the paths in the order of `formats`.
 ///
 /// # Errors
 /// The one of the first file that cannot be written; earlier files are complete.
@@ -85,6 +83,7 @@ pub fn write_detection(
     formats: &[ExportFormat],
 ) -> Result<Vec<PathBuf>> {
     let files = detection_files(folder, burst_name, formats);
+    // Stops at the first error: a full disk fails for every format.
     let written = files.into_iter().zip(formats).map(|(path, format)| {
         format.write(&path, detection)?;
         Ok(path)
@@ -98,8 +97,7 @@ pub fn detection_files(folder: &Path, burst_name: &str, formats: &[ExportFormat]
     formats.iter().map(|format| folder.join(format!("{name}.{}", format.extension()))).collect()
 }
 
-/// Maximum length of a name from [`safe_file_name`], bytes: a file's name may have 255, and extensions such as
-/// `.matches.csv` and `-burstscope-100-100` are added.
+/// Longest name, bytes: a file's may have 255, with extensions such as `.matches.csv` and `-burstscope-100-100`.
 const LONGEST_NAME: usize = 200;
 
 /// The name with all characters replaced by `_` that some system does not allow in a file's name. Never empty, never a
@@ -112,6 +110,7 @@ pub fn safe_file_name(name: &str) -> String {
     if name.len() <= LONGEST_NAME {
         return if name.is_empty() { "burst".into() } else { name.into() };
     }
+    // Two long names that differ only at their ends stay different.
     let checksum = format!("~{:08x}", crc32fast::hash(name.as_bytes()));
     format!("{}{checksum}", &name[..name.floor_char_boundary(LONGEST_NAME - checksum.len())])
 }

@@ -40,7 +40,7 @@ impl MadeFrom {
         self.version == env!("CARGO_PKG_VERSION") && self.detector_revision == REVISION
     }
 
-    /// The settings.
+    /// Settings that made the result, as JSON.
     pub fn settings(&self) -> &Value {
         &self.settings
     }
@@ -112,6 +112,7 @@ impl Records {
 
     fn check(&self, name: &str) -> Result<()> {
         let path = self.path(name);
+        // A file that is no record is somebody's own; an empty one counts as missing.
         let is_other = std::fs::metadata(&path).is_ok_and(|file| file.is_file() && file.len() > 0)
             && self.read::<serde_json::Map<String, Value>>(name).is_none();
         if is_other { Err(Error::in_the_way(&path)) } else { Ok(()) }

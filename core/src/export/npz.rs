@@ -1,7 +1,6 @@
-//! Features with their descriptors, and fields of motion, as numpy's `.npz`. Features:
-//! `features` `[N, 17]` float32 in the CSV's columns,
-//! `descriptors` `[N, 128]` uint8 in UBC order. Where the CSV's cells are empty, `field_u` and `field_v` are NaN,
-//! `field_sigma` is infinite, and `layer` is 0. `motion` is 0 unknown, 1 surroundings, 2 own, 3 edge, 4 ghost.
+//! Features with their descriptors, and fields of motion, as numpy's `.npz`. Features: `features` `[N, 17]` float32 in
+//! the CSV's columns, `descriptors` `[N, 128]` uint8 in UBC order. For empty cells of the CSV, `field_u` and `field_v`
+//! are NaN, `field_sigma` infinite, `layer` 0. `motion` is 0 unknown, 1 surroundings, 2 own, 3 edge, 4 ghost.
 
 use super::atomic::write_marked;
 use crate::detector::{Descriptor, Feature, Motion, MotionField, Quantity};
@@ -14,8 +13,7 @@ use std::path::Path;
 
 /// Writes a field of motion, a value for each cell of `cell_px`² pixels: `motion` `[rows, columns, 2]` float32 to the
 /// right and down and `covariance` `[rows, columns, 3]` (of u, of u with v, of v), pixels per frame; `known` and
-/// `layer`
-/// `[rows, columns]` uint8; `layers` `[n, 4]` float32, the motions of the layers, their spreads and shares.
+/// `layer` `[rows, columns]` uint8; `layers` `[n, 4]` float32, the motions of the layers, their spreads and shares.
 pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<()> {
     let (columns, rows) = field.size;
     let floats = |last: usize, of: &dyn Fn(&Motion) -> Vec<f32>| {
@@ -25,6 +23,7 @@ pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<()> {
     let bytes = |values: Vec<u8>| Array2::from_shape_vec((rows, columns), values).expect("a value for each cell");
     let layers = field.layers.iter().flat_map(|layer| [layer.slope.u, layer.slope.v, layer.spread, layer.share]);
     let layers = Array2::from_shape_vec((field.layers.len(), 4), layers.collect()).expect("four numbers a layer");
+    // The motion of a cell may be uncertain along an edge: readers must be able to leave it out.
     let known = field.motions.iter().map(|motion| u8::from(field.is_known(motion))).collect();
     write_marked(path, Kind::Features, |out| {
         let mut npz = NpzWriter::new(out);

@@ -12,9 +12,8 @@ use std::collections::HashSet;
 use std::fs::Metadata;
 use std::path::{Path, PathBuf};
 
-/// Whether this program wrote the file at `path` as it is now: by its mark (see [`mark`](crate::files::mark)); a table,
-/// which has no place for one, by its header and the form of all its lines, and COLMAP's text by the form of all its
-/// numbers. False for a file that cannot be read.
+/// Whether this program wrote the file at `path` as it is now: by its [`mark`](crate::files::mark); a table by its
+/// header and the form of its lines, COLMAP's text by its numbers. False for a file that cannot be read.
 pub fn is_ours(path: &Path) -> bool {
     has_mark(path, true) || is_table(path) || is_colmap_text(path, true)
 }
@@ -132,6 +131,7 @@ impl OutputRules {
     /// The error is `None` for a file that is not ours.
     fn check_if(&self, path: &Path, is_ours: impl FnOnce() -> bool) -> Result<(), Option<Error>> {
         let Ok(metadata) = std::fs::symlink_metadata(path) else { return Ok(()) };
+        // Devices and opened files come first: they are refused even with [`Overwrite::Force`].
         let refused = match self.overwrite {
             _ if is_of_system(path) => Error::no_file(path),
             _ if self.inputs.hold(path, &metadata) => Error::opened(path),
@@ -154,7 +154,6 @@ impl OutputRules {
 mod tests {
     use super::*;
 
-    /// A folder with a frame, a note, and a table of ours.
     fn home() -> (tempfile::TempDir, impl Fn(&str) -> PathBuf) {
         let home = tempfile::tempdir().expect("a folder");
         let root = home.path().to_path_buf();

@@ -61,6 +61,7 @@ impl Sheet {
         let part = |value: f64, range: (f64, f64)| (value - range.0) / (range.1 - range.0);
         let x_of = |x: f64| area.x + part(x, plot.range_x) * area.width;
         let y_of = |y: f64| area.bottom() - part(y, plot.range_y) * area.height;
+        // The grid first, under everything.
         for tick in super::sheet::ticks(plot.range_y) {
             self.line((area.x, y_of(tick)), (area.right(), y_of(tick)), GRID, "");
         }
@@ -73,6 +74,7 @@ impl Sheet {
         self.clipped(area, |sheet| {
             for series in plot.series {
                 let Series { colour, dashes, width, points, .. } = series;
+                // A missing value is a gap, not a straight line to the next one.
                 let finite = |p: &SeriesPoint| (p.x.is_finite() && p.y.is_finite()).then(|| (x_of(p.x), y_of(p.y)));
                 let style = format!(
                     r#"stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}" stroke-linejoin="round""#
@@ -92,9 +94,11 @@ impl Sheet {
                 }
             }
         });
+        // Drawn after the lines, which touch the axes.
         let (left, bottom) = ((area.x, area.y), (area.x, area.bottom()));
         self.line(left, bottom, INK, "");
         self.line(bottom, (area.right(), area.bottom()), INK, "");
+        // Outside of the clipped part: a dot on an axis is seen whole.
         for (series, (x, y)) in plot.series.iter().filter_map(|series| Some((series, series.dot?))) {
             if x <= plot.range_x.1 && y <= plot.range_y.1 {
                 self.circle((x_of(x), y_of(y)), 3.6, &format!(r#"fill="{}" stroke="white""#, series.colour));

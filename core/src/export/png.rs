@@ -49,7 +49,6 @@ impl<'a> Picture<'a> {
         Err(Error::unfit(path, (self.width, self.height), "PNG"))
     }
 
-    /// Whether no pixel is seen through.
     fn is_opaque(&self) -> bool {
         !self.has_alpha || self.pixels.chunks_exact(4).all(|pixel| pixel[3] == 255)
     }
@@ -72,12 +71,12 @@ impl<'a> Picture<'a> {
         }
     }
 
-    /// Encodes the picture and the program's name; its size has been checked.
     pub(super) fn encode_png(&self, out: impl Write) -> io::Result<()> {
         let failed = |error: EncodingError| match error {
             EncodingError::IoError(error) => error,
             other => io::Error::other(other),
         };
+        // Most pictures of bursts are grey, and a third as large so.
         let (kind, pixels) = self.reduced();
         let mut encoder = png::Encoder::new(out, self.width as u32, self.height as u32);
         encoder.set_color(kind);

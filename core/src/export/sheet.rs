@@ -81,6 +81,7 @@ impl Sheet {
         let body = String::from_utf8(self.body.into_inner()).expect("all that is written is text");
         let font: [Attribute<'_>; 3] =
             [("font-family", &"Helvetica, Arial, 'DejaVu Sans', sans-serif"), ("font-size", &12), ("fill", &INK)];
+        // The height is known last, so the document begins after its body is drawn.
         let whole = || {
             let mut svg = SvgWriter::document(Vec::new(), (self.width, height.round(), ""), &self.title, &font)?;
             svg.empty("rect", &[("width", &"100%"), ("height", &"100%"), ("fill", &"#ffffff")], "")?;
@@ -109,6 +110,7 @@ impl Sheet {
 
     /// Draws text in lines of at most `width` pixels; returns the position of the next line.
     pub fn paragraph(&mut self, (x, y): (f64, f64), size: f64, width: f64, text: &str) -> f64 {
+        // Fonts differ from system to system, so that widths can only be estimated.
         let letters = (width / (LETTER * size)).max(8.0) as usize;
         let (mut line, mut y) = (String::new(), y);
         for word in text.split_whitespace() {
@@ -203,6 +205,7 @@ pub fn ticks((min, max): (f64, f64)) -> Vec<f64> {
     }
     let magnitude = 10f64.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|s| s * magnitude).into_iter().find(|s| *s >= rough).unwrap_or(rough);
+    // Multiples of a whole number, not sums: 0.1 added ten times is not 1. At most 12, whatever the rounding.
     let first = (min / step).ceil() as i64;
     (first..).map(|i| i as f64 * step).take_while(|tick| *tick <= max + 1e-9 * step).take(12).collect()
 }

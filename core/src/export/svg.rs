@@ -1,5 +1,4 @@
-//! Writer of SVG 1.1: elements with attributes, escaped text, short numbers. Everything that is drawn as SVG is written
-//! by it, one element a line.
+//! Writer of SVG 1.1, for everything that is drawn as SVG: elements, one a line, escaped text, short numbers.
 
 use super::png::Picture;
 use base64::display::Base64Display;
@@ -13,7 +12,6 @@ pub(super) type Attribute<'a> = (&'a str, &'a dyn Display);
 #[derive(Debug)]
 pub(super) struct SvgWriter<W> {
     out: W,
-    /// Number of clipping rectangles.
     clips: usize,
 }
 
@@ -36,7 +34,6 @@ impl<W: Write> SvgWriter<W> {
         Ok(svg)
     }
 
-    /// Ends the document and returns what it was written to.
     pub fn finish(mut self) -> io::Result<W> {
         self.end("svg")?;
         Ok(self.out)
@@ -101,7 +98,6 @@ impl<W: Write> SvgWriter<W> {
     }
 }
 
-/// The attributes of a rectangle: its left and upper side, width and height.
 pub(super) fn rectangle([x, y, width, height]: &[Number; 4]) -> [Attribute<'_>; 4] {
     [("x", x), ("y", y), ("width", width), ("height", height)]
 }

@@ -201,8 +201,7 @@ impl Place {
     }
 }
 
-/// Puts the mark of this kind into a complete PNG, GIF, ZIP, XML or PDF file, or as a comment line at the end of any
-/// other. A file that does not end as its format does is an error.
+/// Puts the mark into a complete PNG, GIF, ZIP, XML or PDF file, or as a last comment line; an error for a cut file.
 pub fn seal(file: &mut File, kind: Kind) -> io::Result<()> {
     let place = Place::of(&part_of(file, 0, HEAD)?);
     let length = file.seek(SeekFrom::End(0))?;
@@ -241,6 +240,7 @@ fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
     let mut file = super::open(path)?;
     let head = part_of(&mut file, 0, HEAD)?;
     let starts = |start: &[u8]| head.starts_with(start);
+    // The application id lies at byte 68 of SQLite's header.
     if starts(b"SQLite format 3\0") {
         return Ok(head.get(68..72) == Some(&DATABASE_ID.to_be_bytes()[..]));
     }
@@ -252,13 +252,13 @@ fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
     match found {
         Some((mark, parts)) => Ok(!is_whole || Checksum::of_parts(&mut file, &parts)? == mark.content),
         None => {
+            // The second chunk's name: behind the signature, the first chunk of 25 bytes, and a length of 4.
             let is_our_png = |rest: &[u8]| starts(b"\x89PNG") && rest.starts_with(b"tEXtSoftware\0Burstscope ");
             Ok(!is_whole && head.get(37..).is_some_and(is_our_png))
         }
     }
 }
 
-/// Mark, and the parts of the file that it claims.
 type MarkWithParts = (Mark, Vec<(u64, u64)>);
 
 fn mark_at_end(file: &mut File, place: Place) -> io::Result<Option<MarkWithParts>> {

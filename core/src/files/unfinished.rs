@@ -1,8 +1,7 @@
 //! Unfinished work: hidden folders in which files and folders are completed before they take their places.
 //!
-//! A killed run leaves its hidden folder; the next run that writes there removes it. It is known by the mark in a file
-//! in it; a system lock on that file, which ends with its process, shows that it is still in use. Only what the program
-//! puts there is removed.
+//! A killed run leaves its hidden folder; the next run that writes there removes it. A mark in a file in it identifies
+//! it; a system lock on that file, which ends with its process, shows that it is in use. Nothing else is removed.
 
 use super::lock::{HIDDEN_PREFIX, is_lock};
 use super::mark::{Kind, claiming, claims};
@@ -18,7 +17,6 @@ use tempfile::TempDir;
 const SUFFIX: &str = ".tmp";
 /// Number of folders that are begun, if other runs remove them before they are marked.
 const TRIES: usize = 8;
-/// Name of what is being completed.
 const NEW: &str = "new";
 /// Name of the replaced folder, for the moment of the exchange.
 const OLD: &str = "old";
@@ -38,8 +36,7 @@ struct Making {
 }
 
 impl Unfinished {
-    /// Makes a hidden folder beside `target`, which is what will be made; the first time that this process writes
-    /// there, those that killed runs have left are removed.
+    /// Makes a hidden folder beside `target`; at first in a process, those that killed runs have left are removed.
     pub fn beside(target: &Path) -> io::Result<Self> {
         let parent = target.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
         static SEEN: LazyLock<Mutex<HashSet<PathBuf>>> = LazyLock::new(Mutex::default);
@@ -74,8 +71,7 @@ impl Unfinished {
     }
 
     /// Puts the complete folder in the place of `target`, and returns true. An existing one is moved away first and
-    /// removed with the hidden folder, if `may_go` then agrees; otherwise it is put back.
-    /// After an error, of the system or of `may_go`, it is in its place.
+    /// removed if `may_go` then agrees; otherwise, and after an error, it is put back.
     pub fn put_folder(&self, target: &Path, may_go: impl FnOnce(&Path) -> io::Result<bool>) -> io::Result<bool> {
         let old = self.folder.path().join(OLD);
         let is_there = target.exists();
@@ -115,8 +111,7 @@ fn is_unfinished(folder: &Path) -> bool {
         && claims::<Making>(folder, Kind::Unfinished).is_some()
 }
 
-/// Removes the unfinished work of killed runs from `parent`, if it exists. If a run was killed while it put a folder in
-/// the place of another, that other one is put back.
+/// Removes the unfinished work of killed runs from `parent`. A folder that one was replacing is put back.
 pub fn remove_abandoned(parent: &Path) {
     for entry in std::fs::read_dir(parent).into_iter().flatten().flatten() {
         let hidden = entry.path();
@@ -148,8 +143,7 @@ pub fn remove_abandoned(parent: &Path) {
     }
 }
 
-/// Removes a hidden folder that a run left which was killed before it had marked it: one with nothing in it, or with an
-/// empty file for the mark.
+/// Removes a hidden folder of a run that was killed before marking it: empty, or with an empty file for the mark.
 fn remove_unmarked(hidden: &Path) {
     let name = hidden.file_name().and_then(OsStr::to_str).unwrap_or_default();
     let is_folder = std::fs::symlink_metadata(hidden).is_ok_and(|found| found.is_dir());

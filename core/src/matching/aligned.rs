@@ -1,9 +1,8 @@
 //! Matches made exact: every inlier is measured by the pictures of its two places, and what contradicts goes.
 //!
-//! [`Pictures`] are the chips of an image's places ([`super::align`]). The inliers of each pair are measured by them
+//! [`Pictures`] are the chips of an image's places ([`super::align`]), by which the inliers of each pair are measured
 //! ([`measure_inliers`]); from all pairs together [`Alignment`] solves for one place of each keypoint, and
-//! [`AlignedImages::confirmed`] estimates each pair's geometry again, at the solved places and with a smaller error. A
-//! pair that keeps few of its matches agreed by chance, and is refused.
+//! [`AlignedImages::confirmed`] estimates each pair's geometry again, at these places and with a smaller error.
 
 use super::align::{Chip, ChipSource, Link, Measured, PairFrame, Places, Solved, View, measure, pair, solve};
 use super::geometry::{PointPair, Verification, verify};
@@ -20,15 +19,13 @@ use std::sync::Arc;
 
 /// Max error before the alignment, as a part of [`MatchParams::max_error_px`]: places are uncertain.
 const WIDE: f32 = 2.0;
-/// Max error after it, as a part of [`MatchParams::max_error_px`]; also the largest contradiction between a match and
-/// the solved places.
+/// Max error after it, as a part of [`MatchParams::max_error_px`]; also the largest contradiction with solved places.
 pub const NARROW: f32 = 0.35;
-/// Fewest matches that a pair keeps.
 const FEWEST_KEPT: usize = 30;
 /// Least share of its inliers that a pair keeps: wrong pairs keep less.
 const LEAST_KEPT: f64 = 0.25;
-/// Largest distance by which a keypoint is moved, pixels. Of the matches of what would be moved farther half are right, and
-/// a fifth beyond 50 px; so many σ tell nothing: of those that move by more than 3 σ as many are right as of others.
+/// Largest distance by which a keypoint is moved, pixels. Of matches that would move one farther half are right, and a
+/// fifth beyond 50 px. A limit in σ would not help: beyond 3 σ as many are right as below.
 pub const MOST_MOVED_PX: f64 = 20.0;
 
 /// Parameters with which predicted matches are verified that are aligned afterwards.
@@ -79,7 +76,6 @@ impl Seen {
     }
 }
 
-/// Places of the features at `places`, of scales as in `blobs`.
 fn places_of(places: &[[f64; 2]], blobs: &[Blob]) -> Places {
     Places::of(places.iter().zip(blobs).map(|(&[u, v], blob)| [u as f32, v as f32, blob.sigma]))
 }
@@ -92,6 +88,7 @@ impl Pictures {
         let largest = blobs.iter().map(|blob| blob.sigma).fold(0.0, f32::max);
         let source = ChipSource::new(&frames, &FrameTimes::all(burst.positions.part(used)), largest);
         let of = places_of(places, blobs);
+        // One chip for all orientations of a place.
         let chip = |&index: &usize| {
             let ([u, v], blob) = (places[index].map(|x| x as f32), &blobs[index]);
             source.chip((u, v), blob.sigma, blob.slope)
@@ -117,9 +114,6 @@ impl Pictures {
 }
 
 /// Measures those of `matches` that are `inlier`; `None` for the others, and for those whose pictures do not tell.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn measure_inliers(
     matches: &[Match],
     inlier: &[bool],
@@ -127,6 +121,7 @@ pub fn measure_inliers(
     monitor: &Monitor,
 ) -> Result<Vec<Option<Measured>>, Cancelled> {
     let views = |(index, m): (usize, &Match)| Some((index, [a.view(m.a)?, b.view(m.b)?]));
+    // Outliers would disturb the common rotation and scale, which come from these views.
     let some = matches.iter().enumerate().filter(|(index, _)| inlier[*index]);
     let (indices, views): (Vec<usize>, Vec<[View<'_>; 2]>) = some.filter_map(views).unzip();
     let found = measure(&views, PairFrame::of(&views), pair::FIT_RADIUS, monitor)?;
@@ -142,25 +137,19 @@ pub struct PairAlignment {
     pub places: [Vec<[f64; 2]>; 2],
     /// For each match whether it was an inlier before.
     pub was_inlier: Vec<bool>,
-    /// For each match what the pictures say, and how far it contradicts the solved places, pixels; `None` for what was
-    /// no inlier, and where the pictures do not tell.
+    /// For each match its measurement, and the contradiction with the solved places, pixels; `None` if not measured.
     pub measured: Vec<Option<(Measured, f64)>>,
 }
 
 impl PairAlignment {
-    /// From the place in B of match `index` to where A's place is seen there (u, v), pixels, and the correlation of the
-    /// pictures of both, −1 … 1; `None` where they do not tell.
+    /// Shift (u, v) in B of match `index`, pixels, to A's place seen there, and its correlation; `None` if unmeasured.
     pub fn shift_in_b(&self, index: usize) -> Option<([f64; 2], f64)> {
         let (measured, _) = self.measured[index]?;
         Some((measured.shift_px, measured.correlation))
     }
 }
 
-/// Solves for the places of one pair's features from its `measured` matches, and verifies the inliers again there.
-/// Nothing is done to a pair without a geometry, and without an alignment in `params`.
-///
-/// # Errors
-/// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+/// Moves the places of one pair's features by its `measured` matches, and verifies again, if `params` ask for it.
 pub(super) fn align_pair(
     result: &mut MatchResult,
     sides: [MatchSide<'_>; 2],
@@ -171,6 +160,7 @@ pub(super) fn align_pair(
     let Some(verified) = result.verification.as_ref().filter(|v| v.model.is_some() && params.aligns()) else {
         return Ok(());
     };
+    // The solution of a dataset, for two images.
     let mut alignment = Alignment::default();
     for side in sides {
         alignment.add_image(side.places.to_vec(), side.blobs, side.pictures.map(Pictures::seen).cloned());
@@ -193,6 +183,7 @@ pub(super) fn align_pair(
         error_px.unwrap_or(f32::INFINITY)
     };
     let error_px = result.matches.iter().map(error_px).collect();
+    // Only former inliers can stay inliers.
     let mut inlier = vec![false; result.matches.len()];
     inliers.iter().zip(&confirmed.inlier).for_each(|(&index, &is_one)| inlier[index] = is_one);
     result.counts.inliers = Some(confirmed.inlier_count());
@@ -203,7 +194,7 @@ pub(super) fn align_pair(
     Ok(())
 }
 
-/// Inlier of a pair that waits for the solution. A dataset holds those of all pairs, so there is no more to it.
+/// Inlier of a pair that waits for the solution; kept small, since a dataset holds those of all pairs.
 #[derive(Debug, Clone, Copy)]
 pub struct Inlier {
     /// Index of the feature in image A.
@@ -230,7 +221,6 @@ pub struct Alignment {
     links: Vec<Link>,
 }
 
-/// An image of an [`Alignment`].
 #[derive(Debug, Clone)]
 struct Image {
     /// Place of each feature, counted over all images.
@@ -244,7 +234,7 @@ impl Alignment {
     pub fn add_image(&mut self, places: Vec<[f64; 2]>, blobs: &[Blob], seen: Option<Seen>) {
         let (of, first) = (places_of(&places, blobs), self.sigmas.len());
         self.sigmas.extend(of.first.iter().map(|&feature| blobs[feature].sigma));
-        // Of all images of a dataset at once, so as little as may be.
+        // All images of a dataset are held at once, so no more is reserved than needed.
         self.first.reserve_exact(of.first.len());
         self.first.extend(of.first.iter().map(|&feature| [self.images.len() as u32, feature as u32]));
         let place_of = of.of_feature.into_iter().map(|place| (first + place) as u32).collect();
@@ -267,9 +257,6 @@ impl Alignment {
     }
 
     /// Solves for the places on which all matches agree best.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn solve(self, monitor: &Monitor) -> Result<AlignedImages, Cancelled> {
         let may_move = |place, correction| self.may_move(place, correction);
         let Solved { corrections, residuals_px, refused } = solve(&self.sigmas, &self.links, may_move, monitor)?;
@@ -279,6 +266,7 @@ impl Alignment {
         };
         let moved = |image: Image| image.features.into_iter().zip(image.place_of).map(place).collect();
         let places = self.images.into_iter().map(moved).collect();
+        // Median and largest are of places that move: most features have no match.
         let mut moved_px: Vec<f64> = corrections.iter().map(|[u, v]| u.hypot(*v)).filter(|px| *px > 0.0).collect();
         moved_px.sort_unstable_by(f64::total_cmp);
         let share = moved_px.len() as f64 / corrections.len().max(1) as f64;
@@ -308,17 +296,12 @@ pub struct Moved {
     pub median_px: Option<f64>,
     /// Largest distance, pixels.
     pub max_px: Option<f64>,
-    /// Number of keypoints that stay as they were found, because their matches put them too far away or where nothing is
-    /// seen.
+    /// Number of keypoints that stay as found, since their matches put them too far away or out of sight.
     pub refused: usize,
 }
 
 impl AlignedImages {
-    /// Estimates a pair's geometry again. `inliers` are its matches that agreed before, each with its index among the
-    /// measured ones, if it was measured. In the order of `inliers`.
-    ///
-    /// # Errors
-    /// Parameters that make no sense, and cancellation once `monitor` was cancelled.
+    /// Estimates a pair's geometry again from its former `inliers`, each with the index of its measurement.
     pub fn confirmed(
         &self,
         images: (usize, usize),
@@ -328,6 +311,7 @@ impl AlignedImages {
     ) -> Result<Option<Verification>> {
         let limit = NARROW * params.max_error_px;
         let agrees = |link: &Option<usize>| link.is_some_and(|link| self.residuals_px[link] <= f64::from(limit));
+        // What contradicts the solved places goes before the geometry is estimated again.
         let kept: Vec<usize> = (0..inliers.len()).filter(|&index| agrees(&inliers[index].1)).collect();
         let point = |index: usize| {
             let Inlier { a, b, rank } = inliers[index].0;
@@ -337,6 +321,7 @@ impl AlignedImages {
         let again = verify(&points, &MatchParams { max_error_px: limit, ..params.clone() }, monitor)?;
         let Some(mut of_kept) = again else { return Ok(None) };
         let enough = FEWEST_KEPT.max((LEAST_KEPT * inliers.len() as f64).ceil() as usize);
+        // A wrong geometry agrees by chance, and its pictures do not: few are left.
         if of_kept.inlier_count() < enough {
             of_kept.refuse();
         }
@@ -344,6 +329,7 @@ impl AlignedImages {
             let PointPair { a, b, .. } = point(index);
             of_kept.model.as_ref().map_or(f32::INFINITY, |model| model.error_px(a, b) as f32)
         };
+        // Back to the indices of the former inliers.
         let mut inlier = vec![false; inliers.len()];
         kept.iter().zip(&of_kept.inlier).for_each(|(&index, &is_one)| inlier[index] = is_one);
         let error_px = (0..inliers.len()).map(error_px).collect();

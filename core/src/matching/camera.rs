@@ -1,8 +1,7 @@
 //! A camera's intrinsics: mapping between directions in space and pixels.
 //!
 //! Models, names and the order of the parameters are COLMAP's, and so is the principal point: **the centre of the first
-//! pixel is (0.5, 0.5)** there. [`Camera::direction_of`] and [`Camera::pixel_of`] take and give pixels in Burstscope's
-//! convention, where it is (0, 0), and add the half pixel themselves.
+//! pixel is (0.5, 0.5)** there. [`Camera::direction_of`] and [`Camera::pixel_of`] use Burstscope's, where it is (0, 0).
 
 use crate::error::{Error, Result};
 use nalgebra::Matrix3;
@@ -35,7 +34,6 @@ impl CameraModel {
     /// All models.
     pub const ALL: [Self; 4] = [Self::SimplePinhole, Self::Pinhole, Self::SimpleRadial, Self::OpenCv];
 
-    /// Names of the model and of its parameters, in order.
     fn names(self) -> (&'static str, &'static [&'static str]) {
         match self {
             Self::SimplePinhole => ("SIMPLE_PINHOLE", &["f", "cx", "cy"]),
@@ -50,7 +48,6 @@ impl CameraModel {
         self.names().0
     }
 
-    /// The parameters' names, in order.
     pub(crate) fn param_names(self) -> &'static [&'static str] {
         self.names().1
     }
@@ -60,7 +57,7 @@ impl CameraModel {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Camera {
-    /// The model.
+    /// Mapping from directions to pixels, which gives `params` their meaning.
     pub model: CameraModel,
     /// Columns of its images.
     pub width: usize,
@@ -150,6 +147,7 @@ impl Camera {
             return fail(format!("{}×{} pixels", self.width, self.height), "give the size of its images".into());
         }
         for (name, &value) in names.iter().zip(&self.params) {
+            // Focal lengths divide; all other parameters may have either sign.
             if !value.is_finite() || (name.starts_with('f') && value <= 0.0) {
                 let right = if name.starts_with('f') { "a focal length is above 0 pixels" } else { "give a number" };
                 return fail(format!("{name} is {value}"), right.into());
@@ -193,8 +191,7 @@ impl Camera {
         self.distortion() == Distortion::default()
     }
 
-    /// The direction (x, y, 1) seen at the pixel (u, v), with the distortion removed. Panics for a camera that
-    /// [`Self::validate`] refuses.
+    /// The direction (x, y, 1) seen at the pixel (u, v), undistorted. Panics if [`Self::validate`] refuses the camera.
     pub fn direction_of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
         let [fx, fy, cx, cy] = self.pinhole();
         self.distortion().remove([(u + FIRST_PIXEL - cx) / fx, (v + FIRST_PIXEL - cy) / fy])
@@ -228,6 +225,7 @@ impl FromStr for Camera {
         let model = model.ok_or_else(|| format!("'{name}' is no camera model; there are {}", names()))?;
         let form = || format!("write {} WIDTH HEIGHT {}", model.name(), model.param_names().join(" "));
         let mut side = || words.next().and_then(|word| word.parse().ok()).ok_or_else(form);
+        // COLMAP's order in `cameras.txt`: the size before the parameters.
         let (width, height) = (side()?, side()?);
         let number = |word: &str| word.parse().map_err(|_| format!("'{word}' is not a number; {}", form()));
         let params = words.map(number).collect::<Result<_, String>>()?;

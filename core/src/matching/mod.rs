@@ -5,14 +5,14 @@
 //! Scale-Invariant Keypoints", IJCV 2004) and if each is the other's nearest. An *inlier* is a putative match that
 //! agrees with a geometry of the two views on which most others agree too. [`match_features`] does it all for whoever
 //! matches: [`putative`] → [`geometry`] → where the motions are known, both again at the places that they predict
-//! ([`Prediction`]) → where there are frames, the pictures of the inliers ([`aligned`]). [`match_pair`] aligns each pair
-//! by itself; a dataset for COLMAP is aligned as a whole.
+//! ([`Prediction`]) → where there are frames, the pictures of the inliers ([`aligned`]). [`match_pair`] aligns each
+//! pair by itself; a dataset for COLMAP is aligned as a whole.
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
-//! match, and inlier ratio the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler and
-//! Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017, who call it precision). The
-//! first two are means over the images, here A and B. Against many others, as in the paper's Table 1, an image's matches
-//! with all of them are added up: each match counts for both of its images, and these shares may pass 1.
+//! match, and inlier ratio the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler
+//! and Pollefeys, "Comparative Evaluation of Hand-Crafted and Learned Local Features", CVPR 2017, who call it
+//! precision). The first two are means over the images, here A and B. Against many others, as in the paper's Table 1,
+//! an image's matches with all of them are added up: each counts for both of its images, and shares may pass 1.
 
 pub mod align;
 pub mod aligned;
@@ -48,8 +48,7 @@ pub struct MatchResult {
     pub verification: Option<Verification>,
     /// Places that the motions predict from the sure matches; `None` without, or where too little is known.
     pub prediction: Option<Prediction>,
-    /// Alignment of the inliers; `None` without, or where no geometry was found. `verification` is that of the solved
-    /// places then.
+    /// Alignment of the inliers; `None` without a geometry. With it, `verification` is that of the solved places.
     pub alignment: Option<PairAlignment>,
     /// Counts of keypoints, putative matches and inliers.
     pub counts: MatchCounts,
@@ -112,11 +111,7 @@ impl Unaligned {
     }
 }
 
-/// Matches the features of two images, verifies the matches, and aligns them where `params` ask for it: what all
-/// callers with one pair get, of whichever features.
-///
-/// # Errors
-/// As of [`match_features`].
+/// [`match_features`], and the alignment of the matches where `params` ask for it; the same errors.
 pub fn match_pair(sides: [MatchSide<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
     match_features(sides, params, monitor)?.aligned(sides, params, monitor)
 }
@@ -146,6 +141,7 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
         let pair = |m: &Match| PointPair { a: a.places[m.a], b: b.places[m.b], rank: m.rank() };
         verify(&matches.iter().map(pair).collect::<Vec<_>>(), params, monitor)
     };
+    // The sure matches first: a prediction needs their geometry.
     let mut verification = verified(&matches, params)?;
     let (mut prediction, mut refused) = (None, None);
     if let Some(sure) = verification.as_mut().filter(|_| params.predict)
@@ -153,12 +149,14 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
     {
         let inliers = matches.iter().zip(&sure.inlier).filter(|(_, inlier)| **inlier);
         let inliers: Vec<(usize, usize)> = inliers.map(|(m, _)| (m.a, m.b)).collect();
+        // Places are uncertain before the alignment, so predicted matches may err by more.
         let wide = if params.align { before_alignment(params) } else { params.clone() };
         prediction = Prediction::of([a, b], &model, &inliers, &wide);
         match &prediction {
             Some(prediction) if prediction.is_believed() => {
                 let mut found = predicted::predicted_matches([a, b], (&model, &matches), prediction, &wide, monitor)?;
                 let again = verified(&found, &wide)?;
+                // Predicted matches count only where they agree on a geometry again.
                 if again.as_ref().is_some_and(|again| again.model.is_some()) {
                     for m in &mut found {
                         let ratio_among_all = neighbours.ratio_among_all(m);
@@ -167,7 +165,7 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
                     (matches, verification) = (found, again);
                 }
             }
-            // What its pictures say decides then.
+            // The pictures of the inliers decide then.
             Some(_) if params.align => {}
             Some(_) => {
                 sure.refuse();
@@ -293,6 +291,7 @@ impl ImageCounts {
         let putative = of_images(&|c| c.putative);
         let inliers = of_images(&|c| c.inliers.unwrap_or(0));
         let mean = |sums: &[usize]| sums.iter().sum::<usize>() as f64 / images;
+        // An image without keypoints counts as 0, so that means are over all images.
         let share = |sums: &[usize]| {
             let of_one = |(&sum, &all): (&usize, &usize)| if all > 0 { sum as f64 / all as f64 } else { 0.0 };
             sums.iter().zip(keypoints).map(of_one).sum::<f64>() / images

@@ -97,8 +97,7 @@ impl MatchParams {
         self.align && self.geometry != Geometry::None
     }
 
-    /// Parameters for a `camera`, where it is known, with the `given` values, as typed on the command line; checked.
-    /// With a camera and no geometry, matches are verified by the essential matrix.
+    /// Checked parameters with the `given` values as typed; a `camera` without a geometry means the essential matrix.
     ///
     /// # Errors
     /// The first value that cannot be read, or the first parameter that makes no sense.

@@ -1,10 +1,10 @@
 //! Matches predicted by motion: where a feature lies in the other burst, and the best match there.
 //!
-//! The field of motion knows how near the place of each feature is ([`crate::detector::field`]), and nearness decides
-//! where on its epipolar line a match lies. The sure matches of a pair, those of the ratio test that agree on a
-//! geometry, tell how inverse depths turn into parallax: one number with a known camera, four with an unknown one
-//! ([`super::geometry`]). So the place of every feature in the other burst is known to some pixels. Where sure
-//! matches and motions contradict each other, the geometry is one of chance, and the pair is refused.
+//! The field of motion gives the inverse depth of each feature ([`crate::detector::field`]), which decides where on its
+//! epipolar line a match lies. The sure matches of a pair, which pass the ratio test and agree on a geometry, determine
+//! how inverse depths turn into parallax: one number with a known camera, four with an unknown one
+//! ([`super::geometry`]). So the place of every feature in the other burst is known to some pixels. Where sure matches
+//! and motions contradict each other, the geometry agrees by chance, and the pair is refused.
 //!
 //! Orientations of one keypoint count as one: they are no rivals of each other, and a pair of places is matched once.
 
@@ -25,7 +25,7 @@ use std::f64::consts::TAU;
 pub const PREDICTED_RATIO: f32 = 0.9;
 /// Half of the length of a predicted place along the epipolar line, pixels, where the motion is certain.
 const ALONG_PX: f64 = 24.0;
-/// Largest half length, pixels: beyond that a motion tells nothing.
+/// Largest half length, pixels; with less certain motions no place is predicted.
 const MOST_ALONG_PX: f64 = 72.0;
 /// Standard deviations of the motion that a predicted place reaches.
 const REACH_SIGMAS: f64 = 3.0;
@@ -47,12 +47,11 @@ const BEYOND_CHANCE: f64 = 2.0;
 const SHUFFLES: usize = 4;
 /// Maximum number of sure matches that decide on the parallax.
 const MOST_KNOWN: usize = 200;
-/// Fewest sure matches with known motion that tell the parallax.
+/// Fewest sure matches with known motion that determine the parallax.
 const FEWEST_KNOWN: usize = 8;
 /// Maximum number of samples of matches from which the parallax is found.
 const MOST_SAMPLES: usize = 400;
 const REFINEMENTS: usize = 4;
-/// Points of the ellipse about a predicted place.
 const OUTLINE_POINTS: usize = 48;
 
 /// Place where a feature is expected in the other image: a rectangle along the epipolar line.
@@ -119,8 +118,7 @@ pub struct Prediction {
 }
 
 impl Prediction {
-    /// Predicts the matches of a pair whose sure matches `inliers` agree on `model`. `None` where too few of their
-    /// motions are known, and for a homography.
+    /// Predicts the matches of a pair with sure matches `inliers` of `model`; `None` if few motions are known.
     pub fn of(
         [a, b]: [MatchSide<'_>; 2],
         model: &TwoViewModel,
@@ -132,6 +130,7 @@ impl Prediction {
         let across = ACROSS * f64::from(params.max_error_px);
         let there = OneWay::new(forward, a, inliers.iter().map(|&(i, j)| (i, b.places[j])), params.seed)?;
         let back = OneWay::new(backward, b, inliers.iter().map(|&(i, j)| (j, a.places[i])), params.seed)?;
+        // Both ways: motions of one burst may be right and those of the other not.
         let agreement = [there.agreement, back.agreement];
         Some(Self { agreement, in_b: there.expected(across), in_a: back.expected(across) })
     }
@@ -142,7 +141,6 @@ impl Prediction {
     }
 }
 
-/// Transfer of the features of one image into the other.
 struct OneWay {
     parallax: Parallax,
     straight: Vec<Vector2<f64>>,
@@ -152,7 +150,6 @@ struct OneWay {
     agreement: Agreement,
 }
 
-/// A sure match of known motion.
 #[derive(Clone, Copy)]
 struct Known {
     x: Vector2<f64>,
@@ -185,6 +182,7 @@ impl OneWay {
         if all.len() < FEWEST_KNOWN {
             return None;
         }
+        // Evenly thinned out, so that all parts of the image decide.
         let mut known: Vec<Known> = all.iter().copied().step_by(all.len().div_ceil(MOST_KNOWN)).collect();
         let agreeing = |known: &[Known], numbers: &Vector4<f64>| {
             known.iter().filter(|known| miss(&parallax, known, numbers) < AGREEING_PX).count()
@@ -194,6 +192,7 @@ impl OneWay {
         let mut agreement = Agreement { known: known.len(), agreeing: agreeing(&known, &numbers), by_chance: 0.0 };
         let mut random = Stream::new(seed, 1);
         for _ in 0..SHUFFLES {
+            // By chance: the inverse depths of other places, fitted in the same way.
             for i in (1..known.len()).rev() {
                 let j = random.below(i + 1);
                 (known[i].terms[0], known[j].terms[0]) = (known[j].terms[0], known[i].terms[0]);
@@ -219,13 +218,11 @@ impl OneWay {
     }
 }
 
-/// Distance of a sure match from where `numbers` puts it, pixels.
 fn miss(parallax: &Parallax, known: &Known, numbers: &Vector4<f64>) -> f64 {
     let there = parallax.transferred(known.x, numbers.dot(&known.terms));
     there.map_or(f64::INFINITY, |there| (there.place - known.there).norm())
 }
 
-/// The numbers of [`OneWay`] on which most of the sure matches agree.
 fn numbers(parallax: &Parallax, known: &[Known], seed: u64) -> Option<Vector4<f64>> {
     let weight = |numbers: &Vector4<f64>, known: &Known| {
         1.0 / (1.0 + (miss(parallax, known, numbers) / (0.5 * AGREEING_PX)).powi(2))
@@ -234,16 +231,18 @@ fn numbers(parallax: &Parallax, known: &[Known], seed: u64) -> Option<Vector4<f6
     let samples = samples(parallax.is_calibrated, known, seed);
     let scored = samples.into_iter().map(|numbers| (score(&numbers), numbers));
     let mut best = scored.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
+    // Reweighted least squares from the best sample, as long as the score rises.
     for _ in 0..REFINEMENTS {
         let (mut normal, mut right) = (Matrix4::zeros(), Vector4::zeros());
         for known in known {
             let kappa = best.1.dot(&known.terms);
             let Some(there) = parallax.transferred(known.x, kappa) else { continue };
-            // In pixels; what is far off hardly counts.
+            // The error of κ in pixels; matches far off hardly count.
             let weight = there.by_parallax.norm_squared() * weight(&best.1, known).powi(2);
             normal += known.terms * known.terms.transpose() * weight;
             right += known.terms * (weight * known.kappa);
         }
+        // A known camera leaves one factor to be found.
         let refined = if parallax.is_calibrated {
             Some(Vector4::new(right[0] / normal[(0, 0)], 0.0, 0.0, 0.0))
         } else {
@@ -281,8 +280,8 @@ fn samples(is_calibrated: bool, known: &[Known], seed: u64) -> Vec<Vector4<f64>>
 type Candidates = Vec<Vec<u32>>;
 
 /// Finds the matches at the places of `prediction`, in the order of A's features: nearest there, with a ratio of at
-/// most [`PREDICTED_RATIO`] to the nearest one at another place there, and, with the mutual check, both ways. Features
-/// without a predicted place keep their match of the `sure` ones, as do those that do not agree with `model`.
+/// most [`PREDICTED_RATIO`] to the nearest at another place, and, with the mutual check, both ways. Features without a
+/// predicted place keep their `sure` match, as do those that do not agree with `model`.
 pub(super) fn predicted_matches(
     [a, b]: [MatchSide<'_>; 2],
     (model, sure): (&TwoViewModel, &[Match]),
@@ -299,6 +298,7 @@ pub(super) fn predicted_matches(
     let of_b = params.mutual.then(|| nearest_among(b, a, &in_a, monitor)).transpose()?;
     let back = of_b.as_ref().map(|of_b| move |b: usize| of_b[b]);
     let limit = params.ratio.max(PREDICTED_RATIO);
+    // Orientations of a place repeat its matches: the best of each pair of places stays.
     let mut best: BTreeMap<[u64; 4], Match> = BTreeMap::new();
     let found = of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.as_ref()?.matched(a, back));
     for found in found.filter(|found| found.rank() <= limit && found.distance <= MOST_DISTANCE) {
@@ -311,7 +311,7 @@ pub(super) fn predicted_matches(
         }
     }
     let mut matches: Vec<Match> = best.into_values().collect();
-    // What has no known motion keeps its sure match, and so does what is no inlier, to be seen as such.
+    // A feature without known motion keeps its sure match, and so does an outlier, to be shown as one.
     let [of_a, of_b]: [BTreeSet<usize>; 2] =
         [matches.iter().map(|m| m.a).collect(), matches.iter().map(|m| m.b).collect()];
     let is_kept = |m: &&Match| {
@@ -329,7 +329,7 @@ fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Pre
         side.places.iter().map(|place| Vector2::from(model.straight(*place))).collect()
     };
     let (places_a, places_b) = (straight(a), straight(b));
-    // From left to right, so that few are looked at.
+    // Sorted from left to right, so that few features are compared with each place.
     let mut order: Vec<u32> = (0..places_b.len() as u32).collect();
     order.sort_by(|&i, &j| places_b[i as usize].x.total_cmp(&places_b[j as usize].x).then(i.cmp(&j)));
     let is_of_scale = |i: usize, j: usize| {
@@ -338,6 +338,7 @@ fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Pre
     };
     let of_one = |(i, expected): (usize, &Option<Expected>)| {
         let Some(expected) = expected else { return Vec::new() };
+        // The line may have any direction: along the columns the area reaches no further than this.
         let reach = expected.half_along_px + expected.half_across_px;
         let from = order.partition_point(|&j| places_b[j as usize].x < expected.place[0] - reach);
         let near = order[from..].iter().take_while(|&&j| places_b[j as usize].x <= expected.place[0] + reach);
@@ -346,6 +347,7 @@ fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Pre
             expected.holds(places_b[j].into()) && agrees_back && is_of_scale(i, j)
         };
         let mut others: Vec<u32> = near.copied().filter(|&j| is_it(j as usize)).collect();
+        // Of equal descriptors the first counts, as in the search among all.
         others.sort_unstable();
         others
     };
@@ -368,6 +370,7 @@ fn nearest_among(
             best = match best {
                 None => found(None),
                 Some(old) => {
+                    // Orientations of one place are no rivals: the second nearest must lie elsewhere.
                     let elsewhere = to.places[old.index] != to.places[other];
                     if distance_squared < old.distance_squared {
                         found(if elsewhere { Some(old.distance_squared) } else { old.second_distance_squared })
@@ -393,7 +396,6 @@ pub(super) mod tests {
     use crate::matching::geometry::tests::{camera, places_in_space};
     use crate::matching::{Blob, Geometry, MatchResult, match_pair};
 
-    /// Features of one image.
     #[derive(Clone, Default)]
     pub struct Features {
         pub places: Vec<[f64; 2]>,
@@ -409,7 +411,6 @@ pub(super) mod tests {
 
     const MOTION_SIGMA: f64 = 0.05;
 
-    /// Motion sideways of what lies at so large an inverse depth.
     fn blob(random: &mut Stream, inverse_depth: f64) -> Blob {
         let speed = 8.0 * inverse_depth + MOTION_SIGMA * random.normal();
         let slope = Slope::new(speed as f32, 0.0);
@@ -420,8 +421,7 @@ pub(super) mod tests {
         around.map(|x| (f64::from(x) + random.within(-by, by)).clamp(0.0, 255.0) as u8)
     }
 
-    /// A scene of `count` points in both images, whose descriptors differ by noise, and `others` in each image alone;
-    /// many descriptors are alike, so that few are clearly nearest in the whole image.
+    /// A scene of `count` points in both images with noisy, often alike descriptors, and `others` in each image alone.
     fn noisy_pair(seed: u64, count: usize, others: usize) -> [Features; 2] {
         let mut random = Stream::new(seed, 1);
         let kinds: Vec<Descriptor> = (0..8).map(|_| std::array::from_fn(|_| random.within(20.0, 70.0) as u8)).collect();

@@ -5,8 +5,7 @@
 //!
 //! The searched descriptors are transposed into blocks of `LANES`, so that one lane is one descriptor. Queries go in
 //! groups that stay in the nearest cache with one block; `TILE` of them share each load of it. Each product serves both
-//! ways: the mutual check needs no second search. Ties go to the lowest index, so the result does not depend on
-//! threads.
+//! ways: the mutual check needs no second search. Ties go to the lowest index, for any number of threads.
 
 use super::params::MatchParams;
 use crate::detector::Descriptor;
@@ -24,8 +23,7 @@ pub struct Match {
     pub a: usize,
     /// Index of the feature in image B.
     pub b: usize,
-    /// Euclidean distance of their descriptors, in the descriptors' own unit: 0 … 2885, and up to about 724 for those
-    /// of the detector, which have a length of about 512.
+    /// Euclidean distance of the descriptors: 0 … 2885, and up to about 724 for the detector's, of length 512.
     pub distance: f32,
     /// Ratio of that distance to the one to the second nearest descriptor among those that were compared, 0 … 1; with
     /// the mutual check the larger of the two images' ratios. `None` without a second, and 1 where both are 0.
@@ -62,7 +60,6 @@ impl Match {
     }
 }
 
-/// Nearest descriptors in B of A's, and with the mutual check those in A of B's.
 pub(super) struct Neighbours {
     of_a: Vec<Nearest>,
     of_b: Vec<Nearest>,
@@ -75,16 +72,14 @@ impl Neighbours {
         Ok(Self { of_a, of_b })
     }
 
-    /// Putative matches in the order of A's descriptors: each with its nearest one in B, if its ratio is at most
-    /// [`MatchParams::ratio`], and with [`MatchParams::mutual`] the same the other way round. Of equally near
-    /// descriptors the first counts as the nearest.
+    /// Putative matches in the order of A's descriptors: the nearest in B, if the ratio is at most
+    /// [`MatchParams::ratio`], and with [`MatchParams::mutual`] both ways. Of equals the first counts.
     pub fn matches(&self, params: &MatchParams) -> Vec<Match> {
         let back = params.mutual.then_some(|b: usize| Some(self.of_b[b]));
         let candidates = self.of_a.iter().enumerate().filter_map(|(a, nearest)| nearest.matched(a, back));
         candidates.filter(|m| m.rank() <= params.ratio).collect()
     }
 
-    /// [`Predicted::ratio_among_all`] of a match.
     pub fn ratio_among_all(&self, m: &Match) -> Option<f32> {
         let to_others = |nearest: &Nearest, partner: usize| match nearest.second_distance_squared {
             second if nearest.index == partner => Some(m.distance / f64::from(second?).sqrt() as f32),
@@ -108,9 +103,7 @@ const TILE: usize = 8;
 const GROUP: usize = 32;
 /// Queries of a part of the work, which has states of its own for all that is searched, at least.
 const PART: usize = 512;
-/// Parts of the work, at most.
 const PARTS: usize = 64;
-/// Elements of a descriptor.
 const LENGTH: usize = 128;
 
 /// Nearest of the searched descriptors, and the distance of the second nearest.
@@ -143,8 +136,7 @@ impl Nearest {
     }
 }
 
-/// Finds, for each of `queries` in order, the nearest and second nearest of `searched` by Euclidean distance. Empty
-/// when `searched` is empty. Progress is reported as [`Stage::Match`].
+/// The nearest and second nearest of `searched`, by Euclidean distance, of each of `queries`; empty if there is none.
 pub fn nearest_two(
     queries: &[Descriptor],
     searched: &[Descriptor],
@@ -162,7 +154,6 @@ pub fn nearest_two_both_ways(
     search(a, b, true, monitor)
 }
 
-/// The nearest two of each of `queries`, and with `both` those of each of `searched` among the queries.
 fn search(
     queries: &[Descriptor],
     searched: &[Descriptor],
@@ -197,9 +188,11 @@ fn search(
         }
         Ok((nearest, back))
     };
+    // Few parts, of whole groups: each keeps states for all that is searched.
     let part = queries.len().div_ceil(PARTS).next_multiple_of(GROUP).max(PART);
     let parts = queries.par_chunks(part).enumerate().map(|(index, queries)| search_part((index * part, queries)));
     let (nearest, back): (Vec<_>, Vec<_>) = parts.collect::<Result<Vec<_>, Cancelled>>()?.into_iter().unzip();
+    // Joined in order, so that of equally near queries the first stays.
     let back = back
         .into_iter()
         .reduce(|before, later| before.iter().zip(&later).map(|(before, later)| before.with_later(later)).collect());
@@ -247,14 +240,11 @@ fn lengths_of(group: &[Descriptor]) -> [f32; GROUP] {
     std::array::from_fn(|index| group.get(index).map_or(0.0, |query| squared_length(query) as f32))
 }
 
-/// Best results so far, in each lane by itself: for one query those among the blocks, or for a block those of each of
-/// its descriptors among the queries. Scores are 2·a·b less the squared length of what is found: the larger, the
-/// nearer.
+/// Best results so far, lane by lane. Scores are 2·a·b less the squared length of the result: the larger, the nearer.
 #[derive(Clone, Copy)]
 struct State {
     best: [f32; LANES],
     second: [f32; LANES],
-    /// Number of the block, or of the query.
     number: [u32; LANES],
 }
 
@@ -278,7 +268,6 @@ impl State {
         *self = Self { best, second, number: numbers };
     }
 
-    /// Joins the state of `later` queries.
     fn with_later(&self, later: &Self) -> Self {
         let mut both = *self;
         for l in 0..LANES {
@@ -324,7 +313,6 @@ fn nearest_of(index: usize, [best, second]: [f32; 2], squared_length: u32) -> Ne
     }
 }
 
-/// Search of a group of queries in a block.
 struct BlockSearch<'a> {
     elements: &'a [[[f32; TILE]; LENGTH]; GROUP / TILE],
     /// |q|² of the queries that there are.
@@ -332,7 +320,6 @@ struct BlockSearch<'a> {
     block: &'a Block,
     /// Numbers of the first query and of the block.
     numbers: (u32, u32),
-    /// Results of each query.
     states: &'a mut [State; GROUP],
     /// Results of each descriptor of the block among the queries, if they are wanted.
     back: Option<&'a mut State>,
@@ -364,6 +351,7 @@ impl BlockSearch<'_> {
             let (tile, within) = (&self.elements[first / TILE], first % TILE);
             let mut sums = [[simd.splat_f32s(0.0); REGISTERS]; QUERIES];
             for (queries, row) in tile.iter().zip(&self.block.elements) {
+                // Loaded once for all queries: the loop waits for arithmetic, not for memory.
                 let row = S::as_simd_f32s(row).0;
                 for q in 0..QUERIES {
                     let query = simd.splat_f32s(queries[within + q]);
@@ -377,6 +365,7 @@ impl BlockSearch<'_> {
                 let out = S::as_mut_simd_f32s(&mut products).0;
                 out.copy_from_slice(&sums[q - first]);
                 self.states[q].update(&products, &self.block.squared_lengths, self.numbers.1);
+                // The same products, seen from the block's descriptors.
                 if let Some(back) = &mut self.back {
                     back.update(&products, &[length; LANES], self.numbers.0 + q as u32);
                 }

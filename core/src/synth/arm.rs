@@ -24,10 +24,7 @@ const SPOTS_PX: f32 = 24.0;
 const SEEN: f64 = 0.8;
 
 impl Arm {
-    /// The arm that hides a `share` of `width` columns of a scene whose signal is about `level`.
-    ///
-    /// # Errors
-    /// A share that would leave nothing.
+    /// The arm that hides a `share` of `width` columns of a scene of about `level`; an error if too little is left.
     pub(super) fn new(share: f64, width: usize, level: f64, seed: u64) -> Result<Self> {
         if !(0.0..=LARGEST).contains(&share) {
             let remedy = format!("give 0 to {LARGEST}, the share of the columns that is hidden");
@@ -36,20 +33,20 @@ impl Arm {
         Ok(Self { columns: (share * width as f64).round() as usize, level: level as f32, seed })
     }
 
-    /// Covers its columns of the `signal`.
     pub(super) fn draw_over(&self, signal: &mut Plane) {
         for v in 0..signal.height() {
             for (u, value) in signal.row_mut(v)[..self.columns].iter_mut().enumerate() {
+                // Textured, so that a search without the mask finds features in it, all at slope 0.
                 let relief = fractal_relief(self.seed ^ 0xa2, u as f32, v as f32, SPOTS_PX, 4);
                 *value = self.level * (0.2 + 1.6 * relief);
             }
         }
     }
 
-    /// The truth without the things that it hides, of frames at the `offsets` from the reference.
     pub(super) fn truth(&self, truth: Truth, offsets: &[Offset]) -> Truth {
         let edge = self.columns as f64 - 0.5;
         let is_seen = |feature: &FeatureTruth| {
+            // The mean over the frames, as the detector judges places below masks.
             let shares = offsets.iter().map(|at| share_right_of(edge, feature.position(*at).0, 2.0 * feature.sigma));
             self.columns == 0 || shares.sum::<f64>() >= SEEN * offsets.len() as f64
         };

@@ -134,7 +134,9 @@ impl ChartParams {
                 "give a ratio above 0 and up to 8, other than 1",
             ));
         }
+        // As a share of the background's signal, for brighter and darker discs alike.
         let amplitude = (self.contrast - 1.0).abs();
+        // Largest difference of the levels that leaves room for the noise on both sides.
         let room = 0.96 / (2.0 * CLEARANCE_SIGMAS / self.snr + 1.0);
         let background = (room / amplitude).min(0.1);
         let disc = background * self.contrast;
@@ -143,10 +145,7 @@ impl ChartParams {
         Ok(Exposure { background, disc, camera })
     }
 
-    /// Checks the parameters.
-    ///
-    /// # Errors
-    /// The first one that makes no sense.
+    /// Checks the parameters; the error is of the first one that makes no sense.
     pub fn check(&self) -> Result<()> {
         check_snr(self.snr)?;
         let frames = self.uneven.count_and_span(self.frames);
@@ -208,8 +207,7 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
     Ok((burst, arm.truth(truth, &offsets)))
 }
 
-/// Blends a disc of level `value` into `plane`, weighting each pixel by the share of its area that the disc covers.
-/// The area is exact along rows and taken from 16 thin strips across them.
+/// Blends a disc of level `value` into `plane` by the share of each pixel's area, in 16 thin strips, exact along rows.
 pub fn draw_disc(plane: &mut Plane, u: f64, v: f64, radius: f64, value: f32) {
     const STRIPS: usize = 16;
     let clip = |x: f64, size: usize| x.clamp(0.0, size as f64) as usize;
@@ -217,6 +215,7 @@ pub fn draw_disc(plane: &mut Plane, u: f64, v: f64, radius: f64, value: f32) {
     let columns =
         clip((u - radius + 0.5).floor(), plane.width())..clip((u + radius + 0.5).floor() + 1.0, plane.width());
     for row in rows {
+        // By area, not by centres of pixels: a disc of whole pixels would move in jumps.
         let mut chords = [0.0f64; STRIPS];
         for (k, half_chord) in chords.iter_mut().enumerate() {
             let dv = row as f64 - 0.5 + (k as f64 + 0.5) / STRIPS as f64 - v;
@@ -234,7 +233,6 @@ pub fn draw_disc(plane: &mut Plane, u: f64, v: f64, radius: f64, value: f32) {
     }
 }
 
-/// Whether a share is 0, as in sessions of charts without a mask.
 #[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands references")]
 fn is_zero(share: &f64) -> bool {
     *share == 0.0
@@ -245,10 +243,12 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
     let mut stream = Stream::new(params.seed, 0);
     let mut radii: Vec<f64> = (0..params.discs).map(|_| params.radius_law.draw(&params.radius, &mut stream)).collect();
     radii.sort_by(|a, b| b.total_cmp(a));
+    // Frames that are left out count too: an uneven burst shows the things of the even one.
     let all = params.uneven.whole(params.frames);
     let mut placed: Vec<FeatureTruth> = Vec::with_capacity(params.discs);
     for (id, &radius) in radii.iter().enumerate() {
         let mut place = None;
+        // Attempts end: a chart too full for its discs must fail, not hang.
         for _ in 0..2000 {
             monitor.check()?;
             let slope_u = stream.within(-params.max_slope, params.max_slope);
@@ -257,6 +257,7 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
                 Motion::TwoD => stream.within(-params.max_slope, params.max_slope),
             };
             let (x, y) = (stream.uniform(), stream.uniform());
+            // The disc stays inside in all frames, with two pixels to spare.
             let rim = radius + 2.0;
             let (reach_u, reach_v) = outermost(all.offsets(), (slope_u, slope_v));
             let (du, dv) = (rim + reach_u, rim + reach_v);

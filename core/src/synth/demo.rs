@@ -1,7 +1,6 @@
 //! The demo: a street at night, built into the program and drawn on request.
 //!
-//! Four planes move past the camera, in so poor light that one frame shows little. The plain average of the frames
-//! smears what moves; averaging at a plane's own slope makes that plane visible.
+//! Four planes pass the camera, so dark that one frame shows little. Averaging at a plane's slope makes it visible.
 
 use super::capture_burst;
 use super::layer::{Layer, draw_layers, even_within, visible_landmarks};
@@ -22,7 +21,6 @@ pub const LATER_FRAMES: f64 = 12.0;
 const HALF_SPAN: f64 = 0.5 * (DEMO_FRAMES as f64 - 1.0);
 /// Share of the light of the painted layers that reaches the camera: so little that the burst is needed.
 const LIGHT: f32 = 0.38;
-/// Value of the night sky, as painted.
 const SKY: f32 = 0.006;
 
 /// The camera: a high gain (200 electrons at full scale), 3 electrons of read noise, 12 bits.
@@ -41,6 +39,7 @@ pub fn later_demo_burst() -> Burst {
 }
 
 fn demo_burst_at(name: &str, later: f64, noise_seed: u64) -> Burst {
+    // Painted as far as the later burst sees: the street must not end at its border.
     let layers = layers(HALF_SPAN + later);
     let never = Monitor::default();
     let signal = |at: Offset| {
@@ -73,6 +72,7 @@ fn skyline(reach: f64) -> Layer {
         // Clouds, down to where the houses begin.
         if v < 220.0 { dusk + 0.010 * (fractal_relief(5, u, 2.0 * v, 90.0, 2) - 0.4).max(0.0) } else { dusk }
     });
+    // The moon in its haze, and stars.
     layer.sheet.glow(92.0, 58.0, 90.0, 0.010);
     layer.landmark(92.0, 58.0, 19.0, 0.062, true);
     for (u, v, r) in [(86.0, 52.0, 5.0), (99.0, 64.0, 4.0), (95.0, 49.0, 2.5)] {
@@ -130,6 +130,7 @@ fn houses(reach: f64) -> Layer {
         let ridge = eaves - stream.within(22.0, 34.0) as f32;
         let wall = stream.within(0.012, 0.019) as f32;
         let (middle, half) = (left + 0.5 * width, 0.5 * width + 3.0);
+        // The roof first: the front covers its lower edge.
         layer.sheet.shape(
             Area::new(left - 4.0, ridge, left + width + 4.0, eaves + 1.0),
             move |u, v| {
@@ -155,6 +156,7 @@ fn houses(reach: f64) -> Layer {
                     layer.landmark(f64::from(u), f64::from(v) - 9.0, 3.2, 0.075, true);
                     continue;
                 }
+                // By place, not from the stream, so that lit windows change nothing else.
                 let lit = lattice(SEED ^ 57, house * 4 + i, j) < 0.62;
                 let value = if lit { 0.062 } else { 0.004 };
                 layer.sheet.rectangle(Area::new(u - 7.0, v, u + 7.0, v + 19.0), value);
@@ -239,6 +241,7 @@ fn lanterns(reach: f64) -> Layer {
         (210.0, 92.0, 0.6),
         (366.0, 48.0, 0.5),
     ] {
+        // Paper lanterns: ellipses, brightest below their middle.
         let (half_u, half_v) = (9.0 * size, 12.0 * size);
         layer.sheet.shape(
             Area::new(u - half_u, v - half_v, u + half_u, v + half_v),
@@ -260,7 +263,6 @@ fn lanterns(reach: f64) -> Layer {
 mod tests {
     use super::*;
 
-    /// A checksum of all frames (FNV-1a over the converter's levels).
     fn checksum(burst: &Burst) -> u64 {
         burst.frames.iter().flat_map(|f| f.data()).fold(0xcbf2_9ce4_8422_2325, |hash, &x| {
             let word = (f64::from(x) * 65535.0).round() as u64;

@@ -18,7 +18,6 @@ const EXAMPLE_SIZE: (usize, usize) = (240, 180);
 /// Number of frames of an example.
 pub const EXAMPLE_FRAMES: usize = 9;
 
-/// Rows and columns of the views of the light field.
 const VIEWS: usize = 5;
 const SEED: u64 = 20_220_920;
 const HALF_SPAN: f64 = 0.5 * (EXAMPLE_FRAMES as f64 - 1.0);
@@ -181,6 +180,7 @@ impl Example {
         let positions = self.positions();
         let seen_in = match self {
             Self::Views => positions.offsets().to_vec(),
+            // The later street lies farther from the layers' own mid-burst.
             _ => even_within(HALF_SPAN + self.later()),
         };
         let mut features = visible_landmarks(&layers, EXAMPLE_SIZE, &seen_in);
@@ -226,7 +226,6 @@ pub const ALIASING_SLOPE: f32 = 1.0;
 const GARLANDS: [f32; 3] = [104.0, 128.0, 152.0];
 /// A dark gap between two lamps of a garland, which is kept as a feature at −7 px/frame.
 const GARLAND_PLACE: [f32; 2] = [172.0, 101.3];
-/// Slope of the discs of the low-contrast example, px/frame.
 const DISCS_SLOPE: f32 = 1.0;
 /// Position of the first disc, distance, and radius, pixels.
 const DISCS: (f32, f32, f32) = (40.0, 40.0, 6.0);
@@ -238,7 +237,7 @@ const STREET_SLOPES: [f64; 2] = [1.2, 2.2];
 const STREET_PLACE: [f32; 2] = [128.0, 48.0];
 /// Speed of the crossing lamps, to the right and to the left, px/frame.
 const CROSSING_SLOPE: f64 = 1.5;
-/// Of a lamp's streak the end, kept as a feature where nothing moves: its place, and its slope in px/frame.
+/// End of a lamp's streak, kept as a feature where nothing moves: its place, and its slope in px/frame.
 const GHOST: ([f32; 2], f32) = ([192.1, 89.8], 0.0);
 /// Rows of the lamps at many depths, with their radii, pixels.
 const LAMP_ROWS: [(f32, f64); 3] = [(40.0, 2.5), (90.0, 3.5), (140.0, 5.0)];
@@ -250,7 +249,6 @@ pub fn disc_place(index: usize) -> [f32; 2] {
     [first + apart * (index % 5) as f32, if index < 5 { 60.0 } else { 120.0 }]
 }
 
-/// Place of the lamp in column `index` and the middle row of the lamps at many depths.
 fn lamp_place(index: usize) -> [f32; 2] {
     [18.0 + 25.0 * index as f32, LAMP_ROWS[1].0]
 }
@@ -351,7 +349,6 @@ fn lamps() -> Layer {
     layer
 }
 
-/// Hot pixels of the sensor: their positions (column, row) and their added values.
 fn hot_pixels() -> Vec<([usize; 2], f32)> {
     let mut stream = Stream::new(SEED, 900);
     (0..60)

@@ -1,9 +1,8 @@
 //! Layers: painted sheets that move, one in front of the other.
 //!
 //! A layer's point at `x` at mid-burst is at `x + dt·λ` in the frame `dt` frames later. To draw a frame, each layer's
-//! samples are interpolated (Catmull–Rom, which preserves every centre of gravity exactly) at the moved positions and
-//! averaged over each pixel; then the layers are composited, far to near. Interpolating and averaging is one short
-//! filter per axis, the same for all pixels of a frame.
+//! samples are interpolated (Catmull–Rom, which preserves centres of gravity) at the moved positions and averaged over
+//! each pixel, in one short filter per axis; then the layers are composited, far to near.
 
 use super::outermost;
 use super::paint::{OVERSAMPLING, Sheet};
@@ -39,6 +38,7 @@ fn axis_filter(first_sample: f64) -> (i64, [f32; TAPS]) {
     // The pixel's subsamples lie at first, first + 1, …; all have the same fraction.
     let base = first_sample.floor();
     let f = first_sample - base;
+    // Catmull–Rom weights of the four samples around the fraction.
     let cubic = [
         ((-0.5 * f + 1.0) * f - 0.5) * f,
         (1.5 * f - 2.5) * f * f + 1.0,
@@ -79,9 +79,11 @@ impl Layer {
     }
 
     pub fn draw_over(&self, picture: &mut Plane, at: Offset, monitor: &Monitor) -> Result<(), Cancelled> {
+        // A sparse layer costs only its painted part.
         let Some([c0, c1, r0, r1]) = self.sheet.used() else { return Ok(()) };
         let half = 0.5 * (OVERSAMPLING as f64 - 1.0);
         let (du, dv) = self.displacement(at);
+        // The sample that is seen at pixel 0: the motion is undone.
         let (first_column, weights_u) = axis_filter(self.sheet.column_of(-du) - half);
         let (first_row, weights_v) = axis_filter(self.sheet.row_of(-dv) - half);
         let s = OVERSAMPLING as i64;
@@ -101,6 +103,7 @@ impl Layer {
         let from = (first_column + s * columns.start as i64).clamp(0, sheet_width) as usize;
         let to = (first_column + s * (columns.end as i64 - 1) + taps).clamp(0, sheet_width) as usize;
         let (mut values, mut alphas) = (vec![0.0f32; to - from], vec![0.0f32; to - from]);
+        // Separable: rows are filtered down once, then each pixel across.
         for v in rows {
             monitor.check()?;
             values.fill(0.0);
@@ -125,6 +128,7 @@ impl Layer {
                     value += w * values[i];
                     alpha += w * alphas[i];
                 }
+                // The sheet's values are premultiplied by alpha.
                 *pixel = *pixel * (1.0 - alpha) + value;
             }
         }
@@ -138,6 +142,7 @@ impl Layer {
     /// Whether the layer covers any of the image's disc around (u, v) in a frame `at` an offset from mid-burst.
     fn hides(&self, u: f64, v: f64, radius: f64, at: Offset) -> bool {
         let (du, dv) = self.displacement(at);
+        // Back to mid-burst, where the sheet is painted.
         let (u, v) = (u - du, v - dv);
         let reach = radius.ceil() as i64;
         (-reach..=reach).any(|j| {
@@ -182,6 +187,7 @@ pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), offsets: &[Offs
             let seen = offsets.iter().all(|at| {
                 let (du, dv) = layer.displacement(*at);
                 let (u, v) = (landmark.u + du, landmark.v + dv);
+                // A disc that the border or a nearer layer cuts would have another centre than the truth.
                 let inside = u >= landmark.radius
                     && v >= landmark.radius
                     && u + landmark.radius <= (size.0 - 1) as f64

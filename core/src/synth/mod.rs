@@ -2,8 +2,7 @@
 //!
 //! First the *signal* of each frame is drawn without noise: discs or textured layers, each moved by its own slope. Then
 //! a [`Camera`] captures it. The drawn objects, their positions and motions are the [`Truth`]. The same seed gives the
-//! same bits on every machine and for any number of threads: each frame has its own random stream, and functions such
-//! as the logarithm come from `libm`.
+//! same bits on every machine and with any threads: frames have own random streams, and logarithms come from `libm`.
 //!
 //! ```
 //! use burstscope_core::synth::{ChartParams, synth_chart};
@@ -72,9 +71,6 @@ pub fn outermost(offsets: &[Offset], slope: (f64, f64)) -> (f64, f64) {
 
 /// Checks the parameters that all kinds of synthetic bursts have: sizes in pixels, the largest slope in px/frame, the
 /// read noise in electrons; `frames` are their number and the time from the first to the last.
-///
-/// # Errors
-/// The parameter and the range that it has.
 pub fn check_common(
     width: usize,
     height: usize,
@@ -102,6 +98,7 @@ pub fn check_common(
     if !(max_slope.is_finite() && max_slope >= 0.0) {
         return Err(Error::param("max-slope", format!("{max_slope}"), "give 0 or more pixels per frame"));
     }
+    // Things that cross the whole image would be in few frames.
     let moved_px = span * max_slope;
     if moved_px >= width.min(height) as f64 {
         return Err(Error::param(
@@ -113,10 +110,7 @@ pub fn check_common(
     check_camera(read_noise, bits)
 }
 
-/// Checks a ratio of signal to noise.
-///
-/// # Errors
-/// As [`check_common`].
+/// Checks a ratio of signal to noise: 0.000001 to 1000000000, or infinite.
 pub fn check_snr(snr: f64) -> Result<()> {
     if snr == f64::INFINITY || (1e-6..=1e9).contains(&snr) {
         return Ok(());
@@ -124,10 +118,7 @@ pub fn check_snr(snr: f64) -> Result<()> {
     Err(Error::param("snr", format!("{snr}"), "give a ratio above 0, from 0.000001 to 1000000000, or inf for no noise"))
 }
 
-/// Checks the read noise (electrons) and the bits of a camera.
-///
-/// # Errors
-/// As [`check_common`].
+/// Checks the read noise (0 or more electrons) and the bits (4 … 16) of a camera.
 pub fn check_camera(read_noise: f64, bits: u32) -> Result<()> {
     if !(read_noise.is_finite() && read_noise >= 0.0) {
         return Err(Error::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));
@@ -138,8 +129,7 @@ pub fn check_camera(read_noise: f64, bits: u32) -> Result<()> {
     Ok(())
 }
 
-/// Frame t takes its noise from stream t + 1 of the seed, so the result does not depend on the threads, and a frame
-/// that is left out changes no other.
+/// Frame t takes its noise from stream t + 1 of the seed, whatever the threads and whichever frames are left out.
 fn capture_burst(
     name: &str,
     taken: &Taken,
@@ -166,6 +156,7 @@ fn capture_burst(
     monitor.check()?;
     let mut burst = Burst::from_planes(name, planes);
     burst.positions = taken.positions();
+    // Values are words of 16 bits, so that files hold the same bits.
     burst.full_scale = 65535.0;
     burst.quantisation_step = camera.quantisation_step() as f32;
     Ok(burst)

@@ -5,9 +5,8 @@
 //! divided by `F`, is raised by the black level, which keeps noise from clipping at zero, and rounded to the levels of
 //! a converter. Level `d` of `bits` bits is the value `d·2^(16−bits)/65535`, so a 16-bit file holds each value exactly.
 //!
-//! The per-pixel signal-to-noise ratio of an object on a background is `|x_object − x_background| / σ`, where σ is the
-//! standard deviation of one pixel in one frame at the mean `x` of the two levels: `σ² = (x·F + r²)/F² + q²/12` with
-//! the quantisation step `q`.
+//! The per-pixel signal-to-noise ratio of an object on a background is `|x_object − x_background| / σ`, with σ of one
+//! pixel at the mean `x` of both levels: `σ² = (x·F + r²)/F² + q²/12` for the quantisation step `q`.
 
 use super::check_snr;
 use super::random::Stream;
@@ -34,9 +33,8 @@ impl Camera {
         Self { full_scale_electrons: f64::INFINITY, read_noise_electrons: 0.0, black_level, bits: None }
     }
 
-    /// The camera whose exposure gives the per-pixel SNR `snr` between the signals `background` and `object`
-    /// (fractions of full scale above black), with the given read noise (electrons) and converter.
-    /// An infinite `snr` gives [`Self::noiseless`].
+    /// The camera whose exposure gives the per-pixel SNR `snr` between `background` and `object` (fractions of full
+    /// scale above black), with read noise (electrons) and converter; [`Self::noiseless`] for an infinite `snr`.
     ///
     /// # Errors
     /// When `snr` is not positive, or so high that rounding alone makes more noise.
@@ -91,9 +89,6 @@ impl Camera {
     }
 
     /// Captures one frame: `signal` (fractions of full scale above black) with black level, noise, rounding; in [0, 1].
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn capture(&self, signal: &Plane, stream: &mut Stream, monitor: &Monitor) -> Result<Plane, Cancelled> {
         let mut frame = signal.clone();
         for row in 0..frame.height() {
@@ -106,6 +101,7 @@ impl Camera {
     }
 
     fn capture_pixel(&self, signal: f64, stream: &mut Stream) -> f32 {
+        // A Poisson mean is not negative.
         let mut value = signal.max(0.0);
         if !self.is_noiseless() {
             let electrons =

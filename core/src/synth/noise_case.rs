@@ -1,8 +1,7 @@
 //! Noise as cameras and files produce it: bursts with one deviation from white noise.
 //!
-//! Every frame of a [`NoiseCase`] is a grey level with white Gaussian noise, except for the changes of the case. There
-//! are no objects, so every feature of such a burst is false. Values are floats without rounding unless the case is
-//! about files.
+//! Every frame of a [`NoiseCase`] is a grey level with white Gaussian noise, except for the changes of the case.
+//! Without objects, every feature is false. Values are floats without rounding unless the case is about files.
 
 use super::noise::{quantisation_step, quantised_word};
 use super::random::Stream;
@@ -136,11 +135,7 @@ impl NoiseCase {
         name
     }
 
-    /// Makes a burst of `frames` frames of `size` = (columns, rows) around half of full scale, with noise of standard
-    /// deviation `sigma` (fraction of full scale) unless the case changes it.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
+    /// A burst of `size` (columns, rows) around half of full scale, with noise of σ `sigma` (fraction of it).
     pub fn burst(
         self,
         size: (usize, usize),
@@ -152,11 +147,7 @@ impl NoiseCase {
         self.burst_at(Self::LEVEL, size, frames, sigma, seed, monitor)
     }
 
-    /// Makes a burst as [`Self::burst`] does, around the grey `level` (fraction of full scale) unless the case is about
-    /// black or white.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
+    /// A burst as of [`Self::burst`], around the grey `level` (fraction of full scale) where the case has no own.
     pub fn burst_at(
         self,
         level: f64,
@@ -168,6 +159,7 @@ impl NoiseCase {
     ) -> Result<Burst, Cancelled> {
         // Stream 0 is for the pattern shared by all frames; frame t has stream t + 1.
         let pattern = self.pattern(size, sigma, &mut Stream::new(seed, 0));
+        // A stream beyond those of the frames: gains change no noise.
         let mut exposures = Stream::new(seed, frames as u64 + 1);
         let mut planes: Vec<Plane> = Vec::with_capacity(frames);
         for t in 0..frames {
@@ -183,12 +175,14 @@ impl NoiseCase {
                 Self::GainFlicker => mapped(&frame, |x| (f64::from(x) * gain) as f32),
                 Self::Jpeg(quality) => through_jpeg(&[&frame], quality),
                 Self::ColourJpeg(quality) => {
+                    // Independent noise in each channel, as colours of a sensor have.
                     let [green, blue] =
                         [(); 2].map(|()| self.frame(size, (level, sigma), &pattern, (t, frames), stream));
                     through_jpeg(&[&frame, &green, &blue], quality)
                 }
                 Self::Correlated => with_shared_noise(&frame, level),
                 Self::ClippedBlack | Self::Saturated => mapped(&frame, |x| x.clamp(0.0, 1.0)),
+                // A filter over time, as of a camera that denoises: neighbouring frames share noise.
                 Self::Smoothed => match planes.last() {
                     Some(before) => {
                         let share = 0.8;
@@ -205,6 +199,7 @@ impl NoiseCase {
         }
         let mut burst = Burst::from_planes(self.name(), planes);
         if matches!(self, Self::Jpeg(_) | Self::ColourJpeg(_)) {
+            // All other cases are floats without rounding.
             burst.quantisation_step = quantisation_step(8) as f32;
         }
         Ok(burst)
@@ -303,6 +298,7 @@ impl std::str::FromStr for NoiseCase {
             let digit = |text: &str| text.parse::<u8>().ok().filter(|n| *n <= 9);
             digit(whole).zip(digit(part)).map(|(whole, part)| 10 * whole + part).filter(|n| *n > 0)
         };
+        // Names with a number first: `ALL` has only the numbers that are commonly measured.
         let found = (number("jpeg-", 1..=100).map(Self::Jpeg))
             .or_else(|| number("colour-jpeg-", 1..=100).map(Self::ColourJpeg))
             .or_else(|| number("varying-", 2..=9).map(Self::Varying))
@@ -338,6 +334,7 @@ fn mapped(plane: &Plane, value: impl FnMut(f32) -> f32) -> Plane {
 /// The frame after storage in an 8-bit JPEG file of `quality`: grey for one channel, the luma of three.
 fn through_jpeg(channels: &[&Plane], quality: u8) -> Plane {
     let (width, height) = channels[0].size();
+    // Rounded as a camera of 8 bits rounds.
     let byte = |x: f32| (quantised_word(f64::from(x), 8) >> 8) as u8;
     let bytes: Vec<u8> =
         (0..width * height).flat_map(|i| channels.iter().map(move |channel| byte(channel.data()[i]))).collect();

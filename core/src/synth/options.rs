@@ -5,7 +5,6 @@ use clap::builder::{PossibleValuesParser, TypedValueParser};
 use serde::de::DeserializeOwned;
 use std::ops::RangeInclusive;
 
-/// Help of the ratio of a chart or a scene.
 pub(super) const SNR_HELP: &str = "Signal-to-noise ratio of one pixel in one frame: the difference of the two levels over the standard deviation of the noise \
     at their mean; 'inf' makes no noise";
 
@@ -17,10 +16,7 @@ where
     PossibleValuesParser::new(words).try_map(|word| read_word::<T>(&word))
 }
 
-/// Reads a value of `T` from its word in a parameter file.
-///
-/// # Errors
-/// When `T` has no such word.
+/// Reads a value of `T` from its word in a parameter file; fails where `T` has no such word.
 pub fn read_word<T: DeserializeOwned>(word: &str) -> Result<T, serde_json::Error> {
     serde_json::from_value(serde_json::Value::String(word.to_owned()))
 }
@@ -30,10 +26,7 @@ pub fn motions() -> impl TypedValueParser<Value = Motion> {
     PossibleValuesParser::new(["1d", "2d"]).map(|word| if word == "2d" { Motion::TwoD } else { Motion::OneD })
 }
 
-/// Reads a range of finite numbers.
-///
-/// # Errors
-/// The text, with an example of what is right.
+/// Reads a range of finite numbers, `MIN:MAX`, or one number for both ends.
 pub fn parse_range(text: &str) -> Result<RangeInclusive<f64>, String> {
     let bad = || format!("'{text}' is not MIN:MAX, such as 3.6:19");
     let (low, high) = text.split_once(':').unwrap_or((text, text));

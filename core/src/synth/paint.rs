@@ -131,7 +131,6 @@ impl Sheet {
         });
     }
 
-    /// Calls `change(u, v, value, alpha)` for each sample within `bounds`; returns them as [`Self::used`] does.
     fn each(&mut self, bounds: Area, mut change: impl FnMut(f32, f32, &mut f32, &mut f32)) -> Option<[usize; 4]> {
         let s = OVERSAMPLING as f32;
         let clip = |x: f64, end: usize| x.clamp(0.0, end as f64) as usize;

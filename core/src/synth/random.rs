@@ -1,8 +1,7 @@
 //! Random numbers that are the same on every machine.
 //!
-//! The generator is ChaCha with 8 rounds, whose output for a seed and stream never changes. The distributions use only
-//! additions, multiplications, square roots and `libm`'s logarithm and exponential, so that the rounding of the
-//! system's own mathematics library cannot change a pixel.
+//! The generator is ChaCha with 8 rounds, whose output never changes. The distributions use only additions,
+//! multiplications, square roots and `libm`, so that no system's mathematics library can change a pixel.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
@@ -54,6 +53,7 @@ impl Stream {
                 return self.normal_tail(place < 0.0);
             }
             let x = place * edge;
+            // In the wedge beside the block: a height between its edges is compared with the curve.
             let upper = libm::exp(-0.5 * (edge * edge - x * x));
             let inner = ziggurat.edges[block + 1];
             let lower = libm::exp(-0.5 * (inner * inner - x * x));
@@ -115,6 +115,7 @@ impl Stream {
                 continue;
             }
             let count = ((2.0 * a / us + b) * u + mean + 0.43).floor();
+            // Most numbers are accepted here, without a logarithm.
             if us >= 0.07 && v <= v_r {
                 return count;
             }

@@ -1,7 +1,6 @@
 //! Layered scenes: textured planes at several depths, each with its own slope.
 //!
-//! The farthest layer fills the frame: relief, cracks and blobs. Each nearer one carries boards with rows of strokes
-//! like writing, with stripes, or with dots, which are the landmarks of the truth.
+//! The farthest layer fills the frame; nearer ones carry boards of writing, stripes, or dots, the truth's landmarks.
 
 use super::arm::Arm;
 use super::layer::{Layer, draw_layers, visible_landmarks};
@@ -61,7 +60,6 @@ pub struct SceneParams {
 }
 
 impl Default for SceneParams {
-    /// Four layers in 640×480 pixels, ten frames, horizontal slopes up to ±3 px/frame, per-pixel SNR 1.
     fn default() -> Self {
         Self {
             width: 640,
@@ -101,6 +99,7 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     }
     let mut camera = Camera::for_snr(params.snr, BOARD, MARK, params.read_noise, 0.0, params.bits)?;
     camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(1.0 / 64.0);
+    // Marks and noise above the pedestal must stay below white.
     if camera.black_level + 3.0 * MARK > 1.0 {
         return Err(Error::param(
             "snr",
@@ -119,6 +118,7 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     })?;
     let noise = (BOARD, Some(params.snr));
     let truth = Truth::captured(TruthKind::Scene, size, (params.frames, params.seed), &camera, noise);
+    // Seen in all frames of the even burst, so that an uneven one has the same things.
     let features = visible_landmarks(&layers, size, whole.offsets());
     let truth = taken.truth(Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth });
     let offsets = truth.offsets();
@@ -150,7 +150,7 @@ fn layer_slope(params: &SceneParams, index: usize, stream: &mut Stream) -> (f64,
     let u = along();
     match params.motion {
         Motion::OneD => (u, 0.0),
-        // For the vertical slopes the parts are taken in another order, so that the slopes do not lie on a line.
+        // The vertical parts go in steps of two, so that the slopes do not lie on a line.
         Motion::TwoD => {
             let other = (index * 2 + 1) % params.layers.max(1);
             (u, -params.max_slope + part * (other as f64 + stream.within(0.2, 0.8)))
@@ -171,6 +171,7 @@ fn paint_ground(layer: &mut Layer, seed: u64, stream: &mut Stream) {
     for _ in 0..count {
         let radius = stream.within(2.5, 9.0);
         let (u, v) = place_in(area, radius + 2.0, stream);
+        // Blobs apart from each other by several pixels are single features.
         if placed.iter().all(|p| (p.0 - u).hypot(p.1 - v) > p.2 + radius + 6.0) {
             placed.push((u, v, radius));
             let bright = stream.uniform() < 0.6;
@@ -189,6 +190,7 @@ fn paint_boards(layer: &mut Layer, params: &SceneParams, index: usize, stream: &
     let scale = (params.width.min(params.height) as f64 / 480.0).clamp(0.25, 4.0);
     let size = scale * (60.0 + 25.0 * index as f64);
     let area = layer.sheet.area();
+    // About a fifth of the sheet for each layer, so that farther ones stay visible.
     let covered = 0.22 * f64::from((area.u1 - area.u0) * (area.v1 - area.v0));
     let count = ((covered / (size * size)).round() as usize).clamp(1, 400);
     for number in 0..count {

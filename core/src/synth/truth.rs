@@ -33,12 +33,10 @@ pub struct Truth {
     pub frames: usize,
     /// Reference time, the mean of the frames' times, in frames: (N − 1)/2 for even ones.
     pub t0: f64,
-    /// Time of each frame, in frame intervals of the even burst; empty for even ones: 0, 1, 2, …. Where frames are
-    /// exchanged it is the time at which each was taken, which nothing else tells.
+    /// Time of each frame, in frame intervals; empty for even ones: 0, 1, 2, …. Of exchanged frames the true ones.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub times: Vec<f64>,
-    /// Column and row of each view of a light field from the first one, whose mean is the reference; empty for frames in
-    /// time.
+    /// Column and row of each view of a light field from the first one; their mean is the reference. Empty for frames.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub views: Vec<[f64; 2]>,
     /// Columns, from the left, that a thing which stands still hides in all frames; no feature is behind it.
@@ -80,8 +78,7 @@ pub struct NoiseTruth {
 const LARGEST: f64 = 1e6;
 
 impl Truth {
-    /// Truth of `frames` frames of `size` that `camera` captured over a `background` signal, without layers and
-    /// features.
+    /// Truth of `frames` frames of `size` that `camera` captured over a `background` signal; no layers, no features.
     pub(super) fn captured(
         kind: TruthKind,
         (width, height): (usize, usize),
@@ -111,6 +108,7 @@ impl Truth {
 
     /// Offset of each frame from the reference.
     pub fn offsets(&self) -> Vec<Offset> {
+        // Views that make no sense give none.
         let of_views = || Positions::of_views(&self.views).map(|positions| positions.offsets().to_vec());
         let time = |t: usize| self.times.get(t).copied().unwrap_or(t as f64) - self.t0;
         let of_times = || (0..self.frames).map(|t| time(t).into()).collect();
@@ -120,6 +118,7 @@ impl Truth {
     /// Time from the first to the last frame, frame intervals, or diameter of the grid of views.
     pub fn span(&self) -> f64 {
         match self.times[..] {
+            // Views have no times: their span is the grid's diameter.
             _ if !self.views.is_empty() => Positions::of_views(&self.views).map_or(0.0, |positions| positions.span()),
             [_, _, ..] => {
                 self.times.iter().copied().fold(f64::MIN, f64::max)
@@ -129,10 +128,7 @@ impl Truth {
         }
     }
 
-    /// Checks the numbers: a file may hold anything.
-    ///
-    /// # Errors
-    /// The first number that makes no sense, and its range.
+    /// Checks the numbers, as a file may hold anything; the error is the first that makes no sense, and its range.
     pub fn check(&self) -> Result<(), String> {
         let within = |name: &str, number: f64, range: RangeInclusive<f64>| {
             let (least, most) = (range.start(), range.end());
@@ -220,8 +216,7 @@ pub struct FeatureTruth {
 }
 
 impl FeatureTruth {
-    /// Position in a frame at an offset from the reference, for frames in time the number of frames after it: (column,
-    /// row) in pixels.
+    /// Position (column, row), pixels, in a frame at an offset from the reference: frames after it, or views.
     pub fn position(&self, at: impl Into<Offset>) -> (f64, f64) {
         let (du, dv) = at.into().displacement((self.slope_u, self.slope_v));
         (self.u + du, self.v + dv)

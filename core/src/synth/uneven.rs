@@ -1,8 +1,6 @@
-//! Positions of the frames of a synthetic burst: even times, or with frames left out, early and late, or exchanged; or
-//! the places of the views of a light field.
+//! Positions of a synthetic burst's frames: even, left out, early, late or exchanged; or places of views.
 //!
-//! Things that an even burst shows stay: an uneven one shows them at other times, so that it can be compared with the
-//! even one frame by frame.
+//! The things of an even burst stay: an uneven one shows them at other times, and can be compared frame by frame.
 
 use super::random::Stream;
 use super::truth::Truth;
@@ -59,8 +57,7 @@ impl Uneven {
     /// Frames that are taken of `frames` even ones, or of the views.
     ///
     /// # Errors
-    /// No frame would be left, there is no such frame, the jitter exchanges frames, not two frames are exchanged, or
-    /// views have times.
+    /// No frame would be left, there is no such frame, too much jitter, not two frames exchanged, or views with times.
     pub fn taken(&self, frames: usize, seed: u64) -> Result<Taken> {
         if self.views.is_some() {
             if !self.drop.is_empty() || self.jitter != 0.0 || !self.exchange.is_empty() {
@@ -81,15 +78,18 @@ impl Uneven {
         let (Some(&first), Some(&last)) = (kept.first(), kept.last()) else {
             return Err(Error::param("drop", "no frame would be left", "leave out fewer frames"));
         };
+        // A stream of its own: jitter changes no noise.
         let (mut stream, even) = (Stream::new(seed, JITTER_STREAM), Taken::even(frames));
         let at = |t: usize| {
             let is_end = t == first || t == last;
+            // The ends keep their times, and so the burst its span.
             let late = if is_end || self.jitter == 0.0 { 0.0 } else { stream.within(-self.jitter, self.jitter) };
             (t, Offset::from(even.frames[t].1.u + late))
         };
         let mut frames: Vec<_> = kept.into_iter().map(at).collect();
         match self.exchange[..] {
             [] => {}
+            // Each frame keeps its true time, which the truth reports.
             [a, b] if a != b && a.max(b) < frames.len() => frames.swap(a, b),
             _ => {
                 let remedy = format!("give two frames from 0 to {}, such as 1,2", frames.len() - 1);
@@ -118,14 +118,13 @@ impl Taken {
         Self { frames: positions.offsets().iter().copied().enumerate().collect(), is_even }
     }
 
-    /// Time of each frame, frame intervals of the even burst.
     fn times(&self) -> Vec<f64> {
+        // Exchanged frames are not in order: the first in time need not be the first in the list.
         let earliest = self.frames.iter().min_by(|(_, a), (_, b)| a.u.total_cmp(&b.u));
         let Some(&(first, at_first)) = earliest else { return Vec::new() };
         self.frames.iter().map(|(_, at)| at.u - at_first.u + first as f64).collect()
     }
 
-    /// Column and row of each view; empty for frames in time.
     fn views(&self) -> Vec<[f64; 2]> {
         let are_views = self.frames.iter().any(|(_, at)| at.v != 0.0);
         let places = self.frames.iter().map(|(_, at)| *at - self.frames[0].1);
@@ -140,7 +139,6 @@ impl Taken {
         positions.expect("frames follow one another, and views differ")
     }
 
-    /// The truth of these frames, at their mid-burst, from that of the even burst.
     pub(super) fn truth(&self, even: Truth) -> Truth {
         if self.is_even {
             return even;
@@ -149,6 +147,7 @@ impl Taken {
         if !views.is_empty() {
             return Truth { frames: self.frames.len(), views, ..even };
         }
+        // Features are given at mid-burst, which moves with the frames that are left out.
         let later = self.frames.iter().map(|(_, at)| at.u).sum::<f64>() / self.frames.len() as f64;
         let mut truth = Truth { frames: self.frames.len(), t0: even.t0 + later, times: self.times(), ..even };
         for feature in &mut truth.features {

@@ -26,7 +26,7 @@ impl Numbers for Dump {
         }
     }
 
-    /// By chance a file begins like another one: what it is, the options say.
+    /// A file may begin like another format by chance: the options alone decide.
     fn begins(&self, _start: &Start<'_>) -> bool {
         false
     }
@@ -63,7 +63,7 @@ pub(super) fn without_shape(path: &Path, length: u64, limits: &Limits) -> Error 
 /// A shape that fills a file without header, with its first frame.
 #[derive(Debug, Clone)]
 pub struct LikelyShape {
-    /// The shape.
+    /// Size, type of the numbers and bytes to skip, as `--raw` takes them.
     pub dump: Shape,
     /// Number of frames that it gives.
     pub frames: u64,
@@ -73,8 +73,7 @@ pub struct LikelyShape {
     pub likeness: f32,
 }
 
-/// Shapes of usual sensors that fill the file at `path`, those first whose rows resemble one another most: of a wrong
-/// width neighbours in a column are no neighbours in the picture. No more than the first frames are read.
+/// Shapes of usual sensors that fill the file at `path`, best first by the likeness of neighbouring rows.
 ///
 /// # Errors
 /// A file that cannot be read, or cancellation.
@@ -86,6 +85,7 @@ pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<
     for (dump, frames) in Shape::likely(length, limits.max_frames as u64) {
         let Shape { size, number, skip, .. } = dump;
         let one = Plain::new(NAME, size, vec![skip], number);
+        // A wrong shape shows in the first frame already.
         let Some(frame) = one.stack(Reading::new(path, &options, &ticker))?.into_iter().next() else { continue };
         let likeness = likeness_of_rows(&frame.plane);
         shapes.push(LikelyShape { dump, frames, first: frame.plane, likeness });
@@ -94,16 +94,17 @@ pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<
     Ok(shapes)
 }
 
-/// Correlation of the rows of the upper half with the next ones, less that with rows that are far; −1 for values that
-/// no camera gives.
+/// Correlation of the upper half's rows with the next ones, less that with far rows; −1 for values of no camera.
 fn likeness_of_rows(plane: &Plane) -> f32 {
     let (width, height) = plane.size();
+    // Bytes read as floats of a wrong type give tiny, infinite or undefined values.
     let sound = plane.data().iter().filter(|x| x.is_finite() && (x.abs() > 1e-20 || **x == 0.0)).count();
     if height < 4 || 10 * sound < 9 * width * height {
         return -1.0;
     }
     let correlation = |by: usize| {
         let (mut ab, mut aa, mut bb) = (0.0, 0.0, 0.0);
+        // Rows of the upper half, so that the row half a height below exists.
         for v in 0..height / 2 {
             let (a, b) = (plane.row(v), plane.row(v + by));
             let mean = |row: &[f32]| row.iter().map(|x| f64::from(*x)).sum::<f64>() / width as f64;
@@ -115,6 +116,7 @@ fn likeness_of_rows(plane: &Plane) -> f32 {
         }
         if aa * bb > 0.0 { (ab / (aa * bb).sqrt()) as f32 } else { 0.0 }
     };
+    // Columns of a constant pattern correlate at any distance, in a wrong width too: far rows take that share away.
     correlation(1) - correlation(height / 2).max(0.0)
 }
 

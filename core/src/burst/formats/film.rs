@@ -1,5 +1,4 @@
-//! Films, decoded by the `ffmpeg` of this machine: it writes them to a pipe with all bits of their luma, as Y4M, or with
-//! their colours, as PPM, where they are RGB.
+//! Films, decoded by this machine's `ffmpeg` into a pipe: luma with all its bits as Y4M, or RGB colours as PPM.
 //!
 //! The program is started without a shell, may read this file alone and no address of a network, and is killed when the
 //! work is cancelled. Its words are an error, also where it ends well. Memory holds the frames and a block of the pipe.
@@ -62,8 +61,7 @@ impl Format for Film {
     }
 }
 
-/// Name that `ffmpeg` has for the container of a video that begins with `start`: MP4 and QuickTime (but not HEIF, which
-/// is a picture in the same container), Matroska and WebM, AVI, MPEG, Flash, Windows Media, GIF.
+/// Name in `ffmpeg` of the container that begins with `start`; none for HEIF, a picture in MP4's container.
 fn container(start: &[u8]) -> Option<&'static str> {
     let at = |place: usize, magic: &[u8]| start.get(place..).is_some_and(|rest| rest.starts_with(magic));
     let is_picture = [&b"hei"[..], b"hev", b"mif1", b"msf1", b"avi"].iter().any(|brand| at(8, brand));
@@ -90,20 +88,18 @@ fn container(start: &[u8]) -> Option<&'static str> {
 const PIXELS: &str = "format=gray|gray9le|gray10le|gray12le|gray16le|yuv411p|yuv420p|yuv422p|yuv444p|yuvj420p|yuvj422p|\
     yuvj444p|yuv420p9le|yuv422p9le|yuv444p9le|yuv420p10le|yuv422p10le|yuv444p10le|yuv420p12le|yuv422p12le|yuv444p12le|\
     yuv420p14le|yuv422p14le|yuv444p14le|yuv420p16le|yuv422p16le|yuv444p16le";
-/// Formats of colours that PPM holds.
 const COLOURS: &str = "rgb24|rgb48be";
-/// Arguments that decode each frame once, without the formats of pixels; before version 5.1 `ffmpeg` knows the first by
-/// another name.
+/// Arguments that decode each frame once, without pixel formats; `ffmpeg` before 5.1 knows the first by another name.
 const FRAMES: [&str; 3] = ["-fps_mode", "passthrough", "-vf"];
 const AS_Y4M: [&str; 5] = ["-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
 const AS_PPM: [&str; 5] = ["-c:v", "ppm", "-f", "image2pipe", "pipe:1"];
-/// Arguments that list frames and times without decoding.
 const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
 
 /// The `ffmpeg` that is found first in `PATH`; the error says the command that keeps the bits.
 fn ffmpeg(path: &Path) -> Result<PathBuf> {
     let name = format!("ffmpeg{}", std::env::consts::EXE_SUFFIX);
     let folders = std::env::var_os("PATH").unwrap_or_default();
+    // A relative folder in `PATH` could run a program that lies beside the film.
     let found = std::env::split_paths(&folders).filter(|folder| folder.is_absolute()).map(|folder| folder.join(&name));
     found.into_iter().find(|program| program.is_file()).ok_or_else(|| missing(path))
 }
@@ -135,8 +131,7 @@ fn run<T>(
     run_once(path, (&arguments, most), options, monitor, &read)
 }
 
-/// Runs `ffmpeg` over at most `most` frames of the film `path` and reads what it writes, to its end. The container is
-/// named, so that no pattern in the name of the file stands for others.
+/// Runs `ffmpeg` on the first `most` frames of `path`. The container is named: a file's name may look like a pattern.
 fn run_once<T>(
     path: &Path,
     (arguments, most): (&[&str], usize),
@@ -165,11 +160,13 @@ fn run_once<T>(
     let mut running = Running::spawn(command, path)?;
     let (stdin, stdout, stderr) = running.pipes();
     drop(stdin);
+    // Both pipes are read at once: a full one would stop the program.
     let (answer, words) = std::thread::scope(|scope| {
         let words = scope.spawn(move || last_words(stderr));
         let mut reader = BufReader::with_capacity(1 << 16, stdout);
         let answer = running.watched(path, monitor, None, || {
             let answer = read(&mut reader)?;
+            // Read to the end: a closed pipe would look like a failure of the program.
             io::copy(&mut reader, &mut io::sink()).map_err(|e| Error::from_read(path, KIND, &e))?;
             Ok::<_, Error>(answer)
         });
@@ -183,7 +180,7 @@ fn run_once<T>(
     match answer? {
         // A limit, or a value that is not finite, is not the program's failure.
         Err(error) if words.is_empty() || error.kind != ErrorKind::Damaged => Err(error),
-        // It goes on after damage, and ends well.
+        // `ffmpeg` goes on after damage, and ends well.
         Ok(answer) if ended_well && (words.is_empty() || options.accept_damaged) => Ok(answer),
         Ok(_) if ended_well => {
             Err(said(path, &words, "--accept-damaged takes the frames that it decodes all the same"))
@@ -198,7 +195,7 @@ fn said(path: &Path, words: &str, remedy: &str) -> Error {
     Error::new(ErrorKind::Damaged, format!("ffmpeg does not decode this film, and says: {words}"), remedy).about(path)
 }
 
-/// The first line that is written to `stderr`; the others are read too, so that their writer never waits.
+/// The first line written to `stderr`; the rest is read too, so that the writer never waits.
 fn last_words(stderr: impl Read) -> String {
     const MAX_WORDS_BYTES: u64 = 2000;
     let mut stderr = stderr;
@@ -208,8 +205,7 @@ fn last_words(stderr: impl Read) -> String {
     String::from_utf8_lossy(&words).lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
 }
 
-/// Reads the first `most` frames as `ffmpeg` writes them, with whether they are PPM: they are where the nearest format of
-/// pixels is one that Y4M does not hold.
+/// Reads the first `most` frames as Y4M, or as PPM (`read` gets true) where Y4M has no pixel format near the film's.
 fn run_frames<T>(reading: Reading<'_>, most: usize, read: impl Fn(&mut dyn BufRead, bool) -> Result<T>) -> Result<T> {
     let Reading { path, options, ticker, .. } = reading;
     let [nearest, colours] = [format!("{PIXELS}|{COLOURS}"), format!("format={COLOURS}")];
@@ -222,7 +218,6 @@ fn run_frames<T>(reading: Reading<'_>, most: usize, read: impl Fn(&mut dyn BufRe
     run(path, (&as_ppm, most), options, ticker.monitor(), |reader| read(reader, true))
 }
 
-/// A film in a pipe.
 enum Piped {
     Y4m(Stream),
     Ppm(PpmHeader),
@@ -260,12 +255,10 @@ impl Piped {
         }
     }
 
-    /// Bytes of a frame that are left out.
     fn rest_bytes(&self) -> u64 {
         if let Self::Y4m(film) = self { film.rest_bytes() } else { 0 }
     }
 
-    /// `count` frames, wherever they are.
     fn plain(&self, count: usize) -> Plain {
         match self {
             Self::Y4m(film) => film.plain(vec![0; count]),
@@ -278,7 +271,6 @@ impl Piped {
     }
 }
 
-/// Size, number of frames and times, without decoding more than the first.
 fn declared(reading: Reading<'_>) -> Result<Declared> {
     let Reading { path, options, ticker, .. } = reading;
     let monitor = ticker.monitor();
@@ -294,8 +286,7 @@ fn declared(reading: Reading<'_>) -> Result<Declared> {
     Ok(Declared { kind: KIND, times, ..plain.declared() })
 }
 
-/// Times of the frames of a list: lines of words, and of a stream's number, two times, a duration, a length and a
-/// checksum for each frame.
+/// Times in a list of frames, each a line: number of the stream, two times, duration, length and checksum.
 fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result<Times> {
     let (mut unit_s, mut seconds) = (1.0, Vec::new());
     for line in reader.take(1 << 26).lines() {
@@ -316,7 +307,7 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
             options.limits.check_burst(path, seconds.len() as u64, 1, 1)?;
         }
     }
-    // Packets come in the order of decoding.
+    // Packets come in the order of decoding, not of display.
     seconds.sort_by(f64::total_cmp);
     let first = *seconds.first().ok_or_else(|| Error::corrupt(path, KIND, "ffmpeg finds no frame in it"))?;
     seconds.iter_mut().for_each(|time| *time -= first);
@@ -325,6 +316,7 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
 
 fn frames(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
     let Reading { path, options, .. } = reading;
+    // `ffmpeg` decodes from the start: frames before the range are read and dropped.
     let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
     run_frames(reading, range.end, |mut reader, is_ppm| {
         let film = Piped::read(path, reader, is_ppm)?;

@@ -1,6 +1,5 @@
-//! FITS images: two axes, or three of which the last is that of the frames, of any type, scaled by BSCALE and BZERO;
-//! as numbers, or compressed in tiles that lie in the rows of a table (`fpack`). Of several images in a file the first
-//! is taken, or the one whose EXTNAME or number is named.
+//! FITS images: two axes, or three with the frames last, of any type, scaled by BSCALE and BZERO; as numbers, or as
+//! tiles in the rows of a table (`fpack`). Of several images the first is taken, or the one that is named or numbered.
 //!
 //! Rows are in the file's order, as astropy reads them; many programs show the first one at the bottom. Format: the
 //! FITS standard 4.0, <https://fits.gsfc.nasa.gov/fits_standard.html>; tiles are section 10 of it.
@@ -21,7 +20,6 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 const KIND: &str = "FITS";
-/// First bytes of every file.
 const MAGIC: &[u8] = b"SIMPLE  =";
 const BLOCK_BYTES: u64 = 2880;
 const CARD_BYTES: usize = 80;
@@ -30,9 +28,8 @@ const MAX_CARDS: usize = 1 << 14;
 const MAX_UNITS: usize = 1 << 12;
 /// Bytes of data that are added up at a time; a multiple of a word.
 const SUMMED_BYTES: u64 = 1 << 20;
-/// Largest number of axes of the standard.
 const MAX_AXES: u64 = 999;
-/// Values of CTYPE3 of axes that are no time begin with these.
+/// Beginnings of CTYPE3 for axes that are not time.
 const NOT_TIME: [&str; 12] =
     ["FREQ", "WAVE", "AWAV", "VELO", "VRAD", "VOPT", "ZOPT", "ENER", "LAMB", "STOKES", "FELO", "BETA"];
 
@@ -71,7 +68,6 @@ impl Numbers for Fits {
     }
 }
 
-/// Header of an image, or of another unit of a file.
 struct Unit {
     cards: Vec<Card>,
     data: u64,
@@ -84,7 +80,6 @@ struct Unit {
 }
 
 impl Unit {
-    /// Reads the header at the reader's place.
     fn read(path: &Path, reader: &mut (impl Read + Seek)) -> Result<Self> {
         let fail = |e: io::Error| Error::from_read(path, KIND, &e);
         let corrupt = |reason: String| Error::corrupt(path, KIND, reason);
@@ -92,6 +87,7 @@ impl Unit {
         let mut card = [0; CARD_BYTES];
         for count in 0.. {
             reader.read_exact(&mut card).map_err(fail)?;
+            // A header without END would be read to the end of the file.
             if count >= MAX_CARDS {
                 return Err(corrupt(format!("a header has no END within {MAX_CARDS} lines")));
             }
@@ -122,9 +118,11 @@ impl Unit {
         let bits = unit.whole(path, "BITPIX")?.ok_or_else(|| corrupt("BITPIX is missing".to_owned()))?.unsigned_abs();
         let values =
             if axes.is_empty() { 0 } else { axes.iter().fold(1u64, |product, length| product.saturating_mul(*length)) };
+        // Bytes of a unit, by the standard: |BITPIX| / 8 · GCOUNT · (PCOUNT + product of the axes).
         let (pcount, gcount) = (positive("PCOUNT")?.unwrap_or(0), positive("GCOUNT")?.unwrap_or(1));
         let bytes = values.saturating_add(pcount).saturating_mul(gcount).saturating_mul(bits / 8);
         let is_tiled = unit.text("XTENSION") == Some("BINTABLE") && unit.value("ZIMAGE") == Some(&Value::Logical(true));
+        // A table of tiles keeps the image's axes under names with a Z.
         let image = if is_tiled { axes_of("Z")? } else { axes.clone() };
         Ok(Self { own_axes: axes, axes: image, is_tiled, bytes, ..unit })
     }
@@ -142,7 +140,6 @@ impl Unit {
         }
     }
 
-    /// A whole number; an error names the keyword.
     fn whole(&self, path: &Path, name: &str) -> Result<Option<i64>> {
         match self.value(name) {
             None => Ok(None),
@@ -196,6 +193,7 @@ impl Unit {
         let mut taken = Vec::new();
         let axis = self.text("CTYPE3").unwrap_or_default().trim();
         let chosen = options.axis.as_ref().map(|axis| axis.along);
+        // Three pictures may be colours or frames: the options or the header decide, else the user is asked.
         let is_named = axis.to_uppercase().starts_with("RGB") || axis.eq_ignore_ascii_case("COLOR");
         let are_colours = frames == 3 && (chosen == Some(Axis::C) || chosen.is_none() && is_named);
         let is_said = NOT_TIME.iter().any(|start| axis.starts_with(start)) || axis.to_uppercase().starts_with("TIME");
@@ -217,6 +215,7 @@ impl Unit {
         }
         let factor = self.number(path, "BSCALE")?.unwrap_or(1.0);
         let offset = self.number(path, "BZERO")?.unwrap_or(0.0);
+        // Tiles have a blank of their own where the image has none.
         let blank = match self.number(path, "BLANK")? {
             None if self.is_tiled => self.number(path, "ZBLANK")?,
             given => given,
@@ -235,6 +234,7 @@ impl Unit {
         let (places, tiles) = if self.is_tiled {
             let place = (self.data, length);
             let tiles = Tiles::of(path, &self.cards, &self.own_axes, shape, place, &options.limits)?;
+            // Places of a tiled image are numbers of pictures, not bytes.
             (Places::Even { first: 0, step: 1, count: frames }, Some(tiles))
         } else {
             (Plain::places_in(path, KIND, shape, (self.data, step, length), &options.limits)?, None)
@@ -254,8 +254,7 @@ impl Unit {
         Ok(Plain { places, planes: step, ..plain })
     }
 
-    /// Compares DATASUM, the sum of the data with its padding: words of 32 bits, where what is carried out is added
-    /// again (FITS standard, 4.4.2.7).
+    /// Compares DATASUM, the sum of the padded data in words of 32 bits with carries added (FITS standard, 4.4.2.7).
     fn verify(&self, mut file: &File, reading: Reading<'_>) -> Result<()> {
         let Some(stated) = self.text("DATASUM").and_then(|text| text.trim().parse::<u32>().ok()) else { return Ok(()) };
         let fail = |e: io::Error| Error::from_read(reading.path, KIND, &e);
@@ -267,11 +266,12 @@ impl Unit {
             let words =
                 block.chunks_exact(4).map(|word| u64::from(u32::from_be_bytes([word[0], word[1], word[2], word[3]])));
             sum += words.sum::<u64>();
+            // Carries are folded back after each block, so that the sum never overflows.
             sum = (sum >> 32) + (sum & u64::from(u32::MAX));
             block.clear();
         }
         sum = (sum >> 32) + (sum & u64::from(u32::MAX));
-        // Zero has two forms.
+        // Zero has two forms in ones' complement, so sums are compared modulo 2³² − 1.
         if sum % u64::from(u32::MAX) == u64::from(stated) % u64::from(u32::MAX) || reading.options.accept_damaged {
             return Ok(());
         }
@@ -281,7 +281,6 @@ impl Unit {
         Err(Error::new(ErrorKind::Damaged, problem, remedy).about(reading.path))
     }
 
-    /// Mosaic of colours at the corner of the frames as they are read.
     fn mosaic(&self) -> Option<Mosaic> {
         let pattern = self.text("BAYERPAT").or_else(|| self.text("COLORTYP"))?.trim().to_uppercase();
         let named = [("RGGB", Mosaic::Rggb), ("GRBG", Mosaic::Grbg), ("GBRG", Mosaic::Gbrg), ("BGGR", Mosaic::Bggr)];
@@ -291,7 +290,7 @@ impl Unit {
             Some(Value::Float(number)) => (*number as i64).rem_euclid(2) == 1,
             _ => false,
         };
-        // A pattern is that of the upper left corner; where the file's last row is the upper one, rows change places.
+        // Patterns begin at the upper left corner: in a file from the lowest row up, an even number of rows swaps them.
         let is_upside_down = self.text("ROWORDER").is_some_and(|order| order.trim().eq_ignore_ascii_case("BOTTOM-UP"));
         let is_even = self.axes[1].is_multiple_of(2);
         if offset("XBAYROFF") {
@@ -333,6 +332,7 @@ fn chosen(path: &Path, input: &Input, options: &OpenOptions) -> Result<(Unit, us
     let fail = |e: io::Error| Error::from_read(path, KIND, &e);
     let mut reader = BufReader::with_capacity(BLOCK_BYTES as usize, &input.file);
     let (mut images, mut at) = (Vec::<Unit>::new(), 0u64);
+    // Units follow one another by their declared lengths, in a damaged file perhaps without end.
     for _ in 0..MAX_UNITS {
         reader.seek(SeekFrom::Start(at)).map_err(fail)?;
         let unit = Unit::read(path, &mut reader)?;
@@ -340,7 +340,7 @@ fn chosen(path: &Path, input: &Input, options: &OpenOptions) -> Result<(Unit, us
         if unit.is_image() {
             images.push(unit);
         }
-        // What is behind the last unit is nobody's, and so is a part of a block.
+        // Bytes behind the last unit, and a part of a block, belong to no unit.
         if at.saturating_add(BLOCK_BYTES) > input.length {
             break;
         }
@@ -349,6 +349,7 @@ fn chosen(path: &Path, input: &Input, options: &OpenOptions) -> Result<(Unit, us
         let (problem, remedy) = ("this FITS file has no image", "name one with an image of two or three axes");
         return Err(Error::new(ErrorKind::Unsupported, problem, remedy).about(path));
     }
+    // The name first, which may be a number too.
     let number = match &options.array {
         None => 0,
         Some(name) => {

@@ -60,8 +60,7 @@ static ALL: &[&dyn Format] = &[
     &toy::Toy,
 ];
 
-/// Formats of files of one folder of which those of the first rank that is there are frames: beside pictures lie films
-/// of them, results and lists.
+/// Rank of a format in a folder: the frames are the files of the first rank there, beside results, films and lists.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 pub(super) enum Rank {
     Picture,
@@ -69,10 +68,10 @@ pub(super) enum Rank {
     Other,
 }
 
-/// What is told of a format: a row of the guide's table.
+/// Facts about a format: a row of the guide's table.
 #[derive(Debug, Clone, Copy)]
 pub struct FormatRecord {
-    /// Its name in messages, unique.
+    /// Name in messages, unique.
     pub name: &'static str,
     pub(super) rank: Rank,
     /// Extensions of its files, lower case.
@@ -90,7 +89,6 @@ pub fn file_formats() -> impl Iterator<Item = FormatRecord> {
     ALL.iter().map(|format| format.record())
 }
 
-/// Beginning of a file, by which its format is told.
 pub(super) struct Start<'a> {
     pub path: &'a Path,
     /// The first bytes, at most 32.
@@ -132,7 +130,7 @@ pub(super) trait Format: Sync {
         Ok(1)
     }
 
-    /// What the file says before any pixel is read, with the limits checked.
+    /// Declarations before any pixel is read; the limits are checked.
     fn declared(&self, input: Input, reading: Reading<'_>) -> Result<Declared>;
 
     /// Times that the file gives for its frames; by default those of photographs. Decodes nothing.
@@ -140,7 +138,6 @@ pub(super) trait Format: Sync {
         Ok(exif::times(reading.path))
     }
 
-    /// The frames that are to be taken.
     fn frames(&self, input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
         alone(reading, self.only(input, reading)?)
     }
@@ -154,11 +151,9 @@ pub(super) trait Format: Sync {
     }
 }
 
-/// A format whose pixels lie in the file as plain numbers.
 pub(super) trait Numbers: Sync {
     fn record(&self) -> Record;
 
-    /// Whether files that begin so are of this format.
     fn begins(&self, start: &Start<'_>) -> bool;
 
     fn is_asked_for(&self, _start: &Start<'_>, _options: &OpenOptions) -> bool {
@@ -214,7 +209,6 @@ impl<N: Numbers> Format for N {
     }
 }
 
-/// The frames that are to be taken.
 fn part_of(format: &impl Numbers, input: Input, reading: Reading<'_>) -> Result<Plain> {
     let Reading { path, options, .. } = reading;
     format.plain(input, path, &options.of_whole())?.part(path, options)
@@ -224,17 +218,14 @@ fn has_extension(path: &Path, extensions: &[&str]) -> bool {
     path.extension().is_some_and(|own| extensions.contains(&&*own.to_string_lossy().to_lowercase()))
 }
 
-/// Format whose extension the file has.
 fn named(path: &Path) -> Option<&'static dyn Format> {
     ALL.iter().copied().find(|format| has_extension(path, format.record().extensions))
 }
 
-/// Extensions (lower case) of all files that this program can open.
 pub(super) fn extensions() -> impl Iterator<Item = &'static str> {
     ALL.iter().flat_map(|format| format.record().extensions.iter().copied())
 }
 
-/// Rank of a file in its folder, by its name; `None` for files that cannot be opened.
 pub(super) fn rank(path: &Path) -> Option<Rank> {
     if ALL.iter().any(|format| format.has_name(path)) {
         return Some(Rank::Film);
@@ -256,6 +247,7 @@ fn found(path: &Path, options: &OpenOptions) -> Result<(&'static dyn Format, Inp
     let mut bytes = Vec::with_capacity(32);
     (&mut file).take(32).read_to_end(&mut bytes).map_err(read_error)?;
     let start = Start { path, bytes: &bytes, length, file: &file };
+    // Options come first: a file without header may begin like any format.
     let asked = ALL.iter().find(|format| format.is_asked_for(&start, options));
     let format = asked.or_else(|| ALL.iter().find(|format| format.begins(&start)));
     let format = *format.ok_or_else(|| unknown(&start, &options.limits))?;
@@ -263,8 +255,7 @@ fn found(path: &Path, options: &OpenOptions) -> Result<(&'static dyn Format, Inp
     Ok((format, Input { file, length }))
 }
 
-/// Does `work` with the format of the file that is read, and the file. A panic in a decoder, and memory that the system
-/// refuses it, become errors about the file.
+/// Does `work` with the format and the file. A decoder's panic or refused memory becomes an error about the file.
 fn with_format<T>(
     reading: Reading<'_>,
     pages: usize,
@@ -314,7 +305,6 @@ const ROS: &str = "save its pictures as an array: python3 -c \"import sys, numpy
      for c, _, m in r.messages() if c.topic == 'TOPIC'])\" FILE";
 const MICROSCOPE: &str = "convert it to OME-TIFF: bfconvert FILE frames.ome.tiff";
 
-/// Error for a file that is no format that can be read.
 fn unknown(start: &Start<'_>, limits: &Limits) -> Error {
     let Start { path, bytes, length, .. } = *start;
     // A PNG's signature is made to show a transfer as text, which changes it.
@@ -362,7 +352,6 @@ pub(super) fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize> {
     Ok(with_format(reading, PAGES, |format, input| format.count(input, reading))?.0)
 }
 
-/// What the file declares, checked against the limits.
 pub(super) fn declared(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Declared> {
     let ticker = Ticker::new(monitor, 1);
     let reading = Reading::new(path, options, &ticker);
@@ -385,7 +374,6 @@ fn misnamed(path: &Path, format: &'static str) -> Option<&'static str> {
     (named.name != format && named.name != dump::NAME).then_some(format)
 }
 
-/// Times that the file gives for its frames. Decodes nothing.
 pub(super) fn times(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Times> {
     let ticker = Ticker::new(monitor, 1);
     let reading = Reading::new(path, options, &ticker);
@@ -398,7 +386,6 @@ pub(super) fn frame(reading: Reading<'_>) -> Result<RawFrame> {
     finished(reading, name, frame)
 }
 
-/// The frames of a file that are to be taken, with their mosaic binned.
 pub(super) fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
     let (frames, name) = with_format(reading, usize::MAX, |format, input| format.frames(input, reading))?;
     frames.into_par_iter().map(|frame| finished(reading, name, frame)).collect()
@@ -409,7 +396,6 @@ fn finished(reading: Reading<'_>, name: &'static str, frame: RawFrame) -> Result
     with_mosaic(reading.path, frame, reading.options)
 }
 
-/// The frame of a file that has one, where it is to be taken.
 fn alone(reading: Reading<'_>, frame: RawFrame) -> Result<Vec<RawFrame>> {
     reading.ticker.tick();
     reading.options.taken(reading.path, vec![frame], (1, 1))

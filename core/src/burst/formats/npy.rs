@@ -1,5 +1,4 @@
-//! `.npy` arrays, of any integer or float type in either byte order, in C or Fortran order: a stack, one frame, with or
-//! without colours. Booleans become 0 and 1. Of `.npz` archives one array is taken.
+//! `.npy` arrays of integers, floats or booleans, C or Fortran order: a stack or a frame. Of an `.npz` one is taken.
 //!
 //! The header is a Python dictionary such as `{'descr': '<u2', 'fortran_order': False, 'shape': (10, 480, 640), }`. It
 //! is read here rather than by a library, because a stack is read frame by frame, and because a hostile header must
@@ -70,7 +69,6 @@ impl Numbers for Npz {
 /// Largest header allowed, bytes. Longer ones are of structured arrays, which are no pictures.
 const MAX_HEADER_BYTES: usize = 4096;
 
-/// Code of each type in the header.
 const DTYPES: [(&str, Number); 12] = [
     ("b1", Number::Bool),
     ("u1", Number::U8),
@@ -91,12 +89,10 @@ struct ArrayHeader {
     descr: String,
     fortran_order: bool,
     shape: Vec<u64>,
-    /// Bytes before the values.
     data_offset: u64,
 }
 
 impl ArrayHeader {
-    /// Reads the header with which `reader` begins; `kind` is the name of the file's kind.
     fn read(path: &Path, kind: &str, reader: &mut impl Read) -> Result<Self> {
         let corrupt = |reason: &str| Error::corrupt(path, kind, reason);
         let fail = |e: std::io::Error| Error::from_read(path, kind, &e);
@@ -108,6 +104,7 @@ impl ArrayHeader {
         let (mut header_bytes, mut data_offset) = (usize::from(u16::from_le_bytes([start[8], start[9]])), 10);
         match start[6] {
             1 => {}
+            // Versions 2 and 3 have a length of four bytes.
             2 | 3 => {
                 let mut high = [0u8; 2];
                 reader.read_exact(&mut high).map_err(fail)?;
@@ -126,7 +123,7 @@ impl ArrayHeader {
         Ok(Self { descr, fortran_order, shape, data_offset: data_offset + header_bytes as u64 })
     }
 
-    /// Whether it has the number of axes that frames have.
+    /// Whether the axes and the type can be those of frames.
     fn is_of_frames(&self) -> bool {
         (2..=5).contains(&self.shape.len()) && DTYPES.iter().any(|(code, _)| self.descr.get(1..) == Some(*code))
     }
@@ -176,10 +173,12 @@ impl ArrayHeader {
         let step = number.bytes(height.saturating_mul(width).saturating_mul(channels));
         let bytes = (self.data_offset, step, length);
         let places = Plain::places_in(path, kind, (frames, height, width), bytes, &options.limits)?;
+        // Fastest index first, as the values lie in the file: Fortran's order has it so already.
         if !self.fortran_order {
             indices.reverse();
         }
         let in_order = [Index::Colour, Index::Column, Index::Row, Index::Frame];
+        // An axis of length 1 does not change the order in the file.
         let is_in_order = indices
             .iter()
             .filter(|(_, length)| *length > 1)
@@ -194,7 +193,6 @@ impl ArrayHeader {
     }
 }
 
-/// First bytes of every array.
 const MAGIC: &[u8] = b"\x93NUMPY";
 
 /// Axes of an array as indices with their lengths, and a word about what was guessed.
@@ -203,8 +201,7 @@ type Meaning = (Vec<(Index, u64)>, Option<String>);
 /// Least number of columns of views in an array that is taken for a light field unasked: fewer may be colours.
 const MIN_COLUMNS: u64 = 5;
 
-/// Grid of views of an array [rows, columns, v, u] or [rows, columns, v, u, colours], and the shape of its frames one
-/// after the other. One of four axes has to be what `views` says, or what no stack of frames is.
+/// Grid of views of an array [rows, columns, v, u] (and colours), and its shape as a stack; four axes may need `views`.
 fn axes_of_views(shape: &[u64], views: Option<ViewsChoice>) -> Option<(ViewGrid, Vec<u64>)> {
     let [rows, columns, frame @ ..] = shape else { return None };
     let grid = ViewGrid::new(usize::try_from(*rows).ok()?, usize::try_from(*columns).ok()?)?;
@@ -242,6 +239,7 @@ fn meaning(shape: &[u64], axis: Option<&AxisChoice>) -> Result<Meaning, String> 
             let words = "the last axis, which is by far the shortest, is taken for that of the frames; --axis first takes the first";
             (&[Row, Column, Frame], Some(words.to_owned()))
         }
+        // The order that numpy.stack makes of frames.
         [_, _, _] => (&[Frame, Row, Column], None),
         [_, 1, _, _] => (&[Frame, Colour, Row, Column], None),
         [_, _, _, 1] => (&[Frame, Row, Column, Colour], None),
@@ -297,7 +295,6 @@ fn quoted(text: &str) -> Option<(&str, &str)> {
 
 /// Most bytes to which a deflated byte unpacks.
 const MOST_OF_BYTE: u64 = 1032;
-/// Largest number of members that are looked at.
 const MAX_MEMBERS: usize = 256;
 
 /// The array of an `.npz` archive, stored or deflated, that the options name, or the only one that can be frames.
@@ -331,6 +328,7 @@ fn of_archive(path: &Path, file: File, options: &OpenOptions) -> Result<Plain> {
         let remedy = format!("say with --array NAME which one holds the frames: {}", all.join(", "));
         Error::new(ErrorKind::Unsupported, problem, remedy).about(path)
     };
+    // A named array is taken whatever it looks like; unasked, exactly one must look like frames.
     let chosen = match &options.array {
         Some(array) => {
             let named = found.iter().find(|(name, ..)| name == array);

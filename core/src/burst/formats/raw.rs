@@ -1,9 +1,8 @@
 //! Raw frames: a sensor's own values, by `rawler` (DNG, and the other formats that it knows).
 //!
 //! Squares of the mosaic become pixels. Values under black stay negative; nothing is stretched, balanced or clipped.
-//! The active area is taken, not the crop that the camera recommends. The black and white levels,
-//! which become 0 and 1, are the file's unless given; black may differ by colour, column and row (DNG's
-//! `BlackLevelDeltaH` and `BlackLevelDeltaV`).
+//! The sensor's active area is taken, not the camera's crop. Black and white levels, which become 0 and 1, are the
+//! file's unless given; black may differ by colour, column and row (DNG's `BlackLevelDeltaH` and `BlackLevelDeltaV`).
 
 use super::tiff::directories::{Directories, OF_SENSORS, begins as is_tiff};
 use super::tiff::is_of_sensor;
@@ -65,7 +64,6 @@ impl Format for Raw {
     }
 }
 
-/// Largest number of pixels that a picture in the file can have.
 fn declared_pixels(input: &Input, reading: Reading<'_>) -> Result<u64> {
     let failed = |e| Error::from_read(reading.path, NAME, &e);
     let mut start = [0; 4];
@@ -89,6 +87,7 @@ fn unread(path: &Path, what: &str) -> Error {
 }
 
 fn frame(reading: Reading<'_>) -> Result<RawFrame> {
+    // The library panics on some damaged files, and allocates what they announce.
     let known = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| memory::refusable(|| decoded(reading))));
     known.unwrap_or_else(|_| Ok(Err(unread(reading.path, "it fails")))).map_err(|e| e.about(reading.path))?
 }
@@ -98,7 +97,7 @@ fn decoded(reading: Reading<'_>) -> Result<RawFrame> {
     let max_bytes = options.limits.max_pixels.saturating_mul(BYTES_PER_PIXEL);
     let bytes = read_bytes(path, max_bytes).map_err(|e| Error::from_io(path, &e))?;
     let source = RawSource::new_from_slice(&bytes).with_path(path);
-    // Of a kind that it does not know the library says the same as of damage, and sometimes panics.
+    // The library reports an unknown kind as it does damage.
     let corrupt = |e: rawler::RawlerError| match e {
         rawler::RawlerError::Unsupported { what, .. } if is_tiff(&bytes) => {
             Error::unsupported(path, NAME, format!("{what}; {ELSEWHERE}"))
@@ -115,6 +114,7 @@ fn decoded(reading: Reading<'_>) -> Result<RawFrame> {
         (width, height) = (side(TiffCommonTag::ImageWidth), side(TiffCommonTag::ImageLength));
         black_steps = BlackSteps::of(&directory);
     }
+    // Formats without this directory: a dry run of the decoder reads the size alone.
     if width == 0 || height == 0 {
         let announced = decoder.raw_image(&source, &RawDecodeParams::default(), true).map_err(corrupt)?;
         (width, height) = (announced.width, announced.height);
@@ -123,6 +123,7 @@ fn decoded(reading: Reading<'_>) -> Result<RawFrame> {
     let raw = decoder.raw_image(&source, &RawDecodeParams::default(), false).map_err(corrupt)?;
     let unsupported = |reason: String| Error::unsupported(path, NAME, reason);
     let too_few = || Error::corrupt(path, NAME, "it has fewer values than its size announces");
+    // Checked before values are indexed.
     let area = active_area(&raw).ok_or_else(too_few)?;
     let levels = RawLevels::of(&raw, (area.d.w, area.d.h), black_steps, options).map_err(unsupported)?;
     let (plane, binning) = plane_of(&raw, &area, &levels, options).map_err(unsupported)?;
@@ -163,6 +164,7 @@ fn plane_of(raw: &RawImage, area: &Rect, levels: &RawLevels, options: &OpenOptio
     if let (RawPhotometricInterpretation::Cfa(config), 1, true) = (&raw.photometric, raw.cpp, is_binned) {
         let mosaic = &config.cfa;
         let colour_at = |u: usize, v: usize| mosaic.color_at(area.p.y + v, area.p.x + u);
+        // A square of two green, a red and a blue pixel: other mosaics have other colours or periods.
         let mut square: Vec<usize> = (0..4).map(|k| colour_at(k % 2, k / 2)).collect();
         square.sort_unstable();
         if (mosaic.width, mosaic.height) != (2, 2) || square != [0, 1, 1, 2] {
@@ -243,9 +245,11 @@ impl RawLevels {
         let mut black = raw.blacklevel.as_vec();
         let mut black_size = (width.max(1), height.max(1));
         let mut black_steps = black_steps;
+        // Some files announce a pattern of levels and give fewer: the first then stands for all.
         if black.len() < black_size.0 * black_size.1 * cpp.max(1) || cpp != raw.cpp {
             (black, black_size) = (vec![black.first().copied().unwrap_or(0.0); raw.cpp], (1, 1));
         }
+        // A given level replaces the file's, with its steps by column and row.
         if let Some(level) = options.black_level {
             (black, black_size, black_steps) = (vec![level; raw.cpp], (1, 1), BlackSteps::default());
         }

@@ -1,9 +1,7 @@
-//! SER films of astronomical cameras: a header of 178 bytes, frames of 8 to 16 bits of grey, mosaic or colours, and
-//! the time of each frame behind the last.
+//! SER films of astronomical cameras: a header, frames of 8 to 16 bits of grey, mosaic or colours, and their times.
 //!
-//! Format: <http://www.grischa-hahn.homepage.t-online.de/astro/ser/>. The description says of the field
-//! LittleEndian that 1 stands for numbers whose low byte comes first, but the first programs wrote 0 for these, and all
-//! others followed them. So 1 is read as big endian here, as Siril reads it.
+//! Format: <http://www.grischa-hahn.homepage.t-online.de/astro/ser/>. By it LittleEndian is 1 for numbers with the low
+//! byte first, but the first programs wrote 0, and all others follow them: 1 is big endian here, as in Siril.
 
 use super::{Input, Numbers, Rank, Record, Start};
 use crate::burst::layout::Mosaic;
@@ -17,14 +15,11 @@ use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 
 const KIND: &str = "SER";
-/// First bytes of every film.
 const MAGIC: &[u8] = b"LUCAM-RECORDER";
 const HEADER_BYTES: usize = 178;
-/// Most frames whose times are read at once.
 const MAX_TIMES: usize = 1 << 20;
 /// Ticks of 100 ns of a second.
 const TICKS_A_SECOND: u64 = 10_000_000;
-/// Ticks from the start of the year 1 to that of 1970.
 const TICKS_TO_1970: u64 = 621_355_968_000_000_000;
 
 pub(super) struct Ser;
@@ -48,7 +43,7 @@ fn plain(path: &Path, mut file: File, length: u64, options: &OpenOptions) -> Res
     let fail = |e: std::io::Error| Error::from_read(path, KIND, &e);
     let mut header = [0; HEADER_BYTES];
     file.read_exact(&mut header).map_err(fail)?;
-    // Six numbers follow the first word and the camera's.
+    // Six numbers follow the signature and the camera's number (LuID).
     let number = |index: usize| {
         let at = 18 + 4 * index;
         u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
@@ -113,6 +108,7 @@ fn aligned(plain: Plain, bits: u32, file: &mut File, number: fn([u8; 2]) -> u16)
     let mut bytes = Vec::new();
     file.seek(SeekFrom::Start(plain.places.at(0)))?;
     file.take(plain.frame_bytes().min(MAX_LOOKED)).read_to_end(&mut bytes)?;
+    // The bits that any number sets show where in the word the values lie.
     let all = bytes.as_chunks::<2>().0.iter().fold(0, |all, two| all | number(*two));
     if !(9..16).contains(&bits) || u32::from(all) >> bits == 0 {
         return Ok(plain);
@@ -127,8 +123,7 @@ fn aligned(plain: Plain, bits: u32, file: &mut File, number: fn([u8; 2]) -> u16)
     Ok(Plain { white: Some(white as f32), taken, ..plain })
 }
 
-/// Times of the frames to be taken, from behind the last frame, which ends at `end` of `length` bytes; none where the
-/// file has none or they make no sense. `taken` gets a word about times that are not read.
+/// Times of `taken`, behind the last frame, which ends at `end` of `length` bytes; none that make no sense.
 fn times(
     path: &Path,
     file: &mut File,
@@ -156,6 +151,7 @@ fn times(
     file.seek(SeekFrom::Start(end + 8 * range.start as u64)).map_err(|e| Error::from_read(path, KIND, &e))?;
     file.read_exact(&mut bytes).map_err(|e| Error::from_read(path, KIND, &e))?;
     let ticks: Vec<u64> = bytes.as_chunks::<8>().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect();
+    // Earlier stamps are no times of a recording.
     if ticks.iter().any(|ticks| *ticks < TICKS_TO_1970) {
         return Ok(Times::default());
     }

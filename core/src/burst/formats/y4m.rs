@@ -14,14 +14,10 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 pub(super) const KIND: &str = "Y4M";
-/// First bytes of every film.
 const MAGIC: &[u8] = b"YUV4MPEG2 ";
-/// Longest line, bytes.
 const MAX_LINE_BYTES: u64 = 1 << 12;
-/// First word of each frame's line.
 const FRAME: &[u8] = b"FRAME";
 
-/// The line that begins a film.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Film {
     pub size: (usize, usize),
@@ -36,7 +32,6 @@ pub(super) struct Film {
 }
 
 impl Film {
-    /// Reads the line that begins a film.
     pub(super) fn read(path: &Path, reader: &mut impl BufRead) -> Result<Self> {
         let line = line(path, reader)?;
         let text = String::from_utf8_lossy(&line);
@@ -48,6 +43,7 @@ impl Film {
             side.ok_or_else(|| corrupt(format!("its line has no number of pixels {letter}")))
         };
         let (width, height) = (side('W')?, side('H')?);
+        // 4:2:0 is the format's default.
         let colours = field('C').unwrap_or("420");
         let (chroma, bits) = planes_of(colours).ok_or_else(|| {
             let reason = format!("its colours are {colours}; save it as mono, 420, 422 or 444 of 8 to 16 bits");
@@ -66,6 +62,7 @@ impl Film {
         let (width, height) = (u64::from(width), u64::from(height));
         check_sides(path, width, height)?;
         let bytes = u64::from(bits.div_ceil(8));
+        // Planes of colour of an odd side are rounded up.
         let halved = |side: u64, by: u64| side.div_ceil(by);
         let planes = chroma.map_or(0, |(across, down)| 2 * halved(width, across) * halved(height, down));
         let alpha = if colours.contains("alpha") { width * height } else { 0 };
@@ -143,7 +140,6 @@ fn planes_of(colours: &str) -> Option<(Option<(u64, u64)>, u32)> {
     }
 }
 
-/// A line, without its end.
 fn line(path: &Path, reader: &mut impl BufRead) -> Result<Vec<u8>> {
     let mut line = Vec::new();
     reader.take(MAX_LINE_BYTES).read_until(b'\n', &mut line).map_err(|e| Error::from_read(path, KIND, &e))?;
@@ -170,7 +166,6 @@ impl Numbers for Y4m {
     }
 }
 
-/// The frames of a film of `length` bytes.
 fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
     let fail = |e: io::Error| Error::from_read(path, KIND, &e);
     let mut reader = BufReader::with_capacity(256, file);
@@ -178,6 +173,7 @@ fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<
     let (width, height) = (film.size.0 as u64, film.size.1 as u64);
     options.limits.check_frame(path, width, height)?;
     let mut places = Vec::new();
+    // Lines of frames may have parameters, so frames are not evenly spaced: each line is visited.
     while Film::next_frame(path, &mut reader)? {
         let place = reader.stream_position().map_err(fail)?;
         if length.saturating_sub(place) < film.frame_bytes {

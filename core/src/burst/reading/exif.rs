@@ -8,18 +8,17 @@ use std::path::Path;
 
 /// Largest file that is read for its time, bytes: of a TIFF all of it is.
 const MAX_BYTES: u64 = 1 << 30;
-/// The tag of a time, and that of its fraction.
 const TAGS: [(Tag, Tag); 3] = [
     (Tag::DateTimeOriginal, Tag::SubSecTimeOriginal),
     (Tag::DateTimeDigitized, Tag::SubSecTimeDigitized),
     (Tag::DateTime, Tag::SubSecTime),
 ];
 
-/// Time of the picture in the file `path`; none where it does not say it.
 pub(in crate::burst) fn times(path: &Path) -> Times {
     let read = || {
         let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|of| of.len() <= MAX_BYTES))?;
         let found = Reader::new().continue_on_error(true).read_from_container(&mut BufReader::new(file));
+        // Damaged parts are passed over: the rest may hold the time.
         let exif = found.or_else(|error| error.distill_partial_result(|_| ())).ok()?;
         TAGS.iter().find_map(|(time, fraction)| seconds(&exif, *time, *fraction))
     };

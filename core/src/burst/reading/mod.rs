@@ -20,7 +20,6 @@ use std::io::{self, BufRead, Read, Seek, SeekFrom};
 use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Unit of a file's values.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub(in crate::burst) enum FileScale {
     /// Integers of up to 16 bit: the largest value of the type. The plane is already divided by it.
@@ -33,8 +32,7 @@ pub(in crate::burst) enum FileScale {
     /// Float, and integers of 32 and 64 bit, whose range no sensor fills: the plane is in file units.
     Data {
         integer: bool,
-        /// Largest value in this frame, 0 where none is above it: a sensor's noise, or one bad pixel, far below 0 says
-        /// nothing of its full scale.
+        /// Largest value, 0 where none is above: noise or a bad pixel far below 0 says nothing about full scale.
         largest: f32,
     },
 }
@@ -64,7 +62,6 @@ pub(in crate::burst) struct RawFrame {
     pub damage: Option<String>,
     /// The kind of its file, where the extension names another.
     pub misnamed: Option<&'static str>,
-    /// Whether the file has colours for each pixel.
     pub is_colour: bool,
     /// Mosaic of colours that the file declares, not binned yet.
     pub mosaic: Option<Mosaic>,
@@ -77,30 +74,25 @@ impl RawFrame {
         Self { plane, scale, encoding, binning: 1, damage, misnamed, is_colour: false, mosaic }
     }
 
-    /// Frame of the same file with the pixels of `plane`.
     pub(in crate::burst) fn like(&self, plane: Plane) -> Self {
         let Self { scale, encoding, binning, misnamed, is_colour, mosaic, .. } = *self;
         Self { plane, scale, encoding, binning, damage: self.damage.clone(), misnamed, is_colour, mosaic }
     }
 }
 
-/// Declarations of a file, before any pixel is read.
 #[derive(Debug)]
 pub(in crate::burst) struct Declared {
-    /// Name of its format.
     pub kind: &'static str,
     /// Size before a mosaic is binned.
     pub width: usize,
     pub height: usize,
     pub frames: usize,
-    /// Name of its samples, such as "16 bit".
     pub samples: String,
     pub is_colour: bool,
     pub mosaic: Option<Mosaic>,
     pub times: Times,
     /// Grid of views that the frames are, where the file says so.
     pub views: Option<ViewGrid>,
-    /// Guesses and choices, for the user.
     pub taken: Vec<String>,
     /// Its frame, where a file declares nothing that decoding does not change.
     pub first: Option<RawFrame>,
@@ -119,14 +111,12 @@ impl Declared {
     }
 }
 
-/// Size that a frame must have, and the file that it comes from.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::burst) struct Expected<'a> {
     pub first: &'a Path,
     pub size: (usize, usize),
 }
 
-/// A file, and the way its frames are read.
 #[derive(Clone, Copy)]
 pub(in crate::burst) struct Reading<'a> {
     pub path: &'a Path,
@@ -141,7 +131,6 @@ impl<'a> Reading<'a> {
         Self { path, expected: None, options, ticker }
     }
 
-    /// Checks the size of a frame against the expected one.
     pub(in crate::burst) fn check(&self, size: (usize, usize)) -> Result<()> {
         match self.expected {
             Some(Expected { first, size: first_size }) if size != first_size => Err(Error::different_sizes(
@@ -156,14 +145,14 @@ impl<'a> Reading<'a> {
 /// Makes a frame of a plane in file units, in which NaN is an undefined value. Fails at the first infinite one.
 pub(in crate::burst) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame> {
     let values = plane.data();
-    // Bits of positive floats are ordered as they are, infinity and NaN above all, and those of negative ones are
-    // negative integers: so many are compared at a time.
+    // Positive floats are ordered as their bits, infinity and NaN last; integers are compared several at a time.
     let (magnitude, largest) = values.iter().fold((0, 0), |(magnitude, largest): (i32, i32), v| {
         let bits = v.to_bits() as i32;
         ((bits & i32::MAX).max(magnitude), bits.max(largest))
     });
     let mut largest = f32::from_bits(largest as u32);
     if !f32::from_bits(magnitude as u32).is_finite() {
+        // Infinity is an error; NaN is allowed, but must not count as the largest value.
         if let Some(index) = values.iter().position(|v| v.is_infinite()) {
             return Err(Error::not_finite(path, frame, plane.width(), index, values[index]));
         }
@@ -177,8 +166,7 @@ pub(in crate::burst) fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: 
     file.read_exact(buffer)
 }
 
-/// Reader that fails once the work is cancelled, so that a decoder of others stops between two blocks. Such a decoder
-/// calls it a fault of the file: whoever called it checks the monitor first.
+/// Reader that fails once the work is cancelled. A decoder takes that for damage: check the monitor first.
 pub(in crate::burst) struct Asked<R> {
     pub inner: R,
     pub monitor: Monitor,
@@ -229,7 +217,6 @@ pub(in crate::burst) fn too_few_bytes(length: u64, width: u64, height: u64, pixe
     (!is_possible).then(|| format!("its {length} bytes are too few for {width}×{height} pixels"))
 }
 
-/// Counter of finished frames, for use from any thread.
 pub(in crate::burst) struct Ticker<'a> {
     monitor: &'a Monitor,
     done: AtomicUsize,
@@ -255,8 +242,7 @@ impl<'a> Ticker<'a> {
     }
 }
 
-/// Computes `f(0) … f(count − 1)` in parallel. When several fail, the error is that of the lowest index, whatever the
-/// number of threads, so that a user who mends one file after the other sees them in order.
+/// Computes `f(0) … f(count − 1)` in parallel. Of several errors the lowest index counts, with any threads.
 pub(in crate::burst) fn in_order<T: Send>(count: usize, f: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
     let first_failure = AtomicUsize::new(usize::MAX);
     let answers: Vec<Option<Result<T>>> = (0..count)

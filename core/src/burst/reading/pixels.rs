@@ -1,8 +1,7 @@
 //! Conversion of a file's samples to one float value a pixel, and turning of photographs as the camera was held.
 //!
 //! Colour becomes luma: Y' = 0.2126 R' + 0.7152 G' + 0.0722 B', the weights of Rec. ITU-R BT.709, applied to the values
-//! as they are stored, that is, to gamma-encoded values without decoding them, unless the [`Curve`] undoes the encoding
-//! first. Alpha is ignored.
+//! as stored, that is gamma-encoded, unless the [`Curve`] undoes the encoding first. Alpha is ignored.
 //!
 //! Of a mosaic of colours before a sensor nothing is filled in (demosaicing), which would make noise that neighbours
 //! share: the four pixels of a square become one, their mean ([`RawColour::Luma`]), or one colour alone is taken.
@@ -49,14 +48,12 @@ fn luma(r: f32, g: f32, b: f32) -> f32 {
 /// Conversion of stored samples to fractions of full scale.
 #[derive(Debug, Clone, Copy)]
 pub(in crate::burst) enum Curve {
-    /// Division by this value.
     Linear(f32),
     /// Inverse of the sRGB encoding (IEC 61966-2-1) of samples up to this value; the result is proportional to light.
     Srgb(f32),
 }
 
 impl Curve {
-    /// Curve for samples up to `largest`; with `linearise`, the inverse of the sRGB encoding.
     pub fn of(largest: f32, linearise: bool) -> Self {
         if linearise { Self::Srgb(largest) } else { Self::Linear(largest) }
     }
@@ -98,7 +95,6 @@ fn interleaved<T: Sample>(samples: &[T], channels: usize, value: impl Fn(T) -> f
     grey
 }
 
-/// One value for each pixel of three planes of colour, by `curve`.
 pub(in crate::burst) fn grey_from_planes<T: Sample>(red: &[T], green: &[T], blue: &[T], curve: Curve) -> Vec<f32> {
     match curve {
         Curve::Linear(divisor) => of_planes([red, green, blue], T::to_f32, divisor),
@@ -113,7 +109,6 @@ fn of_planes<T: Sample>([red, green, blue]: [&[T]; 3], value: impl Fn(T) -> f32,
     grey
 }
 
-/// Size (columns, rows) of a picture of `size` after turning.
 pub(in crate::burst) fn turned_size((width, height): (usize, usize), orientation: Orientation) -> (usize, usize) {
     match orientation {
         Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => {
@@ -124,7 +119,7 @@ pub(in crate::burst) fn turned_size((width, height): (usize, usize), orientation
 }
 
 pub(in crate::burst) fn turned_mosaic(mosaic: Mosaic, size: (usize, usize), orientation: Orientation) -> Mosaic {
-    // A picture of a square, which ends as the whole one does.
+    // A small picture that ends as the whole one does: odd sides shift the pattern in turning.
     let colours = Plane::from_fn(2 + size.0 % 2, 2 + size.1 % 2, |u, v| mosaic.colour_at(u, v) as f32);
     let colours = turned(colours, orientation);
     Mosaic::of(|u, v| colours.at(u, v) as usize).unwrap_or(mosaic)
@@ -162,8 +157,7 @@ impl RawColour {
     }
 }
 
-/// One value for each square of 2×2 pixels of an area of `size`: the mean of the wanted pixels. `None` for an area that
-/// is smaller than a square.
+/// Mean of the wanted pixels of each square of 2×2, of an area of `size`; `None` for one smaller than a square.
 pub(in crate::burst) fn binned(
     size: (usize, usize),
     colour: RawColour,

@@ -1,6 +1,5 @@
-//! Frames that lie in a file as plain numbers, at known places: what the readers of `.npy`, `.npz`, FITS, SER, Y4M and
-//! files without header have in common. Each frame is read in blocks, several frames at a time. Nothing is made in
-//! proportion to a number of frames that a file announces.
+//! Frames that lie in a file as plain numbers, at known places, as in `.npy`, `.npz`, FITS, SER, Y4M and files without
+//! header. Each is read in blocks, several at a time. No memory is taken for frames that a file only announces.
 
 use super::confined::wire::Part;
 use super::confined::{self, Budget};
@@ -19,11 +18,9 @@ use std::ops::Range;
 use std::path::Path;
 use zip::ZipArchive;
 
-/// Bytes that are read and converted at once: whole numbers of every size, whole groups of packed ones, and few enough
-/// for the cache.
+/// Bytes read and converted at once: whole numbers and groups of packed ones of every size, few enough for the cache.
 const BLOCK_BYTES: usize = 15 << 14;
 
-/// Index of an array.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in crate::burst) enum Index {
     Frame,
@@ -32,7 +29,6 @@ pub(in crate::burst) enum Index {
     Colour,
 }
 
-/// Places of frames.
 #[derive(Debug, Clone)]
 pub(in crate::burst) enum Places {
     /// One after the other, in steps from the first one on: however many are announced, they take no memory.
@@ -56,7 +52,6 @@ impl Places {
         }
     }
 
-    /// The places of some of these frames.
     fn part(self, range: Range<usize>) -> Self {
         match self {
             Self::Even { step, .. } => Self::Even { first: self.at(range.start), step, count: range.len() as u64 },
@@ -71,10 +66,8 @@ impl From<Vec<u64>> for Places {
     }
 }
 
-/// Pixels of a file, and the way they are read.
 #[derive(Debug, Clone)]
 pub(in crate::burst) struct Plain {
-    /// Name of the file's kind in messages.
     pub kind: &'static str,
     /// Size (columns, rows) of a frame.
     pub size: (usize, usize),
@@ -84,7 +77,6 @@ pub(in crate::burst) struct Plain {
     pub big_endian: bool,
     /// Samples of a pixel, side by side: 1, or 3 (colours) or 4 (with alpha).
     pub channels: usize,
-    /// Whether blue comes first.
     pub is_bgr: bool,
     /// Value that is full scale; `None` for floats and long integers.
     pub white: Option<f32>,
@@ -94,23 +86,18 @@ pub(in crate::burst) struct Plain {
     pub is_encoded: bool,
     pub mosaic: Option<Mosaic>,
     pub times: Times,
-    /// Grid of views that the frames are.
     pub views: Option<ViewGrid>,
-    /// Guesses and choices, for the user.
     pub taken: Vec<String>,
-    /// Lengths of an array whose frames are not one after the other, the index that runs fastest first; empty for
-    /// others.
+    /// Lengths of an array whose frames do not follow one another, the fastest index first; empty for others.
     pub scattered: Vec<(Index, usize)>,
     /// Index of the member of an archive that holds the pixels.
     pub member: Option<usize>,
     /// Bytes, or tiles' layers, from one colour of a frame to the next, where its colours are planes; 0 for others.
     pub planes: u64,
-    /// Way to the frames of an image that is compressed in tiles.
     pub tiles: Option<Tiles>,
 }
 
 impl Plain {
-    /// Grey frames of `size`, whose numbers are their values.
     pub(in crate::burst) fn new(
         kind: &'static str,
         size: (usize, usize),
@@ -171,7 +158,6 @@ impl Plain {
         self.size.0 * self.size.1 * self.channels
     }
 
-    /// The only frame of a file.
     pub(in crate::burst) fn only(&self, reading: Reading<'_>) -> Result<RawFrame> {
         if self.places.len() != 1 {
             return Err(Error::stack_among_frames(reading.path, self.places.len()));
@@ -197,12 +183,13 @@ impl Plain {
             let mut archive = ZipArchive::new(File::open(path).map_err(fail)?).map_err(|e| fail(e.into()))?;
             let mut reader = archive.by_index(member).map_err(|e| fail(e.into()))?;
             let length = reader.size();
-            // The checksum is compared at the end of the member, and there is no more than it says.
+            // The checksum is compared at the member's end: all is read, and nothing may follow.
             let mut whole = (&mut reader).take(length);
             skip(reading, &mut whole, self.places.at(0)).map_err(fail)?;
             let frames = all(&mut whole)?;
             reading.ticker.check()?;
             skip(reading, &mut whole, u64::MAX).map_err(fail)?;
+            // A cancelled skip ends early, which is no damage of the file.
             reading.ticker.check()?;
             if whole.limit() > 0 || reader.read(&mut [0]).map_err(fail)? > 0 {
                 let reason = format!("the array in it is not {length} bytes long, as it says");
@@ -210,6 +197,7 @@ impl Plain {
             }
             return Ok(frames);
         }
+        // A file handle for each frame, since frames are read in parallel.
         let at = |place: u64| {
             let mut file = File::open(path)?;
             file.seek(SeekFrom::Start(place))?;
@@ -221,7 +209,6 @@ impl Plain {
         in_order(self.places.len(), |t| self.read(reading, t, &mut at(self.places.at(t)).map_err(fail)?))
     }
 
-    /// Frames whose colours are planes one behind another: the luma of the three.
     fn merged(&self, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
         let frame = |t: usize| {
             let places = (0..3).map(|colour| self.places.at(t) + colour * self.planes).collect::<Vec<_>>();
@@ -239,13 +226,13 @@ impl Plain {
         (0..self.places.len()).map(frame).collect()
     }
 
-    /// Frames of an image in tiles: layer by layer in this process, where those that are decoded at once have room; or
-    /// each frame in a process of its own, where one takes much memory.
+    /// Frames of an image in tiles: layer by layer here where memory allows, else each frame in a process of its own.
     fn unpacked(&self, reading: Reading<'_>, tiles: &Tiles) -> Result<Vec<RawFrame>> {
         let count = self.places.len();
         let (first, bytes) = (self.places.at(0), tiles.layer_bytes());
         if confined::takes(bytes) {
             let limits = Limits { max_frames: usize::MAX, ..reading.options.limits };
+            // The other process counts frames from the start of the file, whatever part is taken here.
             let options = &OpenOptions { take: None, limits, ..reading.options.clone() };
             let budget = Budget::new(0, (self.size.0 * self.size.1) as u64, bytes.saturating_mul(2));
             return in_order(count, |frame| {
@@ -272,7 +259,6 @@ impl Plain {
         Ok(frames.into_iter().flatten().collect())
     }
 
-    /// The frame with the number `page` in the file, which is frame `frame` of its burst.
     pub(in crate::burst) fn page(mut self, reading: Reading<'_>, page: usize) -> Result<RawFrame> {
         if page >= self.places.len() {
             return Err(Error::corrupt(reading.path, self.kind, "it became shorter"));
@@ -293,7 +279,6 @@ impl Plain {
         Ok(frame)
     }
 
-    /// Reads and converts `count` numbers block by block.
     fn convert_all(
         &self,
         reading: Reading<'_>,
@@ -318,9 +303,9 @@ impl Plain {
         Ok(())
     }
 
-    /// Frame of the samples of frame `t`; `whole` where they are not yet divided by the full scale.
     fn frame_of(&self, reading: Reading<'_>, t: usize, mut values: Vec<f32>, whole: bool) -> Result<RawFrame> {
         let Reading { path, options, .. } = reading;
+        // Luma weighs red and blue differently, so their order matters.
         if self.is_bgr {
             values.chunks_exact_mut(self.channels).for_each(|pixel| pixel.swap(0, 2));
         }
@@ -341,7 +326,6 @@ impl Plain {
         Ok(RawFrame { encoding, mosaic: self.mosaic, is_colour: self.channels > 2, ..frame })
     }
 
-    /// Reads an array whose frames are not one after the other.
     fn read_scattered(&self, reading: Reading<'_>, from: &mut dyn Read) -> Result<Vec<RawFrame>> {
         let frames = self.places.len();
         let mut planes: Vec<Vec<f32>> = (0..frames).map(|_| memory::zeroed(self.samples())).collect();
@@ -360,6 +344,7 @@ impl Plain {
         self.convert_all(reading, from, frames * self.samples(), whole, |values| {
             for value in values {
                 planes[t][place] = *value;
+                // An odometer: the fastest index turns first, and each full turn moves the next index.
                 for (at, (is_frame, length, step)) in at.iter_mut().zip(&axes) {
                     let (counter, by) = if *is_frame { (&mut t, 1) } else { (&mut place, *step) };
                     *at += 1;
@@ -379,8 +364,7 @@ impl Plain {
         frames.collect()
     }
 
-    /// Checks the size of the frames against the limits, and their bytes against the `there` bytes from the first
-    /// one on. `step` is the distance of two frames.
+    /// Checks frames of this size, of `step` bytes from `first` on, against the limits and the file's `length`.
     pub(in crate::burst) fn places_in(
         path: &Path,
         kind: &str,

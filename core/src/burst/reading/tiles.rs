@@ -20,7 +20,6 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 const KIND: &str = "FITS";
-/// Largest number of columns of the standard.
 const MAX_COLUMNS: usize = 999;
 /// Largest row of a table; those of images have some tens of bytes.
 const MAX_ROW_BYTES: u64 = 1 << 16;
@@ -44,13 +43,12 @@ enum Code {
     Rice(u64, u64, u64),
     /// gzip data; whether all first bytes of the pixels come first, then all second ones.
     Gzip { is_shuffled: bool },
-    /// The pixels themselves.
+    /// Tiles as they are.
     Plain,
-    /// Another, which the decoder checks.
+    /// Packed in another way, which the decoder alone checks.
     Other,
 }
 
-/// Way to the tiles of an image. A layer is the frames that tiles have in common: one, or several.
 #[derive(Debug, Clone)]
 pub(in crate::burst) struct Tiles {
     /// Header of the decoder's table, but for what differs from layer to layer.
@@ -81,7 +79,6 @@ pub(in crate::burst) struct Tiles {
 /// Reference of a row to bytes: their number of elements, and where they begin.
 #[derive(Debug, Clone, Copy)]
 struct Reference {
-    /// Place in the row.
     at: usize,
     /// Bytes of each of both numbers: 4 or 8.
     width: usize,
@@ -92,7 +89,6 @@ fn find<'a>(cards: &'a [Card], name: &str) -> Option<&'a Value> {
     cards.iter().find(|card| card.keyword_str() == name)?.value.as_ref()
 }
 
-/// Whole number of a keyword.
 fn whole(cards: &[Card], name: &str) -> Option<i64> {
     match find(cards, name) {
         Some(Value::Integer(number)) => Some(*number),
@@ -105,9 +101,8 @@ fn card(name: &str, value: Value) -> Card {
 }
 
 impl Tiles {
-    /// Checks the sizes that the header `cards` of a table declares. Its rows are those of the axes `table` (bytes,
-    /// rows), and begin at byte `data` of the `length` bytes of the file; its image has the `shape` (frames, rows,
-    /// columns).
+    /// Checks the sizes that the header `cards` of a table declares: rows of the axes `table` (bytes, rows) from byte
+    /// `data` of the file's `length` bytes on, and an image of this shape (frames, rows, columns).
     pub(in crate::burst) fn of(
         path: &Path,
         cards: &[Card],
@@ -142,6 +137,7 @@ impl Tiles {
             ("GZIP_2", _) => Code::Gzip { is_shuffled: true },
             ("NOCOMPRESS", _) => Code::Plain,
             ("RICE_1" | "RICE_ONE", 1 | 2 | 4) => {
+                // A block of equal pixels takes only its header: 3, 4 or 5 bits for pixels of 1, 2 or 4 bytes.
                 Code::Rice(rice_bytepix as u64, 3 + rice_bytepix.ilog2() as u64, blocksize as u64)
             }
             _ => Code::Other,
@@ -157,6 +153,7 @@ impl Tiles {
         }
         let layer_rows = width.div_ceil(tile[0]) * height.div_ceil(tile[1]);
         let tiles = layer_rows.saturating_mul(frames.div_ceil(layer_frames));
+        // The heap follows the rows unless THEAP says otherwise; PCOUNT counts the gap too.
         let heap = whole(cards, "THEAP").map_or(rows_bytes, |heap| heap.max(0) as u64);
         let heap_bytes = whole(cards, "PCOUNT").map_or(0, |bytes| bytes.max(0) as u64).saturating_add(rows_bytes);
         if tiles > rows || heap_bytes > there || heap < rows_bytes {
@@ -167,6 +164,7 @@ impl Tiles {
         if !(1..=MAX_COLUMNS).contains(&tfields) {
             return Err(corrupt(format!("its table has {tfields} columns (TFIELDS)")));
         }
+        // Columns of the decoder's table: the bytes of a tile, packed or not, then the numbers of each tile.
         let mut own = vec![("COMPRESSED_DATA", "1QB"), ("UNCOMPRESSED_DATA", "1QB")];
         let (mut references, mut numbers, mut at) = ([None; 3], Vec::new(), 0usize);
         let columns = parse_binary_table_columns(cards, tfields);
@@ -212,6 +210,7 @@ impl Tiles {
         let [packed, plain, gzip] = references;
         let packed = packed.ok_or_else(|| corrupt("its table has no column COMPRESSED_DATA".to_owned()))?;
         let is_given = |name| find(cards, name).is_some() || own.iter().any(|(own, _)| *own == name);
+        // Floats are packed as integers only where both scale and zero are there.
         let is_rounded = !matches!(find(cards, "ZQUANTIZ"), Some(Value::String(text)) if text.trim() == "NONE")
             && is_given("ZSCALE")
             && is_given("ZZERO");
@@ -223,10 +222,12 @@ impl Tiles {
             16 => vec![2, 4],
             _ => vec![pixel_bytes],
         };
+        // Only these keywords of the file reach the decoder; all sizes are written anew.
         let parameters = |name: &str| name.starts_with("ZNAME") || name.starts_with("ZVAL");
         let kept = cards.iter().filter(|card| KEPT.contains(&card.keyword_str()) || parameters(card.keyword_str()));
         let mut header: Vec<Card> = kept.cloned().collect();
         let text = |text: &str| Value::String(text.to_owned());
+        // gzip data is unpacked here, so the decoder gets plain bytes.
         let unpacked = if matches!(code, Code::Gzip { .. }) { "NOCOMPRESS" } else { &zcmptype };
         header.extend([card("XTENSION", text("BINTABLE")), card("ZCMPTYPE", text(unpacked))]);
         let own_bytes = REFERENCES_BYTES + numbers.iter().map(|(_, bytes)| bytes).sum::<usize>();
@@ -279,7 +280,6 @@ impl Tiles {
         (across, across * down)
     }
 
-    /// Memory that the decoding of a layer takes, bytes, at most.
     pub(in crate::burst) fn layer_bytes(&self) -> u64 {
         let pixels = self.layer_frames * self.size[0] * self.size[1];
         // Packed, unpacked and written out; numbers of one tile in the decoder; rows with what surrounds their pixels.
@@ -329,6 +329,7 @@ impl Tiles {
             })?;
             let own = number as usize * own_bytes;
             let reference = own + if is_packed { 0 } else { REFERENCES_BYTES / 2 };
+            // References count from the end of the rows, where the bytes of tiles begin.
             let numbers = [tile.len() as u64, (bytes.len() - rows_end) as u64].map(u64::to_be_bytes);
             bytes[reference..reference + REFERENCES_BYTES / 2].copy_from_slice(&numbers.concat());
             let mut end = own + REFERENCES_BYTES;
@@ -337,6 +338,7 @@ impl Tiles {
                 end += length;
             }
             bytes.extend_from_slice(&tile);
+            // Tiles may share bytes of the heap, so their sum is limited too.
             if bytes.len() as u64 > self.layer_bytes() {
                 let reason = format!("the tiles up to {place} have far more bytes than their pixels");
                 return Err(Error::corrupt(reading.path, KIND, reason));
@@ -345,8 +347,7 @@ impl Tiles {
         Ok(bytes)
     }
 
-    /// Bytes of a tile of so many `pixels`, for the column of packed ones or not; gzip data is unpacked here. The error is
-    /// of the kind `InvalidData` where the tile is not as long as its pixels have it.
+    /// Bytes of a tile of `pixels` pixels, gzip unpacked, and whether still packed. `InvalidData`: of another length.
     fn tile_of(&self, file: &mut (impl Read + Seek), row: &[u8], pixels: u64) -> io::Result<(Vec<u8>, bool)> {
         let wrong = |reason: String| io::Error::new(io::ErrorKind::InvalidData, reason);
         let mut bytes_of = |reference: &Reference| {
@@ -367,6 +368,7 @@ impl Tiles {
         let packed = bytes_of(&self.packed)?;
         let length = packed.len() as u64;
         let lengths = |widths: &[u64]| widths.iter().map(|width| width * pixels).collect::<Vec<_>>();
+        // Pixels that could not be packed lie in another column.
         if length == 0 {
             let plain = self.plain.as_ref().map_or_else(|| Ok(Vec::new()), &mut bytes_of)?;
             let gzip = self.gzip.as_ref().filter(|_| plain.is_empty()).map(&mut bytes_of).transpose()?;
@@ -413,14 +415,14 @@ fn gunzip(packed: &[u8], wanted: &[u64]) -> Result<Vec<u8>, String> {
         let wanted: Vec<String> = wanted.iter().map(u64::to_string).collect();
         return Err(format!("it unpacks to {} bytes, and its pixels have {}", unpacked.len(), wanted.join(" or ")));
     }
-    // Zeros fill up what is stored in blocks.
+    // Blocks are filled up with zeros.
     if decoder.into_inner().iter().any(|byte| *byte != 0) {
         return Err("bytes follow its gzip data".to_owned());
     }
     Ok(unpacked)
 }
 
-/// Pixels byte by byte of those whose first bytes come first, then the second ones.
+/// Pixels byte by byte, from data with all first bytes first, then all second ones.
 fn in_turn(planes: &[u8], pixels: usize) -> Vec<u8> {
     let width = planes.len() / pixels;
     let mut bytes = memory::zeroed(planes.len());

@@ -27,8 +27,7 @@ pub struct DatabaseCamera {
     pub width: usize,
     /// Rows of its images.
     pub height: usize,
-    /// The model's parameters in COLMAP's order and convention: the principal point is measured from the first pixel's
-    /// corner.
+    /// The model's parameters in COLMAP's order; the principal point is measured from the first pixel's corner.
     pub params: Vec<f64>,
     /// Whether the focal length is known, not guessed; COLMAP then relies on it when it chooses the first two images.
     pub prior_focal_length: bool,
@@ -45,14 +44,13 @@ pub struct DatabaseWriter<'a> {
 }
 
 /// Writes the database `path` by `fill`. It is made beside its target and replaces it when it is complete: after a
-/// failure an older file is unchanged and no other one is left behind.
-///
-/// # Errors
-/// The error of `fill`, or of a file that cannot be written.
+/// failure an older file is unchanged and no other one is left behind. An error of `fill` is passed on.
 pub fn write_colmap_database(path: &Path, fill: impl FnOnce(&mut DatabaseWriter<'_>) -> Result<()>) -> Result<()> {
+    // The error of `fill` is kept apart, since a replacement reports errors of files alone.
     let mut made = Ok(());
     let written = replace(path, |new| {
         made = make(new, path, fill);
+        // Any error keeps the old file; its text is not shown.
         made.as_ref().map_err(|_| io::Error::other("the database was not completed"))?;
         File::options().read(true).write(true).open(new)
     });
@@ -93,8 +91,7 @@ impl DatabaseWriter<'_> {
         Ok(id)
     }
 
-    /// Adds an image of the camera `camera_id` with its features, and returns its id. `name` is its path below the
-    /// folder of images.
+    /// Adds an image of camera `camera_id` with its features; returns its id. `name` is below the images' folder.
     ///
     /// # Errors
     /// The file cannot be written, or already has an image of this name.
@@ -125,9 +122,6 @@ impl DatabaseWriter<'_> {
 
     /// Moves the features of the image `id` to `places` (u, v), pixels, whose first centre is at (0, 0).
     ///
-    /// # Errors
-    /// The file cannot be written.
-    ///
     /// # Panics
     /// When the image was not added, or has another number of features.
     pub fn move_features(&mut self, id: u32, places: &[[f64; 2]]) -> Result<()> {
@@ -152,9 +146,11 @@ impl DatabaseWriter<'_> {
     /// Adds the two-view geometry of images `a` and `b`; errors and panics as of [`Self::add_matches`].
     pub fn add_geometry(&mut self, a: u32, b: u32, geometry: &DatabaseGeometry) -> Result<()> {
         let id = self.pair_of(a, b, &geometry.inliers);
+        // The only place where the half pixel between both conventions enters matrices.
         let geometry = geometry.in_colmap_pixels();
         let inliers = &geometry.inliers;
         let turn = geometry.b_from_a.map(|pose| {
+            // COLMAP stores quaternions with w first.
             let q = pose.rotation.quaternion();
             float_bytes([q.w, q.i, q.j, q.k])
         });
@@ -174,7 +170,6 @@ impl DatabaseWriter<'_> {
         )
     }
 
-    /// Number of the pair of images `a` and `b`, which have the features that `matches` name.
     fn pair_of(&self, a: u32, b: u32, matches: &[[u32; 2]]) -> i64 {
         assert!(1 <= a && a < b && b as usize <= self.keypoints.len(), "pairs are of images that were added, in order");
         let (of_a, of_b) = (self.keypoints[a as usize - 1], self.keypoints[b as usize - 1]);
@@ -192,6 +187,7 @@ impl DatabaseWriter<'_> {
                 let [x, y, scale, orientation] = std::array::from_fn(|k| number(bytes, k));
                 ColmapKeypoint { x, y, scale, orientation }
             };
+            // Four `f32` a row.
             let keypoints = row.get_ref(0)?.as_blob()?.chunks_exact(16).map(keypoint).collect();
             Ok((keypoints, row.get_ref(1)?.as_blob()?.as_chunks().0.to_vec()))
         });
@@ -239,8 +235,7 @@ pub enum GeometryKind {
     PlanarOrPanoramic = 6,
 }
 
-/// Geometry of images A and B, in Burstscope's pixels (the centre of the first one is (0, 0)). The default one is of a
-/// pair whose matches do not agree.
+/// Geometry of images A and B in Burstscope's pixels (first centre (0, 0)); by default, of matches that disagree.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct DatabaseGeometry {
     /// Kind of the geometry.
@@ -258,11 +253,11 @@ pub struct DatabaseGeometry {
 }
 
 impl DatabaseGeometry {
-    /// This geometry in COLMAP's pixels.
     pub(super) fn in_colmap_pixels(&self) -> Self {
         let there = Matrix3::new(1.0, 0.0, FIRST_PIXEL, 0.0, 1.0, FIRST_PIXEL, 0.0, 0.0, 1.0);
         let back = Matrix3::new(1.0, 0.0, -FIRST_PIXEL, 0.0, 1.0, -FIRST_PIXEL, 0.0, 0.0, 1.0);
         Self {
+            // The shift of pixels acts on F transposed, on both sides; E is of directions, which it leaves.
             fundamental: self.fundamental.map(|f| back.transpose() * f * back),
             homography: self.homography.map(|h| there * h * back),
             ..self.clone()

@@ -1,8 +1,6 @@
-//! Export to COLMAP: features as [text](text) for its importer, and a [database](database) with features, matches and
-//! two-view geometries, from which its mapper can start directly.
+//! Export to COLMAP: features as [text](text) for its importer, or a [database](database) for its mapper.
 //!
-//! In COLMAP the centre of the first pixel is (0.5, 0.5), in Burstscope it is (0, 0); 0.5 is added here and nowhere
-//! else. All input of this module is in Burstscope's convention.
+//! Input is in Burstscope's pixels, the first centre at (0, 0); COLMAP's (0.5, 0.5) is made here and nowhere else.
 
 #[cfg(feature = "colmap")]
 mod database;

@@ -1,9 +1,7 @@
-//! Keypoints in COLMAP's convention, and text for its feature importer: `N 128`, then for each feature
-//! `x y scale orientation d1 … d128`.
+//! Keypoints in COLMAP's convention, and its importer's text: `N 128`, then `x y scale orientation d1 … d128` each.
 //!
-//! The descriptors are in UBC order, which is the order of [`Descriptor`] and of COLMAP's own SIFT. Numbers have as
-//! many digits as are needed to read the same values back. Format:
-//! <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
+//! The descriptors are in UBC order, which is the order of [`Descriptor`] and of COLMAP's own SIFT. Numbers read back
+//! exactly. Format: <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
 
 use crate::detector::{Descriptor, Feature};
 use crate::error::{Error, Result};
@@ -37,8 +35,7 @@ fn print(out: &mut impl Write, keypoints: &[ColmapKeypoint], descriptors: &[Desc
     Ok(())
 }
 
-/// Whether the file at `path` has COLMAP's header; with `is_whole`, also whether all of it is as this program writes
-/// these numbers. Other programs write as many digits for each.
+/// Whether the file has COLMAP's header; with `is_whole`, also numbers exactly as this program prints them.
 pub(in crate::export) fn is_colmap_text(path: &Path, is_whole: bool) -> bool {
     let is_number = |count: &str| !count.is_empty() && count.bytes().all(|byte| byte.is_ascii_digit());
     let is_printed = |text: String| {

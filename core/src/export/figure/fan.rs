@@ -6,12 +6,10 @@ use std::f32::consts::{FRAC_PI_2, PI};
 pub const FAN_OPACITY: f32 = 0.16;
 /// Smallest standard deviation that has a fan, pixels of the drawing.
 const MIN_SIGMA_PX: f32 = 3.0;
-/// Number of straight pieces around the circle.
 const PIECES: usize = 16;
 
 /// Outline of the fan of an arrow: from its `middle` around the circle of one standard deviation `sigma` at its `tip`,
-/// pixels of the drawing; the circle with its centre where that holds the middle. All of it is seen from the first
-/// point. `None` where the uncertainty is too small to be seen, or unknown.
+/// pixels of the drawing; the circle alone where it holds the middle. `None` where `sigma` is too small, or unknown.
 pub fn fan(middle: [f32; 2], tip: [f32; 2], sigma: f32) -> Option<Vec<[f32; 2]>> {
     if !(MIN_SIGMA_PX..1e9).contains(&sigma) {
         return None;

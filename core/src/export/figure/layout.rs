@@ -38,6 +38,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
                 let width_px: f32 = columns_of(&widths_px, row.len()).iter().sum();
                 (width - gap * (row.len() as f32 - 1.0)).max(1.0) / width_px
             };
+            // Image pixels are equally large in all panels: the row with the least room decides.
             let scale = widths_px.iter().filter(|row| !row.is_empty()).map(fitting).fold(f32::INFINITY, f32::min);
             (if scale.is_finite() { scale } else { 1.0 }, Some(width))
         }
@@ -47,15 +48,17 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
     let title = |place: usize, panel: &FigurePanel| {
         style.title(panel, (options.letters && panels.len() > 1).then(|| letter(place)))
     };
-    // With titles and legends, but on paper, where pictures alone fill the width.
+    // With titles and legends; on paper pictures alone fill the width.
     let widths = of_rows(&|place, panel| match paper {
         Some(_) => width_px(panel) * scale,
         None => style.panel(panel, (&title(place, panel), 0), &shared, [0.0; 2], &mut Vec::new())[0],
     });
+    // Row by row, with columns in line over all rows of the same length.
     let mut shapes = Vec::new();
     let (mut width, mut top, mut first) = (paper.unwrap_or(0.0), 0f32, 0);
     for row in rows {
         let titles: Vec<Vec<String>> = (first..).zip(row).map(|(place, panel)| title(place, panel)).collect();
+        // The longest title makes room for all of its row: pictures of a row are level.
         let lines = titles.iter().map(Vec::len).max().unwrap_or(0);
         let (mut left, mut height) = (0f32, 0f32);
         for (column, (panel, in_column)) in row.iter().zip(columns_of(&widths, row.len())).enumerate() {
@@ -67,6 +70,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
         width = width.max(left - gap);
         top += height + gap;
     }
+    // Links lead from panel to panel, so they are drawn over all of them.
     let placed: Vec<(FigureRect, &FigurePanel)> = pictures(&shapes).zip(panels.iter().copied()).collect();
     shapes.extend(lines_of(&placed, &matches.links, style.stroke));
     if let Some(&(rect, _)) = placed.first().filter(|_| options.scale_bar) {
@@ -85,11 +89,11 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
     }
     let size = [width.max(1.0), bottom.max(1.0)];
     let titles: Vec<&str> = panels.iter().filter_map(|panel| panel.title.as_deref()).collect();
+    // Last, when the size is known, but below all.
     shapes.insert(0, FigureShape::Fill { rect: FigureRect { min: [0.0, 0.0], size }, color: [255; 3] });
     Drawing { size, unit: options.width.unit(), shapes, title: titles.join("; ") }
 }
 
-/// Width of a panel's picture, image pixels.
 fn width_px(panel: &FigurePanel) -> f32 {
     panel.size.0 as f32 * panel.image_px_per_px
 }
@@ -100,7 +104,6 @@ fn columns_of(widths: &[Vec<f32>], count: usize) -> Vec<f32> {
     (0..count).map(|column| alike().map(|row| row[column]).fold(0.0, f32::max)).collect()
 }
 
-/// Parts that stand once for all panels.
 struct Shared<'a> {
     bar: Option<&'a ColourBar>,
     legend: &'a [LegendEntry],
@@ -128,7 +131,7 @@ fn letter(place: usize) -> String {
     format!("({letters})")
 }
 
-/// Whether a number is one of a place that can be drawn.
+/// Whether a coordinate is finite, and small enough to be drawn.
 fn drawable(number: &f32) -> bool {
     number.abs() < 1e9
 }
@@ -140,7 +143,6 @@ struct Style {
     scale: f32,
     stroke: f32,
     font: f32,
-    /// Width of the paper, if the figure has a given one.
     paper: Option<f32>,
 }
 
@@ -156,6 +158,7 @@ impl Style {
 
     /// Lines of a panel's title, each as wide as the picture at most where its words allow it.
     fn title(&self, panel: &FigurePanel, letter: Option<String>) -> Vec<String> {
+        // On a screen a small picture's title may be wider than the picture; on paper the width is fixed.
         let least = if self.paper.is_some() { 0.0 } else { LEAST_ROOM * self.font };
         let room = (width_px(panel) * self.scale).max(least);
         let mut lines: Vec<String> = Vec::new();
@@ -183,6 +186,7 @@ impl Style {
         out: &mut Vec<FigureShape>,
     ) -> [f32; 2] {
         let font = self.font;
+        // A panel's picture may be binned: the scale is of image pixels, the same in all panels.
         let px = self.scale * panel.image_px_per_px;
         let size = [panel.size.0 as f32 * px, panel.size.1 as f32 * px];
         let mut width = size[0];
@@ -195,6 +199,7 @@ impl Style {
         let rect = FigureRect { min: [corner[0], top], size };
         out.push(FigureShape::Picture { rect, size: panel.size, rgba: panel.rgba.clone() });
         let mut over = Vec::new();
+        // All fans below all marks, so that no fan hides a circle.
         panel.marks.iter().for_each(|mark| self.fan(panel, mark, rect, &mut over));
         panel.marks.iter().for_each(|mark| self.mark(panel, mark, rect, &mut over));
         if !over.is_empty() {
@@ -205,12 +210,12 @@ impl Style {
             width = width.max(self.colour_bar(bar, [corner[0], bottom], size[0], out));
             bottom += BAR_HEIGHT * font;
         }
+        // A legend that all panels share stands once, below all.
         let legend = if shared.legend.is_empty() { &panel.legend[..] } else { &[] };
         let (legend_width, legend_height) = self.legend(legend, [corner[0], bottom], size[0], out);
         [width.max(legend_width), bottom + legend_height - corner[1]]
     }
 
-    /// Place on the sheet of the place `at` of a panel's image, whose picture lies in `rect`.
     fn place(&self, panel: &FigurePanel, rect: FigureRect, at: [f32; 2]) -> [f32; 2] {
         [0, 1].map(|i| rect.min[i] + (at[i] - panel.origin_image[i]) * self.scale)
     }
@@ -227,6 +232,7 @@ impl Style {
 
     fn mark(&self, panel: &FigurePanel, mark: &FigureMark, rect: FigureRect, out: &mut Vec<FigureShape>) {
         let place = |at: [f32; 2]| self.place(panel, rect, at);
+        // Features may come from a table, which may hold any numbers.
         let numbers = [mark.centre[0], mark.centre[1], mark.radius, mark.orientation.unwrap_or(0.0)];
         if !(numbers.iter().all(drawable) && mark.radius >= 0.0) {
             return;
@@ -258,6 +264,7 @@ impl Style {
     }
 
     fn scale_bar(&self, rect: FigureRect, out: &mut Vec<FigureShape>) {
+        // At most a fifth of the picture, a round number of image pixels.
         let length_px = round_length(f64::from(0.2 * rect.size[0] / self.scale).max(1.0)) as f32;
         let (font, length, label) = (self.font, length_px * self.scale, format!("{length_px} px"));
         let width = length.max(self.text_width(&label)) + 0.6 * font;
@@ -277,6 +284,7 @@ impl Style {
     fn colour_bar(&self, bar: &ColourBar, corner: [f32; 2], room: f32, out: &mut Vec<FigureShape>) -> f32 {
         let font = self.font;
         let (low, high) = (self.text_width(&bar.low), self.text_width(&bar.high));
+        // Under a narrow picture the bar may be wider than it; under a wide one it stays short.
         let length = (room - low - high - font).clamp(4.0 * font, 20.0 * font);
         let (left, baseline) = (corner[0] + low + 0.4 * font, corner[1] + 1.35 * font);
         out.push(self.text([corner[0], baseline], &bar.low));
@@ -302,6 +310,7 @@ impl Style {
                 LegendMark::Wheel => WHEEL_HEIGHT * font,
             };
             let needed = swatch + 1.4 * font + self.text_width(&entry.label); // with the gaps
+            // The first entry of a line stays, however long: another line would not help.
             if left > 0.0 && left + needed > room {
                 (left, row) = (0.0, row + 1);
             }
@@ -313,6 +322,7 @@ impl Style {
                     let rect = FigureRect { min, size: [swatch; 2] };
                     out.push(FigureShape::Fill { rect, color: entry.color });
                 }
+                // A wheel is higher than a line: its label stands at the middle, and rows are added.
                 LegendMark::Wheel => {
                     out.extend(wheel(min.map(|corner| corner + 0.5 * swatch), 0.5 * swatch));
                     label = min[1] + 0.5 * swatch + 0.35 * font;
@@ -338,8 +348,7 @@ impl Style {
 const WHEEL_HEIGHT: f32 = 4.0;
 const WHEEL_ROWS: usize = 3;
 
-/// The colours of motions by direction and length, around `centre`. Each disc lies on the larger one before it, and each
-/// sector reaches below its neighbour, so that no gap is seen between them.
+/// The colours of motions by direction and length. Discs and sectors overlap, so that no gap is seen.
 fn wheel(centre: [f32; 2], radius: f32) -> Vec<FigureShape> {
     const RINGS: u8 = 5;
     const SECTORS: u8 = 36;

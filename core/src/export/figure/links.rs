@@ -1,7 +1,6 @@
 //! Lines from a place of one panel to a place of another: matches.
 //!
-//! Inliers are solid and yellow, outliers dashed and vermilion (of M. Okabe and K. Ito's palette, which colour-blind
-//! readers can tell apart), so that the colours alone need not be told apart.
+//! Inliers are solid yellow, outliers dashed vermilion: colours (Okabe and Ito's) and dashes both tell them apart.
 
 use super::{Colour, FigurePanel, FigureRect, FigureShape, FigureStroke, LegendEntry, LegendMark};
 use serde::{Deserialize, Serialize};
@@ -35,7 +34,7 @@ impl MatchKind {
         }
     }
 
-    /// Name of several.
+    /// Plural for legends, such as `inliers`.
     pub fn label(self) -> &'static str {
         match self {
             Self::Inlier => "inliers",
@@ -134,8 +133,7 @@ pub struct FigureMatches {
     pub legend: Vec<LegendEntry>,
 }
 
-/// Lines between panels whose pictures lie in these rectangles. As in the window, a line is drawn where both its ends
-/// are visible; a single visible end is a small ring.
+/// Lines between panels with pictures in these rectangles, where both ends are visible; a single end is a small ring.
 pub(super) fn lines_of(
     panels: &[(FigureRect, &FigurePanel)],
     links: &[FigureLink],
@@ -152,6 +150,7 @@ pub(super) fn lines_of(
         if let [Some(from), Some(to)] = ends {
             shapes.push(FigureShape::Line { points: vec![from, to], stroke, dashed: link.dashed, class: "match" });
         }
+        // A single ring shows that a match exists whose other end is out of sight.
         let radius = RING * width;
         let ring = |centre| FigureShape::Circle { centre, radius, stroke, dashed: false };
         shapes.extend(ends.into_iter().flatten().map(ring));
@@ -163,6 +162,7 @@ pub(super) fn lines_of(
 fn seen(rect: &FigureRect, panel: &FigurePanel, at_image: [f32; 2]) -> Option<[f32; 2]> {
     let scale = rect.size[0] / (panel.size.0 as f32 * panel.image_px_per_px);
     let at = [0, 1].map(|i| rect.min[i] + (at_image[i] - panel.origin_image[i]) * scale);
+    // NaN is inside of nothing.
     let inside = (0..2).all(|i| (rect.min[i]..=rect.min[i] + rect.size[i]).contains(&at[i]));
     inside.then_some(at)
 }

@@ -2,12 +2,10 @@
 //!
 //! [`lay_out`] puts one or several [`FigurePanel`]s on a sheet of paper, which gives a [`Drawing`]: shapes with
 //! positions in its [unit](FigureUnit). [`write_drawing_svg`] writes it as vectors; a caller with fonts can make pixels
-//! or a PDF of it. Matches between panels are [`FigureMatches`]. A feature is a circle (of the
-//! radius at which it is drawn in the window), a tick in the direction of its orientation, and an arrow along its
-//! motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
+//! or a PDF of it. [`FigureMatches`] joins panels. A feature is a circle, as in the window, a tick along its
+//! orientation, and an arrow along its motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
 //!
-//! A figure for print has a width in millimetres, and letters and lines in points. Titles are broken to the width of
-//! their pictures; bars and legends that pictures share stand once, below all.
+//! A figure for print has a width in millimetres, letters and lines in points, and titles broken to fit.
 
 mod fan;
 mod layout;
@@ -103,8 +101,7 @@ impl FigureMark {
     }
 }
 
-/// Places (u, v) of a feature in the first and in the last of the frames at `positions` by its
-/// [motion](Feature::motion), image pixels.
+/// Places (u, v) of a feature in the first and the last frame by its [motion](Feature::motion), image pixels.
 pub fn motion_over(feature: &Feature, positions: &Positions) -> [[f32; 2]; 2] {
     let (motion, _) = feature.motion();
     ends(positions).map(|offset| {
@@ -113,7 +110,7 @@ pub fn motion_over(feature: &Feature, positions: &Positions) -> [[f32; 2]; 2] {
     })
 }
 
-/// Standard deviation of the second of these places by that of the [motion](Feature::motion), image pixels.
+/// Standard deviation of a feature's place in the last frame, from that of its [motion](Feature::motion), image pixels.
 pub fn sigma_over(feature: &Feature, positions: &Positions) -> f32 {
     let last = ends(positions)[1];
     last.u.hypot(last.v) * feature.motion().1
@@ -176,7 +173,6 @@ pub enum FigureUnit {
     Point,
 }
 
-/// Points in a millimetre.
 const POINTS_PER_MM: f32 = 72.0 / 25.4;
 
 /// Format of the file of a figure.
@@ -313,8 +309,7 @@ pub enum FigureShape {
         stroke: FigureStroke,
         /// Whether the line is dashed, with dashes and gaps of [`DASH`] widths.
         dashed: bool,
-        /// Part of the figure that the line belongs to, for editing the figure: `orientation`, `motion`, `scale`,
-        /// `match`.
+        /// Part of the figure, for editing it: `orientation`, `motion`, `scale`, `match`, `legend`.
         class: &'static str,
     },
     /// A filled area, all of which is seen from its first point: a [`fan()`].
@@ -339,9 +334,9 @@ pub enum FigureShape {
     },
     /// Shapes clipped to a rectangle.
     Clipped {
-        /// The rectangle.
+        /// Rectangle outside which nothing is drawn.
         rect: FigureRect,
-        /// The shapes.
+        /// Shapes, the first at the bottom.
         shapes: Vec<FigureShape>,
     },
 }
@@ -362,7 +357,6 @@ pub struct Drawing {
     pub title: String,
 }
 
-/// Places of the pictures among these shapes.
 fn pictures(shapes: &[FigureShape]) -> impl Iterator<Item = FigureRect> {
     shapes.iter().filter_map(|shape| match shape {
         FigureShape::Picture { rect, .. } => Some(*rect),

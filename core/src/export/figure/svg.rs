@@ -9,8 +9,9 @@ use crate::files::mark::Kind;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes the drawing.
+/// Writes the drawing with its pictures inside; fails where PNG cannot hold one, or the file cannot be written.
 pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<()> {
+    // Checked first: while the file is written, a failure is reported as one of writing.
     for shape in &drawing.shapes {
         if let FigureShape::Picture { size, rgba, .. } = shape {
             Picture::rgba(size.0, size.1, rgba).check_size(path)?;
@@ -39,6 +40,7 @@ fn write_shape(svg: &mut SvgWriter<impl Write>, shape: &FigureShape) -> io::Resu
         }
         FigureShape::Circle { centre, radius, stroke, dashed } => {
             let [x, y, r] = [centre[0], centre[1], *radius].map(number);
+            // Eight dashes and eight gaps fit around, so that no seam is seen.
             let dashes = dashes(*dashed, std::f32::consts::TAU * radius / 16.0);
             let style = format!(r#"fill="none" {dashes}{}"#, Stroke(stroke));
             svg.empty("circle", &[("cx", &x), ("cy", &y), ("r", &r)], &style)
@@ -67,7 +69,6 @@ fn write_shape(svg: &mut SvgWriter<impl Write>, shape: &FigureShape) -> io::Resu
     }
 }
 
-/// The attribute of a dashed line with dashes and gaps of `length`; nothing for another one.
 fn dashes(dashed: bool, length: f32) -> String {
     let length = number(length);
     if dashed { format!(r#"stroke-dasharray="{length} {length}" "#) } else { String::new() }

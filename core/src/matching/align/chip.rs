@@ -1,8 +1,7 @@
 //! The picture of a place: the frames of a burst averaged along its motion, for matching to a fraction of its scale.
 //!
-//! A chip has samples `STEP` σ apart, `REACH` of them to each side, in the image's own orientation. Each is a mean
-//! of pixels weighted by a Gaussian of `BLUR` σ, so that nothing finer than the lattice can tell is in it. Large ones
-//! are made from frames at reduced resolution.
+//! A chip has samples `STEP` σ apart, `REACH` of them to each side, in the image's own orientation. Each is a mean with
+//! Gaussian weights of `BLUR` σ, so that the lattice resolves all detail. Large chips come from reduced frames.
 
 use crate::detector::params::{Interpolation, Slope};
 use crate::detector::stack::{FrameTimes, frame_offsets, interpolation_blur};
@@ -44,12 +43,12 @@ pub struct Chip {
 }
 
 impl Chip {
-    /// Chip of the place (`u`, `v`) of scale `sigma` with the values `sample(i, j)`, of which those in the columns
-    /// `seen[0]` and rows `seen[1]` exist.
+    /// Chip with the values `sample(i, j)`, which exist in the columns `seen[0]` and rows `seen[1]`.
     fn new(place: (f32, f32), sigma: f32, seen: [Range<u8>; 2], sample: impl Fn(usize, usize) -> f32) -> Self {
         let indices = |range: &Range<u8>| usize::from(range.start)..usize::from(range.end);
         let places = || indices(&seen[1]).flat_map(|j| indices(&seen[0]).map(move |i| (i, j)));
         let values = || places().map(|(i, j)| sample(i, j)).filter(|x| x.is_finite());
+        // Levels of 16 bits over the chip's own range take half the memory of floats.
         let lowest = values().reduce(f32::min).unwrap_or(0.0);
         let highest = values().reduce(f32::max).unwrap_or(0.0);
         let unit = (highest - lowest) / f32::from(u16::MAX);
@@ -110,11 +109,13 @@ impl<'a> ChipSource<'a> {
         if !known || !inside(u, width) || !inside(v, height) {
             return None;
         }
+        // At reduced resolution a large chip costs as much as a small one.
         let octave = octave_of(sigma).min(self.octaves.len() - 1);
         let pixel = f64::from(1u32 << octave);
         let frames: Vec<&Plane> = self.octaves[octave].iter().map(AsRef::as_ref).collect();
         let in_octave = Slope::new(slope.u / pixel as f32, slope.v / pixel as f32);
         let offsets = self.times.of(frame_offsets(&self.times.positions, in_octave, Interpolation::Linear));
+        // Linear reading blurs between pixels; the samples' own Gaussian is made narrower by as much.
         let (read_u, read_v) = interpolation_blur(&offsets);
         let axis = |place: f32, size: usize, reduced: usize, read: f64| {
             Axis::new(f64::from(place), f64::from(sigma), pixel, (size, reduced), read)
@@ -135,15 +136,14 @@ fn octave_of(sigma: f32) -> usize {
     (BLUR * f64::from(sigma)).log2().floor().clamp(0.0, 16.0) as usize
 }
 
-/// Pixels and their weights for each sample along one axis.
 struct Axis {
     /// First pixel of each sample, and the weights from there on; none beyond the image.
     taps: Vec<(usize, Vec<f32>)>,
 }
 
 impl Axis {
-    /// Axis through `place` for the scale `sigma`, both input pixels, on an octave whose pixels are `pixel` of these
-    /// wide, of an image of `size` of either; `read` is the variance of the reading between the octave's pixels.
+    /// Axis through `place` for the scale `sigma`, both input pixels, on an octave with pixels `pixel` of these wide,
+    /// of an image of `size` of either; `read` is the variance of reading between the octave's pixels.
     fn new(place: f64, sigma: f64, pixel: f64, (size, reduced): (usize, usize), read: f64) -> Self {
         // The mean over a pixel of the octave is a blur as well.
         let average = (1.0 - 1.0 / (pixel * pixel)) / 12.0;
@@ -164,7 +164,6 @@ impl Axis {
         Self { taps: (0..SIDE).map(of_sample).collect() }
     }
 
-    /// Samples inside the image.
     fn seen(&self) -> Range<u8> {
         let inside = |(_, weights): &(usize, Vec<f32>)| !weights.is_empty();
         let start = self.taps.iter().position(inside).unwrap_or(0);
@@ -172,7 +171,6 @@ impl Axis {
         start as u8..end as u8
     }
 
-    /// Pixels that the samples need.
     fn pixels(&self) -> Range<i64> {
         let used = || self.taps.iter().filter(|(_, weights)| !weights.is_empty());
         let first = used().map(|(first, _)| *first).min().unwrap_or(0);
@@ -181,7 +179,6 @@ impl Axis {
     }
 }
 
-/// A motion-stack image around a place, and the weights of its samples.
 struct Stacked<'a> {
     patch: &'a Patch,
     across: &'a Axis,
@@ -194,6 +191,7 @@ impl Stacked<'_> {
         let columns = self.patch.columns();
         let mut line = vec![0.0f32; columns.clone().count()];
         let mut samples = vec![0.0; SIDE * SIDE];
+        // Separable: rows are summed once for all samples across.
         for ((top, down), out) in self.down.taps.iter().zip(samples.chunks_exact_mut(SIDE)) {
             if down.is_empty() {
                 continue;

@@ -10,7 +10,6 @@ pub(super) struct Affine {
 }
 
 impl Affine {
-    /// Shift alone.
     pub fn shifted(shift: [f32; 2]) -> Self {
         Self { matrix: [[1.0, 0.0], [0.0, 1.0]], shift }
     }
@@ -20,7 +19,6 @@ impl Affine {
         [along(0), along(1)]
     }
 
-    /// This map after `first`.
     pub fn after(&self, first: &Self) -> Self {
         let (m, f) = (&self.matrix, &first.matrix);
         let entry = |i: usize, j: usize| m[i][0] * f[0][j] + m[i][1] * f[1][j];
@@ -30,7 +28,6 @@ impl Affine {
         }
     }
 
-    /// The inverse; `None` where there is none.
     pub fn inverse(&self) -> Option<Self> {
         let [[a, b], [c, d]] = self.matrix;
         let determinant = a * d - b * c;
@@ -77,8 +74,7 @@ impl Grid {
         Some(Self { values, readable })
     }
 
-    /// Map from a lattice of `unit_px` input pixels, turned by `angle` from +u towards +v, around the middle of `chip`
-    /// to the places of its samples.
+    /// Map from a lattice of `unit_px` input pixels, turned by `angle`, around the middle of `chip` to its samples.
     pub fn places(chip: &Chip, unit_px: f32, angle: f32) -> Affine {
         let (sin, cos) = angle.sin_cos();
         let scale = unit_px / (STEP * chip.sigma);
@@ -86,8 +82,7 @@ impl Grid {
         Affine { matrix, shift: [REACH as f32; 2] }
     }
 
-    /// The 4 × 4 samples around a place, the first of which is in the column and row before it, and how far the place
-    /// lies beyond the next; `None` where any of them is missing.
+    /// The 4 × 4 samples around a place, and its distance beyond the inner first one; `None` where a sample is missing.
     fn around(&self, [u, v]: [f32; 2]) -> Option<([&[f32]; 4], f32, f32)> {
         let [columns, rows] = self.readable;
         if !(u >= columns[0] && u < columns[1] && v >= rows[0] && v < rows[1]) {
@@ -99,8 +94,7 @@ impl Grid {
         Some(([row(0), row(1), row(2), row(3)], u - i as f32, v - j as f32))
     }
 
-    /// Writes the values at the places of the points (`x`, `y`) into `values`, and into `seen` 1 where there is one;
-    /// elsewhere both are 0.
+    /// Writes values at the points into `values`, and 1 into `seen` where there is one; elsewhere both are 0.
     pub fn read(&self, places: &Affine, points: Points<'_>, values: &mut [f32], seen: &mut [f32]) {
         for (((&x, &y), value), seen) in points.x.iter().zip(points.y).zip(values).zip(seen) {
             (*value, *seen) = (0.0, 0.0);
@@ -126,14 +120,12 @@ impl Grid {
     }
 }
 
-/// Points of a lattice.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Points<'a> {
     pub x: &'a [f32],
     pub y: &'a [f32],
 }
 
-/// Values at points with their derivatives.
 pub(super) struct Template<'a> {
     pub values: &'a mut [f32],
     pub along_x: &'a mut [f32],
@@ -141,8 +133,7 @@ pub(super) struct Template<'a> {
     pub seen: &'a mut [f32],
 }
 
-/// Weights of four samples for a place at `t` of 0 … 1 between the middle two: cubic convolution (Keys, "Cubic
-/// convolution interpolation for digital image processing", 1981).
+/// Weights of four samples at `t` of 0 … 1 between the middle two: cubic convolution (Keys, 1981).
 #[inline(always)]
 fn weights(t: f32) -> [f32; 4] {
     [
@@ -153,7 +144,6 @@ fn weights(t: f32) -> [f32; 4] {
     ]
 }
 
-/// Derivatives of [`weights`].
 #[inline(always)]
 fn slopes(t: f32) -> [f32; 4] {
     [-0.5 + t * (2.0 - 1.5 * t), t * (4.5 * t - 5.0), 0.5 + t * (4.0 - 4.5 * t), t * (1.5 * t - 1.0)]

@@ -1,14 +1,11 @@
-//! The affine map by which one chip becomes another: inverse-compositional Lucas–Kanade (Baker and Matthews,
-//! "Lucas-Kanade 20 Years On: A Unifying Framework", IJCV 2004).
+//! The affine map from chip to chip: inverse-compositional Lucas–Kanade (Baker, Matthews, IJCV 2004).
 //!
-//! Brightness may change by an offset and a factor. The map is held near the one that it starts from by a weak prior:
-//! little is known of it where a chip is hardly more than noise.
+//! Brightness may differ by offset and factor. A weak prior holds the map near its start, where a chip is mostly noise.
 
 use super::grid::{Affine, Grid, Points, Template};
 use multiversion::multiversion;
 use nalgebra::{Cholesky, SMatrix, SVector};
 
-/// Rounds in which the map is improved.
 const ROUNDS: usize = 8;
 /// Standard deviation of the matrix's elements about the identity.
 const MATRIX_SIGMA: f32 = 0.2;
@@ -30,7 +27,6 @@ const UNKNOWNS: usize = 6;
 /// Points are padded to a multiple of this by those of weight 0.
 const LANES: usize = 16;
 
-/// Points and weights of the window: the same for all matches.
 #[derive(Debug)]
 pub(super) struct Window {
     radius: f32,
@@ -40,7 +36,6 @@ pub(super) struct Window {
     prior: [f32; UNKNOWNS],
 }
 
-/// Values of one fit.
 #[derive(Debug, Default)]
 pub(super) struct FitScratch {
     template: Vec<f32>,
@@ -73,6 +68,7 @@ impl Window {
             values.resize(values.len().next_multiple_of(LANES), 0.0);
             values
         };
+        // The prior weighs against the noise of a mean over the window's independent values.
         let noise = NOISE / (INDEPENDENT * radius * radius);
         let (shift, matrix) = (noise / SHIFT_SIGMA.powi(2), noise / (MATRIX_SIGMA * radius).powi(2));
         let along = |of: fn(&(f32, f32)) -> f32| padded(points.iter().map(of).collect());
@@ -84,8 +80,8 @@ impl Window {
         Points { x: &self.x, y: &self.y }
     }
 
-    /// Fits the map of the lattice by which `a` becomes `b`, each a grid with the places of the lattice in it, from the
-    /// shift `start` on. `None` where too little of either is seen or the window has no contrast.
+    /// Fits the map of the lattice by which `a` becomes `b`, each a grid with the lattice's places, from the shift
+    /// `start` on. `None` where too little of either is seen or the window has no contrast.
     pub fn fit(
         &self,
         a: (&Grid, &Affine),
@@ -93,17 +89,20 @@ impl Window {
         start: [f32; 2],
         scratch: &mut FitScratch,
     ) -> Option<Fit> {
+        // Inverse composition: the derivatives are of `a` alone, so the normal equations are made once.
         let (hessian, begin) = (self.prepare(a, scratch)?, Affine::shifted(start));
         let (mut map, mut best) = (begin, None::<Fit>);
         for round in 0..=ROUNDS {
             b.0.read(&b.1.after(&map), self.points(), &mut scratch.values, &mut scratch.seen);
             let Some(alike) = Likeness::of(moments(scratch)) else { break };
+            // A step may lead away again, so the best map of all rounds is kept.
             if best.is_none_or(|best| alike.correlation > best.correlation) {
                 best = Some(Fit { map, correlation: alike.correlation });
             }
             if round == ROUNDS {
                 break;
             }
+            // The prior draws the map back to its start.
             let held = self.unknowns(&map, &begin);
             let descent = descent(scratch, &alike);
             let gradient = SVector::<f64, UNKNOWNS>::from_fn(|k, _| f64::from(descent[k] + self.prior[k] * held[k]));
@@ -130,6 +129,7 @@ impl Window {
         weights.iter_mut().zip(&self.weights).for_each(|(seen, weight)| *seen *= weight);
         let sum: f32 = weights.iter().sum();
         let mean = weighted(weights, template) / sum;
+        // Mean 0 and variance 1, since brightness may differ by an offset and a factor.
         template.iter_mut().for_each(|value| *value -= mean);
         let variance = template.iter().zip(&*weights).map(|(t, w)| w * t * t).sum::<f32>() / sum;
         if sum < LEAST_SEEN || variance <= 1e-6 {
@@ -139,10 +139,12 @@ impl Window {
         template.iter_mut().for_each(|value| *value *= scale);
         for k in 0..count {
             let (x, y) = (self.x[k] / self.radius, self.y[k] / self.radius);
+            // In units of the radius all unknowns are of one size.
             let (along_x, along_y) = (scale * derivatives[0][k], scale * derivatives[1][k]);
             let all = [along_x, along_y, along_x * x, along_x * y, along_y * x, along_y * y];
             derivatives.iter_mut().zip(all).for_each(|(derivative, value)| derivative[k] = value);
         }
+        // Without their means, a change of brightness by an offset has no derivative.
         for derivative in derivatives.iter_mut() {
             let mean = weighted(weights, derivative) / sum;
             derivative.iter_mut().for_each(|value| *value -= mean);
@@ -226,6 +228,7 @@ fn moments(scratch: &FitScratch) -> [f32; 6] {
     let pictures = scratch.template.chunks_exact(LANES).zip(scratch.values.chunks_exact(LANES));
     for ((w, m), (t, s)) in blocks.zip(pictures) {
         for l in 0..LANES {
+            // All six in one pass: the values of a round are read once.
             let weight = w[l] * m[l];
             sums[0][l] += weight;
             sums[1][l] += weight * t[l];
@@ -238,16 +241,17 @@ fn moments(scratch: &FitScratch) -> [f32; 6] {
     sums.map(total)
 }
 
-/// Weighted sum of the difference of the chips times each derivative. The second is made brighter by what noise takes
-/// from their correlation, at most by half.
+/// Weighted sum of the chips' difference times each derivative; noise is made up for by a gain of at most two.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn descent(scratch: &FitScratch, alike: &Likeness) -> [f32; UNKNOWNS] {
     let gain = alike.scale[1] / alike.correlation.max(LEAST_GAIN);
     let (mean, scale) = (alike.mean, alike.scale[0]);
+    // One sum a lane: the compiler vectorises the loops, and the order of additions is fixed.
     let mut sums = [[0.0; LANES]; UNKNOWNS];
     let blocks = scratch.weights.chunks_exact(LANES).zip(scratch.seen.chunks_exact(LANES));
     let pictures = scratch.template.chunks_exact(LANES).zip(scratch.values.chunks_exact(LANES));
     for (block, ((w, m), (t, s))) in blocks.zip(pictures).enumerate() {
+        // Both chips at mean 0 and equal strength: an exposure differs from burst to burst.
         let mut differences = [0.0; LANES];
         for l in 0..LANES {
             differences[l] = w[l] * m[l] * ((s[l] - mean[1]) * gain - (t[l] - mean[0]) * scale);

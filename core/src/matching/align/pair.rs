@@ -81,6 +81,7 @@ impl PairFrame {
     /// the scales of those that are turned so. No rotation and equal scales where there are none.
     pub fn of(pairs: &[[View<'_>; 2]]) -> Self {
         let turned: Vec<f32> = pairs.iter().map(|[a, b]| wrapped(b.orientation - a.orientation)).collect();
+        // Von Mises kernels: a mode, unlike a mean, is not drawn off by wrong matches.
         let density = |angle: f32| {
             let near = |turned: &f32| ((turned - angle).cos() - 1.0) / (ANGLE_KERNEL * ANGLE_KERNEL);
             turned.iter().map(|turned| near(turned).exp()).sum::<f32>()
@@ -88,6 +89,7 @@ impl PairFrame {
         let angles = (0..ANGLES).map(|k| TAU * k as f32 / ANGLES as f32 - PI);
         let mode =
             angles.map(|angle| (density(angle), angle)).fold((f32::MIN, 0.0), |a, b| if b.0 > a.0 { b } else { a });
+        // The median near the mode is finer than the angles that were compared.
         let from_mode = || turned.iter().map(|turned| wrapped(turned - mode.1));
         let beyond = median(from_mode().filter(|apart| apart.abs() < NEAR_MODE).collect()).unwrap_or(0.0);
         let rotation = wrapped(mode.1 + beyond);
@@ -101,18 +103,13 @@ impl PairFrame {
     }
 }
 
-/// Lattices that are the same for all matches.
 struct Lattices {
     search: Search,
     window: Window,
 }
 
-/// Measures where the place of each match in A lies in B, in a window of `fit_radius` σ ([`FIT_RADIUS`]); the chips
-/// are brought to one another by `frame`. `None` where chips do not tell: the place is not found within 3 σ, or a chip
-/// shows too little or nothing.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
+/// Measures where the place of each match in A lies in B, in a window of `fit_radius` σ ([`FIT_RADIUS`]); `frame`
+/// brings the chips to one another. `None` where the place is not found within 3 σ, or a chip shows too little.
 pub fn measure(
     pairs: &[[View<'_>; 2]],
     frame: PairFrame,

@@ -18,7 +18,6 @@ const STRIDE: usize = WINDOW + LANES;
 /// Least share of the window, by weight, that both chips show.
 const LEAST_SEEN: f32 = 0.5;
 
-/// Weights and points of the search: the same for all matches.
 #[derive(Debug)]
 pub(super) struct Search {
     weights: Vec<f32>,
@@ -26,7 +25,6 @@ pub(super) struct Search {
     wide: [Vec<f32>; 2],
 }
 
-/// Values of one search.
 #[derive(Debug)]
 pub(super) struct SearchScratch {
     template: Vec<f32>,
@@ -55,6 +53,7 @@ impl Search {
         let radius = RADIUS as f32;
         let weight = |(x, y): (&f32, &f32)| {
             let squared = x * x + y * y;
+            // Round, so that a rotation between the chips changes no weight.
             if squared <= radius * radius { (-2.0 * squared / (radius * radius)).exp() } else { 0.0 }
         };
         let weights: Vec<f32> = window[0].iter().zip(&window[1]).map(weight).collect();
@@ -62,9 +61,8 @@ impl Search {
         Self { weights: weights.iter().map(|w| w / sum).collect(), window, wide: square(WIDE, STRIDE) }
     }
 
-    /// Shift along the axes of the lattice, σ, at which `b` shows most nearly what `a` shows, each a grid with the
-    /// places of the lattice in it. `None` where the best shift is the largest, since the true one may be larger, and
-    /// where too little of either is seen.
+    /// Shift along the lattice's axes, σ, at which `b` is most like `a`, each a grid with the lattice's places. `None`
+    /// for a shift on the rim, beyond which the true one may lie, and where too little of either is seen.
     pub fn peak(&self, a: (&Grid, &Affine), b: (&Grid, &Affine), scratch: &mut SearchScratch) -> Option<[f32; 2]> {
         let window = Points { x: &self.window[0], y: &self.window[1] };
         let wide = Points { x: &self.wide[0], y: &self.wide[1] };
@@ -74,8 +72,7 @@ impl Search {
     }
 }
 
-/// Sums over the points that both chips show, for each shift: of weights, template, its square, searched, its square,
-/// and their product.
+/// Sums for each shift over points seen in both: of weights, template, its square, searched, its square, the product.
 type Sums = [[f32; LANES]; 6];
 
 /// Correlation at each shift, rows of shifts along y; −1 where too little is seen.
@@ -87,6 +84,7 @@ fn correlations(weights: &[f32], scratch: &SearchScratch) -> [[f32; SHIFTS]; SHI
         for (x, found) in found.iter_mut().enumerate() {
             let [weight, t, tt, s, ss, ts] = [0, 1, 2, 3, 4, 5].map(|k| sums[k][x]);
             let (variance_t, variance_s) = (tt - t * t / weight, ss - s * s / weight);
+            // Each shift has its own means: near a chip's rim different samples are seen.
             if weight >= LEAST_SEEN && variance_t > 1e-6 && variance_s > 1e-6 {
                 *found = (ts - t * s / weight) / (variance_t * variance_s).sqrt();
             }
@@ -109,6 +107,7 @@ fn add(weights: &[f32], scratch: &SearchScratch, y: usize, out: &mut Sums) {
             }
             let (t, s, m) = (scratch.template[k], &searched[i..i + LANES], &seen[i..i + LANES]);
             let (weight_t, weight_tt) = (weight * t, weight * t * t);
+            // All shifts along x at once, one a lane.
             for l in 0..LANES {
                 sums[0][l] += weight * m[l];
                 sums[1][l] += weight_t * m[l];
@@ -136,6 +135,7 @@ fn peak_of(correlations: &[[f32; SHIFTS]; SHIFTS]) -> Option<[f32; 2]> {
     let inner = 1..SHIFTS - 1;
     let around = |dx: usize, dy: usize| correlations[y + dy - 1][x + dx - 1];
     let known = |k: usize| around(k % 3, k / 3) > -1.0;
+    // On the rim, or beside shifts without a correlation, no peak can be fitted.
     if !inner.contains(&x) || !inner.contains(&y) || !(0..9).all(known) {
         return None;
     }
@@ -144,6 +144,7 @@ fn peak_of(correlations: &[[f32; SHIFTS]; SHIFTS]) -> Option<[f32; 2]> {
     let (xx, yy) = (around(2, 1) + around(0, 1) - 2.0 * middle, around(1, 2) + around(1, 0) - 2.0 * middle);
     let xy = (around(2, 2) + around(0, 0) - around(2, 0) - around(0, 2)) / 4.0;
     let determinant = xx * yy - xy * xy;
+    // Without a maximum in between, the largest correlation stands.
     let between = if determinant > 1e-12 && xx < 0.0 && yy < 0.0 {
         let solved = [yy * gradient[0] - xy * gradient[1], xx * gradient[1] - xy * gradient[0]];
         solved.map(|s| (-s / determinant).clamp(-1.0, 1.0))

@@ -1,10 +1,9 @@
 //! One correction for each place, from the measured matches of all pairs of images.
 //!
-//! A match says where A's place lies in B, so that a place with several matches is told several times where it is. The
-//! corrections c make the weighted sum of |c_b − J·c_a − e|²/s² over the matches least, besides a weak prior of
-//! [`PRIOR`] σ on each correction. A match that contradicts the others loses its weight (Geman and McClure's function,
-//! by iteratively reweighted least squares). A place that would be moved farther than it may be stays where it is, and
-//! the others are solved for without its matches.
+//! A match says where A's place lies in B, so a place with several matches is measured several times. The corrections c
+//! minimise the weighted sum of |c_b − J·c_a − e|²/s² over the matches, besides a weak prior of [`PRIOR`] σ on each. A
+//! match that contradicts the others loses its weight (Geman and McClure's function, by iteratively reweighted least
+//! squares). A place that would move farther than it may stays, and the others are solved for without its matches.
 
 use super::pair::Measured;
 use crate::monitor::{Cancelled, Monitor};
@@ -18,8 +17,7 @@ pub const NOISE_PX: f64 = 0.5;
 const LEAST_CORRELATION: f64 = 0.5;
 /// Solutions with weights from the one before.
 const ROUNDS: usize = 8;
-/// Steps of conjugate gradients in a round, and the share of the right side that may remain. Each round goes on where
-/// the one before ended.
+/// Conjugate-gradient steps in a round, which begins where the last one ended, and the share that may remain.
 const STEPS: usize = 100;
 const REMAINDER: f64 = 1e-3;
 /// Solutions in which places are refused, each without the matches of those before.
@@ -69,14 +67,13 @@ pub struct Link {
 pub struct Solved {
     /// Correction (u, v) of each place, pixels: exactly 0 where nothing was measured.
     pub corrections: Vec<[f64; 2]>,
-    /// What each link contradicts, pixels, the mean of those of A and B.
+    /// Contradiction of each link with the corrections, pixels: the mean of those of A and B.
     pub residuals_px: Vec<f64>,
     /// Number of places that stay because they would be moved too far.
     pub refused: usize,
 }
 
-/// Solves for the corrections of places of scales `sigmas`, pixels, from their `links`; `may_move` tells whether a place
-/// may be corrected so. The same bits for any number of threads.
+/// Solves for corrections of places of scales `sigmas`, pixels, from `links`. `may_move` decides how far places move.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -94,6 +91,7 @@ pub fn solve(
     let mut corrections = vec![[0.0; 2]; sigmas.len()];
     let mut is_refused = vec![false; sigmas.len()];
     for _ in 0..PASSES {
+        // Weights begin anew: matches of refused places no longer press on the others.
         let mut weights: Vec<f64> = terms.iter().map(|term| term.confidence).collect();
         for _ in 0..ROUNDS {
             let system = System::new(&terms, &weights, &prior);
@@ -103,6 +101,7 @@ pub fn solve(
             };
             weights = terms.iter().map(robust).collect();
         }
+        // Places that would move too far stay at 0 from here on.
         let mut is_done = true;
         for (place, correction) in corrections.iter_mut().enumerate() {
             if *correction != [0.0; 2] && !may_move(place, *correction) {
@@ -118,7 +117,6 @@ pub fn solve(
     Ok(Solved { corrections, residuals_px, refused: is_refused.iter().filter(|refused| **refused).count() })
 }
 
-/// A link in the units of the solution.
 struct Term {
     a: usize,
     b: usize,
@@ -159,9 +157,7 @@ impl Term {
     }
 }
 
-/// Normal equations of one round.
 struct System<'a> {
-    /// Terms with their weight in the equations.
     terms: Vec<(&'a Term, f64)>,
     prior: &'a [f64],
 }
@@ -172,7 +168,6 @@ impl<'a> System<'a> {
         Self { terms: known.map(|(term, weight)| (term, weight * (term.scale / NOISE_PX).powi(2))).collect(), prior }
     }
 
-    /// Writes the matrix times `of` into `product`.
     fn times(&self, of: &[Uv], product: &mut [Uv]) {
         for ((product, x), prior) in product.iter_mut().zip(of).zip(self.prior) {
             *product = x.map(|x| prior * x);
@@ -192,6 +187,7 @@ impl<'a> System<'a> {
         for &(term, weight) in &self.terms {
             let [[xx, xy], [yx, yy]] = term.jacobian;
             let of_a = [xx * xx + yx * yx, xx * xy + yx * yy, xy * xy + yy * yy];
+            // The prior keeps every block positive: a place without a match has an inverse too.
             blocks[term.a].iter_mut().zip(of_a).for_each(|(block, x)| *block += weight * x);
             blocks[term.b][0] += weight;
             blocks[term.b][2] += weight;
@@ -214,7 +210,9 @@ impl<'a> System<'a> {
         let mut product = vec![[0.0; 2]; right.len()];
         let (mut conditioned, mut remainder) = (product.clone(), right.clone());
         condition(&right, &mut conditioned);
+        // Relative to the right side, so that rounds that begin near the solution end soon.
         let enough = REMAINDER * REMAINDER * dot(&right, &conditioned);
+        // A warm start: the remainder is what the last round's solution leaves.
         self.times(solution, &mut product);
         add(&mut remainder, -1.0, &product);
         condition(&remainder, &mut conditioned);
@@ -270,8 +268,7 @@ mod tests {
         assert_eq!(found.residuals_px[1], 1.0);
     }
 
-    /// Six views of 30 places whose true errors are known, each pair of views measured exactly; the view k sees all
-    /// turned and 1 + k/10 times as large.
+    /// Six views of 30 places of known errors, measured exactly; view k sees all turned and 1 + k/10 times as large.
     fn exact() -> (Vec<f32>, Vec<Uv>, Vec<Link>) {
         let mut random = crate::synth::random::Stream::new(5, 0);
         let (views, count) = (6, 30);

@@ -20,7 +20,6 @@ use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{RngCore, SeedableRng};
 use std::sync::LazyLock;
 
-/// A model to be estimated from matches.
 pub(super) trait Problem {
     type Model: Clone;
 
@@ -38,9 +37,8 @@ pub(super) trait Problem {
     /// Whether a step of [`Self::refit`] may be too long and is shortened by damping.
     const IS_DAMPED: bool = false;
 
-    /// The model near `model` with the minimum weighted sum of squared errors, or one closer to it; `None` where the
-    /// weights leave it undetermined. `damping`, above 0, shortens the steps of damped problems: near 0 the step is
-    /// full, above 1 it is a small step downhill.
+    /// The model near `model` of the least weighted squared errors, or one closer to it; `None` where the weights leave
+    /// it undetermined. `damping`, above 0, shortens the steps of damped problems.
     fn refit(&self, model: &Self::Model, weights: &[f64], damping: f64) -> Option<Self::Model>;
 
     /// A model that may be better than `model`, which may explain only a degenerate part of the scene, such as a plane.
@@ -57,8 +55,7 @@ const POLISH_TOLERANCE: f64 = 1e-3;
 /// Damping: of the first step, its factors after a success and a failure, and its largest value.
 const DAMPING: (f64, f64, f64, f64) = (1e-6, 0.1, 100.0, 100.0);
 
-/// The model with the minimum cost for inliers with errors of at most `max_error`, if any, and the number of samples
-/// drawn. `order` are the indices of all matches, the most promising first.
+/// The model of least cost for inliers with errors up to `max_error`, and the number of samples; `order`: best first.
 pub(super) fn estimate<P: Problem>(
     problem: &P,
     order: Vec<usize>,
@@ -88,8 +85,7 @@ pub(super) fn estimate<P: Problem>(
         models.clear();
         problem.solve(&sample, &mut models);
         for model in &models {
-            // A sample's exact model is compared with other such models, not with optimised ones: it may lead to a
-            // better optimum.
+            // Compared with other exact models of samples, not with optimised ones: it may lead to a better optimum.
             let Some(raw) = cost_below(problem, model, &loss, min_raw) else { continue };
             min_raw = raw;
             let candidate = polish(problem, model.clone(), raw, &loss);
@@ -99,6 +95,7 @@ pub(super) fn estimate<P: Problem>(
             let is_inlier = |index: &usize| loss.is_inlier(problem.squared_error(&candidate.0, *index));
             let inliers = (0..count).filter(is_inlier).count();
             best = Some(candidate);
+            // The more inliers, the fewer samples until one of inliers alone is as good as certain.
             needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, f64::from(params.confidence))
                 .max(MIN_ITERATIONS)
                 .min(params.max_iterations);
@@ -136,7 +133,6 @@ fn finished<P: Problem>(
     best
 }
 
-/// The sum of the costs; `None` as soon as it reaches `limit`.
 fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64) -> Option<f64> {
     let mut sum = 0.0;
     for index in 0..problem.count() {
@@ -155,8 +151,10 @@ fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (
     let (mut damping, after_success, after_failure, max) = DAMPING;
     for _ in 0..POLISH_STEPS {
         for (index, weight) in weights.iter_mut().enumerate() {
+            // Weights of the last model: each step solves a quadratic problem.
             *weight = loss.weight(problem.squared_error(&best.0, index));
         }
+        // A damped step without gain is tried again, shorter; an undamped one ends the descent.
         let step = loop {
             let Some(model) = problem.refit(&best.0, &weights, damping) else { break None };
             if let Some(cost) = cost_below(problem, &model, loss, best.1) {
@@ -280,8 +278,7 @@ pub(super) struct Sampler {
     order: Vec<usize>,
     open: usize,
     drawn: f64,
-    /// The paper's T_n and T'_n: the samples that plain RANSAC would have drawn from the open set, and the sample after
-    /// which the set grows.
+    /// The paper's T_n and T'_n: samples that plain RANSAC would have drawn from the open set; and when the set grows.
     expected: f64,
     grows_after: f64,
     size: usize,
@@ -300,6 +297,7 @@ impl Sampler {
         self.drawn += 1.0;
         let count = self.order.len();
         while self.drawn > self.grows_after && self.open < count {
+            // T_(n+1) = T_n·(n + 1)/(n + 1 − m), as in the paper.
             let next = self.expected * (self.open + 1) as f64 / (self.open + 1 - self.size) as f64;
             self.grows_after += (next - self.expected).ceil().max(1.0);
             self.expected = next;
@@ -318,7 +316,6 @@ impl Sampler {
         }
     }
 
-    /// Fills `places` with different numbers below `below`.
     fn distinct(&mut self, places: &mut [usize], below: usize) {
         for i in 0..places.len() {
             places[i] = loop {

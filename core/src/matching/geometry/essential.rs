@@ -6,9 +6,8 @@
 //! fitted by the Levenberg–Marquardt method over rotation and direction of translation, which also works for planes.
 //! Errors are Sampson distances in pixels, by way of the focal lengths.
 //!
-//! Of the four poses of E, in only one do points lie in front of both cameras (Hartley and Zisserman, "Multiple View
-//! Geometry", 2nd ed., 9.6.2; the decomposition is Horn's, "Recovering Baseline and Orientation from 'Essential'
-//! Matrix", 1990).
+//! Of the four poses of E one alone has points in front of both cameras (Hartley and Zisserman, "Multiple View
+//! Geometry", 2nd ed., 9.6.2; the poses after Horn, "Recovering Baseline and Orientation from 'Essential' Matrix").
 
 use super::consensus::Problem;
 use super::linear::{epipolar_row, equation};
@@ -61,6 +60,7 @@ impl Problem for EssentialProblem<'_> {
             if weight > 0.0 && squared_gradient > 0.0 {
                 let (a, b) = (pair.a_homogeneous(), pair.b_homogeneous());
                 let slopes = SVector::<f64, 5>::from(changes.map(|change| b.dot(&(change * a))));
+                // Divided by its gradient, the equation's value is the Sampson distance.
                 let weight = weight / squared_gradient;
                 normal += slopes * slopes.transpose() * weight;
                 right += slopes * (weight * value);
@@ -73,6 +73,7 @@ impl Problem for EssentialProblem<'_> {
         // Levenberg–Marquardt damping: parameters that the matches hardly determine move least.
         let damped = normal + SMatrix::<f64, 5, 5>::identity() * (damping * normal.trace() / 5.0);
         let step = damped.cholesky()?.solve(&-right);
+        // A small turn as a quaternion, which normalising makes a rotation again.
         let half = nalgebra::Quaternion::new(1.0, 0.5 * step[0], 0.5 * step[1], 0.5 * step[2]);
         let turn = nalgebra::UnitQuaternion::new_normalize(half);
         let rotation = turn.to_rotation_matrix().into_inner() * pose.rotation;
@@ -137,7 +138,6 @@ fn add_product(sum: &mut Cubic, factor: f64, p: &Cubic, p_places: &[usize], q: &
     }
 }
 
-/// Up to ten essential matrices for which five matches hold exactly.
 fn from_five(pairs: &[&RayPair; 5]) -> Vec<Matrix3<f64>> {
     let Some(basis) = null_space::<4>(&mut pairs.map(epipolar_row)) else { return Vec::new() };
     let Some(reduced) = eliminated(&basis) else { return Vec::new() };
@@ -182,6 +182,7 @@ fn eliminated(basis: &[Vector9; 4]) -> Option<[[f64; 10]; 10]> {
         add_product(&mut minor, -1.0, &e[1][k], &LINEAR, &e[2][j]);
         add_product(&mut equations[9], 1.0, &minor, &QUADRATIC, &e[0][i]);
     }
+    // Gauss–Jordan elimination; without a pivot the five matches are degenerate.
     for step in 0..10 {
         let pivot = (step..10).max_by(|&i, &j| equations[i][step].abs().total_cmp(&equations[j][step].abs()))?;
         equations.swap(step, pivot);
@@ -204,8 +205,7 @@ fn eliminated(basis: &[Vector9; 4]) -> Option<[[f64; 10]; 10]> {
 /// Coefficients of a polynomial in z of at most the tenth degree, the constant first.
 type InZ = [f64; 11];
 
-/// Three equations b₀(z)·x + b₁(z)·y + b₂(z) = 0. Each comes from two reduced rows, those led by m·z and by m for m =
-/// x², y², xy: the first minus z times the second has no leading monomial left.
+/// Equations b₀(z)·x + b₁(z)·y + b₂(z) = 0: for m = x², y², xy the row led by m·z less z times the row led by m.
 fn polynomial_rows(reduced: &[[f64; 10]; 10]) -> [[InZ; 3]; 3] {
     [(4, 5), (6, 7), (8, 9)].map(|(with_z, without)| {
         let (p, q) = (&reduced[with_z], &reduced[without]);
@@ -233,7 +233,6 @@ fn product(p: &InZ, q: &InZ) -> InZ {
     out
 }
 
-/// The determinant of the three equations, a polynomial of the tenth degree.
 fn determinant(rows: &[[InZ; 3]; 3]) -> InZ {
     let mut sum = [0.0; 11];
     for (i, j, k) in [(0, 1, 2), (1, 2, 0), (2, 0, 1)] {
@@ -306,6 +305,7 @@ fn poses_of(e: &Matrix3<f64>) -> Option<[RelativePose; 4]> {
 
 fn nearest_rotation(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     let mut r = *matrix;
+    // The mean of a matrix and its inverse transposed converges to the nearest rotation.
     for _ in 0..30 {
         let next = (r + r.try_inverse()?.transpose()) * 0.5;
         let change = (next - r).norm();

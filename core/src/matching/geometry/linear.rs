@@ -58,6 +58,7 @@ impl Problem for FundamentalProblem<'_> {
             return None;
         }
         normal.fill_upper_triangle_with_lower_triangle();
+        // A linear fit has no rank of its own: it is made 2 afterwards.
         of_rank_two(&matrix_of(&min_eigenvector(&normal)?))
     }
 
@@ -92,6 +93,7 @@ impl FundamentalProblem<'_> {
         }
         let problem = HomographyProblem { pairs: &inliers };
         let cost = |h: &Homography| -> f64 { inliers.iter().map(|pair| loss.cost(squared_error(h, pair))).sum() };
+        // Drawn from the model's inliers, of which a dominant plane holds most.
         let mut models = Vec::new();
         for _ in 0..PLANE_ITERATIONS {
             problem.solve(&[0; 4].map(|_| sampler.below(inliers.len())), &mut models);
@@ -129,7 +131,6 @@ pub(super) fn equation(f: &Matrix3<f64>, pair: &RayPair, px: [f64; 2]) -> (f64, 
     (value, gradient.iter().map(|g| g * g).sum())
 }
 
-/// Up to three matrices of rank 2 for which seven matches hold exactly.
 fn from_seven(pairs: &[&RayPair; 7]) -> Vec<Matrix3<f64>> {
     let Some([first, second]) = null_space::<2>(&mut pairs.map(epipolar_row)) else { return Vec::new() };
     let (first, second) = (matrix_of(&first), matrix_of(&second));
@@ -158,8 +159,7 @@ fn of_rank_two(matrix: &Matrix3<f64>) -> Option<Matrix3<f64>> {
     (norm > 0.0).then(|| f / norm)
 }
 
-/// The fundamental matrix of a plane's homography `h` and two matches off that plane. The lines from the points mapped
-/// by `h` to the matched points meet in the epipole.
+/// The fundamental matrix of a plane's homography `h` and two matches off it, whose lines meet in the epipole.
 fn from_plane_and_parallax(h: &Matrix3<f64>, first: &RayPair, second: &RayPair) -> Option<Matrix3<f64>> {
     let line = |pair: &RayPair| pair.b_homogeneous().cross(&(h * pair.a_homogeneous()));
     let epipole = line(first).cross(&line(second));
@@ -221,6 +221,7 @@ impl Problem for HomographyProblem<'_> {
 
     fn solve(&self, sample: &[usize], models: &mut Vec<Homography>) {
         let pairs: [&RayPair; 4] = std::array::from_fn(|i| &self.pairs[sample[i]]);
+        // A cheap test before the solution, which many samples with outliers fail.
         if !keeps_orientation(&pairs) {
             return;
         }
@@ -242,6 +243,7 @@ impl Problem for HomographyProblem<'_> {
         let weighted = || self.pairs.iter().zip(weights).filter(|(_, weight)| **weight > 0.0);
         for (pair, &weight) in weighted() {
             let [x, y] = pair.a;
+            // The algebraic error over the depth is the error in pixels.
             let depth = model.forward.m31 * x + model.forward.m32 * y + model.forward.m33;
             if depth > 0.0 {
                 for row in transfer_rows(pair).map(Vector9::from) {
@@ -264,8 +266,7 @@ fn transfer_rows(pair: &RayPair) -> [[f64; 9]; 2] {
     [[-x, -y, -1.0, 0.0, 0.0, 0.0, u * x, u * y, u], [0.0, 0.0, 0.0, -x, -y, -1.0, v * x, v * y, v]]
 }
 
-/// Whether any three of the four points turn the same way in both images, and no three lie on a line. Planes in front
-/// of both cameras can be seen mirrored, from behind; then all turns are reversed.
+/// Whether all triples of the four points turn alike in both images, or all reversed (from behind); none on a line.
 fn keeps_orientation(pairs: &[&RayPair; 4]) -> bool {
     let turn = |p: [f64; 2], q: [f64; 2], r: [f64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
     let mut sign = 0.0;

@@ -39,7 +39,7 @@ pub struct Verification {
 }
 
 impl Verification {
-    /// Takes the geometry back.
+    /// Withdraws the geometry: no match is an inlier then.
     pub(super) fn refuse(&mut self) {
         self.model = None;
         self.inlier.fill(false);
@@ -63,8 +63,7 @@ pub struct PointPair {
     pub rank: f32,
 }
 
-/// Finds the geometry that most of `pairs` agree on; `None` where [`MatchParams::geometry`] is none. Both images are
-/// from [`MatchParams::camera`].
+/// Finds the geometry on which most of `pairs` agree; `None` for [`Geometry::None`]. Both have the camera of `params`.
 pub fn verify(pairs: &[PointPair], params: &MatchParams, monitor: &Monitor) -> Result<Option<Verification>> {
     params.validate()?;
     let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();
@@ -96,6 +95,7 @@ type ModelFound = Result<(Option<TwoViewModel>, usize), Cancelled>;
 /// The fundamental matrix or the homography.
 fn in_pixels(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
     let (normalisation, pairs) = Normalisation::of(points);
+    // One scale for both images, so that an error in pixels is one in normalised coordinates.
     let max_error = f64::from(params.max_error_px) * normalisation.scale;
     if params.geometry == Geometry::Homography {
         let problem = linear::HomographyProblem { pairs: &pairs };

@@ -51,8 +51,7 @@ impl TwoViewModel {
         if squared.is_nan() { f64::INFINITY } else { squared.sqrt() }
     }
 
-    /// Possible places in image B, of `size` (columns, rows), of the point `a` of image A, as a line through (u, v)
-    /// points: one point for a homography, bent by a lens, empty outside the image.
+    /// Places in B, of `size` (columns, rows), where point `a` of A may be: a line of (u, v); one for a homography.
     pub fn locus_in_b(&self, a: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
         self.locus(a, size, false)
     }
@@ -70,6 +69,7 @@ impl TwoViewModel {
             Self::Fundamental { fundamental } => straight(line(fundamental, point)),
             Self::Essential { essential, camera } => {
                 let line = line(&straight_fundamental(essential, camera), straightened(camera, point));
+                // A lens bends the line, which then needs many points.
                 if camera.is_straight() { straight(line) } else { bent(&line, camera, size) }
             }
             Self::Homography { forward, backward } => {
@@ -95,8 +95,7 @@ impl TwoViewModel {
         }
     }
 
-    /// The relative pose for which most of `pairs` (matched pixels, as a rule the inliers) lie in front of both
-    /// cameras, and their number. `None` for all models but an essential matrix.
+    /// The relative pose with most `pairs` in front of both cameras, and their number; of an essential matrix only.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
         let Self::Essential { essential, camera } = self else { return None };
         let directions: Vec<RayPair> =
@@ -112,7 +111,6 @@ pub(super) fn straightened(camera: &Camera, pixel: [f64; 2]) -> [f64; 2] {
     [seen.x, seen.y]
 }
 
-/// The pixel at which `camera` sees what one without distortion would see at `straight`.
 fn seen_by(camera: &Camera, straight: [f64; 2]) -> [f64; 2] {
     let k = camera.matrix();
     camera.pixel_of([(straight[0] - k.m13) / k.m11, (straight[1] - k.m23) / k.m22])
@@ -151,6 +149,7 @@ fn clipped(line: &Vector3<f64>, bounds: Bounds) -> Option<[[f64; 2]; 2]> {
     }
     let from = normal.map(|n| -n * line.z / squared);
     let along = [-normal[1], normal[0]];
+    // The piece between each pair of opposite sides; what both pieces share is inside.
     let (mut start, mut end) = (f64::NEG_INFINITY, f64::INFINITY);
     for i in 0..2 {
         if along[i] == 0.0 {

@@ -10,8 +10,7 @@ use super::points::{cross_matrix, null_vector};
 use crate::matching::camera::Camera;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
-/// Transfer of points of one view into another by their parallax. Places are those that a camera without distortion
-/// would see ([`Parallax::straight`]), pixels.
+/// Transfer of points into the other view by their parallax, in pixels without distortion ([`Parallax::straight`]).
 #[derive(Debug, Clone)]
 pub(in crate::matching) struct Parallax {
     by_plane: Matrix3<f64>,
@@ -21,7 +20,6 @@ pub(in crate::matching) struct Parallax {
     camera: Option<Camera>,
 }
 
-/// Place of a point in the other view.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(in crate::matching) struct Transferred {
     pub place: Vector2<f64>,
@@ -30,8 +28,7 @@ pub(in crate::matching) struct Transferred {
 }
 
 impl Parallax {
-    /// From A to B and from B to A, for matches `inliers` that agree on `model`; `None` for a homography, which knows
-    /// the places, and for a degenerate model.
+    /// From A to B and back, for `inliers` of `model`; `None` for a homography, or a degenerate model.
     pub fn of(model: &TwoViewModel, inliers: &[([f64; 2], [f64; 2])]) -> Option<[Self; 2]> {
         match model {
             TwoViewModel::Homography { .. } => None,
@@ -45,12 +42,14 @@ impl Parallax {
                     is_calibrated: true,
                     camera: Some(camera.clone()),
                 };
+                // The way back: the inverse of the pose.
                 let turned = pose.rotation.transpose();
                 Some([there(pose.rotation, pose.translation), there(turned, -(turned * pose.translation))])
             }
             TwoViewModel::Fundamental { fundamental } => {
                 let there = |f: Matrix3<f64>| {
                     let epipole = null_vector(&f.transpose())?;
+                    // Any plane will do, since the parallax counts from it: this matrix needs no match.
                     let by_plane = (cross_matrix(&epipole) * f).try_normalize(0.0)?;
                     Some(Self { by_plane, epipole, is_calibrated: false, camera: None })
                 };
@@ -59,7 +58,6 @@ impl Parallax {
         }
     }
 
-    /// The pixel at which a camera without distortion would see what is seen at `pixel`.
     pub fn straight(&self, pixel: [f64; 2]) -> Vector2<f64> {
         Vector2::from(self.camera.as_ref().map_or(pixel, |camera| straightened(camera, pixel)))
     }
@@ -73,7 +71,6 @@ impl Parallax {
         is_there.then_some(Transferred { place, by_parallax })
     }
 
-    /// The parallax at which `x` comes nearest to its match `there`; `None` at the epipole.
     pub fn parallax(&self, x: Vector2<f64>, there: Vector2<f64>) -> Option<f64> {
         let there = there.push(1.0);
         let (fixed, moves) = (there.cross(&(self.by_plane * x.push(1.0))), there.cross(&self.epipole));

@@ -42,6 +42,7 @@ impl Normalisation {
         let (centre_a, centre_b) = (mean(|p| p.a), mean(|p| p.b));
         let off = |p: [f64; 2], c: [f64; 2]| (p[0] - c[0]) * (p[0] - c[0]) + (p[1] - c[1]) * (p[1] - c[1]);
         let spread = pairs.iter().map(|p| off(p.a, centre_a) + off(p.b, centre_b)).sum::<f64>() / (2.0 * count);
+        // Points that all coincide have no size.
         let scale = if spread > 0.0 { (2.0 / spread).sqrt() } else { 1.0 };
         let to = |p: [f64; 2], c: [f64; 2]| [(p[0] - c[0]) * scale, (p[1] - c[1]) * scale];
         let normalised = pairs.iter().map(|pair| RayPair { a: to(pair.a, centre_a), b: to(pair.b, centre_b) });
@@ -71,13 +72,13 @@ pub(super) fn matrix_of(vector: &Vector9) -> Matrix3<f64> {
     Matrix3::from_row_iterator(vector.iter().copied())
 }
 
-/// An orthonormal basis of the vectors perpendicular to all `9 − D` rows, by elimination with full pivoting; `None` for
-/// (nearly) dependent rows.
+/// An orthonormal basis of the vectors perpendicular to all `9 − D` rows; `None` for (nearly) dependent rows.
 pub(super) fn null_space<const D: usize>(rows: &mut [[f64; 9]]) -> Option<[Vector9; D]> {
     let count = rows.len();
     debug_assert_eq!(count + D, 9, "each row takes away one dimension");
     let mut columns: [usize; 9] = std::array::from_fn(|i| i);
     let largest = rows.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
+    // With full pivoting a small pivot shows that the rows are dependent.
     for step in 0..count {
         let (mut row, mut column, mut max) = (step, step, 0.0);
         for (r, values) in rows.iter().enumerate().skip(step) {

@@ -1,5 +1,4 @@
-//! The real roots of polynomials in one unknown, for the solvers of seven points (a cubic) and of five (tenth degree).
-//! A double root may be found or missed, depending on rounding.
+//! Real roots of polynomials, for the solvers of seven points (a cubic) and five. Double roots may be missed.
 
 use polycool::PolyDyn;
 

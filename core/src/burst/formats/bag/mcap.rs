@@ -37,10 +37,11 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
         }
         let end = scan.after(bytes)?;
         match kind {
-            // A file without one was not closed.
+            // Without a footer the loop ends, and the file is reported as cut off.
             FOOTER if chunk == 0 => {
                 let (from, _offsets, crc) = (scan.u64()?, scan.u64()?, scan.u32()?);
                 let checksum = Checksum { from, to: scan.at - 4, crc };
+                // The format writes 0 for a checksum that was not computed, and for the start of a missing summary.
                 found.summary_checksum = Some(checksum).filter(|sum| sum.crc != 0 && (1..=at).contains(&sum.from));
                 scan.skip_to(end)?;
                 return if &scan.array()? == MAGIC {
@@ -56,6 +57,7 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
             SCHEMA => {
                 let id = scan.u16()?;
                 let name = scan.text()?;
+                // The summary repeats schemas and channels: the first of each counts.
                 found.schemas.entry(id).or_insert(name);
             }
             CHANNEL => {
@@ -84,6 +86,7 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
                 if scan.after(bytes)? > end {
                     return Err(corrupt("a list of messages (the field 'records') is longer than its record"));
                 }
+                // An entry is a time and an offset of 8 bytes each.
                 found.lists.push(List { channel, chunk: found.chunks.len() - 1, at: scan.at, count: bytes / 16 });
             }
             _ => {}
@@ -93,12 +96,12 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
     if chunk > 0 { Ok(()) } else { Err(io::ErrorKind::UnexpectedEof.into()) }
 }
 
-/// Time and place of the next message of a list.
+/// Time (ns) and offset of the next entry of a list of messages.
 pub(super) fn entry(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<(u64, u64)> {
     Ok((scan.u64()?, scan.u64()?))
 }
 
-/// Bytes of the message of the record that follows, to the start of which `scan` goes.
+/// Length of the next record's message, bytes; moves `scan` to the message's first byte.
 pub(super) fn message(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<u64> {
     let [kind] = scan.array()?;
     let bytes = scan.u64()?.checked_sub(BEFORE_MESSAGE).filter(|_| kind == MESSAGE);

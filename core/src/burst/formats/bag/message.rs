@@ -1,5 +1,4 @@
-//! Messages of pictures, `sensor_msgs/Image` and `sensor_msgs/CompressedImage`, as ROS 1 serialises them and as CDR of
-//! either byte order. What goes wrong is said by the name of the field.
+//! ROS messages `sensor_msgs/Image` and `CompressedImage`, in ROS 1's form and as CDR of either byte order.
 
 use super::records::Wire;
 use crate::burst::layout::Mosaic;
@@ -41,7 +40,6 @@ const ENCODINGS: [(&str, Number, usize, bool, Option<Mosaic>); 24] = [
 
 pub(super) const STAMP_BYTES: u64 = 16;
 
-/// Reader of the fields of a message, one after the other.
 struct Fields<'a> {
     rest: &'a [u8],
     wire: Wire,
@@ -72,6 +70,7 @@ impl<'a> Fields<'a> {
     }
 
     fn u32(&mut self, name: &str) -> Result<u32, String> {
+        // CDR aligns each number to its size; ROS 1 packs them.
         if self.wire == Wire::Cdr {
             self.take(self.read.next_multiple_of(4) - self.read, name)?;
         }
@@ -80,7 +79,7 @@ impl<'a> Fields<'a> {
         Ok(if self.big_endian { u32::from_be_bytes(bytes) } else { u32::from_le_bytes(bytes) })
     }
 
-    /// Bytes after their number.
+    /// Byte string: a 32-bit length, then the bytes.
     fn bytes(&mut self, name: &str) -> Result<&'a [u8], String> {
         let count = self.u32(name)?;
         self.take(count as usize, name)
@@ -92,6 +91,7 @@ impl<'a> Fields<'a> {
 
     /// The stamp of the message's header, nanoseconds.
     fn stamp(&mut self) -> Result<u64, String> {
+        // ROS 1 headers begin with a sequence number, which ROS 2 dropped.
         if self.wire == Wire::Ros1 {
             self.u32("header.seq")?;
         }
@@ -99,7 +99,6 @@ impl<'a> Fields<'a> {
         Ok(u64::from(s) * 1_000_000_000 + u64::from(ns))
     }
 
-    /// Fields that follow the message's header, and its stamp, nanoseconds.
     fn after_header(message: &'a [u8], wire: Wire) -> Result<(Self, u64), String> {
         let mut fields = Self::of(message, wire)?;
         let stamp_ns = fields.stamp()?;
@@ -113,11 +112,10 @@ pub(super) fn stamp_ns(message: &[u8], wire: Wire) -> Result<u64, String> {
     Fields::of(message, wire)?.stamp()
 }
 
-/// A picture as it was sent.
 #[derive(Debug, PartialEq)]
 pub(super) struct Picture<'a> {
     pub stamp_ns: u64,
-    /// Its encoding, or the format of a compressed one.
+    /// Encoding, or the format of a compressed picture.
     pub encoding: String,
     pub data: &'a [u8],
     /// Size (columns, rows), bytes of a row, byte order; of compressed pictures the data has them.
@@ -144,7 +142,6 @@ impl<'a> Picture<'a> {
         ENCODINGS.iter().find(|(name, ..)| *name == encoding).and_then(|(.., mosaic)| *mosaic)
     }
 
-    /// The numbers of a picture that is not compressed, and the way they are read.
     pub(super) fn plain(&self, path: &Path, kind: &'static str, limits: &Limits) -> Result<(Plain, Cow<'a, [u8]>)> {
         let Self { encoding, data, shape, .. } = self;
         let corrupt = |reason: String| Error::corrupt(path, kind, reason);
@@ -157,12 +154,14 @@ impl<'a> Picture<'a> {
             Error::unsupported(path, kind, reason)
         })?;
         let (_, number, channels, is_bgr, mosaic) = *found;
+        // The announced size is checked against the limits before any room is made for it.
         limits.check_frame(path, width.into(), height.into())?;
         let row = number.bytes(u64::from(width) * channels as u64) as usize;
         let (step, rows) = (step as usize, height as usize);
         if step < row {
             return Err(corrupt(format!("the field 'step' is {step}, and a row of {width} pixels has {row} bytes")));
         }
+        // The last row may lack its padding.
         let bytes = step.saturating_mul(rows - 1).saturating_add(row);
         if data.len() < bytes {
             return Err(corrupt(format!("the field 'data' has {} bytes, and {bytes} are announced", data.len())));
@@ -175,6 +174,7 @@ impl<'a> Picture<'a> {
                 Cow::Owned(packed)
             }
         };
+        // Colours of 8 bits are taken as encoded for screens; mono values are those of the sensor.
         let plain = Plain {
             big_endian,
             channels,

@@ -94,7 +94,6 @@ fn is_metadata(path: &Path) -> bool {
         && start == METADATA.1
 }
 
-/// Format of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Form {
     Ros1,
@@ -103,7 +102,6 @@ enum Form {
 }
 
 impl Form {
-    /// Form that the first bytes show.
     fn of(start: &[u8]) -> Option<Self> {
         MAGICS.into_iter().find(|(magic, _)| start.starts_with(magic)).map(|(_, form)| form)
     }
@@ -128,10 +126,8 @@ const MAX_METADATA_BYTES: u64 = 1 << 24;
 const MAX_FILES: usize = 4096;
 /// Nanoseconds of a time that counts from 1970, at least (it is in 1973); smaller ones are those of a simulation.
 const SINCE_1970_NS: u64 = 100_000_000_000_000_000;
-/// Largest number of topics that a message lists.
 const FEW: usize = 12;
 
-/// The files of the recording at `path`.
 fn segments(path: &Path, options: &OpenOptions, work: Work) -> Result<Vec<Segment>> {
     let work = Arc::new(work);
     let open = |file: &Path| Segment::open(file, &options.limits, &work);
@@ -148,6 +144,7 @@ fn segments(path: &Path, options: &OpenOptions, work: Work) -> Result<Vec<Segmen
     let fault = |fault: String| {
         Err(Error::corrupt(path, Form::Rows.name(), format!("its field 'relative_file_paths' lists {fault}")))
     };
+    // A file listed twice would double its frames.
     let mut names = HashSet::new();
     match files.iter().find(|file| !names.insert(*file)) {
         _ if files.is_empty() => return fault("no file".to_owned()),
@@ -163,8 +160,7 @@ fn segments(path: &Path, options: &OpenOptions, work: Work) -> Result<Vec<Segmen
 struct Topic<'a> {
     channel: &'a Channel,
     wire: Wire,
-    /// Each file, with the topic's messages in it that are taken, in the order of their recording, and their numbers
-    /// among all; none where all are taken.
+    /// Files, each with the indices of the messages taken (empty: all) and these messages, in recording order.
     parts: Vec<(&'a Segment, Vec<usize>, Vec<Message>)>,
     /// Names of all other topics with their types and numbers of messages.
     others: Vec<String>,
@@ -185,6 +181,7 @@ impl<'a> Topic<'a> {
         }
         let pictures: Vec<&(&Channel, u64)> =
             topics.values().filter(|(channel, count)| channel.has_pictures() && *count > 0).collect();
+        // Topics are written with and without the leading slash.
         let bare = |topic: &str| topic.trim_start_matches('/').to_owned();
         let chosen = match &options.topic {
             Some(topic) => {
@@ -203,6 +200,7 @@ impl<'a> Topic<'a> {
             Ok((channel, _)) => {
                 let others = topics.values().filter(|(other, _)| other.topic != channel.topic).map(said).collect();
                 let topic = Self::of(segments, channel, &options.of_whole())?.part(path, options, monitor)?;
+                // No size is known yet: the count alone is checked.
                 options.limits.check_burst(path, topic.frames() as u64, 1, 1)?;
                 return Ok(Self { others, ..topic });
             }
@@ -211,7 +209,7 @@ impl<'a> Topic<'a> {
         let remedy = match &pictures[..] {
             [] => format!("its topics are: {}", few(topics.values().map(said))),
             all => {
-                // The first message alone is read.
+                // The error lists sizes: one message of each topic is read, whatever the limit on frames.
                 let limits = Limits { max_frames: usize::MAX, ..options.limits };
                 let options = OpenOptions { limits, take: None, ..options.clone() };
                 let said = all.iter().map(|(channel, count)| {
@@ -229,8 +227,7 @@ impl<'a> Topic<'a> {
         Err(Error::new(ErrorKind::Unsupported, problem, remedy).about(path))
     }
 
-    /// This topic with the messages alone that are to be taken, counted in the order of their stamps. Messages are
-    /// recorded late by a few of their kind at most: so many stamps before and behind are read.
+    /// Restricts the topic to messages by the order of stamps; as recorders are late, some more are read around.
     fn part(self, path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Self> {
         const LATE: usize = 64;
         let count = self.frames();
@@ -249,6 +246,7 @@ impl<'a> Topic<'a> {
             stamps.extend(found.into_iter().zip(before + start..));
             before += messages.len();
         }
+        // Where stamps are left 0, the order is that of the recording.
         if are_stamps(stamps.iter().map(|(stamp, _)| stamp)) {
             stamps.sort_unstable();
         }
@@ -268,11 +266,11 @@ impl<'a> Topic<'a> {
         self.parts.iter().map(|(.., messages)| messages.len()).sum()
     }
 
-    /// Kind, size and samples of the first picture.
     fn header(&self, options: &OpenOptions) -> Result<Declared> {
         let first = self.parts.iter().find_map(|(segment, _, messages)| Some((*segment, messages.first()?)));
         let (segment, first) = first.ok_or_else(|| self.parts[0].0.wrong("the topic has no message"))?;
         let (path, kind, limits) = (&segment.path, segment.form.name(), &options.limits);
+        // One message is looked at ahead of the frames: it is no progress.
         let quiet = Monitor::default();
         let header = segment.each(&[*first], UNCHECKED, &Ticker::new(&quiet, 1), |_, message| {
             let picture = self.picture(segment, message)?;
@@ -308,8 +306,7 @@ impl<'a> Topic<'a> {
         })
     }
 
-    /// Stamp and picture of the message with the index `page` in its file, which is frame `frame`, of the `size` of the
-    /// first one.
+    /// Stamp and picture of message number `page` of its file, as frame `frame`; `size` is that of the first frame.
     fn frame(
         &self,
         segment: &Segment,
@@ -321,6 +318,7 @@ impl<'a> Topic<'a> {
     ) -> Result<(u64, RawFrame)> {
         let (path, limits) = (&segment.path, &options.limits);
         let picture = self.picture(segment, message)?;
+        // Paths with the frame's number, so that an error of different sizes names both frames.
         let named = |frame| format!("{} (frame {frame})", path.display());
         let (first, this) = (PathBuf::from(named(0)), PathBuf::from(named(frame)));
         let reading = Reading { path, expected: Some(Expected { first: &first, size }), options, ticker };
@@ -334,6 +332,7 @@ impl<'a> Topic<'a> {
                 let (data, part) = (picture.data, Part::Page { page, frame });
                 let length = data.len() as u64;
                 let source = Source { reader: Cursor::new(data), bytes: data, length, format, part };
+                // Another process that decodes opens the recording anew: it must find the same topic and numbers.
                 let options = &OpenOptions { topic: Some(self.channel.topic.clone()), take: None, ..options.clone() };
                 let decoded = picture::decoded(Reading { options, ..reading }, source)?;
                 ticker.tick();
@@ -345,7 +344,6 @@ impl<'a> Topic<'a> {
     }
 }
 
-/// The first of a list of topics.
 fn few(topics: impl Iterator<Item = String>) -> String {
     let mut topics: Vec<String> = topics.take(FEW + 1).collect();
     if topics.len() > FEW {
@@ -354,7 +352,7 @@ fn few(topics: impl Iterator<Item = String>) -> String {
     topics.join(", ")
 }
 
-/// Number of pictures of the topic; 2 where a quick look does not tell.
+/// Number of pictures of the topic; 2 where a quick look runs out of its budget.
 fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize> {
     let quiet = Monitor::default();
     match count(path, options, Work::new(&quiet, true), &quiet) {
@@ -367,7 +365,6 @@ fn count(path: &Path, options: &OpenOptions, work: Work, monitor: &Monitor) -> R
     Ok(Topic::chosen(path, &segments(path, options, work)?, options, monitor)?.frames())
 }
 
-/// Size and number of the topic's pictures, and their times.
 fn declared(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Declared> {
     let segments = segments(path, options, Work::new(monitor, false))?;
     let topic = Topic::chosen(path, &segments, options, monitor)?;
@@ -387,6 +384,7 @@ fn declared(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Dec
     let mut taken = vec![format!("the topic is {}, of {}{others}", topic.channel.topic, topic.channel.of)];
     taken.extend(header.taken);
     taken.extend(segments.iter().filter_map(|segment| segment.unread.clone()));
+    // Stamps, of the exposure, come before times of the recording.
     let times = if are_stamps(stamps.iter()) {
         if !stamps.is_sorted() {
             taken.push("the frames are in the order of their stamps, which is not that of the recording".to_owned());
@@ -435,7 +433,6 @@ fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
     Ok(frames.into_iter().map(|(_, frame)| frame).collect())
 }
 
-/// The picture of a recording with a single picture.
 fn only(reading: Reading<'_>) -> Result<RawFrame> {
     let Reading { path, options, ticker, .. } = reading;
     match count(path, options, Work::new(ticker.monitor(), false), ticker.monitor())? {
@@ -448,7 +445,6 @@ fn only(reading: Reading<'_>) -> Result<RawFrame> {
     }
 }
 
-/// The picture with the index `page` in the file, which is frame `frame` of its burst.
 fn page(reading: Reading<'_>, page: usize, frame: usize) -> Result<RawFrame> {
     let Reading { path, options, ticker, .. } = reading;
     let segments = segments(path, options, Work::new(ticker.monitor(), false))?;

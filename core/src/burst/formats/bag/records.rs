@@ -1,6 +1,5 @@
-//! Records of a recording as both of its formats with chunks have them: channels, messages, chunks, lists of messages;
-//! the reader of their numbers and texts, which never reads or reserves more than the file has; and the work that all
-//! of this may take.
+//! Records that both formats with chunks have: channels, messages, chunks, lists of messages; the reader of their
+//! numbers and texts, which reads and reserves no more than the file has; and the work that all may take.
 
 use crate::error::one_line;
 use crate::monitor::Monitor;
@@ -16,8 +15,7 @@ pub(super) fn corrupt(reason: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, reason.into())
 }
 
-/// Bytes that a recording may unpack to whatever its length, and for each byte that is packed. Frames of a sensor are
-/// packed to a tenth at best; drawn ones to some hundredth.
+/// Bytes that a recording of any length may unpack to, and for each packed byte: frames are packed to a tenth at best.
 const UNPACKED_BYTES: u64 = 1 << 28;
 const UNPACKED_PER_BYTE: u64 = 1000;
 /// Times that all may be unpacked: to look for messages, for their stamps, and for frames.
@@ -28,14 +26,14 @@ const STEPS_PER_BYTE: u64 = 256;
 /// Bytes of unpacked chunks that are kept, so that those of a small recording are unpacked once.
 const KEPT_BYTES: u64 = 1 << 26;
 
-/// Work that reading a recording may take, which ends when it is cancelled. It counts down from any thread.
+/// Budget of work for reading a recording; counts down from any thread, and ends at a cancellation.
 #[derive(Debug)]
 pub(super) struct Work {
     monitor: Monitor,
     bytes: AtomicU64,
     steps: AtomicU64,
     kept: AtomicU64,
-    /// Whether it does not grow with what there is to read.
+    /// Whether the budget is fixed, whatever the file's length.
     is_quick: bool,
 }
 
@@ -56,7 +54,7 @@ impl Work {
         self.add(&self.steps, length, STEPS_PER_BYTE);
     }
 
-    /// Adds what so many packed bytes, which are to be unpacked now, allow.
+    /// Raises the budget by what `bytes` packed bytes allow, before they are unpacked.
     pub(super) fn add_packed(&self, bytes: u64) {
         self.add(&self.bytes, bytes, UNPACKED_PER_BYTE);
     }
@@ -65,7 +63,7 @@ impl Work {
         of.fetch_update(Relaxed, Relaxed, |left| left.checked_sub(count)).is_ok()
     }
 
-    /// Takes `count` records or instructions.
+    /// Takes `count` records or instructions; fails when the budget is spent or the work cancelled.
     pub(super) fn step(&self, count: u64) -> io::Result<()> {
         self.monitor.check().map_err(io::Error::other)?;
         match Self::spent(&self.steps, count) {
@@ -76,7 +74,7 @@ impl Work {
         }
     }
 
-    /// Fails before anything is unpacked where `packed` bytes announce to become more than they may.
+    /// Fails early where `packed` bytes announce more unpacked bytes than they may.
     pub(super) fn check_unpacked(&self, packed: u64, unpacked: u64) -> io::Result<()> {
         let most = packed.saturating_mul(UNPACKED_PER_BYTE).saturating_add(UNPACKED_BYTES);
         let most = if self.is_quick { UNPACKED_BYTES / 4 } else { most };
@@ -89,7 +87,7 @@ impl Work {
         io::Error::new(io::ErrorKind::QuotaExceeded, problem)
     }
 
-    /// Whether `bytes` unpacked ones may be kept.
+    /// Whether `bytes` unpacked bytes may stay in memory; they then count as kept.
     pub(super) fn keeps(&self, bytes: u64) -> bool {
         Self::spent(&self.kept, bytes)
     }
@@ -104,20 +102,19 @@ pub(super) struct Metered<'a, R> {
 impl<R: Read> Read for Metered<'_, R> {
     fn read(&mut self, to: &mut [u8]) -> io::Result<usize> {
         self.work.step(0)?;
+        // Small blocks, so that no more than one is unpacked beyond the budget.
         let room = to.len().min(1 << 20);
         let count = self.reader.read(&mut to[..room])?;
         if Work::spent(&self.work.bytes, count as u64) { Ok(count) } else { Err(Work::unpacks_to_too_much()) }
     }
 }
 
-/// Serialisation of messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Wire {
     Ros1,
     Cdr,
 }
 
-/// Messages of one writer to a topic.
 #[derive(Debug, Clone)]
 pub(super) struct Channel {
     pub topic: String,
@@ -126,7 +123,7 @@ pub(super) struct Channel {
     /// `None` for serialisations that are not read.
     pub wire: Option<Wire>,
     pub count: u64,
-    /// Messages without a list; of pictures alone.
+    /// Messages of pictures that no list names.
     pub found: Vec<Message>,
 }
 
@@ -135,7 +132,6 @@ impl Channel {
         Self { topic, of: of.replace("/msg/", "/"), wire, count: 0, found: Vec::new() }
     }
 
-    /// Whether its messages are pictures; those of a camera's own compression are no numbers.
     pub(super) fn has_pictures(&self) -> bool {
         self.wire.is_some() && (self.of == "sensor_msgs/Image" || self.is_compressed())
     }
@@ -145,28 +141,24 @@ impl Channel {
     }
 }
 
-/// Place of a message, and the time when it was recorded.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Message {
-    /// Nanoseconds.
     pub recorded_ns: u64,
     /// Index of its chunk; 0 is the file itself.
     pub chunk: usize,
-    /// Place of its record in the unpacked chunk, or its row.
+    /// Offset of the record in the unpacked chunk, bytes; of a database, the row's id.
     pub at: u64,
 }
 
-/// A file's list of the messages of a channel in a chunk.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct List {
     pub channel: u32,
     pub chunk: usize,
-    /// Place of its first entry in the file.
+    /// Offset of the first entry in the file, bytes.
     pub at: u64,
     pub count: u64,
 }
 
-/// A part of the file that may be packed.
 #[derive(Debug, Clone)]
 pub(super) struct Chunk {
     pub at: u64,
@@ -187,13 +179,12 @@ pub(super) struct Checksum {
     pub crc: u32,
 }
 
-/// Records of a file.
 #[derive(Debug, Default)]
 pub(super) struct Contents {
     pub channels: BTreeMap<u32, Channel>,
     /// Names of the types of messages (MCAP).
     pub schemas: HashMap<u16, String>,
-    /// The file itself, and the chunks.
+    /// Index 0 is the file itself; the chunks follow.
     pub chunks: Vec<Chunk>,
     pub lists: Vec<List>,
     /// Of all before the summary, and of the summary, where the file has them (MCAP).
@@ -214,7 +205,6 @@ impl Contents {
     }
 }
 
-/// Reader of records, which knows its place.
 pub(super) struct Scan<'a, R: Read + Seek> {
     reader: BufReader<R>,
     pub at: u64,
@@ -223,7 +213,6 @@ pub(super) struct Scan<'a, R: Read + Seek> {
 }
 
 impl<'a, R: Read + Seek> Scan<'a, R> {
-    /// Begins at the place `at` of `length` bytes.
     pub(super) fn new(mut reader: R, at: u64, length: u64, work: &'a Work) -> io::Result<Self> {
         reader.seek(SeekFrom::Start(at))?;
         Ok(Self { reader: BufReader::with_capacity(512, reader), at, length, work })
@@ -238,7 +227,6 @@ impl<'a, R: Read + Seek> Scan<'a, R> {
         Ok(last == *end)
     }
 
-    /// Whether another record follows, which is counted as work.
     pub(super) fn goes_on(&self) -> io::Result<bool> {
         self.work.step(1)?;
         Ok(self.at < self.length)
@@ -263,13 +251,14 @@ impl<'a, R: Read + Seek> Scan<'a, R> {
         self.array().map(u64::from_le_bytes)
     }
 
-    /// Bytes after their number, of 32 bits.
+    /// Bytes preceded by their 32-bit length.
     pub(super) fn field(&mut self) -> io::Result<Vec<u8>> {
         let count = self.u32()?;
         self.bytes(count.into())
     }
 
     pub(super) fn bytes(&mut self, count: u64) -> io::Result<Vec<u8>> {
+        // Compared with the file before room is made: damage may announce gigabytes.
         if count > self.length.saturating_sub(self.at) {
             return Err(io::ErrorKind::UnexpectedEof.into());
         }

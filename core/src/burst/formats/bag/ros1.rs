@@ -1,5 +1,4 @@
-//! ROS 1 bags: records of named fields and data. Chunks of messages are each followed by the lists of their messages,
-//! and the connections, which say topic and type, are repeated at the end.
+//! ROS 1 bags: records of named fields and data. The lists of its messages follow each chunk; connections are repeated.
 //!
 //! Format: <http://wiki.ros.org/Bags/Format/2.0>.
 
@@ -34,7 +33,6 @@ fn number(header: &[u8], name: &str) -> io::Result<u32> {
     value.ok_or_else(|| corrupt(format!("a record has no field '{name}' of four bytes")))
 }
 
-/// A time: seconds and nanoseconds in 32 bits each.
 fn time_ns([s, ns]: [u32; 2]) -> u64 {
     u64::from(s) * 1_000_000_000 + u64::from(ns)
 }
@@ -51,6 +49,7 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
         let header = scan.field()?;
         let bytes = scan.u32()?.into();
         let (data, end) = (scan.at, scan.after(bytes)?);
+        // 2 message, 3 bag header, 4 list of a chunk's messages, 5 chunk, 6 summary of a chunk, 7 connection.
         match field(&header, "op") {
             Some([2]) => {
                 let time = field(&header, "time").and_then(|time| time.first_chunk::<8>());
@@ -65,6 +64,7 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
             }
             Some([4]) => {
                 let (channel, count) = (number(&header, "conn")?, u64::from(number(&header, "count")?));
+                // An entry is a time of 8 bytes and an offset of 4.
                 if count * 12 > bytes {
                     return Err(corrupt("a list of messages (the field 'count') is longer than its record"));
                 }
@@ -96,18 +96,19 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
     if chunk == 0 && found.is_open {
         return Err(io::ErrorKind::UnexpectedEof.into());
     }
+    // A closed bag announces its chunks twice; `chunks` also holds the file itself.
     if chunk == 0 && (announced != named || found.chunks.len() as u64 != 1 + u64::from(named)) {
         return Err(corrupt("it was not closed, or its end is missing"));
     }
     Ok(())
 }
 
-/// Time and place of the next message of a list.
+/// Time (ns) and offset of the next entry of a list of messages.
 pub(super) fn entry(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<(u64, u64)> {
     Ok((time_ns([scan.u32()?, scan.u32()?]), scan.u32()?.into()))
 }
 
-/// Bytes of the message of the record that follows, to the start of which `scan` goes.
+/// Length of the next record's message, bytes; moves `scan` to the message's first byte.
 pub(super) fn message(scan: &mut Scan<'_, impl Read + Seek>) -> io::Result<u64> {
     let header = scan.field()?;
     if field(&header, "op") != Some(&[2]) {

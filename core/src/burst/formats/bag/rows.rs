@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// Largest number of topics that are looked at, and of characters of a name.
 const MAX_TOPICS: usize = 4096;
 const MAX_NAME: usize = 4096;
-/// Instructions of SQLite between two looks at the work.
+/// SQLite instructions between two checks of the budget.
 const EACH: u64 = 1000;
 
 fn connection(path: &Path, work: &Arc<Work>) -> rusqlite::Result<Connection> {
@@ -25,10 +25,12 @@ fn connection(path: &Path, work: &Arc<Work>) -> rusqlite::Result<Connection> {
     let escaped = |byte: &u8| if kept(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02x}") };
     let path: String = path.iter().map(escaped).collect();
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    // `immutable`: SQLite takes no locks and writes no files beside a recording that may be read-only.
     let mut connection = Connection::open_with_flags(format!("file:{path}?immutable=1"), flags)?;
     connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest)?;
     let work = work.clone();
     connection.progress_handler(EACH as i32, Some(move || work.step(EACH).is_err()))?;
+    // The schema is a stranger's: its functions are not trusted.
     connection.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")?;
     Ok(connection)
 }
@@ -44,10 +46,7 @@ pub(super) fn check_length(start: &[u8], length: u64) -> io::Result<()> {
     Ok(())
 }
 
-/// Sentence about the file of a recorder that still writes, or was killed, beside the database at `path`.
-///
-/// # Errors
-/// One that says that the database is in the middle of a write.
+/// Note on a recorder that still writes, or was killed, beside the database; an error in the middle of a write.
 pub(super) fn beside(path: &Path) -> io::Result<Option<String>> {
     let named = |ending: &str| {
         let mut name = path.as_os_str().to_owned();
@@ -73,7 +72,6 @@ pub(super) fn beside(path: &Path) -> io::Result<Option<String>> {
     )))
 }
 
-/// Runs a question to the database.
 fn asked<T>(path: &Path, work: &Arc<Work>, ask: impl FnOnce(Connection) -> rusqlite::Result<T>) -> io::Result<T> {
     connection(path, work).and_then(ask).map_err(|e| match (work.step(EACH), e.sqlite_error_code()) {
         // An interrupted query is reported with the reason of the interruption.
@@ -83,9 +81,8 @@ fn asked<T>(path: &Path, work: &Arc<Work>, ask: impl FnOnce(Connection) -> rusql
     })
 }
 
-/// The topics by their numbers.
 pub(super) fn channels(path: &Path, work: &Arc<Work>) -> io::Result<BTreeMap<u32, Channel>> {
-    // A view and a column that is generated could compute for ever.
+    // Views and generated columns could compute for ever, so stored tables alone are accepted.
     let stored = "SELECT count(*), coalesce(sum((SELECT count(*) FROM pragma_table_xinfo(s.name) WHERE hidden > 0)), 0) \
                   FROM sqlite_schema AS s WHERE name IN ('topics', 'messages') AND type = 'table' AND rootpage > 0";
     let stored: (i64, i64) =
@@ -107,6 +104,7 @@ pub(super) fn channels(path: &Path, work: &Arc<Work>) -> io::Result<BTreeMap<u32
             ))
         })?;
         let mut channels: BTreeMap<u32, Channel> = topics.collect::<rusqlite::Result<_>>()?;
+        // One pass over the messages for all topics.
         let mut counts = connection.prepare("SELECT topic_id, count(*) FROM messages GROUP BY topic_id")?;
         for count in counts.query_map([], |row| Ok((row.get::<_, u32>(0)?, row.get::<_, i64>(1)?)))? {
             let (id, count) = count?;
@@ -118,7 +116,6 @@ pub(super) fn channels(path: &Path, work: &Arc<Work>) -> io::Result<BTreeMap<u32
     })
 }
 
-/// The first `most` messages of the topic with the number `id`.
 pub(super) fn messages(path: &Path, id: u32, most: u64, work: &Arc<Work>) -> io::Result<Vec<Message>> {
     asked(path, work, |connection| {
         let mut rows =
@@ -131,7 +128,6 @@ pub(super) fn messages(path: &Path, id: u32, most: u64, work: &Arc<Work>) -> io:
     })
 }
 
-/// The first bytes of the message in the row `row`, at most `most`.
 pub(super) fn bytes(path: &Path, row: u64, most: u64, work: &Arc<Work>) -> io::Result<Vec<u8>> {
     let message = "SELECT substr(data, 1, ?2) FROM messages WHERE id = ?1";
     asked(path, work, |connection| {

@@ -19,27 +19,26 @@ use std::sync::{Arc, Mutex, PoisonError};
 const ZSTD: &[u8] = b"\x28\xb5\x2f\xfd";
 /// Longest file whose checksum of the whole is compared when frames are read that have one of their own, bytes.
 const MAX_CHECKED: u64 = 1 << 30;
-/// For the bytes of a message that are read: all of it, with or without comparing checksums of what it lies in.
+/// Special numbers of bytes to read of a message: all of it, with or without comparing the checksums around it.
 pub(super) const WHOLE: u64 = u64::MAX;
 pub(super) const UNCHECKED: u64 = u64::MAX - 1;
 
-/// One file of a recording.
 #[derive(Debug)]
 pub(super) struct Segment {
     pub path: PathBuf,
     pub form: Form,
     pub contents: Contents,
-    /// Sentence about what is not read.
+    /// Note on what is not read.
     pub unread: Option<String>,
     /// Largest number of bytes of a chunk or message.
     most: u64,
     work: Arc<Work>,
-    /// Chunks that were unpacked and are small.
+    /// Unpacked chunks within the memory budget, by index.
     kept: Mutex<BTreeMap<usize, Arc<Vec<u8>>>>,
 }
 
 impl Segment {
-    /// Reads the file's records, and of its chunks those alone that no list describes.
+    /// Reads the file's records, and unpacks only the chunks that no list describes.
     pub(super) fn open(path: &Path, limits: &Limits, work: &Arc<Work>) -> Result<Self> {
         let fail = |e: io::Error| Error::from_io(path, &e);
         let mut file = files::open(path).map_err(fail)?;
@@ -67,7 +66,7 @@ impl Segment {
         let mut found = std::mem::take(&mut self.contents);
         match self.walk(files::open(&self.path)?, length, 0, &mut found) {
             Err(e) if e.kind() == io::ErrorKind::UnexpectedEof && found.is_open => {
-                // Some lists of the last chunk may be missing: its messages are looked for in itself.
+                // Lists of the last chunk may be missing, so its messages are searched in the chunk itself.
                 let last = found.chunks.len() - 1;
                 found.lists.retain(|list| list.chunk != last);
                 let repair = self.form.repair();
@@ -77,6 +76,7 @@ impl Segment {
             }
             walked => walked?,
         }
+        // The summary's checksum first: channels and lists come from the summary.
         if let Some(checksum) = found.summary_checksum {
             self.check(checksum, "its summary")?;
         }
@@ -133,17 +133,17 @@ impl Segment {
         Error { remedy: format!("copy it again, or save what is whole with '{}'", self.form.repair()), ..error }
     }
 
-    /// Error for a message whose content cannot be read; `reason` names the field.
     pub(super) fn wrong(&self, reason: impl std::fmt::Display) -> Error {
         Error::corrupt(&self.path, self.form.name(), reason)
     }
 
-    /// The messages of the topic and type of `like`, in the order of their recording.
+    /// Messages of all channels with the topic and type of `like`, in recording order.
     pub(super) fn messages(&self, like: &Channel, limits: &Limits) -> Result<Vec<Message>> {
         let is_like =
             |channel: &Channel| (&channel.topic, &channel.of, channel.wire) == (&like.topic, &like.of, like.wire);
         let of_topic = || self.contents.channels.iter().filter(|(_, channel)| is_like(channel));
         let count = of_topic().fold(0u64, |sum, (_, channel)| sum.saturating_add(channel.count));
+        // Counted before they are listed: a file may announce more messages than memory holds.
         limits.check_burst(&self.path, count, 1, 1)?;
         let mut messages = Vec::new();
         of_topic().for_each(|(_, channel)| messages.extend(&channel.found));
@@ -153,7 +153,6 @@ impl Segment {
         Ok(messages)
     }
 
-    /// Adds the messages of the channels `ids` that lists or rows name.
     fn listed(&self, ids: &[u32], messages: &mut Vec<Message>) -> io::Result<()> {
         if self.form == Form::Rows {
             for id in ids {
@@ -174,7 +173,7 @@ impl Segment {
         Ok(())
     }
 
-    /// Computes `f(k, bytes)` of each message in parallel, of its first `most` bytes at least.
+    /// Computes `f(k, bytes)` of each message in parallel, from its first `most` bytes or more; in their order.
     pub(super) fn each<T: Send>(
         &self,
         messages: &[Message],
@@ -182,6 +181,7 @@ impl Segment {
         ticker: &Ticker<'_>,
         f: impl Fn(usize, &[u8]) -> Result<T> + Sync,
     ) -> Result<Vec<T>> {
+        // In the file's order neighbours share a chunk.
         let mut order: Vec<usize> = (0..messages.len()).collect();
         order.sort_by_key(|k| (messages[*k].chunk, messages[*k].at));
         let chunk_of = |k: usize| messages[k].chunk;
@@ -194,6 +194,7 @@ impl Segment {
             order.chunk_by(|a, b| chunk_of(*a) == chunk_of(*b) && together(chunk_of(*a))).collect();
         let chunks = || runs.iter().map(|run| chunk_of(run[0]));
         self.check_unpacked(chunks().filter(|chunk| is_packed(*chunk)).map(chunk_at)).map_err(|e| self.failure(&e))?;
+        // The data's checksum costs a pass over the file: a long one whose chunks have their own is spared.
         if let Some(checksum) = self.contents.data_checksum.filter(|_| most == WHOLE)
             && (checksum.to <= MAX_CHECKED || !chunks().all(is_checked))
         {
@@ -214,7 +215,7 @@ impl Segment {
         Ok(all.into_iter().map(|(_, answer)| answer).collect())
     }
 
-    /// The unpacked chunk, where it is packed; one that is not is checked alone if `is_checked`.
+    /// The chunk unpacked, if it is packed; otherwise its checksum is compared if `is_checked`.
     fn whole(&self, chunk: usize, is_checked: bool) -> io::Result<Option<Arc<Vec<u8>>>> {
         let found = &self.contents.chunks[chunk];
         if !found.packed_by.is_empty() {
@@ -233,6 +234,7 @@ impl Segment {
         if self.form == Form::Ros1 || !bytes.starts_with(ZSTD) {
             return Ok(bytes);
         }
+        // The packed length says nothing about `most`, so the whole message is read.
         let packed = self.bytes(message, chunk, self.most)?;
         bytes.clear();
         self.work.add_packed(packed.len() as u64);
@@ -259,7 +261,6 @@ impl Segment {
         self.content(files::open(&self.path)?, at, self.contents.chunks[0].size, most)
     }
 
-    /// Bytes of the message in the record at the place `at`.
     fn content(&self, reader: impl Read + Seek, at: u64, length: u64, most: u64) -> io::Result<Vec<u8>> {
         let mut scan = Scan::new(reader, at, length, &self.work)?;
         let bytes = if self.form == Form::Ros1 { ros1::message(&mut scan)? } else { mcap::message(&mut scan)? };
@@ -267,7 +268,6 @@ impl Segment {
         scan.rest(bytes.min(most))
     }
 
-    /// Compares a checksum with the bytes of the file.
     fn check(&self, checksum: Checksum, name: &str) -> io::Result<()> {
         let Checksum { from, to, crc } = checksum;
         let mut file = files::open(&self.path)?;
@@ -283,7 +283,6 @@ impl Segment {
         if hasher.finalize() == crc { Ok(()) } else { Err(corrupt(format!("{name} is not what its checksum says"))) }
     }
 
-    /// Fails before anything is unpacked where the chunks announce more than may be.
     fn check_unpacked<'a>(&self, chunks: impl Iterator<Item = &'a Chunk>) -> io::Result<()> {
         let sum = |(packed, unpacked): (u64, u64), chunk: &Chunk| {
             (packed.saturating_add(chunk.bytes), unpacked.saturating_add(chunk.size))
@@ -298,6 +297,7 @@ impl Segment {
             return Ok(unpacked.clone());
         }
         let Chunk { at, bytes, size, packed_by, crc } = chunk;
+        // Before room is made: the size is only announced.
         if *size > self.most {
             let problem = format!("a chunk of it announces {size} bytes, and the limit is {} bytes", self.most);
             return Err(io::Error::new(io::ErrorKind::QuotaExceeded, problem));
@@ -326,7 +326,6 @@ impl Segment {
     }
 }
 
-/// Reader of what the compression `by` packed.
 fn unpacker<'a>(by: &str, packed: Box<dyn Read + 'a>) -> io::Result<Box<dyn Read + 'a>> {
     Ok(match by {
         "lz4" => Box::new(lz4_flex::frame::FrameDecoder::new(packed)),

@@ -1,4 +1,4 @@
-//! Decoding of JPEGs that takes no damaged data.
+//! Decoding of JPEGs that refuses damaged data.
 //!
 //! The picture library fills in missing data without an error. So a JPEG is decoded by the same decoder in its strict
 //! mode, and its end marker must be there. After it cameras put films and second pictures.
@@ -14,8 +14,7 @@ use zune_jpeg::zune_core::{colorspace::ColorSpace, options::DecoderOptions};
 /// Largest number of pixels of a byte of a JPEG: a block of 8×8 takes a bit or more.
 const PIXELS_A_BYTE: u64 = 8 * 64;
 
-/// Samples of a whole JPEG; in its own colours, or `as_rgb` unless it is grey. The error is its damage, in words,
-/// or without meaning where the work was cancelled.
+/// Samples of a whole JPEG in its own colours, or `as_rgb` unless grey; the error is its damage, or a cancellation.
 pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool, monitor: &Monitor) -> Result<Vec<u8>, String> {
     if !has_end(bytes) {
         return Err("its end marker is missing: it is cut off".to_owned());
@@ -26,6 +25,7 @@ pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool, monitor: &M
     let words = |error: zune_jpeg::errors::DecodeErrors| error.to_string().trim_matches('"').to_owned();
     decoder.decode_headers().map_err(words)?;
     let (width, height) = decoder.dimensions().unwrap_or_default();
+    // Checked before the buffer is made: few bytes may announce many pixels.
     if let Some(reason) = too_few_bytes(bytes.len() as u64, width as u64, height as u64, PIXELS_A_BYTE) {
         return Err(reason);
     }
@@ -37,12 +37,10 @@ pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool, monitor: &M
     Ok(samples)
 }
 
-/// The tables of Huffman codes that the standard gives as examples (ITU-T T.81, K.3 to K.6), as segments: frames of
-/// films (Motion JPEG) leave them out.
+/// Example Huffman tables of the standard (ITU-T T.81, K.3 to K.6), as segments: frames of Motion JPEG omit them.
 const USUAL_TABLES: &[u8] = include_bytes!("samples/usual_tables.dht");
 
-/// A JPEG as decoders take it: without other bytes between its segments, and with the tables that it leaves out. The
-/// error is the reason why no decoder here reads it, with what would.
+/// A JPEG without bytes between segments and with the tables that it omits. The error says why nothing here reads it.
 pub(in crate::burst::formats) fn normalised(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     const START_OF_SCAN: u8 = 0xda;
     let mut clean = bytes.get(..2).unwrap_or(bytes).to_vec();
@@ -51,10 +49,11 @@ pub(in crate::burst::formats) fn normalised(bytes: &[u8]) -> Result<Cow<'_, [u8]
         let next = bytes
             .get(at..)
             .and_then(|rest| rest.windows(2).position(|two| two[0] == 0xff && !matches!(two[1], 0 | 0xff)));
-        // What has no picture data is damaged, which the decoder tells.
+        // A JPEG without picture data is damaged, which the decoder reports.
         let Some(start) = next.map(|skipped| at + skipped) else { return Ok(Cow::Borrowed(bytes)) };
         let marker = bytes[start + 1];
         let length = bytes.get(start + 2..start + 4).map(|two| usize::from(u16::from_be_bytes([two[0], two[1]])));
+        // TEM, RST and SOI stand alone: no length follows.
         let is_alone = matches!(marker, 0x01 | 0xd0..=0xd8);
         let end = if is_alone { start + 2 } else { start + 2 + length.unwrap_or(0) };
         let Some(segment) = bytes.get(start..end) else { return Ok(Cow::Borrowed(bytes)) };
@@ -71,6 +70,7 @@ pub(in crate::burst::formats) fn normalised(bytes: &[u8]) -> Result<Cow<'_, [u8]
                 return Err("it tells its number of rows behind its pixels (DNL); convert it to PNG".to_owned());
             }
             0xc4 => has_tables = true,
+            // Nothing is missing: the original bytes need no copy.
             START_OF_SCAN if clean.len() == start && has_tables => return Ok(Cow::Borrowed(bytes)),
             START_OF_SCAN => {
                 if !has_tables {

@@ -31,7 +31,6 @@ const BESIDES_BYTES: u64 = 1 << 26;
 /// Largest number of pixels of a byte of a file: of one bit each, in deflated data of the largest ratio, about.
 const PIXELS_A_BYTE: u64 = 8 * 1040;
 
-/// A format of single pictures.
 pub(super) struct Picture {
     format: ImageFormat,
     extensions: &'static [&'static str],
@@ -39,7 +38,6 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// Seconds for which each frame of an animation is shown.
     fn delays_s(&self, input: &Input, path: &Path) -> Result<Vec<f64>> {
         let mut reader = BufReader::with_capacity(64, &input.file);
         let found = delays_of(&mut reader, self.format, input.length);
@@ -138,7 +136,6 @@ fn declared(path: &Path, file: File, format: ImageFormat, limits: &Limits) -> Re
     declared_of(path, BufReader::with_capacity(1 << 16, file), &bytes, format, limits)
 }
 
-/// Declarations of the picture that `reader` gives; `bytes` are all of it, of a JPEG.
 pub(super) fn declared_of(
     path: &Path,
     reader: impl BufRead + Seek,
@@ -149,6 +146,7 @@ pub(super) fn declared_of(
     let bytes = &*normalised(path, bytes, format)?;
     let mut reader = reader;
     let full = full_scale(path, &mut reader, format)?;
+    // Binary PNM files may hold several pictures one after another.
     let is_binary = reader.fill_buf().is_ok_and(|start| start.starts_with(b"P5") || start.starts_with(b"P6"));
     let length = reader.seek(SeekFrom::End(0)).and_then(|length| reader.rewind().map(|()| length)).unwrap_or(0);
     let mut decoder = decoder(path, reader, bytes, format, limits)?;
@@ -178,12 +176,10 @@ fn only(reading: Reading<'_>, input: Input, format: ImageFormat) -> Result<RawFr
     decoded(reading, Source { reader, bytes, length: input.length, format, part: Part::Only })
 }
 
-/// A picture, and where it lies in its file.
 pub(super) struct Source<'a, R> {
     pub reader: R,
     /// All bytes of a JPEG.
     pub bytes: &'a [u8],
-    /// Number of its bytes.
     pub length: u64,
     pub format: ImageFormat,
     pub part: Part,
@@ -191,6 +187,7 @@ pub(super) struct Source<'a, R> {
 
 pub(super) fn decoded(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Result<RawFrame> {
     let frame = frame_of(reading, source);
+    // A cancelled decoder fails with an error of its own: the cancellation is reported instead.
     reading.ticker.check().and(frame)
 }
 
@@ -216,11 +213,13 @@ fn frame_of(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Re
     let pixels = u64::from(width) * u64::from(height);
     let taken = pixels * bytes_per_pixel(format, color);
     if confined::takes(taken) {
+        // Its memory is given back before another process takes as much.
         drop(decoder);
         let budget = Budget::new(length, pixels, 2 * taken);
         return confined::decode(reading, name(format), part, budget);
     }
     memory::check_room(taken);
+    // The strict decoder first: the lenient one below serves damage that is accepted.
     let (whole, damage) = match (format == ImageFormat::Jpeg).then(|| jpeg::samples(bytes, true, ticker.monitor())) {
         None => (None, None),
         Some(Ok(samples)) => (Some(samples), None),
@@ -269,7 +268,6 @@ fn frame_of(reading: Reading<'_>, source: Source<'_, impl BufRead + Seek>) -> Re
     }
 }
 
-/// Name of the samples of a colour type, and whether there are colours.
 fn samples_of(color: ColorType) -> (String, bool) {
     let bits = color.bits_per_pixel() / u16::from(color.channel_count());
     (if bits == 32 { "floats of 32 bit".to_owned() } else { format!("{bits} bit") }, color.has_color())
@@ -323,7 +321,6 @@ fn full_scale(path: &Path, reader: &mut (impl BufRead + Seek), format: ImageForm
     Ok(largest.filter(|largest| !matches!(largest, 0 | 255 | 65535..)).map(|largest| largest as f32))
 }
 
-/// Largest number of parts of a file that are looked at.
 const MAX_PARTS: usize = 1 << 16;
 
 /// Seconds for which each frame of an animation is shown; none for a single picture.
@@ -342,7 +339,7 @@ fn delays_of(file: &mut (impl Read + Seek), format: ImageFormat, length: u64) ->
         let (size, kind) =
             if is_png { (u32::from_be_bytes(first), second) } else { (u32::from_le_bytes(second), first) };
         is_announced |= [b"acTL", b"ANIM"].contains(&&kind);
-        // Of a single picture no more is read than stands before its pixels.
+        // Of a single picture only what precedes the pixels is read.
         if !is_announced && [b"IDAT", b"VP8 ", b"VP8L", b"IEND"].contains(&&kind) {
             break;
         }
@@ -373,7 +370,6 @@ fn times_of(delays_s: &[f64]) -> Times {
     Times { seconds: delays_s.iter().scan(0.0, from).collect(), is_absolute: false }
 }
 
-/// The frames as they are shown, one over the other, up to the last that is taken.
 fn frames_of(
     reading: Reading<'_>,
     reader: impl BufRead + Seek,
@@ -403,6 +399,7 @@ fn frames_of(
     if frames.is_empty() {
         return Err(Error::corrupt(path, name(format), "no frame of its animation is whole"));
     }
+    // Frames are drawn one over another, so those before the part had to be decoded too.
     options.taken(path, frames, (1, 1))
 }
 
@@ -448,8 +445,7 @@ fn decoder<'a>(
     format: ImageFormat,
     limits: &Limits,
 ) -> Result<Box<dyn ImageDecoder + 'a>> {
-    // `Limits` checks sizes before pixels are read; this bounds the decoder's other memory: at most four channels of
-    // four bytes.
+    // `Limits` checks sizes; this bounds the decoder's other memory: at most four channels of four bytes.
     let max_bytes = limits.max_pixels.saturating_mul(16).saturating_add(BESIDES_BYTES);
     let mut own = image::Limits::no_limits();
     own.max_alloc = Some(max_bytes);
@@ -568,6 +564,7 @@ impl<R: BufRead + Seek> ImageDecoder for PngPicture<R> {
         self.reader.next_frame(buffer).map_err(png_failure)?;
         // The file's end must follow the pixels.
         self.reader.finish().map_err(png_failure)?;
+        // PNG stores the high byte first; the buffer holds native numbers.
         if self.color.bytes_per_pixel() == 2 * self.color.channel_count() {
             for bytes in buffer.as_chunks_mut::<2>().0 {
                 *bytes = u16::from_be_bytes(*bytes).to_ne_bytes();

@@ -12,10 +12,8 @@ pub(super) struct Chosen {
     pub said: Vec<String>,
 }
 
-/// A problem and its remedy.
 pub(super) type Refusal = (String, String);
 
-/// The frames of a file of `pages` pages that are `described` so, along the axis that the user chooses.
 pub(super) fn frames_of(
     described: Result<Option<Described>, Refusal>,
     pages: usize,
@@ -26,6 +24,7 @@ pub(super) fn frames_of(
     let is_first = choice.is_some_and(|choice| choice.along == Axis::First && choice.at.is_empty());
     let found = match described {
         Ok(Some(found)) => found,
+        // Without a description pages are frames, and there is no axis to choose.
         Ok(None) if pages == 1 => return all(Vec::new()),
         Ok(None) => match choice {
             Some(choice) if !matches!(choice.along, Axis::T | Axis::First | Axis::Last) || !choice.at.is_empty() => {
@@ -36,6 +35,7 @@ pub(super) fn frames_of(
             }
             _ => return all(Vec::new()),
         },
+        // The user's choice overrides a description that does not fit.
         Err(_) if is_first => {
             return all(vec!["all pages are taken in their order, whatever the description says".to_owned()]);
         }
@@ -47,7 +47,6 @@ pub(super) fn frames_of(
     Along::of(&found, choice)?.taken(&found)
 }
 
-/// An axis along which frames follow one another, and the places on the others.
 struct Along {
     axes: Axes,
     along: usize,
@@ -57,11 +56,13 @@ struct Along {
 impl Along {
     fn of(found: &Described, choice: Option<&AxisChoice>) -> Result<Self, Refusal> {
         let axes = found.axes.clone();
+        // An axis of length 1 leaves nothing to choose.
         let long: Vec<usize> = (0..axes.len()).filter(|index| axes[*index].1 > 1).collect();
         let named: Axes = long.iter().map(|index| axes[*index]).collect();
         let at = vec![0; axes.len()];
         let usual = long.first().copied().unwrap_or(0);
         let Some(choice) = choice else {
+            // One long axis is time unless it is named depth or channel; of several the user has to choose.
             if named.len() < 2 && !named.first().is_some_and(|(axis, _)| matches!(axis, 'Z' | 'C')) {
                 return Ok(Self { axes, along: usual, at });
             }
@@ -120,8 +121,7 @@ impl Along {
             let step: usize = axes[index + 1..].iter().map(|(_, length)| length).product();
             start + step * at[index]
         });
-        // A time is whole where all pages of it are written: recordings that are stopped end within one. Along other
-        // axes the pages of the places that are taken count.
+        // A stopped recording ends within a time, which counts only if whole. Along other axes only taken places count.
         let is_first = axes[..*along].iter().all(|(_, length)| *length == 1);
         let chosen = |place: usize| {
             is_first || place >= start && (place - start).is_multiple_of(step) && (place - start) / step < announced
@@ -133,6 +133,7 @@ impl Along {
             counts[of_all(place)] += 1;
         }
         let whole = counts.iter().take_while(|count| **count == full).count();
+        // A stopped recording lacks pages at its end alone; a hole before other pages is an error.
         if whole == 0 || counts[whole..].iter().skip(1).any(|count| *count > 0) {
             let problem = format!(
                 "this file announces {}, and pages of it are missing from {letter}={whole} on, with others behind them",

@@ -1,5 +1,5 @@
-//! What a TIFF says of its pages: in its description (OME's XML, ImageJ's lines, tifffile's JSON), or in tags of
-//! microscopes (LSM). Places that have no page are told; a description that cannot be understood is an error.
+//! Axes of a TIFF's pages: from its description (OME's XML, ImageJ's lines, tifffile's JSON), or from tags of
+//! microscopes (LSM). Places without a page are reported; a description that cannot be understood is an error.
 
 use crate::files::read_text;
 use roxmltree::{Document, Node, ParsingOptions};
@@ -20,13 +20,11 @@ pub(super) struct Page {
     pub number: usize,
 }
 
-/// Pages of a file by their places on axes.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub(super) struct Described {
     pub axes: Axes,
     /// Page of each place, the last axis running fastest; `None` where the file says that none has been written.
     pub pages: Vec<Option<Page>>,
-    /// Choices, for the user.
     pub said: Vec<String>,
 }
 
@@ -35,7 +33,7 @@ impl Described {
     pub(super) fn in_order(axes: Axes, pages: usize) -> Self {
         let count = product(&axes);
         let page = |number| (number < pages).then_some(Page { file: None, number });
-        // What is announced may be any number, and what there is not takes no place.
+        // The announced number may be absurd: places beyond twice the pages take no memory.
         let pages = (0..count.min(pages.saturating_mul(2))).map(page).collect();
         Self { axes, pages, said: Vec::new() }
     }
@@ -45,8 +43,7 @@ fn product(axes: &Axes) -> usize {
     axes.iter().fold(1, |product, (_, length)| product.saturating_mul(*length))
 }
 
-/// Pages as the description tells them; `None` where it tells nothing of them. `array` names one of several images. The
-/// error is what is wrong in the description, and a remedy where there is one.
+/// Axes and pages as the description gives them; `None` if it is silent. `array` names an image. Errors with remedy.
 pub(super) fn described(
     description: &str,
     path: &Path,
@@ -63,7 +60,7 @@ pub(super) fn described(
     } else {
         None
     };
-    // That of one page tells nothing of others, of which each may have its own.
+    // A description of one page is silent about the others, which may have their own.
     let Some(axes) = found.filter(|axes| product(axes) > 1) else { return Ok(None) };
     if product(&axes) < pages {
         let problem = format!("the description of this file tells of {}, and it has {pages} pages", words(&axes));
@@ -92,6 +89,7 @@ fn of_imagej(description: &str) -> Option<Axes> {
         let value = description.lines().find_map(|line| line.strip_prefix(name)?.strip_prefix('='));
         value.and_then(|value| value.trim().parse().ok()).filter(|length| *length > 0)
     };
+    // In ImageJ's order of pages channels change first, and times last.
     let lengths = [('T', length("frames")), ('Z', length("slices")), ('C', length("channels"))];
     let is_said = lengths.iter().any(|(_, length)| length.is_some());
     is_said.then(|| lengths.map(|(axis, length)| (axis, length.unwrap_or(1))).to_vec())
@@ -105,6 +103,7 @@ fn of_tifffile(description: &str, [rows, columns, samples]: PageShape) -> Option
     Some(match named {
         Some(axes) => axes.chars().zip(shape).filter(|(axis, _)| !"YXS".contains(*axis)).collect(),
         None => {
+            // Without names, the end of the shape that fits a page is the page; the axes before have no meaning.
             let of_page = [&[rows, columns, samples][..], &[samples, rows, columns], &[rows, columns]];
             let own = of_page.into_iter().find(|page| shape.ends_with(page)).map_or(2, |page| page.len());
             shape.iter().take(shape.len().saturating_sub(own)).map(|length| ('Q', *length)).collect()
@@ -115,13 +114,13 @@ fn of_tifffile(description: &str, [rows, columns, samples]: PageShape) -> Option
 /// Images of the description, from which the caller takes one: name and pixels.
 type Images<'a> = Vec<(&'a str, Node<'a, 'a>)>;
 
-/// Largest companion file, bytes.
 const MAX_XML_BYTES: u64 = 1 << 28;
 /// Largest number of pages of a set of files that is listed.
 const MAX_PLANES: usize = 1 << 20;
 
 fn of_ome(text: &str, path: &Path, pages: usize, array: Option<&str>) -> Result<Option<Described>, (String, String)> {
     let wrong = |what: String| (format!("the OME description of this file {what}"), String::new());
+    // Against hostile XML: no entities that expand, and a limit on nodes.
     let options = ParsingOptions { allow_dtd: false, nodes_limit: 1 << 22, ..ParsingOptions::default() };
     let document = Document::parse_with_options(text, options);
     let document = document.map_err(|e| wrong(format!("cannot be understood: {e}")))?;
@@ -130,6 +129,7 @@ fn of_ome(text: &str, path: &Path, pages: usize, array: Option<&str>) -> Result<
         return Ok(None);
     }
     if let Some(elsewhere) = child(root, "BinaryOnly") {
+        // Only a file beside this one is read; one that refers to yet another would lead on without end.
         let name = elsewhere.attribute("MetadataFile").unwrap_or_default();
         let beside = Path::new(name).file_name().map(|name| path.with_file_name(name));
         let companion = beside.as_deref().and_then(|beside| read_text(beside, MAX_XML_BYTES).ok());
@@ -182,6 +182,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
         .map(|channel| number(channel, "SamplesPerPixel", Some(1)))
         .collect::<Result<_, _>>()?;
     let mut axes = Axes::new();
+    // The order names the fastest axis first; here the slowest comes first.
     for axis in order.chars().rev() {
         let length = number(pixels, &format!("Size{axis}"), None)?;
         // The colours of a page are counted as channels too.
@@ -206,6 +207,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
     }
     for node in data {
         let first = number(node, "IFD", Some(0))?;
+        // By OME's rules an element without IFD covers all planes, and one with IFD a single plane.
         let usual = if node.attribute("IFD").is_some() { 1 } else { usize::MAX };
         let most = number(node, "PlaneCount", Some(usual))?;
         let mut place = 0;
@@ -216,6 +218,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
             }
             place = place * length + at;
         }
+        // A foreign UUID under a foreign name points to another file of the set.
         let name = child(node, "UUID").filter(|of| of.text().map(str::trim) != uuid || uuid.is_none());
         let own = path.file_name().map(|name| name.to_string_lossy().into_owned());
         let file =
@@ -233,7 +236,6 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
 }
 
 trait Named {
-    /// Whether the element has this name, with any prefix and namespace.
     fn has_tag_name_of(&self, name: &str) -> bool;
 }
 

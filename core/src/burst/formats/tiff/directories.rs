@@ -18,7 +18,6 @@ pub(in crate::burst::formats) const OF_SENSORS: &[&str] = &[
     "kdc", "dcr", "mrw", "erf", "mef", "mos", "x3f",
 ];
 
-/// Whether a file begins as a TIFF or BigTIFF of either byte order.
 pub(in crate::burst::formats) fn begins(start: &[u8]) -> bool {
     [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic))
 }
@@ -41,7 +40,6 @@ const MAX_SHARING: u64 = 4;
 /// Further allowance for the values of all entries, bytes: for small files.
 const SMALL_VALUES: u64 = 1 << 24;
 
-/// Compressions of pixels.
 const UNCOMPRESSED: u64 = 1;
 const JPEG: u64 = 7;
 
@@ -68,8 +66,7 @@ mod tag {
     pub(super) const LAST_OF_PLANES: u64 = 33631;
 }
 
-/// Planes of a MetaMorph stack: their number, and for each six numbers: its distance in depth (two), the day and the
-/// millisecond when it was taken, and those when it was changed.
+/// Planes of a MetaMorph stack, six numbers each: depth (two), day and millisecond of recording and of change.
 #[derive(Debug, Default, Clone, PartialEq)]
 pub(super) struct Planes {
     pub count: u64,
@@ -77,7 +74,7 @@ pub(super) struct Planes {
 }
 
 impl Planes {
-    /// Times of the planes, and their axes.
+    /// Times of the planes, and their axis: time where the times rise, else depth where one is given.
     pub(super) fn told(&self) -> (Times, Axes) {
         // Days count from noon of the first one of the Julian period.
         const DAY_OF_1970: f64 = 2_440_588.0;
@@ -95,9 +92,7 @@ impl Planes {
 pub(in crate::burst::formats) struct Directories {
     /// Largest size, columns × rows.
     pub pixels: u64,
-    /// Whether the first one is marked as that of a DNG.
     pub is_dng: bool,
-    /// Planes of a MetaMorph stack, which lie behind those of the first directory.
     pub(super) planes: Planes,
     pub(super) sensor: Sensor,
     /// Pages that a tile of a volume has, 0 where none has several.
@@ -117,6 +112,7 @@ impl Directories {
         let have = start.len().min(usize::try_from(length).unwrap_or(usize::MAX));
         read_at(file, 0, &mut start[..have])?;
         let big_endian = start[0] == b'M';
+        // BigTIFF has the version 43, and places of eight bytes.
         let big = number(big_endian, &start[2..4]) == 43;
         let first = number(big_endian, if big { &start[8..16] } else { &start[4..8] });
         let (entries, value_bytes) = (0, 0);
@@ -127,7 +123,6 @@ impl Directories {
     }
 }
 
-/// Unsigned number of any length.
 fn number(big_endian: bool, bytes: &[u8]) -> u64 {
     let push = |number: u64, byte: &u8| number << 8 | u64::from(*byte);
     if big_endian { bytes.iter().fold(0, push) } else { bytes.iter().rev().fold(0, push) }
@@ -152,8 +147,7 @@ struct Walk<'a, R> {
     entries: u64,
     value_bytes: u64,
     seen: HashSet<u64>,
-    /// Positions of directories that the ones before refer to, and whether each holds notes (EXIF): those may be
-    /// absent, and decoders skip them.
+    /// Positions of directories that earlier ones refer to, and whether each holds notes (EXIF), which may be absent.
     parts: Vec<(u64, bool)>,
     found: Directories,
 }
@@ -179,7 +173,6 @@ impl<R: Read + Seek> Walk<'_, R> {
         Ok(())
     }
 
-    /// Reads the directory at `at`; returns the position of the next page, 0 for none.
     fn read_directory(&mut self, at: u64, is_notes: bool) -> io::Result<u64> {
         let (count_bytes, field_bytes) = if self.big { (8, 8) } else { (2, 4) };
         let entry_bytes = 4 + 2 * field_bytes as u64;
@@ -191,7 +184,7 @@ impl<R: Read + Seek> Walk<'_, R> {
         }
         let mut bytes = number(self.big_endian, &head).saturating_mul(entry_bytes);
         if !is_begun || bytes.saturating_add((count_bytes + field_bytes) as u64) > left {
-            // A decoder reads what is there of notes, and makes room for what that announces.
+            // Decoders read the entries of cut notes that are there, so these are checked too.
             bytes = left.saturating_sub((count_bytes + field_bytes) as u64) / entry_bytes * entry_bytes;
             if !is_notes || bytes == 0 {
                 return if is_notes { Ok(0) } else { Err(corrupt("a directory lies beyond its end")) };
@@ -212,6 +205,7 @@ impl<R: Read + Seek> Walk<'_, R> {
     fn check<'e>(&mut self, entries: impl Iterator<Item = (u64, &'e [u8])> + Clone, is_notes: bool) -> io::Result<()> {
         let big_endian = self.big_endian;
         let number = |bytes: &[u8]| number(big_endian, bytes);
+        // DNG's version stands in the first directory, and changes how all entries are judged.
         if self.seen.len() == 1 && entries.clone().any(|(_, entry)| number(&entry[..2]) == tag::DNG_VERSION) {
             (self.found.is_dng, self.raw) = (true, true);
         }
@@ -238,7 +232,7 @@ impl<R: Read + Seek> Walk<'_, R> {
             if self.value_bytes > self.length.saturating_mul(MAX_SHARING).saturating_add(SMALL_VALUES) {
                 return Err(corrupt("its directories announce far more than the file holds"));
             }
-            // Of raw files of other formats decoders know what is elsewhere, and notes may be absent.
+            // Decoders of other raw formats know where values are, and notes may be absent.
             let place = if bytes > field.len() as u64 { number(field) } else { 0 };
             if place.saturating_add(bytes) > self.length && !is_notes && (self.found.is_dng || !self.raw) {
                 let end = self.length;
@@ -253,6 +247,7 @@ impl<R: Read + Seek> Walk<'_, R> {
                 tag::IMAGE_LENGTH => height = single,
                 tag::COMPRESSION => compression = single,
                 tag::PHOTOMETRIC if single == Sensor::PHOTOMETRIC => {
+                    // The two low bytes of the value.
                     let in_front = if big_endian { size.saturating_sub(2) } else { 0 };
                     self.found.sensor.marks.push(at + (entry.len() - field.len()) as u64 + in_front);
                 }

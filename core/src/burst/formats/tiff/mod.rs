@@ -1,5 +1,4 @@
-//! TIFF and BigTIFF with one page or many: grey or RGB (with or without alpha, interleaved or in planes) of 8, 16, 32
-//! or 64-bit integers or floats. Pages that are marked as thumbnails are left out.
+//! TIFF and BigTIFF: grey or RGB, alpha or not, of 8 to 64-bit integers or floats. Thumbnails are left out.
 
 mod axes;
 mod described;
@@ -110,6 +109,7 @@ fn stack(reading: Reading<'_>, input: Input) -> Result<Vec<RawFrame>> {
     let Reading { path, options, ticker, .. } = reading;
     let length = input.length;
     let pages = Pages::taken(path, input, options)?;
+    // One directory stands for all frames: the decoder would find the first alone.
     if let Some(plain) = &pages.plain {
         let frames = plain.stack(reading)?;
         let turn = |frame: RawFrame| RawFrame { plane: turned(frame.plane, pages.orientation), ..frame };
@@ -126,6 +126,7 @@ fn stack(reading: Reading<'_>, input: Input) -> Result<Vec<RawFrame>> {
             None => PageReader::open(reading, path, length)?,
             Some(other) => {
                 let (_, input) = found(other, options)?;
+                // Another file of the set has not been checked yet.
                 Tiff.check(&input, other, usize::MAX)?;
                 PageReader::open(Reading { path: other, ..reading }, other, input.length)?
             }
@@ -153,6 +154,7 @@ fn decoder(path: &Path, file: File, limits: &Limits, monitor: &Monitor) -> Resul
     let file_bytes = file.metadata().map_err(|e| Error::from_io(path, &e))?.len();
     let mut file = BufReader::new(file);
     let mut sensor = |pages| Directories::read(&mut file, file_bytes, false, pages).map(|found| found.sensor);
+    // All directories are read only where the first page has a mosaic.
     let sensor = sensor(1).and_then(|first| if first.marks.is_empty() { Ok(first) } else { sensor(usize::MAX) });
     let file = sensor.and_then(|sensor| AsGrey::new(file, sensor)).map_err(|e| Error::from_read(path, NAME, &e))?;
     let decoder = Decoder::new(Asked::new(file, monitor)).map_err(|e| failure(path, e))?;
@@ -166,19 +168,14 @@ fn decoder(path: &Path, file: File, limits: &Limits, monitor: &Monitor) -> Resul
 }
 
 struct Pages {
-    /// Size (columns, rows) of all pages.
     size: (usize, usize),
     orientation: Orientation,
-    /// Pages that are frames, in their order.
     list: Vec<Page>,
     /// The frames of a file of which one directory tells of all.
     plain: Option<Plain>,
-    /// Type of the samples of the first page.
     samples: String,
     is_colour: bool,
-    /// Mosaic of the pages as they are stored.
     mosaic: Option<Mosaic>,
-    /// Words about which pages were chosen.
     taken: Vec<String>,
 }
 
@@ -228,6 +225,7 @@ impl Pages {
                     return Err(Error::different_sizes((&name(list[0]), first_size), (&name(page), this)));
                 }
                 list.push(page);
+                // Checked at each page: a file may chain more pages than a burst can have.
                 limits.check_burst(path, list.len() as u64, width.into(), height.into())?;
             }
             if !decoder.more_images() {
@@ -239,6 +237,7 @@ impl Pages {
         let size = size.ok_or_else(|| Error::unsupported(path, NAME, thumbnails))?;
         let refused = |(problem, remedy)| Error::new(ErrorKind::Unsupported, problem, remedy).about(path);
         let (mut behind, mut times) = (None, Times::default());
+        // One directory may announce frames that lie behind its own.
         if list.len() == 1 {
             behind = axes_of_volume(&mut decoder).or_else(|| page::announced(description.as_deref(), path, shape));
             if planes.count > 1 {
@@ -260,6 +259,7 @@ impl Pages {
             },
         };
         let chosen = axes::frames_of(described, pages, options.axis.as_ref()).map_err(refused)?;
+        // Such frames lie at even distances; the axes choose among them.
         let plain = behind.map(|_| {
             let whole = turned_size(size, orientation);
             let plain = page::plain(&mut decoder, (path, length), (pages as u64, whole), limits)?;
@@ -271,6 +271,7 @@ impl Pages {
             Ok::<_, Error>(Plain { places: places.into(), times, ..plain })
         });
         let plain = plain.transpose()?;
+        // Chosen pages are counted without thumbnails, which the decoder counts.
         let own = |page: Page| match (&page.file, list.get(page.number)) {
             (None, Some(number)) if plain.is_none() => Page { number: *number, ..page },
             _ => page,
@@ -300,7 +301,6 @@ fn axes_of_lsm(decoder: &mut FileDecoder) -> Option<Axes> {
     Some(vec![('T', number(24)?), ('Z', number(16)?)])
 }
 
-/// Axes of a volume in one directory (SGI's ImageDepth).
 fn axes_of_volume(decoder: &mut FileDecoder) -> Option<Described> {
     let depth = decoder.find_tag_unsigned::<u32>(Tag::Unknown(32997)).ok().flatten()? as usize;
     (depth > 1).then(|| Described::in_order(vec![('Z', depth)], depth))
@@ -316,7 +316,6 @@ fn is_thumbnail(decoder: &mut FileDecoder) -> bool {
     matches!(decoder.find_tag_unsigned::<u32>(Tag::NewSubfileType), Ok(Some(kind)) if kind & 1 == 1)
 }
 
-/// Description of the first page.
 fn description(decoder: &mut FileDecoder) -> Option<String> {
     let bytes = decoder.find_tag(Tag::ImageDescription).ok()??;
     // Some programs write text as bytes, and others characters of no encoding.
@@ -324,7 +323,6 @@ fn description(decoder: &mut FileDecoder) -> Option<String> {
     Some(String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next()?).into_owned())
 }
 
-/// Type of the samples of the current page, and whether they are colours.
 fn samples_of(path: &Path, decoder: &mut FileDecoder) -> Result<(String, bool)> {
     let color = decoder.colortype().map_err(|e| failure(path, e))?;
     let format =

@@ -1,10 +1,8 @@
 //! Pixels of a TIFF. A page is decoded: its strips or tiles in this process, or in another where they take much memory.
 //!
-//! A page in planes and tiles is assembled here, tile by tile: the library (tiff 0.11.3) panics where the size of such
-//! a page is no multiple of the tile's.
+//! A page in planes and tiles is assembled here: tiff 0.11.3 panics if its size is no multiple of the tile's.
 //!
-//! Frames that lie behind one another in a file of which one directory tells (STK of MetaMorph, ImageJ beyond 4 GiB,
-//! arrays of tifffile, volumes) are plain numbers at even distances.
+//! Frames of one directory (MetaMorph's STK, ImageJ beyond 4 GiB, tifffile, volumes) are numbers at even distances.
 
 use super::described::{Described, PageShape, described};
 use super::{FileDecoder, NAME, decoder, failure, no_data, orientation};
@@ -29,8 +27,7 @@ use tiff::{ColorType, TiffResult};
 /// Bytes that deflated strips and tiles may have besides their pixels.
 const FILLING_BYTES: u64 = 1 << 20;
 
-/// Number of bytes, at most `most`, to which zlib's data unpacks whose checksum is right. The error is the end of a
-/// sentence.
+/// Number of bytes, at most `most`, of zlib's data, whose checksum is compared. The error is the end of a sentence.
 fn unpacked_bytes(packed: &[u8], most: u64) -> Result<u64, String> {
     let (mut state, mut block) = (Decompress::new(true), [0; 1 << 14]);
     loop {
@@ -61,9 +58,9 @@ impl<'a> PageReader<'a> {
         Ok(Self { reading, decoder, length })
     }
 
-    /// Decodes page `page`, whose size has been checked, as frame `frame` of the burst.
     pub(super) fn read(&mut self, page: usize, frame: usize) -> Result<RawFrame> {
         let read = self.decoded(page, frame);
+        // A cancelled decoder fails with an error of its own: the cancellation is reported instead.
         self.reading.ticker.check().and(read)
     }
 
@@ -79,6 +76,7 @@ impl<'a> PageReader<'a> {
         let color = self.decoder.colortype().map_err(fail)?;
         let sample_bytes = u64::from(color.num_samples()) * u64::from(color.bit_depth()).div_ceil(8);
         let taken = pixels.saturating_mul(2 * sample_bytes + 4).saturating_add(chunk.saturating_mul(2 * sample_bytes));
+        // A large page is decoded in a process of its own, whose memory has a limit.
         if confined::takes(taken) {
             let budget = Budget::new(self.length, pixels, taken.saturating_mul(2));
             let part = Part::Page { page, frame };
@@ -87,6 +85,7 @@ impl<'a> PageReader<'a> {
         memory::check_room(taken);
         // Strips and tiles at the edges may be filled up.
         let most = pixels.saturating_add(chunk).saturating_mul(2 * sample_bytes).saturating_add(FILLING_BYTES);
+        // Searched before decoding, since the decoder does not report it.
         let damage = self.damage(most).map_err(fail)?;
         if let Some(reason) = damage.as_ref().filter(|_| !options.accept_damaged) {
             return Err(Error::corrupt(path, NAME, reason));
@@ -95,8 +94,7 @@ impl<'a> PageReader<'a> {
         Ok(RawFrame { damage, ..decoded })
     }
 
-    /// Damage of the decoder's current page that the decoder would not report: its strips or tiles may be JPEGs, or
-    /// deflated, of which it does not read the checksum: a wrong one is an error. All unpack to at most `most` bytes.
+    /// Damage of the page that the decoder would not report: of JPEGs, and of deflated data, whose checksum it ignores.
     fn damage(&mut self, mut most: u64) -> TiffResult<Option<String>> {
         const JPEG: u16 = 7;
         const DEFLATED: [u16; 2] = [8, 32946];
@@ -117,6 +115,7 @@ impl<'a> PageReader<'a> {
         let mut file = files::open(self.reading.path)?;
         let monitor = self.reading.ticker.monitor();
         for (at, length) in places.into_iter().zip(lengths) {
+            // The caller reports the cancellation.
             if monitor.is_cancelled() {
                 break;
             }
@@ -128,6 +127,7 @@ impl<'a> PageReader<'a> {
             file.read_exact(&mut bytes)?;
             if is_deflated {
                 let unpacked = unpacked_bytes(&bytes, most).map_err(corrupt)?;
+                // All strips together may not exceed the page.
                 most -= unpacked;
                 continue;
             }
@@ -143,7 +143,6 @@ impl<'a> PageReader<'a> {
     }
 }
 
-/// Samples of `$result`, whatever their type, as `$samples` in `$value`.
 macro_rules! with_samples {
     ($result:expr, $samples:ident => $value:expr) => {
         match $result {
@@ -176,7 +175,6 @@ pub(super) fn channels_of(color: ColorType) -> Result<usize, String> {
         .ok_or_else(|| format!("its samples have {} bits; save it with 8, 16 or 32", color.bit_depth()))
 }
 
-/// Decodes the decoder's current page; its size has been checked.
 fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &OpenOptions) -> Result<RawFrame> {
     let fail = |e| failure(path, e);
     let unsupported = |reason: String| Error::unsupported(path, NAME, reason);
@@ -193,7 +191,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
             DecodingResult::U8(bytes) if tag(decoder, Tag::Compression) == 1 => {
                 bytes.iter_mut().for_each(|byte| *byte = byte.reverse_bits());
             }
-            // The bits of each byte are reversed, and not the order of bytes.
+            // Only the bits of each byte are reversed, not the order of bytes.
             DecodingResult::U16(words) if tag(decoder, Tag::Compression) == 1 => {
                 words.iter_mut().for_each(|word| *word = word.reverse_bits().swap_bytes());
             }
@@ -207,6 +205,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
     let curve = Curve::of(kind.range.unwrap_or(1.0), kind.is_unsigned && options.linearise);
     let mut values = with_samples!(&samples, s => grey(s, size.0 * size.1, channels, planar, curve));
     if let (Some(nothing), Some(values)) = (has_no_data, &mut values) {
+        // In the unit of the values, which are divided by their range already.
         let nothing = nothing as f32 / kind.range.unwrap_or(1.0);
         values.iter_mut().filter(|value| **value == nothing).for_each(|value| *value = f32::NAN);
     }
@@ -216,6 +215,7 @@ fn decode_page(path: &Path, frame: usize, decoder: &mut FileDecoder, options: &O
         Some(range) => RawFrame::linear(plane, FileScale::Range(range)),
         None => frame_of_plane(path, frame, plane, !kind.is_float)?,
     };
+    // Colours of 8 bits are those of a photograph, encoded for screens.
     let is_photograph = channels > 2 && kind.range == Some(255.0) && !options.linearise;
     let encoding = if is_photograph { Encoding::Srgb } else { decoded.encoding };
     let mosaic = decoder.inner().inner.sensor.mosaic().ok().flatten();
@@ -257,8 +257,7 @@ impl SampleKind {
     }
 }
 
-/// Reads the decoder's current page, of `size` (columns, rows) and `channels` samples a pixel; returns its samples, the
-/// type that they have in the file, and whether they are plane after plane.
+/// Samples of the current page, of `size` (columns, rows), their type in the file, and whether plane follows plane.
 fn read_samples(
     decoder: &mut FileDecoder,
     (width, height): (usize, usize),
@@ -277,6 +276,7 @@ fn read_samples(
     }
     let across = width.div_ceil(tile_width);
     let tiles = across * height.div_ceil(tile_height);
+    // As floats, whatever the type of the tiles: one buffer takes all.
     let mut planes: Vec<f32> = memory::zeroed(channels * width * height);
     let mut kind = SampleKind { range: None, is_unsigned: false, is_float: true };
     for chunk in 0..tiles * channels {
@@ -315,10 +315,7 @@ pub(super) fn announced(description: Option<&str>, path: &Path, shape: PageShape
     (count > 1).then(|| Described::in_order(found.axes, count))
 }
 
-/// `count` frames of `size` behind one another, of the decoder's current directory, in a file of `length` bytes.
-///
-/// # Errors
-/// They are compressed, in tiles or planes, not alike, or more than the file holds.
+/// `count` frames of `size` behind one another, of the current directory; an error if compressed or in tiles.
 pub(super) fn plain(
     decoder: &mut FileDecoder,
     (path, length): (&Path, u64),
@@ -348,6 +345,7 @@ pub(super) fn plain(
         (3, 64) => Some(Number::F64),
         _ => None,
     };
+    // Strips must follow one another without a gap, or frames have no common step.
     let follow = places.windows(2).zip(&lengths).all(|(two, bytes)| two[0].saturating_add(*bytes) == two[1]);
     let Some(number) = number.filter(|_| (compression, samples, light) == (1, 1, 1) && follow && places[0] > 0) else {
         let reason = format!(

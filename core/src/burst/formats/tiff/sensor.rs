@@ -5,7 +5,6 @@ use crate::burst::layout::Mosaic;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 
-/// Mosaic of colours of which directories tell.
 #[derive(Debug, Default, Clone)]
 pub(super) struct Sensor {
     /// Positions in the file of the photometric interpretations that say that there is one, of two bytes each.
@@ -17,7 +16,6 @@ pub(super) struct Sensor {
 impl Sensor {
     pub(super) const PHOTOMETRIC: u64 = 0x8023;
 
-    /// The mosaic, if there is one. The error ends a sentence about the file.
     pub(super) fn mosaic(&self) -> Result<Option<Mosaic>, &'static str> {
         let square = (self.pattern.len() == 4).then(|| Mosaic::of(|u, v| self.pattern[2 * v + u] as usize));
         match (square.flatten(), self.pattern.len()) {
@@ -29,7 +27,6 @@ impl Sensor {
     }
 }
 
-/// A file in which pages with a mosaic are grey.
 pub(super) struct AsGrey {
     file: BufReader<File>,
     at: u64,
@@ -38,7 +35,6 @@ pub(super) struct AsGrey {
 }
 
 impl AsGrey {
-    /// `file`, from its start, whose directories tell of `sensor`.
     pub(super) fn new(mut file: BufReader<File>, mut sensor: Sensor) -> io::Result<Self> {
         file.rewind()?;
         sensor.marks.sort_unstable();

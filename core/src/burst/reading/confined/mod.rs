@@ -1,8 +1,8 @@
 //! Decoding in a separate process, so that a faulty third-party decoder cannot end the program.
 //!
 //! A decoder that asks for more memory than there is ends its whole process. So raw files, and pictures whose decoding
-//! takes much memory, are decoded by a child process ([`serve_decoding`](crate::burst::serve_decoding)), with a limit of
-//! memory and of time, which may read this file and nothing else. A failure of the child is an error about the file.
+//! takes much memory, are decoded by a child process ([`serve_decoding`](crate::burst::serve_decoding)), with a limit
+//! of memory and of time, which may read this file and nothing else. A failure of the child is an error about the file.
 
 pub(in crate::burst) mod serve;
 pub(in crate::burst) mod wire;
@@ -20,9 +20,8 @@ use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
 use wire::{DecodeRequest, Part, receive_reply, send};
 
-/// The program that decodes files in a separate process. It is started with the arguments and the path of a file, and
-/// must call [`serve_decoding`](crate::burst::serve_decoding) with that path. Without one, all files are decoded in the
-/// calling process, which a decoder that asks for too much memory ends.
+/// The program that decodes files in a separate process. It gets the arguments and a file's path, and must call
+/// [`serve_decoding`](crate::burst::serve_decoding). Without one, decoding in this process may exhaust memory.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct DecodeWorker {
     /// The program.
@@ -76,8 +75,7 @@ pub(in crate::burst) fn is_installed() -> bool {
     WORKER.get().is_some()
 }
 
-/// Decodes `part` of a file of the format `kind` in a child process. Where that ends without an answer, the
-/// file is damaged, unless somebody else ended it.
+/// Decodes `part` of a file in a child process. An end without an answer is damage, unless others ended the child.
 pub(in crate::burst) fn decode(
     reading: Reading<'_>,
     kind: &'static str,
@@ -93,6 +91,7 @@ pub(in crate::burst) fn decode(
         version: env!("CARGO_PKG_VERSION").to_owned(),
         part,
         expected: expected.map(|expected| (expected.first.to_string_lossy().into_owned(), expected.size)),
+        // This process calibrates, so the child needs no other file.
         options: OpenOptions { bias: None, flat: None, ..options.clone() },
         limits: options.limits,
         memory_bytes: budget.memory_bytes,
@@ -144,7 +143,6 @@ impl Running {
         Self::spawn(command, path)
     }
 
-    /// Starts `command`, which decodes the file `path`, with pipes and without a terminal.
     pub(in crate::burst) fn spawn(mut command: Command, path: &Path) -> Result<Self> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.
@@ -160,7 +158,7 @@ impl Running {
         Ok(Self { child: Mutex::new(command.spawn().map_err(failed)?) })
     }
 
-    /// Does `work` while another thread kills the child when the work is cancelled or lasts longer than `until`.
+    /// Does `work`; another thread kills the child at a cancellation, or at the time `until`.
     pub(in crate::burst) fn watched<T>(
         &self,
         path: &Path,
@@ -199,7 +197,6 @@ impl Running {
         let _ = child.kill();
     }
 
-    /// Waits for the end of the child; whether it ended well.
     pub(in crate::burst) fn ends_well(&mut self) -> bool {
         self.child.get_mut().unwrap_or_else(PoisonError::into_inner).wait().is_ok_and(|status| status.success())
     }
@@ -260,7 +257,7 @@ fn is_out_of_time(_: &ExitStatus) -> bool {
     false
 }
 
-/// Number of the signal that ended the process, if it is none that a process brings about by what it does.
+/// Number of the signal that ended the process, unless the process raises such a signal by what it does.
 #[cfg(unix)]
 fn signal_from_outside(status: &ExitStatus) -> Option<i32> {
     use rustix::process::Signal;

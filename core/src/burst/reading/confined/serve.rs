@@ -1,5 +1,4 @@
-//! The process that decodes one file for another process: it reads the request, gives up what decoding does not need,
-//! and sends the frame back.
+//! The process that decodes one file for another process: reads the request, confines itself, and sends the frame back.
 //!
 //! A decoder that a crafted file has taken over can do what its process may do. So before the file is read the process
 //! gives up the rest ([`confine`]): reading any other file, changing any, the network, other programs and processes.
@@ -12,8 +11,6 @@ use crate::monitor::Monitor;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-/// Decodes the part of a file that a request names by `decode`, in this process; see
-/// [`serve_decoding`](crate::burst::serve_decoding).
 pub(in crate::burst) fn serve_decoding(path: &Path, decode: fn(Reading<'_>, Part) -> Result<RawFrame>) -> u8 {
     // A panic becomes an error about the file, which is sent; its message is dropped.
     std::panic::set_hook(Box::new(|_| {}));
@@ -23,12 +20,13 @@ pub(in crate::burst) fn serve_decoding(path: &Path, decode: fn(Reading<'_>, Part
 
 fn serve(path: &Path, decode: fn(Reading<'_>, Part) -> Result<RawFrame>) -> io::Result<()> {
     let request: DecodeRequest = receive(&mut io::stdin().lock())?;
+    // Before the file is opened: the request alone comes from a trusted process.
     limit(request.memory_bytes, request.cpu_seconds);
     confine(path);
     // Decoders that work in parallel use this thread alone; others would take address space of their own.
     let _ = rayon::ThreadPoolBuilder::new().num_threads(1).use_current_thread().build_global();
     std::thread::Builder::new().stack_size(64 << 10).spawn(|| {
-        // No more input is expected. When it ends, the requesting process is gone.
+        // Input ends when the requesting process is gone: this one then ends too.
         let _ = io::stdin().lock().read(&mut [0]);
         std::process::exit(1);
     })?;
@@ -52,7 +50,7 @@ fn answer(path: &Path, request: &DecodeRequest, decode: fn(Reading<'_>, Part) ->
 #[cfg(unix)]
 fn limit(memory_bytes: u64, cpu_seconds: u64) {
     use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
-    // The soft limit of time sends a signal that tells the cause, the hard one kills.
+    // The soft limit of time sends a signal that names the cause; the hard limit kills.
     let limits = [
         (Resource::As, memory_bytes, memory_bytes),
         (Resource::Cpu, cpu_seconds, cpu_seconds.saturating_add(5)),
@@ -68,12 +66,10 @@ fn limit(memory_bytes: u64, cpu_seconds: u64) {
     }
 }
 
-/// Sets no limits: the parent's wall-clock limit remains.
 #[cfg(not(unix))]
 fn limit(_memory_bytes: u64, _cpu_seconds: u64) {}
 
-/// Gives up what decoding `path` does not need, for the calling thread and those that it starts. Where the system does
-/// not offer a part of it, the rest and the limits hold.
+/// Gives up what decoding `path` does not need, for this thread and those it starts, as far as the system offers it.
 fn confine(path: &Path) {
     #[cfg(all(target_os = "linux", any(target_arch = "x86_64", target_arch = "aarch64")))]
     let _ = (confined::to_file(path), confined::without_calls());
@@ -99,8 +95,7 @@ mod confined {
     /// Newest interface of Landlock whose rights are given up; an older kernel offers fewer of them.
     const NEWEST: ABI = ABI::V10;
 
-    /// Gives up all files but reading `path`, TCP, signals to other processes, and privileges of programs that might be
-    /// started. Returns how much of it the kernel offers.
+    /// Gives up all files but reading `path`, TCP, signals and privileges; returns how much of this the kernel offers.
     pub(in crate::burst) fn to_file(path: &Path) -> Result<RulesetStatus, RulesetError> {
         let rules = Ruleset::default()
             .handle_access(AccessFs::from_all(NEWEST))?
@@ -119,12 +114,11 @@ mod confined {
         ($($call:ident)*) => { [$(libc::$call),*] };
     }
 
-    /// System calls of which decoding makes none and that [`to_file`] leaves: the network, and programs that wait for
-    /// orders at a socket; other programs and processes; priority, processors and memory, of other processes too;
-    /// memory, messages, semaphores and keys that are shared by number or name; namespaces, in which a process has
-    /// rights that it has not outside (see [`SPACES`]); news of what others do to files, and files by a handle in place
-    /// of a path; and permissions, owners, times and attributes of files, in which Landlock has no say. Each then fails
-    /// with `EPERM`.
+    /// System calls that decoding needs not and [`to_file`] leaves: the network, and programs that wait for orders at a
+    /// socket; other programs and processes; priority, processors and memory, of other processes too; memory, messages,
+    /// semaphores and keys shared by number or name; namespaces, which give rights that a process has not outside (see
+    /// [`SPACES`]); news of others' files, and files by a handle in place of a path; and permissions, owners, times and
+    /// attributes of files, in which Landlock has no say. Each then fails with `EPERM`.
     const CALLS: [i64; 55] = calls!(
         SYS_socket SYS_io_uring_setup
         SYS_execve SYS_execveat SYS_ptrace SYS_process_vm_readv SYS_process_vm_writev SYS_pidfd_getfd SYS_kcmp
@@ -148,13 +142,11 @@ mod confined {
     /// fchmodat2, setxattrat, removexattrat, file_setattr: one number on all processors, not yet in `libc` for all.
     const NEW_CALLS: [i64; 4] = [452, 463, 466, 469];
 
-    /// Flags of a new process that give it namespaces of its own: files, control groups, names, shared memory, users,
-    /// processes and network.
+    /// Flags for namespaces of a new process: files, control groups, names, memory, users, processes, network.
     const SPACES: [u64; 7] =
         [0x0002_0000, 0x0200_0000, 0x0400_0000, 0x0800_0000, 0x1000_0000, 0x2000_0000, 0x4000_0000];
 
-    /// The filters, which all hold: what they deny fails with `EPERM`, and what the libraries have another call for with
-    /// `ENOSYS`.
+    /// The filters, which all hold: denied calls fail with `EPERM`, calls that libraries can replace with `ENOSYS`.
     pub(in crate::burst) fn filters() -> Result<[BpfProgram; 2], BackendError> {
         let rule = |argument, operator, value| {
             SeccompRule::new(vec![SeccompCondition::new(argument, Dword, operator, value)?])
@@ -194,8 +186,7 @@ mod tests {
     use std::path::Path;
     use std::process::Command;
 
-    /// Runs `test` in a thread of its own with the paths of two files and their folder. What a thread gives up, the
-    /// others keep, so it may not end others' tests.
+    /// Runs `test` with the paths of two files and their folder, in a thread: rights once given up do not come back.
     fn with_files(test: impl FnOnce(&Path, &Path, &Path) + Send) {
         let folder = tempfile::tempdir().expect("a folder");
         let (own, other) = (folder.path().join("own.raw"), folder.path().join("other.raw"));

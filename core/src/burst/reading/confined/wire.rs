@@ -1,5 +1,4 @@
-//! Messages between the program and the child process that decodes: a length, JSON of that length, and the pixels as
-//! they are in memory, because both processes are of one program on one machine.
+//! Messages between both processes: a length, JSON of that length, and pixels as in memory: both are of one program.
 
 use crate::burst::layout::Mosaic;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
@@ -32,9 +31,7 @@ pub(in crate::burst) struct DecodeRequest {
     pub expected: Option<(String, (usize, usize))>,
     pub options: OpenOptions,
     pub limits: Limits,
-    /// Memory that the process may address, bytes.
     pub memory_bytes: u64,
-    /// Processor time that it may take, seconds.
     pub cpu_seconds: u64,
 }
 
@@ -80,8 +77,7 @@ pub(in crate::burst) fn send_reply(to: &mut impl Write, reply: Result<RawFrame>)
     }
 }
 
-/// Receives the reply about the file `path`. The outer error is of a reply that is damaged or cut off, the inner one is
-/// the child's error about the file, or of a frame beyond `limits`.
+/// Receives the reply about the file `path`. The outer error is a damaged reply, the inner one the child's own.
 pub(in crate::burst) fn receive_reply(
     from: &mut impl Read,
     path: &Path,
@@ -91,6 +87,7 @@ pub(in crate::burst) fn receive_reply(
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),
     };
+    // A crafted file may have taken over the child: its size is checked before room is made.
     if let Err(error) = limits.check_frame(path, size.0 as u64, size.1 as u64) {
         return Ok(Err(error));
     }
