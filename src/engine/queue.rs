@@ -130,6 +130,7 @@ impl JobQueue {
         let id = state.next_id();
         state.end_waiting(key, &JobError::Superseded);
         state.supersede(key, Standing::Overtaken);
+        // Under the lock, so that no older answer of this key comes after this one.
         publish(id);
         drop(state);
         (self.shared.on_update)();
@@ -169,6 +170,7 @@ impl Drop for JobQueue {
     fn drop(&mut self) {
         let mut state = self.shared.lock();
         state.stop = true;
+        // Files are still written when the window closes; all else would end without a reader.
         let (written, dropped): (Vec<_>, Vec<_>) =
             std::mem::take(&mut state.waiting).into_iter().partition(|job| job.manner.urgency == Urgency::Write);
         state.waiting = written;

@@ -53,7 +53,7 @@ pub struct Held {
 }
 
 impl Engine {
-    /// Sets the memory that pictures may take which are not on show, bytes.
+    /// Sets the memory for pictures that are not on show, bytes.
     pub fn set_cache_bytes(&self, bytes: usize) {
         self.stores.pictures.lock().set_budget(bytes);
     }

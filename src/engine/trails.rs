@@ -104,7 +104,7 @@ impl Trails {
             }
             std::thread::sleep(WAIT);
         };
-        // It may have been made since it was looked for.
+        // Another thread may have finished it between the look and `begin`.
         if let Some(cache) = find() {
             return Ok(cache);
         }
@@ -122,6 +122,7 @@ impl TrailStore for Trails {
     fn put(&self, open: &OpenBurst, cache: &Arc<ProbeCache>) {
         let key = Key { burst: open.id, params: cache.made_with() };
         let kept = StoredTrail { key, open: open.clone(), cache: cache.clone() };
+        // A trail beyond the budget would push out all others.
         if kept.bytes() <= self.budget_bytes() {
             self.lock().keep(kept, self.budget_bytes());
         }
@@ -178,6 +179,7 @@ impl TrailStore for Trails {
 
     fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError> {
         let key = Key { burst: source.burst.id, params: source.params.clone() };
+        // A kept search serves only if it leads to the very parameters of the source.
         let make = || match self.judged(&source.burst, &source.asked, monitor)? {
             Some(judged) if judged.made_with() == source.params => Ok(judged),
             _ => source.trail(monitor),

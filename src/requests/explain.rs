@@ -189,13 +189,14 @@ impl Request for ProbeRequest {
 pub struct Probed {
     pub request: ProbeRequest,
     pub probe: Arc<Probe>,
-    /// Prices of the changes that it proposes, as far as no search is needed to tell them.
+    /// Prices of those proposed changes that need no search.
     pub prices: Vec<(ParamChange, Price)>,
 }
 
-/// The largest |D| over its noise (or |D|) of those at a maximum of their own.
+/// Strongest candidate by SNR, or by |D| without noise, among those at an extremum of their own.
 fn strongest(cache: &ProbeCache, monitor: &Monitor) -> Result<CandidateMark, JobError> {
     let strength = |mark: &CandidateMark| if mark.snr.is_finite() { mark.snr } else { mark.value.abs() };
+    // The weakest candidates are many, and are surveyed only if there is nothing else.
     for min_snr in [SurveyOptions::default().min_snr, 0.0] {
         let marks = survey(&cache.trail, &SurveyOptions { min_snr, test: None }, monitor)?.marks;
         let own = marks.into_iter().filter(|mark| mark.first_failed != Some(Test::Refinement));

@@ -37,7 +37,7 @@ pub struct MatchFigure {
     pub width_mm: f32,
 }
 
-/// Width over height from which on two pictures are larger one above the other.
+/// Width over height above which two pictures are larger one above the other.
 const STACKED: f32 = 1.6;
 
 /// Whether two pictures of these sizes (columns, rows) stand one above the other.
@@ -45,16 +45,12 @@ pub fn are_stacked(sizes: [(usize, usize); 2]) -> bool {
     sizes.into_iter().all(|(width, height)| width as f32 > STACKED * height as f32)
 }
 
-/// Title of what a figure shows of one of two bursts.
 pub fn titled(side: &str, burst: &str, shown: &str) -> String {
     format!("{side}: {burst} · {shown}")
 }
 
 impl MatchFigure {
     /// The figure of the matches of two bursts, A first.
-    ///
-    /// # Errors
-    /// Cancellation, or frames that a burst does not have.
     pub fn drawing(
         &self,
         pair: [DetectedBurst<'_>; 2],

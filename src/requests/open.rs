@@ -66,6 +66,7 @@ impl BurstSource {
             Ok((burst, planted)) => {
                 Ok(OpenBurst { planted: planted.map(Arc::new), ..OpenBurst::new(burst, self.clone()) })
             }
+            // A cancelled read may fail in any other way.
             Err(error) if error.is_cancelled() || monitor.is_cancelled() => Err(JobError::Cancelled),
             Err(error) if error.kind == ErrorKind::SeveralBursts => {
                 let found = find_bursts(self.paths(), options).unwrap_or_default();

@@ -22,7 +22,6 @@ impl RangeClass {
     }
 }
 
-/// Request for a picture of a burst: an immutable snapshot.
 #[derive(Debug, Clone)]
 pub struct PictureRequest {
     pub burst: OpenBurst,
@@ -129,20 +128,18 @@ pub struct Picture {
     pub plane: Arc<Plane>,
     /// Its pixels as they are shown: the same, or smoothed.
     pub drawn: Arc<Plane>,
-    /// The motions, for a picture of the motion.
     pub motion: Option<Arc<MotionMap>>,
 }
 
 impl Picture {
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());
-        // The plane and the motions.
+        // Motions take three times as much as the plane: slope and certainty are three floats.
         let drawn = if Arc::ptr_eq(&self.plane, &self.drawn) { 0 } else { pixels };
         drawn + if self.motion.is_some() { 4 * pixels } else { pixels }
     }
 
-    /// One opaque pixel for each value, in `display`'s range and colours; motions in the colours of those of
-    /// `features`.
+    /// One opaque pixel for each value, in `display`'s range and colours; motions coloured as those of `features`.
     pub fn rgba(&self, display: &Display, features: &[Feature]) -> RgbaImage {
         self.motion.as_ref().map_or_else(|| to_rgba8(&self.drawn, display), |motion| motion.colours(features))
     }

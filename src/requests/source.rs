@@ -145,6 +145,7 @@ impl BurstSource {
                 let mut levels = FrameLevels::default();
                 levels.add(&clear, monitor)?;
                 let copy = noise.exposure(&levels)?.capture(&clear, noise.seed, 0, monitor)?;
+                // The copy is none of the files that the original was read from.
                 Burst { name: self.label(), sources: Vec::new(), ..copy }
             }
             Self::Planted { of, study, seed } => {

@@ -30,6 +30,7 @@ impl Request for StudyRequest {
     fn compute(self, work: &Work<'_, StudyReport>) -> Result<StudyReport, JobError> {
         let monitor = work.monitor;
         let Self { mut study, open } = self;
+        // Read here and not by the asker: the truth may lie in a file, or its chart has to be made again.
         if let (Study::BurstFrames(_, bursts), Some(open)) = (&mut study, open) {
             let truth = open.truth(monitor)?;
             bursts.truth = truth.map(Arc::new);
@@ -64,7 +65,6 @@ impl Request for FiguresJob {
 /// Source of a trajectory: a path, or a trajectory that was read already.
 #[derive(Debug, Clone)]
 pub enum TrajectorySource {
-    /// The folder of a sparse model or a trajectory file.
     Path(PathBuf),
     Read(PathBuf, Arc<Trajectory>),
 }

@@ -29,8 +29,7 @@ use burstscope_core::inspect::score::{Ranking, judge};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 
-/// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's
-/// text.
+/// The σ at which a DoG pyramid of `levels` levels an octave reports a disc of `radius` pixels (see the module).
 pub fn expected_sigma(radius: f64, levels: u32) -> f64 {
     let k2 = 2f64.powf(2.0 / f64::from(levels));
     radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
@@ -75,14 +74,14 @@ impl AccuracyStudy {
             Motion::OneD => 1.0,
             Motion::TwoD => 2.0,
         };
+        // Two slopes differ by at most twice the largest, and act over half the burst's span to either side.
         let relative_motion = 2.0 * chart.max_slope * axes.sqrt() * 0.5 * chart.uneven.count_and_span(chart.frames).1;
         let gap = (SURROUNDINGS_IN_RADII - 1.0) * chart.radius.end() + relative_motion;
         Self { chart: ChartParams { discs, gap: gap.ceil(), ..chart.clone() }, ..self.clone() }
     }
 }
 
-/// Default number of discs on a chart on which they stand apart: 20 on 800×600 pixels, in proportion to the area, at
-/// least 1.
+/// Default number of discs that stand apart: 20 on 800×600 pixels, in proportion to the area, at least 1.
 pub fn discs_apart(chart: &ChartParams) -> usize {
     (chart.width * chart.height / 24_000).max(1)
 }
@@ -105,9 +104,6 @@ impl AccuracyStudy {
 
     /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
     /// [`ChartStudy::run_telling`](super::ChartStudy::run_telling) does.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(AccuracyReport) + Sync)) -> Result<AccuracyReport> {
         check_lists(&self.snrs, self.seeds)?;
         let discs = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| -> Result<_> {
@@ -129,10 +125,7 @@ impl AccuracyStudy {
         run_charts(&self.snrs, seeds, 1, monitor, discs, |charts| self.report(charts), tell)
     }
 
-    /// Makes and searches one chart of the study, for a look at a point of a curve.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
+    /// Makes and searches one chart of the study, for a look at a point of a curve; errors as of [`Self::run`].
     pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
         let detection = detect(&burst, &self.detector, monitor)?;
@@ -145,7 +138,6 @@ impl AccuracyStudy {
         ChartParams { snr, seed, ..self.chart.clone() }
     }
 
-    /// The report of the `charts` with their discs.
     fn report(&self, charts: &[RatioCharts<Vec<FoundDisc>>]) -> AccuracyReport {
         AccuracyReport {
             chart: (&self.chart).into(),
@@ -168,6 +160,7 @@ impl AccuracyStudy {
             let Some(feature) = feature else { continue };
             count.found += 1;
             if feature.is_on_rim(&self.detector) {
+                // On the rim the slope is not interpolated, and the motion may lie beyond the grid.
                 count.marked += 1;
                 continue;
             }
@@ -210,13 +203,11 @@ fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
     inside(along, grid.u.min, grid.u.max, grid.u.count) && inside(across, grid.v.min, grid.v.max, grid.v.count)
 }
 
-/// Radius of the surroundings of a disc that a detector looks at, in radii of the disc: three σ of the wider Gaussian
-/// of its response, rounded up.
+/// Radius of the surroundings that a detector looks at, in disc radii: 3 σ of the wider Gaussian, rounded up.
 pub const SURROUNDINGS_IN_RADII: f64 = 2.4;
 
-/// Whether no other disc of the chart comes into the surroundings of `disc` in any frame ([`SURROUNDINGS_IN_RADII`]). A
-/// disc that does attracts or repels the extremum of D, and in a moving chart also smears over it: errors that noise
-/// does not cause.
+/// Whether no other disc comes into the surroundings of `disc` ([`SURROUNDINGS_IN_RADII`]) in any frame. Another disc
+/// there shifts the extremum of D, and may smear over it: errors that noise does not cause.
 pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
     let others = || truth.features.iter().filter(|other| other.id != disc.id);
     truth.offsets().into_iter().all(|at| {

@@ -21,7 +21,7 @@ const BAD: (&str, &str) = (RED, "7 4");
 const SNR: &str = "SNR of one pixel in one frame";
 const FRAMES: &str = "number of frames";
 
-/// One plot.
+/// One plot of a report: axes with their units, and the curves.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StudyPlot {
     /// Heading of the plot.
@@ -46,9 +46,9 @@ pub struct StudyCurve {
     /// Value of the report's row that all points belong to, a ratio or a number of frames; `None` where each point has
     /// a row of its own, whose value is its x.
     pub row: Option<f64>,
-    /// The line: its colour is that of the method, and otherwise one that no other curve of its plot has; its spread is
-    /// one standard error to both sides of a mean, or a median and 95 %; the dot of a ROC curve is the default
-    /// threshold, the mean over the charts.
+    /// The line. Its colour is the method's, or one that no other curve of its plot has. Its spread is one standard
+    /// error to both sides of a mean, or a median and 95 %. The dot of a ROC curve is the default threshold, the mean
+    /// over the charts.
     pub line: Series,
 }
 
@@ -69,8 +69,7 @@ impl StudyCurve {
     }
 }
 
-/// The plots of a study in the dark: the ROC curves at one ratio (the row `roc_row`), and the features and discs found
-/// against the ratio.
+/// Plots of a study in the dark: ROC curves of the row `roc_row`, then features and discs found against the ratio.
 pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
     let rows: Vec<(f64, &[MethodReport])> = report.rows.iter().map(|row| (row.snr, &row.methods[..])).collect();
     let mut plots = Vec::new();
@@ -90,8 +89,7 @@ pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
     plots
 }
 
-/// The plots of a study over the number of frames: the ROC curves at one number (the row `roc_row`), and the features
-/// and discs found against the number of frames.
+/// Plots over the number of frames: ROC curves of the row `roc_row`, then features and discs found.
 pub fn frames_plots(report: &FramesReport, roc_row: usize) -> Vec<StudyPlot> {
     let rows: Vec<(f64, &[MethodReport])> =
         report.rows.iter().map(|row| (row.frames as f64, &row.methods[..])).collect();
@@ -107,8 +105,7 @@ pub fn frames_plots(report: &FramesReport, roc_row: usize) -> Vec<StudyPlot> {
     plots
 }
 
-/// The plots of the middle frames of a burst: its features, the confirmed ones among them, and the matches with a
-/// second burst.
+/// Plots of the middle frames of a burst: features, those confirmed, and the matches with a second burst.
 pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
     let curve = |label: &str, line, value: &dyn Fn(&BurstFramesRow) -> Option<usize>| {
         let point =
@@ -169,6 +166,7 @@ fn against(
             SeriesPoint { x: *x, y: mean.mean, spread: mean.within_error() }
         };
         let mut points: Vec<SeriesPoint> = rows.iter().map(point).collect();
+        // Rows may be given in any order, but a line joins its points from left to right.
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         StudyCurve::of(method.method, points)
     };
@@ -266,6 +264,7 @@ pub fn roc_svg(report: &ChartReport, first_letter: usize) -> String {
 fn share_line(report: &ChartReport) -> Option<StudyCurve> {
     let share = report.setup.false_fraction;
     let (most_found, most_false) = (report.chart.discs as f64, report.chart.discs.div_ceil(2) as f64);
+    // The line ends at the rim of the plot: all discs found, or half as many false features as discs.
     let end = most_found.min(most_false * (1.0 - share) / share);
     let point = |y: f64| SeriesPoint { x: y * share / (1.0 - share), y, spread: None };
     let (label, points) = (format!("{} false", percent(share)), vec![point(0.0), point(end)]);
@@ -330,12 +329,14 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
         top = 70.0;
     }
     let labels = |series: &[Series]| series.iter().map(|one| one.label.clone()).collect::<Vec<_>>();
+    // Plots whose curves have the same names share one legend above all of them.
     let is_shared = plots.windows(2).all(|two| labels(&two[0].1) == labels(&two[1].1));
     if let Some((_, series)) = plots.first().filter(|_| is_shared) {
         top = sheet.legend((LEFT, top), WIDTH - LEFT - 20.0, series);
     }
     let room = (WIDTH - 24.0) / 2.0;
     for pair in plots.chunks(2) {
+        // Legends of a pair come before its plots, so that both plots start below the taller legend.
         let mut below: f64 = top;
         for (column, (_, series)) in pair.iter().enumerate().filter(|_| !is_shared) {
             below = below.max(sheet.legend((LEFT + room * column as f64, top), room - LEFT, series));

@@ -90,9 +90,6 @@ impl FramesStudy {
 
     /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
     /// [`ChartStudy::run_telling`] does.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(FramesReport) + Sync)) -> Result<FramesReport> {
         self.check()?;
         let counts = self.counts();
@@ -113,7 +110,6 @@ impl FramesStudy {
         Ok(self.report(&whole))
     }
 
-    /// The report of the numbers of frames studied so far, the smallest first.
     fn report(&self, studied: &[(usize, ChartReport)]) -> FramesReport {
         let row = |(frames, report): &(usize, ChartReport)| {
             report.rows.first().map(|row| FramesRow { frames: *frames, methods: row.methods.clone() })

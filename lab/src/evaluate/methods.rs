@@ -79,8 +79,7 @@ impl std::str::FromStr for BurstMethod {
     }
 }
 
-/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF
-/// 2D has its axis on both axes.
+/// The slopes of BuFF 1D and 2D: of a plane its u axis and the plane; of a line the line, and its axis on both axes.
 pub fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
     if slopes.is_plane() {
         return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);
@@ -152,8 +151,7 @@ impl Searches {
         search(&burst, &params, monitor)
     }
 
-    /// The burst that `method` searches in place of `burst`, and the parameters of that search; errors as of
-    /// [`Self::search`].
+    /// The burst that `method` searches in place of `burst`, and the parameters; errors as of [`Self::search`].
     pub fn input(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<(Burst, SearchParams)> {
         let params = self.params(method);
         if method != BurstMethod::SiftMean {

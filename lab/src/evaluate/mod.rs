@@ -1,5 +1,4 @@
-//! Evaluation of the detector on input whose truth is known exactly, and of camera poses that were found with its
-//! features.
+//! Evaluation of the detector on input of exactly known truth, and of camera poses found with its features.
 //!
 //! Four studies of the detector, each one command (`burstscope evaluate chart|frames|accuracy|noise`):
 //!
@@ -12,14 +11,12 @@
 //! One study of the use of features, on real or synthetic bursts, [`mod@matches`] (`burstscope evaluate matches`): the
 //! number of features that match between bursts, and of correct matches.
 //!
-//! And one of camera poses, [`poses`] (`burstscope evaluate poses`): the distance of a reconstruction's trajectory from
-//! the true one.
+//! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far a trajectory is from the true one.
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
 //! over them and returns a report that can be written as JSON. [`score`](burstscope_core::inspect::score) decides which
-//! discs count as found,
-//! [`curves`] draws the curves. The same study gives the same report for any number of threads, and
-//! memory holds at most one burst for each thread.
+//! discs count as found, [`curves`] draws the curves. The same study gives the same report for any number of threads,
+//! and memory holds at most one burst for each thread.
 
 pub mod accuracy;
 pub mod chart;
@@ -85,9 +82,7 @@ impl Steps<'_> {
 /// Runs `f` on every job; results are in the order of the jobs. As many jobs run at a time as there are threads, so at
 /// most that many hold their memory. (A flat parallel loop would not ensure that: a thread that waits inside one job,
 /// for its own parallel parts, would begin another one.)
-///
-/// # Errors
-/// The first failure in the order of the jobs, or cancellation of the work.
+/// The error is the first failure in the order of the jobs.
 fn run_jobs<J: Sync, R: Send>(
     jobs: &[J],
     steps_per_job: usize,
@@ -116,9 +111,6 @@ type RatioCharts<C> = (f64, Vec<C>);
 /// with the report so far whenever a chart is finished, from any thread, one call at a time. Charts of one seed at all
 /// ratios come before those of the next, so that every point of a curve exists early and then improves; a report leaves
 /// out ratios without a finished chart.
-///
-/// # Errors
-/// As [`run_jobs`].
 fn run_charts<C: Clone + Send, R>(
     snrs: &[f64],
     seeds: Range<u64>,
@@ -141,6 +133,7 @@ fn run_charts<C: Clone + Send, R>(
         let chart = f(snrs[row], seed, monitor, steps)?;
         let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
         finished.insert((row, seed), chart);
+        // Under the lock, so that reports arrive one at a time, each with more charts than the one before.
         tell(report_of(&finished));
         Ok(())
     })?;

@@ -180,6 +180,7 @@ impl NoiseStudy {
             let problem = format!("{}×{} pixels", self.width, self.height);
             return Err(Error::param("width", problem, "give 16 to 32768 a side, 100 million at most"));
         }
+        // As f32 the largest burst takes 8 GB, and each thread holds a burst.
         if !(1..=4096).contains(&self.frames) || pixels * self.frames as f64 > 2e9 {
             let problem = format!("{} frames of {}×{}", self.frames, self.width, self.height);
             return Err(Error::param("frames", problem, "give 1 to 4096 frames, 2000 million pixels at most"));
@@ -210,6 +211,7 @@ impl NoiseStudy {
             .iter()
             .flat_map(|&level| (0..bursts as u64).map(move |i| (level, self.first_seed.wrapping_add(i))))
             .collect();
+        // All searches share a burst, so that the columns of a row differ by the search alone.
         let found = run_jobs(&jobs, self.searches.len(), monitor, |&(level, seed), monitor, steps| {
             let burst = noise_burst(level, (self.width, self.height), self.frames, seed, monitor)?;
             let search = |search: &NoiseSearch| {
@@ -220,6 +222,7 @@ impl NoiseStudy {
             self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>>>()
         })?;
         let megapixels = bursts as f64 * burst_megapixels;
+        // Jobs go level by level, so that the bursts of one row lie together.
         let row = |(&level, found): (&NoiseLevel, &[Vec<(usize, f64)>])| NoiseRow {
             level,
             searches: (self.searches.iter().enumerate())
@@ -252,7 +255,7 @@ impl NoiseStudy {
 }
 
 impl NoiseLevel {
-    /// White noise.
+    /// White noise around the default grey level, rounded to `bits` if given.
     pub fn white(sigma: f64, bits: Option<u32>) -> Self {
         Self { sigma, bits, case: NoiseCase::White, mean: NoiseCase::LEVEL }
     }

@@ -53,6 +53,7 @@ impl ApparentMotion {
             ways: [way(Motion::TwoD), way(Motion::OneD)],
             burst: 1,
             reach: 1.5,
+            // With one orientation a keypoint belongs to one track.
             detector: DetectorParams { method: Method::Sift, max_orientations: 1, ..DetectorParams::default() },
             matching: MatchParams { geometry: Geometry::None, ..MatchParams::default() },
         }
@@ -111,6 +112,7 @@ impl ApparentMotion {
             let of = |t: usize| DetectedBurst { burst, params: &self.detector, detection: &found[t] };
             let linked = match_bursts([of(t - 1), of(t)], &self.matching, monitor)?;
             let mut next = vec![None; found[t - 1].features.len()];
+            // Descriptors alone also link features from far apart, which no motion of the scene does.
             for m in &linked.matches {
                 let (from, to) = (place(t - 1, m.a), place(t, m.b));
                 if (from[0] - to[0]).hypot(from[1] - to[1]) <= max_step {

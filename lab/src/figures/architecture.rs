@@ -29,7 +29,6 @@ pub(super) struct Architecture {
     shown: [usize; 3],
     /// Octave whose differences of Gaussians are shown.
     octave: i32,
-    /// Levels that are shown.
     levels: [i32; 3],
 }
 
@@ -62,7 +61,7 @@ impl MakeFigure for Architecture {
         monitor.report(Stage::Evaluate, 0.4);
         let grid = self.detector.slopes;
         let slope_of = |index: usize| Slope::new(grid.u.value(index as f32), 0.0);
-        // A bright feature of medium size that moves, not at the rim of the range.
+        // A feature of medium size that moves, off the rim of the slopes, so that its response shows a whole peak.
         let is_middling =
             |f: &&Feature| f.octave == self.octave && !f.is_on_rim(&self.detector) && f.slope.u.abs() > 1.0;
         let subject = detection.features.iter().find(is_middling).or(detection.features.first()).copied();
@@ -83,6 +82,7 @@ impl MakeFigure for Architecture {
         };
         let frames = [0, burst.len() / 2, burst.len() - 1];
         heading(&mut sheet, 0, "frames", &format!("{} of them, each dark", burst.len()));
+        // Pictures of one column share a range, so that their brightness compares.
         let range = Display::stretched(&burst.frames[frames[1]]);
         self.column(&mut sheet, column(0), frames.map(|t| (format!("t = {t}"), burst.frames[t].clone(), range)));
         heading(&mut sheet, 1, "motion stack", &format!("shift and mean, {} slopes", grid.len()));
@@ -107,6 +107,7 @@ impl MakeFigure for Architecture {
         heading(&mut sheet, 3, "extrema", "over place, scale and slope");
         draw_response(&mut sheet, column(3) + 44.0, &response, &subject);
         heading(&mut sheet, 4, "features", "place, scale, orientation, motion");
+        // Features are drawn on the stack of the subject's slope, in which the subject is sharp.
         let stack = stack_view(&burst, &self.detector, nearest, &silent)?;
         let panel = Panel::draw(
             &mut sheet,

@@ -164,7 +164,6 @@ impl TestTarget {
     }
 }
 
-/// A method's features at the threshold.
 struct FoundOnTarget {
     label: String,
     word: String,
@@ -228,6 +227,7 @@ impl TestTarget {
                     &Display::stretched(frame),
                     &title,
                 );
+                // Clipped, so that circles at the rim do not reach into the next picture.
                 sheet.clipped(panel.area, |sheet| {
                     for one in &found.kept {
                         let colour = if one.disc.is_some() { RIGHT } else { WRONG };

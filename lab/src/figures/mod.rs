@@ -37,8 +37,7 @@ struct Made {
     notes: Vec<String>,
 }
 
-/// All parameters of a figure, and the function that makes it. The `Debug` text names everything that the figure
-/// depends on.
+/// All parameters of a figure, and the function that makes it. `Debug` names all that the figure depends on.
 trait MakeFigure: std::fmt::Debug {
     /// Makes the figure. `pieces` stores parts that take long, for the next figure and the next run.
     fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made>;

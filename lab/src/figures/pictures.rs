@@ -142,6 +142,7 @@ impl MakeFigure for Light {
         let dark = Trajectory::new(&self.dark, &silent)?;
         monitor.report(Stage::Synth, 0.4);
         let light = crate::synth::Light::Electrons(self.bright_electrons);
+        // Only the light differs, so that both show the same view.
         let bright = Trajectory::new(&TrajectoryParams { light, ..self.dark.clone() }, &silent)?;
         monitor.report(Stage::Synth, 0.8);
         let middle = |way: &Trajectory| -> Result<Plane> {

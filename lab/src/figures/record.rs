@@ -23,8 +23,7 @@ pub(super) type FigureRecord = Record<KeptFigure>;
 pub(super) struct KeptFigure {
     pub figure: PaperFigure,
     pub files: Vec<(String, Checksum)>,
-    /// Names and checksums of the files that these replace. The record is written before them, so if a run is killed in
-    /// between, there are some of both.
+    /// Names and checksums of the files that these replace: a run killed after its record leaves some of both.
     #[serde(default)]
     pub earlier: Vec<(String, Checksum)>,
     pub notes: Vec<String>,
@@ -38,11 +37,8 @@ pub(super) fn read_record(folder: &Path, figure: PaperFigure) -> Option<FigureRe
     (record.of.figure == figure && record.of.files.iter().all(is_whole)).then_some(record)
 }
 
-/// Checks that `folder` is free or holds figures that this program began.
-///
-/// # Errors
-/// `folder` holds files but not the mark of a folder of figures: it belongs to somebody
-/// else; or a folder of records is a link.
+/// Checks that `folder` is free or holds figures that this program began; without the mark its files belong to
+/// somebody else, and a folder of records must not be a link.
 pub(super) fn check_folder(folder: &Path) -> Result<()> {
     let parts = [RECORDS_FOLDER, &format!("{RECORDS_FOLDER}/{PIECES_FOLDER}")];
     if may_begin(folder, Kind::Figures, &parts)? {

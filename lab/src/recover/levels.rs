@@ -23,8 +23,7 @@ pub struct Levels {
     pub at_radius: f64,
     /// Things in a copy.
     pub per_copy: usize,
-    /// SNR of which half are expected to be found, for the radius above, a slope of the grid, the middle of the
-    /// picture, and all frames.
+    /// SNR of which half are expected to be found: radius as above, a slope of the grid, mid-picture, all frames.
     pub expected_half: f64,
     /// Amplitude of such a thing, fraction of full scale.
     pub expected_amplitude: f64,
@@ -48,6 +47,7 @@ impl Levels {
         let (width, height) = trail.size_image();
         let grid = trail.params().used_slopes();
         let centre = (0.5 * width as f64, 0.5 * height as f64);
+        // A thing at the centre that hardly moves is in all frames: the levels are relative to its expected SNR.
         let slope = grid.slopes().min_by(|a, b| a.magnitude().total_cmp(&b.magnitude())).unwrap_or_default();
         let Some(middle) = expected(trail, study.shape, study.at_radius, centre, slope) else {
             let problem = format!("no scale of the search suits things of {} pixels", study.at_radius);
@@ -60,14 +60,16 @@ impl Levels {
         }
         let expected_amplitude = middle.amplitude_at(factor);
         let variance = ground.sigma_at(centre.0, centre.1).powi(2);
+        // Inverse of `LightNoise::amplitude` for a bright thing: the noise is that half-way from background to thing.
         let expected_half =
             expected_amplitude / (variance + 0.5 * ground.light.per_brightness * expected_amplitude).sqrt();
-        // Light beyond it is none that a file could hold.
+        // No file could hold the light of a larger SNR.
         let (_, most) = bounds::SNR.span().into_inner();
         if expected_half > most && (study.snrs.is_empty() || study.at_snr.is_none()) {
             let problem = format!("a thing needs an SNR of {expected_half:.1e} to pass a gate of {factor:.1e} σ");
             return Err(Error::param("noise-gate", problem, "lower the gate, or give snr and at-snr yourself"));
         }
+        // Three significant digits, so that tables and axes can name the levels.
         let tidy = |x: f64| {
             let digits = 10f64.powi(2 - x.log10().floor() as i32);
             (x * digits).round() / digits
@@ -110,7 +112,7 @@ impl Levels {
         self.values(varied).len()
     }
 
-    /// Levels of a quantity.
+    /// Levels of a quantity in increasing order: SNRs, slopes (px/frame) or radii (px).
     pub fn values(&self, varied: Varied) -> &[f64] {
         match varied {
             Varied::Snr => &self.snrs,

@@ -45,10 +45,10 @@ use thing::Painting;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Contrast {
-    /// Brighter.
+    /// Brighter than their surroundings.
     #[default]
     Bright,
-    /// Darker.
+    /// Darker than their surroundings.
     Dark,
     /// Half brighter, half darker than the ground.
     Both,
@@ -67,7 +67,7 @@ pub enum Varied {
 }
 
 impl Varied {
-    /// All of them.
+    /// All quantities, in the order in which the things of a copy take turns.
     pub const ALL: [Self; 3] = [Self::Snr, Self::Slope, Self::Size];
 }
 
@@ -207,7 +207,7 @@ fn truth_of_thing(id: usize, (u, v): (f64, f64), radius: f64, slope: Slope, cont
 pub struct SearchedCopy {
     /// The copy and its search.
     pub cache: ProbeCache,
-    /// The things.
+    /// The things, each with its fate.
     pub planted: Vec<Planted>,
 }
 
@@ -228,10 +228,7 @@ pub mod bounds {
 }
 
 impl RecoverStudy {
-    /// Checks the numbers of the study, without a burst.
-    ///
-    /// # Errors
-    /// The first one that makes no sense.
+    /// Checks the numbers of the study without a burst; the first one that makes no sense is the error.
     pub fn check(&self) -> Result<()> {
         self.snrs.iter().try_for_each(|&snr| bounds::SNR.check("snr", snr))?;
         self.at_snr.iter().try_for_each(|&snr| bounds::SNR.check("at-snr", snr))?;
@@ -255,6 +252,7 @@ impl RecoverStudy {
         tell: &(dyn Fn(RecoverReport) + Sync),
     ) -> Result<RecoverReport> {
         self.check()?;
+        // The search of the burst itself is one step beside those of its copies.
         let share = 1.0 / (self.copies as f32 + 1.0);
         let silent = monitor.silent();
         let started = Instant::now();
@@ -266,6 +264,7 @@ impl RecoverStudy {
         for copy in 0..self.copies {
             monitor.check()?;
             monitor.report(Stage::Evaluate, share * (copy + 1) as f32);
+            // Only the things outlive a copy, so that memory holds one searched copy at a time.
             let (SearchedCopy { planted, .. }, times) = self.copy(burst, &ground, &report.levels, copy, &silent)?;
             report.add(&ground, planted, times);
             tell(report.clone());
@@ -275,17 +274,12 @@ impl RecoverStudy {
     }
 
     /// Runs the study as [`Self::run_telling`] does, without partial reports.
-    ///
-    /// # Errors
-    /// As there.
     pub fn run(&self, burst: &Burst, monitor: &Monitor) -> Result<RecoverReport> {
         self.run_telling(burst, monitor, &|_| {})
     }
 
-    /// Makes the copy of a seed again, without searching it: its frames, and the truth of what is planted in it.
-    ///
-    /// # Errors
-    /// As [`Self::run_telling`].
+    /// Makes the copy of a seed again with the truth of what is planted in it, without a search; errors as of
+    /// [`Self::run_telling`].
     pub fn planted_copy(&self, burst: &Burst, seed: u64, monitor: &Monitor) -> Result<(Burst, Truth)> {
         self.check()?;
         let ground = Ground::new(self, burst, &monitor.part(0.0, 0.9))?;
@@ -361,13 +355,14 @@ impl RecoverStudy {
         let mut planted: Vec<Planted> = Vec::with_capacity(levels.per_copy);
         for number in 0..levels.per_copy {
             let varied = Varied::ALL[number % Varied::ALL.len()];
-            // Any seed of a file may be asked for.
+            // Levels go on where the copy before stopped; a file may ask for any seed, so the product wraps.
             let before = (copy as usize).wrapping_mul(levels.per_copy.div_ceil(Varied::ALL.len()));
             let turn = before.wrapping_add(number / Varied::ALL.len());
             let (snr, radius, slope) = levels.drawn(varied, turn, &mut stream);
             let sign = match self.contrast {
                 Contrast::Bright => 1,
                 Contrast::Dark => -1,
+                // Signs alternate with each round over the levels: every level has as many bright things as dark ones.
                 Contrast::Both => 1 - 2 * ((turn / levels.count(varied)) as i8 & 1),
             };
             let Some((u, v)) = ground.place(self, (radius, slope), &planted, &mut stream, monitor)? else { continue };
@@ -392,7 +387,6 @@ impl RecoverStudy {
         Ok(planted)
     }
 
-    /// The burst with things planted in its used frames.
     fn plant(
         &self,
         burst: &Burst,

@@ -55,9 +55,9 @@ pub struct RecoverReport {
     pub fates: Vec<FateCount>,
     /// Amplitude of which half are found, by place.
     pub map: FaintnessMap,
-    /// Times.
+    /// Seconds spent on planting, searching and explaining misses.
     pub times: RecoverTimes,
-    /// The things.
+    /// Things of all copies searched so far, with their fates.
     pub planted: Vec<Planted>,
 }
 
@@ -115,16 +115,15 @@ pub struct FaintnessMap {
     pub plane: Arc<Plane>,
 }
 
-/// Ratio of the SNR of which half are found to the one that noise and gate let expect, above which something other
-/// than noise decides.
+/// Ratio of the SNR of which half are found to the expected one, above which more than the noise decides.
 const HIDDEN: f64 = 1.5;
 /// Number of cells along the longer side of the map, about.
 const CELLS: f64 = 16.0;
 /// Standard deviation, in cells, within which things count for a cell.
 const CELL_SIGMA: f64 = 1.0;
-/// Sum of weights from which a cell is told.
+/// Sum of weights below which a cell stays empty.
 const MIN_WEIGHT: f64 = 2.5;
-/// Standard deviation of a cell's logarithm around that of the whole picture, as it is assumed beforehand.
+/// Prior standard deviation of the logarithm of a cell's amplitude around that of the whole picture.
 const CELL_DEVIATION: f64 = 0.5;
 
 impl RecoverReport {
@@ -202,6 +201,7 @@ impl RecoverReport {
         let things: Vec<(f64, &Planted)> =
             self.planted.iter().filter(|one| one.varied == varied).map(|one| (self.level_of(one), one)).collect();
         let share = |&level: &f64| {
+            // Slopes are f32 and turned by the grid's direction, so that a level comes back with a rounding error.
             let at: Vec<&Planted> = things
                 .iter()
                 .filter(|(value, _)| (value - level).abs() <= 1e-3 * level.abs().max(1e-2))
@@ -229,6 +229,7 @@ impl RecoverReport {
         let (snr, error) = (self.curve.strength_at(0.5), self.curve.error_at_half());
         let planted = self.levels.snrs.first().zip(self.levels.snrs.last());
         let is_measured = planted.is_some_and(|(first, last)| (*first..=*last).contains(&snr));
+        // With nothing but hits, or nothing but misses, the prior alone fixes the middle.
         let both = [true, false].iter().all(|is| outcomes.iter().any(|one| one.is_found == *is));
         self.half = (is_measured && both).then_some(HalfFound { snr, error });
     }
@@ -270,6 +271,8 @@ impl RecoverReport {
             .collect();
         let outcome =
             |&(_, ln_strength, is_found): &([f64; 2], f64, bool), weight| Outcome { ln_strength, is_found, weight };
+        // A cell has too few things for a curve of its own: its steepness is that of the SNR curve, and its middle is
+        // drawn towards that of the whole picture.
         let whole = Prior { steepness: self.curve.steepness, steepness_deviation: 0.0, ..Prior::of_gate(factor, 0.0) };
         let all: Vec<Outcome> = things.iter().map(|thing| outcome(thing, 1.0)).collect();
         let middle = fitted(&all, &whole).middle;
@@ -280,6 +283,7 @@ impl RecoverReport {
             let weighted: Vec<Outcome> = things
                 .iter()
                 .filter_map(|thing| {
+                    // Weights beyond 3 σ are below 0.012 and would only cost time.
                     let away = (thing.0[0] - place[0]).hypot(thing.0[1] - place[1]) / (CELL_SIGMA * cell);
                     (away < 3.0).then(|| outcome(thing, (-0.5 * away * away).exp()))
                 })
@@ -300,9 +304,10 @@ impl RecoverReport {
     }
 
     /// Changes in the world that it takes for nine of ten things of half of [`HalfFound::snr`] to be found, a
-    /// sentence. Where the scene hides more than the noise does, it says that instead.
+    /// sentence. Where the scene hides more than the noise does, the sentence reports this instead.
     pub fn outlook(&self) -> Option<String> {
         let half = self.half?;
+        // Two standard errors keep a chance result of few things from blaming the scene.
         if half.snr - 2.0 * half.error > HIDDEN * self.levels.expected_half {
             return Some(format!(
                 "9 of 10 are found at SNR {}; the scene hides more than the noise, so that more frames or light help little",

@@ -19,8 +19,7 @@ pub struct CutDialog {
 }
 
 impl CutDialog {
-    /// Asks how the sequence of `frames` frames (2 or more) at `paths` is cut, beginning with bursts of `length`
-    /// frames.
+    /// Asks how the `frames` frames (2 or more) at `paths` are cut, beginning with bursts of `length` frames.
     pub fn new(paths: Vec<PathBuf>, frames: usize, length: usize) -> Self {
         let length = length.clamp(1, frames.max(1));
         Self { paths, frames, length, contiguous: true, step: length }

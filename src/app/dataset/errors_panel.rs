@@ -38,7 +38,6 @@ fn file_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, name: 
     });
 }
 
-/// Draws the settings: the viewing side, and how poses are paired.
 fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let trajectories: &Trajectories = &model.document.trajectories;
     let (mut projection, mut study) = (trajectories.projection, trajectories.study);

@@ -49,6 +49,7 @@ pub fn filmstrip_ui(ui: &mut Ui, model: Read<'_>, thumbnails: &mut Thumbnails, q
         if let Some(place) = shown.filter(|_| shown != scrolled_to) {
             ui.scroll_to_rect(cell(place).expand2(vec2(step, 0.0)), None);
         }
+        // Only cells in view are drawn and ask for thumbnails: a dataset may be long.
         let first = (viewport.min.x / step).floor().max(0.0) as usize;
         let last = ((viewport.max.x / step).ceil().max(0.0) as usize).min(count);
         for place in first..last {
@@ -275,7 +276,6 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
     }
 }
 
-/// Maximum side of a thumbnail, pixels.
 pub const SIDE_PX: usize = 160;
 const MAX_KEPT: usize = 400;
 /// Maximum number of thumbnails in a request, so that those that come into view soon need not wait long.
@@ -314,6 +314,7 @@ impl Thumbnails {
     /// Requests the thumbnails that came into view in this pass from the workers; bursts are opened with `open`.
     pub fn request(&mut self, engine: &Engine, open: &OpenOptions) {
         let mut bursts = std::mem::take(&mut self.in_view);
+        // One request at a time: a burst that leaves the view meanwhile is never asked for.
         if bursts.is_empty() || self.wanted.is_pending() {
             return;
         }
@@ -327,6 +328,7 @@ impl Thumbnails {
     }
 
     pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstFiles]) {
+        // Pictures of a dataset that was closed meanwhile are dropped.
         for (source, picture) in self.wanted.take_partial().into_iter().filter(|(source, _)| bursts.contains(source)) {
             let shown = match picture {
                 Ok(BurstPicture { size, rgb }) => {

@@ -1,5 +1,4 @@
-//! Matches of all pairs of bursts: as a matrix, whose cells show the inliers of two bursts as a colour and a number,
-//! and as a list.
+//! Matches of all pairs of bursts: a matrix whose cells show inliers as colour and number, and a list.
 
 use super::filmstrip::side_colour;
 use crate::app::actions::Queue;
@@ -20,7 +19,6 @@ const CELL_RANGE: std::ops::RangeInclusive<f32> = 7.0..=64.0;
 /// Minimum side of cells with a number, and of those with names beside rows and columns.
 const CELL_WITH_NUMBER: f32 = 22.0;
 const CELL_WITH_NAMES: f32 = 11.0;
-/// Space for the names of rows, in points.
 const NAMES_WIDTH: f32 = 96.0;
 /// Space for the names of columns, which are written upwards, in points.
 const HEAD_HEIGHT: f32 = 72.0;
@@ -178,6 +176,7 @@ fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: O
     let visible = ui.clip_rect();
     let font = FontId::proportional((0.36 * grid.cell).clamp(9.0, 13.0));
     for row in 0..grid.count {
+        // A long dataset has very many cells: rows out of view are skipped as a whole.
         if !visible.y_range().intersects(grid.cell(row, 0).y_range()) {
             continue;
         }
@@ -196,6 +195,7 @@ fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: O
                 None => (visuals.faint_bg_color, visuals.weak_text_color()),
             };
             painter.rect_filled(inner, 0.0, fill);
+            // The diagonal holds the features of each burst.
             let number = shown.or(match &dataset.states[row] {
                 BurstState::Done(finished) if row == column => Some(finished.features),
                 _ => None,
@@ -209,6 +209,7 @@ fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: O
         }
     }
     names(ui, dataset, set, grid, pointed);
+    // A pair has two cells, one on either side of the diagonal.
     let outline = |(row, column): (usize, usize), stroke: Stroke| {
         painter.rect_stroke(grid.cell(row, column), 0.0, stroke, StrokeKind::Middle);
         painter.rect_stroke(grid.cell(column, row), 0.0, stroke, StrokeKind::Middle);

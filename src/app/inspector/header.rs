@@ -49,6 +49,7 @@ pub fn header_ui(
     Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = if many { 3.0 } else { 6.0 };
+            // From the right: each part takes room from those after it, and the name is truncated to what is left.
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 buttons_ui(ui, model, id, width, queue);
                 if many && width >= ONE_LINE {

@@ -62,6 +62,7 @@ pub(super) fn picture_ui(
     let problem = model.problem_of(shown);
     let before = model.document.panes.get(id).map(|pane| pane.view).unwrap_or_default();
     let mut view = before;
+    // A panel that comes beside a single picture must not move what was clicked.
     if !model.document.panes.are_many() {
         let is_beside = model.document.panels.right == Visibility::Auto && model.shows_right();
         widgets.of(id).aside.keep(&mut view, ui.available_rect_before_wrap(), is_beside);
@@ -85,6 +86,7 @@ pub(super) fn picture_ui(
     let visible = state.shown().is_some().then_some(output.visible_image);
     let state = &mut widgets.of(id).picture;
     (state.ui_from_image, state.visible_image) = (Some(output.ui_from_image), visible);
+    // Settling alone is no action of the user: only a view that looks different is recorded.
     if !view.is_drawn_as(&before) {
         queue.push(Action::MoveView { pane: id, before, after: view });
     }
@@ -241,6 +243,7 @@ pub(super) fn slice_ui(
     numbers_ui(ui, &area, slice);
     line(ui, &area, slice, answer.probe.subject.slope, false);
     line(ui, &area, slice, slope, true);
+    // In another pane the first click moves the focus, and must not move its slope.
     if model.document.panes.focus() == id {
         let dragged = dragged_slope(&area, slice, slope, &response);
         dragged.into_iter().for_each(|slope| queue.push(Action::SetSlope(id, slope)));
@@ -264,7 +267,7 @@ struct OverTime {
 }
 
 impl OverTime {
-    /// Rows for a frame at most: as many as the shortest time between two frames has in that from first to last.
+    /// Maximum number of rows for a frame: uneven times with one short gap would take very many.
     const FINEST: usize = 4;
 
     fn of(times: &[f32]) -> Self {
@@ -280,6 +283,7 @@ impl OverTime {
         };
         let span = last - first;
         let rows = ((span / shortest).round() as usize + 1).min(Self::FINEST * times.len());
+        // A little more than half, so that rounding leaves no gap between frames at even times.
         Self { first: *first, step: span / (rows - 1) as f32, rows, reach: 0.505 * gaps[gaps.len() / 2] }
     }
 

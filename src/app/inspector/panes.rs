@@ -32,9 +32,11 @@ pub fn inspector_ui(
     let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new() };
     tree.ui(&mut inspector, ui);
     let Inspector { drawn, .. } = inspector;
+    // The tree is made anew in each pass: a drag is found by comparing it with the document.
     if let Some(arrangement) = arrangement_of(&tree) {
         queue.set(model.document.panes.arrangement(), arrangement, Action::Rearrange);
     }
+    // After all panes, because a mark in one may come from the pointer in any other.
     marks_ui(model, widgets, &drawn);
     if model.document.workspace.probes() {
         probe_ui(ui, model, widgets, &drawn, queue);

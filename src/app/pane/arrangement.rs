@@ -163,6 +163,7 @@ impl Arrangement {
             parts
                 .into_iter()
                 .filter_map(|Part { share, inner }| {
+                    // A file may hold any share, and a part that is too small could not be grasped.
                     let share = if share.is_finite() { share.clamp(0.05, 20.0) } else { 1.0 };
                     Some(Part { share, inner: inner.filtered(keep, depth - 1)? })
                 })

@@ -93,6 +93,7 @@ impl Panes {
         if !has(first) {
             return Vec::new();
         }
+        // Links carry on: a pane that is in two workspaces joins the panes of both.
         let mut linked = vec![first];
         let mut place = 0;
         while place < linked.len() {

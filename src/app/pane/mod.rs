@@ -211,7 +211,7 @@ impl Pane {
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
     }
 
-    /// Where methods are compared, one frame or the merged frames for SIFT in place of a motion stack.
+    /// In a comparison of methods SIFT shows its input, one frame or the merged frames, in place of a motion stack.
     fn seen_by_method(&self, kind: PictureKind, burst: &OpenBurst, params: &DetectorParams) -> PictureKind {
         match (kind, params.method) {
             (PictureKind::Stack { .. }, Method::Sift) if self.method.is_some() => {

@@ -21,7 +21,6 @@ pub struct Laid {
 }
 
 impl Preset {
-    /// All presets, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 11] = {
         const NEIGHBOURS: &str = "Neighbouring slopes of the grid, which move together";
         [
@@ -44,6 +43,7 @@ impl Preset {
     };
 
     pub fn lay_out(self, base: &Pane, params: &DetectorParams) -> Laid {
+        // A preset starts from the focused pane: burst, view and slope go on.
         let base = Pane { over: None, content: Content::Cursor, ..base.clone() };
         let at = |change: &dyn Fn(&mut Pane)| {
             let mut pane = base.clone();
@@ -61,6 +61,7 @@ impl Preset {
                 Laid { rows: vec![vec![frame, stack]], focus }
             }
             Self::TwoSlopes => {
+                // Without a link, because the two slopes are to be moved on their own.
                 let two = two_slopes(base.cursor.slope, params).map(|slope| {
                     at(&|p| {
                         p.show(moving);
@@ -77,6 +78,7 @@ impl Preset {
                     _ => 9,
                 };
                 let (slopes, focus) = neighbouring_slopes(base.cursor.slope, params, count);
+                // With a link, so that neighbours keep their distance as one is moved.
                 let panes = slopes.into_iter().map(|slope| {
                     at(&|p| {
                         p.show(moving);
@@ -101,6 +103,7 @@ impl Preset {
             }
             Self::Slice => {
                 let stack = at(&|p| p.show(moving));
+                // Along a line of slopes nothing moves across, and that slice would show only noise.
                 let both = params.used_slopes().is_plane();
                 let axes = if both { &SliceAxis::ALL[..] } else { &SliceAxis::ALL[..1] };
                 let slices = axes.iter().map(|&axis| at(&|p| p.show_slice(axis))).collect();
@@ -163,7 +166,6 @@ pub enum SidesPreset {
 }
 
 impl SidesPreset {
-    /// All presets, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::SideBySide, "A beside B", "One picture of each burst, A on the left"),
         (Self::Stacked, "A above B", "One picture of each burst, A on top: for wide frames"),
@@ -190,6 +192,7 @@ impl Panes {
                     made.insert(new, dog);
                     new
                 });
+                // After the DoG panes, which are copies of these as they were.
                 made.iter_mut().filter(|(id, _)| own.contains(id)).for_each(|(_, pane)| pane.show(ViewKind::Stack));
                 vec![own.to_vec(), dogs.to_vec()]
             }
@@ -216,7 +219,6 @@ pub enum MethodsPreset {
 }
 
 impl MethodsPreset {
-    /// All presets, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::Panes, "Panes", "A picture for each method, side by side"),
         (Self::Wipe, "Wipe", "Two methods in one picture, with a line between them that can be dragged"),
@@ -289,6 +291,7 @@ impl Panes {
 
     fn of_method(&self, method: MethodId, side: Side) -> Pane {
         let shown = self.shown_in(Place::Methods);
+        // As the panes of other methods, so that all show one place; a gold standard has a view of its own.
         let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(MethodId::Gold) && pane.side == side;
         let base = shown.iter().filter_map(|id| self.get(*id)).find(alike).unwrap_or_else(|| self.of(side));
         let mut pane = Pane {

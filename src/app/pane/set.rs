@@ -7,7 +7,7 @@ use crate::teach::Workspace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Arrangement of panes: *One burst* has two, that in which methods are compared and that of all else.
+/// Place of an arrangement: *One burst* has two, one where methods are compared and one for all else.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Place {
@@ -211,7 +211,6 @@ impl Panes {
 #[serde(default, deny_unknown_fields)]
 struct PanesFile {
     open: Place,
-    /// Number of the next pane.
     next: u32,
     inspect: Placed,
     pair: Placed,
@@ -244,6 +243,7 @@ impl TryFrom<PanesFile> for Panes {
             all.insert(PaneId(id), sound(pane));
         }
         let mut panes = Self::default();
+        // The permanent panes stay on their bursts, whatever a file holds.
         for (side, own) in Side::BOTH.into_iter().zip(&mut panes.sides) {
             if let Some(pane) = all.get(&PaneId::of(side)) {
                 *own = Pane { side, method: None, ..pane.clone() };

@@ -57,9 +57,8 @@ impl State {
         }
     }
 
-    /// Of the lanes of which nothing runs, the most urgent request (no less urgent than `limit`), and of those the one
-    /// that has waited longest: a running request has all cores, and a lane's answers come in the order in which they
-    /// were asked.
+    /// Takes the most urgent request that `limit` admits and whose lane is free, of equal ones the longest waiting: a
+    /// running request has all cores, and a lane answers in the order of its requests.
     pub(super) fn take(&mut self, limit: Urgency) -> Option<WaitingJob> {
         let is_free = |job: &WaitingJob| {
             job.manner.urgency <= limit

@@ -42,6 +42,7 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
             Some(pool) => pool.install(|| job.run(id, thread, &monitor)),
             None => job.run(id, thread, &monitor),
         };
+        // One step under the lock with leaving `running`: the queue is never idle before the answer is there.
         let mut state = shared.lock();
         let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
         publish(standing);

@@ -1,5 +1,4 @@
-//! Work on a whole dataset. It takes long, and the window shows each burst and each pair as it is finished, so events
-//! are reported before the answer.
+//! Work on a whole dataset: long, so that each finished burst and pair is reported before the answer.
 
 #[cfg(feature = "colmap")]
 mod colmap;
@@ -76,7 +75,7 @@ pub enum DatasetAnswer {
     Opened(Box<OpenDataset>),
     /// All bursts are finished or failed.
     Detected,
-    /// All pairs are matched. Says how many were left out because a burst is not finished.
+    /// All pairs are matched, except those left out because a burst is not finished.
     Matched {
         left_out: usize,
     },
@@ -125,6 +124,7 @@ impl Request for ThumbnailsRequest {
         for source in self.bursts {
             let silent = work.monitor.silent();
             let picture = thumbnail(&source, self.max_side_px, &self.open, &silent).map_err(|e| e.to_string());
+            // Cancellation makes the picture fail, which is no fault of the burst.
             work.monitor.check()?;
             (work.tell)((source, picture));
         }

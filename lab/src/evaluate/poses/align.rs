@@ -21,7 +21,7 @@ const STRAIGHT: f64 = 0.01;
 pub struct Similarity {
     /// Scale, greater than 0.
     pub scale: f64,
-    /// Rotation.
+    /// Rotation, applied before the scale.
     pub rotation: UnitQuaternion<f64>,
     /// Translation, applied last.
     pub translation: Vector3<f64>,
@@ -52,8 +52,7 @@ pub struct Alignment {
 /// Finds the best similarity from the poses `estimate` to the poses `truth`, which correspond one to one.
 ///
 /// # Errors
-/// Fewer than two pairs, for cameras that are all in one place, and for trajectories
-/// without correlation.
+/// Fewer than two pairs, cameras that are all in one place, or trajectories without correlation.
 ///
 /// # Panics
 /// When the numbers of poses differ: a mistake of the caller.
@@ -83,6 +82,7 @@ pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Al
     let (Some(u), Some(vt)) = (svd.u, svd.v_t) else {
         return degenerate("the camera centres are not finite numbers".to_owned());
     };
+    // The best orthogonal map may be a mirror image: the sign at the smallest singular value keeps it a rotation.
     let mirrored = if u.determinant() * vt.determinant() < 0.0 { -1.0 } else { 1.0 };
     let signs = Vector3::new(1.0, 1.0, mirrored);
     let values = svd.singular_values;
@@ -92,6 +92,7 @@ pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Al
     if !(scale.is_finite() && values[0] > 1e-9) {
         return degenerate("the estimated and the true cameras move independently of each other".to_owned());
     }
+    // Singular values of the covariance grow with the square of the spread.
     let straight = values[1] < STRAIGHT * STRAIGHT * values[0];
     if straight {
         let axis: Vector3<f64> = u.column(0).into();
@@ -100,12 +101,12 @@ pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Al
         };
         rotation = rotation_about(axis, &pairs().map(turned).sum()) * rotation;
     }
+    // Last, because the turn about the line moves the estimate's mean as well.
     let translation = to.mean - rotation * from.mean * scale;
     Ok(Alignment { truth_from_estimate: Similarity { scale, rotation, translation }, straight })
 }
 
-/// The rotation R about the unit vector `axis` with the maximum trace of R·`sum`. By Rodrigues' formula that trace is
-/// `a + b·cos θ + c·sin θ`.
+/// The rotation R about the unit vector `axis` with maximum trace of R·`sum`: Rodrigues' `a + b·cos θ + c·sin θ`.
 fn rotation_about(axis: Vector3<f64>, sum: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let along = (axis.transpose() * sum * axis)[0];
     let cos = sum.trace() - along;
@@ -211,6 +212,7 @@ fn principal_axes(centres: &[[f64; 3]]) -> PlaneAxes {
     let mean = centres.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() / n;
     let covariance: Matrix3<f64> = centres.iter().map(|c| Vector3::from(*c) - mean).map(|d| d * d.transpose()).sum();
     let scale = covariance.amax();
+    // Cameras in one place have no plane of their own.
     if !(scale.is_finite() && scale > 0.0) {
         return PlaneAxes { right: Vector3::x(), up: Vector3::y() };
     }

@@ -48,8 +48,7 @@ pub struct Pairing {
     pub pairs: Vec<(usize, usize)>,
 }
 
-/// Pairs poses by the rule `by`, or by the one that fits. Times that differ by more than `max_time_difference` are
-/// never paired.
+/// Pairs poses by the rule `by`, or the one that fits; never where times differ by more than `max_time_difference`.
 ///
 /// # Errors
 /// No pair is found.
@@ -71,6 +70,7 @@ pub fn associate(
             pairs => order_or_times(estimate, truth, pairs)?,
         },
     };
+    // Hash maps give their pairs in any order, and the same input has to give the same report.
     pairs.sort_unstable_by_key(|&(e, t)| (truth[t].order, e));
     if pairs.is_empty() {
         let first = |poses: &[Pose]| poses.first().map_or("none".to_owned(), |p| format!("'{}'", p.label));
@@ -159,6 +159,7 @@ fn pairs_by_time(estimate: &[Pose], truth: &[Pose], max_time_difference: f64) ->
     let truths = times(truth);
     let mut nearest: HashMap<usize, (f64, usize)> = HashMap::new();
     for (time, e) in times(estimate) {
+        // In sorted times the nearest is the last one before or the first one after.
         let after = truths.partition_point(|&(t, _)| t < time);
         let around = truths[after.saturating_sub(1)..truths.len().min(after + 1)].iter();
         let Some((difference, t)) =

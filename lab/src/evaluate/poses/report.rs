@@ -122,6 +122,7 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
         .unzip();
     let alignment = align(&estimated, &truths)?;
     let Similarity { scale, .. } = alignment.truth_from_estimate;
+    // Relative errors need the aligned poses too: only these are in the truth's unit of length.
     let aligned: Vec<Isometry3<f64>> = estimated.iter().map(|e| alignment.truth_from_estimate.apply(e)).collect();
     let left_over = absolute(&aligned, &truths);
     let pair = |k: usize| {

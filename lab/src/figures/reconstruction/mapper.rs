@@ -1,5 +1,4 @@
-//! One method on one trajectory: from its features to COLMAP's cameras. Writes the dataset and its database, runs the
-//! mapper, computes the errors.
+//! One method on one trajectory: writes the dataset and its database, runs COLMAP's mapper, computes the errors.
 
 use crate::evaluate::BurstMethod;
 use crate::synth::{Motion, Trajectory};
@@ -16,9 +15,7 @@ use std::path::Path;
 pub(super) struct How {
     /// Whether it searches the noise-free views instead of the bursts.
     pub is_gold: bool,
-    /// Parameters of the search.
     pub search: SearchParams,
-    /// Parameters of matching.
     pub matching: MatchParams,
 }
 
@@ -107,10 +104,12 @@ mod with_database {
         let mut store = FeatureStore::open(&out, &job.features)?;
         let report = export_colmap(&mut store, &bursts, &job, &mut |_| {}, &silent)?;
         let sparse = out.join("sparse");
+        // Time of the mapper alone; that of features and matches is in `Matched`.
         let started = Instant::now();
         let gave_up = run_mapper(program, &report.database, &report.images_folder, &sparse, monitor)?;
         let mapper_secs = started.elapsed().as_secs_f64();
         let compared = compared(&sparse, &data.join("poses.txt"), way.cameras.len());
+        // A mapper that fails after it has written a model still has a result.
         let gave_up = gave_up.filter(|_| compared.registered == 0);
         Ok(Reconstructed { mapper_secs, gave_up, ..compared })
     }
@@ -121,9 +120,6 @@ mod with_database {
 
     /// Runs the mapper to its end, or ends it once `monitor` was cancelled. Returns its last line if it gave up:
     /// without a pair to begin with it makes no model, which is a valid result.
-    ///
-    /// # Errors
-    /// The mapper could not be started, or was ended by a signal; or the work was cancelled.
     fn run_mapper(
         program: &Path,
         database: &Path,
@@ -179,7 +175,6 @@ mod with_database {
         Ok(line.chars().filter(|c| !c.is_control()).take(LONGEST_LINE).collect())
     }
 
-    /// The errors of the model, if there is one.
     fn compared(sparse: &Path, truth: &Path, images: usize) -> Reconstructed {
         let Ok(estimate) = read_trajectory(sparse) else { return Reconstructed::default() };
         let mut result = Reconstructed {
@@ -289,18 +284,13 @@ pub(super) struct Reconstructed {
     pub gave_up: Option<String>,
 }
 
-/// Results of a run.
+/// Results of one method on one trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Run {
-    /// Motion of the camera.
     pub motion: Motion,
-    /// Seed of the trajectory.
     pub seed: u64,
-    /// The method.
     pub method: BurstMethod,
-    /// Number of bursts of the trajectory.
     pub bursts: usize,
-    /// Results of matching.
     pub matched: Matched,
     /// Results of COLMAP; `None` without COLMAP.
     pub reconstructed: Option<Reconstructed>,

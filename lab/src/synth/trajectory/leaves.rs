@@ -49,11 +49,11 @@ fn leaf_radius(radii: &RangeInclusive<f64>, stream: &mut Stream) -> f64 {
 fn mean_area(radii: &RangeInclusive<f64>) -> f64 {
     let (a, b) = (*radii.start(), *radii.end());
     let mean_square = if b - a < 1e-6 * a { a * a } else { 2.0 * libm::log(b / a) / (a.powi(-2) - b.powi(-2)) };
+    // 0.7 is the mean aspect of the rectangles that `paint_leaves` draws.
     mean_square * 0.5 * (std::f64::consts::PI + 4.0 * 0.7)
 }
 
-/// A random direction in the plane, uniform, by rejection: sine and cosine need not round alike on every machine,
-/// square roots do.
+/// A random direction, uniform by rejection: unlike square roots, sine and cosine round differently by machine.
 fn direction(stream: &mut Stream) -> (f64, f64) {
     loop {
         let (x, y) = (stream.within(-1.0, 1.0), stream.within(-1.0, 1.0));

@@ -89,8 +89,7 @@ pub struct TrajectoryParams {
 }
 
 impl Default for TrajectoryParams {
-    /// Eight bursts of ten frames of 640×480, a wall and boards at three depths, motion to the side up to 3 px/frame,
-    /// SNR 0.3.
+    /// Eight bursts of ten 640×480 frames, a wall and boards at three depths, sideways up to 3 px/frame, SNR 0.3.
     fn default() -> Self {
         Self {
             width: 640,
@@ -109,8 +108,7 @@ impl Default for TrajectoryParams {
 }
 
 const FOCAL_SHARE: f64 = 0.9;
-/// Electrons at full scale at the highest useful gain, for a camera in the dark: 8 levels of 12 bits for each electron.
-/// In more light the gain is lower.
+/// Electrons at full scale at the highest gain, in the dark: 8 levels of 12 bits an electron; more light, less gain.
 const DARK_FULL_SCALE_ELECTRONS: f64 = 512.0;
 /// Distance of the noise from black and white, in standard deviations.
 const CLEARANCE_SIGMAS: f64 = 5.0;
@@ -183,7 +181,6 @@ impl TrajectoryParams {
         }
     }
 
-    /// The sensor for `electrons` at scene white.
     fn exposure(&self, electrons: f64, levels: &FrameLevels) -> NoisyExposure {
         let min_black = 1.0 / 64.0;
         if electrons.is_infinite() {
@@ -192,6 +189,7 @@ impl TrajectoryParams {
         }
         let brightest = levels.max() * electrons;
         let sigmas = (brightest + self.read_noise.powi(2)).sqrt() + self.read_noise;
+        // Both ends need room for the noise: the brightest pixel below white, and black above 0.
         let needed = (brightest + CLEARANCE_SIGMAS * sigmas) / (1.0 - min_black);
         let full_scale_electrons = needed.max(DARK_FULL_SCALE_ELECTRONS);
         let (read_noise_electrons, bits) = (self.read_noise, Some(self.bits));
@@ -220,6 +218,7 @@ impl Trajectory {
             slopes.push(range);
         }
         let mut levels = FrameLevels::default();
+        // The light is set from all views together, so that one exposure serves the whole trajectory.
         for camera in &cameras {
             let view = world::render(&planes, &lens, &camera.world_from_camera, monitor)?;
             levels.add(&Burst::from_planes("view", vec![view]), monitor)?;
@@ -236,9 +235,6 @@ impl Trajectory {
 
     /// The view of burst `index` at mid-burst without noise; scene white is [`GOLD_WHITE`] of full scale.
     ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
-    ///
     /// # Panics
     /// When there are not that many bursts.
     pub fn gold(&self, index: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
@@ -247,11 +243,7 @@ impl Trajectory {
         Ok(view)
     }
 
-    /// Burst `index` as the camera captures it. Each frame of all bursts has a random stream of its own, so the result
-    /// does not depend on the threads.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
+    /// Burst `index` as the camera captures it; each frame has its own random stream, whatever the threads.
     ///
     /// # Panics
     /// When there are not that many bursts.
@@ -302,8 +294,7 @@ impl Trajectory {
     }
 }
 
-/// Truth of a trajectory without pictures, poses and lens: the content of its `trajectory.json`. Lengths are metres,
-/// slopes pixels per frame.
+/// Truth of a trajectory without pictures, poses and lens: its `trajectory.json`. Metres; slopes in px/frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryTruth {

@@ -60,10 +60,7 @@ pub(super) fn stations(params: &TrajectoryParams) -> Vec<(Isometry3<f64>, Vector
     (0..params.bursts).map(station).collect()
 }
 
-/// The painted planes, large enough for everything that is seen from `stations`.
-///
-/// # Errors
-/// Sheets that would be too large, or cancellation.
+/// The painted planes, large enough for all that is seen from `stations`; an error where a sheet would be too large.
 pub(super) fn planes(
     params: &TrajectoryParams,
     lens: &Lens,
@@ -94,6 +91,7 @@ pub(super) fn planes(
             let mut sheet = Sheet::new(width, height, 4, 4);
             let coarsest = (0.1 * lens.width.min(lens.height) as f64).max(2.0 * FINEST_LEAF);
             paint_leaves(&mut sheet, &(FINEST_LEAF..=coarsest), &LEAF_VALUES, &mut stream);
+            // The wall stays whole, so that every gap between boards shows texture.
             if index > 0 {
                 sheet.keep_where(&boards((width, height), lens, &mut stream));
             }
@@ -112,8 +110,7 @@ struct Frame {
 }
 
 impl Frame {
-    /// The part of the plane seen from the stations, with a margin, in its pixels from the centre: `[left, top, right,
-    /// bottom]`.
+    /// Part of the plane seen from the stations, with a margin: `[left, top, right, bottom]`, pixels from the centre.
     fn seen_from(&self, lens: &Lens, stations: &[(Isometry3<f64>, Vector3<f64>)], margin: f64) -> Result<[f64; 4]> {
         let mut seen = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let normal = self.right.cross(&self.down);
@@ -144,6 +141,7 @@ fn boards(size: (usize, usize), lens: &Lens, stream: &mut Stream) -> Sheet {
     let (columns, rows) = ((size.0 as f64 / cell).ceil() as usize, (size.1 as f64 / cell).ceil() as usize);
     for row in 0..rows {
         for column in 0..columns {
+            // An absent board draws its numbers too, so that the other boards do not depend on it.
             let there = stream.uniform() < 0.4;
             let (half_u, half_v) = (cell * stream.within(0.3, 0.48), cell * stream.within(0.3, 0.48));
             let u = cell * (column as f64 + stream.within(0.4, 0.6));
@@ -165,8 +163,7 @@ fn points_seen(planes: &[ScenePlane], lens: &Lens, camera: &Isometry3<f64>) -> V
     grid.filter_map(|(i, j)| nearest_point(planes, lens, camera, place(i, lens.width), place(j, lens.height))).collect()
 }
 
-/// The apparent motions of `points`, as means over each half of the burst, pixels per frame; empty for a burst of one
-/// frame.
+/// Apparent motions of `points` as means over each half of the burst, px/frame; empty for a burst of one frame.
 fn motions(camera: &BurstCamera, lens: &Lens, points: &[Point3<f64>], half_span: f64) -> Vec<[f64; 2]> {
     let halves = points.iter().flat_map(|point| [-half_span, half_span].map(|dt| (point, dt)));
     let motion = |(point, dt): (&Point3<f64>, f64)| {
@@ -178,9 +175,6 @@ fn motions(camera: &BurstCamera, lens: &Lens, points: &[Point3<f64>], half_span:
 
 /// The camera of a burst at the speed at which the largest apparent motion on an axis is `max_slope` pixels per frame;
 /// and the minimum and maximum motion on each axis, `[[u min, u max], [v min, v max]]`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(super) fn burst_camera(
     params: &TrajectoryParams,
     lens: &Lens,
@@ -239,15 +233,13 @@ impl Lens {
         Vector3::new((u - cu) / self.focal_px, (v - cv) / self.focal_px, 1.0)
     }
 
-    /// The pixel of a point in the camera's axes: column and row, the centre of the first pixel is (0, 0). `None`
-    /// behind the camera.
+    /// The pixel (column, row) of a point in the camera's axes; the first pixel's centre is (0, 0). `None` behind.
     pub fn pixel(&self, point: &Point3<f64>) -> Option<[f64; 2]> {
         let [cu, cv] = self.centre();
         (point.z > 1e-9).then(|| [cu + self.focal_px * point.x / point.z, cv + self.focal_px * point.y / point.z])
     }
 
-    /// The model's parameters in COLMAP's order and convention (fx, fy, cx, cy; the centre of the first pixel is (0.5,
-    /// 0.5)).
+    /// Parameters fx, fy, cx, cy in COLMAP's convention: the centre of the first pixel is (0.5, 0.5).
     pub fn colmap_params(&self) -> [f64; 4] {
         [self.focal_px, self.focal_px, 0.5 * self.width as f64, 0.5 * self.height as f64]
     }
@@ -407,8 +399,7 @@ impl ScenePlane {
     }
 }
 
-/// The sheet's position (p, q) and the inverse depth (1/m) where a direction meets a plane, given its matrix; `None`
-/// where it does not meet it in front of the camera.
+/// Sheet position (p, q) and inverse depth (1/m) where a direction meets a plane in front of the camera.
 fn meet(matrix: &Matrix3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64, f64)> {
     let met = matrix * direction;
     (met.z > 1e-9).then(|| (met.x / met.z, met.y / met.z, met.z))
@@ -416,9 +407,6 @@ fn meet(matrix: &Matrix3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64, f6
 
 /// Renders `planes` without noise from a camera in the world: the signal at each pixel, as painted. Nearer planes are
 /// composited over farther ones; without any plane the signal is 0.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub fn render(
     planes: &[ScenePlane],
     lens: &Lens,
@@ -439,6 +427,7 @@ pub fn render(
                 let [value, alpha] = plane.texture.at(p, q)?;
                 (alpha != 0.0).then_some(Hit { inverse_depth, value, alpha })
             }));
+            // Farthest first: each nearer plane covers what lies under it, and values are already multiplied by alpha.
             hits.sort_by(|a, b| a.inverse_depth.total_cmp(&b.inverse_depth));
             *pixel = hits.iter().fold(0.0, |under, hit| under * (1.0 - hit.alpha) + hit.value);
         }
@@ -446,8 +435,7 @@ pub fn render(
     Ok(picture)
 }
 
-/// The nearest point of the world at the pixel (u, v), among planes that cover at least half of it; `None` where none
-/// does.
+/// The nearest point of the world at the pixel (u, v), among planes that cover at least half of that pixel.
 pub fn nearest_point(
     planes: &[ScenePlane],
     lens: &Lens,

@@ -70,6 +70,7 @@ impl ColourScale {
         let (min, max) = match by {
             _ if is_log => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
             ColourBy::SlopeDirection => (0.0, if max > 0.0 { max } else { 1.0 }),
+            // A single slope gets half a pixel per frame to each side, so that its colour lies mid-scale.
             ColourBy::Of(_) if max <= min && by.unit() == "px/frame" => (min - 0.5, min + 0.5),
             _ => (min, if max > min { max } else { min + 1e-6 }),
         };
@@ -215,7 +216,6 @@ impl ColourScale {
         response
     }
 
-    /// Words for the ways to move, each in its colour.
     fn words_ui(&self, ui: &mut Ui) -> Response {
         let words = Moves::ALL.map(|moves| {
             let colour = self.along(f32::from(moves as u8));

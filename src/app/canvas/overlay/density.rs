@@ -26,7 +26,7 @@ pub struct Drawn {
     pub in_view: usize,
 }
 
-/// Group of a feature that is drawn: those of one group take no place from those of the other.
+/// Group of a drawn feature: the two groups take no place from each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Group {
     Own,

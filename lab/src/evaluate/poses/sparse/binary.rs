@@ -39,7 +39,6 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
     Ok((BufReader::with_capacity(1 << 16, file), bytes))
 }
 
-/// The images of a stream of `bytes` bytes.
 pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparseImage>> {
     let mut fields = Fields { stream, left: bytes, path, place: Place::Count("images") };
     let count = fields.count(IMAGE_BYTES)?;
@@ -63,7 +62,6 @@ pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
     Ok(images)
 }
 
-/// The points of a stream of `bytes` bytes.
 pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparsePoint>> {
     let mut fields = Fields { stream, left: bytes, path, place: Place::Count("points") };
     let count = fields.count(POINT_BYTES)?;
@@ -87,7 +85,6 @@ fn point<R: Read>(fields: &mut Fields<'_, R>) -> Result<SparsePoint> {
     Ok(SparsePoint { position, reprojection_error_px, track_length: track_length as usize })
 }
 
-/// The fields of a binary file, one after the other.
 struct Fields<'a, R> {
     stream: R,
     /// Bytes not read yet.
@@ -97,7 +94,7 @@ struct Fields<'a, R> {
     place: Place,
 }
 
-/// A number of things, or one of them, counted from 1, and how many there are.
+/// Place for messages: a number of things, or one thing with its number, from 1, of how many.
 #[derive(Debug, Clone, Copy)]
 enum Place {
     Count(&'static str),

@@ -59,8 +59,7 @@ pub struct ModelSummary {
     pub registered_images: usize,
     /// Number of points of the model.
     pub points: usize,
-    /// Number of points that an image sees, mean over the registered images. (Each point is counted in every image that
-    /// sees it.)
+    /// Points that an image sees, mean over the registered images; a point counts in every image that sees it.
     pub points_per_image: f64,
     /// Number of keypoints of a point, mean over the points; NaN (null in JSON) without points.
     pub mean_track_length: f64,
@@ -69,10 +68,7 @@ pub struct ModelSummary {
 }
 
 impl SparseModel {
-    /// Parses the text of a model; `name` is for messages.
-    ///
-    /// # Errors
-    /// As [`read_sparse_model`].
+    /// Parses the text of a model; `name` is for messages. Errors as of [`read_sparse_model`].
     pub fn of_text(images: &str, points: &str, name: &Path) -> Result<Self> {
         Self::of((text::images(images.as_bytes(), name)?, text::points(points.as_bytes(), name)?), name)
     }
@@ -89,8 +85,7 @@ impl SparseModel {
         Ok(Self { folder: name.into(), images, points, other_models: 0 })
     }
 
-    /// The poses of its images. Their order is their id minus 1, because ids count up from 1 in the order in which
-    /// images came into the database.
+    /// Poses of the images. Their order is the id minus 1: ids count up from 1 as images came into the database.
     pub fn poses(&self) -> Vec<Pose> {
         let pose = |image: &SparseImage| Pose {
             label: image.name.clone(),
@@ -142,13 +137,14 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
     for subfolder in folders {
         if let Some(reader) = Format::of(&subfolder) {
             match reader.read(&subfolder) {
+                // A model without a registered image is no model; a damaged one is reported.
                 Err(error) if error.kind == ErrorKind::NotFound => {}
                 model => models.push(model?),
             }
         }
     }
     let other_models = models.len().saturating_sub(1);
-    // The first of several of equal size.
+    // `max_by_key` takes the last of equally large models: in reverse that is the first folder's.
     let largest = models.into_iter().rev().max_by_key(|m| m.images.len());
     match largest {
         Some(model) => Ok(SparseModel { other_models, ..model }),
@@ -168,7 +164,6 @@ enum Format {
 }
 
 impl Format {
-    /// The format of the model in `folder`, if there is one.
     fn of(folder: &Path) -> Option<Self> {
         let has = |name: &str| folder.join(name).is_file();
         if has("images.bin") && has("points3D.bin") {
@@ -193,8 +188,7 @@ impl Format {
     }
 }
 
-/// The camera in the world from the values in a model, which give the world in the camera: quaternion `w x y z` and
-/// translation.
+/// The camera in the world, from the world in the camera as a model has it: quaternion `w x y z` and translation.
 fn world_from_camera(quaternion: [f64; 4], translation: [f64; 3]) -> Result<Isometry3<f64>, String> {
     let [w, x, y, z] = quaternion;
     let rotation = super::tum::rotation(Quaternion::new(w, x, y, z))?;

@@ -31,7 +31,6 @@ pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>
     Ok(images)
 }
 
-/// Parses points, one for each line.
 pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>> {
     let mut lines = Lines { text, path, number: 0, line: Vec::new() };
     let mut points = Vec::new();
@@ -106,7 +105,6 @@ fn number<T: FromStr>(word: &str) -> Result<T, String> {
     word.parse().map_err(|_| format!("'{word}' is not a number that can stand here"))
 }
 
-/// The lines of a file, counted.
 struct Lines<'a, R> {
     text: R,
     path: &'a Path,
