@@ -27,6 +27,7 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
 }
 
 fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
+    // A wrong ending is reported before the long study.
     if let Some(path) = &args.plot {
         check_plot(path)?;
     }

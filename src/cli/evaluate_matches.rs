@@ -126,6 +126,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
             let silent = console.monitor.silent();
             match (shot, &golds) {
                 (Shot::Gold, Some(golds)) => Ok(golds[k].open(&OpenOptions::default(), &silent)?),
+                // Without --gold the frames before the noise are the sharp images.
                 (Shot::Gold, None) => Ok(inputs[k].open(&options, &silent)?),
                 (Shot::Burst, _) => {
                     let burst = inputs[k].open(&options, &silent)?;

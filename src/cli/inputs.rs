@@ -67,8 +67,7 @@ impl Input {
     }
 }
 
-/// Resolves `arguments`, opened with `options`, to bursts, in their order; all files come at the place of the first
-/// file.
+/// Resolves `arguments` to bursts opened with `options`, in order; all files come where the first file stands.
 pub(super) fn resolve(arguments: &[PathBuf], options: &OpenOptions) -> Vec<Input> {
     let mut inputs = Vec::new();
     let mut files_done = false;
@@ -139,6 +138,7 @@ fn resolve_files(files: &[PathBuf], options: &OpenOptions) -> Vec<Input> {
         };
     }
     match find_bursts(&present, options) {
+        // Each file is a burst: a missing file fails alone.
         Ok(sources) if present.len() > 1 && sources.len() == present.len() => sources
             .into_iter()
             .map(found)
@@ -222,7 +222,6 @@ pub(super) struct OneBurst {
     pub console: Console,
     pub input: Input,
     pub options: OpenOptions,
-    /// Rules for the files that it writes.
     pub rules: OutputRules,
 }
 
@@ -239,6 +238,7 @@ impl BurstSearchArgs {
         let input = resolve_one(inputs, command, &self.calibration)?;
         let options = open_options(std::slice::from_ref(&input), &self.calibration)?;
         let rules = overwrite.rules(std::slice::from_ref(&input), &options, &[self.search.file.params.as_ref()]);
+        // Refused before anything is computed.
         outputs.iter().flatten().try_for_each(|path| rules.check(path))?;
         console.begin(format!("{}: ", input.name));
         Ok(OneBurst { console, input, options, rules })

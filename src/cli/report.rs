@@ -230,6 +230,7 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     line("noise", &format!("{noise:.5} of full scale in a frame; noise gate {gate:.2} σ{rule}"));
     report.noise.warnings.iter().for_each(|warning| line("warning", &warning.text));
     if let Some(finding) = &report.slopes_found {
+        // A judgement says itself how the slopes fit, so that the finding can be shorter.
         let is_judged = report.slopes_judged.is_some();
         line("slopes", &if is_judged { finding.summary_beside_judgement() } else { finding.summary() });
     }
@@ -251,6 +252,7 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     if let Some(count) = report.tally.not_searched {
         text += &format!("  besides\n    {:>15}  {NOT_SEARCHED}\n", grouped(count));
     }
+    // Anew, because the lines between write to `text` themselves.
     let mut line = |head: &str, words: &str| text += &format!("  {head:<9} {words}\n");
     if let Some(advice) = &report.advice {
         line("note", &advice.message);
@@ -275,6 +277,7 @@ fn histogram(slopes: &[SlopeCount], rate: Option<&str>) -> String {
     let max = slopes.iter().map(|s| s.features).max().unwrap_or(0).max(1);
     let mut counts: Vec<usize> = slopes.iter().map(|s| s.features).filter(|&n| n > 0).collect();
     counts.sort_unstable_by(|a, b| b.cmp(a));
+    // Of many slopes those with the most features are shown, in the order of the grid.
     let min = counts.get(SLOPES_SHOWN - 1).copied().unwrap_or(1);
     let shown: Vec<&SlopeCount> = slopes.iter().filter(|s| s.features >= min).take(SLOPES_SHOWN).collect();
     let rate = rate.map_or(String::new(), |rate| format!("; {rate}"));

@@ -63,7 +63,6 @@ pub(super) fn levels_of(inputs: &[Input], options: &OpenOptions, console: &Conso
     Ok(levels)
 }
 
-/// Writes bursts along a camera's trajectory, with its poses.
 fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let light = match (args.snr, args.electrons) {

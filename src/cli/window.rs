@@ -1,5 +1,4 @@
-//! Opens the window, when no command is given. Without a display it draws the window into a file and prints the
-//! features.
+//! Opens the window when no command is given; without a display draws it into a file and prints the features.
 
 use super::args::OutputArgs;
 use super::commands::{Cli, Command};

@@ -52,7 +52,6 @@ pub struct Word {
     /// Term, as the window writes it.
     #[serde(deserialize_with = "text")]
     pub word: String,
-    /// Symbol in the paper, if there is one.
     pub symbol: Option<String>,
     /// Source of the notion; none for terms of everybody.
     pub origin: Option<Origin>,

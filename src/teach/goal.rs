@@ -157,6 +157,7 @@ impl Wanted {
         let number = value.as_float().or_else(|| value.as_integer().map(|x| x as f64));
         match self {
             Self::Between(between) => number.is_some_and(|x| between.contains(x as f32)),
+            // Parameters are f32: a decimal number differs from them in the seventh digit.
             Self::Number(wanted) => number.is_some_and(|x| (x - wanted).abs() <= 1e-6 * wanted.abs().max(1.0)),
             Self::Switch(wanted) => value.as_bool() == Some(*wanted),
             Self::Word(word) => value.as_str() == Some(word),

@@ -89,10 +89,7 @@ struct StepTable {
 }
 
 impl Lesson {
-    /// Reads the text of a lesson's file. `file` is named in errors, and its stem is the lesson's name.
-    ///
-    /// # Errors
-    /// The first mistake, with its line.
+    /// Reads the text of a lesson's file; `file` is named in errors, its stem is the lesson's name. Errors name lines.
     pub fn read(file: &str, text: &str) -> Result<Self, Error> {
         let wrong = |line: Option<usize>, problem: String| wrong_at(file, line, &problem);
         let line_at = |byte: usize| text.as_bytes()[..byte.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1;
@@ -101,6 +98,7 @@ impl Lesson {
             wrong(line, error.message().replace('\n', " ").trim().to_owned())
         })?;
         let step_span = read.step.span();
+        // Read again as a table, because the typed form does not say which word named a workspace.
         let tables: toml::Table = toml::from_str(text).expect("it was read already");
         let mut steps = Vec::new();
         for (table, written) in read.step.into_inner().into_iter().zip(tables["step"].as_array().expect("steps")) {
@@ -152,7 +150,7 @@ impl StepTable {
 }
 
 impl Step {
-    /// The step with the layout *Methods*, where an older lesson or step names the former workspace.
+    /// The step with the layout *Methods*, where a lesson or step names that as a workspace.
     fn with_methods(mut self, step: &toml::Value, lesson: &toml::Table) -> Self {
         let workspace = |table: Option<&toml::Value>| table?.get("workspace")?.as_str().map(str::to_owned);
         let is_methods = |name: Option<String>| name.is_some_and(|name| name == "methods");
@@ -166,10 +164,8 @@ impl Step {
     }
 }
 
-/// Reads the lessons at `path`: one file, or all files `*.toml` of a folder, in the order of their names.
-///
-/// # Errors
-/// All mistakes, one for each file that has any; no lesson is returned then.
+/// Reads the lessons at `path`: one file, or all files `*.toml` of a folder in the order of their names. With mistakes
+/// returns these, one for each file, and no lesson.
 pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<Error>> {
     let whole = |problem: String| wrong_at(&path.display().to_string(), None, &problem);
     let files = if path.is_dir() {

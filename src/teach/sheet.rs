@@ -6,8 +6,7 @@ use std::fmt::Write as _;
 /// Lines left empty for an answer.
 const ROOM: &str = "\n&nbsp;\n\n&nbsp;\n";
 
-/// The sheet of `lesson` in Markdown: steps and tasks, then the questions, then the answers with the lines of what was
-/// learnt.
+/// The sheet of `lesson` in Markdown: steps and tasks, questions, then answers with the lines of what was learnt.
 pub fn sheet(lesson: &Lesson) -> String {
     let mut text = format!("# {}\n\n{}\n\nName:\n", lesson.title, plain(&lesson.about));
     for (number, step) in (1..).zip(&lesson.steps) {

@@ -13,7 +13,7 @@ use serde::{Deserialize, Deserializer, Serialize, de};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Workspace {
-    /// Files of earlier versions name *Methods* as a workspace of its own.
+    /// Files may name *Methods* as a workspace of its own.
     #[default]
     #[serde(alias = "methods")]
     Inspect,
@@ -33,7 +33,6 @@ pub enum Layout {
     FrameAndStack,
     /// The slope beside the grid's next one, with their cursors not linked.
     TwoSlopes,
-    /// Neighbouring slopes of the grid.
     ThreeSlopes,
     FiveSlopes,
     SevenSlopes,
@@ -44,7 +43,6 @@ pub enum Layout {
     TwoByTwo,
     /// The motion stack above slices through the frames at the probed place.
     Slice,
-    /// Several methods on the burst.
     Methods,
 }
 

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex};
 
 /// Memory of the pictures on the card, bytes; beyond it those unused for longest are removed.
 const BUDGET_BYTES: u64 = 512 << 20;
-/// The same of a software driver, whose memory is the program's own, in which the picture cache holds them already.
+/// Budget of a software driver: its memory is the program's own, where the picture cache holds the pictures already.
 const SOFTWARE_BUDGET_BYTES: u64 = 64 << 20;
 
 /// Number of frames after which a pane that is not drawn loses its bind group.
@@ -102,6 +102,7 @@ impl PictureRenderer {
     ) {
         self.frame_open = true;
         let Some(layout) = self.ensure_picture(device, queue, id, plane) else {
+            // Without its picture a pane must not go on showing the one before.
             self.panes.remove(&pane);
             return;
         };

@@ -123,10 +123,12 @@ impl Writes<'_> {
         row: impl Fn(usize) -> &'p [f32],
     ) -> Result<(), NoRoom> {
         let size = (row_bytes * rows) as u64;
+        // What is on its way is in memory twice: the card has to take it before more is added.
         if self.bytes + size > BYTES_ON_THE_WAY {
             let submission = self.submit()?;
             wait_for_card(self.device, Some(submission));
         }
+        // Each step may lack memory, which must fail this picture only and not lose the device.
         let buffer = within_memory(self.device, || {
             self.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("burstscope picture"),

@@ -33,6 +33,7 @@ pub fn mask_of(burst: &Burst, outlines: &[Vec<Pos2>]) -> Vec<u8> {
 fn inside(outline: &[Pos2], v: f32) -> Vec<[f32; 2]> {
     let next = outline.iter().cycle().skip(1);
     let crossing = |(a, b): (&Pos2, &Pos2)| {
+        // Half-open, so that a corner that lies on the row counts once.
         let crosses = (a.y <= v) != (b.y <= v);
         crosses.then(|| a.x + (v - a.y) / (b.y - a.y) * (b.x - a.x))
     };

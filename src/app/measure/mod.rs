@@ -86,7 +86,7 @@ pub fn region_in(model: Read<'_>, widgets: &PaneWidgets, region: &MeasuredRegion
 }
 
 const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);
-/// Least distance between two corners of an outline, points.
+/// Minimum distance between two corners of an outline, points.
 const CORNER_POINTS: f32 = 4.0;
 
 fn strokes() -> [Stroke; 2] {
@@ -133,6 +133,7 @@ pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Q
         match measure.tool {
             Tool::Line => queue.push(Action::OpenTab(BottomTab::Profile)),
             Tool::Region => queue.push(Action::OpenTab(BottomTab::Region)),
+            // A click, or a straight line, hides nothing.
             Tool::Mask => measure.hidden.retain(|outline| outline.len() > 2),
             Tool::Pan => {}
         }

@@ -65,6 +65,7 @@ pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, cache: &mu
         });
         return;
     };
+    // Nothing is measured during the drag, so that dragging stays smooth.
     if model.document.measure.drag.is_some() {
         ui.weak("Let go to measure");
         return;

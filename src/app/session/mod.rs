@@ -67,6 +67,7 @@ impl Session {
         if workspace.shows_pair() || workspace.record().is_of_dataset {
             self.document.workspace = Workspace::Inspect;
         }
+        // All of these name other files, which a case does not hold.
         let document = &mut self.document;
         (document.calibration, document.calibration_of_b) = Default::default();
         (document.gold, document.dataset, document.trajectories) = Default::default();
@@ -119,7 +120,7 @@ impl Session {
         document.look.ranges = document.look.ranges.sanitised();
         document.match_look = document.match_look.sanitised();
         document.methods = std::mem::take(&mut document.methods).sanitised();
-        // *Methods* was a workspace of its own.
+        // A file may name *Methods* as a workspace of its own.
         let of_head = head.ok().and_then(|head| head.document);
         if of_head.is_some_and(|head| head.get("workspace").and_then(toml::Value::as_str) == Some("methods")) {
             document.compare_methods();
@@ -170,7 +171,7 @@ impl Session {
         Document { probe: self.probe_over(Side::A, now), ..document }
     }
 
-    /// The document on show with what neither burst is needed for. The panes, and the colours of the window, stay.
+    /// The document on show with all that needs neither burst. Panes, and the colours of the window, stay.
     fn over_none(&self, now: &Document) -> Document {
         let Document { panes, theme, probe, comparisons, gold, .. } = now.clone();
         let (selected, selected_match, playing) = (None, None, false);
@@ -204,8 +205,7 @@ impl Session {
     }
 }
 
-/// The document with absolute paths; where what is typed makes no sense, the last that did: a session could not be
-/// opened again.
+/// The document with absolute paths, and with usable values for invalid ones, with which no session opens again.
 fn sound(project: Read<'_>) -> Document {
     let mut document = project.document.clone().with_absolute_paths();
     if document.params.validate().is_err() {
@@ -232,8 +232,8 @@ fn read_noting_unknown_keys<'de, T: DeserializeOwned, D: Deserializer<'de>>(
     Ok((value, unknown))
 }
 
-/// A session of before, when the choice of the slopes stood beside the ranges (those found last, where slopes are
-/// found), and compared methods had a switch of their own for features; `None` for others.
+/// Rewrites a session whose choice of slopes stands beside the ranges (those found last, where slopes are found), and
+/// whose compared methods have a switch of their own for features; `None` for others.
 fn brought_up_to_date(mut session: Table) -> Option<Table> {
     let document = session.get_mut("document")?.as_table_mut()?;
     let choice = document.remove("slopes");

@@ -55,7 +55,7 @@ impl ColourBy {
         Self::all().filter(move |by| with_depths || *by != Self::Of(Quantity::Depth))
     }
 
-    /// The quantity; `None` for the direction of the slope and for the speed, which are none.
+    /// The quantity; `None` for direction and speed of the motion.
     pub fn quantity(self) -> Option<Quantity> {
         if let Self::Of(quantity) = self { Some(quantity) } else { None }
     }
@@ -157,6 +157,7 @@ pub fn number(value: f32, digits: usize) -> String {
         return "0".to_owned();
     }
     let magnitude = value.abs().log10().floor() as i32;
+    // From 0.0001 to ten million in plain digits: beyond, zeros would hide the size.
     let text = if (-4..7).contains(&magnitude) {
         let decimals = (digits as i32 - 1 - magnitude).max(0) as usize;
         let fixed = format!("{value:.decimals$}");

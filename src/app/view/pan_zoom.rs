@@ -173,6 +173,7 @@ impl View {
                 self.region_points_per_pixel = self.limited(finite(fits));
             }
         }
+        // The centre of the canvas stays on the image, so that the picture cannot be lost.
         for (x, end) in self.centre_image.iter_mut().zip([last.x, last.y]) {
             *x = if x.is_finite() { x.clamp(-0.5, end + 0.5) } else { 0.5 * end };
         }
