@@ -119,8 +119,7 @@ pub struct ShownChart {
 }
 
 impl ShownChart {
-    /// The judged features at the threshold where the share of false ones is that of the study's curves; all features
-    /// if `all` is set, or where the study has no such share.
+    /// Judged features at the threshold of the study's share of false ones; all of them for `all`, or without a share.
     pub fn judged(&self, all: bool) -> Vec<Judged> {
         let fraction = match &self.of.study {
             Study::Chart(study) => Some(study.false_fraction),

@@ -1,5 +1,4 @@
-//! Terminal of a command: results on the standard output, progress on the standard error, and signals such as Ctrl-C,
-//! which cancel the work.
+//! Terminal of a command: results on the standard output, progress on the standard error, signals cancel the work.
 
 use super::args::OutputArgs;
 use super::failure::{Failure, complain, print, print_json, printable};

@@ -27,7 +27,6 @@ pub(super) const DEMO: &str = "demo";
 pub(super) struct Input {
     /// Name of the burst, after which its files are named; unique among the inputs.
     pub name: String,
-    /// Source of the burst, or why it was not found.
     pub source: Result<BurstSource, Error>,
 }
 
@@ -187,7 +186,6 @@ pub(super) fn resolve_pair(a: &Path, b: &Path, options: &OpenOptions) -> Result<
     Ok(inputs)
 }
 
-/// Options for opening `inputs` with this calibration.
 pub(super) fn open_options(inputs: &[Input], calibration: &OpenOptions) -> Result<OpenOptions, Failure> {
     match calibration.given().first() {
         Some((name, _)) if inputs.iter().any(Input::is_built_in) => {

@@ -39,7 +39,6 @@ pub(super) struct BurstReport {
     /// Column and row of each view of a light field from the first one; absent for frames in time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     views: Vec<[f64; 2]>,
-    /// Seconds of a frame interval; absent where they are not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     interval_s: Option<f64>,
     /// Slopes in pixels per second, a clause.
@@ -67,7 +66,6 @@ pub(super) struct BurstReport {
     #[serde(skip)]
     notes: Vec<Note>,
     pub features: usize,
-    /// Files that were written, by format; absent where none was.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     files: BTreeMap<String, String>,
     frame_noise: f32,
@@ -76,7 +74,6 @@ pub(super) struct BurstReport {
     noise_gate_factor: f32,
     octaves: [i32; 2],
     slope_grid: SlopeGrid,
-    /// Result of finding the slopes; absent where they were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     slopes_found: Option<SlopeFinding>,
     slopes: Vec<SlopeCount>,
@@ -85,7 +82,6 @@ pub(super) struct BurstReport {
     /// Judgement of the slopes; absent for a method without slopes and for a single frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     slopes_judged: Option<SlopeJudgement>,
-    /// Advice where there are no or few features; `None` (null) otherwise.
     advice: Option<AdviceReport>,
 }
 

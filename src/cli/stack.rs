@@ -27,6 +27,7 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     let OneBurst { console, input, options, rules } =
         args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
+    // A search on merged frames has one frame, and its stack is that frame's.
     let (burst, params) = prepare(&burst, &params, &console.monitor)?;
     let image = match (args.octave, args.level) {
         (Some(octave), Some(level)) => dog_view(&burst, &params, slope, octave, level, &console.monitor)?,
@@ -47,6 +48,7 @@ fn run_field(args: &StackArgs) -> Result<(), Failure> {
     let OneBurst { console, input, options, rules } =
         args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
+    // The field needs the range of slopes: unless given, it is found first.
     let (params, _) = resolve(&burst, &params, &console.monitor)?;
     let no_field = || Failure::usage(format!("{}: {NO_FIELD}", burst.name));
     if !args.field {

@@ -1,7 +1,6 @@
-//! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it. A
-//! trail costs as much as its detection, so the detection makes it in the same search. If it was not kept, the search
-//! is repeated once for all askers; one that differs only in its thresholds is judged from what a kept one left, and
-//! one of other slopes goes on from it.
+//! Store of trails: all that the search of an open burst left behind, for requests that explain it. The detection makes
+//! its trail in the same search. A trail that was not kept is made again once for all askers: judged from a kept one
+//! where only thresholds differ, continued from one of other slopes.
 
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;

@@ -17,7 +17,6 @@ type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Partial>;
 /// [`Self::want`] takes, in each pass, what is missing. A request that failed or was cancelled is not repeated until
 /// another one was wanted, [`Self::ask`] repeats it, or [`Self::forget`] is called. Dropping cancels the request.
 pub struct Wanted<R: Request> {
-    /// `None` before the first request.
     jobs: Option<JobsOf<R>>,
     /// Requests without an answer, the latest last.
     pending: Vec<(JobId, R)>,
@@ -98,6 +97,7 @@ impl<R: Request> Wanted<R> {
         self.running = jobs.running();
         let mut taken = Vec::new();
         for answer in jobs.take_answers() {
+            // An answer to a request that was forgotten has no place here.
             let Some(place) = self.pending.iter().position(|(id, _)| *id == answer.id) else { continue };
             let (id, request) = self.pending.remove(place);
             if !answer.is_superseded() {
@@ -171,7 +171,6 @@ fn jobs<R: Request>(engine: &Engine) -> JobsOf<R> {
 
 /// Methods that do not depend on the request of a [`Wanted`], for lists of them.
 pub trait Want {
-    /// Whether no request is pending.
     fn is_settled(&self) -> bool;
 
     fn urgency(&self) -> Option<Urgency>;

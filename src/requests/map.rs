@@ -6,7 +6,6 @@ use crate::inspect::candidates::WinningSlopes;
 use crate::plane::display::{Rgb, direction_colour};
 use image::{Rgba, RgbaImage};
 
-/// Motion of each pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionMap {
     /// Each pixel's slope and its certainty (0 … 1), row by row.
@@ -14,12 +13,10 @@ pub struct MotionMap {
     width: usize,
     /// Slopes that were searched, which with the features decide the [colours](SlopeColours).
     pub grid: SlopeGrid,
-    /// The field of motion, in its picture.
     pub field: Option<MotionField>,
 }
 
-/// Colours of slopes: along a line those of a map, from its first slope to its last, so that near and far differ; in a
-/// plane direction and length as hue and saturation.
+/// Colours of slopes: along a line those of a map, so that near and far differ; in a plane hue and saturation.
 #[derive(Debug, Clone)]
 pub struct SlopeColours {
     line: Option<(f32, SlopeAxis)>,
@@ -31,9 +28,8 @@ pub struct SlopeColours {
 /// Minimum share of the motions, weighted by SNR, close to a line, for all to count as lying on it.
 const ON_LINE: f64 = 0.98;
 
-/// The line along which `grid` was searched, or on which the motions of `features` lie in a plane of slopes, as those
-/// of a still scene before a moving camera do: its direction, degrees from +u towards +v, and its part, from the first
-/// slope to the last.
+/// The line along which `grid` was searched, or on which the motions of `features` lie in a plane of slopes (a still
+/// scene before a moving camera): its direction, degrees from +u towards +v, and the axis from first to last slope.
 pub fn line_of(grid: &SlopeGrid, features: &[Feature]) -> Option<(f32, SlopeAxis)> {
     if !grid.is_plane() || features.len() < 3 {
         return grid.as_line();

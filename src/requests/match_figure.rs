@@ -50,7 +50,6 @@ pub fn titled(side: &str, burst: &str, shown: &str) -> String {
 }
 
 impl MatchFigure {
-    /// The figure of the matches of two bursts, A first.
     pub fn drawing(
         &self,
         pair: [DetectedBurst<'_>; 2],

@@ -1,5 +1,4 @@
-//! Pictures of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the difference of
-//! two of these.
+//! Pictures of a burst: a frame, a motion stack, a DoG response, a map, the merged frames, or a difference of two.
 
 use super::kind::{PictureKind, RangeClass, ViewKind};
 use super::map::MotionMap;
@@ -49,7 +48,6 @@ struct KindKey {
     map: Option<ViewKind>,
     slope_bits: Option<(u32, u32)>,
     scale: Option<(i32, i32)>,
-    /// Hash of the parameters that decide the picture.
     params: u64,
 }
 

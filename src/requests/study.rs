@@ -1,5 +1,4 @@
-//! Measurements: studies of charts or of the open burst, single charts of a study, the figures of the paper, and the
-//! comparison of camera poses.
+//! Measurements: studies of charts or the open burst, their single charts, the paper's figures, camera poses.
 
 use super::error::JobError;
 use super::open::OpenBurst;
@@ -113,6 +112,7 @@ impl Request for PosesRequest {
         let truth = self.truth.map(TrajectorySource::read).transpose()?;
         monitor.check()?;
         monitor.report(Stage::Evaluate, 0.8);
+        // A comparison that fails leaves both trajectories on show, with the reason.
         let report = match (&estimate, &truth) {
             (Some((_, estimate)), Some((_, truth))) => {
                 Some(evaluate_poses(estimate, truth, &self.study).map(Arc::new).map_err(|e| e.to_string()))

@@ -33,8 +33,7 @@ pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// By default it keeps nothing. Answers are the same with every store, but for the tally of a detection that was judged
-/// again, or went on from another.
+/// Keeps nothing by default. Any store gives the same answers, but for the tally of what was judged again or went on.
 pub trait TrailStore {
     fn put(&self, _: &OpenBurst, _: &Arc<ProbeCache>) {}
 

@@ -20,13 +20,11 @@ pub struct Lesson {
     pub about: String,
     /// Lines that sum up the lesson, shown at its end, in CommonMark.
     pub learnt: Vec<String>,
-    /// Questions of the lesson's sheet, with their answers.
     pub questions: Vec<Question>,
     /// At least one.
     pub steps: Vec<Step>,
 }
 
-/// Question about a lesson and its answer, in CommonMark.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Question {
@@ -130,12 +128,14 @@ impl StepTable {
             }
         };
         let state = self.set.over(default);
+        // These parts show what is measured at the spot.
         let in_lesson = |part: &Part| matches!(part, Part::Snr | Part::FramesAdded);
         if state.spot.is_none()
             && let Some(part) = self.highlight.iter().find(|part| in_lesson(part))
         {
             return Err(format!("step '{title}' highlights '{part}', which needs a 'spot' to measure; set one"));
         }
+        // A lesson must not point at a part whose panel is closed.
         let is_hidden = |part: &&Part| match part {
             Part::Tabs | Part::Below => state.tab.is_none() && state.workspace != Some(Workspace::Pair),
             Part::Probe | Part::Response | Part::Shares => state.probe.is_none() || state.layout == Some(Layout::Slice),
@@ -164,8 +164,7 @@ impl Step {
     }
 }
 
-/// Reads the lessons at `path`: one file, or all files `*.toml` of a folder in the order of their names. With mistakes
-/// returns these, one for each file, and no lesson.
+/// Reads the lessons of one file, or of all `*.toml` of a folder by name; the errors of all files instead, if any.
 pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<Error>> {
     let whole = |problem: String| wrong_at(&path.display().to_string(), None, &problem);
     let files = if path.is_dir() {
@@ -217,7 +216,6 @@ const TEXTS: &[(&str, &str)] = texts![
     "from-light-fields-to-bursts"
 ];
 
-/// Built-in lessons, in teaching order.
 pub fn built_in() -> &'static [Arc<Lesson>] {
     static LESSONS: OnceLock<Vec<Arc<Lesson>>> = OnceLock::new();
     LESSONS.get_or_init(|| {
@@ -229,7 +227,6 @@ pub fn built_in() -> &'static [Arc<Lesson>] {
     })
 }
 
-/// Names of the built-in lessons, as `--lesson` takes them.
 pub fn built_in_names() -> impl Iterator<Item = &'static str> {
     TEXTS.iter().map(|(name, _)| *name)
 }

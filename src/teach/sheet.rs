@@ -3,7 +3,6 @@
 use super::lesson::{Lesson, Step};
 use std::fmt::Write as _;
 
-/// Lines left empty for an answer.
 const ROOM: &str = "\n&nbsp;\n\n&nbsp;\n";
 
 /// The sheet of `lesson` in Markdown: steps and tasks, questions, then answers with the lines of what was learnt.

@@ -1,5 +1,4 @@
-//! State of the window as a step of a lesson begins, by the tables `set` of the lesson and of the step. Values absent
-//! from both are those of a newly opened window.
+//! State of the window as a step begins: the tables `set` of lesson and step, otherwise a newly opened window.
 
 use super::part::field_of;
 use super::values::{Near, finite};
@@ -19,9 +18,7 @@ pub enum Workspace {
     Inspect,
     Pair,
     Matches,
-    /// An estimated and a true trajectory.
     Trajectories,
-    /// Studies of charts whose truth is known.
     Lab,
 }
 
@@ -37,9 +34,7 @@ pub enum Layout {
     FiveSlopes,
     SevenSlopes,
     NineSlopes,
-    /// The DoG responses of all levels of the octave.
     Scales,
-    /// Frame, motion stack, DoG response and merged frames.
     TwoByTwo,
     /// The motion stack above slices through the frames at the probed place.
     Slice,
@@ -60,8 +55,7 @@ pub enum BottomTab {
     Methods,
 }
 
-/// Flat spot on a flat background, where the signal-to-noise ratio is measured. Written `[u, v, inner, from, to]`,
-/// pixels of the image at mid-burst.
+/// Flat spot on flat ground, where the SNR is measured: `[u, v, inner, from, to]`, pixels at mid-burst.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "[f32; 5]")]
 pub struct Spot {
@@ -110,7 +104,6 @@ pub struct State {
     pub slope: Option<Slope>,
     pub octave: Option<i32>,
     pub level: Option<i32>,
-    /// Part of the picture in view; the whole picture by default.
     #[serde(deserialize_with = "view")]
     pub view: Option<InView>,
     /// Detector's parameters, as in a parameter file: absent ones have their defaults.

@@ -1,15 +1,13 @@
 //! Accuracy in enough light: errors of positions, scales and motions of the discs found.
 //!
-//! Charts whose slopes are drawn from a continuum are searched with a grid of slopes; for every disc that is found (by
-//! the rule of [`burstscope_core::inspect::score`]) the strongest feature that finds it is compared with the truth at
-//! mid-burst. Discs may move faster than the grid reaches. Features on the rim of the grid are counted, and left out of
-//! the errors: there the slope is not interpolated, and the motion may lie beyond.
+//! Charts whose slopes are drawn from a continuum are searched with a grid of slopes. For every disc found (by the rule
+//! of [`burstscope_core::inspect::score`]) the strongest feature is compared with the truth at mid-burst. Discs may
+//! move faster than the grid reaches; features on the rim of the grid are counted, and left out of the errors.
 //!
 //! # Two kinds of charts
-//! The published chart is crowded: most discs have a neighbour, or its smear over the burst, within the surroundings
-//! that a detector looks at, which shifts the extremum of D, in position and above all to smaller scales: errors that
-//! noise does not cause and localisation does not remove. On a chart of fewer discs that [stand apart](stands_apart) in
-//! all frames the remaining errors are the detector's own. There is a study of each, reported separately.
+//! The published chart is crowded: most discs have a neighbour, or its smear, within the surroundings that a detector
+//! looks at, which shifts the extremum of D in position and above all to smaller scales. On a chart of fewer discs that
+//! [stand apart](stands_apart) in all frames the remaining errors are the detector's own. There is a study of each.
 //!
 //! # The expected scale
 //! The response of the Laplacian of a Gaussian to a disc of radius r is strongest at σ = r/√2. That of a difference of
@@ -102,8 +100,7 @@ impl AccuracyStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
-    /// [`ChartStudy::run_telling`](super::ChartStudy::run_telling) does.
+    /// Runs the study as `run` does; calls `tell` with the report so far after every chart, one call at a time.
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(AccuracyReport) + Sync)) -> Result<AccuracyReport> {
         check_lists(&self.snrs, self.seeds)?;
         let discs = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| -> Result<_> {
@@ -194,6 +191,7 @@ impl AccuracyStudy {
 /// Whether a disc's slope lies between the outermost slopes of `grid`.
 fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
     let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();
+    // In the axes of the grid, which may be turned.
     let along = disc.slope_u * cos + disc.slope_v * sin;
     let across = disc.slope_v * cos - disc.slope_u * sin;
     let inside = |x: f64, min: f32, max: f32, count: usize| {

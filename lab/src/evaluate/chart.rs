@@ -1,9 +1,8 @@
 //! Detection in the dark: the discs of a chart that each method finds, over signal-to-noise ratios and seeds.
 //!
-//! For every ratio and seed one chart is made, and every method runs on it with the same parameters. The number in a
-//! table is the count of discs found at the threshold where a tenth of the detections are false, the mean over the
-//! seeds. It is the best that any threshold achieves, and so compares methods independently of their defaults; the
-//! counts *at* their defaults stand beside it.
+//! For every ratio and seed one chart is made, and every method runs on it with the same parameters. A table shows the
+//! discs found at the threshold where a tenth of the detections are false, the mean over the seeds: the best that any
+//! threshold achieves, which compares methods independently of their defaults. Counts *at* the defaults stand beside.
 
 use super::methods::{BurstMethod, Searches};
 use super::statistics::Mean;
@@ -104,9 +103,7 @@ impl ChartStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, from any thread,
-    /// one call at a time. Charts of one seed at all ratios come before those of the next, so that every point of a
-    /// curve exists early and then improves.
+    /// Runs the study as `run` does; calls `tell` with the report so far after every chart, one call at a time.
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(ChartReport) + Sync)) -> Result<ChartReport> {
         self.check()?;
         let scores = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| {
@@ -283,8 +280,7 @@ pub struct MethodReport {
     pub default_false_features: Mean,
     /// Mean number of false features for each disc of the chart; absent for charts without discs.
     pub default_false_per_disc: Option<Mean>,
-    /// Ratio of the detector's estimate of a frame's noise to the true one at the background; absent for mean and
-    /// merged images and for charts without noise.
+    /// Estimated over true noise of a frame at the background; absent for mean and merged images, and without noise.
     pub noise_estimate_ratio: Option<Mean>,
     /// Peak threshold, of |response|, at which the requested share of the detections in all charts together is false,
     /// as the paper chooses it (BuFF, IV-A); absent where no threshold leaves a feature.

@@ -1,9 +1,9 @@
 //! The plots of a study's report: their titles and axes, and the points of every curve.
 //!
-//! The Lab draws these plots, and all files are written from them, so that a figure, a table and the screen show the
-//! same numbers. A figure is self-contained SVG, for light and dark pages, readable without colour: two plots stand
-//! side by side, under one legend where all have the same curves. Curves of one method have one colour in all sets;
-//! those of sets after the first are thinner and dotted.
+//! The Lab draws these plots, and all files are written from them, so that all show the same numbers. A figure is
+//! self-contained SVG for light and dark pages, readable without colour: two plots side by side, under one legend where
+//! all have the same curves. A method has one colour in all sets; curves of sets after the first are thinner and
+//! dotted.
 
 use super::accuracy::{AccuracyReport, AccuracyRow};
 use super::chart::{ChartReport, ChartRow, MethodReport};
@@ -43,8 +43,7 @@ pub struct StudyPlot {
 pub struct StudyCurve {
     /// Method; `None` for the one search of a study of accuracy.
     pub method: Option<BurstMethod>,
-    /// Value of the report's row that all points belong to, a ratio or a number of frames; `None` where each point has
-    /// a row of its own, whose value is its x.
+    /// Row's value of all points, a ratio or a number of frames; `None` where each point has its own row, by its x.
     pub row: Option<f64>,
     /// The line. Its colour is the method's, or one that no other curve of its plot has. Its spread is one standard
     /// error to both sides of a mean, or a median and 95 %. The dot of a ROC curve is the default threshold, the mean
@@ -53,7 +52,6 @@ pub struct StudyCurve {
 }
 
 impl StudyCurve {
-    /// A curve of no method, with this colour and these dashes.
     pub(crate) fn plain(label: &str, (colour, dashes): (&'static str, &'static str), points: Vec<SeriesPoint>) -> Self {
         let line = Series { label: label.to_owned(), colour, dashes, width: LINE, points, dot: None };
         Self { method: None, row: None, line }
@@ -210,8 +208,7 @@ pub fn percent(share: f64) -> String {
     format!("{} %", (1000.0 * share).round() / 10.0)
 }
 
-/// All points of named sets of plots as a table: `set,plot,curve,x,y,low,high`, one row for each point; `low` and
-/// `high` are empty where there is no spread.
+/// All points of named sets of plots as a table `set,plot,curve,x,y,low,high`; no spread leaves `low`, `high` empty.
 pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
     let mut out = format!("{CURVE_COLUMNS}\n");
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
@@ -242,9 +239,8 @@ const LEFT: f64 = 70.0;
 const HEIGHT: f64 = 280.0;
 pub(crate) const LINE: f64 = 2.2;
 
-/// The ROC curves of a study in the dark as a figure, one plot for each ratio. A grey line is where the requested share
-/// of the detections is false: the numbers of the table are read near it. The dot at the end of a curve is the method's
-/// default threshold. Several plots have letters, of which the first is that at `first_letter`, 0 for (a).
+/// ROC curves of a study in the dark as a figure, a plot for each ratio. A grey line marks the requested share of false
+/// detections, a dot the method's default threshold. Several plots have letters from `first_letter` on, 0 for (a).
 pub fn roc_svg(report: &ChartReport, first_letter: usize) -> String {
     let discs = report.chart.discs;
     let plot = |row: &ChartRow| {
@@ -345,6 +341,7 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
             let x = LEFT + room * column as f64;
             let area = Area { x, y: below + 18.0, width: room - LEFT - 8.0, height: HEIGHT };
             let ends = series.iter().flat_map(|s| &s.points).map(|point| point.x).filter(|x| x.is_finite());
+            // A little room, so that the outermost points do not lie on the frame.
             let range_x = (1.03 * ends.clone().fold(0.0, f64::min), 1.03 * ends.fold(1e-6, f64::max));
             // Errors may be hundredths.
             let range_y = range_from_zero(series, 1e-6);

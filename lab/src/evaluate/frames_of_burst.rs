@@ -1,11 +1,10 @@
 //! Detection over the number of frames of a given burst: its middle n frames as a burst, for n = 2 … all.
 //!
 //! The search of all frames is the reference: a feature of fewer frames is *confirmed* when that search found it too,
-//! by the rule of [`burstscope_core::inspect::score`] (each of its features taken as a disc of radius √2·σ, and both
-//! bright or both dark). The middle n frames have a mid-burst of their own, half a frame before the whole burst's where
-//! n is odd and the number of all frames even or the other way round; positions are moved there along their slopes.
-//! Where the truth is known, discs found and false features are counted as well, and with a second burst the matches
-//! between the two.
+//! by the rule of [`burstscope_core::inspect::score`] (its features as discs of radius √2·σ, both bright or both dark).
+//! The middle n frames have a mid-burst of their own, half a frame before the whole burst's where n is odd and the
+//! number of all frames even or the other way round; positions are moved there along their slopes. With a truth, discs
+//! found and false features are counted as well, and with a second burst the matches between the two.
 
 use crate::synth::{FeatureTruth, Truth, TruthKind};
 use burstscope_core::burst::{Burst, Offset};
@@ -174,7 +173,6 @@ impl BurstFramesStudy {
         Ok(report)
     }
 
-    /// The numbers of frames in ascending order, for a burst of `frames` frames.
     fn counts(&self, frames: usize) -> Result<Vec<usize>> {
         if frames < 2 {
             let remedy = "name a burst of 2 frames or more";
@@ -236,7 +234,6 @@ fn row(
     }
 }
 
-/// The disc whose image a feature would be.
 fn disc_of(feature: &Feature) -> FeatureTruth {
     FeatureTruth {
         id: 0,

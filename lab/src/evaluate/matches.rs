@@ -46,7 +46,6 @@ pub struct MatchStudy {
     pub pairs: PairSelection,
 }
 
-/// Features and matches of one method in all bursts.
 #[derive(Default)]
 struct FoundByMethod {
     sides: Vec<BurstSide>,
@@ -121,6 +120,7 @@ impl MatchStudy {
         let silent = monitor.silent();
         let first = open(0, Shot::Burst)?;
         let (frames, size) = (first.len(), first.size());
+        // Filled by the row of the sharp images, which comes first.
         let mut judges: Vec<Option<TwoViewModel>> = vec![None; pairs.len()];
         let mut rows: Vec<MatchRow> = Vec::with_capacity(methods.len());
         for &method in &methods {

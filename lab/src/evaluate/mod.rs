@@ -79,10 +79,8 @@ impl Steps<'_> {
     }
 }
 
-/// Runs `f` on every job; results are in the order of the jobs. As many jobs run at a time as there are threads, so at
-/// most that many hold their memory. (A flat parallel loop would not ensure that: a thread that waits inside one job,
-/// for its own parallel parts, would begin another one.)
-/// The error is the first failure in the order of the jobs.
+/// Runs `f` on every job; results, and the failure that counts, follow the order of the jobs. As many jobs run at a
+/// time as there are threads, so at most that many hold their memory.
 fn run_jobs<J: Sync, R: Send>(
     jobs: &[J],
     steps_per_job: usize,
@@ -93,6 +91,7 @@ fn run_jobs<J: Sync, R: Send>(
     let silent = monitor.silent();
     monitor.report(Stage::Evaluate, 0.0);
     let mut results = Vec::with_capacity(jobs.len());
+    // In a flat parallel loop a thread that waits inside a job, for its parallel parts, would begin another job.
     for group in jobs.chunks(rayon::current_num_threads()) {
         monitor.check()?;
         let answers: Vec<Result<R>> = group.par_iter().with_max_len(1).map(|job| f(job, &silent, &steps)).collect();
@@ -107,10 +106,8 @@ fn run_jobs<J: Sync, R: Send>(
 /// A ratio and the results of its finished charts, in the order of their seeds.
 type RatioCharts<C> = (f64, Vec<C>);
 
-/// Runs `f`, which has `steps` steps, on every ratio and seed; the answer is the `report` of the results. Calls `tell`
-/// with the report so far whenever a chart is finished, from any thread, one call at a time. Charts of one seed at all
-/// ratios come before those of the next, so that every point of a curve exists early and then improves; a report leaves
-/// out ratios without a finished chart.
+/// Runs `f`, which has `steps` steps, on every ratio and seed, and returns the `report` of the results. Calls `tell`
+/// with the report so far after every chart, from any thread, one call at a time; ratios without a chart are left out.
 fn run_charts<C: Clone + Send, R>(
     snrs: &[f64],
     seeds: Range<u64>,
@@ -120,6 +117,7 @@ fn run_charts<C: Clone + Send, R>(
     report: impl Fn(&[RatioCharts<C>]) -> R + Sync,
     tell: &(dyn Fn(R) + Sync),
 ) -> Result<R> {
+    // Seed by seed over all ratios, so that every point of a curve exists early and then improves.
     let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..snrs.len()).map(move |row| (row, seed))).collect();
     let report_of = |finished: &BTreeMap<(usize, u64), C>| {
         let of_ratio = |(row, &snr): (usize, &f64)| {

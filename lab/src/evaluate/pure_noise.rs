@@ -1,9 +1,8 @@
 //! Detection on noise alone: the number of features found where all are false.
 //!
-//! Bursts of Gaussian noise around half of full scale are searched with the given parameters: white noise, unchanged
-//! and rounded to the levels of a converter, and noise as cameras and files produce it ([`NoiseCase`]). Every feature
-//! is false. The noise gate promises at most one of them in a million pixels of the image, for any noise and any number
-//! of slopes searched.
+//! Bursts of Gaussian noise around half of full scale are searched with the given parameters: white noise, exact and
+//! rounded to the levels of a converter, and noise as cameras and files produce it ([`NoiseCase`]). The noise gate
+//! promises at most one feature, all being false, in a million pixels of the image, for any noise and number of slopes.
 
 use super::run_jobs;
 use crate::synth::NoiseCase;

@@ -17,6 +17,7 @@ impl Mean {
         let n = samples.len() as f64;
         let mean = samples.iter().sum::<f64>() / n;
         let standard_error = (samples.len() > 1).then(|| {
+            // n − 1, because the mean comes from the same samples.
             let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
             (variance / n).sqrt()
         });

@@ -27,7 +27,6 @@ pub(super) struct Architecture {
     detector: DetectorParams,
     /// Slopes whose motion-stack images are shown, as indices of the grid.
     shown: [usize; 3],
-    /// Octave whose differences of Gaussians are shown.
     octave: i32,
     levels: [i32; 3],
 }
@@ -48,7 +47,6 @@ impl Architecture {
 struct Response {
     /// Slopes, px/frame.
     slopes: Vec<f32>,
-    /// Scales as (octave, level).
     scales: Vec<(i32, i32)>,
     values: Plane,
 }
@@ -117,6 +115,7 @@ impl MakeFigure for Architecture {
             &Display::stretched(&stack),
             "",
         );
+        // Features are reported at mid-burst: half of their way lies before it.
         let half = (burst.len() as f64 - 1.0) / 2.0;
         sheet.clipped(panel.area, |sheet| {
             for feature in detection.features.iter().take(120) {
@@ -148,7 +147,6 @@ impl MakeFigure for Architecture {
 }
 
 impl Architecture {
-    /// Draws three pictures under one another, each with a line of text.
     fn column(
         &self,
         sheet: &mut Sheet,

@@ -39,7 +39,6 @@ fn strict() -> Searches {
     Searches { detector, ..Searches::default() }
 }
 
-/// Discs found against false features, for motion in one dimension and in two.
 #[derive(Debug)]
 pub(super) struct RocFigure {
     studies: [ChartStudy; 2],
@@ -137,11 +136,9 @@ impl MakeFigure for FramesFigure {
 const WIDTH: f64 = 1080.0;
 const GAP: f64 = 14.0;
 
-/// Parameters of the chart in good light and in the dark, and the methods.
 #[derive(Debug)]
 pub(super) struct TestTarget {
     chart: ChartParams,
-    /// Signal-to-noise ratio of the bright copy.
     bright_snr: f64,
     methods: Vec<BurstMethod>,
     searches: Searches,

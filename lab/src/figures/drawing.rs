@@ -95,7 +95,6 @@ pub(super) struct Table {
     pub title: String,
     /// Heads of the columns: two lines for the picture, and a name for CSV.
     pub columns: Vec<([&'static str; 2], &'static str)>,
-    /// Rows; each has as many cells as there are columns.
     pub rows: Vec<Vec<Cell>>,
     pub notes: Vec<String>,
 }

@@ -75,7 +75,6 @@ pub fn find_colmap() -> Option<PathBuf> {
 }
 
 impl FiguresJob {
-    /// The figures to make, in order, each once.
     fn wanted(&self) -> Vec<PaperFigure> {
         let is_wanted = |figure: &PaperFigure| self.only.is_empty() || self.only.contains(figure);
         PaperFigure::ALL.into_iter().filter(is_wanted).collect()
@@ -113,6 +112,7 @@ impl FiguresJob {
     /// One figure: the finished one if it is up to date, otherwise made and written.
     fn one(&self, figure: PaperFigure, pieces: &Pieces, lock: &FolderLock, monitor: &Monitor) -> Result<FigureReport> {
         let maker = figure.maker(self.size, self.colmap.as_deref());
+        // The `Debug` text holds all parameters: a figure with any other value is made again.
         let made_from = MadeFrom::new(format!("{maker:?}"));
         let kept = read_record(&self.out, figure).filter(|record| record.made_from == made_from);
         let resumed = kept.is_some();

@@ -48,7 +48,6 @@ fn write_feature(csv: &mut String, case: &str, f: &Feature, is: &str) {
     *csv += &format!("{case},{},{},{},{},{},{},{is}\n", f.u, f.v, f.sigma, f.slope.u, f.response, f.snr);
 }
 
-/// Width of each of two pictures side by side, pixels.
 fn half() -> f64 {
     (WIDTH - 3.0 * GAP) / 2.0
 }

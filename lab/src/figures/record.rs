@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
 
-/// Folder of pieces among the records.
 const PIECES_FOLDER: &str = "pieces";
 
 pub(super) type FigureRecord = Record<KeptFigure>;
@@ -37,8 +36,7 @@ pub(super) fn read_record(folder: &Path, figure: PaperFigure) -> Option<FigureRe
     (record.of.figure == figure && record.of.files.iter().all(is_whole)).then_some(record)
 }
 
-/// Checks that `folder` is free or holds figures that this program began; without the mark its files belong to
-/// somebody else, and a folder of records must not be a link.
+/// Checks that `folder` is free or holds figures that this program began, and that no folder of records is a link.
 pub(super) fn check_folder(folder: &Path) -> Result<()> {
     let parts = [RECORDS_FOLDER, &format!("{RECORDS_FOLDER}/{PIECES_FOLDER}")];
     if may_begin(folder, Kind::Figures, &parts)? {

@@ -33,9 +33,8 @@ impl Expected {
 /// Scales at which a thing is looked for: from its own divided by this ratio to its own times this ratio.
 const SCALE_REACH: f64 = 2.0;
 
-/// The response that the search of `trail` should give to a thing of this shape and `radius` at `place` (input pixels)
-/// that moves at `slope`: at the nearest slope of the grid, in the frames that show it. `None` where no scale of the
-/// search suits it, or no frame shows it.
+/// Response that the search of `trail` should give to a thing at `place` (input pixels) that moves at `slope`, at the
+/// nearest slope of the grid. `None` where no scale of the search suits it, or no frame shows it.
 pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slope: Slope) -> Option<Expected> {
     let grid = trail.params().used_slopes();
     let searched = nearest_slope(trail, slope);

@@ -26,8 +26,7 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// Prior for a gate of `factor` σ and an expected middle. A normal step of standard deviation 1/k in the logarithm
-    /// is nearest to a logistic one of steepness 1.7 k.
+    /// Prior for a gate of `factor` k: a normal step of deviation 1/k is nearest to a logistic step of steepness 1.7 k.
     pub fn of_gate(factor: f64, middle: f64) -> Self {
         Self { middle, middle_deviation: 2.0, steepness: 1.7 * factor.max(1.0), steepness_deviation: 0.7 }
     }
@@ -37,7 +36,6 @@ impl Prior {
 pub struct FittedCurve {
     /// Middle m: logarithm of the strength at which half are found.
     pub middle: f64,
-    /// Standard error of the middle.
     pub middle_error: f64,
     pub steepness: f64,
 }

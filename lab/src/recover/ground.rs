@@ -94,6 +94,7 @@ impl Ground {
 
     /// σ of one frame's noise at (u, v), fraction of full scale.
     pub fn sigma_at(&self, u: f64, v: f64) -> f64 {
+        // A cell's value stands for its middle, hence half a cell less.
         let cell = |x: f64| (x as f32 / CELL_PX - 0.5).max(0.0);
         let (width, height) = self.sigma.size();
         let at = (cell(u).min((width - 1) as f32), cell(v).min((height - 1) as f32));
@@ -125,6 +126,7 @@ impl Ground {
     ) -> Result<Option<(f64, f64)>, Cancelled> {
         let (width, height) = self.cache.trail.size_image();
         let (reach_u, reach_v) = outermost(self.cache.trail.frames().2.offsets(), (slope.u.into(), slope.v.into()));
+        // Inside means the whole thing in all frames; otherwise its centre at mid-burst is enough.
         let rim = |outermost: f64| if study.inside { study.shape.reach(radius) + 2.0 + outermost } else { 1.0 };
         let (du, dv) = (rim(reach_u), rim(reach_v));
         let (room_u, room_v) = ((width - 1) as f64 - 2.0 * du, (height - 1) as f64 - 2.0 * dv);

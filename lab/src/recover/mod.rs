@@ -1,13 +1,12 @@
 //! Things planted in a burst and searched for, to measure what the search as it is set would find.
 //!
-//! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise that their
-//! light would have. The search that is set runs on every copy, and each thing is found, by the rule of
-//! [`burstscope_core::inspect::score`], or has a fate in the words of the [probe](burstscope_core::inspect::probe()).
-//! From these follow the shares found over SNR, slope and size, the SNR at which half are found, and how faint a thing
-//! is seen at each place ([`report`]). Beside each share stands the one that the burst's noise and the gate let expect.
+//! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise of their
+//! light. The search runs on every copy, and each thing is found, by the rule of [`burstscope_core::inspect::score`],
+//! or has a fate in the words of the [probe](burstscope_core::inspect::probe()). The [`report`] has the shares found
+//! over SNR, slope and size beside those expected of noise and gate, the SNR at which half are found, and a map of
+//! faintness.
 //!
-//! Slopes are found once, in the burst itself, where they are to be found. The same study gives the same report for any
-//! number of threads, except for its times.
+//! Unknown slopes are found once, in the burst itself. Reports are the same for any number of threads, but for times.
 
 mod expected;
 mod fit;
@@ -278,8 +277,7 @@ impl RecoverStudy {
         self.run_telling(burst, monitor, &|_| {})
     }
 
-    /// Makes the copy of a seed again with the truth of what is planted in it, without a search; errors as of
-    /// [`Self::run_telling`].
+    /// Makes the copy of a seed again, with its truth, without a search; errors as of [`Self::run_telling`].
     pub fn planted_copy(&self, burst: &Burst, seed: u64, monitor: &Monitor) -> Result<(Burst, Truth)> {
         self.check()?;
         let ground = Ground::new(self, burst, &monitor.part(0.0, 0.9))?;
@@ -322,6 +320,7 @@ impl RecoverStudy {
         let search_secs = started.elapsed().as_secs_f64() - plant_secs;
         let truths: Vec<FeatureTruth> = planted.iter().map(|one| one.truth).collect();
         let features = &cache.detection().features;
+        // The strongest feature that finds a thing stands for it.
         for judged in judge_by_discs(features, &truths, Ranking::Strength) {
             if let Some(thing) = judged.disc {
                 let feature = &features[judged.feature];

@@ -210,6 +210,7 @@ impl RecoverReport {
             let found = at.iter().filter(|one| one.found.is_some()).count();
             let expected = at.iter().map(|one| self.expected_share(one)).sum::<f64>() / at.len() as f64;
             let interval = share_interval(found, at.len());
+            // An early report has levels without things, and these have no share.
             (!at.is_empty()).then_some(LevelShare { level, planted: at.len(), found, interval, expected })
         };
         self.levels.values(varied).iter().filter_map(share).collect()
@@ -222,6 +223,7 @@ impl RecoverReport {
 
     fn fit(&mut self) {
         let of = |one: &Planted| Outcome { ln_strength: one.snr.ln(), is_found: one.found.is_some(), weight: 1.0 };
+        // Things beyond the searched slopes are missed at any strength, and would flatten the curve.
         let outcomes: Vec<Outcome> =
             self.planted.iter().filter(|one| one.varied == Varied::Snr && one.is_in_range).map(of).collect();
         let prior = Prior::of_gate(f64::from(self.noise_gate_factor), self.levels.expected_half.max(1e-9).ln());
@@ -300,6 +302,7 @@ impl RecoverReport {
     pub fn frames_needed(&self, snr: f64, share: f64) -> Option<usize> {
         self.half?;
         let ratio = self.curve.strength_at(share) / snr;
+        // A burst has at least two frames.
         Some(((self.frames as f64 * ratio * ratio).ceil() as usize).max(2))
     }
 

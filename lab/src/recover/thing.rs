@@ -1,10 +1,9 @@
 //! Things that are planted: their shape, and how light that was not there is added to a frame.
 //!
-//! A bright thing adds light. Photons arrive independently, so the noise of what is there already stays as it is, and
-//! the added light brings its own: for a variance of a per brightness, Δ of added light is a times a Poisson number of
-//! mean Δ/a. A dark thing takes light away: a part 1 − p of the photons is removed, which scales what is there by p;
-//! the noise that a frame with so much less light would have is then made up. Values are rounded to the file's steps
-//! again and end at its range.
+//! A bright thing adds light. Photons arrive independently, so the noise already there stays, and the added light
+//! brings its own: for a variance of a per brightness, Δ of light is a times a Poisson number of mean Δ/a. A dark thing
+//! takes light away: a part 1 − p of the photons is removed, which scales what is there by p, and the noise that a
+//! frame with so much less light would have is made up.
 
 use crate::synth::chart::draw_disc;
 use crate::synth::random::Stream;

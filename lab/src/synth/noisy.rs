@@ -1,14 +1,12 @@
 //! Noisy copies of real frames: the same view as captured by our camera with less light.
 //!
-//! The frames are taken as the signal: their own noise, which is small in a picture taken in good light, counts as part
-//! of the scene. Each frame is captured again by a [`Camera`], with shot noise, read noise and rounding, so that
-//! methods can be compared on real structure and real motion at any noise level, and the clean frames are the gold
-//! standard.
+//! The frames are taken as the signal: their own noise, small in a picture taken in good light, is part of the scene. A
+//! [`Camera`] captures each frame again with shot noise, read noise and rounding, so that methods compare on real
+//! structure and motion at any noise level; the clean frames are the gold standard.
 //!
 //! # Signal-to-noise ratio
-//! As in [`super::noise`], with two levels for the contrast of the frames: half a standard deviation of all their
-//! pixels below and above the mean. So the ratio is that of the pixels' standard deviation to the noise's at their
-//! mean.
+//! As in [`super::noise`], for two levels half a standard deviation of all pixels below and above their mean: the ratio
+//! of the pixels' standard deviation to that of the noise at the mean.
 
 use super::write::{io, write_folder, write_frame};
 use burstscope_core::burst::Burst;

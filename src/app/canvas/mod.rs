@@ -140,6 +140,7 @@ impl<'a> Canvas<'a> {
             );
             return;
         };
+        // A picture that cannot be shown is reported in its own place; other panes go on.
         if let Some(obstacle) = gpu.obstacle(picture.id, picture.plane.size()) {
             message(ui, &output.painter, rect, &obstacle);
             return;

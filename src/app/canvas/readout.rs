@@ -8,7 +8,6 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, pos2};
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Quantity {
-    /// Brightness, or a difference of brightnesses.
     #[default]
     Value,
     /// A standard deviation of the noise, as a fraction of full scale.

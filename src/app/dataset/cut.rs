@@ -13,7 +13,6 @@ pub struct CutDialog {
     paths: Vec<PathBuf>,
     frames: usize,
     length: usize,
-    /// Whether each burst begins where the previous one ends.
     contiguous: bool,
     step: usize,
 }

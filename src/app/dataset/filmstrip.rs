@@ -178,6 +178,7 @@ fn cell_ui(
     let area = Rect::from_min_size(rect.min + vec2(0.0, TEXT_HEIGHT), vec2(CELL_WIDTH, PICTURE_HEIGHT));
     picture_ui(ui, area, picture);
     state_ui(ui, state, area, rect, fraction);
+    // The right end of the line is left to the squares of A and B.
     let name_room = Rect::from_min_max(rect.min + vec2(4.0, 0.0), rect.min + vec2(CELL_WIDTH - 36.0, TEXT_HEIGHT));
     let font = FontId::proportional(11.0);
     let name = middle_elided(ui.painter(), &burst.name, &font, visuals.text_color(), name_room.width());

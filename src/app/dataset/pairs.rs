@@ -98,6 +98,7 @@ fn move_selection(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, response: &Re
         return;
     }
     let Some((row, column)) = set.selected() else { return };
+    // Without this lock the arrow keys would move the focus to another widget.
     ui.memory_mut(|m| {
         let keys = egui::EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
         m.set_focus_lock_filter(response.id, keys);
@@ -235,6 +236,7 @@ fn names(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: 
             None if marked(place) => visuals.strong_text_color(),
             None => visuals.weak_text_color(),
         };
+        // Names of small cells would overlap: only those pointed at or selected are drawn.
         if grid.cell < CELL_WITH_NAMES && !marked(place) {
             continue;
         }

@@ -123,6 +123,7 @@ impl PictureRenderer {
             let bind_group = bind_group(device, &self.layout, &buffer, view, &self.lut);
             Pane { buffer, bind_group, picture: id, last_used_frame: 0 }
         });
+        // A bind group names its texture: another picture in the pane needs another group.
         if pane.picture != id {
             pane.bind_group = bind_group(device, &self.layout, &pane.buffer, view, &self.lut);
             pane.picture = id;
@@ -142,6 +143,7 @@ impl PictureRenderer {
             resident.last_used_frame = self.frame;
             return Some(resident.texture.layout);
         }
+        // It would fail again in every pass.
         if self.failures.lock().ok()?.contains_key(&id) {
             return None;
         }
@@ -164,6 +166,7 @@ impl PictureRenderer {
             }
             Err(message) => {
                 self.failures.lock().ok()?.insert(id, message);
+                // The canvas reports the failure, and has been drawn already in this pass.
                 if let Some(window) = &self.window {
                     window.request_repaint();
                 }
@@ -342,8 +345,7 @@ pub struct Uniforms {
     pub tiles_across: u32,
     pub level: u32,
     pub lut_row: u32,
-    /// Bits: 1, diverging map; 2, the target converts from linear light; 4, a pixel of the screen shows the mean of those
-    /// of the picture that it covers.
+    /// Bits: 1, diverging map; 2, target converts from linear light; 4, screen pixels show the mean of what they cover.
     pub flags: u32,
     pub range_min: f32,
     /// 1 / width of the value range.

@@ -92,7 +92,6 @@ struct Writes<'a> {
 }
 
 impl Writes<'_> {
-    /// Writes one level, tile by tile, in strips of rows.
     fn write_level(&mut self, plane: &Plane, layout: Layout, level: u32) -> Result<(), NoRoom> {
         let tile = ((layout.tile.0 >> level) as usize, (layout.tile.1 >> level) as usize);
         for layer in 0..layout.layers() {
@@ -194,6 +193,7 @@ impl Layout {
         let longer = width.max(height);
         // One more level for each halving that leaves at least 32 pixels.
         let levels = (longer / 32).checked_ilog2().map_or(1, |l| l + 1).min(Self::MAX_LEVELS);
+        // Sides of this multiple halve evenly down to the coarsest level.
         let multiple = 1 << (levels - 1);
         let largest_tile = limits.max_side / multiple * multiple;
         if largest_tile == 0 {

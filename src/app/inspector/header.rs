@@ -183,7 +183,6 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, queu
     }
 }
 
-/// Draws the buttons from right to left: close, menu, split.
 fn buttons_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 1.0;
     let many = model.document.panes.are_many();

@@ -35,7 +35,6 @@ fn whole_menu_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
     ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, add_contents);
 }
 
-/// Space above and below the largest menu, points.
 const MENU_MARGIN: f32 = 12.0;
 
 fn view_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
@@ -186,6 +185,7 @@ pub(super) fn picture_menu_ui(
     let place = widgets.get(id).map(|widget| widget.menu).unwrap_or_default();
     response.context_menu(|ui| {
         whole_menu_ui(ui, |ui| {
+            // From the particular to the general: feature, match, place, picture, pane.
             if let Some(index) = place.feature {
                 feature_menu_ui(ui, model, index, queue);
                 ui.separator();

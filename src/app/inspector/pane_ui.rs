@@ -112,6 +112,7 @@ pub(super) fn over_ui(
     let canvas = Canvas { picture: state.shown(), ..canvas_of(model, other, "Wipe, right side") };
     let over = canvas.show_over(ui, &drawn.output, right);
     state.paint_colours(ui, picture, model.features_of_motion(other), filter_of(model, other), &over);
+    // From here on the marks of the drawn picture end at the line too.
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
     features_ui(ui, model, other, &mut widgets.of(other).picture, &over, false, queue);
     drawn.right = Some((other, over));
@@ -345,6 +346,7 @@ fn numbers_ui(ui: &Ui, area: &Area, slice: &Slice) {
     let mut free = f32::NEG_INFINITY;
     for (frame, time) in slice.frames.iter().zip(&slice.times) {
         let at = pos2(area.rect.left() - 5.0, area.pos(0.0, *time).y);
+        // Numbers of close rows would overlap.
         if at.y >= free {
             painter.text(at, Align2::RIGHT_CENTER, frame.to_string(), font.clone(), colour);
             free = at.y + 13.0;

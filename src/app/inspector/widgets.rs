@@ -218,6 +218,7 @@ fn face(a: &Rect, b: &Rect, all: &[Rect]) -> bool {
         (true, false) => Rect::from_x_y_ranges(x, between(a.y_range(), b.y_range())),
         _ => return false,
     };
+    // Neighbours touch the rim of the gap: only what reaches into it stands between.
     let gap = gap.shrink(1.0);
     all.iter().all(|other| other == a || other == b || !(gap.is_positive() && other.intersects(gap)))
 }

@@ -29,7 +29,6 @@ pub fn mask_of(burst: &Burst, outlines: &[Vec<Pos2>]) -> Vec<u8> {
     greys
 }
 
-/// Parts of row `v` that lie inside of a closed outline.
 fn inside(outline: &[Pos2], v: f32) -> Vec<[f32; 2]> {
     let next = outline.iter().cycle().skip(1);
     let crossing = |(a, b): (&Pos2, &Pos2)| {

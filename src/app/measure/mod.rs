@@ -1,5 +1,4 @@
-//! Measuring line and rectangle, drawn on a picture, whose values are measured in all linked panes together; and
-//! outlines of what the frames do not show.
+//! Measuring line and rectangle, for all linked panes together, and outlines of what the frames do not show.
 
 mod hidden;
 mod panels;

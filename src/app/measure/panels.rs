@@ -35,6 +35,7 @@ impl RegionCache {
         if !self.0.get(&of.id).is_some_and(fits) {
             let plane = &of.picture.plane;
             let statistics = region_statistics(plane, &of.region);
+            // A region of one value has no histogram.
             let range = statistics.map(|s| (s.min, s.max)).filter(|(min, max)| min < max);
             let histogram = range.map(|(min, max)| histogram(plane, &of.region, min, max, BINS));
             let known = Known { picture: of.picture.id, region: of.region.clone(), statistics, histogram };

@@ -102,7 +102,6 @@ impl Panes {
         self.replace(place, arrangement, panes, focus);
     }
 
-    /// Takes the arrangement of a workspace, with its panes, from others.
     pub fn take_placed(&mut self, place: Place, from: &Self) {
         let panes = from.iter().map(|(id, pane)| (id, pane.clone())).collect();
         let (arrangement, focus) = from.placed_in(place);

@@ -242,6 +242,7 @@ impl Panes {
             id
         };
         let arrangement = match preset {
+            // A single method has nothing to lie over, and gets a pane as below.
             MethodsPreset::Wipe | MethodsPreset::Flip if two.len() > 1 => {
                 let ids: Vec<PaneId> = two.into_iter().map(|method| make(self, method, Side::A)).collect();
                 let other = ids[1];
@@ -250,6 +251,7 @@ impl Panes {
                     _ => Over::Flip { other, flipped: false },
                 };
                 made.entry(ids[0]).and_modify(|pane| pane.over = Some(over));
+                // The second picture is drawn over the first, and needs no place of its own on screen.
                 Arrangement::Tabs { parts: ids.into_iter().map(Arrangement::Pane).collect(), active: 0 }
             }
             MethodsPreset::Matches if both => {

@@ -187,6 +187,7 @@ impl Recovery {
             && is_done
             && let Some((record, _)) = self.left.pop_front()
         {
+            // The restored record goes on as the window's own: its session is in a file at any time.
             std::mem::replace(&mut self.own, Arc::new(record)).remove();
             self.written = None;
         }

@@ -187,6 +187,7 @@ impl Session {
         }
         if self.second.is_none() {
             document.gold.b = None;
+            // No second burst will come, for which panes of B could wait.
             document.panes.close_side(Side::B);
             if self.has_panes() {
                 document.panes.take_placed(Place::Pair, &self.document.panes);
@@ -210,6 +211,7 @@ fn sound(project: Read<'_>) -> Document {
     let mut document = project.document.clone().with_absolute_paths();
     if document.params.validate().is_err() {
         let usable = project.results.slots.a.usable_params.clone();
+        // Slopes that are to be found stay so: only given ones are replaced.
         let slopes = document.params.slopes.given().map_or(Slopes::AUTO, |_| usable.slopes.into());
         document.params = usable.with_slopes(slopes);
     }

@@ -36,7 +36,6 @@ impl Restoring {
         of_a.filter(|_| self.session.is_some())
     }
 
-    /// The session that waited for this opening of a side.
     pub fn take(&mut self, side: Side, opening: JobId) -> Option<Box<Session>> {
         self.of_mut(side).take_if(|(id, _)| *id == opening).map(|(_, session)| session)
     }

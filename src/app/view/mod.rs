@@ -55,12 +55,10 @@ impl ColourBy {
         Self::all().filter(move |by| with_depths || *by != Self::Of(Quantity::Depth))
     }
 
-    /// The quantity; `None` for direction and speed of the motion.
     pub fn quantity(self) -> Option<Quantity> {
         if let Self::Of(quantity) = self { Some(quantity) } else { None }
     }
 
-    /// Whether it shows the searched slopes.
     pub fn is_of_slope(self) -> bool {
         use Quantity::{AtSlopeLimit, SlopeSigma, SlopeU, SlopeV};
         self.quantity().is_none_or(|quantity| matches!(quantity, SlopeU | SlopeV | SlopeSigma | AtSlopeLimit))
@@ -85,8 +83,7 @@ impl ColourBy {
 pub struct Known<'a> {
     /// Coherence and verdict, once they were computed.
     pub judged: Option<&'a Judged>,
-    /// Depth that its motion means and the standard deviation, metres; `None` without a set-up, and where no depth
-    /// explains the motion.
+    /// Depth and its standard deviation, metres; `None` without a set-up, or where no depth explains the motion.
     pub depth_m: Option<[f64; 2]>,
 }
 
@@ -107,7 +104,6 @@ pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known
     }
 }
 
-/// The value of [`quantity_value`] as tables show it.
 pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> String {
     match (quantity, known.judged) {
         (Quantity::Coherence | Quantity::Verdict, None) => return "…".to_owned(),

@@ -111,8 +111,7 @@ impl View {
         self.centre_image = [self.centre_image[0] + delta_image.x, self.centre_image[1] + delta_image.y];
     }
 
-    /// Limits the zoom: from half the fitted size, or 0.25 points per pixel if that is smaller (1:1 must be in reach on
-    /// a screen of any density), to [`MAX_POINTS_PER_PIXEL`].
+    /// Limits the zoom to half the fitted size (or 0.25, so that 1:1 is in reach anywhere) … [`MAX_POINTS_PER_PIXEL`].
     fn limited(&self, points_per_pixel: f32) -> f32 {
         let fit = if self.fit_points_per_pixel > 0.0 { self.fit_points_per_pixel } else { 1.0 };
         points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
@@ -156,8 +155,7 @@ impl View {
         self.zoom = after.zoom;
     }
 
-    /// Adapts the view to this frame's canvas `rect_ui` and an image of `image_size` = (columns, rows), keeps the
-    /// canvas's centre on the image, and returns `ui_from_image`.
+    /// Fits the view to this frame's canvas and image (columns, rows), keeps its centre inside; gives `ui_from_image`.
     pub fn settle(&mut self, rect_ui: Rect, image_size: (usize, usize), pixels_per_point: f32) -> RectTransform {
         let (width, height) = (image_size.0.max(1) as f32, image_size.1.max(1) as f32);
         let room = (rect_ui.size() - Vec2::splat(2.0 * FIT_MARGIN_POINTS)).max(Vec2::splat(1.0));
@@ -205,7 +203,6 @@ pub struct RectTransform {
 }
 
 impl RectTransform {
-    /// `scale` must be finite and positive.
     pub fn new(anchor_from: Pos2, anchor_to: Pos2, scale: f32) -> Self {
         debug_assert!(scale.is_finite() && scale > 0.0, "a scale is positive, not {scale}");
         Self { anchor_from, anchor_to, scale }

@@ -50,6 +50,7 @@ impl State {
     pub(super) fn supersede(&mut self, key: JobKey, standing: Standing) {
         for job in self.running.iter_mut().filter(|job| job.key == key) {
             job.standing = job.standing.max(standing);
+            // Its answer can no longer be of use: it is cancelled whatever its grace.
             if standing == Standing::Overtaken {
                 job.monitor.cancel();
             }

@@ -54,7 +54,6 @@ pub struct OpenDataset {
     pub source: DatasetSource,
     /// Its bursts; at least one.
     pub bursts: Bursts,
-    /// Pictures that lie beside the bursts and belong to none.
     pub strays: Vec<PathBuf>,
     /// Files of its only burst; `None` if there are several bursts.
     pub frames_of_one: Option<usize>,
@@ -66,14 +65,12 @@ pub struct OpenDataset {
     pub open: OpenOptions,
     /// For each burst its features in numbers, if it is finished with these parameters.
     pub finished: Vec<Option<FinishedBurst>>,
-    /// Other parameters, with which the features in the folder were found.
     pub other_params: Option<SearchParams>,
 }
 
 #[derive(Debug, Clone)]
 pub enum DatasetAnswer {
     Opened(Box<OpenDataset>),
-    /// All bursts are finished or failed.
     Detected,
     /// All pairs are matched, except those left out because a burst is not finished.
     Matched {
@@ -83,7 +80,6 @@ pub enum DatasetAnswer {
     Colmap(Box<ColmapDone>),
 }
 
-/// Progress that is reported before the answer.
 #[derive(Debug, Clone)]
 pub enum DatasetEvent {
     Begun { index: usize },
@@ -113,7 +109,6 @@ pub struct ThumbnailsRequest {
 
 impl Request for ThumbnailsRequest {
     type Answer = ();
-    /// A burst with its picture, or why there is none.
     type Partial = (BurstFiles, Result<BurstPicture, String>);
 
     fn urgency(&self) -> Urgency {

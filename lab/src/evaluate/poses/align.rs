@@ -1,12 +1,10 @@
 //! The similarity that aligns one trajectory with another, and the projection of trajectories to a plane, for drawing.
 //!
-//! Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE PAMI 13(4),
-//! 376–380, 1991: of all scales, rotations and translations the one with the minimum sum of squared distances between
-//! the camera centres.
+//! Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE PAMI 13(4), 1991,
+//! 376–380: the scale, rotation and translation with the minimum sum of squared distances between the camera centres.
 //!
-//! A camera on a straight rail leaves the rotation about the rail undetermined: all fit the centres equally. Such
-//! trajectories are common (motion in 1D), so the viewing directions of the cameras determine it: of all rotations
-//! about the rail the one that aligns them best (maximum sum of traces) is taken.
+//! A camera on a straight rail leaves the rotation about the rail undetermined. Such trajectories are common (motion in
+//! 1D), so the viewing directions of the cameras determine it.
 
 use burstscope_core::error::{Error, ErrorKind, Result};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
@@ -95,6 +93,7 @@ pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Al
     // Singular values of the covariance grow with the square of the spread.
     let straight = values[1] < STRAIGHT * STRAIGHT * values[0];
     if straight {
+        // All turns about the rail fit the centres alike: the largest sum of traces aligns the viewing directions.
         let axis: Vector3<f64> = u.column(0).into();
         let turned = |(e, t): (&Isometry3<f64>, &Isometry3<f64>)| {
             (rotation * e.rotation * t.rotation.inverse()).to_rotation_matrix().into_inner()
@@ -116,7 +115,6 @@ fn rotation_about(axis: Vector3<f64>, sum: &Matrix3<f64>) -> UnitQuaternion<f64>
 
 struct Spread {
     mean: Vector3<f64>,
-    /// Mean squared distance from the mean.
     variance: f64,
     /// Largest magnitude of a coordinate.
     magnitude: f64,
@@ -205,8 +203,7 @@ impl PlaneAxes {
     }
 }
 
-/// The two directions in which the centres spread most. Each points to the side of its largest coordinate, so that the
-/// same centres give the same picture.
+/// The two directions in which the centres spread most, each to the side of its largest coordinate.
 fn principal_axes(centres: &[[f64; 3]]) -> PlaneAxes {
     let n = centres.len().max(1) as f64;
     let mean = centres.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() / n;

@@ -7,8 +7,7 @@
 //! - **By order**: both have the same position in their sequence. For a model that is the image's id, so that images
 //!   which were not registered leave gaps.
 //!
-//! Without a given rule, names are used where both sides have them; otherwise times, if every pose of the estimate has
-//! a partner by time; otherwise the order.
+//! Without a given rule: names if both sides have them, else times if every estimated pose finds one, else the order.
 
 use super::Pose;
 use burstscope_core::error::{Error, ErrorKind, Result};
@@ -59,6 +58,7 @@ pub fn associate(
     max_time_difference: f64,
 ) -> Result<Pairing> {
     let by_time = || pairs_by_time(estimate, truth, max_time_difference);
+    // Sparse models, and files that name images, have no time stamps.
     let named = |poses: &[Pose]| poses.iter().all(|p| p.time.is_none());
     let (by, mut pairs) = match by {
         Some(Association::Name) => (Association::Name, pairs_by_name(estimate, truth)),

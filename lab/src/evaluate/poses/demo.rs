@@ -23,7 +23,6 @@ pub fn is_built_in(path: &Path) -> bool {
     [DEMO_ESTIMATE, DEMO_TRUTH].iter().any(|name| path.as_os_str() == *name)
 }
 
-/// The built-in trajectory of the name `path`, if there is one.
 pub(super) fn built_in(path: &Path) -> Option<Result<Trajectory>> {
     let truth = || Ok(Trajectory { poses: parse_tum(include_str!("demo/truth.txt"), path)?, model: None });
     let estimate = || {

@@ -32,6 +32,7 @@ pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>> {
         }
         let corrupt = |problem: String| corrupt(path, &format!("line {}", index + 1), problem);
         let pose = parse_line(line, poses.len() as u32).map_err(corrupt)?;
+        // A mixed file leaves open whether its poses pair by time or by name.
         if poses.first().is_some_and(|first| first.time.is_some() != pose.time.is_some()) {
             return Err(corrupt("all poses have a time stamp, or all have an image's name".to_owned()));
         }

@@ -9,7 +9,6 @@ use burstscope_core::monitor::Monitor;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Parameters of a method's search and matching.
 #[derive(Debug, Clone)]
 #[cfg_attr(not(feature = "colmap"), expect(dead_code, reason = "without the database nobody runs the mapper"))]
 pub(super) struct How {
@@ -152,6 +151,7 @@ mod with_database {
                 let _ = child.wait();
                 return Err(cancelled.into());
             }
+            // Short beside the mapper's work, and prompt for somebody who cancels.
             std::thread::sleep(Duration::from_millis(50));
         };
         // An interrupt at the terminal ends both at once.
@@ -270,7 +270,6 @@ pub(super) struct Matched {
 pub(super) struct Reconstructed {
     /// Number of images that have a pose in the largest model.
     pub registered: usize,
-    /// Points of the model per image.
     pub points_per_image: Option<f64>,
     /// Mean absolute error of the poses: metres, and degrees.
     pub absolute: Option<[f64; 2]>,
@@ -278,7 +277,6 @@ pub(super) struct Reconstructed {
     pub relative: Option<[f64; 2]>,
     /// Registered cameras by their index on the trajectory, with their estimated centres after the alignment, metres.
     pub centres: Vec<(usize, [f64; 3])>,
-    /// Time of the mapper, seconds.
     pub mapper_secs: f64,
     /// Last line of the mapper's output where it gave up and left no model.
     pub gave_up: Option<String>,

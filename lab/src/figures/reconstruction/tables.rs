@@ -16,7 +16,6 @@ use burstscope_core::matching::MatchParams;
 /// Minimum number of images with a pose of a reconstruction that converged.
 const MIN_REGISTERED: usize = 3;
 
-/// The runs of one method and motion.
 type Group<'a> = Vec<&'a Run>;
 
 fn groups(runs: &[Run]) -> Vec<Group<'_>> {

@@ -1,14 +1,12 @@
 //! Trajectories: bursts of a camera that moves past a scene, with the complete truth for a reconstruction.
 //!
 //! The scene is a wall and, before it at several depths, boards: [planes](ScenePlane) with textures that have structure
-//! at every scale. A pinhole camera ([`Lens`]) moves past it and takes a burst at each of its stations, moving on at
-//! constant speed meanwhile. Every frame is drawn from the camera's pose in it, so the apparent motion of each point
-//! follows from its depth, and no slope is used in drawing. Then a [`Camera`] captures the frames in the requested
-//! light.
+//! at every scale. A pinhole camera ([`Lens`]) takes a burst at each of its stations while it moves on at constant
+//! speed. Every frame is drawn from the camera's pose in it, so that apparent motion follows from depth alone. Then a
+//! [`Camera`] captures the frames in the requested light.
 //!
-//! The truth consists of the lens, the pose of each mid-burst, each burst's motion, the planes, and the view at
-//! mid-burst without noise, the gold standard. [`write_trajectory`] writes it beside the folder of bursts, completely
-//! or not at all.
+//! The truth is the lens, each mid-burst's pose, each burst's motion, the planes, and the noise-free view at mid-burst,
+//! the gold standard. [`write_trajectory`] writes it beside the bursts, completely or not at all.
 
 mod leaves;
 #[cfg(test)]

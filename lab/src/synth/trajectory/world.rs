@@ -1,8 +1,6 @@
-//! The world of a trajectory: textured planes, the lens, and the layout of a wall with boards before it at several
-//! depths and of the camera's path past them.
+//! The world of a trajectory: textured planes, the lens, a wall with boards before it, and the path past them.
 //!
-//! The world is metric, its axes are right, down and forward, as a camera's are; a pose is that of the camera in the
-//! world.
+//! The world is metric, with axes right, down and forward like a camera's; poses are of the camera in the world.
 //!
 //! A plane carries a painted [`Sheet`]. A camera sees it through a homography: the plane's coordinates in a pixel's
 //! direction are a quotient of linear functions of the pixel. The texture is averaged over a pixel's area once, at the
@@ -118,6 +116,7 @@ impl Frame {
         for (camera, _) in stations {
             for (u, v) in [(-0.5, -0.5), (width - 0.5, -0.5), (-0.5, height - 0.5), (width - 0.5, height - 0.5)] {
                 let direction = camera.rotation * lens.direction(u, v);
+                // A ray that meets the plane behind the camera, or not at all, would need an endless sheet.
                 let along = normal.dot(&direction);
                 let depth = normal.dot(&(self.centre.coords - camera.translation.vector)) / along;
                 if !(depth.is_finite() && depth > 0.0) {
@@ -188,6 +187,7 @@ pub(super) fn burst_camera(
     let points = points_seen(planes, lens, &world_from_camera);
     let at_speed = |speed: f64| BurstCamera { world_from_camera, step: world_from_camera.rotation * (speed * heading) };
     let largest = |motions: &[[f64; 2]]| motions.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
+    // A start near 0, where apparent motion is proportional to the speed.
     let mut speed = if half_span > 0.0 && params.max_slope > 0.0 { 1e-4 } else { 0.0 };
     // Apparent motion is nearly proportional to speed, so a few corrections converge.
     for _ in 0..6 {
@@ -282,8 +282,7 @@ impl BurstCamera {
     }
 }
 
-/// The rotation by `yaw` to the right, then `pitch` up, then `roll` clockwise, radians. Sine and cosine are `libm`'s,
-/// which round alike on every machine.
+/// Rotation by `yaw` to the right, `pitch` up, `roll` clockwise, radians; `libm` rounds alike on every machine.
 pub(super) fn turn(yaw: f64, pitch: f64, roll: f64) -> UnitQuaternion<f64> {
     let about = |angle: f64, axis: Vector3<f64>| {
         let imaginary = axis * libm::sin(0.5 * angle);
@@ -317,7 +316,6 @@ struct Texture {
     samples: Vec<[f32; 2]>,
 }
 
-/// Content of a plane at a pixel.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
     /// 1 / depth in front of the camera, 1/m.
@@ -390,8 +388,7 @@ impl ScenePlane {
         self.origin + p * self.right + q * self.down
     }
 
-    /// The matrix G for which G·(x, y, 1) = (p, q, 1) / depth where the direction (x, y, 1) of the camera meets the
-    /// plane; `None` where the camera lies in the plane.
+    /// G with G·(x, y, 1) = (p, q, 1) / depth where the camera's direction (x, y, 1) meets the plane; `None` within it.
     fn plane_from_direction(&self, world_from_camera: &Isometry3<f64>) -> Option<Matrix3<f64>> {
         let turn = world_from_camera.rotation.inverse();
         let origin = world_from_camera.inverse_transform_point(&self.origin).coords;

@@ -23,7 +23,6 @@ pub struct ColourScale {
     table: Vec<Color32>,
     coherences: Option<Arc<Vec<Judged>>>,
     set_up: Option<SetUp>,
-    /// Whether some features do not have the quantity.
     lacks_some: bool,
 }
 
@@ -224,7 +223,6 @@ impl ColourScale {
         ui.vertical(|ui| words.into_iter().for_each(|word| drop(ui.add(word)))).response
     }
 
-    /// Height of the key, points.
     pub fn height(&self) -> f32 {
         match self.by {
             ColourBy::Of(Quantity::Moves) => 17.0 * Moves::ALL.len() as f32,

@@ -1,8 +1,6 @@
-//! Choice of the features that are drawn in full, and of the lines of matches: as many of the strongest as each part of
-//! the picture can bear.
+//! Choice of features drawn in full and of lines of matches: the strongest, as many as each part of the view bears.
 //!
-//! In each cell ([`crate::export::Cells`]) the strongest [`IN_A_CELL`] features are drawn, and the next of the
-//! strongest [`SEEN_IN_A_CELL`] as dots.
+//! In each cell ([`crate::export::Cells`]) the strongest [`IN_A_CELL`] are drawn, up to [`SEEN_IN_A_CELL`] as dots.
 
 use super::match_lines::{MatchLine, Pane};
 use crate::app::canvas::RectTransform;
@@ -47,6 +45,7 @@ pub fn drawn(
     for (i, feature) in features.iter().enumerate() {
         let Some(group) = group(i) else { continue };
         let place = pos2(feature.u, feature.v);
+        // Features come strongest first: those already in the cell are stronger.
         let Some(stronger) = cells[group as usize].add(place.into()) else { continue };
         let is_drawn = stronger < IN_A_CELL || always(i);
         out.flags[i] = is_drawn;

@@ -48,7 +48,6 @@ impl MatchLine {
         [end(&panes[0], self.a), end(&panes[1], self.b)]
     }
 
-    /// Whether an end that is seen lies near `pos_ui`.
     pub fn is_near(&self, panes: &[Pane; 2], pos_ui: Pos2) -> bool {
         self.ends(panes).iter().any(|(end, seen)| *seen && end.distance(pos_ui) <= NEAR_POINTS)
     }

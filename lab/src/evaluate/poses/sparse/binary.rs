@@ -1,7 +1,6 @@
 //! Models in binary: little-endian numbers without padding, counts before lists.
 //!
-//! Every count is checked against the remaining bytes before it is used, so that a damaged file takes neither memory
-//! nor time.
+//! Every count is checked against the remaining bytes first, so that a damaged file takes neither memory nor time.
 
 use super::{SparseImage, SparsePoint, world_from_camera};
 use crate::evaluate::poses::{corrupt, unread};
@@ -87,10 +86,8 @@ fn point<R: Read>(fields: &mut Fields<'_, R>) -> Result<SparsePoint> {
 
 struct Fields<'a, R> {
     stream: R,
-    /// Bytes not read yet.
     left: u64,
     path: &'a Path,
-    /// Part of the file being read, for messages.
     place: Place,
 }
 

@@ -77,6 +77,7 @@ impl SparseModel {
         if images.is_empty() {
             return Err(no_pose(name));
         }
+        // Poses follow the ids, in whatever order the file has them.
         images.sort_by_key(|i| i.id);
         if let Some(pair) = images.windows(2).find(|pair| pair[0].id == pair[1].id) {
             let problem = format!("there are two images of the id {}", pair[0].id);
@@ -119,9 +120,8 @@ pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
     path.parent().filter(|_| of_model).map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p })
 }
 
-/// Reads the sparse model in `folder`; binary files are preferred to text. If there is none in the folder itself but
-/// some in its subfolders (COLMAP's mapper writes `0`, `1`, … for parts that it could not join), reads the one with the
-/// most registered images.
+/// Reads the sparse model in `folder`, binary files before text; without one there, the model with the most registered
+/// images in its subfolders (COLMAP's mapper writes `0`, `1`, … for parts that it could not join).
 ///
 /// # Errors
 /// There is no model, a file of it cannot be read or is damaged, or no image is registered.
