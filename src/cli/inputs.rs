@@ -107,6 +107,7 @@ pub(super) fn resolve_bursts(
     if inputs.iter().any(Input::is_built_in) {
         return Err(Failure::usage("--burst-length: built-in bursts cannot be cut into bursts; leave the option out"));
     }
+    // Bursts are named after their frames: of several inputs these may have the same names.
     let several = inputs.len() > 1;
     let mut bursts = Vec::new();
     for input in inputs {

@@ -93,6 +93,7 @@ fn write_image(
     console.monitor.report(Stage::Write, 0.0);
     rules.check(&args.out)?;
     write_tiff(&args.out, image)?;
+    // Summed as f64: millions of f32 values would not keep the mean.
     let (mut low, mut high, mut sum) = (f32::INFINITY, f32::NEG_INFINITY, 0.0f64);
     for &x in image.data() {
         (low, high) = (low.min(x), high.max(x));

@@ -177,6 +177,7 @@ impl Request for ProbeRequest {
         let fate = probe.subject_fate();
         let remedy = fate.and_then(|fate| fate.remedy.as_ref()).map(|remedy| &remedy.change);
         let mut prices = Vec::new();
+        // Only prices that the trail gives without a search.
         for change in remedy.into_iter().chain(probe.suspicions.iter().filter_map(|one| one.change.as_ref())) {
             let price = price_at_once(&cache.trail, change, fate.map(|fate| fate.of_sample()), monitor)?;
             prices.extend(price.map(|price| (change.clone(), price)));

@@ -60,6 +60,7 @@ impl MatchFigure {
         let mut order: Vec<usize> = (0..result.matches.len()).collect();
         order.sort_by(|&i, &j| result.matches[i].distance.total_cmp(&result.matches[j].distance).then(i.cmp(&j)));
         let kind = |k: &usize| MatchKind::of(inlier(*k));
+        // The legend counts each kind among those drawn and among all.
         let all: Vec<MatchKind> = order.iter().map(kind).collect();
         let mut drawn = self.matches.of(order);
         let kinds: Vec<MatchKind> = drawn.iter().map(kind).collect();
@@ -105,6 +106,7 @@ impl MatchFigure {
             }
             _ => (burst_plane(burst, ImageKind::Middle, params, monitor)?, "middle frame".to_owned()),
         };
+        // Dark frames would be black on paper.
         let display = Display::stretched(&plane);
         let (low, high) = (number(display.min, 3), format!("{} of full scale", number(display.max, 3)));
         Ok(FigurePanel {

@@ -144,6 +144,7 @@ impl Picture {
 
     /// Between the pixels `other` is taken linearly; beside it the difference is NaN.
     pub(crate) fn minus(&self, other: &Self) -> Self {
+        // Pictures of different octaves have pixels of different sizes.
         let (step, step_other) = (self.request.kind.input_px_per_pixel(), other.request.kind.input_px_per_pixel());
         let plane = Arc::new(difference(&self.plane, &other.plane, step / step_other));
         let request = self.request.alone().less(&other.request);

@@ -28,6 +28,7 @@ impl BurstSource {
     pub fn absolute(&self) -> Self {
         let mut source = self.clone();
         let mut inner = &mut source;
+        // A copy may be made of a copy: the paths lie innermost.
         while let Self::DarkCopy { of, .. } | Self::Planted { of, .. } = inner {
             inner = of;
         }

@@ -180,6 +180,7 @@ pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<Error>> {
     } else {
         vec![path.to_owned()]
     };
+    // All files are read, so that a teacher sees all mistakes at once.
     let (mut lessons, mut errors) = (Vec::new(), Vec::new());
     for file in files {
         match read_file(&file) {

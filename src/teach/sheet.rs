@@ -15,6 +15,7 @@ pub fn sheet(lesson: &Lesson) -> String {
             write!(text, "\n**Try it.** {} What did you see?\n{ROOM}", plain(&task.text)).expect("into a text");
         }
     }
+    // Answers go to a page of their own, after all questions.
     let mut answers = String::new();
     if !lesson.questions.is_empty() {
         text += "\n## Questions\n";

@@ -109,6 +109,7 @@ pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
         let point =
             |row: &BurstFramesRow| Some(SeriesPoint { x: row.frames as f64, y: value(row)? as f64, spread: None });
         let points: Vec<SeriesPoint> = report.rows.iter().filter_map(point).collect();
+        // Without a truth or a second burst there is nothing to draw: such curves, and their plots, are left out.
         (!points.is_empty()).then(|| StudyCurve::plain(label, line, points))
     };
     let plot = |title: String, y_label: &str, curves: [Option<StudyCurve>; 2]| {
@@ -211,6 +212,7 @@ pub fn percent(share: f64) -> String {
 /// All points of named sets of plots as a table `set,plot,curve,x,y,low,high`; no spread leaves `low`, `high` empty.
 pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
     let mut out = format!("{CURVE_COLUMNS}\n");
+    // Names of bursts may hold commas and quotes.
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     for (set, plots) in sets {
         for plot in plots {

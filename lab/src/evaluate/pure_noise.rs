@@ -284,6 +284,7 @@ fn noise_burst(level: NoiseLevel, size: (usize, usize), frames: usize, seed: u64
         planes.push(Plane::from_fn(size.0, size.1, value));
     }
     let mut burst = Burst::from_planes("noise", planes);
+    // No file's header gives the step of frames made in memory.
     burst.quantisation_step = level.bits.map_or(0.0, quantisation_step) as f32;
     Ok(burst)
 }

@@ -142,6 +142,7 @@ impl MakeFigure for ApparentMotion {
             let scene = Trajectory::new(way, &silent)?;
             let burst = scene.burst(self.burst, &silent)?;
             monitor.report(Stage::Evaluate, 0.5 * column as f32 + 0.25);
+            // √2, because the largest motion may act on both axes at once.
             let tracks = self.tracks(&burst, self.reach * way.max_slope * 2f64.sqrt(), &silent)?;
             let (word, name) = match way.motion {
                 Motion::TwoD => ("2d", "forward: in all directions (2D)"),

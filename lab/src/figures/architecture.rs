@@ -212,6 +212,7 @@ fn draw_response(sheet: &mut Sheet, x: f64, response: &Response, subject: &Featu
         height: cell.1,
     };
     sheet.rectangle(marked, &format!(r#"fill="none" stroke="{RED}" stroke-width="2""#));
+    // A cell is one slope wide: the axis ends half a step beyond the outermost slopes.
     let step = response.slopes.get(1).map_or(1.0, |s| s - response.slopes[0]);
     let range = (response.slopes[0] - 0.5 * step, response.slopes[response.slopes.len() - 1] + 0.5 * step);
     sheet.axis_below(area, (f64::from(range.0), f64::from(range.1)), "slope, px/frame");

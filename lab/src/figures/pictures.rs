@@ -97,6 +97,7 @@ fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) 
     let title = "the motion stack at their slope, and what is found";
     let panel = Panel::draw(sheet, (2.0 * GAP + half(), y), half(), &stack, &Display::stretched(&stack), title);
     let mut found = 0;
+    // Every disc is marked at its true place, so that the missed ones show too.
     for index in 0..DISCS {
         let [u, v] = disc_place(index);
         let near = |f: &&Feature| (f.u - u).hypot(f.v - v) <= NEAR_PX;

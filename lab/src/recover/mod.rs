@@ -282,6 +282,7 @@ impl RecoverStudy {
         self.check()?;
         let ground = Ground::new(self, burst, &monitor.part(0.0, 0.9))?;
         let levels = Levels::of(self, &ground)?;
+        // The levels of the things follow from the number of the copy, which its seed gives.
         let planted = self.things(&ground, &levels, seed.wrapping_sub(self.first_seed), monitor)?;
         let copy = self.plant(burst, &ground, &planted, seed, monitor)?;
         let (width, height) = burst.size();
@@ -361,7 +362,7 @@ impl RecoverStudy {
             let sign = match self.contrast {
                 Contrast::Bright => 1,
                 Contrast::Dark => -1,
-                // Signs alternate with each round over the levels: every level has as many bright things as dark ones.
+                // Signs alternate with each round over the levels, so that every level has bright and dark things.
                 Contrast::Both => 1 - 2 * ((turn / levels.count(varied)) as i8 & 1),
             };
             let Some((u, v)) = ground.place(self, (radius, slope), &planted, &mut stream, monitor)? else { continue };

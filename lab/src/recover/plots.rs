@@ -43,6 +43,7 @@ pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
         let expected = |share: &LevelShare| SeriesPoint { x: share.level, y: 100.0 * share.expected, spread: None };
         let mut curves =
             vec![curve("found", (BLUE, ""), &found), curve("expected of noise and gate", (RED, "7 4"), &expected)];
+        // The curve is fitted over SNR alone, and without a measured half it is the prior's.
         if varied == Varied::Snr && report.half.is_some() {
             curves.push(fitted_curve(report));
         }

@@ -145,6 +145,7 @@ impl Painting {
         for y in 0..shares.height() {
             monitor.check()?;
             let row = top + y as i64;
+            // A thing may reach beyond the picture, or move out of it.
             if row < 0 || row >= height as i64 {
                 continue;
             }

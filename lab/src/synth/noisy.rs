@@ -246,6 +246,7 @@ fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<Str
 fn frame_files(originals: &[String]) -> Vec<String> {
     let png = |name: &String| PathBuf::from(name).with_extension("png").to_string_lossy().into_owned();
     let names: Vec<String> = originals.iter().map(png).collect();
+    // Case does not tell files apart on every system.
     let different: BTreeSet<String> = names.iter().map(|n| n.to_lowercase()).collect();
     let plain = |name: &String| !name.contains(['/', '\\', '[', ':']) && !name.starts_with('.') && name != ".png";
     if different.len() == names.len() && names.iter().all(plain) {

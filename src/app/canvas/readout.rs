@@ -71,6 +71,7 @@ impl Readout {
                 || "motion unknown".to_owned(),
                 |motion| motion_text(motion.slope, motion.ellipse().0[0], 2),
             ),
+            // No slope wins where no response reaches the gate.
             Quantity::Slope { confidence, .. } if confidence <= 0.0 => {
                 format!("below the gate ({} σ)", number(self.value, 2))
             }

@@ -128,6 +128,7 @@ pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Data
     if !*open {
         return false;
     }
+    // The dataset may have been closed under the question.
     let Some(dataset) = &datasets.open else {
         *open = false;
         return false;

@@ -109,6 +109,7 @@ fn header_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if model.document.dataset.as_ref().is_some_and(|set| set.selected().is_some()) {
         button_ui(ui, model, queue, ActionId::ShowPair, Some("A | B"));
     }
+    // From the right, so that a full line cuts the path and not a button.
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         short_button_ui(ui, model, queue, ActionId::CloseDataset, "✖");
         let place = dataset.folder.as_ref().map_or("no folder".to_owned(), |f| f.display().to_string());

@@ -74,6 +74,7 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mu
         }
         move_selection(ui, dataset, set, &response, queue);
         let text = set.selected().map_or_else(String::new, |pair| pair_text(dataset, pair));
+        // The matrix is one widget, whose value for screen readers is the selected pair.
         response.widget_info(|| egui::WidgetInfo {
             current_text_value: Some(text.clone()),
             ..egui::WidgetInfo::labeled(egui::Role::Image, true, "Match matrix")

@@ -65,6 +65,7 @@ impl PictureTexture {
         })?;
         let mut writes = Writes { device, queue, texture: &texture, commands: Vec::new(), bytes: 0 };
         writes.write_level(plane, layout, 0)?;
+        // Each level is made from the one before: two at most are in memory beside the picture.
         let mut coarse: Option<Plane> = None;
         for level in 1..layout.levels {
             let next = halve(coarse.as_ref().unwrap_or(plane));
@@ -98,6 +99,7 @@ impl Writes<'_> {
             let (u0, v0) = ((layer % layout.tiles.0) as usize * tile.0, (layer / layout.tiles.0) as usize * tile.1);
             let columns = tile.0.min(plane.width().saturating_sub(u0));
             let rows = tile.1.min(plane.height().saturating_sub(v0));
+            // The picture may end before a tile of a coarse level begins.
             if columns == 0 {
                 continue;
             }

@@ -125,6 +125,7 @@ pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn,
     };
     match model.document.panes.over(id) {
         None => {}
+        // Of two pictures in one place the name says which is on show.
         Some(Over::Flip { .. }) => {
             chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(model, drawn.shown), ("flip", id));
         }
@@ -169,6 +170,7 @@ pub(super) fn full_scale(model: Read<'_>, id: PaneId) -> f32 {
 /// Draws the line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.
 fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
     let x = egui::lerp(rect.x_range(), *at);
+    // Wider than it is drawn, so that it is easily caught.
     let line = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
     let response = ui.interact(line, ui.scope_id().with("wipe handle"), Sense::drag());
     if let Some(pos) = response.interact_pointer_pos() {

@@ -190,6 +190,7 @@ pub fn profile_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
         .height(ui.available_height().max(60.0));
     let drawn = plot.show(ui, |plot| {
         for profile in &profiles {
+            // The line may leave the picture, or cross what has no value.
             let points: PlotPoints<'_> = profile
                 .samples
                 .iter()

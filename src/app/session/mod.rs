@@ -151,6 +151,7 @@ impl Session {
         }
         named("document.matching", doc::ALL.iter().try_for_each(|record| record.check(&document.matching)))?;
         named("document.look", document.look.check())?;
+        // A set-up that is not read may have any values.
         let set_up = document.set_up;
         named("document.set_up", if set_up.reads_depths { set_up.values.check() } else { Ok(()) })?;
         named("document.lab.planted", document.lab.planted.check())

@@ -143,6 +143,7 @@ impl Study {
             pairs: PairSelection::default(),
         };
         let names: Vec<String> = (0..drawn.bursts.len()).map(Trajectory::name).collect();
+        // The frames are drawn already: only finding and matching features is timed.
         let started = Instant::now();
         let open = |k: usize, shot: Shot| -> Result<Burst> {
             Ok(match shot {

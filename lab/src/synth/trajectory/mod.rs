@@ -376,6 +376,7 @@ pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) 
             let name = Trajectory::name(index);
             let folder = bursts.join(&name);
             make(&folder)?;
+            // One burst after the other: a dataset need not fit into memory.
             let burst = trajectory.burst(index, monitor)?;
             for (t, frame) in burst.frames.iter().enumerate() {
                 monitor.check()?;

@@ -83,6 +83,7 @@ fn draw_one(
     colour: Color32,
 ) {
     let [(from, from_seen), (to, to_seen)] = line.ends(panes);
+    // A line to an end out of sight would cross whatever lies beside the pane.
     if from_seen && to_seen {
         if line.kind.is_dashed() {
             strokes.dashed(from, to, width, colour, DASH);

@@ -52,6 +52,7 @@ pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
         let keypoints = fields.count(KEYPOINT_BYTES)?;
         let mut points = 0;
         for _ in 0..keypoints {
+            // Positions are read past, because a stream cannot skip them.
             fields.floats::<2>()?;
             points += usize::from(fields.u64()? != NO_POINT);
         }

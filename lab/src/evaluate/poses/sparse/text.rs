@@ -44,6 +44,7 @@ pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>
 fn image(line: &str) -> Result<SparseImage, String> {
     const FORM: &str = "an image is 'IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME'";
     let mut rest = line;
+    // Word by word, because the rest of the line is the name, blanks included.
     let mut word = || -> Result<&str, String> {
         let (word, after) = rest.split_once(char::is_whitespace).ok_or_else(|| format!("it ends too early; {FORM}"))?;
         rest = after.trim_start();
