@@ -207,8 +207,7 @@ impl Study {
 }
 
 impl StudyReport {
-    /// The peak thresholds at which all methods have the same share of false detections, at a ratio of the study: the
-    /// row `row`, or the last one if there are fewer. `None` for other studies than of charts.
+    /// Peak thresholds of one share of false detections, at row `row` or the last one; `None` for other studies.
     pub fn same_false_rate(&self, row: usize) -> Option<SameFalseRate> {
         let Self::Chart(report) = self else { return None };
         let row = report.rows.get(row).or(report.rows.last())?;

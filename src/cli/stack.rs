@@ -1,5 +1,4 @@
-//! Images of a burst as 32-bit float TIFF: `stack` writes the motion-stack image at a slope, its DoG response, all in
-//! focus, or the field of motion; `merge` the merged frames.
+//! `stack` writes a motion stack, its DoG response, all in focus or the field as TIFF; `merge` the merged frames.
 
 use super::args::{MergeArgs, StackArgs};
 use super::console::Console;

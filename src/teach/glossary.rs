@@ -110,8 +110,7 @@ impl Glossary {
         self.words.iter().find(|word| word.pictures.iter().any(|picture| picture == name))
     }
 
-    /// Finds the entries that match `text`: first those whose term begins with it or whose symbol it is, then those
-    /// whose term contains it, then those whose explanation does. All entries match an empty text.
+    /// Entries that match `text`: term begins with it or symbol is it, then term contains it, then explanation does.
     pub fn search(&self, text: &str) -> Vec<&Word> {
         let text = text.trim().to_lowercase();
         let rank = |word: &Word| {

@@ -64,8 +64,7 @@ impl AccuracyStudy {
         }
     }
 
-    /// This study on charts of `discs` discs that all stand apart. The gap between rims at mid-burst makes room for the
-    /// surroundings of the largest disc and for the relative motion of any two discs.
+    /// This study on charts of `discs` discs that stand apart: the gap has room for surroundings and relative motion.
     pub fn standing_apart(&self, discs: usize) -> Self {
         let chart = &self.chart;
         let axes: f64 = match chart.motion {
@@ -204,8 +203,7 @@ fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
 /// Radius of the surroundings that a detector looks at, in disc radii: 3 σ of the wider Gaussian, rounded up.
 pub const SURROUNDINGS_IN_RADII: f64 = 2.4;
 
-/// Whether no other disc comes into the surroundings of `disc` ([`SURROUNDINGS_IN_RADII`]) in any frame. Another disc
-/// there shifts the extremum of D, and may smear over it: errors that noise does not cause.
+/// Whether no other disc comes into the surroundings of `disc` ([`SURROUNDINGS_IN_RADII`]) in any frame.
 pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
     let others = || truth.features.iter().filter(|other| other.id != disc.id);
     truth.offsets().into_iter().all(|at| {

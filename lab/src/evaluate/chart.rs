@@ -282,8 +282,7 @@ pub struct MethodReport {
     pub default_false_per_disc: Option<Mean>,
     /// Estimated over true noise of a frame at the background; absent for mean and merged images, and without noise.
     pub noise_estimate_ratio: Option<Mean>,
-    /// Peak threshold, of |response|, at which the requested share of the detections in all charts together is false,
-    /// as the paper chooses it (BuFF, IV-A); absent where no threshold leaves a feature.
+    /// Peak threshold of |response| for the requested share of false detections over all charts (BuFF, IV-A), if any.
     pub peak_threshold: Option<f32>,
     /// Mean count of discs found with at most 0, 1, 2 … false features.
     pub roc: Vec<f64>,

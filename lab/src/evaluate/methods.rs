@@ -1,5 +1,4 @@
-//! The methods to features that are compared: one frame, two merges, the burst search over a line of slopes, over a
-//! plane of slopes and over slopes found for each burst, and a sharp image as gold standard.
+//! The compared methods: SIFT on one frame, two merges or a sharp image; BuFF over a line, a plane or slopes found.
 
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
@@ -115,8 +114,7 @@ impl Default for Searches {
 }
 
 impl Searches {
-    /// The searches of charts with `detector` over `given` slopes: a line of slopes is BuFF 1D's; a plane is BuFF 2D's,
-    /// and its u axis BuFF 1D's. Slopes that are not given are those of the published study.
+    /// Searches of charts: a `given` plane counts as in [`slopes_of`], a line is BuFF 1D's; the rest is as published.
     pub fn of_charts(detector: DetectorParams, given: Option<SlopeGrid>) -> Self {
         let default = Self::default();
         let (slopes_1d, slopes_2d) = match given {

@@ -8,8 +8,7 @@
 //! - [`accuracy`]: in enough light. Errors of positions, scales and motions.
 //! - [`pure_noise`]: on noise alone. The number of features found where all are false.
 //!
-//! One study of the use of features, on real or synthetic bursts, [`mod@matches`] (`burstscope evaluate matches`): the
-//! number of features that match between bursts, and of correct matches.
+//! One study of the use of features, [`mod@matches`] (`burstscope evaluate matches`): matches between bursts.
 //!
 //! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far a trajectory is from the true one.
 //!

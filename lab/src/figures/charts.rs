@@ -1,5 +1,4 @@
-//! Figs. 4 to 6: charts of discs. Fig. 4 shows one chart with the features that each method finds on it; Figs. 5 and
-//! 6 are curves over many charts, measured and drawn by [`crate::evaluate`].
+//! Figs. 4 to 6: a chart with what each method finds on it, and curves over many charts from [`crate::evaluate`].
 
 use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;

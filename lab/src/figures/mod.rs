@@ -4,8 +4,7 @@
 //! value with all parameters, and a function from that value to both files. [`FiguresJob`] runs one maker after the
 //! other, keeps finished figures (a record names the parameters they were made from), and writes the page `index.html`.
 //!
-//! Nothing here computes by itself: charts and curves come from [`crate::evaluate`], bursts from [`crate::synth`],
-//! pictures of single steps from [`burstscope_core::detector::view`].
+//! Nothing computes here: see [`crate::evaluate`], [`crate::synth`] and [`burstscope_core::detector::view`].
 
 mod apparent_motion;
 mod architecture;

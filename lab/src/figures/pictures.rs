@@ -1,5 +1,4 @@
-//! Figs. 7 and 9: pictures of single bursts. Fig. 7 shows a view in good light, without noise, and in the dark; Fig.
-//! 9 aliasing and low contrast, on two of the program's examples.
+//! Figs. 7 and 9: a view in good light, without noise and in the dark; aliasing and low contrast on two examples.
 
 use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;

@@ -1,5 +1,4 @@
-//! The report of a study of planted things: the shares found over SNR, slope and size, the SNR of which half are found,
-//! the tests at which the others failed, and how faint a thing is seen at each place.
+//! The report of planted things: shares found, the SNR of which half are, the tests failed, and faintness by place.
 
 use super::fit::{FittedCurve, Outcome, Prior, fitted, share_interval};
 use super::ground::Ground;

@@ -143,8 +143,7 @@ impl NoisyParams {
 }
 
 impl NoisyExposure {
-    /// Captures the frames of `burst` with the camera. Frame t takes its noise from stream `first_stream + t` of the
-    /// seed, so that the result does not depend on threads or on other captures.
+    /// Captures the frames of `burst`. Frame t takes its noise from stream `first_stream + t`, whatever the threads.
     pub fn capture(&self, burst: &Burst, seed: u64, first_stream: u64, monitor: &Monitor) -> Result<Burst, Cancelled> {
         let frames = burst.frames.par_iter().enumerate().map(|(t, frame)| {
             let (width, height) = frame.size();

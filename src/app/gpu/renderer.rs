@@ -1,5 +1,4 @@
-//! The renderer: what is kept on the card between frames (the pipeline, the colour maps, the pictures, one bind group
-//! for each pane), and the paint callback that draws one picture in one pane with it.
+//! What is kept on the card between frames (pipeline, colour maps, pictures, bind groups), and the paint callback.
 
 use super::PictureId;
 use super::texture::{DeviceLimits, Layout, PictureTexture, wait_for_card};

@@ -169,8 +169,7 @@ pub struct JoinedPanes {
     pub pairs: Vec<(usize, usize)>,
 }
 
-/// Finds the panes that show the input of `method` (those without a method, for `None`) among `places`: visible panes
-/// and their rectangles. Differences and slices show no places of one burst.
+/// Visible panes with the input of `method` (`None`: without a method) among `places`; no differences, no slices.
 pub fn joined_panes(model: Read<'_>, places: &[(PaneId, Rect)], method: Option<MethodId>) -> JoinedPanes {
     let is_of = |id: PaneId, side: Side| {
         let pane = model.document.panes.get(id).filter(|pane| pane.side == side && pane.method == method);

@@ -109,8 +109,7 @@ impl Panes {
         self.linked_to(self.focus(), Link::Cursor)
     }
 
-    /// Moves the linked cursors as that of `moved` moved from `before`: by equal steps. When `moved` changed its kind
-    /// of picture, linked panes of other bursts and methods that showed the former kind change too.
+    /// Moves linked cursors by the steps of `moved`; panes of other bursts and methods also take a new kind of picture.
     pub fn follow_cursor(&mut self, moved: PaneId, before: Cursor) {
         let Some(leader) = self.get(moved) else { return };
         let (after, side, method) = (leader.cursor, leader.side, leader.method);

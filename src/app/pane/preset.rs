@@ -1,5 +1,4 @@
-//! Preset arrangements of *One burst*, there of methods that are compared, and of *Two bursts*. The latter two follow
-//! what is compared: a pane comes or goes as a method is switched on or off.
+//! Presets of *One burst*, of its methods, and of *Two bursts*; panes of methods come and go as these are switched.
 
 use super::set::Place;
 use super::{Arrangement, Content, Link, MAX_PANES, Over, Pane, PaneId, Panes, SliceAxis};

@@ -1,5 +1,4 @@
-//! A session: everything needed to restore a view of a burst, as a TOML file. Pixels and features are not stored: the
-//! burst is opened again, and the features are detected again, which gives the same bits.
+//! A session restores a view of a burst, from a TOML file. Pixels are read and features detected again, bit by bit.
 
 mod restoring;
 

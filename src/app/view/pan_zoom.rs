@@ -17,8 +17,7 @@ pub enum Zoom {
     PointsPerPixel(f32),
 }
 
-/// Pan and zoom of a canvas, in the input image's pixels only, so that frames, motion-stack images and DoG responses of
-/// any octave share one view. Several canvases that share a `View` pan and zoom together.
+/// Pan and zoom in pixels of the input image alone, so that all kinds of pictures and several canvases share a view.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct View {

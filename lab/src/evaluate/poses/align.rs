@@ -10,8 +10,7 @@ use burstscope_core::error::{Error, ErrorKind, Result};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Ratio of the spread of the centres across their direction to that along it, below which a trajectory counts as
-/// straight. Below it, the rotation depends more on noise than on the shape.
+/// Ratio of the spread of centres across their direction to that along it, below which noise decides the rotation.
 const STRAIGHT: f64 = 0.01;
 
 /// A scale, a rotation and a translation: `x` becomes `scale · rotation · x + translation`.

@@ -93,14 +93,14 @@ fn unpaired(by: &str, problem: &str) -> Error {
     Error::new(ErrorKind::Failed, problem, "")
 }
 
-/// Pairs by order where that is plausible: each pose of the estimate has a partner in the truth. Otherwise by time,
-/// because two recordings with times of their own need not overlap entirely.
+/// Pairs by time where both sides have times; otherwise by order, if every pose of the estimate finds a partner.
 fn order_or_times(
     estimate: &[Pose],
     truth: &[Pose],
     times: Vec<(usize, usize)>,
 ) -> Result<(Association, Vec<(usize, usize)>)> {
     let timed = |poses: &[Pose]| poses.iter().all(|p| p.time.is_some());
+    // Two recordings with times of their own need not overlap entirely, so that unpaired poses are no failure.
     if timed(estimate) && timed(truth) {
         return Ok((Association::Time, times));
     }

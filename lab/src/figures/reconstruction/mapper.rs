@@ -117,8 +117,7 @@ mod with_database {
         DatasetSource::of_bursts(vec![folder.to_path_buf()]).bursts(&OpenOptions::default())
     }
 
-    /// Runs the mapper to its end, or ends it once `monitor` was cancelled. Returns its last line if it gave up:
-    /// without a pair to begin with it makes no model, which is a valid result.
+    /// Runs the mapper, or ends it once `monitor` is cancelled; returns its last line if it gave up.
     fn run_mapper(
         program: &Path,
         database: &Path,
@@ -159,6 +158,7 @@ mod with_database {
         let mut last = || last_line(&mut said).unwrap_or_default();
         match status.code() {
             Some(0) => Ok(None),
+            // Without a pair to begin with the mapper makes no model, which is a result.
             Some(_) => Ok(Some(last())),
             None => Err(because(format!("the mapper ended with {status}: {}", last()))),
         }

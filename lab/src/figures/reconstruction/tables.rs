@@ -1,5 +1,4 @@
-//! The study as Tables 1 to 3, means over the trajectories of each motion, and as Fig. 8: the cameras' positions,
-//! true and estimated, for the first trajectory of each motion.
+//! The study as Tables 1 to 3, means over the trajectories of each motion, and as Fig. 8, true and estimated paths.
 
 use super::mapper::{Matched, Reconstructed, Run};
 use super::study::Study;

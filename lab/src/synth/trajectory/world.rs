@@ -172,8 +172,7 @@ fn motions(camera: &BurstCamera, lens: &Lens, points: &[Point3<f64>], half_span:
     halves.filter_map(motion).collect()
 }
 
-/// The camera of a burst at the speed at which the largest apparent motion on an axis is `max_slope` pixels per frame;
-/// and the minimum and maximum motion on each axis, `[[u min, u max], [v min, v max]]`.
+/// Camera of a burst whose largest apparent motion on an axis is `max_slope` px/frame; [min, max] motion in u and v.
 pub(super) fn burst_camera(
     params: &TrajectoryParams,
     lens: &Lens,
@@ -402,8 +401,7 @@ fn meet(matrix: &Matrix3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64, f6
     (met.z > 1e-9).then(|| (met.x / met.z, met.y / met.z, met.z))
 }
 
-/// Renders `planes` without noise from a camera in the world: the signal at each pixel, as painted. Nearer planes are
-/// composited over farther ones; without any plane the signal is 0.
+/// Renders `planes` as painted, without noise; nearer planes are composited over farther ones, on a signal of 0.
 pub fn render(
     planes: &[ScenePlane],
     lens: &Lens,

@@ -31,8 +31,7 @@ pub enum Group {
     Faint,
 }
 
-/// Chooses those of `features`, strongest first, that are drawn in full; those for which `always` holds are drawn
-/// whatever stands around them. Takes time in proportion to the number of features.
+/// Chooses which of `features`, strongest first, are drawn in full: `always` ones, and the strongest of each cell.
 pub fn drawn(
     features: &[Feature],
     group: impl Fn(usize) -> Option<Group>,
@@ -60,11 +59,11 @@ pub fn drawn(
     out
 }
 
-/// A flag for each line: a few are drawn for each part of A's picture, inliers first, and those that are `always`.
-/// Lines from picture to picture take more room than vectors.
+/// A flag for each line: a few for each part of A's picture, inliers first, and those that are `always`.
 pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, are_vectors: bool, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);
+    // Lines from picture to picture take more room than vectors.
     let (in_a_cell, scale) = if are_vectors { (3, t.scale()) } else { (1, 0.5 * t.scale()) };
     let mut cells = cells(scale, view_image);
     let mut flags = vec![false; lines.len()];
