@@ -70,6 +70,7 @@ impl Console {
         if self.output.json || self.output.quiet {
             Ok(())
         } else {
+            // The bar would be drawn into the text.
             self.bar.suspend(|| print(text)).map_err(Failure::output)
         }
     }

@@ -37,6 +37,7 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let demo = [PathBuf::from(DEMO)];
     let inputs = if cli.inputs.is_empty() { &demo[..] } else { &cli.inputs };
     let opening = what_to_open(inputs, cli.sequence, &calibration)?;
+    // Inputs are resolved first: wrong ones are errors with or without a display.
     if !has_display() {
         return match opening {
             Opening::Burst(input) => without_display(input, None, params, calibration),

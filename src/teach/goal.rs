@@ -109,6 +109,7 @@ impl Goal {
 
     pub fn is_met(&self, now: &Situation<'_>) -> bool {
         let within = |wanted: Option<Between>, value: f32| wanted.is_none_or(|wanted| wanted.contains(value));
+        // As long as features or inliers are not counted, no number of them is reached.
         let counted = |wanted: Option<Between>, value: Option<usize>| {
             wanted.is_none_or(|wanted| value.is_some_and(|value| wanted.contains(value as f32)))
         };

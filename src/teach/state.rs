@@ -164,6 +164,7 @@ fn place<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 2]>,
 
 fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<InView>, D::Error> {
     let numbers = Vec::<f32>::deserialize(deserializer)?;
+    // Three numbers are a centre with a zoom, four a rectangle.
     let in_view = match numbers[..] {
         [u, v, zoom] if (0.01..=100.0).contains(&zoom) => finite([u, v, zoom]).map(InView::Centre),
         [_, _, zoom] => Err(format!("the zoom {zoom} is out of range; give 0.01 to 100 points per pixel")),

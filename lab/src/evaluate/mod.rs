@@ -93,6 +93,7 @@ fn run_jobs<J: Sync, R: Send>(
     // In a flat parallel loop a thread that waits inside a job, for its parallel parts, would begin another job.
     for group in jobs.chunks(rayon::current_num_threads()) {
         monitor.check()?;
+        // One job a piece: a longer piece would leave threads idle at the end.
         let answers: Vec<Result<R>> = group.par_iter().with_max_len(1).map(|job| f(job, &silent, &steps)).collect();
         for answer in answers {
             results.push(answer?);

@@ -177,6 +177,7 @@ impl MakeFigure for TestTarget {
         // The same discs: noise comes from separate random streams.
         let (bright, _) = synth_chart(&ChartParams { snr: self.bright_snr, ..self.chart.clone() }, &silent)?;
         let mut all: Vec<(FoundOnTarget, Burst)> = Vec::new();
+        // SIFT in good light comes first, and shows what there is to find.
         let jobs = std::iter::once((BurstMethod::SiftFrame, true)).chain(self.methods.iter().map(|&m| (m, false)));
         for (index, (method, is_bright)) in jobs.enumerate() {
             monitor.report(Stage::Evaluate, index as f32 / (self.methods.len() + 1) as f32);

@@ -110,6 +110,7 @@ impl Table {
         let mut csv = names.join(",") + "\n";
         for row in &self.rows {
             let cells = row.iter().map(|cell| match cell {
+                // Without commas no cell needs quotes.
                 Cell::Text(text) => text.replace(',', ";"),
                 Cell::Number(x, _) => x.to_string(),
                 Cell::Missing => String::new(),

@@ -123,6 +123,7 @@ impl Levels {
 
     /// SNR, radius and slope of the thing number `turn` of those that vary a quantity.
     pub(super) fn drawn(&self, varied: Varied, turn: usize, stream: &mut Stream) -> (f64, f64, Slope) {
+        // Levels take turns, so that few copies have things at all of them.
         let level = self.values(varied)[turn % self.count(varied)];
         let [a, b] = [&self.grid.u, &self.grid.v]
             .map(|axis| stream.within(f64::from(axis.value(0.0)), f64::from(axis.value(axis.count as f32 - 1.0))));
@@ -137,6 +138,7 @@ impl Levels {
     /// Whether a slope lies in the range of the search.
     pub fn is_in_range(&self, slope: Slope) -> bool {
         let (i, j) = self.grid.position(slope);
+        // The ends of the range count as within it, whatever their rounding.
         let within = |at: f32, axis: &SlopeAxis| axis.count < 2 || (-1e-3..=axis.count as f32 - 0.999).contains(&at);
         let single = self.grid.len() == 1;
         let near = |a: f32, b: f32| (a - b).abs() < 1e-3;
@@ -188,6 +190,7 @@ fn turned(grid: &SlopeGrid, a: f64, b: f64) -> Slope {
 /// Slopes of an axis, half-way between them, and a step beyond its ends; fewer where they are many. For a single slope
 /// multiples of a step that suits `frames` frames.
 fn slopes_around(axis: &SlopeAxis, frames: usize) -> Vec<f64> {
+    // A step of 2·σ/(N − 1) with σ = 1.6 misaligns the outermost frames by σ of the finest scale.
     let suiting = 3.2 / (frames.max(2) - 1) as f64;
     let step = if axis.count > 1 { f64::from(axis.step()) } else { suiting };
     let stride = (2 * (axis.count + 2)).div_ceil(MAX_SLOPE_LEVELS).max(1);

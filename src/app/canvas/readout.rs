@@ -90,6 +90,7 @@ impl std::fmt::Display for Readout {
     /// For example `u 12.3  v 45.6    0.01235 = 809.4 of 65535`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "u {}  v {}", fixed(self.u, 1), fixed(self.v, 1))?;
+        // In another octave the pixels of the picture are not those of the image.
         if self.image_from_picture_scale != 1.0 {
             write!(f, "  (pixel {}, {})", self.pixel.0, self.pixel.1)?;
         }

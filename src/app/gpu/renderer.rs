@@ -176,6 +176,7 @@ impl PictureRenderer {
 
     /// Once, after all panes were prepared: removes pictures beyond the budget not seen in this frame, oldest first.
     pub(super) fn end_frame(&mut self) {
+        // Every pane's callback ends the frame, and only the first of them counts.
         if !std::mem::take(&mut self.frame_open) {
             return;
         }

@@ -192,6 +192,7 @@ fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for (i, of_a) in a.iter().enumerate() {
         for (j, of_b) in b.iter().enumerate() {
+            // Panes that are nearest to each other are joined even where they do not face each other.
             let each_nearest = nearest(of_a, b) == Some(j) && nearest(of_b, a) == Some(i);
             if each_nearest || face(of_a, of_b, all) {
                 pairs.push((i, j));

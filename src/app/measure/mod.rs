@@ -61,6 +61,7 @@ fn mapped(model: Read<'_>, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Opt
 pub fn profiles_of(model: Read<'_>, widgets: &PaneWidgets, line: &MeasuredLine) -> Vec<PaneProfile> {
     let of = |id: PaneId| {
         let picture = widgets.get(id)?.picture.shown()?;
+        // Each pane shows the line at the same place of the scene.
         let ends = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos));
         let (from, to) = (ends[0]?, ends[1]?);
         let samples = profile(&picture.plane, from.into(), to.into(), picture.image_from_picture_scale);

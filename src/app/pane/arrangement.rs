@@ -176,6 +176,7 @@ impl Arrangement {
                 _ => Some(container(many)),
             }
         }
+        // A file may nest deeper than anything that can be seen.
         if depth == 0 {
             return None;
         }

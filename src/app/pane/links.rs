@@ -113,6 +113,7 @@ impl Panes {
     pub fn follow_cursor(&mut self, moved: PaneId, before: Cursor) {
         let Some(leader) = self.get(moved) else { return };
         let (after, side, method) = (leader.cursor, leader.side, leader.method);
+        // Only a change that is seen counts: a map hides the kind of the cursor.
         let changed_kind = leader.shows(after.kind) && after.kind != before.kind;
         for id in self.linked_to(moved, Link::Cursor) {
             let Some(pane) = self.get_mut(id) else { continue };

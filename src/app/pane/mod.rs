@@ -155,6 +155,7 @@ impl Pane {
     pub fn show(&mut self, kind: ViewKind) {
         self.content = match kind {
             ViewKind::Merge => Content::Merge,
+            // The cursor remembers the last of these kinds, also while the pane shows another.
             of_cursor if ViewKind::OF_CURSOR.contains(&of_cursor) => {
                 self.cursor.kind = kind;
                 Content::Cursor

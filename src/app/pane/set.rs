@@ -252,6 +252,7 @@ impl TryFrom<PanesFile> for Panes {
         for (place, placed) in Place::ALL.into_iter().zip([file.inspect, file.pair, file.methods]) {
             panes.restore(place, placed.arrangement, all.clone(), placed.focus);
         }
+        // Ids are not used again, even those of panes that were left out.
         (panes.open, panes.next) = (file.open, panes.next.max(file.next));
         Ok(panes)
     }

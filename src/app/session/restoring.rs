@@ -69,6 +69,7 @@ impl Session {
         match self.second.clone() {
             Some(source) => actions.push(Staged::Reopen(Side::B, source).into()),
             None => {
+                // A burst that is open as B does not belong to the session.
                 actions.push(ActionId::CloseB.into());
                 actions.extend(self.after_second(&document));
             }

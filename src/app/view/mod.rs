@@ -106,6 +106,7 @@ pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known
 
 pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> String {
     match (quantity, known.judged) {
+        // Not computed yet, unlike a value that a feature does not have.
         (Quantity::Coherence | Quantity::Verdict, None) => return "…".to_owned(),
         (Quantity::Verdict, Some(judged)) => return judged.verdict.word().to_owned(),
         (Quantity::Moves, _) => return feature.moves.words().to_owned(),

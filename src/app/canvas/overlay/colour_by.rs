@@ -67,6 +67,7 @@ impl ColourScale {
     pub fn with_range(by: ColourBy, min: f32, max: f32) -> Self {
         let Colours { map, part: [first, last], is_log, .. } = by.colours();
         let (min, max) = match by {
+            // A logarithm needs positive ends, and more than one value between them.
             _ if is_log => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
             ColourBy::SlopeDirection => (0.0, if max > 0.0 { max } else { 1.0 }),
             // A single slope gets half a pixel per frame to each side, so that its colour lies mid-scale.

@@ -143,6 +143,7 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
 fn is_visible(output: &CanvasOutput, feature: &Feature, positions: &Positions) -> bool {
     let [first, last] = motion_over(feature, positions).map(Pos2::from);
     let reach = feature.circle_radius_px() + 4.0 / output.ui_from_image.scale();
+    // The arrow may be in view where the circle is not.
     let bounds = egui::Rect::from_two_pos(first, last)
         .union(egui::Rect::from_center_size(pos2(feature.u, feature.v), egui::Vec2::splat(2.0 * reach)));
     bounds.is_finite() && bounds.intersects(output.visible_image)

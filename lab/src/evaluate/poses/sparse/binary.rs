@@ -151,6 +151,7 @@ impl<R: Read> Fields<'_, R> {
         loop {
             match self.bytes::<1>()? {
                 [0] => return Ok(String::from_utf8_lossy(&name).into_owned()),
+                // In a damaged file the zero at the end may be missing.
                 _ if name.len() == LONGEST_NAME => {
                     return Err(self.fail(format!("its name is longer than {LONGEST_NAME} bytes, so this is no name")));
                 }

@@ -23,6 +23,7 @@ pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>
     let mut images = Vec::new();
     while let Some(line) = lines.next_entry()? {
         let mut image = image(&line).map_err(|problem| lines.fail(problem))?;
+        // An empty line of keypoints counts: it must not be skipped as other empty lines are.
         if let Some(keypoints) = lines.next_line()? {
             (image.keypoints, image.points) = keypoints_of(&keypoints).map_err(|problem| lines.fail(problem))?;
         }
