@@ -130,7 +130,7 @@ pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
     params.validate_frames(burst.len())?;
     let used = params.used_frames(burst.len());
     let merged = merge_burst(&burst, used.clone(), &console.monitor)?;
-    // Both noises are measured: merging is worth what it gains beyond one frame.
+    // The noise of frame and image, which report the gain of merging.
     let noise_of_frame = frame_noise(&burst, used.clone(), &console.monitor)?;
     let noise_of_merge = frame_noise(&merged, 0..1, &console.monitor)?;
     console.monitor.check()?;

@@ -26,7 +26,7 @@ const TABLE_ROWS: usize = 20;
 
 pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let params = match cli.inputs.as_slice() {
-        // A case has its own settings. One that cannot be read is reported when it is opened.
+        // A case has its own settings. A damaged case is reported when it is opened.
         [case] if is_case(case) && cli.params.params.is_none() => read_params(case).unwrap_or_default(),
         _ => cli.params.read()?,
     };

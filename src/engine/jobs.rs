@@ -103,7 +103,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         self.queue.publish(self.key(slot), |id| self.shared.answer(slot, id, Ok(answer), Duration::ZERO))
     }
 
-    /// Cancels what runs and what waits; the answer of each is [`JobError::Cancelled`].
+    /// Cancels running and waiting requests, whose answers are [`JobError::Cancelled`].
     pub fn cancel(&self) {
         self.queue.cancel(self.key(0));
     }

@@ -103,6 +103,7 @@ impl PictureCache {
             return;
         }
         self.clock += 1;
+        // Two requests may compute the same picture at once.
         if let Some((old, _)) = self.entries.insert(picture.request.key(), (picture.clone(), self.clock)) {
             self.bytes -= old.bytes();
         }

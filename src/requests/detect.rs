@@ -83,7 +83,7 @@ pub struct Detected {
     pub burst: BurstId,
     pub asked: SearchParams,
     pub params: DetectorParams,
-    /// `params`, or less strict ones; those that [follow](crate::detector::follows) from them need no other search.
+    /// `params`, or less strict ones: parameters that [follow](crate::detector::follows) need no search.
     pub searched: DetectorParams,
     pub search_secs: f32,
     pub finding: Option<SlopeFinding>,

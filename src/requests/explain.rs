@@ -190,7 +190,7 @@ impl Request for ProbeRequest {
 pub struct Probed {
     pub request: ProbeRequest,
     pub probe: Arc<Probe>,
-    /// Prices of those proposed changes that need no search.
+    /// Prices of proposed changes, as far as no search is needed.
     pub prices: Vec<(ParamChange, Price)>,
 }
 

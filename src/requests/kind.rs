@@ -64,7 +64,7 @@ pub struct AboutView {
     pub key: &'static str,
     pub label: &'static str,
     pub help: &'static str,
-    /// It depends on the parameters of this stage and of those before it; `None` where it depends on none.
+    /// Last stage whose parameters decide the picture; `None` where no parameter does.
     pub stage: Option<Stage>,
     pub of_slope: bool,
     /// Whether it depends on octave and level, and has the octave's pixels.
@@ -276,7 +276,7 @@ impl PictureKind {
         }
     }
 
-    /// Octave and level that it shows, if it has the octave's pixels.
+    /// Octave and level of a picture with the octave's pixels.
     pub fn scale(self) -> Option<(i32, i32)> {
         match self {
             Self::Dog { octave, level, .. } => Some((octave, level)),

@@ -122,9 +122,9 @@ impl PictureRequest {
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub request: PictureRequest,
-    /// Its pixels; fraction of full scale.
+    /// Pixels, fraction of full scale.
     pub plane: Arc<Plane>,
-    /// Its pixels as they are shown: the same, or smoothed.
+    /// Pixels as drawn: `plane`, or smoothed.
     pub drawn: Arc<Plane>,
     pub motion: Option<Arc<MotionMap>>,
 }

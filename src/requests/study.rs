@@ -127,6 +127,6 @@ impl Request for PosesRequest {
 pub struct ComparedPoses {
     pub estimate: Option<(PathBuf, Arc<Trajectory>)>,
     pub truth: Option<(PathBuf, Arc<Trajectory>)>,
-    /// The comparison, or why there is none; `None` as long as one of them is missing.
+    /// The comparison, or why it failed; `None` as long as a trajectory is missing.
     pub report: Option<Result<Arc<PoseReport>, String>>,
 }

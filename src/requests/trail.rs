@@ -44,12 +44,12 @@ pub trait TrailStore {
         None
     }
 
-    /// Those of a burst, whose searches others may [go on from](ProbeCache::after); the last used first.
+    /// Trails of a burst, from which searches may [go on](ProbeCache::after), last used first.
     fn of_burst(&self, _: &OpenBurst) -> Vec<Arc<ProbeCache>> {
         Vec::new()
     }
 
-    /// Judged from what the search of a kept one left, see [`ProbeCache::rejudged`]. It then stands for that one too.
+    /// Trail judged again from a kept search, see [`ProbeCache::rejudged`]; replaces the kept trail.
     fn rejudged(&self, _: &OpenBurst, _: &SearchParams, _: &Monitor) -> Result<Option<Arc<ProbeCache>>, JobError> {
         Ok(None)
     }

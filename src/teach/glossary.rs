@@ -84,6 +84,7 @@ impl Glossary {
         }
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
         let mut words = file.word;
+        // A kind of picture that gets another name must not lose its entry unnoticed.
         for Word { word, pictures: explained, .. } in &words {
             if let Some(name) = explained.iter().find(|name| !pictures().any(|picture| picture == **name)) {
                 return Err(format!("{word}: there is no kind of picture '{name}'"));

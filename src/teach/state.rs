@@ -128,7 +128,7 @@ pub struct State {
 }
 
 impl State {
-    /// These, and of the others the default.
+    /// Values of `self`, and those of `default` for absent ones.
     #[must_use]
     pub(super) fn over(self, default: &Self) -> Self {
         macro_rules! over {

@@ -243,7 +243,7 @@ pub struct AccuracyRow {
     pub snr: f64,
     /// Discs that move within the grid's range, between its outermost slopes.
     pub within: RangeCount,
-    /// Discs that move faster than that range.
+    /// Discs that move faster than the grid's range.
     pub beyond: RangeCount,
     /// Errors of the columns, pixels.
     pub u: Errors,
@@ -253,7 +253,7 @@ pub struct AccuracyRow {
     pub distance: [f64; 2],
     /// Number of compared discs that stand apart, see [`stands_apart`].
     pub apart: usize,
-    /// Distances of those from their true positions, pixels: median and 95 %.
+    /// Distances of the discs that stand apart from their true positions, pixels: median and 95 %.
     pub distance_apart: [f64; 2],
     /// Relative errors of scale: σ over the expected one, minus 1.
     pub scale: Errors,

@@ -2,8 +2,7 @@
 //!
 //! The Lab draws these plots, and all files are written from them, so that all show the same numbers. A figure is
 //! self-contained SVG for light and dark pages, readable without colour: two plots side by side, under one legend where
-//! all have the same curves. A method has one colour in all sets; curves of sets after the first are thinner and
-//! dotted.
+//! all have the same curves. A method has one colour in all sets; sets after the first are thinner and dotted.
 
 use super::accuracy::{AccuracyReport, AccuracyRow};
 use super::chart::{ChartReport, ChartRow, MethodReport};
@@ -327,7 +326,7 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
         top = 70.0;
     }
     let labels = |series: &[Series]| series.iter().map(|one| one.label.clone()).collect::<Vec<_>>();
-    // Plots whose curves have the same names share one legend above all of them.
+    // Plots whose curves have equal names share a legend above them.
     let is_shared = plots.windows(2).all(|two| labels(&two[0].1) == labels(&two[1].1));
     if let Some((_, series)) = plots.first().filter(|_| is_shared) {
         top = sheet.legend((LEFT, top), WIDTH - LEFT - 20.0, series);

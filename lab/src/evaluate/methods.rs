@@ -38,10 +38,10 @@ impl BurstMethod {
     pub const WITH_GIVEN_SLOPES: [Self; 5] =
         [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
 
-    /// Name on the command line, name in a table or figure, colour and dashes of its line (empty for solid). Colours
-    /// are of the palette of M. Okabe and K. Ito, which colour-blind readers can tell apart; dashes differ too.
+    /// Name on the command line, label, and colour and dashes of the line (no dashes for a solid one).
     const fn row(self) -> (&'static str, &'static str, (&'static str, &'static str)) {
         match self {
+            // The palette of M. Okabe and K. Ito, which colour-blind readers can tell apart; dashes differ too.
             Self::SiftFrame => ("sift-frame", "SIFT, one frame", ("#666666", "1.5 4")),
             Self::SiftMean => ("sift-mean", "SIFT, plain mean", ("#d55e00", "9 3 2 3")),
             Self::SiftMerge => ("sift-merge", "SIFT, merge", ("#cc79a7", "5 3")),

@@ -22,7 +22,7 @@ use serde::Serialize;
 pub struct NoiseLevel {
     /// Standard deviation in one frame, fraction of full scale.
     pub sigma: f64,
-    /// Bits of the converter that rounds it, 4 … 16; `None` without rounding.
+    /// Bits of the converter that rounds the noise, 4 … 16; `None` without rounding.
     pub bits: Option<u32>,
     /// Deviation from white noise; only white noise is rounded to `bits`.
     pub case: NoiseCase,

@@ -57,7 +57,7 @@ pub struct Errors {
     pub signed: Mean,
     /// Median of the magnitudes; NaN (null in JSON) of none.
     pub median_magnitude: f64,
-    /// Magnitude that 95 % of them do not exceed.
+    /// Magnitude that 95 % of the errors do not exceed.
     pub magnitude_95: f64,
 }
 

@@ -80,7 +80,7 @@ impl MakeFigure for Architecture {
         };
         let frames = [0, burst.len() / 2, burst.len() - 1];
         heading(&mut sheet, 0, "frames", &format!("{} of them, each dark", burst.len()));
-        // Pictures of one column share a range, so that their brightness compares.
+        // Pictures of a column share a range, which makes brightnesses comparable.
         let range = Display::stretched(&burst.frames[frames[1]]);
         self.column(&mut sheet, column(0), frames.map(|t| (format!("t = {t}"), burst.frames[t].clone(), range)));
         heading(&mut sheet, 1, "motion stack", &format!("shift and mean, {} slopes", grid.len()));

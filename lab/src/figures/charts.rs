@@ -174,7 +174,7 @@ impl MakeFigure for TestTarget {
     fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let silent = monitor.silent();
         let (dark, truth) = synth_chart(&self.chart, &silent)?;
-        // The same discs: noise comes from separate random streams.
+        // Discs stay the same, because noise has random streams of its own.
         let (bright, _) = synth_chart(&ChartParams { snr: self.bright_snr, ..self.chart.clone() }, &silent)?;
         let mut all: Vec<(FoundOnTarget, Burst)> = Vec::new();
         // SIFT in good light comes first, and shows what there is to find.

@@ -46,7 +46,7 @@ pub enum FiguresEvent<'a> {
 pub struct FigureReport {
     /// The figure.
     pub figure: PaperFigure,
-    /// Files of its picture and its numbers.
+    /// Files of picture and numbers.
     pub files: Vec<PathBuf>,
     /// Notes for the reader, such as missing columns; sentences.
     pub notes: Vec<String>,

@@ -157,7 +157,7 @@ impl Ground {
         let is_in_way = |feature: &Feature| {
             let away = (f64::from(feature.u) - u).hypot(f64::from(feature.v) - v);
             let is_strong = feature.snr >= STRONG_GATES * gate;
-            // What is there already must not count as found.
+            // A feature of the burst itself must not count as a thing found.
             finds(feature, &thing)
                 || (!study.on_features && is_strong && away < radius + 2.0 * f64::from(feature.sigma))
         };

@@ -3,8 +3,7 @@
 //! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise of their
 //! light. The search runs on every copy, and each thing is found, by the rule of [`burstscope_core::inspect::score`],
 //! or has a fate in the words of the [probe](burstscope_core::inspect::probe()). The [`report`] has the shares found
-//! over SNR, slope and size beside those expected of noise and gate, the SNR at which half are found, and a map of
-//! faintness.
+//! over SNR, slope and size beside those expected, the SNR at which half are found, and a map of faintness.
 //!
 //! Unknown slopes are found once, in the burst itself. Reports are the same for any number of threads, but for times.
 
@@ -175,11 +174,11 @@ pub struct Planted {
     pub is_in_range: bool,
     /// Number of frames that show its centre.
     pub frames: usize,
-    /// SNR in D that is expected of it; `None` where no scale of the search suits it.
+    /// Expected SNR in D; `None` where no scale of the search suits the thing.
     pub expected_snr_d: Option<f64>,
     /// The feature that found it.
     pub found: Option<FoundThing>,
-    /// First test that its best candidate failed; `None` if it was found, or has no candidate.
+    /// First test failed by the best candidate; `None` for a thing found or without candidate.
     pub failed: Option<Test>,
     /// Reason why it was not found, in the probe's words; empty if it was.
     pub why: String,
@@ -206,7 +205,7 @@ fn truth_of_thing(id: usize, (u, v): (f64, f64), radius: f64, slope: Slope, cont
 pub struct SearchedCopy {
     /// The copy and its search.
     pub cache: ProbeCache,
-    /// The things, each with its fate.
+    /// Planted things with their fates.
     pub planted: Vec<Planted>,
 }
 
@@ -365,6 +364,7 @@ impl RecoverStudy {
                 // Signs alternate with each round over the levels, so that every level has bright and dark things.
                 Contrast::Both => 1 - 2 * ((turn / levels.count(varied)) as i8 & 1),
             };
+            // A crowded picture takes fewer things.
             let Some((u, v)) = ground.place(self, (radius, slope), &planted, &mut stream, monitor)? else { continue };
             let truth = truth_of_thing(planted.len(), (u, v), radius, slope, sign);
             let amplitude = ground.light.amplitude(snr, ground.sigma_at(u, v).powi(2), f64::from(sign));

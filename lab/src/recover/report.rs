@@ -34,7 +34,7 @@ pub struct RecoverReport {
     pub shape: Shape,
     /// Brightness of the things relative to what is around them.
     pub contrast: Contrast,
-    /// Levels at which they are planted.
+    /// SNRs, slopes and radii at which things are planted.
     pub levels: Levels,
     /// Number of copies of the whole study.
     pub copies: u64,
@@ -67,7 +67,7 @@ pub struct LevelShare {
     pub level: f64,
     /// Number of things planted.
     pub planted: usize,
-    /// Number of those that were found.
+    /// Number of planted things found.
     pub found: usize,
     /// Ends of the 68 % interval of the share, 0 … 1.
     pub interval: [f64; 2],
@@ -296,10 +296,10 @@ impl RecoverReport {
         (0..cells(self.size[1])).map(|y| (0..cells(self.size[0])).map(|x| at(x, y)).collect()).collect()
     }
 
-    /// Number of frames from which `share` of the things of `snr` are found, at the motions of the search: the noise of
-    /// the mean falls with the root of the number. `None` where the SNR of which half are found is not known.
+    /// Frames from which `share` of the things of `snr` are found, at the motions of the search; `None` without a half.
     pub fn frames_needed(&self, snr: f64, share: f64) -> Option<usize> {
         self.half?;
+        // The noise of the mean falls with the root of the number of frames.
         let ratio = self.curve.strength_at(share) / snr;
         // A burst has at least two frames.
         Some(((self.frames as f64 * ratio * ratio).ceil() as usize).max(2))

@@ -1,5 +1,4 @@
-//! Cameras of an estimated and a true trajectory: in a plane (the truth as a line with rings, the estimate dashed with
-//! discs, their differences between them), as a strip of their points and errors, and as a list.
+//! Cameras of an estimated and a true trajectory: in a plane, as a strip of their 3D points, and as a list.
 
 use crate::app::actions::Queue;
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
@@ -119,7 +118,7 @@ fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from
         dots.add_colored_rect(Rect::from_center_size(ui_from_plane.pos(*point), vec2(2.0, 2.0)), point_colour(ui));
     }
     painter.add(dots);
-    // Differences lie below both trajectories, so that these stay whole.
+    // Differences lie below the trajectories, whose marks stay whole.
     if let Some(report) = model.results.poses.report() {
         for pair in &report.pairs {
             let ends = [truth[pair.truth], estimate[pair.estimate]];

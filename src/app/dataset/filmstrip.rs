@@ -321,7 +321,7 @@ impl Thumbnails {
             return;
         }
         if self.shown.len() + bursts.len() > MAX_KEPT {
-            // Those in view are made again soon; this is simpler than tracking which were seen last.
+            // Simpler than tracking which were seen last: thumbnails in view are made again soon.
             self.shown.clear();
         }
         bursts.truncate(MAX_ASKED);

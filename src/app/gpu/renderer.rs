@@ -1,4 +1,4 @@
-//! What is kept on the card between frames (pipeline, colour maps, pictures, bind groups), and the paint callback.
+//! Contents of the card between frames (pipeline, colour maps, pictures, bind groups), and the paint callback.
 
 use super::PictureId;
 use super::texture::{DeviceLimits, Layout, PictureTexture, wait_for_card};
@@ -49,7 +49,7 @@ pub struct PictureRenderer {
 }
 
 impl PictureRenderer {
-    /// Failed uploads are noted in `failures`; those that are in it are not tried again.
+    /// Failed uploads are noted in `failures`, and are not tried again.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -148,7 +148,7 @@ impl PictureRenderer {
         }
         let texture = Layout::new(plane.size(), self.limits).and_then(|layout| {
             PictureTexture::upload(device, queue, plane, layout).or_else(|_| {
-                // What is not on show may be in the way.
+                // Pictures that are not on show may take the memory.
                 let frame = self.frame;
                 self.pictures.retain(|_, picture| picture.last_used_frame == frame);
                 self.panes.retain(|_, pane| self.pictures.contains_key(&pane.picture));
@@ -316,6 +316,7 @@ pub(super) fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::T
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
+        // Not sRGB, which would convert the values of the maps as they are read.
         format: wgpu::TextureFormat::Rgba8Unorm,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],

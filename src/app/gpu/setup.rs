@@ -79,7 +79,7 @@ pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     device.on_uncaptured_error(Arc::new(move |error| match error {
         // Pictures lack memory where it may be refused. Without it for letters and shapes the device is of no use.
         wgpu::Error::OutOfMemory { .. } => lose_without_memory("it has no memory left".to_owned()),
-        // What is asked of a lost device fails.
+        // Requests to a lost device fail.
         _ if noted.get().is_some() => {}
         error => panic!("{error}"),
     }));

@@ -124,7 +124,7 @@ impl Writes<'_> {
         row: impl Fn(usize) -> &'p [f32],
     ) -> Result<(), NoRoom> {
         let size = (row_bytes * rows) as u64;
-        // What is on its way is in memory twice: the card has to take it before more is added.
+        // Bytes on the way are in memory twice: the card has to take them before more are added.
         if self.bytes + size > BYTES_ON_THE_WAY {
             let submission = self.submit()?;
             wait_for_card(self.device, Some(submission));
@@ -242,7 +242,7 @@ impl DeviceLimits {
     }
 }
 
-/// (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four that exist and are numbers; NaN when none is.
+/// (⌈columns/2⌉, ⌈rows/2⌉) cells: means of up to four numbers; NaN where all four are.
 pub fn halve(fine: &Plane) -> Plane {
     let (width, height) = (fine.width().div_ceil(2), fine.height().div_ceil(2));
     let mut coarse = Plane::zeros(width, height);

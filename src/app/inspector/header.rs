@@ -22,7 +22,7 @@ use egui::{
 const ONE_LINE: f32 = 440.0;
 const ROOM_FOR_NUMBERS: f32 = 560.0;
 const ROOM_FOR_SPLITS: f32 = 190.0;
-// Those of a single pane's header, which has no links: with range and zoom, with the switch of features, with all.
+// The same of a single pane, whose header has no links: with range and zoom, with the features' switch, with all.
 const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
 const ROOM_FOR_FEATURES: f32 = 620.0;
 const ROOM_FOR_ALL: f32 = 800.0;
@@ -54,7 +54,7 @@ pub fn header_ui(
                 buttons_ui(ui, model, id, width, queue);
                 if many && width >= ONE_LINE {
                     links_ui(ui, model, id, true, queue);
-                    // Numbers beside them do not touch them.
+                    // Keeps the links apart from the numbers.
                     ui.add_space(4.0);
                 }
                 ui.spacing_mut().item_spacing.x = 6.0;

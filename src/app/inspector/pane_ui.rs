@@ -170,7 +170,7 @@ pub(super) fn full_scale(model: Read<'_>, id: PaneId) -> f32 {
 /// Draws the line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.
 fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
     let x = egui::lerp(rect.x_range(), *at);
-    // Wider than it is drawn, so that it is easily caught.
+    // Wider than drawn, to be caught easily.
     let line = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
     let response = ui.interact(line, ui.scope_id().with("wipe handle"), Sense::drag());
     if let Some(pos) = response.interact_pointer_pos() {

@@ -110,7 +110,7 @@ impl Behavior<PaneId> for Inspector<'_> {
         if (header.clicked || touched) && self.model.document.focus() != id {
             self.queue.push(Action::Focus(id));
         }
-        // After the content, which would cover it.
+        // After the content, which would cover the frame.
         if self.model.document.panes.are_many() && self.model.document.focus() == id {
             let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
             ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);

@@ -1,5 +1,4 @@
-//! Parts that the panes of the inspector share: their widgets between passes, their names (in headers, on tabs, for
-//! screen readers and tests), and the pairs of panes of A and of B between which match lines are drawn.
+//! Widgets of panes between passes, names of panes, and the pairs of panes between which match lines are drawn.
 
 use super::aside::HeldPlace;
 use crate::app::canvas;
@@ -182,8 +181,8 @@ pub fn joined_panes(model: Read<'_>, places: &[(PaneId, Rect)], method: Option<M
     JoinedPanes { sides, pairs }
 }
 
-/// Pairs of `a` and `b` between which lines go, as indices: those that face each other with none of `all` between them,
-/// and those of which each is the nearest to the other.
+/// Pairs of `a` and `b` between which lines go, as indices: panes that face each other with none of `all` between, and
+/// mutually nearest panes.
 fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     let nearest = |from: &Rect, to: &[Rect]| {
         let place = |i: &usize| apart(from, &to[*i]);
@@ -192,7 +191,7 @@ fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for (i, of_a) in a.iter().enumerate() {
         for (j, of_b) in b.iter().enumerate() {
-            // Panes that are nearest to each other are joined even where they do not face each other.
+            // Nearest neighbours are joined even where they do not face each other.
             let each_nearest = nearest(of_a, b) == Some(j) && nearest(of_b, a) == Some(i);
             if each_nearest || face(of_a, of_b, all) {
                 pairs.push((i, j));

@@ -36,7 +36,7 @@ pub struct PaneRegion {
     pub region: Region,
 }
 
-/// The pane that was drawn on or, when other panes took its place, the one in focus, which shows the same burst.
+/// The pane drawn on; where other panes took its place, the focused pane, which shows the same burst.
 fn measured_on(model: Read<'_>, drawn_on: PaneId) -> PaneId {
     let is_replaced = model.document.workspace.inspects() && !model.document.panes.shown().contains(&drawn_on);
     if is_replaced { model.document.focus() } else { drawn_on }

@@ -39,7 +39,7 @@ impl Panes {
             here.focus = new;
         }
         self.more.insert(new, changed);
-        // Others may subtract or overlay this pane: they follow it to its new id.
+        // Panes that subtract or overlay this pane follow to the new id.
         let renamed = |other: PaneId| if other == id { new } else { other };
         for shown in self.shown() {
             let Some(pane) = self.get_mut(shown) else { continue };

@@ -1,4 +1,4 @@
-//! Panes: each shows one picture of one open burst.
+//! Panes, which show a picture of an open burst each.
 //!
 //! A [`Pane`] is a plain value, and the picture that it needs follows from its values alone ([`wanted`](Pane::wanted)).
 //! *One burst*, *Two bursts* and the comparison of methods have an [`Arrangement`] each, with one focused pane, which
@@ -125,7 +125,7 @@ pub struct Pane {
     /// Whether the slope was chosen (by hand or by a session) since the burst was opened.
     pub slope_chosen: bool,
     pub view: View,
-    /// Value ranges and colour maps of its own; `None` shares those of all.
+    /// Own value ranges and colour maps; `None` shares those of all panes.
     pub own_ranges: Option<Ranges>,
     pub links: PaneLinks,
     pub over: Option<Over>,

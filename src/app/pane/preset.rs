@@ -191,7 +191,7 @@ impl Panes {
                     made.insert(new, dog);
                     new
                 });
-                // After the DoG panes, which are copies of these as they were.
+                // After the DoG panes, which copy the panes before this change.
                 made.iter_mut().filter(|(id, _)| own.contains(id)).for_each(|(_, pane)| pane.show(ViewKind::Stack));
                 vec![own.to_vec(), dogs.to_vec()]
             }
@@ -263,7 +263,7 @@ impl Panes {
         self.replace(Place::Methods, arrangement, made, focus);
     }
 
-    /// Where it has none: on A, and with B in a row of its own where the others have such rows.
+    /// Adds a pane of A, and a row with B where the other methods have rows, unless there is one.
     pub fn add_method(&mut self, method: MethodId, both: bool) {
         let shown = self.shown_in(Place::Methods);
         let panes = || shown.iter().filter_map(|id| self.get(*id));
@@ -304,7 +304,7 @@ impl Panes {
             ..Pane::new(side)
         };
         if method == MethodId::Gold {
-            // It was taken in other light.
+            // A gold standard is taken in more light, so that a shared range would not fit.
             pane.links.set(Link::Display, false);
             pane.own_ranges = Some(Ranges::default());
         }

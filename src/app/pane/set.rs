@@ -33,7 +33,7 @@ pub(super) struct Placed {
     pub(super) focus: PaneId,
 }
 
-/// Two panes are permanent, one for each burst. A pane that is in two workspaces shows the same in both.
+/// Two panes, one a burst, are permanent. In several workspaces a pane shows the same.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "PanesFile", into = "PanesFile")]
 pub struct Panes {
@@ -160,6 +160,7 @@ impl Panes {
         let panes = self.placed.iter().map(|placed| placed.arrangement.panes());
         let mut beside: Vec<PaneId> = panes.filter(|panes| panes.contains(&id)).flatten().collect();
         beside.retain(|other| *other != id);
+        // Two panes may stand beside each other in several workspaces.
         beside.sort_unstable();
         beside.dedup();
         beside

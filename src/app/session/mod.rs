@@ -66,7 +66,7 @@ impl Session {
         if workspace.shows_pair() || workspace.record().is_of_dataset {
             self.document.workspace = Workspace::Inspect;
         }
-        // All of these name other files, which a case does not hold.
+        // Settings that name other files, which a case does not hold.
         let document = &mut self.document;
         (document.calibration, document.calibration_of_b) = Default::default();
         (document.gold, document.dataset, document.trajectories) = Default::default();
@@ -163,7 +163,7 @@ impl Session {
     /// The document on show with all but what waits for the second burst; A was opened in it.
     pub fn over_first(&self, now: &Document) -> Document {
         let mut document = self.over_none(now);
-        // A session that says nothing of panes has those of a burst that is opened: its middle frame.
+        // A session without panes shows the middle frame, as a newly opened burst does.
         if self.has_panes() {
             document.panes = self.document.panes.clone();
         }

@@ -1,5 +1,4 @@
-//! How pictures and features are seen, as plain values that the project keeps and the canvas draws by: pan and zoom,
-//! transforms between coordinate systems, the quantities of features, and numbers as people read them.
+//! How pictures and features are seen, as plain values: pan and zoom, quantities of features, numbers for people.
 
 mod pan_zoom;
 

@@ -112,6 +112,7 @@ impl View {
 
     /// Limits the zoom to half the fitted size (or 0.25, so that 1:1 is in reach anywhere) … [`MAX_POINTS_PER_PIXEL`].
     fn limited(&self, points_per_pixel: f32) -> f32 {
+        // Before the first frame the fitted size is unknown.
         let fit = if self.fit_points_per_pixel > 0.0 { self.fit_points_per_pixel } else { 1.0 };
         points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
     }
@@ -179,8 +180,7 @@ impl View {
     }
 }
 
-/// Moves the picture by less than half a pixel of the screen, so that pixel borders fall on the screen's at 1:1 and at
-/// whole multiples: one in the middle of a screen pixel would flicker between its neighbours.
+/// Moves the picture by less than half a screen pixel, so that its pixels' borders fall on the screen's.
 fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     let px_per_pixel = transform.scale() * pixels_per_point;
     if px_per_pixel < 0.999 || (px_per_pixel - px_per_pixel.round()).abs() > 1e-3 {
@@ -188,6 +188,7 @@ fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     }
     let centre = transform.anchor_from();
     let border_ui = transform.pos(pos2(centre.x.floor() - 0.5, centre.y.floor() - 0.5));
+    // A border in the middle of a screen pixel would flicker between its neighbours.
     let on_screen = |x: f32| (x * pixels_per_point).round() / pixels_per_point;
     transform.shifted(Pos2::new(on_screen(border_ui.x), on_screen(border_ui.y)) - border_ui)
 }

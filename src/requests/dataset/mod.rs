@@ -57,13 +57,13 @@ pub struct OpenDataset {
     pub strays: Vec<PathBuf>,
     /// Files of its only burst; `None` if there are several bursts.
     pub frames_of_one: Option<usize>,
-    /// Folder in which features are kept; `None` if none was given and the dataset has none of its own.
+    /// Folder of kept features; `None` without a given or default folder.
     pub folder: Option<PathBuf>,
     pub folder_error: Option<String>,
     /// The parameters for which `finished` holds.
     pub params: SearchParams,
     pub open: OpenOptions,
-    /// For each burst its features in numbers, if it is finished with these parameters.
+    /// Summary of each burst that is finished with `params`.
     pub finished: Vec<Option<FinishedBurst>>,
     pub other_params: Option<SearchParams>,
 }

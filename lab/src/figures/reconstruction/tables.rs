@@ -227,7 +227,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
             series: &all,
         };
         sheet.plot(area, &plot);
-        // Both plots share one legend, in which each method stands once.
+        // The plots share a legend, in which a method stands once.
         for one in all {
             if legend.iter().all(|known| known.label != one.label) {
                 legend.push(one);

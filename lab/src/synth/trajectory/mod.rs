@@ -193,6 +193,7 @@ impl TrajectoryParams {
         let (read_noise_electrons, bits) = (self.read_noise, Some(self.bits));
         let mut camera = Camera { full_scale_electrons, read_noise_electrons, black_level: 0.0, bits };
         camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(min_black);
+        // In the dark scene white stays far below full scale: the gain rises no further.
         let gain = electrons / full_scale_electrons;
         NoisyExposure { gain, camera, mean_signal: gain * levels.mean() }
     }
@@ -207,6 +208,7 @@ impl Trajectory {
         params.check()?;
         monitor.report(Stage::Synth, 0.0);
         let lens = Lens { width: params.width, height: params.height, focal_px: FOCAL_SHARE * params.width as f64 };
+        // In this order: sheets have to be large enough for the path, and speeds follow from the depths in view.
         let stations = world::stations(params);
         let planes = world::planes(params, &lens, &stations, monitor)?;
         let (mut cameras, mut slopes) = (Vec::new(), Vec::new());

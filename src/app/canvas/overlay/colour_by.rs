@@ -18,7 +18,7 @@ pub struct ColourScale {
     pub min: f32,
     /// Value of the last colour; the magnitude of full saturation for the directions of a plane of slopes.
     pub max: f32,
-    /// Of slopes on a line, degrees from +u towards +v: the colours then run along it, not around a wheel.
+    /// Direction of slopes on a line, degrees from +u towards +v: colours then run along the line, not around a wheel.
     pub line_deg: Option<f32>,
     table: Vec<Color32>,
     coherences: Option<Arc<Vec<Judged>>>,
@@ -50,6 +50,7 @@ impl ColourScale {
                 (-limit, limit)
             }
         };
+        // Features without the quantity are grey, which the legend has to explain.
         let lacks_some = by.quantity().is_some_and(|quantity| features.iter().any(|f| quantity.is_empty(f)));
         Self { lacks_some, ..Self::with_range(by, min, max) }
     }
@@ -125,7 +126,7 @@ impl ColourScale {
         value.filter(|value| value.is_finite()).map_or(UNKNOWN, |value| self.along(value))
     }
 
-    /// Of what moves by `slope`, where the colours show that.
+    /// Colour of a motion by `slope`, where colours show motion.
     pub fn of_slope(&self, slope: Slope) -> Color32 {
         if self.by == ColourBy::Speed {
             return self.along(slope.magnitude());
@@ -179,6 +180,7 @@ impl ColourScale {
                 by.unit()
             ),
         };
+        // Screen readers read the text in place of the colours.
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         response.on_hover_text(text)
     }

@@ -76,7 +76,7 @@ pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlaySty
     }
 }
 
-/// One thread does it: to wake others takes longer than the few hundred features that a view bears.
+/// On one thread: waking others takes longer than the few hundred features that a view bears.
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
     let pixels_per_point = output.painter.pixels_per_point();
     let visible: Vec<usize> = (0..features.len())

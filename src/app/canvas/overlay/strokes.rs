@@ -28,9 +28,9 @@ impl Strokes {
         }
     }
 
-    /// Adds the vertices across a stroke, `at` distances from its middle, and returns their number: four, from one soft
-    /// edge over the solid part to the other, or three for a line so thin that nearly all of it is soft edge.
+    /// Adds the vertices across a stroke, `at` distances from its middle, and returns their number.
     fn across(&mut self, width: f32, colour: Color32, at: impl Fn(f32) -> Pos2) -> u32 {
+        // So thin a line is nearly all soft edge: three vertices in place of four.
         if width < 1.7 * self.feather {
             // Covers as much area as four vertices would.
             let reach = width;
