@@ -197,7 +197,7 @@ impl State {
     }
 
     fn keep(&mut self, kept: StoredTrail, budget_bytes: usize) {
-        // A trail stands for all of its search, from which they can be judged again.
+        // A search needs one trail only: the others are judged from it.
         let replaced =
             |other: &StoredTrail| other.key == kept.key || other.cache.trail.shares_search(&kept.cache.trail);
         self.kept.retain(|other| !replaced(other));

@@ -77,7 +77,7 @@ pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     });
     let noted = lost.clone();
     device.on_uncaptured_error(Arc::new(move |error| match error {
-        // Pictures lack memory where it may be refused. Without it for letters and shapes the device is of no use.
+        // Pictures cope with refused memory. Without memory for letters and shapes a device is of no use.
         wgpu::Error::OutOfMemory { .. } => lose_without_memory("it has no memory left".to_owned()),
         // Requests to a lost device fail.
         _ if noted.get().is_some() => {}

@@ -102,7 +102,7 @@ impl Preset {
             }
             Self::Slice => {
                 let stack = at(&|p| p.show(moving));
-                // Along a line of slopes nothing moves across, and that slice would show only noise.
+                // On a line of slopes nothing moves across the line: that slice would show nothing slanted.
                 let both = params.used_slopes().is_plane();
                 let axes = if both { &SliceAxis::ALL[..] } else { &SliceAxis::ALL[..1] };
                 let slices = axes.iter().map(|&axis| at(&|p| p.show_slice(axis))).collect();
