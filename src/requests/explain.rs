@@ -1,5 +1,5 @@
 //! Explanations of a detection: the spectrum of slopes, the survey of candidates and the false rate by decoys, the
-//! losses of features whose truth is known, the fate of single places and candidates, and how evenly the frames contribute.
+//! losses of features whose truth is known, the fate of single places and candidates, and the shares of the frames.
 
 use super::detect::MatchRequest;
 use super::error::JobError;

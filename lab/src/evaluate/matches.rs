@@ -1,7 +1,7 @@
 //! Matching between the bursts of a dataset: the columns of the paper's Table 1 that need no reconstruction.
 //!
 //! Every method finds the features of every burst, with the same parameters and a noise gate of the same rate of false
-//! features; the features of chosen pairs of bursts are matched, verified and aligned as everywhere. As in the paper, an
+//! features; the features of chosen pairs of bursts are matched, verified and aligned as usual. As in the paper, an
 //! image's matches with all others are added up: each counts for both of its images, and ratios may exceed 1.
 //!
 //! # The gold standard

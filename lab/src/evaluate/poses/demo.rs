@@ -1,4 +1,4 @@
-//! A reconstruction that is built in, for lessons: eight dark bursts of a way forward and to the side, past four planes.
+//! A reconstruction that is built in, for lessons: eight dark bursts of a way forward and to the side, past 4 planes.
 //!
 //! Made by the program from the 300 strongest features of each burst, and by COLMAP's mapper (pycolmap 4.2.1). Stored
 //! as that wrote it, in text, but without the keypoints that became no points and with fewer digits:

@@ -1,6 +1,6 @@
 //! COLMAP's sparse models: registered images with their poses, and the points that they have in common.
 //!
-//! A model is a folder of files, all in binary or all in text. Only poses and points are read: `images` (pose, name, the
+//! A model is a folder of files, all in binary or all in text. Only poses and points are read: `images` (pose, name,
 //! keypoints that became points) and `points3D` (place, reprojection error, length of the track); intrinsics, positions
 //! of keypoints and colours are skipped. Format: <https://colmap.github.io/format.html>.
 
