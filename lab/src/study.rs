@@ -18,7 +18,7 @@ use burstscope_core::plane::Plane;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// A study.
+/// A study of any kind, with the bursts that it needs.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Study {
     /// Detection in the dark, over ratios: ROC curves, discs found, false features.
@@ -33,8 +33,7 @@ pub enum Study {
     Recover(Box<RecoverStudy>, BurstsOfStudy),
 }
 
-/// The bursts of [`Study::BurstFrames`] and [`Study::Recover`]. Only identical ones are equal, not ones with equal
-/// content.
+/// The bursts of [`Study::BurstFrames`] and [`Study::Recover`]; equal if identical, not if of equal content.
 #[derive(Debug, Clone)]
 pub struct BurstsOfStudy {
     /// The burst.
@@ -120,8 +119,7 @@ pub struct ShownChart {
 }
 
 impl ShownChart {
-    /// The judged features at the threshold where the share of false ones is that of the study's curves; all features
-    /// if `all` is set, or where the study has no such share.
+    /// Judged features at the threshold of the study's share of false ones; all of them for `all`, or without a share.
     pub fn judged(&self, all: bool) -> Vec<Judged> {
         let fraction = match &self.of.study {
             Study::Chart(study) => Some(study.false_fraction),
@@ -135,10 +133,7 @@ impl ShownChart {
 }
 
 impl ChartOfStudy {
-    /// Makes the chart again and searches it again, as the study did.
-    ///
-    /// # Errors
-    /// As [`Study::run_telling`].
+    /// Makes and searches the chart again, as the study did; errors as of [`Study::run_telling`].
     pub fn show(self, monitor: &Monitor) -> Result<ShownChart> {
         let StudyPoint { row_value, method } = self.point;
         let looked = match &self.study {
@@ -169,6 +164,7 @@ impl Study {
     /// # Errors
     /// A parameter of study, chart or detector that makes no sense, or cancellation.
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(StudyReport) + Sync)) -> Result<StudyReport> {
+        // Each kind has a report of its own type: partial and final ones are wrapped alike.
         fn as_one<R>(
             one: fn(Box<R>) -> StudyReport,
             tell: &(dyn Fn(StudyReport) + Sync),
@@ -211,8 +207,7 @@ impl Study {
 }
 
 impl StudyReport {
-    /// The peak thresholds at which all methods have the same share of false detections, at a ratio of the study: the
-    /// row `row`, or the last one if there are fewer. `None` for other studies than of charts.
+    /// Peak thresholds of one share of false detections, at row `row` or the last one; `None` for other studies.
     pub fn same_false_rate(&self, row: usize) -> Option<SameFalseRate> {
         let Self::Chart(report) = self else { return None };
         let row = report.rows.get(row).or(report.rows.last())?;

@@ -1,5 +1,4 @@
-//! Arguments that several commands share (how bursts are opened, cut and searched, what is printed and written over),
-//! and those of the plain commands: names, kinds and help texts. Checks of their combinations are elsewhere.
+//! Arguments that several commands share, and those of the plain commands: names, kinds and help texts.
 
 use super::search_options::SearchArgs;
 use crate::burst::{FrameRange, OpenOptions};

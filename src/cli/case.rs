@@ -57,7 +57,7 @@ pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
     let (case, part) =
         Case::of(&burst, &search, (args.at, args.around.map(|px| px as usize)), &args.note, &console.monitor)?;
     rules.check(&args.out)?;
-    // A truth that is damaged, or of other pictures, is none.
+    // A damaged truth, or a truth of other pictures, is left out.
     let enclosed = Enclosed { session: None, truth: truth_of(&burst).unwrap_or_default() };
     write_case(&args.out, (&case, &part), &enclosed, &console.monitor.part(0.5, 0.5))?;
     console.monitor.check()?;

@@ -64,6 +64,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         console.complain(&format!("{name}: {error}"));
         failures.push(FailureReport { name: name.to_owned(), error });
     };
+    // Bursts that cannot be opened are reported before the long search; the others go on.
     let mut bursts: Vec<BurstFiles> = Vec::new();
     for input in inputs {
         match input.source {
@@ -72,6 +73,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         }
     }
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
+    // Files that the command reads must never be replaced by those it writes.
     let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file()].into_iter().flatten().cloned();
     let store = FeatureStore::open(&args.out, &job.features)?.and_opened(opened.collect());
     let mut store = store.comparing(comparison);
@@ -82,6 +84,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         tell_what_was_left(&report).iter().for_each(|line| console.note(line));
         gathered = Some(report);
     }
+    // An event returns no error: a closed output is kept until the work is done.
     let mut said = Ok(());
     let mut on = |event: BurstEvent<'_>| match event {
         BurstEvent::Begin(index) => {

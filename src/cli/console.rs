@@ -1,5 +1,4 @@
-//! Terminal of a command: results on the standard output, progress on the standard error, and signals such as Ctrl-C,
-//! which cancel the work.
+//! Terminal of a command: results on the standard output, progress on the standard error, signals cancel the work.
 
 use super::args::OutputArgs;
 use super::failure::{Failure, complain, print, print_json, printable};
@@ -71,6 +70,7 @@ impl Console {
         if self.output.json || self.output.quiet {
             Ok(())
         } else {
+            // The bar would be drawn into the text.
             self.bar.suspend(|| print(text)).map_err(Failure::output)
         }
     }

@@ -66,6 +66,7 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     let options = open_options(&inputs, &args.run.calibration)?;
     job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
+    // All files are checked, and the folder is locked, before the first search.
     let folder = job.take_folder(&inputs, &[])?;
     let count = inputs.len();
     let mut report = DetectReport { params: &params, bursts: Vec::new(), failures: Vec::new() };
@@ -119,6 +120,7 @@ pub(super) fn detect_burst(
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     let start = Instant::now();
+    // Checked again: the search took long, and the folder may have changed.
     folder.check()?;
     job.files(&name).iter().try_for_each(|file| job.rules.check(file))?;
     let files = write_detection(job.out, &name, &detection, &job.formats)?;

@@ -27,6 +27,7 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
 }
 
 fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
+    // A wrong ending is reported before the long study.
     if let Some(path) = &args.plot {
         check_plot(path)?;
     }
@@ -84,6 +85,7 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
     };
     let white = args.bits.iter().flat_map(|bits| args.sigma.iter().map(|&sigma| NoiseLevel::white(sigma, bits.0)));
     let of_case = |&case: &NoiseCase| NoiseLevel { case, sigma: args.case_sigma, bits: None, mean: args.case_level };
+    // Named kinds take the place of white noise; without names all kinds are measured.
     let levels = match &args.case[..] {
         [] => white.chain(NoiseCase::ALL.iter().filter(|&&case| case != NoiseCase::White).map(of_case)).collect(),
         cases => cases.iter().map(of_case).collect(),

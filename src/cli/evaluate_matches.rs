@@ -126,6 +126,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
             let silent = console.monitor.silent();
             match (shot, &golds) {
                 (Shot::Gold, Some(golds)) => Ok(golds[k].open(&OpenOptions::default(), &silent)?),
+                // Without --gold the frames before the noise are the sharp images.
                 (Shot::Gold, None) => Ok(inputs[k].open(&options, &silent)?),
                 (Shot::Burst, _) => {
                     let burst = inputs[k].open(&options, &silent)?;
@@ -162,6 +163,7 @@ fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<BurstMethod>, Failu
         return Ok(once_each(&args.methods));
     }
     use BurstMethod::{Buff1d, Buff2d, BuffAuto, SiftFrame, SiftMerge};
+    // Given ranges are for BuFF 1D and 2D; without a range each burst's own slopes are found.
     let finds_slopes = args.run.search.params()?.slopes.is_auto();
     let buff: &[BurstMethod] = if finds_slopes { &[BuffAuto] } else { &[Buff1d, Buff2d] };
     let gold = has_gold.then_some(&BurstMethod::Gold);

@@ -114,6 +114,7 @@ pub(super) fn burst_frames_table(report: &BurstFramesReport) -> String {
         ("putative", |row| row.matches.map(|m| m.putative)),
         ("inliers", |row| row.matches.and_then(|m| m.inliers)),
     ];
+    // Truth and second burst may be missing: a column without any value is left out.
     let is_known = |(_, value): &Column| report.rows.iter().any(|row| value(row).is_some());
     let columns: Vec<Column> = columns.into_iter().filter(is_known).collect();
     let heads: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
@@ -140,7 +141,7 @@ fn accuracy_table(row: &AccuracyRow) -> String {
     let counts = |words: &str, RangeCount { discs, found, marked }: RangeCount| {
         format!("{words} {discs}, found {found}, of these on the rim of the slopes {marked}\n")
     };
-    // Of no disc there is no error.
+    // Without discs there are no errors.
     let number = |x: f64| or_dash((!x.is_nan()).then_some(x), |x| format!("{x:.4}"));
     let line = |words: &str, [median, most]: [f64; 2], signed: String| {
         vec![words.to_owned(), number(median), number(most), signed]

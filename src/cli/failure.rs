@@ -59,6 +59,7 @@ impl From<Error> for Failure {
     fn from(error: Error) -> Self {
         match error.kind {
             ErrorKind::Cancelled => Self::Interrupted,
+            // The subject of a parameter's error is the name of the option.
             ErrorKind::Parameter if error.subject.is_empty() => Self::usage(error.to_string()),
             ErrorKind::Parameter => Self::usage(format!("--{error}")),
             _ => Self::Failed(error.into()),

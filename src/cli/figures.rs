@@ -53,6 +53,7 @@ pub(super) fn run(args: &FiguresArgs) -> Result<(), Failure> {
     };
     let console = Console::new(&args.output)?;
     console.show_time_left();
+    // An event returns no error: a closed output is kept until the work is done.
     let mut said = Ok(());
     let mut on = |event: FiguresEvent<'_>| match event {
         FiguresEvent::Begin { figure, index, count } => {

@@ -74,6 +74,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         detection: None,
         max_side_px: args.max_side as usize,
     };
+    // Marks of a film have slopes, whichever method the options name.
     if !args.no_features {
         let params = SearchParams { method: Method::Buff, ..params };
         let searched = search(&film.burst.burst, &params, &console.monitor.part(0.1, 0.3))?;
@@ -81,6 +82,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     }
     let features = film.detection.as_ref().map_or(0, |detection| detection.features.len());
     let count = film.steps().len();
+    // Two pictures come first, because the size of the file is reported before the long work.
     let [first, middle] = film.samples(&rasterise, &console.monitor.part(0.4, 0.1))?;
     let (width, height) = first.dimensions();
     let estimated = estimated_film_bytes([&first, &middle], count);
@@ -90,6 +92,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         args.rate,
         megabytes(estimated)
     ))?;
+    // Asked again when the file is whole, because somebody may have written there meanwhile.
     let may_write = || rules.check(&args.out);
     film.write(&args.out, args.rate, &rasterise, &may_write, &console.monitor.part(0.5, 0.5))?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());

@@ -27,7 +27,6 @@ pub(super) const DEMO: &str = "demo";
 pub(super) struct Input {
     /// Name of the burst, after which its files are named; unique among the inputs.
     pub name: String,
-    /// Source of the burst, or why it was not found.
     pub source: Result<BurstSource, Error>,
 }
 
@@ -67,8 +66,7 @@ impl Input {
     }
 }
 
-/// Resolves `arguments`, opened with `options`, to bursts, in their order; all files come at the place of the first
-/// file.
+/// Resolves `arguments` to bursts opened with `options`, in order; all files come where the first file stands.
 pub(super) fn resolve(arguments: &[PathBuf], options: &OpenOptions) -> Vec<Input> {
     let mut inputs = Vec::new();
     let mut files_done = false;
@@ -109,6 +107,7 @@ pub(super) fn resolve_bursts(
     if inputs.iter().any(Input::is_built_in) {
         return Err(Failure::usage("--burst-length: built-in bursts cannot be cut into bursts; leave the option out"));
     }
+    // Bursts are named after their frames: of several inputs these may have the same names.
     let several = inputs.len() > 1;
     let mut bursts = Vec::new();
     for input in inputs {
@@ -139,6 +138,7 @@ fn resolve_files(files: &[PathBuf], options: &OpenOptions) -> Vec<Input> {
         };
     }
     match find_bursts(&present, options) {
+        // Each file is a burst: a missing file fails alone.
         Ok(sources) if present.len() > 1 && sources.len() == present.len() => sources
             .into_iter()
             .map(found)
@@ -187,7 +187,6 @@ pub(super) fn resolve_pair(a: &Path, b: &Path, options: &OpenOptions) -> Result<
     Ok(inputs)
 }
 
-/// Options for opening `inputs` with this calibration.
 pub(super) fn open_options(inputs: &[Input], calibration: &OpenOptions) -> Result<OpenOptions, Failure> {
     match calibration.given().first() {
         Some((name, _)) if inputs.iter().any(Input::is_built_in) => {
@@ -222,7 +221,6 @@ pub(super) struct OneBurst {
     pub console: Console,
     pub input: Input,
     pub options: OpenOptions,
-    /// Rules for the files that it writes.
     pub rules: OutputRules,
 }
 
@@ -239,6 +237,7 @@ impl BurstSearchArgs {
         let input = resolve_one(inputs, command, &self.calibration)?;
         let options = open_options(std::slice::from_ref(&input), &self.calibration)?;
         let rules = overwrite.rules(std::slice::from_ref(&input), &options, &[self.search.file.params.as_ref()]);
+        // Refused before anything is computed.
         outputs.iter().flatten().try_for_each(|path| rules.check(path))?;
         console.begin(format!("{}: ", input.name));
         Ok(OneBurst { console, input, options, rules })

@@ -75,6 +75,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
         ["csv", args.picture.extension()].map(|end| args.out.join(format!("{name}.matches.{end}")));
     let settings = [args.run.search.file.params.as_ref(), args.matching.camera_file()];
     job.rules = args.overwrite.rules(&inputs, &options, &settings);
+    // Features, matches and picture are checked together: refused after the search, the work would be lost.
     let folder = job.take_folder(&inputs, &[matches.clone(), picture.clone()])?;
     let mut found: Vec<(BurstReport, Burst, Detection)> = Vec::with_capacity(2);
     for (index, input) in inputs.into_iter().enumerate() {
@@ -88,9 +89,11 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let result = match_bursts([of(burst_a, a), of(burst_b, b)], &matching, &console.monitor)?;
     let figure = MatchFigure { pictures: args.images, matches: args.drawn, width_mm: args.width };
     let drawing = figure.drawing([of(burst_a, a), of(burst_b, b)], &result, &console.monitor.silent())?;
+    // From here on files are written: a cancelled run leaves none behind.
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
     let rows = match_rows(&a.features, &b.features, &result);
+    // Checked again, because the searches took long.
     folder.check()?;
     [&matches, &picture].into_iter().try_for_each(|file| job.rules.check(file))?;
     write_matches_csv(&matches, &rows)?;
@@ -140,7 +143,6 @@ fn write_figure(path: &Path, drawing: &Drawing) -> Result<(), Failure> {
     Ok(crate::export::write_drawing_svg(path, drawing)?)
 }
 
-/// Reads how many matches are drawn.
 fn parse_drawn(text: &str) -> Result<FigureAmount, String> {
     let bad = || format!("'{text}' is no number of matches; give 'all' or a whole number from 1 on");
     match text {

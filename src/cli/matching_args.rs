@@ -22,6 +22,7 @@ impl Args for MatchingArgs {
     fn augment_args(command: Command) -> Command {
         let options = doc::ALL.map(|record| {
             let arg = option(record);
+            // In the help only: the default geometry depends on whether a camera is given.
             if record == doc::GEOMETRY {
                 arg.help(format!("{}, or essential with a camera]", record.short_help().trim_end_matches(']')))
             } else if record == doc::CAMERA {
@@ -47,6 +48,7 @@ impl FromArgMatches for MatchingArgs {
         Ok(Self {
             given: Given::among(&others, matches),
             camera: matches.get_one::<Camera>(doc::CAMERA.name).cloned(),
+            // A camera may be given in words, which name no file.
             camera_file: camera_file.filter(|path| path.is_file()),
         })
     }

@@ -75,6 +75,7 @@ pub enum Host {
 
 /// In the process `host`; files are decoded by `worker`. Returns the exit code.
 pub fn run_in(arguments: &[OsString], worker: Option<DecodeWorker>, host: Host) -> u8 {
+    // Before all else: a worker decodes foreign bytes, and neither parses options nor opens a window.
     if arguments.get(1).is_some_and(|first| first == DECODE_WORKER) {
         return arguments.get(2).map_or(2, |path| serve_decoding(Path::new(path)));
     }

@@ -56,7 +56,7 @@ pub(super) fn what_to_open(
                 ));
             }
             Ok(_) => {}
-            // The others are opened all the same.
+            // A stray picture does not keep the bursts from opening.
             Err(error) if error.kind == ErrorKind::Stray => complain(&error.to_string()),
             Err(error) => return Err(error.into()),
         }

@@ -35,6 +35,7 @@ pub(super) fn option<P: Default + 'static>(record: Param<P>) -> Arg {
         .value_name(record.placeholder)
         .help(record.short_help())
         .long_help(record.long_help());
+    // A value that may begin with a minus would be taken for an option.
     let negative = record.bounds.is_some_and(|bounds| *bounds.span().start() < 0.0);
     let mut default = P::default();
     let field = (record.field)(&mut default);

@@ -38,6 +38,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let asked = ProbeOptions { wanted, ..ProbeOptions::default() };
     let answer = probe(&cache, args.at.unwrap_or_default(), &asked, &console.monitor)?;
     console.monitor.check()?;
+    // Before the price, so that interrupting its search leaves the figure.
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
         rules.check(path)?;
@@ -86,6 +87,7 @@ const SEARCH_SHARE: f32 = 0.8;
 pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
     let mut params = args.run.search.params()?;
     let set_up = args.set_up.set_up();
+    // The set-up alone gives slopes: no burst is opened.
     if args.inputs.is_empty() {
         let set_up = set_up.ok_or_else(|| {
             Failure::usage("slopes: name a burst, or give the set-up with --speed, --fps, --focal-px and --depth")
@@ -104,6 +106,7 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
     if let Some(set_up) = &set_up {
         let positions = burst.positions.part(params.used_frames(burst.len()));
         let slopes = SetUpArgs::slopes(set_up, &positions, &params.at_given())?;
+        // A range that the user gave is searched and judged; otherwise the slopes of the set-up are searched.
         if params.slopes.is_auto() {
             params.slopes = slopes.grid.into();
         }

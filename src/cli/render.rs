@@ -32,6 +32,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     }
     let play = args.play.as_deref().map(steps_of).transpose()?;
     let settings = [args.search.file.params.as_ref(), args.play.as_ref()].into_iter();
+    // Inputs are read: a session or a case among them must not be replaced by the picture.
     let settings = settings.chain(args.inputs.iter().map(Some));
     let rules = args.overwrite.rules(&resolve(&args.inputs, &calibration), &calibration, &settings.collect::<Vec<_>>());
     let startup = match play {
@@ -78,7 +79,6 @@ pub(super) fn drawn(options: &RenderOptions, file: &Path) -> Result<(), Failure>
     }
 }
 
-/// Reads what is to be done again.
 fn steps_of(path: &Path) -> Result<Steps, Failure> {
     let read = read_text(path, MAX_SESSION_BYTES).map_err(|error| error.to_string());
     // A list may come from a stranger, and would choose the folder.
@@ -91,7 +91,6 @@ fn steps_of(path: &Path) -> Result<Steps, Failure> {
         .map_err(|error| Failure::usage(format!("--play: {error}: {}", path.display())))
 }
 
-/// Start of a window with what is to be opened.
 pub(super) fn startup_of(opening: Opening) -> Result<Startup, Failure> {
     let none = Startup { source: None, ..Startup::default() };
     match opening {

@@ -39,7 +39,6 @@ pub(super) struct BurstReport {
     /// Column and row of each view of a light field from the first one; absent for frames in time.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     views: Vec<[f64; 2]>,
-    /// Seconds of a frame interval; absent where they are not known.
     #[serde(skip_serializing_if = "Option::is_none")]
     interval_s: Option<f64>,
     /// Slopes in pixels per second, a clause.
@@ -67,7 +66,6 @@ pub(super) struct BurstReport {
     #[serde(skip)]
     notes: Vec<Note>,
     pub features: usize,
-    /// Files that were written, by format; absent where none was.
     #[serde(skip_serializing_if = "BTreeMap::is_empty")]
     files: BTreeMap<String, String>,
     frame_noise: f32,
@@ -76,7 +74,6 @@ pub(super) struct BurstReport {
     noise_gate_factor: f32,
     octaves: [i32; 2],
     slope_grid: SlopeGrid,
-    /// Result of finding the slopes; absent where they were given.
     #[serde(skip_serializing_if = "Option::is_none")]
     slopes_found: Option<SlopeFinding>,
     slopes: Vec<SlopeCount>,
@@ -85,7 +82,6 @@ pub(super) struct BurstReport {
     /// Judgement of the slopes; absent for a method without slopes and for a single frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     slopes_judged: Option<SlopeJudgement>,
-    /// Advice where there are no or few features; `None` (null) otherwise.
     advice: Option<AdviceReport>,
 }
 
@@ -230,6 +226,7 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     line("noise", &format!("{noise:.5} of full scale in a frame; noise gate {gate:.2} σ{rule}"));
     report.noise.warnings.iter().for_each(|warning| line("warning", &warning.text));
     if let Some(finding) = &report.slopes_found {
+        // A judgement says itself how the slopes fit, so that the finding can be shorter.
         let is_judged = report.slopes_judged.is_some();
         line("slopes", &if is_judged { finding.summary_beside_judgement() } else { finding.summary() });
     }
@@ -251,6 +248,7 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     if let Some(count) = report.tally.not_searched {
         text += &format!("  besides\n    {:>15}  {NOT_SEARCHED}\n", grouped(count));
     }
+    // Anew, because the lines between write to `text` themselves.
     let mut line = |head: &str, words: &str| text += &format!("  {head:<9} {words}\n");
     if let Some(advice) = &report.advice {
         line("note", &advice.message);
@@ -275,6 +273,7 @@ fn histogram(slopes: &[SlopeCount], rate: Option<&str>) -> String {
     let max = slopes.iter().map(|s| s.features).max().unwrap_or(0).max(1);
     let mut counts: Vec<usize> = slopes.iter().map(|s| s.features).filter(|&n| n > 0).collect();
     counts.sort_unstable_by(|a, b| b.cmp(a));
+    // Of many slopes those with the most features are shown, in the order of the grid.
     let min = counts.get(SLOPES_SHOWN - 1).copied().unwrap_or(1);
     let shown: Vec<&SlopeCount> = slopes.iter().filter(|s| s.features >= min).take(SLOPES_SHOWN).collect();
     let rate = rate.map_or(String::new(), |rate| format!("; {rate}"));

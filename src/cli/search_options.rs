@@ -34,6 +34,7 @@ impl Args for SearchArgs {
     fn augment_args(command: Command) -> Command {
         let command = ParamsFileArg::augment_args(command.allow_negative_numbers(true));
         let options = doc::ALL.map(|record| {
+            // `auto` is the only word for slopes, and a range beside it would contradict it.
             if record == doc::SLOPES {
                 option(record).value_parser([AUTO]).conflicts_with_all([doc::SLOPES_U.name, doc::SLOPES_V.name])
             } else {

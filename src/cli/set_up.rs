@@ -86,6 +86,7 @@ pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes
 }
 
 pub(super) fn depths(set_up: &SetUp, spectrum: &Spectrum) -> Vec<SlopeDepth> {
+    // Where nothing was found there is nothing whose depth could be meant.
     let with_features = spectrum.bars.iter().filter(|bar| bar.features > 0);
     with_features
         .map(|bar| SlopeDepth { slope: bar.slope, features: bar.features, depth_m: set_up.depth_at(bar.slope) })

@@ -1,5 +1,4 @@
-//! Images of a burst as 32-bit float TIFF: `stack` writes the motion-stack image at a slope, its DoG response, all in
-//! focus, or the field of motion; `merge` the merged frames.
+//! `stack` writes a motion stack, its DoG response, all in focus or the field as TIFF; `merge` the merged frames.
 
 use super::args::{MergeArgs, StackArgs};
 use super::console::Console;
@@ -27,6 +26,7 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     let OneBurst { console, input, options, rules } =
         args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
+    // A search on merged frames has one frame, and its stack is that frame's.
     let (burst, params) = prepare(&burst, &params, &console.monitor)?;
     let image = match (args.octave, args.level) {
         (Some(octave), Some(level)) => dog_view(&burst, &params, slope, octave, level, &console.monitor)?,
@@ -47,6 +47,7 @@ fn run_field(args: &StackArgs) -> Result<(), Failure> {
     let OneBurst { console, input, options, rules } =
         args.run.begin("stack", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let burst = input.open(&options, &console.monitor)?;
+    // The field needs the range of slopes: unless given, it is found first.
     let (params, _) = resolve(&burst, &params, &console.monitor)?;
     let no_field = || Failure::usage(format!("{}: {NO_FIELD}", burst.name));
     if !args.field {
@@ -91,6 +92,7 @@ fn write_image(
     console.monitor.report(Stage::Write, 0.0);
     rules.check(&args.out)?;
     write_tiff(&args.out, image)?;
+    // Summed as f64: millions of f32 values would not keep the mean.
     let (mut low, mut high, mut sum) = (f32::INFINITY, f32::NEG_INFINITY, 0.0f64);
     for &x in image.data() {
         (low, high) = (low.min(x), high.max(x));
@@ -128,6 +130,7 @@ pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
     params.validate_frames(burst.len())?;
     let used = params.used_frames(burst.len());
     let merged = merge_burst(&burst, used.clone(), &console.monitor)?;
+    // The noise of frame and image, which report the gain of merging.
     let noise_of_frame = frame_noise(&burst, used.clone(), &console.monitor)?;
     let noise_of_merge = frame_noise(&merged, 0..1, &console.monitor)?;
     console.monitor.check()?;

@@ -32,6 +32,7 @@ pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Resul
 
 fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<Searched, Failure> {
     let params = search.params()?;
+    // Either option asks for slopes to be found, which only some commands and methods do.
     let asked = [doc::SLOPES, doc::SLOPE_DIRECTION];
     if let Some(doc) = asked.iter().find(|record| search.gives(record) && params.slopes.is_auto() && !may_find) {
         return Err(Failure::usage(format!("--{}: {remedy}", doc.name)));

@@ -39,6 +39,7 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let inputs = resolve(&args.inputs, &args.calibration);
     let options = open_options(&inputs, &args.calibration)?;
+    // Before the pass over all frames, which takes long.
     OutputRules::new(opened(&inputs, &options, &[]), Overwrite::Refuse).check_folder(&args.out)?;
     let exposure = params.exposure(&levels_of(&inputs, &options, &console)?)?;
     let names: Vec<String> = inputs.iter().map(|i| safe_file_name(&i.name)).collect();
@@ -63,7 +64,6 @@ pub(super) fn levels_of(inputs: &[Input], options: &OpenOptions, console: &Conso
     Ok(levels)
 }
 
-/// Writes bursts along a camera's trajectory, with its poses.
 fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let light = match (args.snr, args.electrons) {

@@ -8,8 +8,7 @@ use crate::monitor::Monitor;
 use crate::synth::{Truth, synth_chart, synth_scene};
 use clap::Parser;
 
-/// The burst that `synth` with these `arguments`, a chart or a scene and its options, writes into a folder, with its
-/// mask.
+/// The burst that `synth` writes with these `arguments` (a chart or a scene and its options), with its mask.
 pub fn synthetic_burst(arguments: &[String], monitor: &Monitor) -> Result<(Burst, Truth), Failure> {
     // The folder is not used.
     let line = ["burstscope", "synth"].into_iter().chain(arguments.iter().map(String::as_str)).chain(["--out", "."]);

@@ -1,5 +1,4 @@
-//! Opens the window, when no command is given. Without a display it draws the window into a file and prints the
-//! features.
+//! Opens the window when no command is given; without a display draws it into a file and prints the features.
 
 use super::args::OutputArgs;
 use super::commands::{Cli, Command};
@@ -27,7 +26,7 @@ const TABLE_ROWS: usize = 20;
 
 pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let params = match cli.inputs.as_slice() {
-        // A case has its own settings. One that cannot be read is reported when it is opened.
+        // A case has its own settings. A damaged case is reported when it is opened.
         [case] if is_case(case) && cli.params.params.is_none() => read_params(case).unwrap_or_default(),
         _ => cli.params.read()?,
     };
@@ -38,6 +37,7 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     let demo = [PathBuf::from(DEMO)];
     let inputs = if cli.inputs.is_empty() { &demo[..] } else { &cli.inputs };
     let opening = what_to_open(inputs, cli.sequence, &calibration)?;
+    // Inputs are resolved first: wrong ones are errors with or without a display.
     if !has_display() {
         return match opening {
             Opening::Burst(input) => without_display(input, None, params, calibration),

@@ -1,6 +1,6 @@
 //! Conversion of a panic into a message with its place in the source.
 //!
-//! Only the panic hook is told the place. So a hook, in front of the existing one, records it under the thread's name;
+//! Only the panic hook gets the place. So a hook, in front of the existing one, records it under the thread's name;
 //! the threads of the queue and their pools have distinct names.
 
 use crate::plane::memory;
@@ -23,6 +23,7 @@ pub(super) fn install_hook() {
                 && let Some(key) = name.strip_prefix(THREAD_PREFIX)
             {
                 let mut places = PLACES.lock().unwrap_or_else(PoisonError::into_inner);
+                // A panic in a pool surfaces in the thread that waits for the pool: all of them share one key.
                 places.get_or_insert_default().insert(shared_key(key).to_owned(), place.to_string());
             }
             before(info);

@@ -1,5 +1,5 @@
 //! Kinds of background work: each with its urgency, a function from requests to answers, and a place where these are
-//! polled. Before the one answer, work may tell partial results.
+//! polled. Before the one answer, work may report partial results.
 
 use super::queue::{JobKey, JobQueue, Lane, Manner, Publish, QueuedJob, Standing};
 use super::{OnUpdate, fault};
@@ -45,7 +45,7 @@ impl<Q, A, P> Shared<Q, A, P> {
     fn answer(&self, slot: u32, id: JobId, result: Result<A, JobError>, elapsed: Duration) {
         let mut news = self.news();
         if matches!(result, Err(JobError::Superseded)) {
-            // Partial results of a superseded request are dropped: the newer request tells its own.
+            // Partial results of a superseded request are dropped: the newer request reports its own.
             news.partial.retain(|(of, _)| *of != id);
         }
         news.answers.push((slot, JobAnswer { id, result, elapsed }));
@@ -103,7 +103,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         self.queue.publish(self.key(slot), |id| self.shared.answer(slot, id, Ok(answer), Duration::ZERO))
     }
 
-    /// Cancels what runs and what waits; the answer of each is [`JobError::Cancelled`].
+    /// Cancels running and waiting requests, whose answers are [`JobError::Cancelled`].
     pub fn cancel(&self) {
         self.queue.cancel(self.key(0));
     }
@@ -137,7 +137,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> QueuedJob for Type
         let Self { request, slot, grace, shared } = *self;
         let started = Instant::now();
         let tell = |told: P| {
-            // Cancelled work may still tell a partial result, which is dropped.
+            // Cancelled work may still report a partial result, for which nobody waits.
             if !monitor.is_cancelled() {
                 shared.news().partial.push((id, told));
                 (shared.on_update)();
@@ -146,6 +146,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> QueuedJob for Type
         let result = fault::guard(thread, || (shared.work)(request, &tell, monitor));
         let elapsed = started.elapsed();
         Box::new(move |standing| {
+            // With grace, an answer to an older request that comes in time is better than none; without, it is stale.
             let unwanted = match standing {
                 Standing::Latest => false,
                 Standing::Superseded => grace.is_zero() || matches!(result, Err(JobError::Cancelled)),

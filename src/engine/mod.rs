@@ -1,5 +1,4 @@
-//! Background work: takes requests and publishes answers, so that the asker never waits. Nothing here names a kind of
-//! request or depends on the window.
+//! Background work: takes requests and publishes answers, so that no asker waits. Nothing here names a kind of request.
 //!
 //! A part of the window that shows an answer holds a [`Wanted`], which asks for one thing at a time: the latest request
 //! wins, so scrubbing stays live while a detection runs. Each request ends in exactly one answer, which is published
@@ -43,7 +42,6 @@ impl std::fmt::Debug for Engine {
 }
 
 impl Engine {
-    /// `on_update` is called, from any thread, whenever there is news.
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let queue = Arc::new(JobQueue::new(on_update));
         Self { tasks: task::Tasks::new(&queue), stores: Stores::new(cache_bytes), queue }

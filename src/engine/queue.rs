@@ -35,7 +35,7 @@ pub struct JobKey {
 pub(super) struct Manner {
     pub(super) urgency: Urgency,
     pub(super) grace: Duration,
-    /// Lane: of its requests one runs at a time, in the order in which their keys asked.
+    /// Requests of a lane run one at a time, in the order in which their keys asked.
     pub(super) lane: Lane,
 }
 
@@ -108,7 +108,7 @@ impl JobQueue {
         &self.shared.on_update
     }
 
-    /// Submits a request under `key`: it replaces the one that waits and supersedes the one that runs.
+    /// Submits a request under `key`, in place of a waiting one; a running one is superseded.
     pub(super) fn submit(&self, key: JobKey, manner: Manner, job: Box<dyn QueuedJob>) -> JobId {
         let mut state = self.shared.lock();
         let id = state.next_id();
@@ -130,6 +130,7 @@ impl JobQueue {
         let id = state.next_id();
         state.end_waiting(key, &JobError::Superseded);
         state.supersede(key, Standing::Overtaken);
+        // Under the lock, so that no older answer of the key comes later.
         publish(id);
         drop(state);
         (self.shared.on_update)();
@@ -169,6 +170,7 @@ impl Drop for JobQueue {
     fn drop(&mut self) {
         let mut state = self.shared.lock();
         state.stop = true;
+        // Files are still written when the window closes; all else would end without a reader.
         let (written, dropped): (Vec<_>, Vec<_>) =
             std::mem::take(&mut state.waiting).into_iter().partition(|job| job.manner.urgency == Urgency::Write);
         state.waiting = written;

@@ -53,7 +53,7 @@ pub struct Held {
 }
 
 impl Engine {
-    /// Sets the memory that pictures may take which are not on show, bytes.
+    /// Sets the memory for pictures that are not on show, bytes.
     pub fn set_cache_bytes(&self, bytes: usize) {
         self.stores.pictures.lock().set_budget(bytes);
     }
@@ -103,6 +103,7 @@ impl PictureCache {
             return;
         }
         self.clock += 1;
+        // Two requests may compute the same picture at once.
         if let Some((old, _)) = self.entries.insert(picture.request.key(), (picture.clone(), self.clock)) {
             self.bytes -= old.bytes();
         }

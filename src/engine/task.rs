@@ -1,5 +1,4 @@
-//! Tasks: small pieces of work that must not block the window, such as writing a file. Tasks that run or wait are
-//! finished even when the window closes.
+//! Tasks: small work that must not block the window, such as writing a file, finished even when the window closes.
 
 use super::jobs::{JobAnswer, Jobs};
 use super::queue::JobQueue;

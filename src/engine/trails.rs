@@ -1,7 +1,6 @@
-//! Store of the trails of detections: all that the search of an open burst left behind, for requests that explain it. A
-//! trail costs as much as its detection, so the detection makes it in the same search. If it was not kept, the search
-//! is repeated once for all askers; one that differs only in its thresholds is judged from what a kept one left, and
-//! one of other slopes goes on from it.
+//! Store of trails: all that the search of an open burst left behind, for requests that explain it. The detection makes
+//! its trail in the same search. A trail that was not kept is made again once for all askers: judged from a kept one
+//! where only thresholds differ, continued from one of other slopes.
 
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;
@@ -104,7 +103,7 @@ impl Trails {
             }
             std::thread::sleep(WAIT);
         };
-        // It may have been made since it was looked for.
+        // Another thread may have finished it between the look and `begin`.
         if let Some(cache) = find() {
             return Ok(cache);
         }
@@ -122,6 +121,7 @@ impl TrailStore for Trails {
     fn put(&self, open: &OpenBurst, cache: &Arc<ProbeCache>) {
         let key = Key { burst: open.id, params: cache.made_with() };
         let kept = StoredTrail { key, open: open.clone(), cache: cache.clone() };
+        // A trail beyond the budget would push out all others.
         if kept.bytes() <= self.budget_bytes() {
             self.lock().keep(kept, self.budget_bytes());
         }
@@ -178,6 +178,7 @@ impl TrailStore for Trails {
 
     fn get_or_make(&self, source: &DetectionSource, monitor: &Monitor) -> Result<Arc<ProbeCache>, JobError> {
         let key = Key { burst: source.burst.id, params: source.params.clone() };
+        // A kept search serves only if it leads to the very parameters of the source.
         let make = || match self.judged(&source.burst, &source.asked, monitor)? {
             Some(judged) if judged.made_with() == source.params => Ok(judged),
             _ => source.trail(monitor),
@@ -196,7 +197,7 @@ impl State {
     }
 
     fn keep(&mut self, kept: StoredTrail, budget_bytes: usize) {
-        // One trail stands for all that go back to the same search: the others are judged from it.
+        // A search needs one trail only: the others are judged from it.
         let replaced =
             |other: &StoredTrail| other.key == kept.key || other.cache.trail.shares_search(&kept.cache.trail);
         self.kept.retain(|other| !replaced(other));

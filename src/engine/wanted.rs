@@ -9,16 +9,14 @@ use std::any::TypeId;
 use std::fmt;
 use std::time::Duration;
 
-/// So that the picture follows a slider; one that takes longer is cancelled, so that the next does not wait.
+/// Time left to a superseded picture: a slider shows steps in between, and the next picture does not wait long.
 const PICTURE_GRACE: Duration = Duration::from_millis(250);
 
 type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Partial>;
 
-/// In each pass [`Self::want`] is told what is missing now. A request that failed or was cancelled is not repeated
-/// until something else was wanted, [`Self::ask`] asked for it, or [`Self::forget`] was called. Dropping it cancels the
-/// request.
+/// [`Self::want`] takes, in each pass, what is missing. A request that failed or was cancelled is not repeated until
+/// another one was wanted, [`Self::ask`] repeats it, or [`Self::forget`] is called. Dropping cancels the request.
 pub struct Wanted<R: Request> {
-    /// `None` before the first request.
     jobs: Option<JobsOf<R>>,
     /// Requests without an answer, the latest last.
     pending: Vec<(JobId, R)>,
@@ -64,6 +62,7 @@ impl<R: Request> Wanted<R> {
         };
         let is_known = match (self.pending(), &self.ended) {
             (Some(pending), _) => *pending == wanted,
+            // A failure repeats itself: without this it would be requested again in every pass.
             (None, Some((failed, Some(_)))) => *failed == wanted,
             (None, _) => false,
         };
@@ -98,6 +97,7 @@ impl<R: Request> Wanted<R> {
         self.running = jobs.running();
         let mut taken = Vec::new();
         for answer in jobs.take_answers() {
+            // An answer to a request that was forgotten has no place here.
             let Some(place) = self.pending.iter().position(|(id, _)| *id == answer.id) else { continue };
             let (id, request) = self.pending.remove(place);
             if !answer.is_superseded() {
@@ -145,7 +145,7 @@ impl<R: Request> Wanted<R> {
         }
     }
 
-    /// Cancels the running request, whose end is not told, and forgets how the last one ended.
+    /// Cancels the running request without reporting its end, and forgets how the last one ended.
     pub fn forget(&mut self) {
         self.cancel();
         if let Some(jobs) = &self.jobs {
@@ -171,7 +171,6 @@ fn jobs<R: Request>(engine: &Engine) -> JobsOf<R> {
 
 /// Methods that do not depend on the request of a [`Wanted`], for lists of them.
 pub trait Want {
-    /// Whether nothing is running and nothing was requested whose end was not taken.
     fn is_settled(&self) -> bool;
 
     fn urgency(&self) -> Option<Urgency>;

@@ -62,6 +62,7 @@ impl Request for ComparisonRequest {
         let spots: Vec<Spot> = self.detection.features.iter().map(Spot::from).collect();
         let differences = match &self.with {
             ReferenceSource::Earlier { burst, asked, detection } => {
+                // From cheap to dear: the result itself, its kept search, a search.
                 let earlier = match (detection, trails.asked(burst, asked)) {
                     (Some(earlier), _) => earlier.clone(),
                     (None, Some(kept)) => Arc::new(kept.detection().clone()),

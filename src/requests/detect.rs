@@ -49,6 +49,7 @@ impl Request for DetectRequest {
     fn compute(self, work: &Work<'_, Detected>) -> Result<Detected, JobError> {
         let Self { burst, params: asked } = self;
         let (trails, monitor) = (work.caches.trails, work.monitor);
+        // From cheap to dear: a kept search, one that is judged again by other thresholds, a search.
         let kept = match trails.asked(&burst, &asked) {
             Some(kept) => Some(kept),
             None => trails.rejudged(&burst, &asked, monitor)?,
@@ -82,7 +83,7 @@ pub struct Detected {
     pub burst: BurstId,
     pub asked: SearchParams,
     pub params: DetectorParams,
-    /// `params`, or less strict ones; those that [follow](crate::detector::follows) from them need no other search.
+    /// `params`, or less strict ones: parameters that [follow](crate::detector::follows) need no search.
     pub searched: DetectorParams,
     pub search_secs: f32,
     pub finding: Option<SlopeFinding>,
@@ -91,8 +92,7 @@ pub struct Detected {
 }
 
 impl Detected {
-    /// `detection` of the first slope of the search that was `asked` for. Its parameters are those of a search of that
-    /// slope alone.
+    /// `detection` of the first slope of a search for `asked`; its parameters are those of that slope alone.
     fn of_first_slope(burst: BurstId, asked: &SearchParams, detection: Detection) -> Self {
         let params = asked.at(detection.slopes);
         let (asked, searched) = (SearchParams::from(params.clone()), params.clone());
@@ -121,6 +121,7 @@ impl Request for CompareRequest {
         match self {
             Self::Match(request) => request.compute(work).map(Compared::Matched),
             Self::Detect(DetectRequest { burst, params }) => {
+                // Without kept searches, so that the times of methods compare.
                 let searched = detect::search(&burst.burst, &params, work.monitor)?;
                 let Searched { detection, params: used, finding, .. } = searched;
                 let (searched, search_secs) = (used.clone(), detection.times.total_secs());
@@ -206,6 +207,7 @@ fn options(params: &SearchParams) -> Vec<(String, Option<String>)> {
             }
         }
     }
+    // Rules imply defaults of their own: only what differs from these is written.
     let implied = SearchParams::implied_by(params.rules);
     let said = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES_V, doc::SLOPE_DIRECTION];
     for record in doc::ALL.iter().filter(|record| !said.contains(record)) {

@@ -28,12 +28,10 @@ pub enum JobError {
     },
 }
 
-/// A shape that fills a file without header.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PossibleShape {
     pub dump: Dump,
     pub frames: u64,
-    /// The first frame.
     pub picture: BurstPicture,
 }
 

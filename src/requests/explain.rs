@@ -1,5 +1,5 @@
 //! Explanations of a detection: the spectrum of slopes, the survey of candidates and the false rate by decoys, the
-//! losses of features whose truth is known, the fate of single places and candidates, and how evenly the frames contribute.
+//! losses of features whose truth is known, the fate of single places and candidates, and the shares of the frames.
 
 use super::detect::MatchRequest;
 use super::error::JobError;
@@ -177,6 +177,7 @@ impl Request for ProbeRequest {
         let fate = probe.subject_fate();
         let remedy = fate.and_then(|fate| fate.remedy.as_ref()).map(|remedy| &remedy.change);
         let mut prices = Vec::new();
+        // Only prices that the trail gives without a search.
         for change in remedy.into_iter().chain(probe.suspicions.iter().filter_map(|one| one.change.as_ref())) {
             let price = price_at_once(&cache.trail, change, fate.map(|fate| fate.of_sample()), monitor)?;
             prices.extend(price.map(|price| (change.clone(), price)));
@@ -189,13 +190,14 @@ impl Request for ProbeRequest {
 pub struct Probed {
     pub request: ProbeRequest,
     pub probe: Arc<Probe>,
-    /// Prices of the changes that it proposes, as far as no search is needed to tell them.
+    /// Prices of proposed changes, as far as no search is needed.
     pub prices: Vec<(ParamChange, Price)>,
 }
 
-/// The largest |D| over its noise (or |D|) of those at a maximum of their own.
+/// Strongest candidate by SNR, or by |D| without noise, among those at an extremum of their own.
 fn strongest(cache: &ProbeCache, monitor: &Monitor) -> Result<CandidateMark, JobError> {
     let strength = |mark: &CandidateMark| if mark.snr.is_finite() { mark.snr } else { mark.value.abs() };
+    // The weakest candidates are many, and are surveyed only if there is nothing else.
     for min_snr in [SurveyOptions::default().min_snr, 0.0] {
         let marks = survey(&cache.trail, &SurveyOptions { min_snr, test: None }, monitor)?.marks;
         let own = marks.into_iter().filter(|mark| mark.first_failed != Some(Test::Refinement));

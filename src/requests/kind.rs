@@ -12,9 +12,7 @@ pub enum RangeClass {
     Frame,
     /// Brightnesses of what is made of several frames.
     Intensity,
-    /// DoG responses.
     Response,
-    /// Differences of two pictures.
     Difference,
     /// σ of the noise.
     Noise,
@@ -66,9 +64,8 @@ pub struct AboutView {
     pub key: &'static str,
     pub label: &'static str,
     pub help: &'static str,
-    /// It depends on the parameters of this stage and of those before it; `None` where it depends on none.
+    /// Last stage whose parameters decide the picture; `None` where no parameter does.
     pub stage: Option<Stage>,
-    /// Whether it depends on the slope.
     pub of_slope: bool,
     /// Whether it depends on octave and level, and has the octave's pixels.
     pub of_scale: bool,
@@ -241,11 +238,9 @@ impl ViewKind {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PictureKind {
     Frame(usize),
-    /// The motion-stack image at a slope, on the grid or between.
     Stack {
         slope: Slope,
     },
-    /// The DoG response of the motion-stack image at a slope.
     Dog {
         octave: i32,
         level: i32,
@@ -253,7 +248,6 @@ pub enum PictureKind {
     },
     /// The frames that are used, aligned tile by tile and merged into one.
     Merge,
-    /// Any other kind.
     Map {
         map: ViewKind,
         octave: i32,
@@ -274,7 +268,6 @@ impl PictureKind {
         kind.about()
     }
 
-    /// Slope of the picture, if the picture depends on a slope.
     pub fn slope(self) -> Option<Slope> {
         match self {
             Self::Stack { slope } | Self::Dog { slope, .. } => Some(slope),
@@ -283,7 +276,7 @@ impl PictureKind {
         }
     }
 
-    /// Octave and level that it shows, if it has the octave's pixels.
+    /// Octave and level of a picture with the octave's pixels.
     pub fn scale(self) -> Option<(i32, i32)> {
         match self {
             Self::Dog { octave, level, .. } => Some((octave, level)),

@@ -6,7 +6,6 @@ use crate::inspect::candidates::WinningSlopes;
 use crate::plane::display::{Rgb, direction_colour};
 use image::{Rgba, RgbaImage};
 
-/// Motion of each pixel.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionMap {
     /// Each pixel's slope and its certainty (0 … 1), row by row.
@@ -14,12 +13,10 @@ pub struct MotionMap {
     width: usize,
     /// Slopes that were searched, which with the features decide the [colours](SlopeColours).
     pub grid: SlopeGrid,
-    /// The field of motion, in its picture.
     pub field: Option<MotionField>,
 }
 
-/// Colours of slopes: along a line those of a map, from its first slope to its last, so that near and far differ; in a
-/// plane direction and length as hue and saturation.
+/// Colours of slopes: along a line those of a map, so that near and far differ; in a plane hue and saturation.
 #[derive(Debug, Clone)]
 pub struct SlopeColours {
     line: Option<(f32, SlopeAxis)>,
@@ -28,12 +25,11 @@ pub struct SlopeColours {
     table: [Rgb; 256],
 }
 
-/// Part of the motions, by their SNR, that lie on a line where all are said to.
+/// Minimum share of the motions, weighted by SNR, close to a line, for all to count as lying on it.
 const ON_LINE: f64 = 0.98;
 
-/// The line along which `grid` was searched, or on which the motions of `features` lie in a plane of slopes, as those
-/// of a still scene before a moving camera do: its direction, degrees from +u towards +v, and its part, from the first
-/// slope to the last.
+/// The line along which `grid` was searched, or on which the motions of `features` lie in a plane of slopes (a still
+/// scene before a moving camera): its direction, degrees from +u towards +v, and the axis from first to last slope.
 pub fn line_of(grid: &SlopeGrid, features: &[Feature]) -> Option<(f32, SlopeAxis)> {
     if !grid.is_plane() || features.len() < 3 {
         return grid.as_line();
@@ -48,6 +44,7 @@ pub fn line_of(grid: &SlopeGrid, features: &[Feature]) -> Option<(f32, SlopeAxis
     let mean = |of: &dyn Fn([f64; 2]) -> f64| seen.iter().map(|(at, weight)| weight * of(*at)).sum::<f64>() / total;
     let centre = [mean(&|at| at[0]), mean(&|at| at[1])];
     let spread = |i: usize, j: usize| mean(&|at| (at[i] - centre[i]) * (at[j] - centre[j]));
+    // The main axis of the motions, weighted by SNR.
     let (uu, uv, vv) = (spread(0, 0), spread(0, 1), spread(1, 1));
     let angle = 0.5 * (2.0 * uv).atan2(uu - vv);
     let (sin, cos) = angle.sin_cos();
@@ -113,8 +110,7 @@ impl MotionMap {
         Self { motions, width, grid: *grid, field: None }
     }
 
-    /// The slopes' colours, those of `features`, which were found with its slopes; the brighter the more certain, dark
-    /// where nothing is known.
+    /// Colours of the slopes, decided with `features` of the same slopes; brighter where surer, dark where unknown.
     pub fn colours(&self, features: &[Feature]) -> RgbaImage {
         let of_slopes = SlopeColours::of(&self.grid, features);
         // Most places share their slope with the one before.

@@ -37,7 +37,7 @@ pub struct MatchFigure {
     pub width_mm: f32,
 }
 
-/// Width over height from which on two pictures are larger one above the other.
+/// Width over height above which two pictures are larger one above the other.
 const STACKED: f32 = 1.6;
 
 /// Whether two pictures of these sizes (columns, rows) stand one above the other.
@@ -45,16 +45,11 @@ pub fn are_stacked(sizes: [(usize, usize); 2]) -> bool {
     sizes.into_iter().all(|(width, height)| width as f32 > STACKED * height as f32)
 }
 
-/// Title of what a figure shows of one of two bursts.
 pub fn titled(side: &str, burst: &str, shown: &str) -> String {
     format!("{side}: {burst} · {shown}")
 }
 
 impl MatchFigure {
-    /// The figure of the matches of two bursts, A first.
-    ///
-    /// # Errors
-    /// Cancellation, or frames that a burst does not have.
     pub fn drawing(
         &self,
         pair: [DetectedBurst<'_>; 2],
@@ -65,6 +60,7 @@ impl MatchFigure {
         let mut order: Vec<usize> = (0..result.matches.len()).collect();
         order.sort_by(|&i, &j| result.matches[i].distance.total_cmp(&result.matches[j].distance).then(i.cmp(&j)));
         let kind = |k: &usize| MatchKind::of(inlier(*k));
+        // The legend counts each kind among those drawn and among all.
         let all: Vec<MatchKind> = order.iter().map(kind).collect();
         let mut drawn = self.matches.of(order);
         let kinds: Vec<MatchKind> = drawn.iter().map(kind).collect();
@@ -110,6 +106,7 @@ impl MatchFigure {
             }
             _ => (burst_plane(burst, ImageKind::Middle, params, monitor)?, "middle frame".to_owned()),
         };
+        // Dark frames would be black on paper.
         let display = Display::stretched(&plane);
         let (low, high) = (number(display.min, 3), format!("{} of full scale", number(display.max, 3)));
         Ok(FigurePanel {

@@ -66,8 +66,10 @@ impl BurstSource {
             Ok((burst, planted)) => {
                 Ok(OpenBurst { planted: planted.map(Arc::new), ..OpenBurst::new(burst, self.clone()) })
             }
+            // A cancelled read may fail in any other way.
             Err(error) if error.is_cancelled() || monitor.is_cancelled() => Err(JobError::Cancelled),
             Err(error) if error.kind == ErrorKind::SeveralBursts => {
+                // The bursts come with the error, so that the window can offer them.
                 let found = find_bursts(self.paths(), options).unwrap_or_default();
                 Err(JobError::Several(found.into_iter().map(|found| BurstSource::Paths(found.paths)).collect()))
             }
@@ -79,6 +81,7 @@ impl BurstSource {
     fn without_shape(&self, error: &Error, options: &OpenOptions, monitor: &Monitor) -> JobError {
         const MAX_SIDE_PX: usize = 200;
         let [path] = self.paths() else { return JobError::failed(error) };
+        // The shapes come with the error, for a choice by their pictures.
         match likely_shapes(path, &options.limits, monitor) {
             Ok(shapes) => {
                 let shapes = shapes.into_iter().map(|LikelyShape { dump, frames, first, .. }| PossibleShape {

@@ -1,5 +1,4 @@
-//! Pictures of a burst: a frame, a motion-stack image, a DoG response, a map, the merged frames, or the difference of
-//! two of these.
+//! Pictures of a burst: a frame, a motion stack, a DoG response, a map, the merged frames, or a difference of two.
 
 use super::kind::{PictureKind, RangeClass, ViewKind};
 use super::map::MotionMap;
@@ -22,7 +21,6 @@ impl RangeClass {
     }
 }
 
-/// Request for a picture of a burst: an immutable snapshot.
 #[derive(Debug, Clone)]
 pub struct PictureRequest {
     pub burst: OpenBurst,
@@ -50,7 +48,6 @@ struct KindKey {
     map: Option<ViewKind>,
     slope_bits: Option<(u32, u32)>,
     scale: Option<(i32, i32)>,
-    /// Hash of the parameters that decide the picture.
     params: u64,
 }
 
@@ -125,30 +122,29 @@ impl PictureRequest {
 #[derive(Debug, Clone)]
 pub struct Picture {
     pub request: PictureRequest,
-    /// Its pixels; fraction of full scale.
+    /// Pixels, fraction of full scale.
     pub plane: Arc<Plane>,
-    /// Its pixels as they are shown: the same, or smoothed.
+    /// Pixels as drawn: `plane`, or smoothed.
     pub drawn: Arc<Plane>,
-    /// The motions, for a picture of the motion.
     pub motion: Option<Arc<MotionMap>>,
 }
 
 impl Picture {
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());
-        // The plane and the motions.
+        // Motions take three times as much as the plane: slope and certainty are three floats.
         let drawn = if Arc::ptr_eq(&self.plane, &self.drawn) { 0 } else { pixels };
         drawn + if self.motion.is_some() { 4 * pixels } else { pixels }
     }
 
-    /// One opaque pixel for each value, in `display`'s range and colours; motions in the colours of those of
-    /// `features`.
+    /// One opaque pixel for each value, in `display`'s range and colours; motions coloured as those of `features`.
     pub fn rgba(&self, display: &Display, features: &[Feature]) -> RgbaImage {
         self.motion.as_ref().map_or_else(|| to_rgba8(&self.drawn, display), |motion| motion.colours(features))
     }
 
     /// Between the pixels `other` is taken linearly; beside it the difference is NaN.
     pub(crate) fn minus(&self, other: &Self) -> Self {
+        // Pictures of different octaves have pixels of different sizes.
         let (step, step_other) = (self.request.kind.input_px_per_pixel(), other.request.kind.input_px_per_pixel());
         let plane = Arc::new(difference(&self.plane, &other.plane, step / step_other));
         let request = self.request.alone().less(&other.request);

@@ -29,6 +29,7 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
             JobError::Failed(format!("there is no frame {index}; the burst has {} frames", burst.len()))
         })?,
         PictureKind::Stack { slope } => {
+            // A method on merged frames searches one merged frame, which is then the picture.
             let (burst, params) = prepare(burst, &request.params, monitor)?;
             Arc::new(stack_view(&burst, &params, slope, monitor)?)
         }
@@ -45,6 +46,7 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
             }
             merge_burst(burst, used, monitor)?.frames[0].clone()
         }
+        // The search's own trail has the winners: their SNR is the picture, their slopes are its colours.
         PictureKind::Map { map: ViewKind::Motion, octave, level, .. } => {
             let cache = trails.get_or_make_for(&request.burst, &request.params, monitor)?;
             let winning = winning_slopes(&cache.trail, octave, level, monitor)?;
@@ -78,7 +80,7 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
     Ok(Picture { request, drawn: plane.clone(), plane, motion })
 }
 
-/// `plane` of frames that are added up, with a mask over what none of them shows there: its values are made up.
+/// `plane` with a mask over the pixels that no frame shows at the slope: their values come from filled pixels.
 fn with_unseen(plane: Arc<Plane>, request: &PictureRequest, monitor: &Monitor) -> Result<Arc<Plane>, Cancelled> {
     let burst = &request.burst.burst;
     let used = request.params.used_frames(burst.len());
@@ -89,10 +91,12 @@ fn with_unseen(plane: Arc<Plane>, request: &PictureRequest, monitor: &Monitor) -
     };
     let (slope, positions) = (request.kind.slope().unwrap_or_default(), burst.positions.part(used));
     let seen = motion_stack(&masks, &positions, slope, Interpolation::Linear, monitor)?;
+    // At least one frame has to show the place by half.
     let (step, least) = (request.kind.input_px_per_pixel(), 0.5 / masks.len() as f32);
     let at = |x: usize, count: usize| ((x as f32 * step).round() as usize).min(count - 1);
     let weight = |u, v| f32::from(seen.at(at(u, seen.width()), at(v, seen.height())) >= least);
     let mut masked = Plane::clone(&plane).masked(Mask::new(Plane::from_fn(plane.width(), plane.height(), weight)));
+    // `masked` would fill the hidden pixels again from around.
     masked.data_mut().copy_from_slice(plane.data());
     Ok(Arc::new(masked))
 }

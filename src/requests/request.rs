@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 /// Two requests are equal if they have the same answer.
 pub trait Request: Clone + PartialEq + Send + 'static {
     type Answer: Send + 'static;
-    /// A result that is told before the answer, such as one burst of many.
+    /// A result reported before the answer, such as one burst of many.
     type Partial: Send + 'static;
 
     fn urgency(&self) -> Urgency {
@@ -59,7 +59,7 @@ pub struct Work<'a, T> {
 }
 
 impl<'a, T> Work<'a, T> {
-    /// Context without results of earlier requests, which drops results that are told before the answer.
+    /// Context without results of earlier requests; partial results are dropped.
     pub fn alone(monitor: &'a Monitor) -> Self {
         Self { caches: Caches { trails: &NothingKept, pictures: &NothingKept }, monitor, tell: &|_| {} }
     }

@@ -28,6 +28,7 @@ impl BurstSource {
     pub fn absolute(&self) -> Self {
         let mut source = self.clone();
         let mut inner = &mut source;
+        // A copy may be made of a copy: the paths lie innermost.
         while let Self::DarkCopy { of, .. } | Self::Planted { of, .. } = inner {
             inner = of;
         }
@@ -145,6 +146,7 @@ impl BurstSource {
                 let mut levels = FrameLevels::default();
                 levels.add(&clear, monitor)?;
                 let copy = noise.exposure(&levels)?.capture(&clear, noise.seed, 0, monitor)?;
+                // The copy is none of the files that the original was read from.
                 Burst { name: self.label(), sources: Vec::new(), ..copy }
             }
             Self::Planted { of, study, seed } => {

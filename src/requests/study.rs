@@ -1,5 +1,4 @@
-//! Measurements: studies of charts or of the open burst, single charts of a study, the figures of the paper, and the
-//! comparison of camera poses.
+//! Measurements: studies of charts or the open burst, their single charts, the paper's figures, camera poses.
 
 use super::error::JobError;
 use super::open::OpenBurst;
@@ -30,6 +29,7 @@ impl Request for StudyRequest {
     fn compute(self, work: &Work<'_, StudyReport>) -> Result<StudyReport, JobError> {
         let monitor = work.monitor;
         let Self { mut study, open } = self;
+        // Read here and not by the asker: the truth may lie in a file, or its chart has to be made again.
         if let (Study::BurstFrames(_, bursts), Some(open)) = (&mut study, open) {
             let truth = open.truth(monitor)?;
             bursts.truth = truth.map(Arc::new);
@@ -64,7 +64,6 @@ impl Request for FiguresJob {
 /// Source of a trajectory: a path, or a trajectory that was read already.
 #[derive(Debug, Clone)]
 pub enum TrajectorySource {
-    /// The folder of a sparse model or a trajectory file.
     Path(PathBuf),
     Read(PathBuf, Arc<Trajectory>),
 }
@@ -113,6 +112,7 @@ impl Request for PosesRequest {
         let truth = self.truth.map(TrajectorySource::read).transpose()?;
         monitor.check()?;
         monitor.report(Stage::Evaluate, 0.8);
+        // A comparison that fails leaves both trajectories on show, with the reason.
         let report = match (&estimate, &truth) {
             (Some((_, estimate)), Some((_, truth))) => {
                 Some(evaluate_poses(estimate, truth, &self.study).map(Arc::new).map_err(|e| e.to_string()))
@@ -127,6 +127,6 @@ impl Request for PosesRequest {
 pub struct ComparedPoses {
     pub estimate: Option<(PathBuf, Arc<Trajectory>)>,
     pub truth: Option<(PathBuf, Arc<Trajectory>)>,
-    /// The comparison, or why there is none; `None` as long as one of them is missing.
+    /// The comparison, or why it failed; `None` as long as a trajectory is missing.
     pub report: Option<Result<Arc<PoseReport>, String>>,
 }

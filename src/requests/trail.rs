@@ -33,8 +33,7 @@ pub fn trail_of(burst: &OpenBurst, params: &DetectorParams, monitor: &Monitor) -
     Ok(ProbeCache::new(&burst.burst, &params.clone().into(), monitor)?)
 }
 
-/// By default it keeps nothing. Answers are the same with every store, but for the tally of a detection that was judged
-/// again, or went on from another.
+/// Keeps nothing by default. Any store gives the same answers, but for the tally of what was judged again or went on.
 pub trait TrailStore {
     fn put(&self, _: &OpenBurst, _: &Arc<ProbeCache>) {}
 
@@ -45,12 +44,12 @@ pub trait TrailStore {
         None
     }
 
-    /// Those of a burst, whose searches others may [go on from](ProbeCache::after); the last used first.
+    /// Trails of a burst, from which searches may [go on](ProbeCache::after), last used first.
     fn of_burst(&self, _: &OpenBurst) -> Vec<Arc<ProbeCache>> {
         Vec::new()
     }
 
-    /// Judged from what the search of a kept one left, see [`ProbeCache::rejudged`]. It then stands for that one too.
+    /// Trail judged again from a kept search, see [`ProbeCache::rejudged`]; replaces the kept trail.
     fn rejudged(&self, _: &OpenBurst, _: &SearchParams, _: &Monitor) -> Result<Option<Arc<ProbeCache>>, JobError> {
         Ok(None)
     }

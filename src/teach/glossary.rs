@@ -52,7 +52,6 @@ pub struct Word {
     /// Term, as the window writes it.
     #[serde(deserialize_with = "text")]
     pub word: String,
-    /// Symbol in the paper, if there is one.
     pub symbol: Option<String>,
     /// Source of the notion; none for terms of everybody.
     pub origin: Option<Origin>,
@@ -85,6 +84,7 @@ impl Glossary {
         }
         let file: File = toml::from_str(text).map_err(|error| error.to_string())?;
         let mut words = file.word;
+        // A kind of picture that gets another name must not lose its entry unnoticed.
         for Word { word, pictures: explained, .. } in &words {
             if let Some(name) = explained.iter().find(|name| !pictures().any(|picture| picture == **name)) {
                 return Err(format!("{word}: there is no kind of picture '{name}'"));
@@ -111,8 +111,7 @@ impl Glossary {
         self.words.iter().find(|word| word.pictures.iter().any(|picture| picture == name))
     }
 
-    /// Finds the entries that match `text`: first those whose term begins with it or whose symbol it is, then those
-    /// whose term contains it, then those whose explanation does. All entries match an empty text.
+    /// Entries that match `text`: term begins with it or symbol is it, then term contains it, then explanation does.
     pub fn search(&self, text: &str) -> Vec<&Word> {
         let text = text.trim().to_lowercase();
         let rank = |word: &Word| {

@@ -109,6 +109,7 @@ impl Goal {
 
     pub fn is_met(&self, now: &Situation<'_>) -> bool {
         let within = |wanted: Option<Between>, value: f32| wanted.is_none_or(|wanted| wanted.contains(value));
+        // As long as features or inliers are not counted, no number of them is reached.
         let counted = |wanted: Option<Between>, value: Option<usize>| {
             wanted.is_none_or(|wanted| value.is_some_and(|value| wanted.contains(value as f32)))
         };
@@ -157,6 +158,7 @@ impl Wanted {
         let number = value.as_float().or_else(|| value.as_integer().map(|x| x as f64));
         match self {
             Self::Between(between) => number.is_some_and(|x| between.contains(x as f32)),
+            // Parameters are f32: a decimal number differs from them in the seventh digit.
             Self::Number(wanted) => number.is_some_and(|x| (x - wanted).abs() <= 1e-6 * wanted.abs().max(1.0)),
             Self::Switch(wanted) => value.as_bool() == Some(*wanted),
             Self::Word(word) => value.as_str() == Some(word),

@@ -20,13 +20,11 @@ pub struct Lesson {
     pub about: String,
     /// Lines that sum up the lesson, shown at its end, in CommonMark.
     pub learnt: Vec<String>,
-    /// Questions of the lesson's sheet, with their answers.
     pub questions: Vec<Question>,
     /// At least one.
     pub steps: Vec<Step>,
 }
 
-/// Question about a lesson and its answer, in CommonMark.
 #[derive(Debug, Clone, PartialEq, Eq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Question {
@@ -89,10 +87,7 @@ struct StepTable {
 }
 
 impl Lesson {
-    /// Reads the text of a lesson's file. `file` is named in errors, and its stem is the lesson's name.
-    ///
-    /// # Errors
-    /// The first mistake, with its line.
+    /// Reads the text of a lesson's file; `file` is named in errors, its stem is the lesson's name. Errors name lines.
     pub fn read(file: &str, text: &str) -> Result<Self, Error> {
         let wrong = |line: Option<usize>, problem: String| wrong_at(file, line, &problem);
         let line_at = |byte: usize| text.as_bytes()[..byte.min(text.len())].iter().filter(|b| **b == b'\n').count() + 1;
@@ -101,6 +96,7 @@ impl Lesson {
             wrong(line, error.message().replace('\n', " ").trim().to_owned())
         })?;
         let step_span = read.step.span();
+        // Read again as a table, because the typed form does not say which word named a workspace.
         let tables: toml::Table = toml::from_str(text).expect("it was read already");
         let mut steps = Vec::new();
         for (table, written) in read.step.into_inner().into_iter().zip(tables["step"].as_array().expect("steps")) {
@@ -132,12 +128,14 @@ impl StepTable {
             }
         };
         let state = self.set.over(default);
+        // These parts show what is measured at the spot.
         let in_lesson = |part: &Part| matches!(part, Part::Snr | Part::FramesAdded);
         if state.spot.is_none()
             && let Some(part) = self.highlight.iter().find(|part| in_lesson(part))
         {
             return Err(format!("step '{title}' highlights '{part}', which needs a 'spot' to measure; set one"));
         }
+        // A lesson must not point at a part whose panel is closed.
         let is_hidden = |part: &&Part| match part {
             Part::Tabs | Part::Below => state.tab.is_none() && state.workspace != Some(Workspace::Pair),
             Part::Probe | Part::Response | Part::Shares => state.probe.is_none() || state.layout == Some(Layout::Slice),
@@ -152,7 +150,7 @@ impl StepTable {
 }
 
 impl Step {
-    /// The step with the layout *Methods*, where an older lesson or step names the former workspace.
+    /// The step with the layout *Methods*, where a lesson or step names that as a workspace.
     fn with_methods(mut self, step: &toml::Value, lesson: &toml::Table) -> Self {
         let workspace = |table: Option<&toml::Value>| table?.get("workspace")?.as_str().map(str::to_owned);
         let is_methods = |name: Option<String>| name.is_some_and(|name| name == "methods");
@@ -166,10 +164,7 @@ impl Step {
     }
 }
 
-/// Reads the lessons at `path`: one file, or all files `*.toml` of a folder, in the order of their names.
-///
-/// # Errors
-/// All mistakes, one for each file that has any; no lesson is returned then.
+/// Reads the lessons of one file, or of all `*.toml` of a folder by name; the errors of all files instead, if any.
 pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<Error>> {
     let whole = |problem: String| wrong_at(&path.display().to_string(), None, &problem);
     let files = if path.is_dir() {
@@ -185,6 +180,7 @@ pub fn lessons_at(path: &Path) -> Result<Vec<Lesson>, Vec<Error>> {
     } else {
         vec![path.to_owned()]
     };
+    // All files are read, so that a teacher sees all mistakes at once.
     let (mut lessons, mut errors) = (Vec::new(), Vec::new());
     for file in files {
         match read_file(&file) {
@@ -221,7 +217,6 @@ const TEXTS: &[(&str, &str)] = texts![
     "from-light-fields-to-bursts"
 ];
 
-/// Built-in lessons, in teaching order.
 pub fn built_in() -> &'static [Arc<Lesson>] {
     static LESSONS: OnceLock<Vec<Arc<Lesson>>> = OnceLock::new();
     LESSONS.get_or_init(|| {
@@ -233,7 +228,6 @@ pub fn built_in() -> &'static [Arc<Lesson>] {
     })
 }
 
-/// Names of the built-in lessons, as `--lesson` takes them.
 pub fn built_in_names() -> impl Iterator<Item = &'static str> {
     TEXTS.iter().map(|(name, _)| *name)
 }

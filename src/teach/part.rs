@@ -79,6 +79,7 @@ impl TryFrom<String> for Part {
     fn try_from(name: String) -> Result<Self, String> {
         let named = NAMED.into_iter().find(|(_, own)| *own == name).map(|(part, _)| part);
         let parameter = || parameters().find(|doc| field_of(doc.name) == name).map(|doc| Self::parameter(&doc));
+        // A part's own name wins over that of a parameter.
         named.or_else(parameter).ok_or_else(|| {
             let names = NAMED.map(|(_, name)| name);
             format!("the window has no part '{name}'; give one of {}, or the name of a parameter", names.join(", "))

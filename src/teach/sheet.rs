@@ -3,11 +3,9 @@
 use super::lesson::{Lesson, Step};
 use std::fmt::Write as _;
 
-/// Lines left empty for an answer.
 const ROOM: &str = "\n&nbsp;\n\n&nbsp;\n";
 
-/// The sheet of `lesson` in Markdown: steps and tasks, then the questions, then the answers with the lines of what was
-/// learnt.
+/// The sheet of `lesson` in Markdown: steps and tasks, questions, then answers with the lines of what was learnt.
 pub fn sheet(lesson: &Lesson) -> String {
     let mut text = format!("# {}\n\n{}\n\nName:\n", lesson.title, plain(&lesson.about));
     for (number, step) in (1..).zip(&lesson.steps) {
@@ -17,6 +15,7 @@ pub fn sheet(lesson: &Lesson) -> String {
             write!(text, "\n**Try it.** {} What did you see?\n{ROOM}", plain(&task.text)).expect("into a text");
         }
     }
+    // Answers go to a page of their own, after all questions.
     let mut answers = String::new();
     if !lesson.questions.is_empty() {
         text += "\n## Questions\n";

@@ -1,5 +1,4 @@
-//! State of the window as a step of a lesson begins, by the tables `set` of the lesson and of the step. Values absent
-//! from both are those of a newly opened window.
+//! State of the window as a step begins: the tables `set` of lesson and step, otherwise a newly opened window.
 
 use super::part::field_of;
 use super::values::{Near, finite};
@@ -13,15 +12,13 @@ use serde::{Deserialize, Deserializer, Serialize, de};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Workspace {
-    /// Files of earlier versions name *Methods* as a workspace of its own.
+    /// Files may name *Methods* as a workspace of its own.
     #[default]
     #[serde(alias = "methods")]
     Inspect,
     Pair,
     Matches,
-    /// An estimated and a true trajectory.
     Trajectories,
-    /// Studies of charts whose truth is known.
     Lab,
 }
 
@@ -33,18 +30,14 @@ pub enum Layout {
     FrameAndStack,
     /// The slope beside the grid's next one, with their cursors not linked.
     TwoSlopes,
-    /// Neighbouring slopes of the grid.
     ThreeSlopes,
     FiveSlopes,
     SevenSlopes,
     NineSlopes,
-    /// The DoG responses of all levels of the octave.
     Scales,
-    /// Frame, motion stack, DoG response and merged frames.
     TwoByTwo,
     /// The motion stack above slices through the frames at the probed place.
     Slice,
-    /// Several methods on the burst.
     Methods,
 }
 
@@ -62,8 +55,7 @@ pub enum BottomTab {
     Methods,
 }
 
-/// Flat spot on a flat background, where the signal-to-noise ratio is measured. Written `[u, v, inner, from, to]`,
-/// pixels of the image at mid-burst.
+/// Flat spot on flat ground, where the SNR is measured: `[u, v, inner, from, to]`, pixels at mid-burst.
 #[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
 #[serde(try_from = "[f32; 5]")]
 pub struct Spot {
@@ -112,7 +104,6 @@ pub struct State {
     pub slope: Option<Slope>,
     pub octave: Option<i32>,
     pub level: Option<i32>,
-    /// Part of the picture in view; the whole picture by default.
     #[serde(deserialize_with = "view")]
     pub view: Option<InView>,
     /// Detector's parameters, as in a parameter file: absent ones have their defaults.
@@ -137,7 +128,7 @@ pub struct State {
 }
 
 impl State {
-    /// These, and of the others the default.
+    /// Values of `self`, and those of `default` for absent ones.
     #[must_use]
     pub(super) fn over(self, default: &Self) -> Self {
         macro_rules! over {
@@ -173,6 +164,7 @@ fn place<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<[f32; 2]>,
 
 fn view<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<InView>, D::Error> {
     let numbers = Vec::<f32>::deserialize(deserializer)?;
+    // Three numbers are a centre with a zoom, four a rectangle.
     let in_view = match numbers[..] {
         [u, v, zoom] if (0.01..=100.0).contains(&zoom) => finite([u, v, zoom]).map(InView::Centre),
         [_, _, zoom] => Err(format!("the zoom {zoom} is out of range; give 0.01 to 100 points per pixel")),

@@ -73,7 +73,6 @@ pub(super) fn text<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String,
     Text::deserialize(deserializer).map(|text| text.0)
 }
 
-/// Returns `numbers` if all are finite.
 pub(super) fn finite<const N: usize>(numbers: [f32; N]) -> Result<[f32; N], String> {
     match numbers.iter().find(|x| !x.is_finite()) {
         Some(x) => Err(format!("{x} is not a finite number; give one")),

@@ -1,15 +1,13 @@
 //! Accuracy in enough light: errors of positions, scales and motions of the discs found.
 //!
-//! Charts whose slopes are drawn from a continuum are searched with a grid of slopes; for every disc that is found (by
-//! the rule of [`burstscope_core::inspect::score`]) the strongest feature that finds it is compared with the truth at
-//! mid-burst. Discs may move faster than the grid reaches. Features on the rim of the grid are counted, and left out of
-//! the errors: there the slope is not interpolated, and the motion may lie beyond.
+//! Charts whose slopes are drawn from a continuum are searched with a grid of slopes. For every disc found (by the rule
+//! of [`burstscope_core::inspect::score`]) the strongest feature is compared with the truth at mid-burst. Discs may
+//! move faster than the grid reaches; features on the rim of the grid are counted, and left out of the errors.
 //!
 //! # Two kinds of charts
-//! The published chart is crowded: most discs have a neighbour, or its smear over the burst, within the surroundings
-//! that a detector looks at, which shifts the extremum of D, in position and above all to smaller scales: errors that
-//! noise does not cause and localisation does not remove. On a chart of fewer discs that [stand apart](stands_apart) in
-//! all frames the remaining errors are the detector's own. There is a study of each, reported separately.
+//! The published chart is crowded: most discs have a neighbour, or its smear, within the surroundings that a detector
+//! looks at, which shifts the extremum of D in position and above all to smaller scales. On a chart of fewer discs that
+//! [stand apart](stands_apart) in all frames the remaining errors are the detector's own. There is a study of each.
 //!
 //! # The expected scale
 //! The response of the Laplacian of a Gaussian to a disc of radius r is strongest at σ = r/√2. That of a difference of
@@ -29,8 +27,7 @@ use burstscope_core::inspect::score::{Ranking, judge};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 
-/// The σ at which a DoG pyramid with `levels` levels an octave reports a disc of `radius` pixels; see the module's
-/// text.
+/// The σ at which a DoG pyramid of `levels` levels an octave reports a disc of `radius` pixels (see the module).
 pub fn expected_sigma(radius: f64, levels: u32) -> f64 {
     let k2 = 2f64.powf(2.0 / f64::from(levels));
     radius / (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
@@ -67,22 +64,21 @@ impl AccuracyStudy {
         }
     }
 
-    /// This study on charts of `discs` discs that all stand apart. The gap between rims at mid-burst makes room for the
-    /// surroundings of the largest disc and for the relative motion of any two discs.
+    /// This study on charts of `discs` discs that stand apart: the gap has room for surroundings and relative motion.
     pub fn standing_apart(&self, discs: usize) -> Self {
         let chart = &self.chart;
         let axes: f64 = match chart.motion {
             Motion::OneD => 1.0,
             Motion::TwoD => 2.0,
         };
+        // Two slopes differ by at most twice the largest, and act over half the burst's span to either side.
         let relative_motion = 2.0 * chart.max_slope * axes.sqrt() * 0.5 * chart.uneven.count_and_span(chart.frames).1;
         let gap = (SURROUNDINGS_IN_RADII - 1.0) * chart.radius.end() + relative_motion;
         Self { chart: ChartParams { discs, gap: gap.ceil(), ..chart.clone() }, ..self.clone() }
     }
 }
 
-/// Default number of discs on a chart on which they stand apart: 20 on 800×600 pixels, in proportion to the area, at
-/// least 1.
+/// Default number of discs that stand apart: 20 on 800×600 pixels, in proportion to the area, at least 1.
 pub fn discs_apart(chart: &ChartParams) -> usize {
     (chart.width * chart.height / 24_000).max(1)
 }
@@ -103,11 +99,7 @@ impl AccuracyStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
-    /// [`ChartStudy::run_telling`](super::ChartStudy::run_telling) does.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
+    /// Runs the study as `run` does; calls `tell` with the report so far after every chart, one call at a time.
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(AccuracyReport) + Sync)) -> Result<AccuracyReport> {
         check_lists(&self.snrs, self.seeds)?;
         let discs = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| -> Result<_> {
@@ -129,10 +121,7 @@ impl AccuracyStudy {
         run_charts(&self.snrs, seeds, 1, monitor, discs, |charts| self.report(charts), tell)
     }
 
-    /// Makes and searches one chart of the study, for a look at a point of a curve.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
+    /// Makes and searches one chart of the study, for a look at a point of a curve; errors as of [`Self::run`].
     pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
         let detection = detect(&burst, &self.detector, monitor)?;
@@ -145,7 +134,6 @@ impl AccuracyStudy {
         ChartParams { snr, seed, ..self.chart.clone() }
     }
 
-    /// The report of the `charts` with their discs.
     fn report(&self, charts: &[RatioCharts<Vec<FoundDisc>>]) -> AccuracyReport {
         AccuracyReport {
             chart: (&self.chart).into(),
@@ -168,6 +156,7 @@ impl AccuracyStudy {
             let Some(feature) = feature else { continue };
             count.found += 1;
             if feature.is_on_rim(&self.detector) {
+                // On the rim the slope is not interpolated, and the motion may lie beyond the grid.
                 count.marked += 1;
                 continue;
             }
@@ -201,6 +190,7 @@ impl AccuracyStudy {
 /// Whether a disc's slope lies between the outermost slopes of `grid`.
 fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
     let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();
+    // In the axes of the grid, which may be turned.
     let along = disc.slope_u * cos + disc.slope_v * sin;
     let across = disc.slope_v * cos - disc.slope_u * sin;
     let inside = |x: f64, min: f32, max: f32, count: usize| {
@@ -210,13 +200,10 @@ fn reaches(grid: &SlopeGrid, disc: &FeatureTruth) -> bool {
     inside(along, grid.u.min, grid.u.max, grid.u.count) && inside(across, grid.v.min, grid.v.max, grid.v.count)
 }
 
-/// Radius of the surroundings of a disc that a detector looks at, in radii of the disc: three σ of the wider Gaussian
-/// of its response, rounded up.
+/// Radius of the surroundings that a detector looks at, in disc radii: 3 σ of the wider Gaussian, rounded up.
 pub const SURROUNDINGS_IN_RADII: f64 = 2.4;
 
-/// Whether no other disc of the chart comes into the surroundings of `disc` in any frame ([`SURROUNDINGS_IN_RADII`]). A
-/// disc that does attracts or repels the extremum of D, and in a moving chart also smears over it: errors that noise
-/// does not cause.
+/// Whether no other disc comes into the surroundings of `disc` ([`SURROUNDINGS_IN_RADII`]) in any frame.
 pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
     let others = || truth.features.iter().filter(|other| other.id != disc.id);
     truth.offsets().into_iter().all(|at| {
@@ -256,7 +243,7 @@ pub struct AccuracyRow {
     pub snr: f64,
     /// Discs that move within the grid's range, between its outermost slopes.
     pub within: RangeCount,
-    /// Discs that move faster than that range.
+    /// Discs that move faster than the grid's range.
     pub beyond: RangeCount,
     /// Errors of the columns, pixels.
     pub u: Errors,
@@ -266,7 +253,7 @@ pub struct AccuracyRow {
     pub distance: [f64; 2],
     /// Number of compared discs that stand apart, see [`stands_apart`].
     pub apart: usize,
-    /// Distances of those from their true positions, pixels: median and 95 %.
+    /// Distances of the discs that stand apart from their true positions, pixels: median and 95 %.
     pub distance_apart: [f64; 2],
     /// Relative errors of scale: σ over the expected one, minus 1.
     pub scale: Errors,

@@ -1,9 +1,8 @@
 //! Detection in the dark: the discs of a chart that each method finds, over signal-to-noise ratios and seeds.
 //!
-//! For every ratio and seed one chart is made, and every method runs on it with the same parameters. The number in a
-//! table is the count of discs found at the threshold where a tenth of the detections are false, the mean over the
-//! seeds. It is the best that any threshold achieves, and so compares methods independently of their defaults; the
-//! counts *at* their defaults stand beside it.
+//! For every ratio and seed one chart is made, and every method runs on it with the same parameters. A table shows the
+//! discs found at the threshold where a tenth of the detections are false, the mean over the seeds: the best that any
+//! threshold achieves, which compares methods independently of their defaults. Counts *at* the defaults stand beside.
 
 use super::methods::{BurstMethod, Searches};
 use super::statistics::Mean;
@@ -77,6 +76,7 @@ impl ChartStudy {
             let remedy = "give a share from 0 to 1, such as 0.1";
             return Err(Error::param("false-fraction", self.false_fraction.to_string(), remedy));
         }
+        // All methods are checked before the first chart is made: a late error would lose the finished charts.
         for &method in &self.methods {
             let params = self.searches.params(method).at_given();
             let positions = self.chart.uneven.whole(self.chart.frames);
@@ -103,12 +103,7 @@ impl ChartStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, from any thread,
-    /// one call at a time. Charts of one seed at all ratios come before those of the next, so that every point of a
-    /// curve exists early and then improves.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
+    /// Runs the study as `run` does; calls `tell` with the report so far after every chart, one call at a time.
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(ChartReport) + Sync)) -> Result<ChartReport> {
         self.check()?;
         let scores = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| {
@@ -124,10 +119,7 @@ impl ChartStudy {
         run_charts(&self.snrs, seeds, self.methods.len(), monitor, scores, |charts| self.report(charts), tell)
     }
 
-    /// Makes one chart of the study and runs `method` on it, for a look at a point of a curve.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
+    /// Makes one chart and runs `method` on it, for a look at a point of a curve; errors as of [`Self::run`].
     pub fn look(&self, snr: f64, seed: u64, method: BurstMethod, monitor: &Monitor) -> Result<LookedChart> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
         let Searched { detection, .. } = self.searches.search(method, &burst, monitor)?;
@@ -140,7 +132,6 @@ impl ChartStudy {
         ChartParams { snr, seed, ..self.chart.clone() }
     }
 
-    /// The report of the charts with their scores, those in the study's order of methods.
     fn report(&self, charts: &[RatioCharts<Vec<ChartScore>>]) -> ChartReport {
         let row = |(snr, charts): &RatioCharts<Vec<ChartScore>>| {
             let method = |(index, &method): (usize, &BurstMethod)| {
@@ -154,6 +145,7 @@ impl ChartStudy {
     fn score(&self, method: BurstMethod, seed: u64, detection: &Detection, truth: &Truth) -> ChartScore {
         let curve_by = |ranking| Curve::of(&judge(&detection.features, truth, ranking));
         let curve = curve_by(self.ranking);
+        // Mean and merged images have less noise than a frame, so that no truth compares with their estimate.
         let of_one_frame = !matches!(method, BurstMethod::SiftMean | BurstMethod::SiftMerge);
         ChartScore {
             seed,
@@ -172,6 +164,7 @@ impl ChartStudy {
             Mean::of(&charts.iter().map(|chart| count(chart) as f64).collect::<Vec<_>>())
         };
         let ratios: Vec<f64> = charts.iter().filter_map(|chart| chart.noise_estimate_ratio).collect();
+        // The paper chooses one peak threshold for all charts together (IV-A), so the curves are pooled, not averaged.
         let by_response = Curve::pooled(&charts.iter().map(|chart| &chart.by_response).collect::<Vec<_>>());
         let peak_threshold = by_response.at_false_fraction(self.false_fraction).threshold;
         let curves: Vec<&Curve> = charts.iter().map(|chart| &chart.curve).collect();
@@ -287,11 +280,9 @@ pub struct MethodReport {
     pub default_false_features: Mean,
     /// Mean number of false features for each disc of the chart; absent for charts without discs.
     pub default_false_per_disc: Option<Mean>,
-    /// Ratio of the detector's estimate of a frame's noise to the true one at the background; absent for mean and
-    /// merged images and for charts without noise.
+    /// Estimated over true noise of a frame at the background; absent for mean and merged images, and without noise.
     pub noise_estimate_ratio: Option<Mean>,
-    /// Peak threshold, of |response|, at which the requested share of the detections in all charts together is false,
-    /// as the paper chooses it (BuFF, IV-A); absent where no threshold leaves a feature.
+    /// Peak threshold of |response| for the requested share of false detections over all charts (BuFF, IV-A), if any.
     pub peak_threshold: Option<f32>,
     /// Mean count of discs found with at most 0, 1, 2 … false features.
     pub roc: Vec<f64>,

@@ -1,9 +1,8 @@
 //! The plots of a study's report: their titles and axes, and the points of every curve.
 //!
-//! The Lab draws these plots, and all files are written from them, so that a figure, a table and the screen show the
-//! same numbers. A figure is self-contained SVG, for light and dark pages, readable without colour: two plots stand
-//! side by side, under one legend where all have the same curves. Curves of one method have one colour in all sets;
-//! those of sets after the first are thinner and dotted.
+//! The Lab draws these plots, and all files are written from them, so that all show the same numbers. A figure is
+//! self-contained SVG for light and dark pages, readable without colour: two plots side by side, under one legend where
+//! all have the same curves. A method has one colour in all sets; sets after the first are thinner and dotted.
 
 use super::accuracy::{AccuracyReport, AccuracyRow};
 use super::chart::{ChartReport, ChartRow, MethodReport};
@@ -21,7 +20,7 @@ const BAD: (&str, &str) = (RED, "7 4");
 const SNR: &str = "SNR of one pixel in one frame";
 const FRAMES: &str = "number of frames";
 
-/// One plot.
+/// One plot of a report: axes with their units, and the curves.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct StudyPlot {
     /// Heading of the plot.
@@ -43,17 +42,15 @@ pub struct StudyPlot {
 pub struct StudyCurve {
     /// Method; `None` for the one search of a study of accuracy.
     pub method: Option<BurstMethod>,
-    /// Value of the report's row that all points belong to, a ratio or a number of frames; `None` where each point has
-    /// a row of its own, whose value is its x.
+    /// Row's value of all points, a ratio or a number of frames; `None` where each point has its own row, by its x.
     pub row: Option<f64>,
-    /// The line: its colour is that of the method, and otherwise one that no other curve of its plot has; its spread is
-    /// one standard error to both sides of a mean, or a median and 95 %; the dot of a ROC curve is the default
-    /// threshold, the mean over the charts.
+    /// The line. Its colour is the method's, or one that no other curve of its plot has. Its spread is one standard
+    /// error to both sides of a mean, or a median and 95 %. The dot of a ROC curve is the default threshold, the mean
+    /// over the charts.
     pub line: Series,
 }
 
 impl StudyCurve {
-    /// A curve of no method, with this colour and these dashes.
     pub(crate) fn plain(label: &str, (colour, dashes): (&'static str, &'static str), points: Vec<SeriesPoint>) -> Self {
         let line = Series { label: label.to_owned(), colour, dashes, width: LINE, points, dot: None };
         Self { method: None, row: None, line }
@@ -69,8 +66,7 @@ impl StudyCurve {
     }
 }
 
-/// The plots of a study in the dark: the ROC curves at one ratio (the row `roc_row`), and the features and discs found
-/// against the ratio.
+/// Plots of a study in the dark: ROC curves of the row `roc_row`, then features and discs found against the ratio.
 pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
     let rows: Vec<(f64, &[MethodReport])> = report.rows.iter().map(|row| (row.snr, &row.methods[..])).collect();
     let mut plots = Vec::new();
@@ -90,8 +86,7 @@ pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
     plots
 }
 
-/// The plots of a study over the number of frames: the ROC curves at one number (the row `roc_row`), and the features
-/// and discs found against the number of frames.
+/// Plots over the number of frames: ROC curves of the row `roc_row`, then features and discs found.
 pub fn frames_plots(report: &FramesReport, roc_row: usize) -> Vec<StudyPlot> {
     let rows: Vec<(f64, &[MethodReport])> =
         report.rows.iter().map(|row| (row.frames as f64, &row.methods[..])).collect();
@@ -107,13 +102,13 @@ pub fn frames_plots(report: &FramesReport, roc_row: usize) -> Vec<StudyPlot> {
     plots
 }
 
-/// The plots of the middle frames of a burst: its features, the confirmed ones among them, and the matches with a
-/// second burst.
+/// Plots of the middle frames of a burst: features, those confirmed, and the matches with a second burst.
 pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
     let curve = |label: &str, line, value: &dyn Fn(&BurstFramesRow) -> Option<usize>| {
         let point =
             |row: &BurstFramesRow| Some(SeriesPoint { x: row.frames as f64, y: value(row)? as f64, spread: None });
         let points: Vec<SeriesPoint> = report.rows.iter().filter_map(point).collect();
+        // Without a truth or a second burst there is nothing to draw: such curves, and their plots, are left out.
         (!points.is_empty()).then(|| StudyCurve::plain(label, line, points))
     };
     let plot = |title: String, y_label: &str, curves: [Option<StudyCurve>; 2]| {
@@ -169,6 +164,7 @@ fn against(
             SeriesPoint { x: *x, y: mean.mean, spread: mean.within_error() }
         };
         let mut points: Vec<SeriesPoint> = rows.iter().map(point).collect();
+        // Rows may be given in any order, but a line joins its points from left to right.
         points.sort_by(|a, b| a.x.total_cmp(&b.x));
         StudyCurve::of(method.method, points)
     };
@@ -212,10 +208,10 @@ pub fn percent(share: f64) -> String {
     format!("{} %", (1000.0 * share).round() / 10.0)
 }
 
-/// All points of named sets of plots as a table: `set,plot,curve,x,y,low,high`, one row for each point; `low` and
-/// `high` are empty where there is no spread.
+/// All points of named sets of plots as a table `set,plot,curve,x,y,low,high`; no spread leaves `low`, `high` empty.
 pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
     let mut out = format!("{CURVE_COLUMNS}\n");
+    // Names of bursts may hold commas and quotes.
     let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
     for (set, plots) in sets {
         for plot in plots {
@@ -244,9 +240,8 @@ const LEFT: f64 = 70.0;
 const HEIGHT: f64 = 280.0;
 pub(crate) const LINE: f64 = 2.2;
 
-/// The ROC curves of a study in the dark as a figure, one plot for each ratio. A grey line is where the requested share
-/// of the detections is false: the numbers of the table are read near it. The dot at the end of a curve is the method's
-/// default threshold. Several plots have letters, of which the first is that at `first_letter`, 0 for (a).
+/// ROC curves of a study in the dark as a figure, a plot for each ratio. A grey line marks the requested share of false
+/// detections, a dot the method's default threshold. Several plots have letters from `first_letter` on, 0 for (a).
 pub fn roc_svg(report: &ChartReport, first_letter: usize) -> String {
     let discs = report.chart.discs;
     let plot = |row: &ChartRow| {
@@ -266,6 +261,7 @@ pub fn roc_svg(report: &ChartReport, first_letter: usize) -> String {
 fn share_line(report: &ChartReport) -> Option<StudyCurve> {
     let share = report.setup.false_fraction;
     let (most_found, most_false) = (report.chart.discs as f64, report.chart.discs.div_ceil(2) as f64);
+    // The line ends at the rim of the plot: all discs found, or half as many false features as discs.
     let end = most_found.min(most_false * (1.0 - share) / share);
     let point = |y: f64| SeriesPoint { x: y * share / (1.0 - share), y, spread: None };
     let (label, points) = (format!("{} false", percent(share)), vec![point(0.0), point(end)]);
@@ -330,12 +326,14 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
         top = 70.0;
     }
     let labels = |series: &[Series]| series.iter().map(|one| one.label.clone()).collect::<Vec<_>>();
+    // Plots whose curves have equal names share a legend above them.
     let is_shared = plots.windows(2).all(|two| labels(&two[0].1) == labels(&two[1].1));
     if let Some((_, series)) = plots.first().filter(|_| is_shared) {
         top = sheet.legend((LEFT, top), WIDTH - LEFT - 20.0, series);
     }
     let room = (WIDTH - 24.0) / 2.0;
     for pair in plots.chunks(2) {
+        // Legends of a pair come before its plots, so that both plots start below the taller legend.
         let mut below: f64 = top;
         for (column, (_, series)) in pair.iter().enumerate().filter(|_| !is_shared) {
             below = below.max(sheet.legend((LEFT + room * column as f64, top), room - LEFT, series));
@@ -344,6 +342,7 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
             let x = LEFT + room * column as f64;
             let area = Area { x, y: below + 18.0, width: room - LEFT - 8.0, height: HEIGHT };
             let ends = series.iter().flat_map(|s| &s.points).map(|point| point.x).filter(|x| x.is_finite());
+            // A little room, so that the outermost points do not lie on the frame.
             let range_x = (1.03 * ends.clone().fold(0.0, f64::min), 1.03 * ends.fold(1e-6, f64::max));
             // Errors may be hundredths.
             let range_y = range_from_zero(series, 1e-6);

@@ -1,8 +1,7 @@
 //! Detection over the number of frames of a burst: charts of few to many frames, at one signal-to-noise ratio.
 //!
-//! Every number of frames n has its own charts, with n frames and the truth at their own mid-burst; the measured
-//! quantities are those of [`ChartStudy`]. (The paper's Fig. 6.) The effect on a given burst is measured by
-//! [`super::BurstFramesStudy`].
+//! Every number of frames n has its own charts, with n frames and the truth at their own mid-burst, measured as in
+//! [`ChartStudy`] (the paper's Fig. 6). [`super::BurstFramesStudy`] measures the effect on a given burst.
 
 use super::chart::{ChartReport, ChartStudy, ChartSummary, ComparisonSetup, MethodReport};
 use super::check_lists;
@@ -88,11 +87,7 @@ impl FramesStudy {
         self.run_telling(monitor, &|_| {})
     }
 
-    /// Runs the study as `run` does; calls `tell` with the report so far whenever a chart is finished, as
-    /// [`ChartStudy::run_telling`] does.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
+    /// Runs the study as `run` does; calls `tell` with the report so far after every chart, one call at a time.
     pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(FramesReport) + Sync)) -> Result<FramesReport> {
         self.check()?;
         let counts = self.counts();
@@ -113,7 +108,6 @@ impl FramesStudy {
         Ok(self.report(&whole))
     }
 
-    /// The report of the numbers of frames studied so far, the smallest first.
     fn report(&self, studied: &[(usize, ChartReport)]) -> FramesReport {
         let row = |(frames, report): &(usize, ChartReport)| {
             report.rows.first().map(|row| FramesRow { frames: *frames, methods: row.methods.clone() })

@@ -1,11 +1,10 @@
 //! Detection over the number of frames of a given burst: its middle n frames as a burst, for n = 2 … all.
 //!
 //! The search of all frames is the reference: a feature of fewer frames is *confirmed* when that search found it too,
-//! by the rule of [`burstscope_core::inspect::score`] (each of its features taken as a disc of radius √2·σ, and both
-//! bright or both dark). The middle n frames have a mid-burst of their own, half a frame before the whole burst's where
-//! n is odd and the number of all frames even or the other way round; positions are moved there along their slopes.
-//! Where the truth is known, discs found and false features are counted as well, and with a second burst the matches
-//! between the two.
+//! by the rule of [`burstscope_core::inspect::score`] (its features as discs of radius √2·σ, both bright or both dark).
+//! The middle n frames have a mid-burst of their own, half a frame before the whole burst's where n is odd and the
+//! number of all frames even or the other way round; positions are moved there along their slopes. With a truth, discs
+//! found and false features are counted as well, and with a second burst the matches between the two.
 
 use crate::synth::{FeatureTruth, Truth, TruthKind};
 use burstscope_core::burst::{Burst, Offset};
@@ -24,8 +23,7 @@ use std::ops::Range;
 /// Parameters of the search and matching of the bursts.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct BurstFramesStudy {
-    /// Parameters of the search. Slopes that are to be found are found once, from all frames; within a range of frames
-    /// the middle ones are used.
+    /// Parameters of the search. Slopes to be found are found once, from all frames; of a range the middle ones count.
     pub search: SearchParams,
     /// Parameters of matching and verification of the features of the two bursts.
     pub matching: MatchParams,
@@ -67,8 +65,7 @@ pub struct BurstFramesRow {
     pub unconfirmed: usize,
     /// Number of discs of the truth that were found; absent without a truth.
     pub discs_found: Option<usize>,
-    /// Number of features on no disc, or on one that was already found; only where the truth is complete, as that of a
-    /// chart is.
+    /// Features on no disc, or on one that was already found; only where the truth is complete, as a chart's is.
     pub false_features: Option<usize>,
     /// Matches with as many middle frames of the second burst; absent where it has fewer.
     pub matches: Option<MatchCounts>,
@@ -92,7 +89,7 @@ impl<'a> Searched<'a> {
         self.frames.start + (self.frames.len() - count) / 2
     }
 
-    /// The middle frames, with the parameters that name them.
+    /// Detection in the middle `count` frames, and the parameters with their range.
     fn middle(&self, count: usize, monitor: &Monitor) -> Result<(Detection, DetectorParams)> {
         let start = self.first_of(count);
         let frames = Some(FrameRange { start, end: start + count });
@@ -107,12 +104,10 @@ impl<'a> Searched<'a> {
 }
 
 impl BurstFramesStudy {
-    /// Searches the middle frames of `burst`, for each number of them, and compares with the search of all, with
-    /// `truth` and with `second`.
+    /// Searches the middle frames of `burst` for each number; compares with the search of all, `truth` and `second`.
     ///
     /// # Errors
-    /// A parameter that makes no sense for a burst, a truth of another number of frames, or
-    /// cancellation.
+    /// A parameter that makes no sense for a burst, a truth of another number of frames, or cancellation.
     pub fn run(
         &self,
         burst: &Burst,
@@ -124,9 +119,6 @@ impl BurstFramesStudy {
     }
 
     /// Runs the study as `run` does; calls `tell` with the report so far after every number of frames.
-    ///
-    /// # Errors
-    /// As [`Self::run`].
     pub fn run_telling(
         &self,
         burst: &Burst,
@@ -155,6 +147,7 @@ impl BurstFramesStudy {
             burst: burst.name.clone(),
             second: second.as_ref().map(|second| second.burst.name.clone()),
             second_slopes: second.as_ref().map(|second| second.params.used_slopes()),
+            // Judging without discs merges the orientations of a keypoint, and so counts keypoints.
             features: judge_by_discs(&all.features, &[], Ranking::default()).len(),
             discs: truth.map(|truth| truth.features.len()),
             detector: first.params.clone(),
@@ -180,7 +173,6 @@ impl BurstFramesStudy {
         Ok(report)
     }
 
-    /// The numbers of frames in ascending order, for a burst of `frames` frames.
     fn counts(&self, frames: usize) -> Result<Vec<usize>> {
         if frames < 2 {
             let remedy = "name a burst of 2 frames or more";
@@ -207,6 +199,7 @@ fn row(
     let first_frame = searched.first_of(count);
     let mid = searched.mid(first_frame, count);
     let later = mid - searched.mid(searched.frames.start, searched.frames.len());
+    // A bright feature must not confirm a dark one at the same place.
     let confirmed = [true, false].map(|is_bright| {
         let of_side = |features: &[Feature]| -> Vec<Feature> {
             features.iter().filter(|f| (f.response < 0.0) == is_bright).copied().collect()
@@ -225,6 +218,7 @@ fn row(
     let counted = truth.map(|truth| {
         let discs: Vec<FeatureTruth> = truth.features.iter().map(|&disc| moved(disc, mid)).collect();
         let judged = judge_by_discs(&found.features, &discs, Ranking::default());
+        // Only the truth of a chart is complete: elsewhere a feature on no disc may be real.
         let on_discs = judged.iter().filter(|one| one.disc.is_some()).count();
         (on_discs, (truth.kind == TruthKind::Chart).then(|| judged.len() - on_discs))
     });
@@ -240,7 +234,6 @@ fn row(
     }
 }
 
-/// The disc whose image a feature would be.
 fn disc_of(feature: &Feature) -> FeatureTruth {
     FeatureTruth {
         id: 0,
@@ -255,7 +248,7 @@ fn disc_of(feature: &Feature) -> FeatureTruth {
     }
 }
 
-/// The disc in a frame `at` an offset from where it is.
+/// The disc displaced along its slope by the offset `at`.
 fn moved(disc: FeatureTruth, at: Offset) -> FeatureTruth {
     let (u, v) = disc.position(at);
     FeatureTruth { u, v, ..disc }

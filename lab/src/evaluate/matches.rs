@@ -1,15 +1,14 @@
 //! Matching between the bursts of a dataset: the columns of the paper's Table 1 that need no reconstruction.
 //!
 //! Every method finds the features of every burst, with the same parameters and a noise gate of the same rate of false
-//! features; the features of chosen pairs of bursts are matched, verified and aligned as everywhere. As in the paper, an
+//! features; the features of chosen pairs of bursts are matched, verified and aligned as usual. As in the paper, an
 //! image's matches with all others are added up: each counts for both of its images, and ratios may exceed 1.
 //!
 //! # The gold standard
-//! Where sharp images of the same views are given, SIFT on them is a row of its own, and there is a further column for
-//! all rows: the number of putative matches, at the places where they were found, on the geometry that the *sharp*
-//! images' matches agree on. Inliers are
-//! counted against a geometry that was found with the same matches, which favours a method with few matches: some
-//! always agree on some geometry. This column does not.
+//! Where sharp images of the same views are given, SIFT on them is a row of its own, and all rows get a further column:
+//! putative matches, at the places where they were found, on the geometry of the *sharp* images' matches. Inliers are
+//! counted against a geometry found with the same matches, which favours a method with few matches, because some
+//! always agree on some geometry. The further column does not.
 
 use super::methods::{BurstMethod, Searches};
 use burstscope_core::burst::Burst;
@@ -47,7 +46,6 @@ pub struct MatchStudy {
     pub pairs: PairSelection,
 }
 
-/// Features and matches of one method in all bursts.
 #[derive(Default)]
 struct FoundByMethod {
     sides: Vec<BurstSide>,
@@ -110,8 +108,7 @@ impl MatchStudy {
     ) -> Result<MatchReport, E> {
         self.check(names.len())?;
         let pairs = self.pairs.pairs(names.len());
-        // The sharp images are searched even if their row is not requested, and first, because all rows are judged by
-        // their geometry.
+        // Sharp images come first, even without a row of their own: their geometry judges all rows.
         let others = self.methods.iter().copied().filter(|method| *method != BurstMethod::Gold);
         let methods: Vec<BurstMethod> = self.has_gold.then_some(BurstMethod::Gold).into_iter().chain(others).collect();
         let steps = (names.len() + 1) * methods.len();
@@ -123,10 +120,12 @@ impl MatchStudy {
         let silent = monitor.silent();
         let first = open(0, Shot::Burst)?;
         let (frames, size) = (first.len(), first.size());
+        // Filled by the row of the sharp images, which comes first.
         let mut judges: Vec<Option<TwoViewModel>> = vec![None; pairs.len()];
         let mut rows: Vec<MatchRow> = Vec::with_capacity(methods.len());
         for &method in &methods {
             let mut found = FoundByMethod::default();
+            // One burst is open at a time; features, parameters and slopes stay.
             for k in 0..names.len() {
                 let (burst, params) = self.input(method, k, &mut open, &silent)?;
                 let Searched { detection, params, finding, .. } = search(&burst, &params, &silent)?;
@@ -157,6 +156,7 @@ impl MatchStudy {
             let by_pair = counted.into_iter().flatten().collect();
             rows.push(row(method, &keypoints, found.slopes.into_iter().collect(), &pairs, by_pair));
         }
+        // Sharp images that only served as judges leave the table; the other rows take the requested order.
         let place = |row: &MatchRow| self.methods.iter().position(|method| *method == row.method);
         rows.retain(|row| place(row).is_some());
         rows.sort_by_key(place);
@@ -212,8 +212,7 @@ pub struct MatchReport {
     pub methods: Vec<MatchRow>,
 }
 
-/// Results of one method. Numbers for an image are means over the images; an image's matches are those with all others
-/// it was paired with.
+/// Results of one method. Numbers per image are means; an image's matches are those with all images paired with it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MatchRow {
     /// The method.

@@ -1,5 +1,4 @@
-//! The methods to features that are compared: one frame, two merges, the burst search over a line of slopes, over a
-//! plane of slopes and over slopes found for each burst, and a sharp image as gold standard.
+//! The compared methods: SIFT on one frame, two merges or a sharp image; BuFF over a line, a plane or slopes found.
 
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
@@ -39,10 +38,10 @@ impl BurstMethod {
     pub const WITH_GIVEN_SLOPES: [Self; 5] =
         [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
 
-    /// Name on the command line, name in a table or figure, colour and dashes of its line (empty for solid). Colours
-    /// are of the palette of M. Okabe and K. Ito, which colour-blind readers can tell apart; dashes differ too.
+    /// Name on the command line, label, and colour and dashes of the line (no dashes for a solid one).
     const fn row(self) -> (&'static str, &'static str, (&'static str, &'static str)) {
         match self {
+            // The palette of M. Okabe and K. Ito, which colour-blind readers can tell apart; dashes differ too.
             Self::SiftFrame => ("sift-frame", "SIFT, one frame", ("#666666", "1.5 4")),
             Self::SiftMean => ("sift-mean", "SIFT, plain mean", ("#d55e00", "9 3 2 3")),
             Self::SiftMerge => ("sift-merge", "SIFT, merge", ("#cc79a7", "5 3")),
@@ -79,8 +78,7 @@ impl std::str::FromStr for BurstMethod {
     }
 }
 
-/// The slopes of BuFF 1D and of BuFF 2D: a plane is BuFF 2D's, and its u axis BuFF 1D's; a line is BuFF 1D's, and BuFF
-/// 2D has its axis on both axes.
+/// The slopes of BuFF 1D and 2D: of a plane its u axis and the plane; of a line the line, and its axis on both axes.
 pub fn slopes_of(slopes: SlopeGrid) -> (SlopeGrid, SlopeGrid) {
     if slopes.is_plane() {
         return (SlopeGrid { v: SlopeAxis::ZERO, ..slopes }, slopes);
@@ -116,8 +114,7 @@ impl Default for Searches {
 }
 
 impl Searches {
-    /// The searches of charts with `detector` over `given` slopes: a line of slopes is BuFF 1D's; a plane is BuFF 2D's,
-    /// and its u axis BuFF 1D's. Slopes that are not given are those of the published study.
+    /// Searches of charts: a `given` plane counts as in [`slopes_of`], a line is BuFF 1D's; the rest is as published.
     pub fn of_charts(detector: DetectorParams, given: Option<SlopeGrid>) -> Self {
         let default = Self::default();
         let (slopes_1d, slopes_2d) = match given {
@@ -152,8 +149,7 @@ impl Searches {
         search(&burst, &params, monitor)
     }
 
-    /// The burst that `method` searches in place of `burst`, and the parameters of that search; errors as of
-    /// [`Self::search`].
+    /// The burst that `method` searches in place of `burst`, and the parameters; errors as of [`Self::search`].
     pub fn input(&self, method: BurstMethod, burst: &Burst, monitor: &Monitor) -> Result<(Burst, SearchParams)> {
         let params = self.params(method);
         if method != BurstMethod::SiftMean {

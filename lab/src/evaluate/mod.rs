@@ -1,5 +1,4 @@
-//! Evaluation of the detector on input whose truth is known exactly, and of camera poses that were found with its
-//! features.
+//! Evaluation of the detector on input of exactly known truth, and of camera poses found with its features.
 //!
 //! Four studies of the detector, each one command (`burstscope evaluate chart|frames|accuracy|noise`):
 //!
@@ -9,17 +8,14 @@
 //! - [`accuracy`]: in enough light. Errors of positions, scales and motions.
 //! - [`pure_noise`]: on noise alone. The number of features found where all are false.
 //!
-//! One study of the use of features, on real or synthetic bursts, [`mod@matches`] (`burstscope evaluate matches`): the
-//! number of features that match between bursts, and of correct matches.
+//! One study of the use of features, [`mod@matches`] (`burstscope evaluate matches`): matches between bursts.
 //!
-//! And one of camera poses, [`poses`] (`burstscope evaluate poses`): the distance of a reconstruction's trajectory from
-//! the true one.
+//! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far a trajectory is from the true one.
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
 //! over them and returns a report that can be written as JSON. [`score`](burstscope_core::inspect::score) decides which
-//! discs count as found,
-//! [`curves`] draws the curves. The same study gives the same report for any number of threads, and
-//! memory holds at most one burst for each thread.
+//! discs count as found, [`curves`] draws the curves. The same study gives the same report for any number of threads,
+//! and memory holds at most one burst for each thread.
 
 pub mod accuracy;
 pub mod chart;
@@ -82,12 +78,8 @@ impl Steps<'_> {
     }
 }
 
-/// Runs `f` on every job; results are in the order of the jobs. As many jobs run at a time as there are threads, so at
-/// most that many hold their memory. (A flat parallel loop would not ensure that: a thread that waits inside one job,
-/// for its own parallel parts, would begin another one.)
-///
-/// # Errors
-/// The first failure in the order of the jobs, or cancellation of the work.
+/// Runs `f` on every job; results, and the failure that counts, follow the order of the jobs. As many jobs run at a
+/// time as there are threads, so at most that many hold their memory.
 fn run_jobs<J: Sync, R: Send>(
     jobs: &[J],
     steps_per_job: usize,
@@ -98,8 +90,10 @@ fn run_jobs<J: Sync, R: Send>(
     let silent = monitor.silent();
     monitor.report(Stage::Evaluate, 0.0);
     let mut results = Vec::with_capacity(jobs.len());
+    // In a flat parallel loop a thread that waits inside a job, for its parallel parts, would begin another job.
     for group in jobs.chunks(rayon::current_num_threads()) {
         monitor.check()?;
+        // One job a piece: a longer piece would leave threads idle at the end.
         let answers: Vec<Result<R>> = group.par_iter().with_max_len(1).map(|job| f(job, &silent, &steps)).collect();
         for answer in answers {
             results.push(answer?);
@@ -112,13 +106,8 @@ fn run_jobs<J: Sync, R: Send>(
 /// A ratio and the results of its finished charts, in the order of their seeds.
 type RatioCharts<C> = (f64, Vec<C>);
 
-/// Runs `f`, which has `steps` steps, on every ratio and seed; the answer is the `report` of the results. Calls `tell`
-/// with the report so far whenever a chart is finished, from any thread, one call at a time. Charts of one seed at all
-/// ratios come before those of the next, so that every point of a curve exists early and then improves; a report leaves
-/// out ratios without a finished chart.
-///
-/// # Errors
-/// As [`run_jobs`].
+/// Runs `f`, which has `steps` steps, on every ratio and seed, and returns the `report` of the results. Calls `tell`
+/// with the report so far after every chart, from any thread, one call at a time; ratios without a chart are left out.
 fn run_charts<C: Clone + Send, R>(
     snrs: &[f64],
     seeds: Range<u64>,
@@ -128,6 +117,7 @@ fn run_charts<C: Clone + Send, R>(
     report: impl Fn(&[RatioCharts<C>]) -> R + Sync,
     tell: &(dyn Fn(R) + Sync),
 ) -> Result<R> {
+    // Seed by seed over all ratios, so that every point of a curve exists early and then improves.
     let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..snrs.len()).map(move |row| (row, seed))).collect();
     let report_of = |finished: &BTreeMap<(usize, u64), C>| {
         let of_ratio = |(row, &snr): (usize, &f64)| {
@@ -141,6 +131,7 @@ fn run_charts<C: Clone + Send, R>(
         let chart = f(snrs[row], seed, monitor, steps)?;
         let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
         finished.insert((row, seed), chart);
+        // Under the lock, so that reports arrive one at a time, each with more charts than the one before.
         tell(report_of(&finished));
         Ok(())
     })?;

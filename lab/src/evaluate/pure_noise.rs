@@ -1,9 +1,8 @@
 //! Detection on noise alone: the number of features found where all are false.
 //!
-//! Bursts of Gaussian noise around half of full scale are searched with the given parameters: white noise, unchanged
-//! and rounded to the levels of a converter, and noise as cameras and files produce it ([`NoiseCase`]). Every feature
-//! is false. The noise gate promises at most one of them in a million pixels of the image, for any noise and any number
-//! of slopes searched.
+//! Bursts of Gaussian noise around half of full scale are searched with the given parameters: white noise, exact and
+//! rounded to the levels of a converter, and noise as cameras and files produce it ([`NoiseCase`]). The noise gate
+//! promises at most one feature, all being false, in a million pixels of the image, for any noise and number of slopes.
 
 use super::run_jobs;
 use crate::synth::NoiseCase;
@@ -23,7 +22,7 @@ use serde::Serialize;
 pub struct NoiseLevel {
     /// Standard deviation in one frame, fraction of full scale.
     pub sigma: f64,
-    /// Bits of the converter that rounds it, 4 … 16; `None` without rounding.
+    /// Bits of the converter that rounds the noise, 4 … 16; `None` without rounding.
     pub bits: Option<u32>,
     /// Deviation from white noise; only white noise is rounded to `bits`.
     pub case: NoiseCase,
@@ -180,6 +179,7 @@ impl NoiseStudy {
             let problem = format!("{}×{} pixels", self.width, self.height);
             return Err(Error::param("width", problem, "give 16 to 32768 a side, 100 million at most"));
         }
+        // As f32 the largest burst takes 8 GB, and each thread holds a burst.
         if !(1..=4096).contains(&self.frames) || pixels * self.frames as f64 > 2e9 {
             let problem = format!("{} frames of {}×{}", self.frames, self.width, self.height);
             return Err(Error::param("frames", problem, "give 1 to 4096 frames, 2000 million pixels at most"));
@@ -210,6 +210,7 @@ impl NoiseStudy {
             .iter()
             .flat_map(|&level| (0..bursts as u64).map(move |i| (level, self.first_seed.wrapping_add(i))))
             .collect();
+        // All searches share a burst, so that the columns of a row differ by the search alone.
         let found = run_jobs(&jobs, self.searches.len(), monitor, |&(level, seed), monitor, steps| {
             let burst = noise_burst(level, (self.width, self.height), self.frames, seed, monitor)?;
             let search = |search: &NoiseSearch| {
@@ -220,6 +221,7 @@ impl NoiseStudy {
             self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>>>()
         })?;
         let megapixels = bursts as f64 * burst_megapixels;
+        // Jobs go level by level, so that the bursts of one row lie together.
         let row = |(&level, found): (&NoiseLevel, &[Vec<(usize, f64)>])| NoiseRow {
             level,
             searches: (self.searches.iter().enumerate())
@@ -252,7 +254,7 @@ impl NoiseStudy {
 }
 
 impl NoiseLevel {
-    /// White noise.
+    /// White noise around the default grey level, rounded to `bits` if given.
     pub fn white(sigma: f64, bits: Option<u32>) -> Self {
         Self { sigma, bits, case: NoiseCase::White, mean: NoiseCase::LEVEL }
     }
@@ -282,6 +284,7 @@ fn noise_burst(level: NoiseLevel, size: (usize, usize), frames: usize, seed: u64
         planes.push(Plane::from_fn(size.0, size.1, value));
     }
     let mut burst = Burst::from_planes("noise", planes);
+    // No file's header gives the step of frames made in memory.
     burst.quantisation_step = level.bits.map_or(0.0, quantisation_step) as f32;
     Ok(burst)
 }

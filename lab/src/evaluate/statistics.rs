@@ -17,6 +17,7 @@ impl Mean {
         let n = samples.len() as f64;
         let mean = samples.iter().sum::<f64>() / n;
         let standard_error = (samples.len() > 1).then(|| {
+            // n − 1, because the mean comes from the same samples.
             let variance = samples.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
             (variance / n).sqrt()
         });
@@ -28,16 +29,14 @@ impl Mean {
         self.standard_error.map(|error| [self.mean - error, self.mean + error])
     }
 
-    /// Whether the mean differs from 0 by no more than `k` standard errors. Fewer than two samples cannot show a
-    /// difference.
+    /// Whether the mean is within `k` standard errors of 0; fewer than two samples cannot show a difference.
     pub fn is_consistent_with_zero(&self, k: f64) -> bool {
         self.standard_error.is_none_or(|error| self.mean.abs() <= k * error)
     }
 }
 
 impl std::fmt::Display for Mean {
-    /// Writes `mean ± standard error`, right-aligned to the width and with the given precision (one decimal by
-    /// default).
+    /// Writes `mean ± standard error`, right-aligned to the width, with the given precision (default: one decimal).
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         let precision = f.precision().unwrap_or(1);
         let text = match self.standard_error {
@@ -58,7 +57,7 @@ pub struct Errors {
     pub signed: Mean,
     /// Median of the magnitudes; NaN (null in JSON) of none.
     pub median_magnitude: f64,
-    /// Magnitude that 95 % of them do not exceed.
+    /// Magnitude that 95 % of the errors do not exceed.
     pub magnitude_95: f64,
 }
 

@@ -1,7 +1,6 @@
 //! Fig. 2: features tracked through a burst, frame by frame, and the straight lines that approximate their motion.
 //!
-//! The burst is in good light, and each frame is searched by itself: the measurement does not use the burst search,
-//! which assumes uniform motion.
+//! Each frame, in good light, is searched by itself: the burst search would assume the uniform motion in question.
 
 use super::drawing::Panel;
 use super::record::Pieces;
@@ -29,7 +28,6 @@ const MAX_DRAWN: usize = 150;
 
 #[derive(Debug)]
 pub(super) struct ApparentMotion {
-    /// Trajectories forward and sideways.
     ways: [TrajectoryParams; 2],
     burst: usize,
     /// Largest step of a feature from one frame to the next, as a multiple of the largest apparent motion.
@@ -53,16 +51,15 @@ impl ApparentMotion {
             ways: [way(Motion::TwoD), way(Motion::OneD)],
             burst: 1,
             reach: 1.5,
+            // With one orientation a keypoint belongs to one track.
             detector: DetectorParams { method: Method::Sift, max_orientations: 1, ..DetectorParams::default() },
             matching: MatchParams { geometry: Geometry::None, ..MatchParams::default() },
         }
     }
 }
 
-/// Track of a feature through every frame of a burst.
 #[derive(Debug, Clone, PartialEq)]
 struct Track {
-    /// Positions (u, v) in each frame.
     places: Vec<[f64; 2]>,
     /// Position (u, v) at mid-burst and slope of the best-fitting uniform motion.
     place: [f64; 2],
@@ -76,6 +73,7 @@ impl Track {
         let n = places.len() as f64;
         let t0 = (n - 1.0) / 2.0;
         let times = || (0..places.len()).map(|t| t as f64 - t0);
+        // Least squares over times that are symmetric about 0: place and slope do not depend on each other.
         let spread: f64 = times().map(|t| t * t).sum();
         let mean = |axis: usize| places.iter().map(|p| p[axis]).sum::<f64>() / n;
         let rate = |axis: usize| times().zip(&places).map(|(t, p)| t * p[axis]).sum::<f64>() / spread;
@@ -111,6 +109,7 @@ impl ApparentMotion {
             let of = |t: usize| DetectedBurst { burst, params: &self.detector, detection: &found[t] };
             let linked = match_bursts([of(t - 1), of(t)], &self.matching, monitor)?;
             let mut next = vec![None; found[t - 1].features.len()];
+            // Descriptors alone also link features from far apart, which no motion of the scene does.
             for m in &linked.matches {
                 let (from, to) = (place(t - 1, m.a), place(t, m.b));
                 if (from[0] - to[0]).hypot(from[1] - to[1]) <= max_step {
@@ -143,6 +142,7 @@ impl MakeFigure for ApparentMotion {
             let scene = Trajectory::new(way, &silent)?;
             let burst = scene.burst(self.burst, &silent)?;
             monitor.report(Stage::Evaluate, 0.5 * column as f32 + 0.25);
+            // √2, because the largest motion may act on both axes at once.
             let tracks = self.tracks(&burst, self.reach * way.max_slope * 2f64.sqrt(), &silent)?;
             let (word, name) = match way.motion {
                 Motion::TwoD => ("2d", "forward: in all directions (2D)"),
@@ -199,6 +199,7 @@ fn draw(sheet: &mut Sheet, at: (f64, f64), width: f64, frame: &Plane, tracks: &[
             sheet.line(from, to, FITTED, r#"stroke-width="3.5" stroke-opacity="0.75" stroke-linecap="round""#);
             let (du, dv) = (to.0 - from.0, to.1 - from.1);
             let length = du.hypot(dv);
+            // A shorter line has no room for barbs.
             if length > 4.0 {
                 let (x, y) = (du / length, dv / length);
                 for side in [-1.0, 1.0] {

@@ -27,9 +27,7 @@ pub(super) struct Architecture {
     detector: DetectorParams,
     /// Slopes whose motion-stack images are shown, as indices of the grid.
     shown: [usize; 3],
-    /// Octave whose differences of Gaussians are shown.
     octave: i32,
-    /// Levels that are shown.
     levels: [i32; 3],
 }
 
@@ -49,7 +47,6 @@ impl Architecture {
 struct Response {
     /// Slopes, px/frame.
     slopes: Vec<f32>,
-    /// Scales as (octave, level).
     scales: Vec<(i32, i32)>,
     values: Plane,
 }
@@ -62,7 +59,7 @@ impl MakeFigure for Architecture {
         monitor.report(Stage::Evaluate, 0.4);
         let grid = self.detector.slopes;
         let slope_of = |index: usize| Slope::new(grid.u.value(index as f32), 0.0);
-        // A bright feature of medium size that moves, not at the rim of the range.
+        // A feature of medium size that moves, off the rim of the slopes, so that its response shows a whole peak.
         let is_middling =
             |f: &&Feature| f.octave == self.octave && !f.is_on_rim(&self.detector) && f.slope.u.abs() > 1.0;
         let subject = detection.features.iter().find(is_middling).or(detection.features.first()).copied();
@@ -83,6 +80,7 @@ impl MakeFigure for Architecture {
         };
         let frames = [0, burst.len() / 2, burst.len() - 1];
         heading(&mut sheet, 0, "frames", &format!("{} of them, each dark", burst.len()));
+        // Pictures of a column share a range, which makes brightnesses comparable.
         let range = Display::stretched(&burst.frames[frames[1]]);
         self.column(&mut sheet, column(0), frames.map(|t| (format!("t = {t}"), burst.frames[t].clone(), range)));
         heading(&mut sheet, 1, "motion stack", &format!("shift and mean, {} slopes", grid.len()));
@@ -107,6 +105,7 @@ impl MakeFigure for Architecture {
         heading(&mut sheet, 3, "extrema", "over place, scale and slope");
         draw_response(&mut sheet, column(3) + 44.0, &response, &subject);
         heading(&mut sheet, 4, "features", "place, scale, orientation, motion");
+        // Features are drawn on the stack of the subject's slope, in which the subject is sharp.
         let stack = stack_view(&burst, &self.detector, nearest, &silent)?;
         let panel = Panel::draw(
             &mut sheet,
@@ -116,6 +115,7 @@ impl MakeFigure for Architecture {
             &Display::stretched(&stack),
             "",
         );
+        // Features are reported at mid-burst: half of their way lies before it.
         let half = (burst.len() as f64 - 1.0) / 2.0;
         sheet.clipped(panel.area, |sheet| {
             for feature in detection.features.iter().take(120) {
@@ -147,7 +147,6 @@ impl MakeFigure for Architecture {
 }
 
 impl Architecture {
-    /// Draws three pictures under one another, each with a line of text.
     fn column(
         &self,
         sheet: &mut Sheet,
@@ -213,6 +212,7 @@ fn draw_response(sheet: &mut Sheet, x: f64, response: &Response, subject: &Featu
         height: cell.1,
     };
     sheet.rectangle(marked, &format!(r#"fill="none" stroke="{RED}" stroke-width="2""#));
+    // A cell is one slope wide: the axis ends half a step beyond the outermost slopes.
     let step = response.slopes.get(1).map_or(1.0, |s| s - response.slopes[0]);
     let range = (response.slopes[0] - 0.5 * step, response.slopes[response.slopes.len() - 1] + 0.5 * step);
     sheet.axis_below(area, (f64::from(range.0), f64::from(range.1)), "slope, px/frame");

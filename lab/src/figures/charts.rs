@@ -1,5 +1,4 @@
-//! Figs. 4 to 6: charts of discs. Fig. 4 shows one chart with the features that each method finds on it; Figs. 5 and
-//! 6 are curves over many charts, measured and drawn by [`crate::evaluate`].
+//! Figs. 4 to 6: a chart with what each method finds on it, and curves over many charts from [`crate::evaluate`].
 
 use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
@@ -39,7 +38,6 @@ fn strict() -> Searches {
     Searches { detector, ..Searches::default() }
 }
 
-/// Discs found against false features, for motion in one dimension and in two.
 #[derive(Debug)]
 pub(super) struct RocFigure {
     studies: [ChartStudy; 2],
@@ -137,11 +135,9 @@ impl MakeFigure for FramesFigure {
 const WIDTH: f64 = 1080.0;
 const GAP: f64 = 14.0;
 
-/// Parameters of the chart in good light and in the dark, and the methods.
 #[derive(Debug)]
 pub(super) struct TestTarget {
     chart: ChartParams,
-    /// Signal-to-noise ratio of the bright copy.
     bright_snr: f64,
     methods: Vec<BurstMethod>,
     searches: Searches,
@@ -164,7 +160,6 @@ impl TestTarget {
     }
 }
 
-/// A method's features at the threshold.
 struct FoundOnTarget {
     label: String,
     word: String,
@@ -179,9 +174,10 @@ impl MakeFigure for TestTarget {
     fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
         let silent = monitor.silent();
         let (dark, truth) = synth_chart(&self.chart, &silent)?;
-        // The same discs: noise comes from separate random streams.
+        // Discs stay the same, because noise has random streams of its own.
         let (bright, _) = synth_chart(&ChartParams { snr: self.bright_snr, ..self.chart.clone() }, &silent)?;
         let mut all: Vec<(FoundOnTarget, Burst)> = Vec::new();
+        // SIFT in good light comes first, and shows what there is to find.
         let jobs = std::iter::once((BurstMethod::SiftFrame, true)).chain(self.methods.iter().map(|&m| (m, false)));
         for (index, (method, is_bright)) in jobs.enumerate() {
             monitor.report(Stage::Evaluate, index as f32 / (self.methods.len() + 1) as f32);
@@ -228,6 +224,7 @@ impl TestTarget {
                     &Display::stretched(frame),
                     &title,
                 );
+                // Clipped, so that circles at the rim do not reach into the next picture.
                 sheet.clipped(panel.area, |sheet| {
                     for one in &found.kept {
                         let colour = if one.disc.is_some() { RIGHT } else { WRONG };

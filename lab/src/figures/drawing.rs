@@ -52,7 +52,6 @@ impl Panel {
         x >= self.area.x && x <= self.area.right() && y >= self.area.y && y <= self.area.bottom()
     }
 
-    /// Draws a circle around an image pixel; the radius is in image pixels.
     pub fn circle(&self, sheet: &mut Sheet, pos_image: [f64; 2], radius_px: f64, colour: &str, style: &str) {
         if self.shows(pos_image) {
             let style = format!(r#"fill="none" stroke="{colour}" {style}"#);
@@ -69,7 +68,6 @@ impl Panel {
 
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Cell {
-    /// Words.
     Text(String),
     /// Number, and how many decimals are shown; CSV has all of them.
     Number(f64, usize),
@@ -97,7 +95,6 @@ pub(super) struct Table {
     pub title: String,
     /// Heads of the columns: two lines for the picture, and a name for CSV.
     pub columns: Vec<([&'static str; 2], &'static str)>,
-    /// Rows; each has as many cells as there are columns.
     pub rows: Vec<Vec<Cell>>,
     pub notes: Vec<String>,
 }
@@ -113,6 +110,7 @@ impl Table {
         let mut csv = names.join(",") + "\n";
         for row in &self.rows {
             let cells = row.iter().map(|cell| match cell {
+                // Without commas no cell needs quotes.
                 Cell::Text(text) => text.replace(',', ";"),
                 Cell::Number(x, _) => x.to_string(),
                 Cell::Missing => String::new(),
@@ -148,6 +146,7 @@ impl Table {
                 sheet.text((at, y - 6.0), 12.0, anchor, &cell.shown());
                 x += width;
             }
+            // A dark rule where the first column changes holds the rows of one subject together.
             let begins_anew = self.rows.get(index + 1).is_some_and(|next| next[0] != row[0]);
             rule(&mut sheet, y, if begins_anew || index + 1 == self.rows.len() { INK } else { GRID });
         }

@@ -46,7 +46,7 @@ pub enum FiguresEvent<'a> {
 pub struct FigureReport {
     /// The figure.
     pub figure: PaperFigure,
-    /// Files of its picture and its numbers.
+    /// Files of picture and numbers.
     pub files: Vec<PathBuf>,
     /// Notes for the reader, such as missing columns; sentences.
     pub notes: Vec<String>,
@@ -75,7 +75,6 @@ pub fn find_colmap() -> Option<PathBuf> {
 }
 
 impl FiguresJob {
-    /// The figures to make, in order, each once.
     fn wanted(&self) -> Vec<PaperFigure> {
         let is_wanted = |figure: &PaperFigure| self.only.is_empty() || self.only.contains(figure);
         PaperFigure::ALL.into_iter().filter(is_wanted).collect()
@@ -84,14 +83,15 @@ impl FiguresJob {
     /// Makes the figures that are not finished yet, and the page. `on` is called with every event.
     ///
     /// # Errors
-    /// A study, a file or COLMAP fails, or cancellation. Files are written completely or not at all; finished figures
-    /// stay finished.
+    /// A study, a file or COLMAP fails, or cancellation. Files are written whole or not at all; finished figures stay.
     pub fn run(&self, on: &mut dyn FnMut(FiguresEvent<'_>), monitor: &Monitor) -> Result<FiguresReport> {
         check_folder(&self.out)?;
+        // Two runs in one folder would mix their records: the lock comes before anything is written.
         let lock = FolderLock::take(&self.out)?;
         begin(&self.out)?;
         let pieces = Pieces::of(&self.out);
         let wanted = self.wanted();
+        // Figures differ much in cost, so that progress counts expected seconds instead of figures.
         let total: f32 = wanted.iter().map(|figure| figure.cost_secs(self.size)).sum();
         let mut figures = Vec::with_capacity(wanted.len());
         let mut done = 0.0;
@@ -112,6 +112,7 @@ impl FiguresJob {
     /// One figure: the finished one if it is up to date, otherwise made and written.
     fn one(&self, figure: PaperFigure, pieces: &Pieces, lock: &FolderLock, monitor: &Monitor) -> Result<FigureReport> {
         let maker = figure.maker(self.size, self.colmap.as_deref());
+        // The `Debug` text holds all parameters: a figure with any other value is made again.
         let made_from = MadeFrom::new(format!("{maker:?}"));
         let kept = read_record(&self.out, figure).filter(|record| record.made_from == made_from);
         let resumed = kept.is_some();
@@ -137,11 +138,13 @@ impl FiguresJob {
         earlier.retain(|(name, content)| content.is_of(&self.out.join(name)));
         let name = |ending: &str| format!("{}.{ending}", figure.name());
         let texts = [(name("svg"), sealed(made.svg, Kind::Drawing)), (name("csv"), made.csv)];
+        // A file that no run wrote, or that was changed since, is the user's and is not overwritten.
         for (name, _) in &texts {
             let known = earlier.iter().filter(|(of, _)| of == name).map(|(_, content)| *content).collect::<Vec<_>>();
             OutputRules::default().check_own(&self.out.join(name), &known)?;
         }
         let files = texts.iter().map(|(name, text)| (name.clone(), Checksum::of(text.as_bytes()))).collect();
+        // The record comes first: a run that dies in between knows its own files by their checksums.
         let record = Record { made_from, of: KeptFigure { figure, files, earlier, notes: made.notes, seconds } };
         records.write(figure.name(), &record)?;
         for (name, text) in texts {

@@ -105,6 +105,7 @@ impl MatchingInTheDark {
             let feature = &detection.features[index];
             [f64::from(feature.u), f64::from(feature.v)]
         };
+        // Judged by the scene itself: wrong matches may agree on a geometry too.
         let matches = result.matches.iter().enumerate().map(|(index, m)| {
             let (from, to) = (place(&a, m.a), place(&b, m.b));
             let truth = true_place(way, self.bursts, from);

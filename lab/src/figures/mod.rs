@@ -1,12 +1,10 @@
 //! Every figure and table of the paper, reproduced from our own material: `burstscope figures --out DIR`.
 //!
-//! A [`PaperFigure`] is one of the paper's; `PaperFigure::NAME.svg` shows it and `NAME.csv` holds its numbers. Its
-//! maker is a plain value with all of its parameters (charts, trajectories, methods), and a function from that value to
-//! both files. [`FiguresJob`] runs them one after the other into a folder, keeps finished figures (a record names the
-//! parameters they were made from), and writes a page, `index.html`, that shows all.
+//! A [`PaperFigure`] is one of the paper's: `NAME.svg` shows it, `NAME.csv` holds its numbers. Its maker is a plain
+//! value with all parameters, and a function from that value to both files. [`FiguresJob`] runs one maker after the
+//! other, keeps finished figures (a record names the parameters they were made from), and writes the page `index.html`.
 //!
-//! Nothing here computes by itself: charts and curves come from [`crate::evaluate`], bursts from [`crate::synth`],
-//! pictures of single steps from [`burstscope_core::detector::view`].
+//! Nothing computes here: see [`crate::evaluate`], [`crate::synth`] and [`burstscope_core::detector::view`].
 
 mod apparent_motion;
 mod architecture;
@@ -31,14 +29,12 @@ use record::Pieces;
 struct Made {
     /// The picture, a self-contained SVG.
     svg: String,
-    /// Numbers of the figure.
     csv: String,
     /// Notes for the reader, such as missing columns; sentences.
     notes: Vec<String>,
 }
 
-/// All parameters of a figure, and the function that makes it. The `Debug` text names everything that the figure
-/// depends on.
+/// All parameters of a figure, and the function that makes it. `Debug` names all that the figure depends on.
 trait MakeFigure: std::fmt::Debug {
     /// Makes the figure. `pieces` stores parts that take long, for the next figure and the next run.
     fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made>;

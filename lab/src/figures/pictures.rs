@@ -1,5 +1,4 @@
-//! Figs. 7 and 9: pictures of single bursts. Fig. 7 shows a view in good light, without noise, and in the dark; Fig.
-//! 9 aliasing and low contrast, on two of the program's examples.
+//! Figs. 7 and 9: a view in good light, without noise and in the dark; aliasing and low contrast on two examples.
 
 use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
@@ -48,7 +47,6 @@ fn write_feature(csv: &mut String, case: &str, f: &Feature, is: &str) {
     *csv += &format!("{case},{},{},{},{},{},{},{is}\n", f.u, f.v, f.sigma, f.slope.u, f.response, f.snr);
 }
 
-/// Width of each of two pictures side by side, pixels.
 fn half() -> f64 {
     (WIDTH - 3.0 * GAP) / 2.0
 }
@@ -98,6 +96,7 @@ fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) 
     let title = "the motion stack at their slope, and what is found";
     let panel = Panel::draw(sheet, (2.0 * GAP + half(), y), half(), &stack, &Display::stretched(&stack), title);
     let mut found = 0;
+    // Every disc is marked at its true place, so that the missed ones show too.
     for index in 0..DISCS {
         let [u, v] = disc_place(index);
         let near = |f: &&Feature| (f.u - u).hypot(f.v - v) <= NEAR_PX;
@@ -142,6 +141,7 @@ impl MakeFigure for Light {
         let dark = Trajectory::new(&self.dark, &silent)?;
         monitor.report(Stage::Synth, 0.4);
         let light = crate::synth::Light::Electrons(self.bright_electrons);
+        // Only the light differs, so that both show the same view.
         let bright = Trajectory::new(&TrajectoryParams { light, ..self.dark.clone() }, &silent)?;
         monitor.report(Stage::Synth, 0.8);
         let middle = |way: &Trajectory| -> Result<Plane> {

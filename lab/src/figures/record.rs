@@ -13,7 +13,6 @@ use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::Path;
 
-/// Folder of pieces among the records.
 const PIECES_FOLDER: &str = "pieces";
 
 pub(super) type FigureRecord = Record<KeptFigure>;
@@ -23,8 +22,7 @@ pub(super) type FigureRecord = Record<KeptFigure>;
 pub(super) struct KeptFigure {
     pub figure: PaperFigure,
     pub files: Vec<(String, Checksum)>,
-    /// Names and checksums of the files that these replace. The record is written before them, so if a run is killed in
-    /// between, there are some of both.
+    /// Names and checksums of the files that these replace: a run killed after its record leaves some of both.
     #[serde(default)]
     pub earlier: Vec<(String, Checksum)>,
     pub notes: Vec<String>,
@@ -38,11 +36,7 @@ pub(super) fn read_record(folder: &Path, figure: PaperFigure) -> Option<FigureRe
     (record.of.figure == figure && record.of.files.iter().all(is_whole)).then_some(record)
 }
 
-/// Checks that `folder` is free or holds figures that this program began.
-///
-/// # Errors
-/// `folder` holds files but not the mark of a folder of figures: it belongs to somebody
-/// else; or a folder of records is a link.
+/// Checks that `folder` is free or holds figures that this program began, and that no folder of records is a link.
 pub(super) fn check_folder(folder: &Path) -> Result<()> {
     let parts = [RECORDS_FOLDER, &format!("{RECORDS_FOLDER}/{PIECES_FOLDER}")];
     if may_begin(folder, Kind::Figures, &parts)? {

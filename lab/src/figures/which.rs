@@ -151,8 +151,7 @@ impl PaperFigure {
         }
     }
 
-    /// Approximate time to make it, seconds on two idle cores, to weight the progress. For several figures that share
-    /// their material it is counted at the first.
+    /// Approximate time, seconds on two idle cores, to weight the progress; shared material counts at its first figure.
     pub(super) fn cost_secs(self, size: FigureSize) -> f32 {
         let full = match self {
             Self::Fig1 => 6.0,
@@ -169,7 +168,6 @@ impl PaperFigure {
         size.pick(full, full.min(10.0))
     }
 
-    /// The maker of the figure.
     pub(super) fn maker(self, size: FigureSize, colmap: Option<&Path>) -> Box<dyn MakeFigure> {
         let of = |shown| Box::new(ReconstructionFigure::new(shown, size, colmap));
         match self {

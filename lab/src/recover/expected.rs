@@ -30,23 +30,24 @@ impl Expected {
     }
 }
 
-/// Ratio of a scale to the thing's, up to which it is looked for.
+/// Scales at which a thing is looked for: from its own divided by this ratio to its own times this ratio.
 const SCALE_REACH: f64 = 2.0;
 
-/// The response that the search of `trail` should give to a thing of this shape and `radius` at `place` (input pixels)
-/// that moves at `slope`: at the nearest slope of the grid, in the frames that show it. `None` where no scale of the
-/// search suits it, or no frame shows it.
+/// Response that the search of `trail` should give to a thing at `place` (input pixels) that moves at `slope`, at the
+/// nearest slope of the grid. `None` where no scale of the search suits it, or no frame shows it.
 pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slope: Slope) -> Option<Expected> {
     let grid = trail.params().used_slopes();
     let searched = nearest_slope(trail, slope);
     let offsets = trail.offsets(grid.slope(searched));
     let (_, kept, positions) = trail.frames();
+    // The motion stack divides by the frames that cover a place, so only these count.
     let chosen = trail.showing((place.0 as f32, place.1 as f32), grid.slope(searched));
     if chosen.is_empty() {
         return None;
     }
     let at = grid.slope(searched);
     let off = f64::from(slope.u - at.u).hypot(f64::from(slope.v - at.v));
+    // Frames that mirror each other about mid-burst lie equally far off: each distance is filtered once.
     let displaced = distances(chosen.iter().map(|&index| positions.offset(kept[index]).length() * off).collect());
     let (blur_u, blur_v) = interpolation_blur(&offsets);
     // The filter starts from an assumed blur; a pixel is a square, and shifted frames are interpolated.
@@ -105,8 +106,7 @@ fn filtered(shape: Shape, radius: f64, sigma: f64, off: f64) -> f64 {
     }
 }
 
-/// Abscissae above 0 and weights of Gauss's integration with 16 points on −1 … 1 (Handbook of Mathematical Functions,
-/// 25.4.30).
+/// Abscissae above 0 and weights of Gauss's integration with 16 points on −1 … 1 (Abramowitz and Stegun, 25.4.30).
 const GAUSS: [(f64, f64); 8] = [
     (0.095_012_509_837_637_4, 0.189_450_610_455_068_5),
     (0.281_603_550_779_258_9, 0.182_603_415_044_923_6),
@@ -129,8 +129,7 @@ fn disc_filtered(radius: f64, sigma: f64, off: f64) -> f64 {
     0.5 * radius * GAUSS.iter().map(|&(x, weight)| weight * (ring(x) + ring(-x))).sum::<f64>()
 }
 
-/// exp(−x)·I0(x) for x ≥ 0 (M. Abramowitz and I. Stegun, Handbook of Mathematical Functions, 9.8.1 and 9.8.2); the
-/// relative error is below 3e−7.
+/// exp(−x)·I0(x) for x ≥ 0 (Abramowitz and Stegun, 9.8.1 and 9.8.2); the relative error is below 3e−7.
 fn scaled_bessel_i0(x: f64) -> f64 {
     let polynomial = |y: f64, factors: &[f64]| factors.iter().rev().fold(0.0, |sum, factor| sum * y + factor);
     if x < 3.75 {

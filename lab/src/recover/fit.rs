@@ -1,8 +1,8 @@
 //! The share of things found over their strength, as a logistic curve fitted by maximum likelihood.
 //!
 //! The curve is 1/(1 + exp(−b·(x − m))), where x is the natural logarithm of the strength. Its middle m has a wide
-//! prior around what the noise gate predicts, and its steepness b a prior around the one that noise of 1 σ on a gate of
-//! k σ gives; so a fit exists even where all or none are found. It is then said to be beyond what was measured.
+//! prior around the noise gate's prediction, its steepness b a prior around the value that noise of 1 σ on a gate of
+//! k σ gives. A fit so exists even where all or none are found, and is reported as beyond the measured range.
 
 use serde::Serialize;
 
@@ -26,21 +26,17 @@ pub struct Prior {
 }
 
 impl Prior {
-    /// Prior for a gate of `factor` σ and an expected middle. A normal step of standard deviation 1/k in the logarithm
-    /// is nearest to a logistic one of steepness 1.7 k.
+    /// Prior for a gate of `factor` k: a normal step of deviation 1/k is nearest to a logistic step of steepness 1.7 k.
     pub fn of_gate(factor: f64, middle: f64) -> Self {
         Self { middle, middle_deviation: 2.0, steepness: 1.7 * factor.max(1.0), steepness_deviation: 0.7 }
     }
 }
 
-/// The fitted curve.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct FittedCurve {
     /// Middle m: logarithm of the strength at which half are found.
     pub middle: f64,
-    /// Standard error of the middle.
     pub middle_error: f64,
-    /// Steepness b.
     pub steepness: f64,
 }
 
@@ -88,6 +84,7 @@ pub fn fitted(outcomes: &[Outcome], prior: &Prior) -> FittedCurve {
             info[1] -= spread * b * eta;
             info[2] += spread * eta * eta;
         }
+        // A kept steepness drops out: no gradient of its own, and no coupling to the middle.
         if !is_free {
             (info[1], gradient[1]) = (0.0, 0.0);
         }
@@ -108,6 +105,7 @@ pub fn fitted(outcomes: &[Outcome], prior: &Prior) -> FittedCurve {
     let ([mm, mq, qq], _) = sums(m, q);
     let determinant = (mm * qq - mq * mq).max(f64::MIN_POSITIVE);
     let middle_error = (qq / determinant).sqrt();
+    // An absurd gate overflows to NaN, after which nothing is known about the middle.
     let middle_error = if middle_error.is_nan() { f64::INFINITY } else { middle_error };
     FittedCurve { middle: m, middle_error, steepness: q.exp() }
 }

@@ -1,5 +1,4 @@
-//! A burst before anything is planted: its own search, its noise and brightness by place, and the places
-//! where something may be planted.
+//! A burst before anything is planted: its own search, its noise and brightness by place, and the free places.
 
 use super::thing::LightNoise;
 use super::{Planted, RecoverStudy};
@@ -21,7 +20,6 @@ use std::sync::Arc;
 
 /// Side of a cell of the map of noise, pixels.
 const CELL_PX: f32 = 16.0;
-/// σ, pixels, with which the brightness of the scene is smoothed.
 const BRIGHTNESS_SIGMA_PX: f64 = 6.0;
 /// SNR of a feature, in noise gates, from which it is strong.
 const STRONG_GATES: f32 = 1.5;
@@ -38,15 +36,11 @@ pub struct Ground {
     gains: Vec<f64>,
     /// σ of one frame's noise, in cells.
     sigma: Plane,
-    /// Brightness of the scene, smoothed.
     brightness: Plane,
 }
 
 impl Ground {
-    /// Searches `burst` and measures its noise.
-    ///
-    /// # Errors
-    /// Parameters that make no sense, a burst without noise, or cancellation.
+    /// Searches `burst` and measures its noise; a burst without noise is an error.
     pub fn new(study: &RecoverStudy, burst: &Burst, monitor: &Monitor) -> Result<Self> {
         let params = &study.search;
         if params.method == Method::Merge {
@@ -56,6 +50,7 @@ impl Ground {
                 "give buff or sift",
             ));
         }
+        // Slopes that are to be found are found here once; every copy is searched with the same grid.
         let cache = ProbeCache::new(burst, params, monitor)?;
         let params = SearchParams::from(cache.made_with());
         let used = params.used_frames(burst.len());
@@ -76,7 +71,7 @@ impl Ground {
         Ok(Self { cache, params, used, light, gains, sigma, brightness })
     }
 
-    /// The noise model of the search; where that has one strength only, the burst is examined.
+    /// Noise model by place: that of the search if it is local, otherwise from an examination of the burst.
     fn noise(cache: &ProbeCache, burst: &Burst, monitor: &Monitor) -> Result<NoiseModel> {
         let of_search = cache.trail.noise();
         if of_search.is_local {
@@ -99,6 +94,7 @@ impl Ground {
 
     /// σ of one frame's noise at (u, v), fraction of full scale.
     pub fn sigma_at(&self, u: f64, v: f64) -> f64 {
+        // A cell's value stands for its middle, hence half a cell less.
         let cell = |x: f64| (x as f32 / CELL_PX - 0.5).max(0.0);
         let (width, height) = self.sigma.size();
         let at = (cell(u).min((width - 1) as f32), cell(v).min((height - 1) as f32));
@@ -110,7 +106,6 @@ impl Ground {
         bilinear(&self.brightness, u as f32, v as f32).map_or(0.0, f64::from)
     }
 
-    /// Relative brightness of the used frame `t`.
     pub fn gain(&self, t: usize) -> f64 {
         self.gains[t]
     }
@@ -131,9 +126,11 @@ impl Ground {
     ) -> Result<Option<(f64, f64)>, Cancelled> {
         let (width, height) = self.cache.trail.size_image();
         let (reach_u, reach_v) = outermost(self.cache.trail.frames().2.offsets(), (slope.u.into(), slope.v.into()));
+        // Inside means the whole thing in all frames; otherwise its centre at mid-burst is enough.
         let rim = |outermost: f64| if study.inside { study.shape.reach(radius) + 2.0 + outermost } else { 1.0 };
         let (du, dv) = (rim(reach_u), rim(reach_v));
         let (room_u, room_v) = ((width - 1) as f64 - 2.0 * du, (height - 1) as f64 - 2.0 * dv);
+        // Rejection keeps places uniform over the free area; in a crowded picture the attempts run out.
         for _ in 0..ATTEMPTS {
             monitor.check()?;
             let (x, y) = (stream.uniform(), stream.uniform());
@@ -160,7 +157,7 @@ impl Ground {
         let is_in_way = |feature: &Feature| {
             let away = (f64::from(feature.u) - u).hypot(f64::from(feature.v) - v);
             let is_strong = feature.snr >= STRONG_GATES * gate;
-            // What is there already must not count as found.
+            // A feature of the burst itself must not count as a thing found.
             finds(feature, &thing)
                 || (!study.on_features && is_strong && away < radius + 2.0 * f64::from(feature.sigma))
         };
@@ -170,6 +167,7 @@ impl Ground {
         others.iter().all(|other| {
             let (sigma, other_sigma) = (study.shape.sigma(radius), other.truth.sigma);
             let apart = radius + other.truth.radius + 2.0 * (sigma + other_sigma) + 3.0;
+            // Things of different slopes may meet in any frame, so the gap has to hold in all of them.
             (0..self.used.len()).all(|t| {
                 let at = self.offset(t);
                 let ((own_u, own_v), (other_u, other_v)) = (thing.position(at), other.truth.position(at));

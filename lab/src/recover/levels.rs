@@ -23,8 +23,7 @@ pub struct Levels {
     pub at_radius: f64,
     /// Things in a copy.
     pub per_copy: usize,
-    /// SNR of which half are expected to be found, for the radius above, a slope of the grid, the middle of the
-    /// picture, and all frames.
+    /// SNR of which half are expected to be found: radius as above, a slope of the grid, mid-picture, all frames.
     pub expected_half: f64,
     /// Amplitude of such a thing, fraction of full scale.
     pub expected_amplitude: f64,
@@ -48,6 +47,7 @@ impl Levels {
         let (width, height) = trail.size_image();
         let grid = trail.params().used_slopes();
         let centre = (0.5 * width as f64, 0.5 * height as f64);
+        // A thing at the centre that hardly moves is in all frames: the levels are relative to its expected SNR.
         let slope = grid.slopes().min_by(|a, b| a.magnitude().total_cmp(&b.magnitude())).unwrap_or_default();
         let Some(middle) = expected(trail, study.shape, study.at_radius, centre, slope) else {
             let problem = format!("no scale of the search suits things of {} pixels", study.at_radius);
@@ -60,14 +60,16 @@ impl Levels {
         }
         let expected_amplitude = middle.amplitude_at(factor);
         let variance = ground.sigma_at(centre.0, centre.1).powi(2);
+        // Inverse of `LightNoise::amplitude` for a bright thing: the noise is that half-way from background to thing.
         let expected_half =
             expected_amplitude / (variance + 0.5 * ground.light.per_brightness * expected_amplitude).sqrt();
-        // Light beyond it is none that a file could hold.
+        // No file could hold the light of a larger SNR.
         let (_, most) = bounds::SNR.span().into_inner();
         if expected_half > most && (study.snrs.is_empty() || study.at_snr.is_none()) {
             let problem = format!("a thing needs an SNR of {expected_half:.1e} to pass a gate of {factor:.1e} σ");
             return Err(Error::param("noise-gate", problem, "lower the gate, or give snr and at-snr yourself"));
         }
+        // Three significant digits, so that tables and axes can name the levels.
         let tidy = |x: f64| {
             let digits = 10f64.powi(2 - x.log10().floor() as i32);
             (x * digits).round() / digits
@@ -110,7 +112,7 @@ impl Levels {
         self.values(varied).len()
     }
 
-    /// Levels of a quantity.
+    /// Levels of a quantity in increasing order: SNRs, slopes (px/frame) or radii (px).
     pub fn values(&self, varied: Varied) -> &[f64] {
         match varied {
             Varied::Snr => &self.snrs,
@@ -121,6 +123,7 @@ impl Levels {
 
     /// SNR, radius and slope of the thing number `turn` of those that vary a quantity.
     pub(super) fn drawn(&self, varied: Varied, turn: usize, stream: &mut Stream) -> (f64, f64, Slope) {
+        // Levels take turns, so that few copies have things at all of them.
         let level = self.values(varied)[turn % self.count(varied)];
         let [a, b] = [&self.grid.u, &self.grid.v]
             .map(|axis| stream.within(f64::from(axis.value(0.0)), f64::from(axis.value(axis.count as f32 - 1.0))));
@@ -135,6 +138,7 @@ impl Levels {
     /// Whether a slope lies in the range of the search.
     pub fn is_in_range(&self, slope: Slope) -> bool {
         let (i, j) = self.grid.position(slope);
+        // The ends of the range count as within it, whatever their rounding.
         let within = |at: f32, axis: &SlopeAxis| axis.count < 2 || (-1e-3..=axis.count as f32 - 0.999).contains(&at);
         let single = self.grid.len() == 1;
         let near = |a: f32, b: f32| (a - b).abs() < 1e-3;
@@ -186,6 +190,7 @@ fn turned(grid: &SlopeGrid, a: f64, b: f64) -> Slope {
 /// Slopes of an axis, half-way between them, and a step beyond its ends; fewer where they are many. For a single slope
 /// multiples of a step that suits `frames` frames.
 fn slopes_around(axis: &SlopeAxis, frames: usize) -> Vec<f64> {
+    // A step of 2·σ/(N − 1) with σ = 1.6 misaligns the outermost frames by σ of the finest scale.
     let suiting = 3.2 / (frames.max(2) - 1) as f64;
     let step = if axis.count > 1 { f64::from(axis.step()) } else { suiting };
     let stride = (2 * (axis.count + 2)).div_ceil(MAX_SLOPE_LEVELS).max(1);

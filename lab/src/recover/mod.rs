@@ -1,13 +1,11 @@
 //! Things planted in a burst and searched for, to measure what the search as it is set would find.
 //!
-//! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise that their
-//! light would have. The search that is set runs on every copy, and each thing is found, by the rule of
-//! [`burstscope_core::inspect::score`], or has a fate in the words of the [probe](burstscope_core::inspect::probe()).
-//! From these follow the shares found over SNR, slope and size, the SNR at which half are found, and how faint a thing
-//! is seen at each place ([`report`]). Beside each share stands the one that the burst's noise and the gate let expect.
+//! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise of their
+//! light. The search runs on every copy, and each thing is found, by the rule of [`burstscope_core::inspect::score`],
+//! or has a fate in the words of the [probe](burstscope_core::inspect::probe()). The [`report`] has the shares found
+//! over SNR, slope and size beside those expected, the SNR at which half are found, and a map of faintness.
 //!
-//! Slopes are found once, in the burst itself, where they are to be found. The same study gives the same report for any
-//! number of threads, except for its times.
+//! Unknown slopes are found once, in the burst itself. Reports are the same for any number of threads, but for times.
 
 mod expected;
 mod fit;
@@ -45,10 +43,10 @@ use thing::Painting;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Contrast {
-    /// Brighter.
+    /// Brighter than their surroundings.
     #[default]
     Bright,
-    /// Darker.
+    /// Darker than their surroundings.
     Dark,
     /// Half brighter, half darker than the ground.
     Both,
@@ -67,7 +65,7 @@ pub enum Varied {
 }
 
 impl Varied {
-    /// All of them.
+    /// All quantities, in the order in which the things of a copy take turns.
     pub const ALL: [Self; 3] = [Self::Snr, Self::Slope, Self::Size];
 }
 
@@ -176,11 +174,11 @@ pub struct Planted {
     pub is_in_range: bool,
     /// Number of frames that show its centre.
     pub frames: usize,
-    /// SNR in D that is expected of it; `None` where no scale of the search suits it.
+    /// Expected SNR in D; `None` where no scale of the search suits the thing.
     pub expected_snr_d: Option<f64>,
     /// The feature that found it.
     pub found: Option<FoundThing>,
-    /// First test that its best candidate failed; `None` if it was found, or has no candidate.
+    /// First test failed by the best candidate; `None` for a thing found or without candidate.
     pub failed: Option<Test>,
     /// Reason why it was not found, in the probe's words; empty if it was.
     pub why: String,
@@ -207,7 +205,7 @@ fn truth_of_thing(id: usize, (u, v): (f64, f64), radius: f64, slope: Slope, cont
 pub struct SearchedCopy {
     /// The copy and its search.
     pub cache: ProbeCache,
-    /// The things.
+    /// Planted things with their fates.
     pub planted: Vec<Planted>,
 }
 
@@ -228,10 +226,7 @@ pub mod bounds {
 }
 
 impl RecoverStudy {
-    /// Checks the numbers of the study, without a burst.
-    ///
-    /// # Errors
-    /// The first one that makes no sense.
+    /// Checks the numbers of the study without a burst; the first one that makes no sense is the error.
     pub fn check(&self) -> Result<()> {
         self.snrs.iter().try_for_each(|&snr| bounds::SNR.check("snr", snr))?;
         self.at_snr.iter().try_for_each(|&snr| bounds::SNR.check("at-snr", snr))?;
@@ -255,6 +250,7 @@ impl RecoverStudy {
         tell: &(dyn Fn(RecoverReport) + Sync),
     ) -> Result<RecoverReport> {
         self.check()?;
+        // The search of the burst itself is one step beside those of its copies.
         let share = 1.0 / (self.copies as f32 + 1.0);
         let silent = monitor.silent();
         let started = Instant::now();
@@ -266,6 +262,7 @@ impl RecoverStudy {
         for copy in 0..self.copies {
             monitor.check()?;
             monitor.report(Stage::Evaluate, share * (copy + 1) as f32);
+            // Only the things outlive a copy, so that memory holds one searched copy at a time.
             let (SearchedCopy { planted, .. }, times) = self.copy(burst, &ground, &report.levels, copy, &silent)?;
             report.add(&ground, planted, times);
             tell(report.clone());
@@ -275,21 +272,16 @@ impl RecoverStudy {
     }
 
     /// Runs the study as [`Self::run_telling`] does, without partial reports.
-    ///
-    /// # Errors
-    /// As there.
     pub fn run(&self, burst: &Burst, monitor: &Monitor) -> Result<RecoverReport> {
         self.run_telling(burst, monitor, &|_| {})
     }
 
-    /// Makes the copy of a seed again, without searching it: its frames, and the truth of what is planted in it.
-    ///
-    /// # Errors
-    /// As [`Self::run_telling`].
+    /// Makes the copy of a seed again, with its truth, without a search; errors as of [`Self::run_telling`].
     pub fn planted_copy(&self, burst: &Burst, seed: u64, monitor: &Monitor) -> Result<(Burst, Truth)> {
         self.check()?;
         let ground = Ground::new(self, burst, &monitor.part(0.0, 0.9))?;
         let levels = Levels::of(self, &ground)?;
+        // The levels of the things follow from the number of the copy, which its seed gives.
         let planted = self.things(&ground, &levels, seed.wrapping_sub(self.first_seed), monitor)?;
         let copy = self.plant(burst, &ground, &planted, seed, monitor)?;
         let (width, height) = burst.size();
@@ -328,6 +320,7 @@ impl RecoverStudy {
         let search_secs = started.elapsed().as_secs_f64() - plant_secs;
         let truths: Vec<FeatureTruth> = planted.iter().map(|one| one.truth).collect();
         let features = &cache.detection().features;
+        // The strongest feature that finds a thing stands for it.
         for judged in judge_by_discs(features, &truths, Ranking::Strength) {
             if let Some(thing) = judged.disc {
                 let feature = &features[judged.feature];
@@ -361,15 +354,17 @@ impl RecoverStudy {
         let mut planted: Vec<Planted> = Vec::with_capacity(levels.per_copy);
         for number in 0..levels.per_copy {
             let varied = Varied::ALL[number % Varied::ALL.len()];
-            // Any seed of a file may be asked for.
+            // Levels go on where the copy before stopped; a file may ask for any seed, so the product wraps.
             let before = (copy as usize).wrapping_mul(levels.per_copy.div_ceil(Varied::ALL.len()));
             let turn = before.wrapping_add(number / Varied::ALL.len());
             let (snr, radius, slope) = levels.drawn(varied, turn, &mut stream);
             let sign = match self.contrast {
                 Contrast::Bright => 1,
                 Contrast::Dark => -1,
+                // Signs alternate with each round over the levels, so that every level has bright and dark things.
                 Contrast::Both => 1 - 2 * ((turn / levels.count(varied)) as i8 & 1),
             };
+            // A crowded picture takes fewer things.
             let Some((u, v)) = ground.place(self, (radius, slope), &planted, &mut stream, monitor)? else { continue };
             let truth = truth_of_thing(planted.len(), (u, v), radius, slope, sign);
             let amplitude = ground.light.amplitude(snr, ground.sigma_at(u, v).powi(2), f64::from(sign));
@@ -392,7 +387,6 @@ impl RecoverStudy {
         Ok(planted)
     }
 
-    /// The burst with things planted in its used frames.
     fn plant(
         &self,
         burst: &Burst,

@@ -43,6 +43,7 @@ pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
         let expected = |share: &LevelShare| SeriesPoint { x: share.level, y: 100.0 * share.expected, spread: None };
         let mut curves =
             vec![curve("found", (BLUE, ""), &found), curve("expected of noise and gate", (RED, "7 4"), &expected)];
+        // The curve is fitted over SNR alone, and without a measured half it is the prior's.
         if varied == Varied::Snr && report.half.is_some() {
             curves.push(fitted_curve(report));
         }
@@ -82,6 +83,7 @@ fn map_svg(report: &RecoverReport) -> String {
     let heading = format!("Would it have been seen in {}?", report.burst);
     sheet.styled_text((70.0, 28.0), 15.0, Anchor::Start, r#"font-weight="bold""#, &heading);
     let mut top = 48.0;
+    // The first line of the text names the burst, as the heading does.
     for line in report.text().lines().skip(1).take(2) {
         top = sheet.paragraph((70.0, top), 12.0, WIDTH - 140.0, line.trim());
     }
@@ -91,6 +93,7 @@ fn map_svg(report: &RecoverReport) -> String {
     let area = Area { x: 70.0, y: top + 14.0, width: columns * scale, height: rows * scale };
     let plane = &*report.map.plane;
     let cells = [plane.width() as f64, plane.height() as f64].map(|n| n * report.map.cell_px * scale);
+    // A map of one value still needs a range for its colours.
     let display =
         Display { map: ColourMap::Viridis, ..Display::default() }.with_range(min as f32, max.max(1.001 * min) as f32);
     sheet.clipped(area, |sheet| {
@@ -103,6 +106,7 @@ fn map_svg(report: &RecoverReport) -> String {
             };
             sheet.circle(place, 1.8, style);
         };
+        // Things beyond the searched slopes are missed at any place, and so report nothing about a place.
         report.planted.iter().filter(|one| one.is_in_range).for_each(&mut dot);
     });
     sheet.rectangle(area, &format!(r#"fill="none" stroke="{INK}""#));

@@ -1,5 +1,4 @@
-//! The report of a study of planted things: the shares found over SNR, slope and size, the SNR of which half are found,
-//! the tests at which the others failed, and how faint a thing is seen at each place.
+//! The report of planted things: shares found, the SNR of which half are, the tests failed, and faintness by place.
 
 use super::fit::{FittedCurve, Outcome, Prior, fitted, share_interval};
 use super::ground::Ground;
@@ -35,7 +34,7 @@ pub struct RecoverReport {
     pub shape: Shape,
     /// Brightness of the things relative to what is around them.
     pub contrast: Contrast,
-    /// Levels at which they are planted.
+    /// SNRs, slopes and radii at which things are planted.
     pub levels: Levels,
     /// Number of copies of the whole study.
     pub copies: u64,
@@ -55,9 +54,9 @@ pub struct RecoverReport {
     pub fates: Vec<FateCount>,
     /// Amplitude of which half are found, by place.
     pub map: FaintnessMap,
-    /// Times.
+    /// Seconds spent on planting, searching and explaining misses.
     pub times: RecoverTimes,
-    /// The things.
+    /// Things of all copies searched so far, with their fates.
     pub planted: Vec<Planted>,
 }
 
@@ -68,7 +67,7 @@ pub struct LevelShare {
     pub level: f64,
     /// Number of things planted.
     pub planted: usize,
-    /// Number of those that were found.
+    /// Number of planted things found.
     pub found: usize,
     /// Ends of the 68 % interval of the share, 0 … 1.
     pub interval: [f64; 2],
@@ -115,16 +114,15 @@ pub struct FaintnessMap {
     pub plane: Arc<Plane>,
 }
 
-/// Ratio of the SNR of which half are found to the one that noise and gate let expect, above which something other
-/// than noise decides.
+/// Ratio of the SNR of which half are found to the expected one, above which more than the noise decides.
 const HIDDEN: f64 = 1.5;
 /// Number of cells along the longer side of the map, about.
 const CELLS: f64 = 16.0;
 /// Standard deviation, in cells, within which things count for a cell.
 const CELL_SIGMA: f64 = 1.0;
-/// Sum of weights from which a cell is told.
+/// Sum of weights below which a cell stays empty.
 const MIN_WEIGHT: f64 = 2.5;
-/// Standard deviation of a cell's logarithm around that of the whole picture, as it is assumed beforehand.
+/// Prior standard deviation of the logarithm of a cell's amplitude around that of the whole picture.
 const CELL_DEVIATION: f64 = 0.5;
 
 impl RecoverReport {
@@ -202,6 +200,7 @@ impl RecoverReport {
         let things: Vec<(f64, &Planted)> =
             self.planted.iter().filter(|one| one.varied == varied).map(|one| (self.level_of(one), one)).collect();
         let share = |&level: &f64| {
+            // Slopes are f32 and turned by the grid's direction, so that a level comes back with a rounding error.
             let at: Vec<&Planted> = things
                 .iter()
                 .filter(|(value, _)| (value - level).abs() <= 1e-3 * level.abs().max(1e-2))
@@ -210,6 +209,7 @@ impl RecoverReport {
             let found = at.iter().filter(|one| one.found.is_some()).count();
             let expected = at.iter().map(|one| self.expected_share(one)).sum::<f64>() / at.len() as f64;
             let interval = share_interval(found, at.len());
+            // An early report has levels without things, and these have no share.
             (!at.is_empty()).then_some(LevelShare { level, planted: at.len(), found, interval, expected })
         };
         self.levels.values(varied).iter().filter_map(share).collect()
@@ -222,6 +222,7 @@ impl RecoverReport {
 
     fn fit(&mut self) {
         let of = |one: &Planted| Outcome { ln_strength: one.snr.ln(), is_found: one.found.is_some(), weight: 1.0 };
+        // Things beyond the searched slopes are missed at any strength, and would flatten the curve.
         let outcomes: Vec<Outcome> =
             self.planted.iter().filter(|one| one.varied == Varied::Snr && one.is_in_range).map(of).collect();
         let prior = Prior::of_gate(f64::from(self.noise_gate_factor), self.levels.expected_half.max(1e-9).ln());
@@ -229,6 +230,7 @@ impl RecoverReport {
         let (snr, error) = (self.curve.strength_at(0.5), self.curve.error_at_half());
         let planted = self.levels.snrs.first().zip(self.levels.snrs.last());
         let is_measured = planted.is_some_and(|(first, last)| (*first..=*last).contains(&snr));
+        // With nothing but hits, or nothing but misses, the prior alone fixes the middle.
         let both = [true, false].iter().all(|is| outcomes.iter().any(|one| one.is_found == *is));
         self.half = (is_measured && both).then_some(HalfFound { snr, error });
     }
@@ -270,6 +272,8 @@ impl RecoverReport {
             .collect();
         let outcome =
             |&(_, ln_strength, is_found): &([f64; 2], f64, bool), weight| Outcome { ln_strength, is_found, weight };
+        // A cell has too few things for a curve of its own: its steepness is that of the SNR curve, and its middle is
+        // drawn towards that of the whole picture.
         let whole = Prior { steepness: self.curve.steepness, steepness_deviation: 0.0, ..Prior::of_gate(factor, 0.0) };
         let all: Vec<Outcome> = things.iter().map(|thing| outcome(thing, 1.0)).collect();
         let middle = fitted(&all, &whole).middle;
@@ -280,6 +284,7 @@ impl RecoverReport {
             let weighted: Vec<Outcome> = things
                 .iter()
                 .filter_map(|thing| {
+                    // Weights beyond 3 σ are below 0.012 and would only cost time.
                     let away = (thing.0[0] - place[0]).hypot(thing.0[1] - place[1]) / (CELL_SIGMA * cell);
                     (away < 3.0).then(|| outcome(thing, (-0.5 * away * away).exp()))
                 })
@@ -291,18 +296,20 @@ impl RecoverReport {
         (0..cells(self.size[1])).map(|y| (0..cells(self.size[0])).map(|x| at(x, y)).collect()).collect()
     }
 
-    /// Number of frames from which `share` of the things of `snr` are found, at the motions of the search: the noise of
-    /// the mean falls with the root of the number. `None` where the SNR of which half are found is not known.
+    /// Frames from which `share` of the things of `snr` are found, at the motions of the search; `None` without a half.
     pub fn frames_needed(&self, snr: f64, share: f64) -> Option<usize> {
         self.half?;
+        // The noise of the mean falls with the root of the number of frames.
         let ratio = self.curve.strength_at(share) / snr;
+        // A burst has at least two frames.
         Some(((self.frames as f64 * ratio * ratio).ceil() as usize).max(2))
     }
 
     /// Changes in the world that it takes for nine of ten things of half of [`HalfFound::snr`] to be found, a
-    /// sentence. Where the scene hides more than the noise does, it says that instead.
+    /// sentence. Where the scene hides more than the noise does, the sentence reports this instead.
     pub fn outlook(&self) -> Option<String> {
         let half = self.half?;
+        // Two standard errors keep a chance result of few things from blaming the scene.
         if half.snr - 2.0 * half.error > HIDDEN * self.levels.expected_half {
             return Some(format!(
                 "9 of 10 are found at SNR {}; the scene hides more than the noise, so that more frames or light help little",

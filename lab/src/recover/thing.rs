@@ -1,10 +1,9 @@
 //! Things that are planted: their shape, and how light that was not there is added to a frame.
 //!
-//! A bright thing adds light. Photons arrive independently, so the noise of what is there already stays as it is, and
-//! the added light brings its own: for a variance of a per brightness, Δ of added light is a times a Poisson number of
-//! mean Δ/a. A dark thing takes light away: a part 1 − p of the photons is removed, which scales what is there by p;
-//! the noise that a frame with so much less light would have is then made up. Values are rounded to the file's steps
-//! again and end at its range.
+//! A bright thing adds light. Photons arrive independently, so the noise already there stays, and the added light
+//! brings its own: for a variance of a per brightness, Δ of light is a times a Poisson number of mean Δ/a. A dark thing
+//! takes light away: a part 1 − p of the photons is removed, which scales what is there by p, and the noise that a
+//! frame with so much less light would have is made up.
 
 use crate::synth::chart::draw_disc;
 use crate::synth::random::Stream;
@@ -13,7 +12,7 @@ use burstscope_core::monitor::{Cancelled, Monitor};
 use burstscope_core::plane::Plane;
 use serde::{Deserialize, Serialize};
 
-/// Shape of a thing.
+/// Shape of a planted thing; the scale that suits either shape is radius/√2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Shape {
@@ -49,8 +48,7 @@ impl Shape {
         }
     }
 
-    /// Mean over each pixel of a thing of amplitude 1 and `radius`, whose centre is at (u, v): the values, and the
-    /// column and row of the first.
+    /// Pixel means of a thing of amplitude 1 and `radius` centred at (u, v), with the column and row of the first.
     fn shares(self, u: f64, v: f64, radius: f64) -> (Plane, i64, i64) {
         let reach = self.reach(radius) + 1.0;
         let (left, top) = ((u - reach).floor(), (v - reach).floor());
@@ -90,9 +88,8 @@ pub struct LightNoise {
 }
 
 impl LightNoise {
-    /// Amplitude, fraction of full scale, of a thing whose SNR over a background of variance `variance` is `snr`: the
-    /// ratio to the noise of one pixel of one frame half-way between background and thing. `sign` is 1 for a bright one
-    /// and −1 for a dark one.
+    /// Amplitude, fraction of full scale, of a thing of this `snr` on a background of this `variance`; the noise is
+    /// that of one pixel half-way between background and thing. `sign`: 1 for a bright thing, −1 for a dark one.
     pub fn amplitude(&self, snr: f64, variance: f64, sign: f64) -> f64 {
         // A² = snr²·(V ± a·A/2).
         let p = 0.5 * snr * snr * self.per_brightness * sign;
@@ -105,7 +102,9 @@ impl LightNoise {
         let light = if added >= 0.0 {
             if a > 0.0 { a * stream.poisson(added / a) } else { added }
         } else {
+            // p is the share of the photons that stays.
             let p = (1.0 + added / background.max(1e-12)).clamp(0.0, 1.0);
+            // Of the variance a·B + b scaling leaves p²·(a·B + b); darker light has p·a·B + b: the rest is added.
             let missing = (1.0 - p) * (a * background.max(0.0) * p + self.dark * (1.0 + p));
             // The removed part of this pixel's own noise goes with the light.
             added - (1.0 - p) * (value - background) + missing.max(0.0).sqrt() * stream.normal()
@@ -115,6 +114,7 @@ impl LightNoise {
         }
         // On the lattice of the file's values, wherever calibration has moved it.
         let rounded = value + (light / self.step).round() * self.step;
+        // A calibrated value may lie outside 0 … 1 already, and then stays there.
         rounded.clamp(value.min(0.0), value.max(1.0))
     }
 }
@@ -145,6 +145,7 @@ impl Painting {
         for y in 0..shares.height() {
             monitor.check()?;
             let row = top + y as i64;
+            // A thing may reach beyond the picture, or move out of it.
             if row < 0 || row >= height as i64 {
                 continue;
             }

@@ -1,9 +1,8 @@
 //! Datasets with known truth: bursts along a trajectory, dark copies of real frames, and their files.
 //!
-//! The library's own synthetic bursts (charts, scenes, the demo) are handed on, so that all are in one place. A
-//! [`trajectory`] is a whole dataset: bursts of a camera that moves past a scene of textured planes, drawn in
-//! perspective, with its poses. Real frames can be captured again by a synthetic camera: [`noisy`] makes dark copies of
-//! them. Everything follows from a seed, as in [`burstscope_core::synth`].
+//! The library's own synthetic bursts (charts, scenes, the demo) are handed on. A [`trajectory`] is a whole dataset:
+//! bursts of a camera that moves past a scene of textured planes, with its poses. [`noisy`] captures real frames again
+//! with a synthetic camera. Everything follows from a seed, as in [`burstscope_core::synth`].
 
 pub mod noisy;
 pub mod trajectory;

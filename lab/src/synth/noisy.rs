@@ -1,14 +1,12 @@
 //! Noisy copies of real frames: the same view as captured by our camera with less light.
 //!
-//! The frames are taken as the signal: their own noise, which is small in a picture taken in good light, counts as part
-//! of the scene. Each frame is captured again by a [`Camera`], with shot noise, read noise and rounding, so that
-//! methods can be compared on real structure and real motion at any noise level, and the clean frames are the gold
-//! standard.
+//! The frames are taken as the signal: their own noise, small in a picture taken in good light, is part of the scene. A
+//! [`Camera`] captures each frame again with shot noise, read noise and rounding, so that methods compare on real
+//! structure and motion at any noise level; the clean frames are the gold standard.
 //!
 //! # Signal-to-noise ratio
-//! As in [`super::noise`], with two levels for the contrast of the frames: half a standard deviation of all their
-//! pixels below and above the mean. So the ratio is that of the pixels' standard deviation to the noise's at their
-//! mean.
+//! As in [`super::noise`], for two levels half a standard deviation of all pixels below and above their mean: the ratio
+//! of the pixels' standard deviation to that of the noise at the mean.
 
 use super::write::{io, write_folder, write_frame};
 use burstscope_core::burst::Burst;
@@ -63,14 +61,12 @@ pub struct FrameLevels {
 
 impl FrameLevels {
     /// Adds all frames of `burst`. The result does not depend on the order of the bursts, up to rounding.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub fn add(&mut self, burst: &Burst, monitor: &Monitor) -> Result<(), Cancelled> {
         for frame in &burst.frames {
             for v in 0..frame.height() {
                 monitor.check()?;
                 for &value in frame.row(v) {
+                    // Calibrated values may lie below black, but light does not.
                     let value = f64::from(value).max(0.0);
                     self.sum += value;
                     self.sum_of_squares += value * value;
@@ -101,8 +97,7 @@ impl FrameLevels {
 /// Camera of the copies and the gain of the frames' values.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct NoisyExposure {
-    /// Factor from the frame's value to the signal, at most 1: less where the noise around the brightest pixels would
-    /// be clipped.
+    /// Factor from the frame's value to the signal, at most 1: less where the brightest pixels' noise would clip.
     pub gain: f64,
     /// The camera.
     pub camera: Camera,
@@ -114,10 +109,7 @@ pub struct NoisyExposure {
 const CLEARANCE_SIGMAS: f64 = 5.0;
 
 impl NoisyParams {
-    /// Checks the parameters alone, without frames.
-    ///
-    /// # Errors
-    /// The first one that makes no sense.
+    /// Checks the parameters alone, without frames; the first one that makes no sense is the error.
     pub fn check(&self) -> Result<()> {
         check_snr(self.snr)?;
         check_camera(self.read_noise, self.bits)
@@ -126,7 +118,7 @@ impl NoisyParams {
     /// Computes the camera for frames of these levels, one for all bursts of a dataset.
     ///
     /// # Errors
-    /// Parameters that make no sense, and for frames without any contrast.
+    /// Parameters that make no sense, or frames without any contrast.
     pub fn exposure(&self, levels: &FrameLevels) -> Result<NoisyExposure> {
         self.check()?;
         let (mean, contrast) = (levels.mean(), levels.standard_deviation());
@@ -144,17 +136,14 @@ impl NoisyParams {
         let needed = levels.max + CLEARANCE_SIGMAS * (full.sigma(levels.max) + full.sigma(0.0));
         let gain = ((1.0 - 1.0 / 64.0) / needed).min(1.0);
         let mut camera = camera(gain)?;
+        // The pedestal keeps the noise of black pixels above 0.
         camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(1.0 / 64.0);
         Ok(NoisyExposure { gain, camera, mean_signal: gain * mean })
     }
 }
 
 impl NoisyExposure {
-    /// Captures the frames of `burst` with the camera. Frame t takes its noise from stream `first_stream + t` of the
-    /// seed, so that the result does not depend on threads or on other captures.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
+    /// Captures the frames of `burst`. Frame t takes its noise from stream `first_stream + t`, whatever the threads.
     pub fn capture(&self, burst: &Burst, seed: u64, first_stream: u64, monitor: &Monitor) -> Result<Burst, Cancelled> {
         let frames = burst.frames.par_iter().enumerate().map(|(t, frame)| {
             let (width, height) = frame.size();
@@ -214,6 +203,7 @@ pub fn write_noisy<E: From<Error>>(
         noise: NoiseTruth::of(&exposure.camera, exposure.mean_signal, None),
         frames: Vec::new(),
     };
+    // `write_folder` takes errors of the core only: one of `open` waits here, and cancelling leaves `dir` unchanged.
     let mut failure = None;
     let written = write_folder(dir, Kind::NoisyCopies, |fresh| {
         for (k, name) in names.iter().enumerate() {
@@ -225,6 +215,7 @@ pub fn write_noisy<E: From<Error>>(
                     return Err(Cancelled.into());
                 }
             };
+            // Frames are counted through all bursts, so that each has a random stream of its own.
             let noisy = exposure.capture(&burst, params.seed, 1 + truth.frames.len() as u64, monitor)?;
             truth.frames.extend(write_frames(fresh, part, &noisy)?);
             monitor.report(Stage::Write, (k + 1) as f32 / names.len() as f32);
@@ -250,11 +241,11 @@ fn write_frames(dir: &Path, part: Option<&str>, burst: &Burst) -> Result<Vec<Str
     Ok(names.into_iter().map(|name| part.map_or_else(|| name.clone(), |part| format!("{part}/{name}"))).collect())
 }
 
-/// The copies' file names: the originals' with a new extension, or numbers where these are not all different or not
-/// those of files.
+/// The copies' file names: the originals' as PNG, or numbers where these are not different names of files.
 fn frame_files(originals: &[String]) -> Vec<String> {
     let png = |name: &String| PathBuf::from(name).with_extension("png").to_string_lossy().into_owned();
     let names: Vec<String> = originals.iter().map(png).collect();
+    // Case does not tell files apart on every system.
     let different: BTreeSet<String> = names.iter().map(|n| n.to_lowercase()).collect();
     let plain = |name: &String| !name.contains(['/', '\\', '[', ':']) && !name.starts_with('.') && name != ".png";
     if different.len() == names.len() && names.iter().all(plain) {

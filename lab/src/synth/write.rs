@@ -34,6 +34,7 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
             write_frame(&fresh.join(view_name(burst, t)), frame)?;
             monitor.report(Stage::Write, (t + 1) as f32 / burst.len() as f32);
         }
+        // Evenly spaced frames need no table of times: their order says it all.
         if !burst.positions.is_even() && !burst.positions.are_views() {
             let rows = burst.positions.since_first().into_iter().enumerate();
             let rows: String = rows.map(|(t, position)| format!("{},{position}\n", frame_name(t))).collect();
@@ -56,8 +57,7 @@ pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<()> {
     let picture =
         image::ImageBuffer::<image::Luma<u16>, _>::from_raw(frame.width() as u32, frame.height() as u32, words)
             .expect("a plane has width × height values");
-    // Through memory: a buffered file that the encoder closes would silently lose its last bytes where the disk is
-    // full.
+    // Through memory: a buffered file that the encoder closes would silently lose its last bytes on a full disk.
     let mut png = Cursor::new(Vec::new());
     picture.write_to(&mut png, ImageFormat::Png).map_err(|e| std::io::Error::other(e.to_string())).map_err(io(path))?;
     std::fs::write(path, png.into_inner()).map_err(io(path))
@@ -76,7 +76,6 @@ pub fn frame_name(t: usize) -> String {
     format!("frame_{t:03}.png")
 }
 
-/// Converter of a failure at `path` into an error.
 pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> Error + use<> {
     let path = path.to_owned();
     move |error| Error::new(ErrorKind::Unwritten, format!("cannot write: {}", write_problem(&error)), "").about(&path)
@@ -99,6 +98,7 @@ pub(super) fn write_folder(dir: &Path, kind: Kind, fill: impl FnOnce(&Path) -> R
         return Err(Error::new(ErrorKind::Refused, problem, "name the folder itself").about(dir));
     }
     let _lock = FolderLock::beside(dir)?;
+    // Checked again before the folder is replaced, because somebody may have written into it meanwhile.
     let may_go = |folder: &Path| Ok(is_free(folder)? || is_unchanged(folder, kind)?);
     if !may_go(dir).map_err(io(dir))? {
         return Err(occupied(dir));

@@ -69,6 +69,7 @@ impl<'a> Canvas<'a> {
         // Without a picture any size will do; nothing is drawn with it.
         let image_size = self.picture.map_or((1, 1), |p| p.image_size);
         if self.picture.is_some() {
+            // The pointer acts on the view as it fits this rectangle: the view is settled before and after.
             view.settle(rect, image_size, pixels_per_point);
             navigate(ui, &response, rect, view, self.primary_pans);
         }
@@ -139,6 +140,7 @@ impl<'a> Canvas<'a> {
             );
             return;
         };
+        // A picture that cannot be shown is reported in its own place; other panes go on.
         if let Some(obstacle) = gpu.obstacle(picture.id, picture.plane.size()) {
             message(ui, &output.painter, rect, &obstacle);
             return;

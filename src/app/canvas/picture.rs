@@ -18,7 +18,7 @@ pub struct Picture {
     /// Id of the content: new values need a new id, unchanged values should keep theirs.
     pub id: PictureId,
     pub plane: Arc<Plane>,
-    /// The values that are drawn: the same, or smoothed ones of the same size.
+    /// Values as drawn: `plane`, or a smoothed plane of the same size.
     pub drawn: Arc<Plane>,
     /// 1 for frames and motion-stack images, 2^octave for DoG responses.
     pub image_from_picture_scale: f32,

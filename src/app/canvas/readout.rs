@@ -8,7 +8,6 @@ use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, pos2};
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Quantity {
-    /// Brightness, or a difference of brightnesses.
     #[default]
     Value,
     /// A standard deviation of the noise, as a fraction of full scale.
@@ -72,6 +71,7 @@ impl Readout {
                 || "motion unknown".to_owned(),
                 |motion| motion_text(motion.slope, motion.ellipse().0[0], 2),
             ),
+            // No slope wins where no response reaches the gate.
             Quantity::Slope { confidence, .. } if confidence <= 0.0 => {
                 format!("below the gate ({} σ)", number(self.value, 2))
             }
@@ -90,6 +90,7 @@ impl std::fmt::Display for Readout {
     /// For example `u 12.3  v 45.6    0.01235 = 809.4 of 65535`.
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         write!(f, "u {}  v {}", fixed(self.u, 1), fixed(self.v, 1))?;
+        // In another octave the pixels of the picture are not those of the image.
         if self.image_from_picture_scale != 1.0 {
             write!(f, "  (pixel {}, {})", self.pixel.0, self.pixel.1)?;
         }

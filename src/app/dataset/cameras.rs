@@ -1,5 +1,4 @@
-//! Cameras of an estimated and a true trajectory: in a plane (the truth as a line with rings, the estimate dashed with
-//! discs, their differences between them), as a strip of their points and errors, and as a list.
+//! Cameras of an estimated and a true trajectory: in a plane, as a strip of their 3D points, and as a list.
 
 use crate::app::actions::Queue;
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
@@ -60,6 +59,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         // A double click fits the view, except on a camera.
         view = before;
     }
+    // Settling alone is no action of the user: only a view that looks different is recorded.
     if !view.is_drawn_as(&model.document.trajectories.view) {
         queue.push(Action::MoveCameras(view));
     }
@@ -71,8 +71,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     }
 }
 
-/// Finds the camera nearest to `pos`, and whether it is a true one. Of equally near ones an estimated camera is chosen:
-/// it lies over the true one.
+/// The camera nearest to `pos`, and whether it is true; of equally near ones the estimate, which is drawn above.
 fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) -> Option<(bool, &'a Spot)> {
     let spots = scene.estimate.iter().map(|s| (false, s)).chain(scene.truth.iter().map(|s| (true, s)));
     let near = spots.map(|(of_truth, s)| (ui_from_plane.pos(s.pos).distance(pos), of_truth, s));
@@ -119,6 +118,7 @@ fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from
         dots.add_colored_rect(Rect::from_center_size(ui_from_plane.pos(*point), vec2(2.0, 2.0)), point_colour(ui));
     }
     painter.add(dots);
+    // Differences lie below the trajectories, whose marks stay whole.
     if let Some(report) = model.results.poses.report() {
         for pair in &report.pairs {
             let ends = [truth[pair.truth], estimate[pair.estimate]];
@@ -152,6 +152,7 @@ fn frame_ui(
     let (true_colour, estimated_colour) = colours(ui);
     let (font, weak) = (FontId::proportional(12.0), ui.visuals().weak_text_color());
     let mut y = rect.top() + 16.0;
+    // Each entry goes below the one before: an absent part leaves no gap.
     let mut entry = |text: &str, colour: Color32, kind: Entry| {
         let (from, to) = (pos2(rect.left() + 12.0, y), pos2(rect.left() + 36.0, y));
         let middle = from + 0.5 * (to - from);
@@ -194,6 +195,7 @@ fn frame_ui(
     let width = (length * points_per_unit) as f32;
     let from = rect.left_bottom() + vec2(12.0, -14.0);
     painter.line_segment([from, from + vec2(width, 0.0)], Stroke::new(2.0, ui.visuals().text_color()));
+    // Without a truth the world of the estimate has an arbitrary unit.
     let whose = if scene.truth.is_empty() { "estimate" } else { "truth" };
     let text = format!("{} (the {whose}'s unit)", crate::app::canvas::number(length as f32, 3));
     painter.text(from + vec2(0.0, -5.0), Align2::LEFT_BOTTOM, text, font.clone(), weak);
@@ -228,8 +230,7 @@ struct Bar {
     pair: Option<usize>,
 }
 
-/// Makes a bar for each image: those of the truth in their order where there is a comparison, otherwise those of the
-/// estimate.
+/// A bar for each image: of the truth, in its order, where there is a comparison, otherwise of the estimate.
 fn bars(model: Read<'_>) -> Vec<Bar> {
     let compared = &model.results.poses.compared;
     let Some((_, estimate)) = &compared.estimate else { return Vec::new() };
@@ -262,6 +263,7 @@ pub fn points_strip_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let most = bars.iter().filter_map(|b| b.points).max().unwrap_or(0).max(1);
     let plot = Rect::from_min_max(rect.min + vec2(44.0, 6.0), rect.max - vec2(6.0, 4.0));
     let step = plot.width() / bars.len() as f32;
+    // Narrow bars touch: a gap would take most of their width.
     let gap = if step > 6.0 { 1.0 } else { 0.0 };
     let bar_at = |k: usize| {
         let at = |k: usize| plot.left() + k as f32 * step;
@@ -284,6 +286,7 @@ pub fn points_strip_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let column = bar_at(k);
         let marked = bar.pair.is_some()
             && (bar.pair == model.results.poses.hovered || bar.pair == model.document.trajectories.selected);
+        // The whole column is lit, so that a low bar is found as easily as a high one.
         if marked || pointed == Some(k) {
             painter.rect_filled(column.expand(gap), 0.0, visuals.widgets.hovered.weak_bg_fill);
         }

@@ -13,14 +13,12 @@ pub struct CutDialog {
     paths: Vec<PathBuf>,
     frames: usize,
     length: usize,
-    /// Whether each burst begins where the previous one ends.
     contiguous: bool,
     step: usize,
 }
 
 impl CutDialog {
-    /// Asks how the sequence of `frames` frames (2 or more) at `paths` is cut, beginning with bursts of `length`
-    /// frames.
+    /// Asks how the `frames` frames (2 or more) at `paths` are cut, beginning with bursts of `length` frames.
     pub fn new(paths: Vec<PathBuf>, frames: usize, length: usize) -> Self {
         let length = length.clamp(1, frames.max(1));
         Self { paths, frames, length, contiguous: true, step: length }
@@ -130,6 +128,7 @@ pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Data
     if !*open {
         return false;
     }
+    // The dataset may have been closed under the question.
     let Some(dataset) = &datasets.open else {
         *open = false;
         return false;

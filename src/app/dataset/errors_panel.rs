@@ -38,7 +38,6 @@ fn file_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, name: 
     });
 }
 
-/// Draws the settings: the viewing side, and how poses are paired.
 fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let trajectories: &Trajectories = &model.document.trajectories;
     let (mut projection, mut study) = (trajectories.projection, trajectories.study);
@@ -108,6 +107,7 @@ fn reconstruction_ui(ui: &mut Ui, model: Read<'_>) {
     let estimate = model.results.poses.compared.estimate.as_ref();
     let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());
     let matched = model.results.datasets.open.as_ref().and_then(Dataset::image_counts);
+    // Without a truth the number of images is unknown, and with it the share.
     let registered = match (model.results.poses.report(), &summary) {
         (Some(r), _) => Some(format!("{} of {} ({:.0} %)", r.registered, r.images, r.images_pass_percent())),
         (None, summary) => summary.as_ref().map(|s| s.registered_images.to_string()),

@@ -49,6 +49,7 @@ pub fn filmstrip_ui(ui: &mut Ui, model: Read<'_>, thumbnails: &mut Thumbnails, q
         if let Some(place) = shown.filter(|_| shown != scrolled_to) {
             ui.scroll_to_rect(cell(place).expand2(vec2(step, 0.0)), None);
         }
+        // Only cells in view are drawn and ask for thumbnails: a dataset may be long.
         let first = (viewport.min.x / step).floor().max(0.0) as usize;
         let last = ((viewport.max.x / step).ceil().max(0.0) as usize).min(count);
         for place in first..last {
@@ -108,6 +109,7 @@ fn header_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if model.document.dataset.as_ref().is_some_and(|set| set.selected().is_some()) {
         button_ui(ui, model, queue, ActionId::ShowPair, Some("A | B"));
     }
+    // From the right, so that a full line cuts the path and not a button.
     ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
         short_button_ui(ui, model, queue, ActionId::CloseDataset, "✖");
         let place = dataset.folder.as_ref().map_or("no folder".to_owned(), |f| f.display().to_string());
@@ -177,6 +179,7 @@ fn cell_ui(
     let area = Rect::from_min_size(rect.min + vec2(0.0, TEXT_HEIGHT), vec2(CELL_WIDTH, PICTURE_HEIGHT));
     picture_ui(ui, area, picture);
     state_ui(ui, state, area, rect, fraction);
+    // The right end of the line is left to the squares of A and B.
     let name_room = Rect::from_min_max(rect.min + vec2(4.0, 0.0), rect.min + vec2(CELL_WIDTH - 36.0, TEXT_HEIGHT));
     let font = FontId::proportional(11.0);
     let name = middle_elided(ui.painter(), &burst.name, &font, visuals.text_color(), name_room.width());
@@ -275,7 +278,6 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
     }
 }
 
-/// Maximum side of a thumbnail, pixels.
 pub const SIDE_PX: usize = 160;
 const MAX_KEPT: usize = 400;
 /// Maximum number of thumbnails in a request, so that those that come into view soon need not wait long.
@@ -314,11 +316,12 @@ impl Thumbnails {
     /// Requests the thumbnails that came into view in this pass from the workers; bursts are opened with `open`.
     pub fn request(&mut self, engine: &Engine, open: &OpenOptions) {
         let mut bursts = std::mem::take(&mut self.in_view);
+        // One request at a time: a burst that leaves the view meanwhile is never asked for.
         if bursts.is_empty() || self.wanted.is_pending() {
             return;
         }
         if self.shown.len() + bursts.len() > MAX_KEPT {
-            // Those in view are made again soon; this is simpler than tracking which were seen last.
+            // Simpler than tracking which were seen last: thumbnails in view are made again soon.
             self.shown.clear();
         }
         bursts.truncate(MAX_ASKED);
@@ -327,6 +330,7 @@ impl Thumbnails {
     }
 
     pub fn take_made(&mut self, ctx: &Context, bursts: &[BurstFiles]) {
+        // Pictures of a dataset that was closed meanwhile are dropped.
         for (source, picture) in self.wanted.take_partial().into_iter().filter(|(source, _)| bursts.contains(source)) {
             let shown = match picture {
                 Ok(BurstPicture { size, rgb }) => {

@@ -1,5 +1,4 @@
-//! Many bursts in one window: a dataset's [`filmstrip`], how a long sequence is [`cut`] into one, the matches of its
-//! [`pairs`], and the estimated trajectory beside the true one ([`cameras`], [`errors_panel`]).
+//! Many bursts: [`filmstrip`], how a film is [`cut`], matching [`pairs`], trajectories ([`cameras`], [`errors_panel`]).
 
 pub mod cameras;
 pub mod cut;

@@ -1,5 +1,4 @@
-//! Matches of all pairs of bursts: as a matrix, whose cells show the inliers of two bursts as a colour and a number,
-//! and as a list.
+//! Matches of all pairs of bursts: a matrix whose cells show inliers as colour and number, and a list.
 
 use super::filmstrip::side_colour;
 use crate::app::actions::Queue;
@@ -20,7 +19,6 @@ const CELL_RANGE: std::ops::RangeInclusive<f32> = 7.0..=64.0;
 /// Minimum side of cells with a number, and of those with names beside rows and columns.
 const CELL_WITH_NUMBER: f32 = 22.0;
 const CELL_WITH_NAMES: f32 = 11.0;
-/// Space for the names of rows, in points.
 const NAMES_WIDTH: f32 = 96.0;
 /// Space for the names of columns, which are written upwards, in points.
 const HEAD_HEIGHT: f32 = 72.0;
@@ -76,6 +74,7 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mu
         }
         move_selection(ui, dataset, set, &response, queue);
         let text = set.selected().map_or_else(String::new, |pair| pair_text(dataset, pair));
+        // The matrix is one widget, whose value for screen readers is the selected pair.
         response.widget_info(|| egui::WidgetInfo {
             current_text_value: Some(text.clone()),
             ..egui::WidgetInfo::labeled(egui::Role::Image, true, "Match matrix")
@@ -100,6 +99,7 @@ fn move_selection(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, response: &Re
         return;
     }
     let Some((row, column)) = set.selected() else { return };
+    // Without this lock the arrow keys would move the focus to another widget.
     ui.memory_mut(|m| {
         let keys = egui::EventFilter { horizontal_arrows: true, vertical_arrows: true, ..Default::default() };
         m.set_focus_lock_filter(response.id, keys);
@@ -178,6 +178,7 @@ fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: O
     let visible = ui.clip_rect();
     let font = FontId::proportional((0.36 * grid.cell).clamp(9.0, 13.0));
     for row in 0..grid.count {
+        // A long dataset has very many cells: rows out of view are skipped as a whole.
         if !visible.y_range().intersects(grid.cell(row, 0).y_range()) {
             continue;
         }
@@ -196,6 +197,7 @@ fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: O
                 None => (visuals.faint_bg_color, visuals.weak_text_color()),
             };
             painter.rect_filled(inner, 0.0, fill);
+            // The diagonal holds the features of each burst.
             let number = shown.or(match &dataset.states[row] {
                 BurstState::Done(finished) if row == column => Some(finished.features),
                 _ => None,
@@ -209,6 +211,7 @@ fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: O
         }
     }
     names(ui, dataset, set, grid, pointed);
+    // A pair has two cells, one on either side of the diagonal.
     let outline = |(row, column): (usize, usize), stroke: Stroke| {
         painter.rect_stroke(grid.cell(row, column), 0.0, stroke, StrokeKind::Middle);
         painter.rect_stroke(grid.cell(column, row), 0.0, stroke, StrokeKind::Middle);
@@ -234,6 +237,7 @@ fn names(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: 
             None if marked(place) => visuals.strong_text_color(),
             None => visuals.weak_text_color(),
         };
+        // Names of small cells would overlap: only those pointed at or selected are drawn.
         if grid.cell < CELL_WITH_NAMES && !marked(place) {
             continue;
         }

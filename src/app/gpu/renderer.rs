@@ -1,5 +1,4 @@
-//! The renderer: what is kept on the card between frames (the pipeline, the colour maps, the pictures, one bind group
-//! for each pane), and the paint callback that draws one picture in one pane with it.
+//! Contents of the card between frames (pipeline, colour maps, pictures, bind groups), and the paint callback.
 
 use super::PictureId;
 use super::texture::{DeviceLimits, Layout, PictureTexture, wait_for_card};
@@ -12,7 +11,7 @@ use std::sync::{Arc, Mutex};
 
 /// Memory of the pictures on the card, bytes; beyond it those unused for longest are removed.
 const BUDGET_BYTES: u64 = 512 << 20;
-/// The same of a software driver, whose memory is the program's own, in which the picture cache holds them already.
+/// Budget of a software driver: its memory is the program's own, where the picture cache holds the pictures already.
 const SOFTWARE_BUDGET_BYTES: u64 = 64 << 20;
 
 /// Number of frames after which a pane that is not drawn loses its bind group.
@@ -50,7 +49,7 @@ pub struct PictureRenderer {
 }
 
 impl PictureRenderer {
-    /// Failed uploads are noted in `failures`; those that are in it are not tried again.
+    /// Failed uploads are noted in `failures`, and are not tried again.
     pub fn new(
         device: &wgpu::Device,
         queue: &wgpu::Queue,
@@ -102,6 +101,7 @@ impl PictureRenderer {
     ) {
         self.frame_open = true;
         let Some(layout) = self.ensure_picture(device, queue, id, plane) else {
+            // Without its picture a pane must not go on showing the one before.
             self.panes.remove(&pane);
             return;
         };
@@ -122,6 +122,7 @@ impl PictureRenderer {
             let bind_group = bind_group(device, &self.layout, &buffer, view, &self.lut);
             Pane { buffer, bind_group, picture: id, last_used_frame: 0 }
         });
+        // A bind group names its texture: another picture in the pane needs another group.
         if pane.picture != id {
             pane.bind_group = bind_group(device, &self.layout, &pane.buffer, view, &self.lut);
             pane.picture = id;
@@ -141,12 +142,13 @@ impl PictureRenderer {
             resident.last_used_frame = self.frame;
             return Some(resident.texture.layout);
         }
+        // It would fail again in every pass.
         if self.failures.lock().ok()?.contains_key(&id) {
             return None;
         }
         let texture = Layout::new(plane.size(), self.limits).and_then(|layout| {
             PictureTexture::upload(device, queue, plane, layout).or_else(|_| {
-                // What is not on show may be in the way.
+                // Pictures that are not on show may take the memory.
                 let frame = self.frame;
                 self.pictures.retain(|_, picture| picture.last_used_frame == frame);
                 self.panes.retain(|_, pane| self.pictures.contains_key(&pane.picture));
@@ -163,6 +165,7 @@ impl PictureRenderer {
             }
             Err(message) => {
                 self.failures.lock().ok()?.insert(id, message);
+                // The canvas reports the failure, and has been drawn already in this pass.
                 if let Some(window) = &self.window {
                     window.request_repaint();
                 }
@@ -173,6 +176,7 @@ impl PictureRenderer {
 
     /// Once, after all panes were prepared: removes pictures beyond the budget not seen in this frame, oldest first.
     pub(super) fn end_frame(&mut self) {
+        // Every pane's callback ends the frame, and only the first of them counts.
         if !std::mem::take(&mut self.frame_open) {
             return;
         }
@@ -312,6 +316,7 @@ pub(super) fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::T
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
+        // Not sRGB, which would convert the values of the maps as they are read.
         format: wgpu::TextureFormat::Rgba8Unorm,
         usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
         view_formats: &[],
@@ -341,8 +346,7 @@ pub struct Uniforms {
     pub tiles_across: u32,
     pub level: u32,
     pub lut_row: u32,
-    /// Bits: 1, diverging map; 2, the target converts from linear light; 4, a pixel of the screen shows the mean of those
-    /// of the picture that it covers.
+    /// Bits: 1, diverging map; 2, target converts from linear light; 4, screen pixels show the mean of what they cover.
     pub flags: u32,
     pub range_min: f32,
     /// 1 / width of the value range.

@@ -77,10 +77,9 @@ pub fn install(ctx: &egui::Context, render_state: &RenderState) {
     });
     let noted = lost.clone();
     device.on_uncaptured_error(Arc::new(move |error| match error {
-        // Memory for pictures is asked for where it may be refused. Without that for letters and shapes a device is of
-        // no use: another takes its place.
+        // Pictures cope with refused memory. Without memory for letters and shapes a device is of no use.
         wgpu::Error::OutOfMemory { .. } => lose_without_memory("it has no memory left".to_owned()),
-        // What is asked of a lost device fails.
+        // Requests to a lost device fail.
         _ if noted.get().is_some() => {}
         error => panic!("{error}"),
     }));

@@ -65,6 +65,7 @@ impl PictureTexture {
         })?;
         let mut writes = Writes { device, queue, texture: &texture, commands: Vec::new(), bytes: 0 };
         writes.write_level(plane, layout, 0)?;
+        // Each level is made from the one before: two at most are in memory beside the picture.
         let mut coarse: Option<Plane> = None;
         for level in 1..layout.levels {
             let next = halve(coarse.as_ref().unwrap_or(plane));
@@ -92,13 +93,13 @@ struct Writes<'a> {
 }
 
 impl Writes<'_> {
-    /// Writes one level, tile by tile, in strips of rows.
     fn write_level(&mut self, plane: &Plane, layout: Layout, level: u32) -> Result<(), NoRoom> {
         let tile = ((layout.tile.0 >> level) as usize, (layout.tile.1 >> level) as usize);
         for layer in 0..layout.layers() {
             let (u0, v0) = ((layer % layout.tiles.0) as usize * tile.0, (layer / layout.tiles.0) as usize * tile.1);
             let columns = tile.0.min(plane.width().saturating_sub(u0));
             let rows = tile.1.min(plane.height().saturating_sub(v0));
+            // The picture may end before a tile of a coarse level begins.
             if columns == 0 {
                 continue;
             }
@@ -123,10 +124,12 @@ impl Writes<'_> {
         row: impl Fn(usize) -> &'p [f32],
     ) -> Result<(), NoRoom> {
         let size = (row_bytes * rows) as u64;
+        // Bytes on the way are in memory twice: the card has to take them before more are added.
         if self.bytes + size > BYTES_ON_THE_WAY {
             let submission = self.submit()?;
             wait_for_card(self.device, Some(submission));
         }
+        // Each step may lack memory, which must fail this picture only and not lose the device.
         let buffer = within_memory(self.device, || {
             self.device.create_buffer(&wgpu::BufferDescriptor {
                 label: Some("burstscope picture"),
@@ -192,6 +195,7 @@ impl Layout {
         let longer = width.max(height);
         // One more level for each halving that leaves at least 32 pixels.
         let levels = (longer / 32).checked_ilog2().map_or(1, |l| l + 1).min(Self::MAX_LEVELS);
+        // Sides of this multiple halve evenly down to the coarsest level.
         let multiple = 1 << (levels - 1);
         let largest_tile = limits.max_side / multiple * multiple;
         if largest_tile == 0 {
@@ -238,7 +242,7 @@ impl DeviceLimits {
     }
 }
 
-/// (⌈columns/2⌉, ⌈rows/2⌉) cells, each the mean of those of its four that exist and are numbers; NaN when none is.
+/// (⌈columns/2⌉, ⌈rows/2⌉) cells: means of up to four numbers; NaN where all four are.
 pub fn halve(fine: &Plane) -> Plane {
     let (width, height) = (fine.width().div_ceil(2), fine.height().div_ceil(2));
     let mut coarse = Plane::zeros(width, height);

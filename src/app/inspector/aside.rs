@@ -8,7 +8,6 @@ use egui::Rect;
 pub struct HeldPlace {
     last: Option<(Rect, bool)>,
     moved: Option<(View, View)>,
-    /// View as the last pass left it.
     left: Option<View>,
 }
 

@@ -25,7 +25,7 @@ use egui::{
 const ONE_LINE: f32 = 440.0;
 const ROOM_FOR_NUMBERS: f32 = 560.0;
 const ROOM_FOR_SPLITS: f32 = 190.0;
-// Those of a single pane's header, which has no links: with range and zoom, with the switch of features, with all.
+// The same of a single pane, whose header has no links: with range and zoom, with the features' switch, with all.
 const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
 const ROOM_FOR_FEATURES: f32 = 620.0;
 const ROOM_FOR_ALL: f32 = 800.0;
@@ -52,11 +52,12 @@ pub fn header_ui(
     Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = if many { 3.0 } else { 6.0 };
+            // From the right: each part takes room from those after it, and the name is truncated to what is left.
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 buttons_ui(ui, model, id, width, queue);
                 if many && width >= ONE_LINE {
                     links_ui(ui, model, id, true, queue);
-                    // Numbers beside them do not touch them.
+                    // Keeps the links apart from the numbers.
                     ui.add_space(4.0);
                 }
                 ui.spacing_mut().item_spacing.x = 6.0;
@@ -238,7 +239,6 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, queu
     }
 }
 
-/// Draws the buttons from right to left: close, menu, split.
 fn buttons_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 1.0;
     let many = model.document.panes.are_many();

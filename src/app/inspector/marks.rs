@@ -28,6 +28,7 @@ pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[(Pan
     if !is_linked(from) {
         return;
     }
+    // Each linked pane shows the same place of the scene, at its own frame and slope.
     for (id, other) in drawn.iter().filter(|(id, _)| *id != from && is_linked(*id)) {
         let Some(pos) = same_place(model, first.shown, other.shown, pos_image) else { continue };
         let value = value_at(model, widgets, *id, other.shown, pos);
@@ -83,8 +84,7 @@ pub(in crate::app) fn mid_burst(model: Read<'_>, id: PaneId, pos_image: Pos2) ->
     Some((pane.side, [place.x, place.y]))
 }
 
-/// Maps a place of mid-burst of the probed burst that moves by `slope` to pane `id`; `None` for panes of the other
-/// burst.
+/// Maps a mid-burst place that moves by `slope` to pane `id`; `None` for panes of the burst that is not probed.
 fn in_pane(model: Read<'_>, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
     let pane = model.document.panes.get(id).filter(|pane| pane.side == model.document.probe.side)?;
     let kind = model.picture_in(id)?.request.kind;
@@ -99,8 +99,7 @@ fn used(model: Read<'_>, side: Side) -> Option<(&Positions, Range<usize>)> {
     Some((positions, model.results.slots[side].usable_params.used_frames(positions.len())))
 }
 
-/// Draws the marks over the drawn panes, and takes the place under the pointer: a click with Shift probes it, any click
-/// ends following.
+/// Draws the probe's marks, and takes the place under the pointer: Shift+click probes it, any click ends following.
 pub(super) fn probe_ui(
     ui: &egui::Ui,
     model: Read<'_>,
@@ -135,6 +134,7 @@ pub(super) fn probe_ui(
 
 pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {
     ui.input(|i| {
+        // The modifiers at the release count: Shift may be up again when the pass sees the click.
         let let_go = i.events.iter().rev().find_map(|event| match event {
             egui::Event::PointerButton { pressed: false, modifiers, .. } => Some(modifiers.shift),
             _ => None,

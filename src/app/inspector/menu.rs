@@ -20,7 +20,6 @@ use crate::requests::ProbeQuestion;
 use crate::teach::glossary::glossary;
 use egui::{Button, RichText, ScrollArea, Ui};
 
-/// Draws the menu of a pane's header.
 pub(super) fn pane_menu_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     whole_menu_ui(ui, |ui| {
         content_ui(ui, model, id, queue);
@@ -29,14 +28,13 @@ pub(super) fn pane_menu_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut
     });
 }
 
-/// Draws a menu, of which the rest can be scrolled to where the window is lower.
+/// Draws a menu that can be scrolled where it is higher than the window.
 fn whole_menu_ui(ui: &mut Ui, add_contents: impl FnOnce(&mut Ui)) {
     ui.set_min_width(190.0);
     let room = ui.ctx().content_rect().height() - 2.0 * MENU_MARGIN;
     ScrollArea::vertical().max_height(room).min_scrolled_height(room).show(ui, add_contents);
 }
 
-/// Space above and below the largest menu, points.
 const MENU_MARGIN: f32 = 12.0;
 
 fn view_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
@@ -88,6 +86,7 @@ fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
         }
     }
     ui.add_enabled_ui(others.len() > 1, |ui| {
+        // Nested by the first pane: a flat list of all ordered pairs would be long.
         let menu = ui.menu_button("Difference", |ui| {
             for &(a, number_a) in &others {
                 ui.menu_button(format!("{number_a} minus"), |ui| {
@@ -170,6 +169,7 @@ pub(super) fn picture_menu_ui(
     queue: &mut Queue,
 ) {
     let response = &drawn.output.response;
+    // The subject is the one at the click: over the menu the pointer is on something else.
     if response.secondary_clicked() {
         let shown = widgets.get(drawn.shown).map(|widget| &widget.picture);
         let (readout, feature) = shown.map_or((None, None), |shown| (shown.readout, shown.pointed));
@@ -185,6 +185,7 @@ pub(super) fn picture_menu_ui(
     let place = widgets.get(id).map(|widget| widget.menu).unwrap_or_default();
     response.context_menu(|ui| {
         whole_menu_ui(ui, |ui| {
+            // From the particular to the general: feature, match, place, picture, pane.
             if let Some(index) = place.feature {
                 feature_menu_ui(ui, model, index, queue);
                 ui.separator();

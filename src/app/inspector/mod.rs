@@ -1,6 +1,5 @@
-//! Centre of *One burst* and *Two bursts*: panes in any arrangement, which `egui_tiles` draws and lets be
-//! dragged, their content and links. What a pane's menu or buttons change is pushed as actions, which are applied after
-//! all panes are drawn.
+//! Centre of *One burst* and *Two bursts*: panes in any arrangement, drawn and dragged by `egui_tiles`, their content
+//! and links. Changes are pushed as actions, which are applied after all panes are drawn.
 
 mod aside;
 mod header;

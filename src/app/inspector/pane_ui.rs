@@ -63,6 +63,7 @@ pub(super) fn picture_ui(
     let problem = model.problem_of(shown);
     let before = model.document.panes.get(id).map(|pane| pane.view).unwrap_or_default();
     let mut view = before;
+    // A panel that comes beside a single picture must not move what was clicked.
     if !model.document.panes.are_many() {
         let is_beside = model.document.panels.right == Visibility::Auto && model.shows_right();
         widgets.of(id).aside.keep(&mut view, ui.available_rect_before_wrap(), is_beside);
@@ -86,6 +87,7 @@ pub(super) fn picture_ui(
     let visible = state.shown().is_some().then_some(output.visible_image);
     let state = &mut widgets.of(id).picture;
     (state.ui_from_image, state.visible_image) = (Some(output.ui_from_image), visible);
+    // Settling alone is no action of the user: only a view that looks different is recorded.
     if !view.is_drawn_as(&before) {
         queue.push(Action::MoveView { pane: id, before, after: view });
     }
@@ -128,6 +130,7 @@ pub(super) fn over_ui(
     let canvas = Canvas { picture: state.shown(), ..canvas_of(model, other, "Wipe, right side") };
     let over = canvas.show_over(ui, &drawn.output, right);
     state.paint_colours(ui, picture, model.features_of_motion(other), filter_of(model, other), &over);
+    // From here on the marks of the drawn picture end at the line too.
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
     features_ui(ui, model, other, &mut widgets.of(other).picture, &over, false, queue);
     drawn.right = Some((other, over));
@@ -140,6 +143,7 @@ pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn,
     };
     match model.document.panes.over(id) {
         None => {}
+        // Of two pictures in one place the name says which is on show.
         Some(Over::Flip { .. }) => {
             chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(model, drawn.shown), ("flip", id));
         }
@@ -184,6 +188,7 @@ pub(super) fn full_scale(model: Read<'_>, id: PaneId) -> f32 {
 /// Draws the line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.
 fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
     let x = egui::lerp(rect.x_range(), *at);
+    // Wider than drawn, to be caught easily.
     let line = Rect::from_center_size(pos2(x, rect.center().y), vec2(12.0, rect.height()));
     let response = ui.interact(line, ui.scope_id().with("wipe handle"), Sense::drag());
     if let Some(pos) = response.interact_pointer_pos() {
@@ -259,6 +264,7 @@ pub(super) fn slice_ui(
     numbers_ui(ui, &area, slice);
     line(ui, &area, slice, answer.probe.subject.slope, false);
     line(ui, &area, slice, slope, true);
+    // In another pane the first click moves the focus, and must not move its slope.
     if model.document.panes.focus() == id {
         let dragged = dragged_slope(&area, slice, slope, &response);
         dragged.into_iter().for_each(|slope| queue.push(Action::SetSlope(id, slope)));
@@ -282,7 +288,7 @@ struct OverTime {
 }
 
 impl OverTime {
-    /// Rows for a frame at most: as many as the shortest time between two frames has in that from first to last.
+    /// Maximum number of rows for a frame: uneven times with one short gap would take very many.
     const FINEST: usize = 4;
 
     fn of(times: &[f32]) -> Self {
@@ -298,6 +304,7 @@ impl OverTime {
         };
         let span = last - first;
         let rows = ((span / shortest).round() as usize + 1).min(Self::FINEST * times.len());
+        // A little more than half, so that rounding leaves no gap between frames at even times.
         Self { first: *first, step: span / (rows - 1) as f32, rows, reach: 0.505 * gaps[gaps.len() / 2] }
     }
 
@@ -359,6 +366,7 @@ fn numbers_ui(ui: &Ui, area: &Area, slice: &Slice) {
     let mut free = f32::NEG_INFINITY;
     for (frame, time) in slice.frames.iter().zip(&slice.times) {
         let at = pos2(area.rect.left() - 5.0, area.pos(0.0, *time).y);
+        // Numbers of close rows would overlap.
         if at.y >= free {
             painter.text(at, Align2::RIGHT_CENTER, frame.to_string(), font.clone(), colour);
             free = at.y + 13.0;

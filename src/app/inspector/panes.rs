@@ -32,9 +32,11 @@ pub fn inspector_ui(
     let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new() };
     tree.ui(&mut inspector, ui);
     let Inspector { drawn, .. } = inspector;
+    // The tree is made anew in each pass: a drag is found by comparing it with the document.
     if let Some(arrangement) = arrangement_of(&tree) {
         queue.set(model.document.panes.arrangement(), arrangement, Action::Rearrange);
     }
+    // After all panes, because a mark in one may come from the pointer in any other.
     marks_ui(model, widgets, &drawn);
     if model.document.workspace.probes() {
         probe_ui(ui, model, widgets, &drawn, queue);
@@ -75,7 +77,6 @@ fn second_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     });
 }
 
-/// Minimum size of a picture with a legend, in points.
 const LEGEND_ROOM: egui::Vec2 = vec2(250.0, 170.0);
 
 struct Inspector<'a> {
@@ -109,6 +110,7 @@ impl Behavior<PaneId> for Inspector<'_> {
         if (header.clicked || touched) && self.model.document.focus() != id {
             self.queue.push(Action::Focus(id));
         }
+        // After the content, which would cover the frame.
         if self.model.document.panes.are_many() && self.model.document.focus() == id {
             let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
             ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);
@@ -142,6 +144,7 @@ impl Inspector<'_> {
         over_ui(ui, self.model, id, self.widgets, &mut drawn, self.queue);
         let rect = drawn.output.response.rect;
         let (inspected, in_focus) = (self.model.document.workspace.inspects(), self.model.document.focus() == id);
+        // One legend in the window is enough, and in a small pane it would cover the picture.
         let has_legend = in_focus && rect.width() > LEGEND_ROOM.x && rect.height() > LEGEND_ROOM.y;
         let state = &mut self.widgets.of(drawn.shown).picture;
         features_ui(ui, self.model, drawn.shown, state, &drawn.output, has_legend, self.queue);

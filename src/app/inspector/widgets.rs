@@ -1,5 +1,4 @@
-//! Parts that the panes of the inspector share: their widgets between passes, their names (in headers, on tabs, for
-//! screen readers and tests), and the pairs of panes of A and of B between which match lines are drawn.
+//! Widgets of panes between passes, names of panes, and the pairs of panes between which match lines are drawn.
 
 use super::aside::HeldPlace;
 use crate::app::canvas;
@@ -169,8 +168,7 @@ pub struct JoinedPanes {
     pub pairs: Vec<(usize, usize)>,
 }
 
-/// Finds the panes that show the input of `method` (those without a method, for `None`) among `places`: visible panes
-/// and their rectangles. Differences and slices show no places of one burst.
+/// Visible panes with the input of `method` (`None`: without a method) among `places`; no differences, no slices.
 pub fn joined_panes(model: Read<'_>, places: &[(PaneId, Rect)], method: Option<MethodId>) -> JoinedPanes {
     let is_of = |id: PaneId, side: Side| {
         let pane = model.document.panes.get(id).filter(|pane| pane.side == side && pane.method == method);
@@ -183,8 +181,8 @@ pub fn joined_panes(model: Read<'_>, places: &[(PaneId, Rect)], method: Option<M
     JoinedPanes { sides, pairs }
 }
 
-/// Pairs of `a` and `b` between which lines go, as indices: those that face each other with none of `all` between them,
-/// and those of which each is the nearest to the other.
+/// Pairs of `a` and `b` between which lines go, as indices: panes that face each other with none of `all` between, and
+/// mutually nearest panes.
 fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     let nearest = |from: &Rect, to: &[Rect]| {
         let place = |i: &usize| apart(from, &to[*i]);
@@ -193,6 +191,7 @@ fn joined(a: &[Rect], b: &[Rect], all: &[Rect]) -> Vec<(usize, usize)> {
     let mut pairs = Vec::new();
     for (i, of_a) in a.iter().enumerate() {
         for (j, of_b) in b.iter().enumerate() {
+            // Nearest neighbours are joined even where they do not face each other.
             let each_nearest = nearest(of_a, b) == Some(j) && nearest(of_b, a) == Some(i);
             if each_nearest || face(of_a, of_b, all) {
                 pairs.push((i, j));
@@ -218,6 +217,7 @@ fn face(a: &Rect, b: &Rect, all: &[Rect]) -> bool {
         (true, false) => Rect::from_x_y_ranges(x, between(a.y_range(), b.y_range())),
         _ => return false,
     };
+    // Neighbours touch the rim of the gap: only what reaches into it stands between.
     let gap = gap.shrink(1.0);
     all.iter().all(|other| other == a || other == b || !(gap.is_positive() && other.intersects(gap)))
 }

@@ -55,6 +55,7 @@ fn hidden_in(hidden: &Hidden, v: f32) -> Vec<[f32; 2]> {
 fn inside(outline: &[Pos2], v: f32) -> Vec<[f32; 2]> {
     let next = outline.iter().cycle().skip(1);
     let crossing = |(a, b): (&Pos2, &Pos2)| {
+        // Half-open, so that a corner that lies on the row counts once.
         let crosses = (a.y <= v) != (b.y <= v);
         crosses.then(|| (a.x + (v - a.y) / (b.y - a.y) * (b.x - a.x), if a.y <= v { 1 } else { -1 }))
     };
@@ -84,8 +85,8 @@ pub(super) fn hides_something(hidden: &Hidden) -> bool {
     let sides = outline.iter().zip(outline.iter().cycle().skip(1));
     let area: f32 = sides.map(|(a, b)| 0.5 * (a.x * b.y - b.x * a.y)).sum();
     let length: f32 = outline.windows(2).map(|two| two[0].distance(two[1])).sum();
-    // A stroke of the pointer that is meant as a line is never quite straight.
-    outline.len() > 2 && area.abs() > (0.02 * length * length).max(1.0)
+    // A stroke that is meant as a line is never quite straight: less than a pixel wide on average, it is one.
+    outline.len() > 2 && area.abs() > 0.4 * length
 }
 
 /// What a drag begins at the place of its press.

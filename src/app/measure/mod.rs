@@ -1,5 +1,4 @@
-//! Measuring line and rectangle, drawn on a picture, whose values are measured in all linked panes together; and
-//! outlines of what the frames do not show.
+//! Measuring line and rectangle, for all linked panes together, and outlines of what the frames do not show.
 
 mod hidden;
 mod panels;
@@ -37,7 +36,7 @@ pub struct PaneRegion {
     pub region: Region,
 }
 
-/// The pane that was drawn on or, when other panes took its place, the one in focus, which shows the same burst.
+/// The pane drawn on; where other panes took its place, the focused pane, which shows the same burst.
 fn measured_on(model: Read<'_>, drawn_on: PaneId) -> PaneId {
     let is_replaced = model.document.workspace.inspects() && !model.document.panes.shown().contains(&drawn_on);
     if is_replaced { model.document.focus() } else { drawn_on }
@@ -62,6 +61,7 @@ fn mapped(model: Read<'_>, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Opt
 pub fn profiles_of(model: Read<'_>, widgets: &PaneWidgets, line: &MeasuredLine) -> Vec<PaneProfile> {
     let of = |id: PaneId| {
         let picture = widgets.get(id)?.picture.shown()?;
+        // Each pane shows the line at the same place of the scene.
         let ends = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos));
         let (from, to) = (ends[0]?, ends[1]?);
         let samples = profile(&picture.plane, from.into(), to.into(), picture.image_from_picture_scale);

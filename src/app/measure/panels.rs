@@ -35,6 +35,7 @@ impl RegionCache {
         if !self.0.get(&of.id).is_some_and(fits) {
             let plane = &of.picture.plane;
             let statistics = region_statistics(plane, &of.region);
+            // A region of one value has no histogram.
             let range = statistics.map(|s| (s.min, s.max)).filter(|(min, max)| min < max);
             let histogram = range.map(|(min, max)| histogram(plane, &of.region, min, max, BINS));
             let known = Known { picture: of.picture.id, region: of.region.clone(), statistics, histogram };
@@ -65,6 +66,7 @@ pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, cache: &mu
         });
         return;
     };
+    // Nothing is measured during the drag, so that dragging stays smooth.
     if model.document.measure.drag.is_some() {
         ui.weak("Let go to measure");
         return;
@@ -188,6 +190,7 @@ pub fn profile_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
         .height(ui.available_height().max(60.0));
     let drawn = plot.show(ui, |plot| {
         for profile in &profiles {
+            // The line may leave the picture, or cross what has no value.
             let points: PlotPoints<'_> = profile
                 .samples
                 .iter()

@@ -1,5 +1,4 @@
-//! Arrangement of panes on the screen: nested rows and columns, and tabs. Plain values; [`super::tiles`] converts them
-//! for the widget.
+//! Arrangement of panes in nested rows, columns and tabs, as plain values; [`super::tiles`] makes widgets of them.
 
 use super::PaneId;
 use serde::{Deserialize, Serialize};
@@ -97,6 +96,7 @@ impl Arrangement {
     /// Adds panes at the end: a single one to the last row while that is short, several as a row of their own.
     pub fn append(&mut self, new: &[PaneId]) {
         const LONG: usize = 3;
+        // Moved out, because each arm puts the parts into another container.
         let whole = std::mem::replace(self, Self::Row(Vec::new()));
         let share = |parts: &[Part]| parts.iter().map(|part| part.share).sum::<f32>() / parts.len().max(1) as f32;
         let added = Self::rows(&[new.to_vec()]);
@@ -163,6 +163,7 @@ impl Arrangement {
             parts
                 .into_iter()
                 .filter_map(|Part { share, inner }| {
+                    // A file may hold any share, and a part that is too small could not be grasped.
                     let share = if share.is_finite() { share.clamp(0.05, 20.0) } else { 1.0 };
                     Some(Part { share, inner: inner.filtered(keep, depth - 1)? })
                 })
@@ -175,6 +176,7 @@ impl Arrangement {
                 _ => Some(container(many)),
             }
         }
+        // A file may nest deeper than anything that can be seen.
         if depth == 0 {
             return None;
         }

@@ -1,5 +1,4 @@
-//! Changes of the set of panes: splitting, closing, laying out anew, restoring from a session, and following the open
-//! bursts.
+//! Changes of the set of panes: splitting, closing, new layouts, sessions, and following the open bursts.
 
 use super::preset::Laid;
 use super::set::Place;
@@ -40,6 +39,7 @@ impl Panes {
             here.focus = new;
         }
         self.more.insert(new, changed);
+        // Panes that subtract or overlay this pane follow to the new id.
         let renamed = |other: PaneId| if other == id { new } else { other };
         for shown in self.shown() {
             let Some(pane) = self.get_mut(shown) else { continue };
@@ -62,6 +62,7 @@ impl Panes {
         let Some(at) = shown.iter().position(|shown| *shown == id).filter(|_| shown.len() > 1) else { return };
         placed.arrangement.remove(id);
         if placed.focus == id {
+            // Focus stays where the closed pane was.
             let left = placed.arrangement.panes();
             placed.focus = left[at.min(left.len() - 1)];
         }
@@ -101,7 +102,6 @@ impl Panes {
         self.replace(place, arrangement, panes, focus);
     }
 
-    /// Takes the arrangement of a workspace, with its panes, from others.
     pub fn take_placed(&mut self, place: Place, from: &Self) {
         let panes = from.iter().map(|(id, pane)| (id, pane.clone())).collect();
         let (arrangement, focus) = from.placed_in(place);
@@ -120,6 +120,7 @@ impl Panes {
         placed.focus = if shown.contains(&focus) { focus } else { shown[0] };
         placed.arrangement = arrangement;
         for (id, pane) in panes.into_iter().filter(|(id, _)| shown.contains(id)) {
+            // A file may hold larger ids than those in use.
             self.next = self.next.max(id.0.saturating_add(1));
             match self.sides.get_mut(id.0 as usize) {
                 // The two permanent panes stay on their bursts.

@@ -93,6 +93,7 @@ impl Panes {
         if !has(first) {
             return Vec::new();
         }
+        // Links carry on: a pane that is in two workspaces joins the panes of both.
         let mut linked = vec![first];
         let mut place = 0;
         while place < linked.len() {
@@ -108,11 +109,11 @@ impl Panes {
         self.linked_to(self.focus(), Link::Cursor)
     }
 
-    /// Moves the linked cursors as that of `moved` moved from `before`: by equal steps. When `moved` changed its kind
-    /// of picture, linked panes of other bursts and methods that showed the former kind change too.
+    /// Moves linked cursors by the steps of `moved`; panes of other bursts and methods also take a new kind of picture.
     pub fn follow_cursor(&mut self, moved: PaneId, before: Cursor) {
         let Some(leader) = self.get(moved) else { return };
         let (after, side, method) = (leader.cursor, leader.side, leader.method);
+        // Only a change that is seen counts: a map hides the kind of the cursor.
         let changed_kind = leader.shows(after.kind) && after.kind != before.kind;
         for id in self.linked_to(moved, Link::Cursor) {
             let Some(pane) = self.get_mut(id) else { continue };

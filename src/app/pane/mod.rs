@@ -1,4 +1,4 @@
-//! Panes: each shows one picture of one open burst.
+//! Panes, which show a picture of an open burst each.
 //!
 //! A [`Pane`] is a plain value, and the picture that it needs follows from its values alone ([`wanted`](Pane::wanted)).
 //! *One burst*, *Two bursts* and the comparison of methods have an [`Arrangement`] each, with one focused pane, which
@@ -125,7 +125,7 @@ pub struct Pane {
     /// Whether the slope was chosen (by hand or by a session) since the burst was opened.
     pub slope_chosen: bool,
     pub view: View,
-    /// Value ranges and colour maps of its own; `None` shares those of all.
+    /// Own value ranges and colour maps; `None` shares those of all panes.
     pub own_ranges: Option<Ranges>,
     pub links: PaneLinks,
     pub over: Option<Over>,
@@ -155,6 +155,7 @@ impl Pane {
     pub fn show(&mut self, kind: ViewKind) {
         self.content = match kind {
             ViewKind::Merge => Content::Merge,
+            // The cursor remembers the last of these kinds, also while the pane shows another.
             of_cursor if ViewKind::OF_CURSOR.contains(&of_cursor) => {
                 self.cursor.kind = kind;
                 Content::Cursor
@@ -211,7 +212,7 @@ impl Pane {
         Some(PictureRequest::new(burst.clone(), kind, params.clone()))
     }
 
-    /// Where methods are compared, one frame or the merged frames for SIFT in place of a motion stack.
+    /// In a comparison of methods SIFT shows its input, one frame or the merged frames, in place of a motion stack.
     fn seen_by_method(&self, kind: PictureKind, burst: &OpenBurst, params: &DetectorParams) -> PictureKind {
         match (kind, params.method) {
             (PictureKind::Stack { .. }, Method::Sift) if self.method.is_some() => {

@@ -1,5 +1,4 @@
-//! Preset arrangements of *One burst*, there of methods that are compared, and of *Two bursts*. The latter two follow
-//! what is compared: a pane comes or goes as a method is switched on or off.
+//! Presets of *One burst*, of its methods, and of *Two bursts*; panes of methods come and go as these are switched.
 
 use super::set::Place;
 use super::{Arrangement, Content, Link, MAX_PANES, Over, Pane, PaneId, Panes, SliceAxis};
@@ -21,7 +20,6 @@ pub struct Laid {
 }
 
 impl Preset {
-    /// All presets, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 11] = {
         const NEIGHBOURS: &str = "Neighbouring slopes of the grid, which move together";
         [
@@ -44,6 +42,7 @@ impl Preset {
     };
 
     pub fn lay_out(self, base: &Pane, params: &DetectorParams) -> Laid {
+        // A preset starts from the focused pane: burst, view and slope go on.
         let base = Pane { over: None, content: Content::Cursor, ..base.clone() };
         let at = |change: &dyn Fn(&mut Pane)| {
             let mut pane = base.clone();
@@ -61,6 +60,7 @@ impl Preset {
                 Laid { rows: vec![vec![frame, stack]], focus }
             }
             Self::TwoSlopes => {
+                // Without a link, because the two slopes are to be moved on their own.
                 let two = two_slopes(base.cursor.slope, params).map(|slope| {
                     at(&|p| {
                         p.show(moving);
@@ -77,6 +77,7 @@ impl Preset {
                     _ => 9,
                 };
                 let (slopes, focus) = neighbouring_slopes(base.cursor.slope, params, count);
+                // With a link, so that neighbours keep their distance as one is moved.
                 let panes = slopes.into_iter().map(|slope| {
                     at(&|p| {
                         p.show(moving);
@@ -101,6 +102,7 @@ impl Preset {
             }
             Self::Slice => {
                 let stack = at(&|p| p.show(moving));
+                // On a line of slopes nothing moves across the line: that slice would show nothing slanted.
                 let both = params.used_slopes().is_plane();
                 let axes = if both { &SliceAxis::ALL[..] } else { &SliceAxis::ALL[..1] };
                 let slices = axes.iter().map(|&axis| at(&|p| p.show_slice(axis))).collect();
@@ -163,7 +165,6 @@ pub enum SidesPreset {
 }
 
 impl SidesPreset {
-    /// All presets, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::SideBySide, "A beside B", "One picture of each burst, A on the left"),
         (Self::Stacked, "A above B", "One picture of each burst, A on top: for wide frames"),
@@ -190,6 +191,7 @@ impl Panes {
                     made.insert(new, dog);
                     new
                 });
+                // After the DoG panes, which copy the panes before this change.
                 made.iter_mut().filter(|(id, _)| own.contains(id)).for_each(|(_, pane)| pane.show(ViewKind::Stack));
                 vec![own.to_vec(), dogs.to_vec()]
             }
@@ -216,7 +218,6 @@ pub enum MethodsPreset {
 }
 
 impl MethodsPreset {
-    /// All presets, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 4] = [
         (Self::Panes, "Panes", "A picture for each method, side by side"),
         (Self::Wipe, "Wipe", "Two methods in one picture, with a line between them that can be dragged"),
@@ -240,6 +241,7 @@ impl Panes {
             id
         };
         let arrangement = match preset {
+            // A single method has nothing to lie over, and gets a pane as below.
             MethodsPreset::Wipe | MethodsPreset::Flip if two.len() > 1 => {
                 let ids: Vec<PaneId> = two.into_iter().map(|method| make(self, method, Side::A)).collect();
                 let other = ids[1];
@@ -248,6 +250,7 @@ impl Panes {
                     _ => Over::Flip { other, flipped: false },
                 };
                 made.entry(ids[0]).and_modify(|pane| pane.over = Some(over));
+                // The second picture is drawn over the first, and needs no place of its own on screen.
                 Arrangement::Tabs { parts: ids.into_iter().map(Arrangement::Pane).collect(), active: 0 }
             }
             MethodsPreset::Matches if both => {
@@ -260,7 +263,7 @@ impl Panes {
         self.replace(Place::Methods, arrangement, made, focus);
     }
 
-    /// Where it has none: on A, and with B in a row of its own where the others have such rows.
+    /// Adds a pane of A, and a row with B where the other methods have rows, unless there is one.
     pub fn add_method(&mut self, method: MethodId, both: bool) {
         let shown = self.shown_in(Place::Methods);
         let panes = || shown.iter().filter_map(|id| self.get(*id));
@@ -289,6 +292,7 @@ impl Panes {
 
     fn of_method(&self, method: MethodId, side: Side) -> Pane {
         let shown = self.shown_in(Place::Methods);
+        // As the panes of other methods, so that all show one place; a gold standard has a view of its own.
         let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(MethodId::Gold) && pane.side == side;
         let base = shown.iter().filter_map(|id| self.get(*id)).find(alike).unwrap_or_else(|| self.of(side));
         let mut pane = Pane {
@@ -300,7 +304,7 @@ impl Panes {
             ..Pane::new(side)
         };
         if method == MethodId::Gold {
-            // It was taken in other light.
+            // A gold standard is taken in more light, so that a shared range would not fit.
             pane.links.set(Link::Display, false);
             pane.own_ranges = Some(Ranges::default());
         }

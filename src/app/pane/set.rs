@@ -7,7 +7,7 @@ use crate::teach::Workspace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Arrangement of panes: *One burst* has two, that in which methods are compared and that of all else.
+/// Place of an arrangement: *One burst* has two, one where methods are compared and one for all else.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Place {
@@ -33,7 +33,7 @@ pub(super) struct Placed {
     pub(super) focus: PaneId,
 }
 
-/// Two panes are permanent, one for each burst. A pane that is in two workspaces shows the same in both.
+/// Two panes, one a burst, are permanent. In several workspaces a pane shows the same.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(try_from = "PanesFile", into = "PanesFile")]
 pub struct Panes {
@@ -160,6 +160,7 @@ impl Panes {
         let panes = self.placed.iter().map(|placed| placed.arrangement.panes());
         let mut beside: Vec<PaneId> = panes.filter(|panes| panes.contains(&id)).flatten().collect();
         beside.retain(|other| *other != id);
+        // Two panes may stand beside each other in several workspaces.
         beside.sort_unstable();
         beside.dedup();
         beside
@@ -211,7 +212,6 @@ impl Panes {
 #[serde(default, deny_unknown_fields)]
 struct PanesFile {
     open: Place,
-    /// Number of the next pane.
     next: u32,
     inspect: Placed,
     pair: Placed,
@@ -244,6 +244,7 @@ impl TryFrom<PanesFile> for Panes {
             all.insert(PaneId(id), sound(pane));
         }
         let mut panes = Self::default();
+        // The permanent panes stay on their bursts, whatever a file holds.
         for (side, own) in Side::BOTH.into_iter().zip(&mut panes.sides) {
             if let Some(pane) = all.get(&PaneId::of(side)) {
                 *own = Pane { side, method: None, ..pane.clone() };
@@ -252,6 +253,7 @@ impl TryFrom<PanesFile> for Panes {
         for (place, placed) in Place::ALL.into_iter().zip([file.inspect, file.pair, file.methods]) {
             panes.restore(place, placed.arrangement, all.clone(), placed.focus);
         }
+        // Ids are not used again, even those of panes that were left out.
         (panes.open, panes.next) = (file.open, panes.next.max(file.next));
         Ok(panes)
     }

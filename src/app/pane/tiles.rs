@@ -28,6 +28,7 @@ fn insert(tiles: &mut Tiles<PaneId>, arrangement: &Arrangement, next: &mut u64) 
     };
     let container = match arrangement {
         Arrangement::Pane(id) => {
+            // The pane's own id, by which the widget knows it again in the next pass.
             let tile = TileId::from_u64(u64::from(id.0));
             tiles.insert(tile, Tile::Pane(*id));
             return tile;

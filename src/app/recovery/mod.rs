@@ -102,6 +102,7 @@ impl Recovery {
         self.looked = Some(Instant::now());
         let text = session_text(project, did).filter(|text| self.written.as_ref() != Some(text))?;
         self.given = Some(text.clone());
+        // A late write must not replace a newer text: its turn orders it among the others.
         let (record, turn) = (self.own.clone(), self.own.turn());
         let write = move || record.write_in_turn(&text, turn).map(|()| String::new());
         self.writing = Some(engine.task(TITLE, write));
@@ -186,6 +187,7 @@ impl Recovery {
             && is_done
             && let Some((record, _)) = self.left.pop_front()
         {
+            // The restored record goes on as the window's own: its session is in a file at any time.
             std::mem::replace(&mut self.own, Arc::new(record)).remove();
             self.written = None;
         }

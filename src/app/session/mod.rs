@@ -1,5 +1,4 @@
-//! A session: everything needed to restore a view of a burst, as a TOML file. Pixels and features are not stored: the
-//! burst is opened again, and the features are detected again, which gives the same bits.
+//! A session restores a view of a burst, from a TOML file. Pixels are read and features detected again, bit by bit.
 
 mod restoring;
 
@@ -67,6 +66,7 @@ impl Session {
         if workspace.shows_pair() || workspace.record().is_of_dataset {
             self.document.workspace = Workspace::Inspect;
         }
+        // Settings that name other files, which a case does not hold.
         let document = &mut self.document;
         (document.calibration, document.calibration_of_b) = Default::default();
         (document.gold, document.dataset, document.trajectories) = Default::default();
@@ -119,7 +119,7 @@ impl Session {
         document.look.ranges = document.look.ranges.sanitised();
         document.match_look = document.match_look.sanitised();
         document.methods = std::mem::take(&mut document.methods).sanitised();
-        // *Methods* was a workspace of its own.
+        // A file may name *Methods* as a workspace of its own.
         let of_head = head.ok().and_then(|head| head.document);
         if of_head.is_some_and(|head| head.get("workspace").and_then(toml::Value::as_str) == Some("methods")) {
             document.compare_methods();
@@ -150,6 +150,7 @@ impl Session {
         }
         named("document.matching", doc::ALL.iter().try_for_each(|record| record.check(&document.matching)))?;
         named("document.look", document.look.check())?;
+        // A set-up that is not read may have any values.
         let set_up = document.set_up;
         named("document.set_up", if set_up.reads_depths { set_up.values.check() } else { Ok(()) })?;
         named("document.lab.planted", document.lab.planted.check())
@@ -162,7 +163,7 @@ impl Session {
     /// The document on show with all but what waits for the second burst; A was opened in it.
     pub fn over_first(&self, now: &Document) -> Document {
         let mut document = self.over_none(now);
-        // A session that says nothing of panes has those of a burst that is opened: its middle frame.
+        // A session without panes shows the middle frame, as a newly opened burst does.
         if self.has_panes() {
             document.panes = self.document.panes.clone();
         }
@@ -170,7 +171,7 @@ impl Session {
         Document { probe: self.probe_over(Side::A, now), ..document }
     }
 
-    /// The document on show with what neither burst is needed for. The panes, and the colours of the window, stay.
+    /// The document on show with all that needs neither burst. Panes, and the colours of the window, stay.
     fn over_none(&self, now: &Document) -> Document {
         let Document { panes, theme, probe, comparisons, gold, .. } = now.clone();
         let (selected, selected_match, playing) = (None, None, false);
@@ -186,6 +187,7 @@ impl Session {
         }
         if self.second.is_none() {
             document.gold.b = None;
+            // No second burst will come, for which panes of B could wait.
             document.panes.close_side(Side::B);
             if self.has_panes() {
                 document.panes.take_placed(Place::Pair, &self.document.panes);
@@ -204,12 +206,12 @@ impl Session {
     }
 }
 
-/// The document with absolute paths; where what is typed makes no sense, the last that did: a session could not be
-/// opened again.
+/// The document with absolute paths, and with usable values for invalid ones, with which no session opens again.
 fn sound(project: Read<'_>) -> Document {
     let mut document = project.document.clone().with_absolute_paths();
     if document.params.validate().is_err() {
         let usable = project.results.slots.a.usable_params.clone();
+        // Slopes that are to be found stay so: only given ones are replaced.
         let slopes = document.params.slopes.given().map_or(Slopes::AUTO, |_| usable.slopes.into());
         document.params = usable.with_slopes(slopes);
     }
@@ -232,8 +234,8 @@ fn read_noting_unknown_keys<'de, T: DeserializeOwned, D: Deserializer<'de>>(
     Ok((value, unknown))
 }
 
-/// A session of before, when the choice of the slopes stood beside the ranges (those found last, where slopes are
-/// found), and compared methods had a switch of their own for features; `None` for others.
+/// Rewrites a session whose choice of slopes stands beside the ranges (those found last, where slopes are found), and
+/// whose compared methods have a switch of their own for features; `None` for others.
 fn brought_up_to_date(mut session: Table) -> Option<Table> {
     let document = session.get_mut("document")?.as_table_mut()?;
     let choice = document.remove("slopes");

@@ -9,8 +9,7 @@ use crate::app::results::Read;
 use crate::export::case::{is_case, read_about};
 use crate::requests::{BurstSource, JobId, OpenRequest};
 
-/// Sessions that wait for a burst. One whose request was superseded or forgotten, because something else is opened, is
-/// given up.
+/// Sessions that wait for a burst; a session is given up when something else is opened in the burst's place.
 #[derive(Debug, Default)]
 pub struct Restoring {
     session: Option<(JobId, Box<Session>)>,
@@ -37,7 +36,6 @@ impl Restoring {
         of_a.filter(|_| self.session.is_some())
     }
 
-    /// The session that waited for this opening of a side.
     pub fn take(&mut self, side: Side, opening: JobId) -> Option<Box<Session>> {
         self.of_mut(side).take_if(|(id, _)| *id == opening).map(|(_, session)| session)
     }
@@ -60,6 +58,7 @@ impl Session {
     fn after_first(&self, is_open: bool, now: &Document) -> Vec<Action> {
         let document = if is_open { self.over_first(now) } else { self.over_none(now) };
         let selection = self.selection.filter(|_| is_open);
+        // With automatic detection the document itself leads to the request.
         let detects = self.detected && is_open && !document.auto_detect;
         let mut actions: Vec<Action> = vec![
             Staged::Show(Box::new(document.clone()), Reselect::Feature(selection)).into(),
@@ -70,6 +69,7 @@ impl Session {
         match self.second.clone() {
             Some(source) => actions.push(Staged::Reopen(Side::B, source).into()),
             None => {
+                // A burst that is open as B does not belong to the session.
                 actions.push(ActionId::CloseB.into());
                 actions.extend(self.after_second(&document));
             }

@@ -1,5 +1,4 @@
-//! How pictures and features are seen, as plain values that the project keeps and the canvas draws by: pan and zoom,
-//! transforms between coordinate systems, the quantities of features, and numbers as people read them.
+//! How pictures and features are seen, as plain values: pan and zoom, quantities of features, numbers for people.
 
 mod pan_zoom;
 
@@ -55,12 +54,10 @@ impl ColourBy {
         Self::all().filter(move |by| with_depths || *by != Self::Of(Quantity::Depth))
     }
 
-    /// The quantity; `None` for the direction of the slope and for the speed, which are none.
     pub fn quantity(self) -> Option<Quantity> {
         if let Self::Of(quantity) = self { Some(quantity) } else { None }
     }
 
-    /// Whether it shows the searched slopes.
     pub fn is_of_slope(self) -> bool {
         use Quantity::{AtSlopeLimit, SlopeSigma, SlopeU, SlopeV};
         self.quantity().is_none_or(|quantity| matches!(quantity, SlopeU | SlopeV | SlopeSigma | AtSlopeLimit))
@@ -85,8 +82,7 @@ impl ColourBy {
 pub struct Known<'a> {
     /// Coherence and verdict, once they were computed.
     pub judged: Option<&'a Judged>,
-    /// Depth that its motion means and the standard deviation, metres; `None` without a set-up, and where no depth
-    /// explains the motion.
+    /// Depth and its standard deviation, metres; `None` without a set-up, or where no depth explains the motion.
     pub depth_m: Option<[f64; 2]>,
 }
 
@@ -107,9 +103,9 @@ pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known
     }
 }
 
-/// The value of [`quantity_value`] as tables show it.
 pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> String {
     match (quantity, known.judged) {
+        // Not computed yet, unlike a value that a feature does not have.
         (Quantity::Coherence | Quantity::Verdict, None) => return "…".to_owned(),
         (Quantity::Verdict, Some(judged)) => return judged.verdict.word().to_owned(),
         (Quantity::Moves, _) => return feature.moves.words().to_owned(),
@@ -157,6 +153,7 @@ pub fn number(value: f32, digits: usize) -> String {
         return "0".to_owned();
     }
     let magnitude = value.abs().log10().floor() as i32;
+    // From 0.0001 to ten million in plain digits: beyond, zeros would hide the size.
     let text = if (-4..7).contains(&magnitude) {
         let decimals = (digits as i32 - 1 - magnitude).max(0) as usize;
         let fixed = format!("{value:.decimals$}");

@@ -17,8 +17,7 @@ pub enum Zoom {
     PointsPerPixel(f32),
 }
 
-/// Pan and zoom of a canvas, in the input image's pixels only, so that frames, motion-stack images and DoG responses of
-/// any octave share one view. Several canvases that share a `View` pan and zoom together.
+/// Pan and zoom in pixels of the input image alone, so that all kinds of pictures and several canvases share a view.
 #[derive(Debug, Clone, Copy, Default, Serialize, Deserialize)]
 #[serde(default)]
 pub struct View {
@@ -111,9 +110,9 @@ impl View {
         self.centre_image = [self.centre_image[0] + delta_image.x, self.centre_image[1] + delta_image.y];
     }
 
-    /// Limits the zoom: from half the fitted size, or 0.25 points per pixel if that is smaller (1:1 must be in reach on
-    /// a screen of any density), to [`MAX_POINTS_PER_PIXEL`].
+    /// Limits the zoom to half the fitted size (or 0.25, so that 1:1 is in reach anywhere) … [`MAX_POINTS_PER_PIXEL`].
     fn limited(&self, points_per_pixel: f32) -> f32 {
+        // Before the first frame the fitted size is unknown.
         let fit = if self.fit_points_per_pixel > 0.0 { self.fit_points_per_pixel } else { 1.0 };
         points_per_pixel.clamp((0.5 * fit).min(0.25), MAX_POINTS_PER_PIXEL.max(fit))
     }
@@ -156,8 +155,7 @@ impl View {
         self.zoom = after.zoom;
     }
 
-    /// Adapts the view to this frame's canvas `rect_ui` and an image of `image_size` = (columns, rows), keeps the
-    /// canvas's centre on the image, and returns `ui_from_image`.
+    /// Fits the view to this frame's canvas and image (columns, rows), keeps its centre inside; gives `ui_from_image`.
     pub fn settle(&mut self, rect_ui: Rect, image_size: (usize, usize), pixels_per_point: f32) -> RectTransform {
         let (width, height) = (image_size.0.max(1) as f32, image_size.1.max(1) as f32);
         let room = (rect_ui.size() - Vec2::splat(2.0 * FIT_MARGIN_POINTS)).max(Vec2::splat(1.0));
@@ -173,6 +171,7 @@ impl View {
                 self.region_points_per_pixel = self.limited(finite(fits));
             }
         }
+        // The centre of the canvas stays on the image, so that the picture cannot be lost.
         for (x, end) in self.centre_image.iter_mut().zip([last.x, last.y]) {
             *x = if x.is_finite() { x.clamp(-0.5, end + 0.5) } else { 0.5 * end };
         }
@@ -181,8 +180,7 @@ impl View {
     }
 }
 
-/// Moves the picture by less than half a pixel of the screen, so that pixel borders fall on the screen's at 1:1 and at
-/// whole multiples: one in the middle of a screen pixel would flicker between its neighbours.
+/// Moves the picture by less than half a screen pixel, so that its pixels' borders fall on the screen's.
 fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     let px_per_pixel = transform.scale() * pixels_per_point;
     if px_per_pixel < 0.999 || (px_per_pixel - px_per_pixel.round()).abs() > 1e-3 {
@@ -190,6 +188,7 @@ fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     }
     let centre = transform.anchor_from();
     let border_ui = transform.pos(pos2(centre.x.floor() - 0.5, centre.y.floor() - 0.5));
+    // A border in the middle of a screen pixel would flicker between its neighbours.
     let on_screen = |x: f32| (x * pixels_per_point).round() / pixels_per_point;
     transform.shifted(Pos2::new(on_screen(border_ui.x), on_screen(border_ui.y)) - border_ui)
 }
@@ -204,7 +203,6 @@ pub struct RectTransform {
 }
 
 impl RectTransform {
-    /// `scale` must be finite and positive.
     pub fn new(anchor_from: Pos2, anchor_to: Pos2, scale: f32) -> Self {
         debug_assert!(scale.is_finite() && scale > 0.0, "a scale is positive, not {scale}");
         Self { anchor_from, anchor_to, scale }

@@ -43,7 +43,7 @@ fn nothing_given_is_the_default() {
 pub(in crate::cli) fn everything() -> (Vec<String>, SearchParams) {
     let (mut arguments, mut expected) = (Vec::new(), SearchParams::default());
     let mut records: Vec<_> = doc::ALL.into_iter().filter(|record| *record != doc::SLOPES).collect();
-    // Rules bring others with them, which those given replace.
+    // Rules imply values of other parameters, which given options replace.
     records.sort_by_key(|record| *record != doc::RULES);
     for record in records {
         let mut sample = SearchParams::default();

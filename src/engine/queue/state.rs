@@ -50,6 +50,7 @@ impl State {
     pub(super) fn supersede(&mut self, key: JobKey, standing: Standing) {
         for job in self.running.iter_mut().filter(|job| job.key == key) {
             job.standing = job.standing.max(standing);
+            // Its answer can no longer be of use: it is cancelled whatever its grace.
             if standing == Standing::Overtaken {
                 job.monitor.cancel();
             }
@@ -57,9 +58,8 @@ impl State {
         }
     }
 
-    /// Of the lanes of which nothing runs, the most urgent request (no less urgent than `limit`), and of those the one
-    /// that has waited longest: a running request has all cores, and a lane's answers come in the order in which they
-    /// were asked.
+    /// Takes the most urgent request that `limit` admits and whose lane is free, of equal ones the longest waiting: a
+    /// running request has all cores, and a lane answers in the order of its requests.
     pub(super) fn take(&mut self, limit: Urgency) -> Option<WaitingJob> {
         let is_free = |job: &WaitingJob| {
             job.manner.urgency <= limit

@@ -42,6 +42,7 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
             Some(pool) => pool.install(|| job.run(id, thread, &monitor)),
             None => job.run(id, thread, &monitor),
         };
+        // One step under the lock with leaving `running`: the queue is never idle before the answer is there.
         let mut state = shared.lock();
         let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
         publish(standing);
@@ -74,8 +75,7 @@ pub(super) fn unique_key(limit: Urgency) -> String {
     format!("{}-{limit:?}", COUNTER.fetch_add(1, Ordering::Relaxed))
 }
 
-/// For the parallel loops of one thread's work. `None` where the system refuses more threads: then the shared pool is
-/// used, where work waits behind all that a detection has queued.
+/// Pool of one thread's parallel loops; `None` where the system refuses it: the shared pool then has a longer queue.
 fn pool(thread: &str) -> Option<rayon::ThreadPool> {
     let thread = thread.to_owned();
     rayon::ThreadPoolBuilder::new().thread_name(move |i| format!("{}{thread}.{i}", fault::THREAD_PREFIX)).build().ok()

@@ -42,7 +42,6 @@ impl ColmapRequest {
 #[derive(Debug, Clone)]
 pub struct ColmapDone {
     pub report: ColmapReport,
-    /// Name and reason of each burst that could not be opened.
     pub left_out: Vec<(String, String)>,
 }
 

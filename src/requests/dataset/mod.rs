@@ -1,5 +1,4 @@
-//! Work on a whole dataset. It takes long, and the window shows each burst and each pair as it is finished, so events
-//! are reported before the answer.
+//! Work on a whole dataset: long, so that each finished burst and pair is reported before the answer.
 
 #[cfg(feature = "colmap")]
 mod colmap;
@@ -55,28 +54,25 @@ pub struct OpenDataset {
     pub source: DatasetSource,
     /// Its bursts; at least one.
     pub bursts: Bursts,
-    /// Pictures that lie beside the bursts and belong to none.
     pub strays: Vec<PathBuf>,
     /// Files of its only burst; `None` if there are several bursts.
     pub frames_of_one: Option<usize>,
-    /// Folder in which features are kept; `None` if none was given and the dataset has none of its own.
+    /// Folder of kept features; `None` without a given or default folder.
     pub folder: Option<PathBuf>,
     pub folder_error: Option<String>,
     /// The parameters for which `finished` holds.
     pub params: SearchParams,
     pub open: OpenOptions,
-    /// For each burst its features in numbers, if it is finished with these parameters.
+    /// Summary of each burst that is finished with `params`.
     pub finished: Vec<Option<FinishedBurst>>,
-    /// Other parameters, with which the features in the folder were found.
     pub other_params: Option<SearchParams>,
 }
 
 #[derive(Debug, Clone)]
 pub enum DatasetAnswer {
     Opened(Box<OpenDataset>),
-    /// All bursts are finished or failed.
     Detected,
-    /// All pairs are matched. Says how many were left out because a burst is not finished.
+    /// All pairs are matched, except those left out because a burst is not finished.
     Matched {
         left_out: usize,
     },
@@ -84,7 +80,6 @@ pub enum DatasetAnswer {
     Colmap(Box<ColmapDone>),
 }
 
-/// Progress that is reported before the answer.
 #[derive(Debug, Clone)]
 pub enum DatasetEvent {
     Begun { index: usize },
@@ -114,7 +109,6 @@ pub struct ThumbnailsRequest {
 
 impl Request for ThumbnailsRequest {
     type Answer = ();
-    /// A burst with its picture, or why there is none.
     type Partial = (BurstFiles, Result<BurstPicture, String>);
 
     fn urgency(&self) -> Urgency {
@@ -125,6 +119,7 @@ impl Request for ThumbnailsRequest {
         for source in self.bursts {
             let silent = work.monitor.silent();
             let picture = thumbnail(&source, self.max_side_px, &self.open, &silent).map_err(|e| e.to_string());
+            // Cancellation makes the picture fail, which is no fault of the burst.
             work.monitor.check()?;
             (work.tell)((source, picture));
         }

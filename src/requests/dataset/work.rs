@@ -56,6 +56,7 @@ fn look(
     };
     let folder = folder.or_else(|| source.default_folder());
     let (mut finished, mut folder_error, mut other_params) = (vec![None; bursts.len()], None, None);
+    // A folder that cannot be read is reported beside the open dataset, and does not keep it from opening.
     if let Some(folder) = &folder {
         match (Keeping { folder: folder.clone(), params: params.clone(), open: open.clone() }).store() {
             Ok(store) => {

@@ -1,19 +1,16 @@
 //! The similarity that aligns one trajectory with another, and the projection of trajectories to a plane, for drawing.
 //!
-//! Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE PAMI 13(4),
-//! 376–380, 1991: of all scales, rotations and translations the one with the minimum sum of squared distances between
-//! the camera centres.
+//! Umeyama, "Least-squares estimation of transformation parameters between two point patterns", IEEE PAMI 13(4), 1991,
+//! 376–380: the scale, rotation and translation with the minimum sum of squared distances between the camera centres.
 //!
-//! A camera on a straight rail leaves the rotation about the rail undetermined: all fit the centres equally. Such
-//! trajectories are common (motion in 1D), so the viewing directions of the cameras determine it: of all rotations
-//! about the rail the one that aligns them best (maximum sum of traces) is taken.
+//! A camera on a straight rail leaves the rotation about the rail undetermined. Such trajectories are common (motion in
+//! 1D), so the viewing directions of the cameras determine it.
 
 use burstscope_core::error::{Error, ErrorKind, Result};
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, UnitQuaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
-/// Ratio of the spread of the centres across their direction to that along it, below which a trajectory counts as
-/// straight. Below it, the rotation depends more on noise than on the shape.
+/// Ratio of the spread of centres across their direction to that along it, below which noise decides the rotation.
 const STRAIGHT: f64 = 0.01;
 
 /// A scale, a rotation and a translation: `x` becomes `scale · rotation · x + translation`.
@@ -21,7 +18,7 @@ const STRAIGHT: f64 = 0.01;
 pub struct Similarity {
     /// Scale, greater than 0.
     pub scale: f64,
-    /// Rotation.
+    /// Rotation, applied before the scale.
     pub rotation: UnitQuaternion<f64>,
     /// Translation, applied last.
     pub translation: Vector3<f64>,
@@ -52,8 +49,7 @@ pub struct Alignment {
 /// Finds the best similarity from the poses `estimate` to the poses `truth`, which correspond one to one.
 ///
 /// # Errors
-/// Fewer than two pairs, for cameras that are all in one place, and for trajectories
-/// without correlation.
+/// Fewer than two pairs, cameras that are all in one place, or trajectories without correlation.
 ///
 /// # Panics
 /// When the numbers of poses differ: a mistake of the caller.
@@ -83,6 +79,7 @@ pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Al
     let (Some(u), Some(vt)) = (svd.u, svd.v_t) else {
         return degenerate("the camera centres are not finite numbers".to_owned());
     };
+    // The best orthogonal map may be a mirror image: the sign at the smallest singular value keeps it a rotation.
     let mirrored = if u.determinant() * vt.determinant() < 0.0 { -1.0 } else { 1.0 };
     let signs = Vector3::new(1.0, 1.0, mirrored);
     let values = svd.singular_values;
@@ -92,20 +89,22 @@ pub fn align(estimate: &[Isometry3<f64>], truth: &[Isometry3<f64>]) -> Result<Al
     if !(scale.is_finite() && values[0] > 1e-9) {
         return degenerate("the estimated and the true cameras move independently of each other".to_owned());
     }
+    // Singular values of the covariance grow with the square of the spread.
     let straight = values[1] < STRAIGHT * STRAIGHT * values[0];
     if straight {
+        // All turns about the rail fit the centres alike: the largest sum of traces aligns the viewing directions.
         let axis: Vector3<f64> = u.column(0).into();
         let turned = |(e, t): (&Isometry3<f64>, &Isometry3<f64>)| {
             (rotation * e.rotation * t.rotation.inverse()).to_rotation_matrix().into_inner()
         };
         rotation = rotation_about(axis, &pairs().map(turned).sum()) * rotation;
     }
+    // Last, because the turn about the line moves the estimate's mean as well.
     let translation = to.mean - rotation * from.mean * scale;
     Ok(Alignment { truth_from_estimate: Similarity { scale, rotation, translation }, straight })
 }
 
-/// The rotation R about the unit vector `axis` with the maximum trace of R·`sum`. By Rodrigues' formula that trace is
-/// `a + b·cos θ + c·sin θ`.
+/// The rotation R about the unit vector `axis` with maximum trace of R·`sum`: Rodrigues' `a + b·cos θ + c·sin θ`.
 fn rotation_about(axis: Vector3<f64>, sum: &Matrix3<f64>) -> UnitQuaternion<f64> {
     let along = (axis.transpose() * sum * axis)[0];
     let cos = sum.trace() - along;
@@ -115,7 +114,6 @@ fn rotation_about(axis: Vector3<f64>, sum: &Matrix3<f64>) -> UnitQuaternion<f64>
 
 struct Spread {
     mean: Vector3<f64>,
-    /// Mean squared distance from the mean.
     variance: f64,
     /// Largest magnitude of a coordinate.
     magnitude: f64,
@@ -204,13 +202,13 @@ impl PlaneAxes {
     }
 }
 
-/// The two directions in which the centres spread most. Each points to the side of its largest coordinate, so that the
-/// same centres give the same picture.
+/// The two directions in which the centres spread most, each to the side of its largest coordinate.
 fn principal_axes(centres: &[[f64; 3]]) -> PlaneAxes {
     let n = centres.len().max(1) as f64;
     let mean = centres.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() / n;
     let covariance: Matrix3<f64> = centres.iter().map(|c| Vector3::from(*c) - mean).map(|d| d * d.transpose()).sum();
     let scale = covariance.amax();
+    // Cameras in one place have no plane of their own.
     if !(scale.is_finite() && scale > 0.0) {
         return PlaneAxes { right: Vector3::x(), up: Vector3::y() };
     }

@@ -7,8 +7,7 @@
 //! - **By order**: both have the same position in their sequence. For a model that is the image's id, so that images
 //!   which were not registered leave gaps.
 //!
-//! Without a given rule, names are used where both sides have them; otherwise times, if every pose of the estimate has
-//! a partner by time; otherwise the order.
+//! Without a given rule: names if both sides have them, else times if every estimated pose finds one, else the order.
 
 use super::Pose;
 use burstscope_core::error::{Error, ErrorKind, Result};
@@ -48,8 +47,7 @@ pub struct Pairing {
     pub pairs: Vec<(usize, usize)>,
 }
 
-/// Pairs poses by the rule `by`, or by the one that fits. Times that differ by more than `max_time_difference` are
-/// never paired.
+/// Pairs poses by the rule `by`, or the one that fits; never where times differ by more than `max_time_difference`.
 ///
 /// # Errors
 /// No pair is found.
@@ -60,6 +58,7 @@ pub fn associate(
     max_time_difference: f64,
 ) -> Result<Pairing> {
     let by_time = || pairs_by_time(estimate, truth, max_time_difference);
+    // Sparse models, and files that name images, have no time stamps.
     let named = |poses: &[Pose]| poses.iter().all(|p| p.time.is_none());
     let (by, mut pairs) = match by {
         Some(Association::Name) => (Association::Name, pairs_by_name(estimate, truth)),
@@ -71,6 +70,7 @@ pub fn associate(
             pairs => order_or_times(estimate, truth, pairs)?,
         },
     };
+    // Hash maps give their pairs in any order, and the same input has to give the same report.
     pairs.sort_unstable_by_key(|&(e, t)| (truth[t].order, e));
     if pairs.is_empty() {
         let first = |poses: &[Pose]| poses.first().map_or("none".to_owned(), |p| format!("'{}'", p.label));
@@ -93,14 +93,14 @@ fn unpaired(by: &str, problem: &str) -> Error {
     Error::new(ErrorKind::Failed, problem, "")
 }
 
-/// Pairs by order where that is plausible: each pose of the estimate has a partner in the truth. Otherwise by time,
-/// because two recordings with times of their own need not overlap entirely.
+/// Pairs by time where both sides have times; otherwise by order, if every pose of the estimate finds a partner.
 fn order_or_times(
     estimate: &[Pose],
     truth: &[Pose],
     times: Vec<(usize, usize)>,
 ) -> Result<(Association, Vec<(usize, usize)>)> {
     let timed = |poses: &[Pose]| poses.iter().all(|p| p.time.is_some());
+    // Two recordings with times of their own need not overlap entirely, so that unpaired poses are no failure.
     if timed(estimate) && timed(truth) {
         return Ok((Association::Time, times));
     }
@@ -159,6 +159,7 @@ fn pairs_by_time(estimate: &[Pose], truth: &[Pose], max_time_difference: f64) ->
     let truths = times(truth);
     let mut nearest: HashMap<usize, (f64, usize)> = HashMap::new();
     for (time, e) in times(estimate) {
+        // In sorted times the nearest is the last one before or the first one after.
         let after = truths.partition_point(|&(t, _)| t < time);
         let around = truths[after.saturating_sub(1)..truths.len().min(after + 1)].iter();
         let Some((difference, t)) =

@@ -1,4 +1,4 @@
-//! A reconstruction that is built in, for lessons: eight dark bursts of a way forward and to the side, past four planes.
+//! A reconstruction that is built in, for lessons: eight dark bursts of a way forward and to the side, past 4 planes.
 //!
 //! Made by the program from the 300 strongest features of each burst, and by COLMAP's mapper (pycolmap 4.2.1). Stored
 //! as that wrote it, in text, but without the keypoints that became no points and with fewer digits:
@@ -23,7 +23,6 @@ pub fn is_built_in(path: &Path) -> bool {
     [DEMO_ESTIMATE, DEMO_TRUTH].iter().any(|name| path.as_os_str() == *name)
 }
 
-/// The built-in trajectory of the name `path`, if there is one.
 pub(super) fn built_in(path: &Path) -> Option<Result<Trajectory>> {
     let truth = || Ok(Trajectory { poses: parse_tum(include_str!("demo/truth.txt"), path)?, model: None });
     let estimate = || {

@@ -1,9 +1,8 @@
 //! Camera poses: errors of an estimated trajectory against a known one.
 //!
-//! Structure from motion returns cameras in a world of its own: its origin, directions and scale are arbitrary. So
-//! corresponding poses are [paired](mod@associate), the similarity that best aligns the estimate with the truth is
-//! [found](mod@align), and the remaining difference is the [error](report): of each pose by itself (absolute trajectory
-//! error) and from one pose to the next (relative pose error). [`evaluate_poses`] does all of it.
+//! Structure from motion returns cameras in a world of arbitrary origin, directions and scale. So corresponding poses
+//! are [paired](mod@associate), the similarity that best aligns the estimate with the truth is [found](mod@align), and
+//! the rest is the [error](report) of poses (absolute) and of motions between them (relative): see [`evaluate_poses`].
 //!
 //! Poses come from COLMAP's [sparse models](sparse) and from [trajectory files](tum). A [`Pose`] always holds the
 //! camera in the world (its centre and the rotation from camera to world axes), whatever the file holds.

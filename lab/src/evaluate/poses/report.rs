@@ -2,9 +2,8 @@
 //!
 //! Sturm et al., "A benchmark for the evaluation of RGB-D SLAM systems", IROS 2012. The **absolute trajectory error**
 //! of a pose is the distance of its centre from the true one, and the angle between their directions. The **relative
-//! pose error** compares motions: from each pose to the one `step` poses later, true and estimated; the motion from
-//! one to the other is small, and its length and angle are the error. It does not accumulate along the trajectory, as
-//! the absolute one may.
+//! pose error** is the length and angle by which the motion from a pose to the one `step` poses later differs from the
+//! true motion; unlike the absolute error it does not accumulate along the trajectory.
 
 use super::{Association, ModelSummary, Similarity, Trajectory, align, associate};
 use crate::evaluate::statistics::quantile;
@@ -110,6 +109,7 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
     if !(study.max_time_difference >= 0.0 && study.max_time_difference.is_finite()) {
         return param("max-time-difference", study.max_time_difference.to_string(), "give 0 or more");
     }
+    // More poses than images would pass more than 100 %.
     if let Some(images) = study.images.filter(|&images| images < estimate.poses.len()) {
         let problem = format!("{images}, but {} images have a pose", estimate.poses.len());
         return param("images", problem, "give the number of images that the reconstruction began with");
@@ -122,6 +122,7 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
         .unzip();
     let alignment = align(&estimated, &truths)?;
     let Similarity { scale, .. } = alignment.truth_from_estimate;
+    // Relative errors need the aligned poses too: only these are in the truth's unit of length.
     let aligned: Vec<Isometry3<f64>> = estimated.iter().map(|e| alignment.truth_from_estimate.apply(e)).collect();
     let left_over = absolute(&aligned, &truths);
     let pair = |k: usize| {

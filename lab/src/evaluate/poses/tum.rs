@@ -22,10 +22,7 @@ pub fn read_tum(path: &Path) -> Result<Vec<Pose>> {
     parse_tum(&String::from_utf8_lossy(&bytes), path)
 }
 
-/// Parses the text of a trajectory file; `path` is for messages.
-///
-/// # Errors
-/// As [`read_tum`].
+/// Parses the text of a trajectory file; `path` is for messages. Errors as of [`read_tum`].
 pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>> {
     let mut poses: Vec<Pose> = Vec::new();
     for (index, line) in text.lines().enumerate() {
@@ -35,6 +32,7 @@ pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>> {
         }
         let corrupt = |problem: String| corrupt(path, &format!("line {}", index + 1), problem);
         let pose = parse_line(line, poses.len() as u32).map_err(corrupt)?;
+        // A mixed file leaves open whether its poses pair by time or by name.
         if poses.first().is_some_and(|first| first.time.is_some() != pose.time.is_some()) {
             return Err(corrupt("all poses have a time stamp, or all have an image's name".to_owned()));
         }
@@ -54,6 +52,7 @@ fn parse_line(line: &str, order: u32) -> Result<Pose, String> {
     for word in words {
         let number = word.parse::<f64>().ok().filter(|x| x.is_finite());
         let number = number.ok_or_else(|| format!("'{word}' is not a number"))?;
+        // Words beyond the seventh are only counted, for the message.
         if let Some(slot) = numbers.get_mut(count) {
             *slot = number;
         }

@@ -1,5 +1,4 @@
-//! One method on one trajectory: from its features to COLMAP's cameras. Writes the dataset and its database, runs the
-//! mapper, computes the errors.
+//! One method on one trajectory: writes the dataset and its database, runs COLMAP's mapper, computes the errors.
 
 use crate::evaluate::BurstMethod;
 use crate::synth::{Motion, Trajectory};
@@ -10,15 +9,12 @@ use burstscope_core::monitor::Monitor;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// Parameters of a method's search and matching.
 #[derive(Debug, Clone)]
 #[cfg_attr(not(feature = "colmap"), expect(dead_code, reason = "without the database nobody runs the mapper"))]
 pub(super) struct How {
     /// Whether it searches the noise-free views instead of the bursts.
     pub is_gold: bool,
-    /// Parameters of the search.
     pub search: SearchParams,
-    /// Parameters of matching.
     pub matching: MatchParams,
 }
 
@@ -107,10 +103,12 @@ mod with_database {
         let mut store = FeatureStore::open(&out, &job.features)?;
         let report = export_colmap(&mut store, &bursts, &job, &mut |_| {}, &silent)?;
         let sparse = out.join("sparse");
+        // Time of the mapper alone; that of features and matches is in `Matched`.
         let started = Instant::now();
         let gave_up = run_mapper(program, &report.database, &report.images_folder, &sparse, monitor)?;
         let mapper_secs = started.elapsed().as_secs_f64();
         let compared = compared(&sparse, &data.join("poses.txt"), way.cameras.len());
+        // A mapper that fails after it has written a model still has a result.
         let gave_up = gave_up.filter(|_| compared.registered == 0);
         Ok(Reconstructed { mapper_secs, gave_up, ..compared })
     }
@@ -119,11 +117,7 @@ mod with_database {
         DatasetSource::of_bursts(vec![folder.to_path_buf()]).bursts(&OpenOptions::default())
     }
 
-    /// Runs the mapper to its end, or ends it once `monitor` was cancelled. Returns its last line if it gave up:
-    /// without a pair to begin with it makes no model, which is a valid result.
-    ///
-    /// # Errors
-    /// The mapper could not be started, or was ended by a signal; or the work was cancelled.
+    /// Runs the mapper, or ends it once `monitor` is cancelled; returns its last line if it gave up.
     fn run_mapper(
         program: &Path,
         database: &Path,
@@ -156,6 +150,7 @@ mod with_database {
                 let _ = child.wait();
                 return Err(cancelled.into());
             }
+            // Short beside the mapper's work, and prompt for somebody who cancels.
             std::thread::sleep(Duration::from_millis(50));
         };
         // An interrupt at the terminal ends both at once.
@@ -163,6 +158,7 @@ mod with_database {
         let mut last = || last_line(&mut said).unwrap_or_default();
         match status.code() {
             Some(0) => Ok(None),
+            // Without a pair to begin with the mapper makes no model, which is a result.
             Some(_) => Ok(Some(last())),
             None => Err(because(format!("the mapper ended with {status}: {}", last()))),
         }
@@ -179,7 +175,6 @@ mod with_database {
         Ok(line.chars().filter(|c| !c.is_control()).take(LONGEST_LINE).collect())
     }
 
-    /// The errors of the model, if there is one.
     fn compared(sparse: &Path, truth: &Path, images: usize) -> Reconstructed {
         let Ok(estimate) = read_trajectory(sparse) else { return Reconstructed::default() };
         let mut result = Reconstructed {
@@ -275,7 +270,6 @@ pub(super) struct Matched {
 pub(super) struct Reconstructed {
     /// Number of images that have a pose in the largest model.
     pub registered: usize,
-    /// Points of the model per image.
     pub points_per_image: Option<f64>,
     /// Mean absolute error of the poses: metres, and degrees.
     pub absolute: Option<[f64; 2]>,
@@ -283,24 +277,18 @@ pub(super) struct Reconstructed {
     pub relative: Option<[f64; 2]>,
     /// Registered cameras by their index on the trajectory, with their estimated centres after the alignment, metres.
     pub centres: Vec<(usize, [f64; 3])>,
-    /// Time of the mapper, seconds.
     pub mapper_secs: f64,
     /// Last line of the mapper's output where it gave up and left no model.
     pub gave_up: Option<String>,
 }
 
-/// Results of a run.
+/// Results of one method on one trajectory.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Run {
-    /// Motion of the camera.
     pub motion: Motion,
-    /// Seed of the trajectory.
     pub seed: u64,
-    /// The method.
     pub method: BurstMethod,
-    /// Number of bursts of the trajectory.
     pub bursts: usize,
-    /// Results of matching.
     pub matched: Matched,
     /// Results of COLMAP; `None` without COLMAP.
     pub reconstructed: Option<Reconstructed>,

@@ -20,9 +20,7 @@ pub(super) struct Study {
     pub way: TrajectoryParams,
     /// Number of trajectories of each motion, with seeds from 1.
     pub seeds: u64,
-    /// Parameters of the methods' searches.
     pub searches: Searches,
-    /// Parameters of matching.
     pub matching: MatchParams,
 }
 
@@ -47,8 +45,7 @@ impl Study {
         }
     }
 
-    /// The methods for a motion, in the order of the tables. BuFF 1D searches one direction, and is only used for
-    /// motion in one.
+    /// The methods for a motion, in the order of the tables; BuFF 1D searches one direction, so for motion in one only.
     pub fn methods(motion: Motion) -> Vec<BurstMethod> {
         let burst = [BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d, BurstMethod::Buff2d];
         let is_meant = |method: &BurstMethod| motion == Motion::OneD || *method != BurstMethod::Buff1d;
@@ -72,6 +69,7 @@ impl Study {
         for (motion, seed) in ways {
             let params = self.way(motion, seed);
             let truth_piece = format!("way-{}-{seed}", motion_name(motion));
+            // Drawing takes long and serves all methods: it waits until a result is missing.
             let mut drawn: Option<Drawn> = None;
             let true_centres: Vec<[f64; 3]> = match pieces.get(&truth_piece, &format!("{params:?}")) {
                 Some(centres) => centres,
@@ -88,6 +86,7 @@ impl Study {
             for method in Self::methods(motion) {
                 monitor.report(Stage::Evaluate, runs.len() as f32 / total as f32);
                 let name = format!("{}-{}-{seed}", method.name(), motion_name(motion));
+                // A piece counts only for the settings that made it.
                 let settings = format!("{method:?} {params:?} {self:?}");
                 let matched: Matched = match pieces.get(&name, &settings) {
                     Some(matched) => matched,
@@ -101,6 +100,7 @@ impl Study {
                 let reconstructed: Option<Reconstructed> = match colmap {
                     None => None,
                     Some(program) => {
+                        // Apart from the matches, so that these stay when COLMAP is installed later.
                         let name = format!("colmap-{name}");
                         Some(match pieces.get(&name, &settings) {
                             Some(reconstructed) => reconstructed,
@@ -128,7 +128,6 @@ impl Study {
         Ok(runs)
     }
 
-    /// The search and matching parameters of a method.
     fn how(&self, method: BurstMethod) -> How {
         let (search, matching) = (self.searches.params(method), self.matching.clone());
         How { is_gold: method == BurstMethod::Gold, search, matching }
@@ -144,6 +143,7 @@ impl Study {
             pairs: PairSelection::default(),
         };
         let names: Vec<String> = (0..drawn.bursts.len()).map(Trajectory::name).collect();
+        // The frames are drawn already: only finding and matching features is timed.
         let started = Instant::now();
         let open = |k: usize, shot: Shot| -> Result<Burst> {
             Ok(match shot {
@@ -175,7 +175,7 @@ impl Drawn {
         Ok(Self { way, bursts, gold })
     }
 
-    /// The drawn trajectory, which is drawn now if it is not yet.
+    /// The trajectory, drawn at the first call.
     fn of<'a>(drawn: &'a mut Option<Self>, params: &TrajectoryParams, monitor: &Monitor) -> Result<&'a Self> {
         if drawn.is_none() {
             *drawn = Some(Self::new(params, monitor)?);

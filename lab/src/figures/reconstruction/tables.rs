@@ -1,5 +1,4 @@
-//! The study as Tables 1 to 3, means over the trajectories of each motion, and as Fig. 8: the cameras' positions,
-//! true and estimated, for the first trajectory of each motion.
+//! The study as Tables 1 to 3, means over the trajectories of each motion, and as Fig. 8, true and estimated paths.
 
 use super::mapper::{Matched, Reconstructed, Run};
 use super::study::Study;
@@ -16,7 +15,6 @@ use burstscope_core::matching::MatchParams;
 /// Minimum number of images with a pose of a reconstruction that converged.
 const MIN_REGISTERED: usize = 3;
 
-/// The runs of one method and motion.
 type Group<'a> = Vec<&'a Run>;
 
 fn groups(runs: &[Run]) -> Vec<Group<'_>> {
@@ -30,7 +28,6 @@ fn groups(runs: &[Run]) -> Vec<Group<'_>> {
     groups
 }
 
-/// The mean of the known values; `None` without any.
 fn mean(group: &Group<'_>, value: impl Fn(&Run) -> Option<f64>) -> Option<f64> {
     let known: Vec<f64> = group.iter().filter_map(|run| value(run)).collect();
     (!known.is_empty()).then(|| known.iter().sum::<f64>() / known.len() as f64)
@@ -40,7 +37,6 @@ fn of_model(group: &Group<'_>, value: impl Fn(&Reconstructed, &Run) -> Option<f6
     mean(group, |run| run.reconstructed.as_ref().and_then(|model| value(model, run)))
 }
 
-/// Description of the trajectories, as a sentence.
 fn material(study: &Study) -> String {
     let way = &study.way;
     let light = match way.light {
@@ -139,6 +135,7 @@ pub(super) fn time(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
         (["together", ""], "together_secs", 2, &|g| Some(features(g)? + mapper(g)?)),
     ];
     let mut groups = groups(runs);
+    // Sharp images are no input of a method for bursts, so that their time compares with nothing.
     groups.retain(|group| group[0].method != BurstMethod::Gold);
     let mut notes = notes(study, runs, missing);
     let threads = rayon::current_num_threads();
@@ -155,14 +152,12 @@ const WIDTH: f64 = 960.0;
 const ENLARGEMENTS: [u32; 7] = [2, 5, 10, 20, 50, 100, 200];
 /// Maximum distance of an enlarged error from its true position, as a share of the trajectory's length.
 const FARTHEST: f64 = 0.1;
-/// Note where errors are enlarged.
 const ENLARGED: &str = "Estimated places are drawn farther from the true ones than they are, as the titles say, so that \
                         they can be told apart; the table of numbers has them as they are.";
 
 /// Index of a camera on the trajectory, and its centre, metres.
 type Centre = (usize, [f64; 3]);
 
-/// The estimated cameras of a run, if there are any.
 fn centres_of(run: &Run) -> Option<Vec<Centre>> {
     let centres = run.reconstructed.as_ref()?.centres.iter().copied();
     let known: Vec<Centre> = centres.filter(|centre| centre.0 < run.true_centres.len()).collect();
@@ -178,8 +173,10 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
     let mut legend: Vec<Series> = Vec::new();
     let mut enlarged = false;
     for (column, motion) in [Motion::OneD, Motion::TwoD].into_iter().enumerate() {
+        // The first trajectory of a motion stands for all: a mean of paths would be none of them.
         let of_way: Vec<&Run> = runs.iter().filter(|run| run.motion == motion && run.seed == 1).collect();
         let Some(truth) = of_way.first().map(|run| &run.true_centres) else { continue };
+        // Axes of the true path, so that all methods are seen from the same side.
         let axes = Projection::Principal.axes(truth);
         let numbered: Vec<Centre> = truth.iter().copied().enumerate().collect();
         write_centres(&mut csv, motion, "truth", &numbered);
@@ -188,6 +185,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
         let estimates: Vec<(BurstMethod, Vec<Centre>)> =
             of_way.iter().filter_map(|run| Some((run.method, centres_of(run)?))).collect();
         let all_centres = estimates.iter().flat_map(|(_, centres)| centres);
+        // One factor for all methods of a plot keeps their errors comparable.
         let factor = enlargement(&places, all_centres.map(|centre| (centre.0, project(centre))));
         enlarged |= factor > 1;
         let drawn = |centre: &Centre| {
@@ -205,6 +203,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
         };
         let mut all = vec![series("true places", ("#24292f", ""), &numbered)];
         for (method, centres) in &estimates {
+            // The table has the places as they are; only the picture enlarges errors.
             write_centres(&mut csv, motion, method.name(), centres);
             all.push(series(method.label(), method.line(), centres));
         }
@@ -228,6 +227,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
             series: &all,
         };
         sheet.plot(area, &plot);
+        // The plots share a legend, in which a method stands once.
         for one in all {
             if legend.iter().all(|known| known.label != one.label) {
                 legend.push(one);
@@ -269,6 +269,7 @@ fn ranges(all: &[Series], width_over_height: f64) -> ((f64, f64), (f64, f64)) {
         values.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
     };
     let (x, y) = (range(|p| p.x), range(|p| p.y));
+    // A tenth to spare around the points; the floor keeps a single place drawable.
     let half = (0.55 * (x.1 - x.0)).max(0.55 * (y.1 - y.0) * width_over_height).max(1e-3);
     let around = |range: (f64, f64), half: f64| (0.5 * (range.0 + range.1) - half, 0.5 * (range.0 + range.1) + half);
     (around(x, half), around(y, half / width_over_height))

@@ -1,10 +1,9 @@
 //! Dead leaves: the texture of the planes of a trajectory's scene.
 //!
-//! Dead leaves are a texture with structure at every scale: shapes of random size, grey value and orientation fall on a
-//! sheet, later ones over earlier ones. Sizes follow the law 1/r³, by which every octave of sizes covers the same area.
-//! Such pictures have the statistics of natural ones (A. B. Lee, D. Mumford and J. Huang, "Occlusion models for natural
-//! images", International Journal of Computer Vision 41 (2001), 35–59), so that a detector finds features at all its
-//! scales.
+//! Shapes of random size, grey value and orientation fall on a sheet, later ones over earlier ones. Sizes follow the
+//! law 1/r³, by which every octave of sizes covers the same area. Such pictures have the statistics of natural ones (A.
+//! B. Lee, D. Mumford and J. Huang, "Occlusion models for natural images", International Journal of Computer Vision 41
+//! (2001), 35–59), so that a detector finds features at all its scales.
 
 use burstscope_core::synth::paint::{Area, Sheet};
 use burstscope_core::synth::random::Stream;
@@ -49,11 +48,11 @@ fn leaf_radius(radii: &RangeInclusive<f64>, stream: &mut Stream) -> f64 {
 fn mean_area(radii: &RangeInclusive<f64>) -> f64 {
     let (a, b) = (*radii.start(), *radii.end());
     let mean_square = if b - a < 1e-6 * a { a * a } else { 2.0 * libm::log(b / a) / (a.powi(-2) - b.powi(-2)) };
+    // 0.7 is the mean aspect of the rectangles that `paint_leaves` draws.
     mean_square * 0.5 * (std::f64::consts::PI + 4.0 * 0.7)
 }
 
-/// A random direction in the plane, uniform, by rejection: sine and cosine need not round alike on every machine,
-/// square roots do.
+/// A random direction, uniform by rejection: unlike square roots, sine and cosine round differently by machine.
 fn direction(stream: &mut Stream) -> (f64, f64) {
     loop {
         let (x, y) = (stream.within(-1.0, 1.0), stream.within(-1.0, 1.0));
@@ -92,8 +91,7 @@ mod tests {
             areas[((radius / 1.5).log2() as usize).min(3)] += radius * radius;
             total += radius * radius;
         }
-        // There are few leaves in the coarsest octave, each with much area: one in 340, so its share is known to within
-        // about 6 %.
+        // Few leaves, each of much area, lie in the coarsest octave: one in 340, so its share is known to about 6 %.
         assert!(areas.iter().all(|area| (area / total - 0.25).abs() < 0.02), "{areas:?}");
         let predicted = mean_area(&radii) / (0.5 * (std::f64::consts::PI + 2.8));
         assert!((total / COUNT as f64 / predicted - 1.0).abs() < 0.03, "{predicted}");

@@ -1,14 +1,12 @@
 //! Trajectories: bursts of a camera that moves past a scene, with the complete truth for a reconstruction.
 //!
 //! The scene is a wall and, before it at several depths, boards: [planes](ScenePlane) with textures that have structure
-//! at every scale. A pinhole camera ([`Lens`]) moves past it and takes a burst at each of its stations, moving on at
-//! constant speed meanwhile. Every frame is drawn from the camera's pose in it, so the apparent motion of each point
-//! follows from its depth, and no slope is used in drawing. Then a [`Camera`] captures the frames in the requested
-//! light.
+//! at every scale. A pinhole camera ([`Lens`]) takes a burst at each of its stations while it moves on at constant
+//! speed. Every frame is drawn from the camera's pose in it, so that apparent motion follows from depth alone. Then a
+//! [`Camera`] captures the frames in the requested light.
 //!
-//! The truth consists of the lens, the pose of each mid-burst, each burst's motion, the planes, and the view at
-//! mid-burst without noise, the gold standard. [`write_trajectory`] writes it beside the folder of bursts, completely
-//! or not at all.
+//! The truth is the lens, each mid-burst's pose, each burst's motion, the planes, and the noise-free view at mid-burst,
+//! the gold standard. [`write_trajectory`] writes it beside the bursts, completely or not at all.
 
 mod leaves;
 #[cfg(test)]
@@ -89,8 +87,7 @@ pub struct TrajectoryParams {
 }
 
 impl Default for TrajectoryParams {
-    /// Eight bursts of ten frames of 640×480, a wall and boards at three depths, motion to the side up to 3 px/frame,
-    /// SNR 0.3.
+    /// Eight bursts of ten 640×480 frames, a wall and boards at three depths, sideways up to 3 px/frame, SNR 0.3.
     fn default() -> Self {
         Self {
             width: 640,
@@ -109,8 +106,7 @@ impl Default for TrajectoryParams {
 }
 
 const FOCAL_SHARE: f64 = 0.9;
-/// Electrons at full scale at the highest useful gain, for a camera in the dark: 8 levels of 12 bits for each electron.
-/// In more light the gain is lower.
+/// Electrons at full scale at the highest gain, in the dark: 8 levels of 12 bits an electron; more light, less gain.
 const DARK_FULL_SCALE_ELECTRONS: f64 = 512.0;
 /// Distance of the noise from black and white, in standard deviations.
 const CLEARANCE_SIGMAS: f64 = 5.0;
@@ -183,7 +179,6 @@ impl TrajectoryParams {
         }
     }
 
-    /// The sensor for `electrons` at scene white.
     fn exposure(&self, electrons: f64, levels: &FrameLevels) -> NoisyExposure {
         let min_black = 1.0 / 64.0;
         if electrons.is_infinite() {
@@ -192,11 +187,13 @@ impl TrajectoryParams {
         }
         let brightest = levels.max() * electrons;
         let sigmas = (brightest + self.read_noise.powi(2)).sqrt() + self.read_noise;
+        // Both ends need room for the noise: the brightest pixel below white, and black above 0.
         let needed = (brightest + CLEARANCE_SIGMAS * sigmas) / (1.0 - min_black);
         let full_scale_electrons = needed.max(DARK_FULL_SCALE_ELECTRONS);
         let (read_noise_electrons, bits) = (self.read_noise, Some(self.bits));
         let mut camera = Camera { full_scale_electrons, read_noise_electrons, black_level: 0.0, bits };
         camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(min_black);
+        // In the dark scene white stays far below full scale: the gain rises no further.
         let gain = electrons / full_scale_electrons;
         NoisyExposure { gain, camera, mean_signal: gain * levels.mean() }
     }
@@ -211,6 +208,7 @@ impl Trajectory {
         params.check()?;
         monitor.report(Stage::Synth, 0.0);
         let lens = Lens { width: params.width, height: params.height, focal_px: FOCAL_SHARE * params.width as f64 };
+        // In this order: sheets have to be large enough for the path, and speeds follow from the depths in view.
         let stations = world::stations(params);
         let planes = world::planes(params, &lens, &stations, monitor)?;
         let (mut cameras, mut slopes) = (Vec::new(), Vec::new());
@@ -220,6 +218,7 @@ impl Trajectory {
             slopes.push(range);
         }
         let mut levels = FrameLevels::default();
+        // The light is set from all views together, so that one exposure serves the whole trajectory.
         for camera in &cameras {
             let view = world::render(&planes, &lens, &camera.world_from_camera, monitor)?;
             levels.add(&Burst::from_planes("view", vec![view]), monitor)?;
@@ -236,9 +235,6 @@ impl Trajectory {
 
     /// The view of burst `index` at mid-burst without noise; scene white is [`GOLD_WHITE`] of full scale.
     ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
-    ///
     /// # Panics
     /// When there are not that many bursts.
     pub fn gold(&self, index: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
@@ -247,11 +243,7 @@ impl Trajectory {
         Ok(view)
     }
 
-    /// Burst `index` as the camera captures it. Each frame of all bursts has a random stream of its own, so the result
-    /// does not depend on the threads.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
+    /// Burst `index` as the camera captures it; each frame has its own random stream, whatever the threads.
     ///
     /// # Panics
     /// When there are not that many bursts.
@@ -302,8 +294,7 @@ impl Trajectory {
     }
 }
 
-/// Truth of a trajectory without pictures, poses and lens: the content of its `trajectory.json`. Lengths are metres,
-/// slopes pixels per frame.
+/// Truth of a trajectory without pictures, poses and lens: its `trajectory.json`. Metres; slopes in px/frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TrajectoryTruth {
@@ -387,6 +378,7 @@ pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) 
             let name = Trajectory::name(index);
             let folder = bursts.join(&name);
             make(&folder)?;
+            // One burst after the other: a dataset need not fit into memory.
             let burst = trajectory.burst(index, monitor)?;
             for (t, frame) in burst.frames.iter().enumerate() {
                 monitor.check()?;

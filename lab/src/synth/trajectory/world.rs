@@ -1,8 +1,6 @@
-//! The world of a trajectory: textured planes, the lens, and the layout of a wall with boards before it at several
-//! depths and of the camera's path past them.
+//! The world of a trajectory: textured planes, the lens, a wall with boards before it, and the path past them.
 //!
-//! The world is metric, its axes are right, down and forward, as a camera's are; a pose is that of the camera in the
-//! world.
+//! The world is metric, with axes right, down and forward like a camera's; poses are of the camera in the world.
 //!
 //! A plane carries a painted [`Sheet`]. A camera sees it through a homography: the plane's coordinates in a pixel's
 //! direction are a quotient of linear functions of the pixel. The texture is averaged over a pixel's area once, at the
@@ -60,10 +58,7 @@ pub(super) fn stations(params: &TrajectoryParams) -> Vec<(Isometry3<f64>, Vector
     (0..params.bursts).map(station).collect()
 }
 
-/// The painted planes, large enough for everything that is seen from `stations`.
-///
-/// # Errors
-/// Sheets that would be too large, or cancellation.
+/// The painted planes, large enough for all that is seen from `stations`; an error where a sheet would be too large.
 pub(super) fn planes(
     params: &TrajectoryParams,
     lens: &Lens,
@@ -94,6 +89,7 @@ pub(super) fn planes(
             let mut sheet = Sheet::new(width, height, 4, 4);
             let coarsest = (0.1 * lens.width.min(lens.height) as f64).max(2.0 * FINEST_LEAF);
             paint_leaves(&mut sheet, &(FINEST_LEAF..=coarsest), &LEAF_VALUES, &mut stream);
+            // The wall stays whole, so that every gap between boards shows texture.
             if index > 0 {
                 sheet.keep_where(&boards((width, height), lens, &mut stream));
             }
@@ -112,8 +108,7 @@ struct Frame {
 }
 
 impl Frame {
-    /// The part of the plane seen from the stations, with a margin, in its pixels from the centre: `[left, top, right,
-    /// bottom]`.
+    /// Part of the plane seen from the stations, with a margin: `[left, top, right, bottom]`, pixels from the centre.
     fn seen_from(&self, lens: &Lens, stations: &[(Isometry3<f64>, Vector3<f64>)], margin: f64) -> Result<[f64; 4]> {
         let mut seen = [f64::INFINITY, f64::INFINITY, f64::NEG_INFINITY, f64::NEG_INFINITY];
         let normal = self.right.cross(&self.down);
@@ -121,6 +116,7 @@ impl Frame {
         for (camera, _) in stations {
             for (u, v) in [(-0.5, -0.5), (width - 0.5, -0.5), (-0.5, height - 0.5), (width - 0.5, height - 0.5)] {
                 let direction = camera.rotation * lens.direction(u, v);
+                // A ray that meets the plane behind the camera, or not at all, would need an endless sheet.
                 let along = normal.dot(&direction);
                 let depth = normal.dot(&(self.centre.coords - camera.translation.vector)) / along;
                 if !(depth.is_finite() && depth > 0.0) {
@@ -144,6 +140,7 @@ fn boards(size: (usize, usize), lens: &Lens, stream: &mut Stream) -> Sheet {
     let (columns, rows) = ((size.0 as f64 / cell).ceil() as usize, (size.1 as f64 / cell).ceil() as usize);
     for row in 0..rows {
         for column in 0..columns {
+            // An absent board draws its numbers too, so that the other boards do not depend on it.
             let there = stream.uniform() < 0.4;
             let (half_u, half_v) = (cell * stream.within(0.3, 0.48), cell * stream.within(0.3, 0.48));
             let u = cell * (column as f64 + stream.within(0.4, 0.6));
@@ -165,8 +162,7 @@ fn points_seen(planes: &[ScenePlane], lens: &Lens, camera: &Isometry3<f64>) -> V
     grid.filter_map(|(i, j)| nearest_point(planes, lens, camera, place(i, lens.width), place(j, lens.height))).collect()
 }
 
-/// The apparent motions of `points`, as means over each half of the burst, pixels per frame; empty for a burst of one
-/// frame.
+/// Apparent motions of `points` as means over each half of the burst, px/frame; empty for a burst of one frame.
 fn motions(camera: &BurstCamera, lens: &Lens, points: &[Point3<f64>], half_span: f64) -> Vec<[f64; 2]> {
     let halves = points.iter().flat_map(|point| [-half_span, half_span].map(|dt| (point, dt)));
     let motion = |(point, dt): (&Point3<f64>, f64)| {
@@ -176,11 +172,7 @@ fn motions(camera: &BurstCamera, lens: &Lens, points: &[Point3<f64>], half_span:
     halves.filter_map(motion).collect()
 }
 
-/// The camera of a burst at the speed at which the largest apparent motion on an axis is `max_slope` pixels per frame;
-/// and the minimum and maximum motion on each axis, `[[u min, u max], [v min, v max]]`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
+/// Camera of a burst whose largest apparent motion on an axis is `max_slope` px/frame; [min, max] motion in u and v.
 pub(super) fn burst_camera(
     params: &TrajectoryParams,
     lens: &Lens,
@@ -194,6 +186,7 @@ pub(super) fn burst_camera(
     let points = points_seen(planes, lens, &world_from_camera);
     let at_speed = |speed: f64| BurstCamera { world_from_camera, step: world_from_camera.rotation * (speed * heading) };
     let largest = |motions: &[[f64; 2]]| motions.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
+    // A start near 0, where apparent motion is proportional to the speed.
     let mut speed = if half_span > 0.0 && params.max_slope > 0.0 { 1e-4 } else { 0.0 };
     // Apparent motion is nearly proportional to speed, so a few corrections converge.
     for _ in 0..6 {
@@ -239,15 +232,13 @@ impl Lens {
         Vector3::new((u - cu) / self.focal_px, (v - cv) / self.focal_px, 1.0)
     }
 
-    /// The pixel of a point in the camera's axes: column and row, the centre of the first pixel is (0, 0). `None`
-    /// behind the camera.
+    /// The pixel (column, row) of a point in the camera's axes; the first pixel's centre is (0, 0). `None` behind.
     pub fn pixel(&self, point: &Point3<f64>) -> Option<[f64; 2]> {
         let [cu, cv] = self.centre();
         (point.z > 1e-9).then(|| [cu + self.focal_px * point.x / point.z, cv + self.focal_px * point.y / point.z])
     }
 
-    /// The model's parameters in COLMAP's order and convention (fx, fy, cx, cy; the centre of the first pixel is (0.5,
-    /// 0.5)).
+    /// Parameters fx, fy, cx, cy in COLMAP's convention: the centre of the first pixel is (0.5, 0.5).
     pub fn colmap_params(&self) -> [f64; 4] {
         [self.focal_px, self.focal_px, 0.5 * self.width as f64, 0.5 * self.height as f64]
     }
@@ -290,8 +281,7 @@ impl BurstCamera {
     }
 }
 
-/// The rotation by `yaw` to the right, then `pitch` up, then `roll` clockwise, radians. Sine and cosine are `libm`'s,
-/// which round alike on every machine.
+/// Rotation by `yaw` to the right, `pitch` up, `roll` clockwise, radians; `libm` rounds alike on every machine.
 pub(super) fn turn(yaw: f64, pitch: f64, roll: f64) -> UnitQuaternion<f64> {
     let about = |angle: f64, axis: Vector3<f64>| {
         let imaginary = axis * libm::sin(0.5 * angle);
@@ -325,7 +315,6 @@ struct Texture {
     samples: Vec<[f32; 2]>,
 }
 
-/// Content of a plane at a pixel.
 #[derive(Debug, Clone, Copy)]
 struct Hit {
     /// 1 / depth in front of the camera, 1/m.
@@ -398,8 +387,7 @@ impl ScenePlane {
         self.origin + p * self.right + q * self.down
     }
 
-    /// The matrix G for which G·(x, y, 1) = (p, q, 1) / depth where the direction (x, y, 1) of the camera meets the
-    /// plane; `None` where the camera lies in the plane.
+    /// G with G·(x, y, 1) = (p, q, 1) / depth where the camera's direction (x, y, 1) meets the plane; `None` within it.
     fn plane_from_direction(&self, world_from_camera: &Isometry3<f64>) -> Option<Matrix3<f64>> {
         let turn = world_from_camera.rotation.inverse();
         let origin = world_from_camera.inverse_transform_point(&self.origin).coords;
@@ -407,18 +395,13 @@ impl ScenePlane {
     }
 }
 
-/// The sheet's position (p, q) and the inverse depth (1/m) where a direction meets a plane, given its matrix; `None`
-/// where it does not meet it in front of the camera.
+/// Sheet position (p, q) and inverse depth (1/m) where a direction meets a plane in front of the camera.
 fn meet(matrix: &Matrix3<f64>, direction: &Vector3<f64>) -> Option<(f64, f64, f64)> {
     let met = matrix * direction;
     (met.z > 1e-9).then(|| (met.x / met.z, met.y / met.z, met.z))
 }
 
-/// Renders `planes` without noise from a camera in the world: the signal at each pixel, as painted. Nearer planes are
-/// composited over farther ones; without any plane the signal is 0.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
+/// Renders `planes` as painted, without noise; nearer planes are composited over farther ones, on a signal of 0.
 pub fn render(
     planes: &[ScenePlane],
     lens: &Lens,
@@ -439,6 +422,7 @@ pub fn render(
                 let [value, alpha] = plane.texture.at(p, q)?;
                 (alpha != 0.0).then_some(Hit { inverse_depth, value, alpha })
             }));
+            // Farthest first: each nearer plane covers what lies under it, and values are already multiplied by alpha.
             hits.sort_by(|a, b| a.inverse_depth.total_cmp(&b.inverse_depth));
             *pixel = hits.iter().fold(0.0, |under, hit| under * (1.0 - hit.alpha) + hit.value);
         }
@@ -446,8 +430,7 @@ pub fn render(
     Ok(picture)
 }
 
-/// The nearest point of the world at the pixel (u, v), among planes that cover at least half of it; `None` where none
-/// does.
+/// The nearest point of the world at the pixel (u, v), among planes that cover at least half of that pixel.
 pub fn nearest_point(
     planes: &[ScenePlane],
     lens: &Lens,

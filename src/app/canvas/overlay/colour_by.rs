@@ -18,12 +18,11 @@ pub struct ColourScale {
     pub min: f32,
     /// Value of the last colour; the magnitude of full saturation for the directions of a plane of slopes.
     pub max: f32,
-    /// Of slopes on a line, degrees from +u towards +v: the colours then run along it, not around a wheel.
+    /// Direction of slopes on a line, degrees from +u towards +v: colours then run along the line, not around a wheel.
     pub line_deg: Option<f32>,
     table: Vec<Color32>,
     coherences: Option<Arc<Vec<Judged>>>,
     set_up: Option<SetUp>,
-    /// Whether some features do not have the quantity.
     lacks_some: bool,
 }
 
@@ -51,6 +50,7 @@ impl ColourScale {
                 (-limit, limit)
             }
         };
+        // Features without the quantity are grey, which the legend has to explain.
         let lacks_some = by.quantity().is_some_and(|quantity| features.iter().any(|f| quantity.is_empty(f)));
         Self { lacks_some, ..Self::with_range(by, min, max) }
     }
@@ -68,8 +68,10 @@ impl ColourScale {
     pub fn with_range(by: ColourBy, min: f32, max: f32) -> Self {
         let Colours { map, part: [first, last], is_log, .. } = by.colours();
         let (min, max) = match by {
+            // A logarithm needs positive ends, and more than one value between them.
             _ if is_log => (min.max(1e-3), max.max(min.max(1e-3) * 1.01)),
             ColourBy::SlopeDirection => (0.0, if max > 0.0 { max } else { 1.0 }),
+            // A single slope gets half a pixel per frame to each side, so that its colour lies mid-scale.
             ColourBy::Of(_) if max <= min && by.unit() == "px/frame" => (min - 0.5, min + 0.5),
             _ => (min, if max > min { max } else { min + 1e-6 }),
         };
@@ -124,7 +126,7 @@ impl ColourScale {
         value.filter(|value| value.is_finite()).map_or(UNKNOWN, |value| self.along(value))
     }
 
-    /// Of what moves by `slope`, where the colours show that.
+    /// Colour of a motion by `slope`, where colours show motion.
     pub fn of_slope(&self, slope: Slope) -> Color32 {
         if self.by == ColourBy::Speed {
             return self.along(slope.magnitude());
@@ -178,6 +180,7 @@ impl ColourScale {
                 by.unit()
             ),
         };
+        // Screen readers read the text in place of the colours.
         response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, true, &text));
         response.on_hover_text(text)
     }
@@ -215,7 +218,6 @@ impl ColourScale {
         response
     }
 
-    /// Words for the ways to move, each in its colour.
     fn words_ui(&self, ui: &mut Ui) -> Response {
         let words = Moves::ALL.map(|moves| {
             let colour = self.along(f32::from(moves as u8));
@@ -224,7 +226,6 @@ impl ColourScale {
         ui.vertical(|ui| words.into_iter().for_each(|word| drop(ui.add(word)))).response
     }
 
-    /// Height of the key, points.
     pub fn height(&self) -> f32 {
         match self.by {
             ColourBy::Of(Quantity::Moves) => 17.0 * Moves::ALL.len() as f32,

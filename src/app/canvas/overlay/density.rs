@@ -1,8 +1,6 @@
-//! Choice of the features that are drawn in full, and of the lines of matches: as many of the strongest as each part of
-//! the picture can bear.
+//! Choice of features drawn in full and of lines of matches: the strongest, as many as each part of the view bears.
 //!
-//! In each cell ([`crate::export::Cells`]) the strongest [`IN_A_CELL`] features are drawn, and the next of the
-//! strongest [`SEEN_IN_A_CELL`] as dots.
+//! In each cell ([`crate::export::Cells`]) the strongest [`IN_A_CELL`] are drawn, up to [`SEEN_IN_A_CELL`] as dots.
 
 use super::match_lines::{MatchLine, Pane};
 use crate::app::canvas::RectTransform;
@@ -26,15 +24,14 @@ pub struct Drawn {
     pub in_view: usize,
 }
 
-/// Group of a feature that is drawn: those of one group take no place from those of the other.
+/// Group of a drawn feature: the two groups take no place from each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Group {
     Own,
     Faint,
 }
 
-/// Chooses those of `features`, strongest first, that are drawn in full; those for which `always` holds are drawn
-/// whatever stands around them. Takes time in proportion to the number of features.
+/// Chooses which of `features`, strongest first, are drawn in full: `always` ones, and the strongest of each cell.
 pub fn drawn(
     features: &[Feature],
     group: impl Fn(usize) -> Option<Group>,
@@ -47,6 +44,7 @@ pub fn drawn(
     for (i, feature) in features.iter().enumerate() {
         let Some(group) = group(i) else { continue };
         let place = pos2(feature.u, feature.v);
+        // Features come strongest first: those already in the cell are stronger.
         let Some(stronger) = cells[group as usize].add(place.into()) else { continue };
         let is_drawn = stronger < IN_A_CELL || always(i);
         out.flags[i] = is_drawn;
@@ -61,11 +59,11 @@ pub fn drawn(
     out
 }
 
-/// A flag for each line: a few are drawn for each part of A's picture, inliers first, and those that are `always`.
-/// Lines from picture to picture take more room than vectors.
+/// A flag for each line: a few for each part of A's picture, inliers first, and those that are `always`.
 pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, are_vectors: bool, always: impl Fn(usize) -> bool) -> Vec<bool> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);
+    // Lines from picture to picture take more room than vectors.
     let (in_a_cell, scale) = if are_vectors { (3, t.scale()) } else { (1, 0.5 * t.scale()) };
     let mut cells = cells(scale, view_image);
     let mut flags = vec![false; lines.len()];

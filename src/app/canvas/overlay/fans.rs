@@ -12,7 +12,6 @@ const PIECES: usize = 16;
 const MIN_CELL_POINTS: f32 = 24.0;
 const MIN_APART_POINTS: f32 = 48.0;
 
-/// Fills the fans of `features`, each with its colour.
 pub(super) fn draw_fans<'a>(
     output: &CanvasOutput,
     features: impl Iterator<Item = (&'a Feature, Color32)>,
@@ -54,6 +53,7 @@ pub fn draw_field(
     if cell_points < MIN_CELL_POINTS {
         return;
     }
+    // Close cells are thinned, so that their lines keep apart on screen.
     let every = (MIN_APART_POINTS / cell_points).ceil() as usize;
     let points = 0.5 * every as f32 * cell_points / max_px_per_frame;
     let middle = |cell: usize| (cell as f32 + 0.5) * field.cell_px as f32 - 0.5;
@@ -66,6 +66,7 @@ pub fn draw_field(
         let from = output.ui_from_image.pos(pos2(u, v));
         let line = [from, from + points * vec2(motion.slope.u, motion.slope.v)];
         let rim: Vec<Pos2> = rim(&motion).map(|aside| line[1] + points * aside).collect();
+        // Dark below white shows on any picture.
         for (width, colour) in [(2.6, Color32::from_black_alpha(120)), (1.2, Color32::WHITE)] {
             output.painter.line_segment(line, Stroke::new(width, colour));
             output.painter.add(Shape::closed_line(rim.clone(), Stroke::new(width, colour)));

@@ -1,7 +1,6 @@
 //! Match lines between features of two pictures: drawing, and finding the line under the pointer.
 //!
-//! Their colours and dashes are those of [`MatchKind`]. An end whose other end is outside its pane is marked by a small
-//! ring.
+//! Colours and dashes are those of [`MatchKind`]. A small ring marks an end whose other end is outside its pane.
 
 use super::super::RectTransform;
 use super::strokes::Strokes;
@@ -49,7 +48,6 @@ impl MatchLine {
         [end(&panes[0], self.a), end(&panes[1], self.b)]
     }
 
-    /// Whether an end that is seen lies near `pos_ui`.
     pub fn is_near(&self, panes: &[Pane; 2], pos_ui: Pos2) -> bool {
         self.ends(panes).iter().any(|(end, seen)| *seen && end.distance(pos_ui) <= NEAR_POINTS)
     }
@@ -68,6 +66,7 @@ pub fn draw_match_lines(painter: &Painter, panes: &[Pane; 2], lines: &[MatchLine
     }
     for line in lines.iter().filter(|line| lifted(line)) {
         let wide = if style.selected == Some(line.index) { 2.6 } else { 2.0 };
+        // A dark and a white rim make the line stand out on any picture.
         for (extra, colour) in [(3.6, Color32::from_black_alpha(170)), (1.6, Color32::WHITE), (0.0, line.colour)] {
             draw_one(&mut strokes, panes, line, style, wide + extra, colour);
         }
@@ -84,6 +83,7 @@ fn draw_one(
     colour: Color32,
 ) {
     let [(from, from_seen), (to, to_seen)] = line.ends(panes);
+    // A line to an end out of sight would cross whatever lies beside the pane.
     if from_seen && to_seen {
         if line.kind.is_dashed() {
             strokes.dashed(from, to, width, colour, DASH);
@@ -98,7 +98,7 @@ fn draw_one(
     }
 }
 
-/// That with the nearest end within a few points, otherwise that with the nearest line.
+/// The line with the nearest end within a few points, otherwise the nearest line.
 pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<usize> {
     let mut best: Option<(bool, f32, usize)> = None;
     for line in lines {
@@ -113,6 +113,7 @@ pub fn match_at(lines: &[MatchLine], panes: &[Pane; 2], pos_ui: Pos2) -> Option<
             continue;
         };
         let near = !candidate.0 || candidate.1 <= LINE_TOLERANCE_POINTS;
+        // `false` sorts before `true`: an end within reach wins over any line.
         if near && best.is_none_or(|(far, distance, _)| (candidate.0, candidate.1) < (far, distance)) {
             best = Some(candidate);
         }

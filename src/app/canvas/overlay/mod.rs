@@ -1,5 +1,4 @@
-//! Features over a picture: circles of true scale, orientation, motion over the burst; and the feature under the
-//! pointer.
+//! Features over a picture: circles of true scale, orientation, motion over the burst; the one under the pointer.
 //! The circle is the rim of the disc to which D responds most strongly at scale σ, dashed where the slope lies on the
 //! rim of the searched grid. The arrow runs from the feature's place in the first frame to that in the last, with a fan
 //! of its uncertainty. Features that only others have are dashed, with a line from the compared place.
@@ -77,7 +76,7 @@ pub fn draw_dots(output: &CanvasOutput, features: &[Feature], style: &OverlaySty
     }
 }
 
-/// One thread does it: to wake others takes longer than the few hundred features that a view bears.
+/// On one thread: waking others takes longer than the few hundred features that a view bears.
 pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &OverlayStyle<'_>) {
     let pixels_per_point = output.painter.pixels_per_point();
     let visible: Vec<usize> = (0..features.len())
@@ -91,6 +90,7 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
         fans::draw_fans(output, coloured, style.positions);
     }
     let edge = Color32::from_black_alpha(90);
+    // All edges lie below all lines: none darkens the circle of a neighbour.
     for feature in visible.iter().filter(|_| edges).map(|&i| &features[i]) {
         draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: 3.2, colour: edge });
     }
@@ -111,7 +111,6 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
     strokes.paint(&output.painter);
 }
 
-/// Longest arrow, points.
 const MAX_ARROW_POINTS: f32 = 60.0;
 
 #[derive(Clone, Copy)]
@@ -144,6 +143,7 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
 fn is_visible(output: &CanvasOutput, feature: &Feature, positions: &Positions) -> bool {
     let [first, last] = motion_over(feature, positions).map(Pos2::from);
     let reach = feature.circle_radius_px() + 4.0 / output.ui_from_image.scale();
+    // The arrow may be in view where the circle is not.
     let bounds = egui::Rect::from_two_pos(first, last)
         .union(egui::Rect::from_center_size(pos2(feature.u, feature.v), egui::Vec2::splat(2.0 * reach)));
     bounds.is_finite() && bounds.intersects(output.visible_image)
@@ -157,7 +157,7 @@ pub fn dot_at(features: &[Feature], dots: &[usize], ui_from_image: RectTransform
     near.filter(|(distance, _)| *distance <= TOLERANCE_POINTS).min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, i)| i)
 }
 
-/// That with the nearest centre or circle line within a few points; otherwise the smallest circle around the pointer.
+/// The feature with the nearest centre or circle line within a few points; otherwise the smallest circle around.
 pub fn feature_at(
     features: &[Feature],
     shown: Option<&[bool]>,
@@ -207,6 +207,7 @@ pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted:
     let edge = Color32::from_black_alpha(110);
     let visible = output.visible_image;
     let seen = |mark: &&ComparedMark| visible.expand(mark.radius_image()).contains(mark.pos_image);
+    // All edges lie below all marks: none covers the line of a neighbour.
     for mark in marks.iter().filter(seen) {
         draw_compared_mark(&mut strokes, output, mark, 3.4, edge);
     }
@@ -272,7 +273,7 @@ pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>
     strokes.paint(&output.painter);
 }
 
-/// Of the circles (centre and radius, image pixels) within reach, that with the nearest centre.
+/// Circle (centre and radius, image pixels) within reach whose centre is nearest.
 pub fn circle_at(
     marks: impl Iterator<Item = (Pos2, f32)>,
     ui_from_image: RectTransform,

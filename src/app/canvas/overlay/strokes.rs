@@ -1,7 +1,6 @@
 //! Anti-aliased circles and lines, thousands of them in one mesh.
 //!
-//! egui could draw each as a shape of its own; one mesh for all avoids sorting and stroking them, and keeps a full
-//! window at display rate.
+//! One mesh for all spares egui the sorting and stroking of single shapes, and keeps a full window at display rate.
 
 use egui::{Color32, Mesh, Painter, Pos2, Shape, Vec2};
 
@@ -29,9 +28,9 @@ impl Strokes {
         }
     }
 
-    /// Adds the vertices across a stroke, `at` distances from its middle, and returns their number: four, from one soft
-    /// edge over the solid part to the other, or three for a line so thin that nearly all of it is soft edge.
+    /// Adds the vertices across a stroke, `at` distances from its middle, and returns their number.
     fn across(&mut self, width: f32, colour: Color32, at: impl Fn(f32) -> Pos2) -> u32 {
+        // So thin a line is nearly all soft edge: three vertices in place of four.
         if width < 1.7 * self.feather {
             // Covers as much area as four vertices would.
             let reach = width;

@@ -1,7 +1,6 @@
 //! Models in binary: little-endian numbers without padding, counts before lists.
 //!
-//! Every count is checked against the remaining bytes before it is used, so that a damaged file takes neither memory
-//! nor time.
+//! Every count is checked against the remaining bytes first, so that a damaged file takes neither memory nor time.
 
 use super::{SparseImage, SparsePoint, world_from_camera};
 use crate::evaluate::poses::{corrupt, unread};
@@ -39,7 +38,6 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
     Ok((BufReader::with_capacity(1 << 16, file), bytes))
 }
 
-/// The images of a stream of `bytes` bytes.
 pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparseImage>> {
     let mut fields = Fields { stream, left: bytes, path, place: Place::Count("images") };
     let count = fields.count(IMAGE_BYTES)?;
@@ -54,6 +52,7 @@ pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
         let keypoints = fields.count(KEYPOINT_BYTES)?;
         let mut points = 0;
         for _ in 0..keypoints {
+            // Positions are read past, because a stream cannot skip them.
             fields.floats::<2>()?;
             points += usize::from(fields.u64()? != NO_POINT);
         }
@@ -63,7 +62,6 @@ pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
     Ok(images)
 }
 
-/// The points of a stream of `bytes` bytes.
 pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparsePoint>> {
     let mut fields = Fields { stream, left: bytes, path, place: Place::Count("points") };
     let count = fields.count(POINT_BYTES)?;
@@ -87,17 +85,14 @@ fn point<R: Read>(fields: &mut Fields<'_, R>) -> Result<SparsePoint> {
     Ok(SparsePoint { position, reprojection_error_px, track_length: track_length as usize })
 }
 
-/// The fields of a binary file, one after the other.
 struct Fields<'a, R> {
     stream: R,
-    /// Bytes not read yet.
     left: u64,
     path: &'a Path,
-    /// Part of the file being read, for messages.
     place: Place,
 }
 
-/// A number of things, or one of them, counted from 1, and how many there are.
+/// Place for messages: a number of things, or one thing with its number, from 1, of how many.
 #[derive(Debug, Clone, Copy)]
 enum Place {
     Count(&'static str),
@@ -156,6 +151,7 @@ impl<R: Read> Fields<'_, R> {
         loop {
             match self.bytes::<1>()? {
                 [0] => return Ok(String::from_utf8_lossy(&name).into_owned()),
+                // In a damaged file the zero at the end may be missing.
                 _ if name.len() == LONGEST_NAME => {
                     return Err(self.fail(format!("its name is longer than {LONGEST_NAME} bytes, so this is no name")));
                 }

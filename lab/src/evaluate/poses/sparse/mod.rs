@@ -1,8 +1,8 @@
 //! COLMAP's sparse models: registered images with their poses, and the points that they have in common.
 //!
-//! A model is a folder of files, all in binary or all in text. Only data about poses and points is read: `images`
-//! (pose, name, the keypoints that became points) and `points3D` (place, reprojection error, length of the track); intrinsics,
-//! positions of keypoints and colours are skipped. Format: <https://colmap.github.io/format.html>.
+//! A model is a folder of files, all in binary or all in text. Only poses and points are read: `images` (pose, name,
+//! keypoints that became points) and `points3D` (place, reprojection error, length of the track); intrinsics, positions
+//! of keypoints and colours are skipped. Format: <https://colmap.github.io/format.html>.
 
 mod binary;
 mod text;
@@ -59,8 +59,7 @@ pub struct ModelSummary {
     pub registered_images: usize,
     /// Number of points of the model.
     pub points: usize,
-    /// Number of points that an image sees, mean over the registered images. (Each point is counted in every image that
-    /// sees it.)
+    /// Points that an image sees, mean over the registered images; a point counts in every image that sees it.
     pub points_per_image: f64,
     /// Number of keypoints of a point, mean over the points; NaN (null in JSON) without points.
     pub mean_track_length: f64,
@@ -69,10 +68,7 @@ pub struct ModelSummary {
 }
 
 impl SparseModel {
-    /// Parses the text of a model; `name` is for messages.
-    ///
-    /// # Errors
-    /// As [`read_sparse_model`].
+    /// Parses the text of a model; `name` is for messages. Errors as of [`read_sparse_model`].
     pub fn of_text(images: &str, points: &str, name: &Path) -> Result<Self> {
         Self::of((text::images(images.as_bytes(), name)?, text::points(points.as_bytes(), name)?), name)
     }
@@ -81,6 +77,7 @@ impl SparseModel {
         if images.is_empty() {
             return Err(no_pose(name));
         }
+        // Poses follow the ids, in whatever order the file has them.
         images.sort_by_key(|i| i.id);
         if let Some(pair) = images.windows(2).find(|pair| pair[0].id == pair[1].id) {
             let problem = format!("there are two images of the id {}", pair[0].id);
@@ -89,8 +86,7 @@ impl SparseModel {
         Ok(Self { folder: name.into(), images, points, other_models: 0 })
     }
 
-    /// The poses of its images. Their order is their id minus 1, because ids count up from 1 in the order in which
-    /// images came into the database.
+    /// Poses of the images. Their order is the id minus 1: ids count up from 1 as images came into the database.
     pub fn poses(&self) -> Vec<Pose> {
         let pose = |image: &SparseImage| Pose {
             label: image.name.clone(),
@@ -124,9 +120,8 @@ pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
     path.parent().filter(|_| of_model).map(|p| if p.as_os_str().is_empty() { Path::new(".") } else { p })
 }
 
-/// Reads the sparse model in `folder`; binary files are preferred to text. If there is none in the folder itself but
-/// some in its subfolders (COLMAP's mapper writes `0`, `1`, … for parts that it could not join), reads the one with the
-/// most registered images.
+/// Reads the sparse model in `folder`, binary files before text; without one there, the model with the most registered
+/// images in its subfolders (COLMAP's mapper writes `0`, `1`, … for parts that it could not join).
 ///
 /// # Errors
 /// There is no model, a file of it cannot be read or is damaged, or no image is registered.
@@ -142,13 +137,14 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
     for subfolder in folders {
         if let Some(reader) = Format::of(&subfolder) {
             match reader.read(&subfolder) {
+                // A model without a registered image is no model; a damaged one is reported.
                 Err(error) if error.kind == ErrorKind::NotFound => {}
                 model => models.push(model?),
             }
         }
     }
     let other_models = models.len().saturating_sub(1);
-    // The first of several of equal size.
+    // `max_by_key` takes the last of equally large models: in reverse that is the first folder's.
     let largest = models.into_iter().rev().max_by_key(|m| m.images.len());
     match largest {
         Some(model) => Ok(SparseModel { other_models, ..model }),
@@ -168,7 +164,6 @@ enum Format {
 }
 
 impl Format {
-    /// The format of the model in `folder`, if there is one.
     fn of(folder: &Path) -> Option<Self> {
         let has = |name: &str| folder.join(name).is_file();
         if has("images.bin") && has("points3D.bin") {
@@ -193,8 +188,7 @@ impl Format {
     }
 }
 
-/// The camera in the world from the values in a model, which give the world in the camera: quaternion `w x y z` and
-/// translation.
+/// The camera in the world, from the world in the camera as a model has it: quaternion `w x y z` and translation.
 fn world_from_camera(quaternion: [f64; 4], translation: [f64; 3]) -> Result<Isometry3<f64>, String> {
     let [w, x, y, z] = quaternion;
     let rotation = super::tum::rotation(Quaternion::new(w, x, y, z))?;

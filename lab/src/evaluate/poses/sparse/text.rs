@@ -23,6 +23,7 @@ pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>
     let mut images = Vec::new();
     while let Some(line) = lines.next_entry()? {
         let mut image = image(&line).map_err(|problem| lines.fail(problem))?;
+        // An empty line of keypoints counts: it must not be skipped as other empty lines are.
         if let Some(keypoints) = lines.next_line()? {
             (image.keypoints, image.points) = keypoints_of(&keypoints).map_err(|problem| lines.fail(problem))?;
         }
@@ -31,7 +32,6 @@ pub(super) fn images(text: impl BufRead, path: &Path) -> Result<Vec<SparseImage>
     Ok(images)
 }
 
-/// Parses points, one for each line.
 pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>> {
     let mut lines = Lines { text, path, number: 0, line: Vec::new() };
     let mut points = Vec::new();
@@ -45,6 +45,7 @@ pub(super) fn points(text: impl BufRead, path: &Path) -> Result<Vec<SparsePoint>
 fn image(line: &str) -> Result<SparseImage, String> {
     const FORM: &str = "an image is 'IMAGE_ID QW QX QY QZ TX TY TZ CAMERA_ID NAME'";
     let mut rest = line;
+    // Word by word, because the rest of the line is the name, blanks included.
     let mut word = || -> Result<&str, String> {
         let (word, after) = rest.split_once(char::is_whitespace).ok_or_else(|| format!("it ends too early; {FORM}"))?;
         rest = after.trim_start();
@@ -106,7 +107,6 @@ fn number<T: FromStr>(word: &str) -> Result<T, String> {
     word.parse().map_err(|_| format!("'{word}' is not a number that can stand here"))
 }
 
-/// The lines of a file, counted.
 struct Lines<'a, R> {
     text: R,
     path: &'a Path,
