@@ -255,21 +255,3 @@ fn swatch_ui(ui: &mut Ui, map: ColourMap) {
     }
     ui.painter().add(egui::Shape::mesh(mesh));
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plane::Plane;
-    use std::sync::Arc;
-
-    #[test]
-    fn ranges_of_buttons() {
-        let plane = Plane::from_fn(100, 100, |u, v| if (u, v) == (0, 0) { 1.0 } else { (v as f32) / 1000.0 });
-        let picture = Picture::new(Arc::new(plane), "ramp");
-        assert_eq!(full_range(&picture), Some((0.0, 1.0)));
-        let (low, high) = percentile_range(&picture, &Region::whole(&picture.plane)).unwrap();
-        assert!(low == 0.0 && (high - 0.099).abs() < 1e-6, "{high}");
-        let region = Region { columns: 0..100, rows: 50..60 };
-        assert_eq!(percentile_range(&picture, &region), Some((0.05, 0.059)));
-    }
-}
