@@ -256,6 +256,18 @@ mod tests {
     use super::*;
 
     #[test]
+    fn single_files_are_frames_of_one_burst_and_in_a_pair_a_burst_each() {
+        let home = tempfile::tempdir().expect("a folder");
+        let [a, b, gone] = ["a.png", "b.png", "gone.png"].map(|name| home.path().join(name));
+        [&a, &b].into_iter().for_each(|path| image::GrayImage::new(8, 8).save(path).expect("written"));
+        let plain = OpenOptions::default();
+        let frames = resolve(&[b.clone(), a.clone(), gone], &plain);
+        assert!(frames.len() == 1 && frames[0].source.is_err(), "what is not there may be one of the frames");
+        let pair = resolve_pair(&a, &b, &plain).expect("two bursts");
+        assert_eq!((pair[0].name.as_str(), pair[1].name.as_str()), ("a", "b"));
+    }
+
+    #[test]
     fn sequences_are_cut_and_their_bursts_named_apart() {
         let home = tempfile::tempdir().expect("a folder");
         for (film, frames) in [("day", 5), ("night", 4), ("dusk", 1)] {

@@ -268,7 +268,6 @@ fn frame_files(originals: &[String]) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::synth::noise::quantisation_step;
-    use crate::synth::write::occupied;
 
     /// Three frames of a ramp from 0 to 1, whose standard deviation is 0.29.
     fn ramp() -> Burst {

@@ -125,3 +125,38 @@ fn distance_to_segment(pos: Pos2, from: Pos2, to: Pos2) -> f32 {
     let t = ((pos - from).dot(along) / along.length_sq().max(1e-9)).clamp(0.0, 1.0);
     pos.distance(from + t * along)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::colour_by::rgb;
+    use super::*;
+    use egui::{pos2, vec2};
+
+    fn panes() -> [Pane; 2] {
+        [0.0, 110.0].map(|left| Pane {
+            ui_from_image: RectTransform::new(pos2(0.0, 0.0), pos2(left, 0.0), 1.0),
+            rect_ui: Rect::from_min_size(pos2(left, 0.0), vec2(100.0, 100.0)),
+        })
+    }
+
+    fn line(index: usize, a: (f32, f32), b: (f32, f32), kind: MatchKind) -> MatchLine {
+        MatchLine { index, a: a.into(), b: b.into(), kind, colour: rgb(kind.color()) }
+    }
+
+    #[test]
+    fn ends_are_hit_before_lines_and_lines_only_where_they_are() {
+        let lines = [
+            line(4, (10.0, 50.0), (90.0, 50.0), MatchKind::Inlier),
+            line(7, (50.0, 53.0), (50.0, 90.0), MatchKind::Outlier),
+        ];
+        let at = |u: f32, v: f32| match_at(&lines, &panes(), pos2(u, v));
+        assert_eq!(at(30.0, 51.0), Some(4));
+        assert_eq!(at(50.0, 50.0), Some(7), "its end is near, the other's line is nearer");
+        assert_eq!(at(198.0, 50.5), Some(4));
+        assert_eq!(at(30.0, 60.0), None);
+        // Of a line with one end out of sight only the other end is there.
+        let lines = [line(0, (10.0, 10.0), (500.0, 10.0), MatchKind::Inlier)];
+        assert_eq!(match_at(&lines, &panes(), pos2(12.0, 12.0)), Some(0));
+        assert_eq!(match_at(&lines, &panes(), pos2(60.0, 10.0)), None);
+    }
+}
