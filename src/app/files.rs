@@ -369,37 +369,6 @@ mod tests {
         [Csv, Colmap, Npz, Png, Tiff, Figure, Matches, Profile, CurvesCsv, CurvesSvg]
     };
 
-    #[test]
-    fn dropped_files_mean_what_is_open_where_they_are_dropped() {
-        let home = tempfile::tempdir().expect("a folder");
-        let file = |name: &str, text: &str| {
-            let path = home.path().join(name);
-            std::fs::write(&path, text).expect("written");
-            vec![path]
-        };
-        let (frames, params) = (file("x.npy", ""), file("params.toml", "levels = 3"));
-        let mut model = Model::default();
-        opening::take_burst(&mut model, open((64, 48), 5));
-        let session = file("s.toml", &Session::of(Read::of(&model)).expect("a burst is open").to_toml());
-        let purpose = |paths: &[PathBuf], side, draft: Option<&OpenOptions>, model: Read<'_>| {
-            purpose_of_dropped(paths, side, draft, model)
-        };
-        assert_eq!(purpose(&frames, Side::A, None, Read::of(&model)), Purpose::OpenFiles);
-        assert_eq!(purpose(&frames, Side::B, None, Read::of(&model)), Purpose::OpenFilesB);
-        assert_eq!(purpose(&params, Side::B, None, Read::of(&model)), Purpose::LoadParams);
-        assert_eq!(purpose(&session, Side::A, None, Read::of(&model)), Purpose::RestoreSession);
-        let mut draft = OpenOptions::default();
-        assert_eq!(purpose(&frames, Side::A, Some(&draft), Read::of(&model)), Purpose::OpenBias);
-        draft.bias = Some(frames[0].clone());
-        assert_eq!(purpose(&frames, Side::A, Some(&draft), Read::of(&model)), Purpose::OpenFlat);
-        draft.flat = Some(frames[0].clone());
-        assert_eq!(purpose(&frames, Side::A, Some(&draft), Read::of(&model)), Purpose::OpenMask);
-        model.document.workspace = Workspace::Trajectories;
-        assert_eq!(purpose(&frames, Side::A, None, Read::of(&model)), Purpose::OpenEstimate);
-        let two = [frames, params].concat();
-        assert_eq!(purpose(&two, Side::A, None, Read::of(&model)), Purpose::OpenFiles);
-    }
-
     fn prepared(purpose: Purpose, model: Read<'_>) -> Result<Work, String> {
         prepare(purpose, model, &PaneWidgets::default())
     }
@@ -455,17 +424,5 @@ mod tests {
         let why =
             prepared(Purpose::SaveParams, Read::of(&model)).expect("always")(&nowhere).expect_err("that is no folder");
         assert!(why.contains("f.csv"), "{why}");
-    }
-
-    #[test]
-    fn a_figure_is_written_in_the_format_of_its_name() {
-        let endings: Vec<_> = ["a.pdf", "b/c.SVG", "d.png", "e.jpg", "f"]
-            .map(|name| ending_of(Path::new(name), ExportKind::Figure))
-            .into_iter()
-            .collect();
-        assert_eq!(endings[..3], [Ok("pdf"), Ok("svg"), Ok("png")]);
-        for (ending, name) in endings[3..].iter().zip(["e.jpg", "f"]) {
-            assert!(ending.as_ref().is_err_and(|why| why.starts_with(name) && why.contains(".pdf, .svg, .png")));
-        }
     }
 }

@@ -114,14 +114,4 @@ mod tests {
         messages.resolved("Many");
         assert!(messages.errors().is_empty());
     }
-
-    #[test]
-    fn an_unanswered_question_is_open_until_the_next_note() {
-        let mut messages = Messages::default();
-        messages.note_unanswered(Purpose::SaveParams, "params.toml".to_owned(), "no file was chosen");
-        assert_eq!(messages.last_note(), Some("Save parameters: no file was chosen"));
-        assert_eq!(messages.unanswered(), Some(&(Purpose::SaveParams, "params.toml".to_owned())));
-        messages.note("Saved");
-        assert_eq!(messages.unanswered(), None);
-    }
 }

@@ -129,14 +129,3 @@ pub(super) fn run(args: &CompletionsArgs) -> Result<(), Failure> {
     clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut text);
     print(&String::from_utf8_lossy(&text)).map_err(Failure::output)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::CommandFactory;
-
-    #[test]
-    fn the_arguments_are_sound() {
-        Cli::command().debug_assert();
-    }
-}

@@ -77,36 +77,3 @@ pub fn parse_camera(text: &str) -> Result<Camera, String> {
     }
     text.parse()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use clap::{CommandFactory, Parser};
-
-    #[derive(Parser)]
-    struct Only {
-        #[command(flatten)]
-        matching: MatchingArgs,
-    }
-
-    fn params(arguments: &[&str]) -> Result<MatchParams, String> {
-        let only = Only::try_parse_from([&["x"], arguments].concat()).map_err(|e| e.to_string())?;
-        only.matching.params().map_err(|f| format!("{f:?}"))
-    }
-
-    #[test]
-    fn every_parameter_is_an_option_whose_default_can_be_typed() {
-        let command = Only::command();
-        for doc in doc::ALL {
-            let arg = command.get_arguments().find(|a| a.get_long() == Some(doc.name));
-            let arg = arg.unwrap_or_else(|| panic!("--{} is missing", doc.name));
-            let help = arg.get_help().expect("it has help").to_string();
-            assert!(help.starts_with(doc.meaning.trim_end_matches('.')), "{help}");
-            if doc.name != doc::CAMERA.name {
-                let typed = params(&[&format!("--{}", doc.name), &doc.default_text()]);
-                assert_eq!(typed, Ok(MatchParams::default()), "{}", doc.name);
-            }
-        }
-        assert_eq!(params(&[]), Ok(MatchParams::default()));
-    }
-}

@@ -202,13 +202,3 @@ From there to camera poses and their errors:
   mkdir -p rec/sparse
   colmap mapper --database_path rec/database.db --image_path rec/images --output_path rec/sparse
   burstscope evaluate poses --estimate rec/sparse --truth way/poses.txt";
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_help_says_the_default_light() {
-        assert_eq!(Light::default(), Light::Snr(0.3));
-    }
-}

@@ -218,20 +218,12 @@ mod tests {
     }
 
     #[test]
-    fn every_condition_is_looked_at() {
+    fn conditions_hold_within_their_bounds() {
         for (text, met) in [
             ("", true),
-            ("slope_u = [-2.2, -1.9]", true),
-            ("slope_u = [-1.9, 0.0]", false),
             ("slope_v = [0.4, 0.6]\nslope_u = [0, 1]", false),
-            ("show = \"stack\"", true),
-            ("show = \"dog\"", false),
-            ("layout = \"slice\"", false),
-            ("frame = [3, 3]\noctave = [1, 2]\nlevel = [0, 2]", true),
             ("level = [0, 1]", false),
-            ("frames_used = [10, 10]", true),
             ("features = [50, 100]", false),
-            ("selected = true", false),
             ("probe = [103, 54, 5]", true),
             ("probe = [104, 54, 5]", false),
             ("params = { noise_gate = [3.9, 4.1] }", true),
@@ -242,17 +234,10 @@ mod tests {
             ("searches_u = [-3, 2]", true),
             ("searches_u = [-4, 2]", false),
             ("slopes = [7, 7]", true),
-            ("tab = \"tally\"\nworkspace = \"inspect\"", true),
-            ("workspace = \"pair\"", false),
             ("inliers = [0, 9]", false),
-            ("selected_match = true", false),
-            ("reads_depths = true", false),
-            ("detects = true", true),
-            ("finds_slopes = true", false),
         ] {
             assert_eq!(is_met(text, |_| {}), met, "{text}");
         }
-        assert!(is_met("layout = \"slice\"", |now| now.layout = Some(Layout::Slice)));
         assert!(is_met("inliers = [5, 9]", |now| now.inliers = Some(7)));
         assert!(!is_met("probe = [100, 50, 9]", |now| now.probe = None), "its answer is not there yet");
     }

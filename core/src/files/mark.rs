@@ -346,38 +346,3 @@ pub fn is_unchanged(folder: &Path, kind: Kind) -> io::Result<bool> {
     listing.remove(kind.file());
     Ok(listing.iter().all(|(name, content)| claimed.get(name) == Some(content)))
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_mark_is_at_the_end_of_the_file_and_claims_all_before_it() {
-        let home = tempfile::tempdir().expect("a folder");
-        let path = home.path().join("x");
-        let gif = [b"GIF89a\x01\0\x01\0\0\0\0".as_slice(), Place::Gif.end()].concat();
-        let zip = [b"PK\x03\x04, and at the end PK\x05\x06".as_slice(), &[0; 18]].concat();
-        for start in [&gif[..], &zip, b"<svg/>\n", b"levels = 4\n"] {
-            std::fs::write(&path, start).expect("written");
-            assert!(!has_mark(&path, false));
-            let mut file = File::options().read(true).write(true).open(&path).expect("opened");
-            seal(&mut file, Kind::Picture).expect("sealed");
-            assert!(has_mark(&path, true));
-            let whole = std::fs::read(&path).expect("read");
-            let altered = [&whole[..5], b"?", &whole[6..]].concat();
-            for (bytes, is_found) in
-                [(altered, true), ([&whole[..], b" "].concat(), false), (whole[..whole.len() - 1].to_vec(), false)]
-            {
-                std::fs::write(&path, bytes).expect("written");
-                assert_eq!((has_mark(&path, false), has_mark(&path, true)), (is_found, false));
-            }
-        }
-        assert_eq!(sealed("levels = 4\n".into(), Kind::Settings).lines().count(), 2);
-        std::fs::write(&path, sealed("<svg/>\n".into(), Kind::Drawing)).expect("written");
-        assert!(has_mark(&path, true));
-        std::fs::write(&path, b"\x89PNG\r\n\x1a\n cut off").expect("written");
-        let mut file = File::options().read(true).write(true).open(&path).expect("opened");
-        assert!(seal(&mut file, Kind::Picture).is_err());
-        assert!(!has_mark(home.path(), false) && !has_mark(&home.path().join("none"), false));
-    }
-}

@@ -200,27 +200,6 @@ mod tests {
     }
 
     #[test]
-    fn what_runs_have_left_takes_no_place_and_what_others_have_does() {
-        let home = tempfile::tempdir().expect("a folder");
-        let at = |name: &str| home.path().join(name);
-        left(&at("a"), &["new"]);
-        for (name, text) in [(".burstscope-lock", ""), (".burstscope-x.lock", "process 12 on lighthouse\n")] {
-            std::fs::write(at(name), text).expect("written");
-        }
-        assert!(is_free(home.path()).expect("a folder") && is_free(&at("none")).expect("no folder"));
-        for (name, text) in
-            [(".burstscope-lock", "mine"), (".burstscope-x.tmp", "mine"), (".burstscope-y.lock", "my\nnote")]
-        {
-            let before = std::fs::read(at(name)).ok();
-            std::fs::write(at(name), text).expect("written");
-            assert!(!is_free(home.path()).expect("a folder"), "{name}");
-            let undone = before.map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text));
-            undone.expect("as it was");
-        }
-        assert!(is_free(home.path()).expect("a folder") && is_free(&at(".burstscope-lock")).is_err());
-    }
-
-    #[test]
     fn a_folder_that_may_not_go_is_put_back() {
         let home = tempfile::tempdir().expect("a folder");
         let target = home.path().join("a");

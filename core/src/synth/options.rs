@@ -33,17 +33,3 @@ pub fn parse_range(text: &str) -> Result<RangeInclusive<f64>, String> {
     let number = |s: &str| s.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(bad);
     Ok(number(low)?..=number(high)?)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::synth::{ChartParams, RadiusLaw};
-
-    #[test]
-    fn options_read_what_they_say() {
-        assert_eq!(parse_range("3.6:19"), Ok(ChartParams::default().radius));
-        assert_eq!(parse_range("2"), Ok(2.0..=2.0));
-        assert!(parse_range("x:2").is_err() && parse_range("1:nan").is_err());
-        assert!(read_word::<RadiusLaw>("log").is_ok_and(|law| law == RadiusLaw::Log));
-    }
-}

@@ -314,20 +314,6 @@ mod tests {
     }
 
     #[test]
-    fn discs_of_the_charts_on_which_they_stand_apart_do() {
-        for motion in [Motion::OneD, Motion::TwoD] {
-            let study = AccuracyStudy::with_motion(motion);
-            let apart = study.standing_apart(discs_apart(&study.chart)).chart;
-            assert_eq!(apart.discs, 20);
-            for seed in 1..=3 {
-                let chart = ChartParams { seed, snr: f64::INFINITY, ..apart.clone() };
-                let (_, truth) = synth_chart(&chart, &Monitor::default()).expect("they fit");
-                assert!(truth.features.iter().all(|disc| stands_apart(disc, &truth)), "{motion:?} {seed}");
-            }
-        }
-    }
-
-    #[test]
     fn ranges_follow_a_turned_grid() {
         let disc = |slope_u, slope_v| FeatureTruth {
             id: 0,

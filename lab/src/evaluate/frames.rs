@@ -166,23 +166,4 @@ mod tests {
         assert!((heard.iter().copied().fold(0.0, f32::max) - 1.0).abs() < 1e-5);
         assert!(heard.iter().any(|&x| x > 0.1 && x < 0.3), "the first row is a quarter of the work");
     }
-
-    #[test]
-    fn nonsense_is_named_before_anything_is_run() {
-        let with = |charts: ChartStudy| FramesStudy { charts, ..small() };
-        let cases = [
-            (FramesStudy { frame_counts: Vec::new(), ..small() }, "frame-counts: "),
-            (FramesStudy { frame_counts: vec![2, 1], ..small() }, "frames: "),
-            (with(ChartStudy { snrs: vec![0.6, 1.0], ..small().charts }), "snr: "),
-            (with(ChartStudy { seeds: 0, ..small().charts }), "seeds: "),
-        ];
-        for (study, start) in cases {
-            let heard = Monitor::with_listener(|_| panic!("nothing is to be run"));
-            let error = study.run(&heard).expect_err(start).to_string();
-            assert!(error.starts_with(start), "{error}");
-        }
-        let monitor = Monitor::default();
-        monitor.cancel();
-        assert!(small().run(&monitor).is_err_and(|error| error.is_cancelled()));
-    }
 }

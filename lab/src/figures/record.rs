@@ -93,27 +93,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_record_speaks_of_the_files_that_are_there() {
-        let home = tempfile::tempdir().expect("a folder");
-        begin(home.path()).expect("begun");
-        let path = home.path().join("fig7.svg");
-        std::fs::write(&path, "<svg/>").expect("written");
-        let of = KeptFigure {
-            figure: PaperFigure::Fig7,
-            files: vec![("fig7.svg".into(), Checksum::of(b"<svg/>"))],
-            earlier: Vec::new(),
-            notes: Vec::new(),
-            seconds: 1.0,
-        };
-        let record = Record { made_from: MadeFrom::new("all"), of };
-        Records::of(home.path()).write(PaperFigure::Fig7.name(), &record).expect("written");
-        assert_eq!(read_record(home.path(), PaperFigure::Fig7), Some(record));
-        assert_eq!(read_record(home.path(), PaperFigure::Fig8), None);
-        std::fs::write(&path, "<svg></svg>").expect("altered");
-        assert_eq!(read_record(home.path(), PaperFigure::Fig7), None, "another content");
-    }
-
-    #[test]
     fn pieces_are_of_their_settings_and_other_peoples_folders_are_left_alone() {
         let home = tempfile::tempdir().expect("a folder");
         std::fs::write(home.path().join("thesis.txt"), "").expect("written");

@@ -198,20 +198,3 @@ impl std::str::FromStr for PaperFigure {
             .ok_or_else(|| format!("'{text}' is none of them; give fig1 to fig9 or table1 to table3"))
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn names_titles_and_numbers_agree() {
-        for figure in PaperFigure::ALL {
-            assert_eq!(figure.name().parse(), Ok(figure));
-            let number = figure.name().trim_start_matches(char::is_alphabetic);
-            assert!(figure.title().contains(&format!(" {number}: ")), "{}", figure.title());
-            assert_eq!(serde_json::to_value(figure).expect("a word"), figure.name());
-            assert!(figure.caption().ends_with('.'));
-        }
-        assert!("fig10".parse::<PaperFigure>().expect_err("there is none").contains("fig1 to fig9"));
-    }
-}

@@ -259,7 +259,6 @@ fn frame_files(originals: &[String]) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::synth::noise::quantisation_step;
-    use crate::synth::write::occupied;
 
     /// Three frames of a ramp from 0 to 1, whose standard deviation is 0.29.
     fn ramp() -> Burst {
@@ -339,31 +338,11 @@ mod tests {
     }
 
     #[test]
-    fn copies_keep_their_names_and_replace_only_copies() {
-        let home = tempfile::tempdir().expect("a folder");
-        let dir = home.path().join("dark");
-        let burst = ramp();
-        let params = NoisyParams::default();
-        let exposure = exposure(&params, &burst);
-        let write = |subfolders| {
-            let names = ["night 1".to_owned(), "night 2".to_owned()];
-            let names = if subfolders { &names[..] } else { &names[..1] };
-            let open = |_| Ok::<_, Error>(burst.clone());
-            write_noisy(&dir, names, subfolders, &params, &exposure, open, &Monitor::default())
-        };
-        assert_eq!(write(false).expect("written").frames, ["a.png", "b.png", "c.png"]);
-        assert_eq!(Burst::open(&dir).expect("a burst").frame_names, ["a.png", "b.png", "c.png"]);
-        let truth = write(true).expect("replaced");
-        assert_eq!(truth.frames[3..], ["night 2/a.png", "night 2/b.png", "night 2/c.png"]);
-        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 4);
-        write(true).expect("replaced again");
-        std::fs::write(dir.join("night 1/notes.txt"), "precious").expect("written");
-        assert_eq!(write(false).err(), Some(occupied(&dir)));
-        assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1, "no leftovers");
-        assert_eq!(
-            frame_files(&["x/s.tif [0]".to_owned(), "x/s.tif [1]".to_owned()]),
-            ["frame_000.png", "frame_001.png"]
-        );
-        assert_eq!(frame_files(&["a.tif".to_owned(), "A.png".to_owned()]), ["frame_000.png", "frame_001.png"]);
+    fn copies_keep_their_names_unless_two_would_share_one() {
+        let named = |names: [&str; 2]| frame_files(&names.map(str::to_owned));
+        assert_eq!(named(["a.jpg", "b.jpg"]), ["a.png", "b.png"]);
+        for names in [["x/s.tif [0]", "x/s.tif [1]"], ["a.tif", "A.png"]] {
+            assert_eq!(named(names), ["frame_000.png", "frame_001.png"]);
+        }
     }
 }

@@ -116,73 +116,19 @@ mod tests {
     use super::super::{ChartParams, synth_chart};
     use super::*;
 
-    fn chart(seed: u64, frames: usize) -> (Burst, Truth) {
-        let params = ChartParams { width: 64, height: 48, discs: 2, frames, seed, ..ChartParams::default() };
-        let params = ChartParams { radius: 3.0..=5.0, max_slope: 1.0, ..params };
-        synth_chart(&params, &Monitor::default()).expect("a chart")
-    }
-
     #[test]
-    fn files_hold_every_value_and_the_truth_exactly() {
+    fn what_comes_into_the_folder_while_the_new_one_is_made_stays() {
         let home = tempfile::tempdir().expect("a folder");
-        let dir = home.path().join("deep").join("chart");
-        let (burst, truth) = chart(1, 3);
-        write_burst(&dir, &burst, &truth, &Monitor::default()).expect("written");
-        for (t, frame) in burst.frames.iter().enumerate() {
-            let picture = image::open(dir.join(frame_name(t))).expect("a picture").into_luma16();
-            let read: Vec<f32> = picture.as_raw().iter().map(|&x| f32::from(x) / 65535.0).collect();
-            assert_eq!(read, frame.data());
-        }
-        let text = std::fs::read_to_string(dir.join("truth.json")).expect("a file");
-        // Numbers have all their digits (the JSON reader may be off by the last one).
-        assert_eq!(text.trim_end(), serde_json::to_string_pretty(&truth).expect("valid"));
-        assert_eq!(serde_json::from_str::<Truth>(&text).expect("valid").features.len(), truth.features.len());
-        assert_eq!(std::fs::read_dir(dir.parent().expect("it has one")).expect("a folder").count(), 1, "no leftovers");
-    }
-
-    #[test]
-    fn an_earlier_burst_is_replaced_whole_and_other_files_are_left_alone() {
-        let home = tempfile::tempdir().expect("a folder");
-        let dir = home.path().join("chart");
-        let (long, truth) = chart(1, 5);
-        write_burst(&dir, &long, &truth, &Monitor::default()).expect("written");
-        let (short, truth) = chart(2, 3);
-        write_burst(&dir, &short, &truth, &Monitor::default()).expect("replaced");
-        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 5);
-        std::fs::write(dir.join("thesis.txt"), "precious").expect("written");
-        let error = write_burst(&dir, &long, &truth, &Monitor::default()).expect_err("occupied").to_string();
-        assert!(error.contains("chart"), "{error}");
-        assert_eq!(std::fs::read_dir(&dir).expect("a folder").count(), 6);
-        // Pictures with a truth beside them belong to somebody else, if there is no mark that claims them.
-        let own = home.path().join("own");
-        std::fs::create_dir(&own).expect("made");
-        for name in ["frame_000.png", "truth.json"] {
-            std::fs::write(own.join(name), "mine").expect("written");
-        }
-        assert_eq!(write_burst(&own, &long, &truth, &Monitor::default()), Err(occupied(&own)));
-        // So does what comes into the folder while the new one is made.
         let late = home.path().join("late");
-        write_burst(&late, &short, &truth, &Monitor::default()).expect("written");
+        let params = ChartParams { width: 64, height: 48, discs: 2, frames: 3, ..ChartParams::default() };
+        let params = ChartParams { radius: 3.0..=5.0, max_slope: 1.0, ..params };
+        let (burst, truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
+        write_burst(&late, &burst, &truth, &Monitor::default()).expect("written");
         let added = |_: &Path| {
             std::fs::write(late.join("thesis.txt"), "precious").expect("written");
             Ok(())
         };
         assert_eq!(write_folder(&late, Kind::Burst, added), Err(occupied(&late)));
         assert_eq!(std::fs::read_to_string(late.join("thesis.txt")).expect("there"), "precious");
-        assert_eq!(write_folder(&dir, Kind::Trajectory, |_| Ok(())), Err(occupied(&dir)));
-    }
-
-    #[test]
-    fn cancelling_or_failing_leaves_nothing() {
-        let home = tempfile::tempdir().expect("a folder");
-        let monitor = Monitor::default();
-        let (burst, truth) = chart(1, 3);
-        monitor.cancel();
-        let result = write_burst(&home.path().join("chart"), &burst, &truth, &monitor);
-        assert!(result.is_err_and(|error| error.is_cancelled()));
-        let file = home.path().join("file");
-        std::fs::write(&file, "").expect("written");
-        assert!(write_burst(&file.join("chart"), &burst, &truth, &Monitor::default()).is_err());
-        assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 1);
     }
 }

@@ -148,24 +148,6 @@ mod tests {
     }
 
     #[test]
-    fn what_is_hidden_is_not_done_and_gold_needs_its_image() {
-        let mut model = methods();
-        model.document.methods.show(MethodId::Buff2d, false);
-        model.document.methods.show(MethodId::Merge, false);
-        assert_eq!(Read::of(&model).methods_shown(), [MethodId::Sift, MethodId::Buff1d]);
-        model.results.compare.gold.a = Some(open((64, 48), 1));
-        assert_eq!(Read::of(&model).methods_shown().last(), Some(&MethodId::Gold));
-        let done = do_all(&mut model);
-        assert!(done.contains(&(MethodId::Gold, Side::A)) && !done.contains(&(MethodId::Gold, Side::B)));
-        opening::take_burst(&mut model, open((64, 48), 5));
-        assert_eq!(
-            Read::of(&model).methods_shown(),
-            [MethodId::Sift, MethodId::Buff1d],
-            "it was of the other burst's view"
-        );
-    }
-
-    #[test]
     fn what_failed_is_not_tried_again_until_asked_or_changed() {
         let mut model = methods();
         let job = Read::of(&model).next_compare_job().expect("nothing is there yet");

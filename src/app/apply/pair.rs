@@ -225,7 +225,6 @@ pub(in crate::app) mod tests {
     use crate::app::results::pair::*;
     use crate::app::results::{Model, Read};
     use crate::detector::{Detection, FrameRange, Method};
-    use crate::matching::MatchParams;
     use crate::monitor::Monitor;
     use crate::requests::Detected;
     use crate::teach::Workspace;
@@ -302,30 +301,6 @@ pub(in crate::app) mod tests {
             model.document.panes.clone()
         };
         assert!(opened(Side::A) == opened(Side::B));
-    }
-
-    #[test]
-    fn matches_are_wanted_until_they_are_there_and_again_when_something_changed() {
-        let mut model = pair();
-        assert!(Read::of(&model).needs_matches());
-        let made = matched(Read::of(&model));
-        take_made_matches(&mut model, made);
-        refresh_listed_matches(&mut model);
-        assert!(!Read::of(&model).needs_matches());
-        assert_eq!((model.results.pair.listed.len(), Read::of(&model).stale_matches()), (4, None));
-        model.document.matching.ratio = 0.7;
-        assert!(Read::of(&model).needs_matches());
-        assert!(Read::of(&model).stale_matches().is_some_and(|why| why.contains("matching")));
-        model.document.matching.ratio = 2.0;
-        params::check_params(&mut model);
-        assert!(!Read::of(&model).needs_matches(), "parameters that make no sense are not tried");
-        assert_eq!(model.results.pair.param_error.as_ref().map(|e| e.subject.as_str()), Some("ratio"));
-        model.document.matching = MatchParams::default();
-        params::check_params(&mut model);
-        model.document.params.edge_threshold *= 2.0;
-        assert!(Read::of(&model).stale_matches().is_some_and(|why| why.contains("detector")));
-        opening::take_burst(&mut model, open((64, 48), 5));
-        assert!(model.results.pair.matches.is_none(), "the matches were with another burst");
     }
 
     #[test]

@@ -189,57 +189,11 @@ pub fn use_frames(model: &mut Model, count: usize) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::apply::bench::open;
-    use crate::app::apply::opening;
-    use crate::app::document::cursor::slope_limit;
-    use crate::app::pane::{Direction, Link};
-    use crate::detector::Slope;
-
-    #[test]
-    fn what_is_linked_moves_with_the_cursor_in_focus_and_nothing_else_does() {
-        let mut model = Model::default();
-        model.document.params.slopes = crate::detector::SlopeGrid::default().into();
-        opening::take_burst(&mut model, open((64, 48), 5));
-        let first = model.document.focus();
-        let [second, third] =
-            [Direction::Right, Direction::Right].map(|to| model.document.panes.split(first, to).expect("room"));
-        model.document.panes.get_mut(third).expect("it is there").links.set(Link::Cursor, false);
-        model.document.panes.set_focus(first);
-        let slopes = |model: Read<'_>| {
-            [first, second, third].map(|id| model.document.panes.get(id).expect("there").cursor.slope)
-        };
-        let [start, ..] = slopes(Read::of(&model));
-        let (left, right) = (Slope::new(start.u - 1.0, start.v), Slope::new(start.u + 1.0, start.v));
-
-        model.document.show_slope(first, right);
-        assert_eq!(slopes(Read::of(&model)), [right, right, start]);
-
-        // The cursor of another pane was there already when the focus went to it, and one not in focus leads none.
-        model.document.panes.set_focus(second);
-        model.document.show_slope(second, left);
-        assert_eq!(slopes(Read::of(&model)), [left, left, start]);
-        model.document.show_slope(first, right);
-        assert_eq!(slopes(Read::of(&model)), [right, left, start]);
-
-        // At the end of the range the others keep their distance to the cursor in focus.
-        model.document.show_slope(second, Slope::new(100.0, 0.0));
-        params::check_params(&mut model);
-        let limit = slope_limit(&model.results.slots.a.usable_params.slopes);
-        assert_eq!(
-            slopes(Read::of(&model)),
-            [Slope::new(limit + right.u - left.u, 0.0), Slope::new(limit, 0.0), start]
-        );
-    }
-
-    fn model(width: f32) -> Model {
-        let mut model = Model::default();
-        model.shell.window_width_points = width;
-        model
-    }
 
     #[test]
     fn in_a_very_narrow_window_one_side_panel_is_open_at_a_time() {
-        let mut model = model(720.0);
+        let mut model = Model::default();
+        model.shell.window_width_points = 720.0;
         open_left(&mut model);
         assert!(Read::of(&model).shows_left() && !Read::of(&model).folds_left());
         model.document.panels.right = Visibility::Auto;

@@ -188,12 +188,9 @@ mod tests {
     use super::*;
     use crate::app::apply::bench::Bench;
     use crate::app::apply::{explained, pair};
+    use crate::detector::ParamChange;
     use crate::detector::params::doc;
-    use crate::detector::{NoiseGate, ParamChange};
-    use crate::inspect::{ProbeOptions, probe};
-    use crate::monitor::Monitor;
     use crate::requests::ViewKind;
-    use crate::teach::Workspace;
 
     fn answered(model: Read<'_>) -> (Side, crate::requests::BurstId, [f32; 2]) {
         let answer = model.results.probed.answer.as_ref().filter(|_| model.probe_is_current()).expect("answered");
@@ -231,41 +228,6 @@ mod tests {
         probe_feature(&mut bench.model, Side::A, 0);
         let own = (bench.model.document.probe.near_sigma, bench.model.document.probe.in_view);
         assert_eq!(own, (None, None), "a feature has its own scale and slope");
-    }
-
-    #[test]
-    fn the_price_of_a_change_is_what_it_gives_or_the_time_of_the_search_that_it_takes() {
-        let mut bench = Bench::with_two_charts();
-        bench.model.document.open_workspace(Workspace::Inspect);
-        bench.settle();
-        // The search left what a stricter gate rejects.
-        bench.model.document.params.noise_gate = NoiseGate::Factor(300.0);
-        bench.settle();
-        ask_probe(&mut bench.model, Side::A, ProbeQuestion::Strongest);
-        bench.settle();
-        let answer = bench.model.results.probed.answer.clone().expect("answered");
-        let fate = answer.probe.subject_fate().expect("a candidate").clone();
-        assert!(!fate.is_kept(), "the gate rejects all");
-        let change = fate.remedy.as_ref().expect("it has one").change.clone();
-        let [(of, price)] = &answer.prices[..] else { panic!("not counted: {:?}", answer.prices) };
-        assert_eq!((of, price.now), (&change, Read::of(&bench.model).features().len()));
-        assert!(price.own.is_some_and(|(now, then)| now == 0 && then > 0), "{price:?}");
-        assert!(
-            Read::of(&bench.model)
-                .price_text(Side::A, &change)
-                .is_some_and(|text| text.starts_with("Keeps this one, and "))
-        );
-        explained::apply_advice(&mut bench.model, Side::A, std::slice::from_ref(&change));
-        bench.settle();
-        assert_eq!(Read::of(&bench.model).features().len(), price.then);
-        // Twice the slopes.
-        bench.model.results.slots.a.found.as_mut().expect("found").detected.search_secs = 4.0;
-        let slopes = Read::of(&bench.model).found_of(Side::A).expect("found").params.slopes.u;
-        let twice = ParamChange::new(doc::SLOPES_U, slopes.with_more(0, slopes.count));
-        let text = Read::of(&bench.model).price_text(Side::A, &twice);
-        assert_eq!(text.as_deref(), Some("Takes a new search, about 8 s"));
-        let wrong = ParamChange::new(doc::LEVELS, -1);
-        assert_eq!(Read::of(&bench.model).price_text(Side::A, &wrong), None);
     }
 
     #[test]
@@ -308,43 +270,5 @@ mod tests {
         explained::apply_advice(&mut bench.model, Side::B, &[change(doc::SLOPE_DIRECTION, "90")]);
         let slopes = bench.model.document.params.slopes.given().expect("given");
         assert_eq!((slopes.u.count, slopes.u.max), (9, 4.0));
-    }
-
-    #[test]
-    fn each_burst_is_probed_where_it_lies_and_the_answer_is_that_of_its_own_search() {
-        let mut bench = Bench::with_two_charts();
-        let ids = Side::BOTH.map(|side| Read::of(&bench.model).burst_of(side).expect("open").id);
-        for (side, place) in [(Side::B, [80.0, 30.0]), (Side::A, [110.0, 30.0]), (Side::B, [20.0, 40.0])] {
-            probe_place(&mut bench.model, side, place);
-            assert!(bench.model.results.probed.answer.is_none(), "what was said of the other burst is not shown");
-            bench.settle();
-            assert_eq!(answered(Read::of(&bench.model)), (side, ids[side as usize], place));
-            let model = &bench.model;
-            let answer = model.results.probed.answer.as_ref().expect("there");
-            let cache = &answer.request.traced.cache;
-            assert_eq!(cache.detection().features, Read::of(model).found_of(side).expect("found").detection.features);
-            let options = ProbeOptions { in_view: answer.request.in_view, ..ProbeOptions::default() };
-            let expected = probe(cache, place, &options, &Monitor::default()).expect("inside");
-            assert_eq!(answer.probe.fates, expected.fates);
-            assert!(
-                Read::of(model).untraced().is_none()
-                    && !Read::of(model).probe_is_stale()
-                    && Read::of(model).probe_is_here()
-            );
-        }
-        assert_eq!(
-            Side::BOTH.map(|side| Read::of(&bench.model).burst_of(side).expect("open").id),
-            ids,
-            "nothing was swapped"
-        );
-        // This place is inside of A only.
-        probe_place(&mut bench.model, Side::B, [110.0, 30.0]);
-        assert_eq!(
-            (bench.model.document.probe.side, Read::of(&bench.model).probed_place()),
-            (Side::B, Some([20.0, 40.0]))
-        );
-        // In *One burst* only A is looked at, and B's probe waits.
-        bench.model.document.open_workspace(Workspace::Inspect);
-        assert!(!Read::of(&bench.model).probe_is_here() && Read::of(&bench.model).probe_is_current());
     }
 }

@@ -306,18 +306,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn cells_are_found_where_they_are_drawn() {
-        let grid = Grid { origin: pos2(100.0, 20.0), cell: 16.0, count: 5 };
-        for (row, column) in [(0, 0), (4, 0), (2, 3), (4, 4)] {
-            assert_eq!(grid.cell_at(grid.cell(row, column).center()), Some((row, column)));
-        }
-        for outside in [pos2(99.0, 30.0), pos2(120.0, 10.0), pos2(181.0, 30.0), pos2(f32::NAN, 30.0)] {
-            assert_eq!(grid.cell_at(outside), None);
-        }
-        assert_eq!([5, 1000].map(|count| Grid::cell_side(count, vec2(900.0, 700.0))), [64.0, 7.0]);
-    }
-
-    #[test]
     fn rows_and_columns_have_the_names_of_their_bursts() {
         let burst = |name: &str| crate::burst::BurstFiles { name: name.to_owned(), paths: Vec::new() };
         let dataset = Dataset::new(crate::requests::OpenDataset {

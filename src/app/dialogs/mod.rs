@@ -165,50 +165,6 @@ fn answer(question: Question, dialogs: &dyn FileDialogs) -> FileAnswer {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
-    use std::time::{Duration, Instant};
-
-    struct Scripted(bool, Option<Vec<PathBuf>>);
-
-    impl FileDialogs for Scripted {
-        fn exist(&self) -> bool {
-            self.0
-        }
-
-        fn ask(&self, _: &Question) -> Option<Vec<PathBuf>> {
-            self.1.clone()
-        }
-    }
-
-    fn question() -> Question {
-        Question { purpose: Purpose::OpenFolder, suggested_name: String::new(), folder: None }
-    }
-
-    #[test]
-    fn what_was_chosen_is_answered_and_a_second_question_comes_back() {
-        let mut chooser = FileChooser::new(Arc::new(Scripted(true, Some(vec!["/x".into()]))), Arc::new(|| {}));
-        assert!(chooser.ask(question()).is_ok());
-        assert!(chooser.is_asking() && chooser.ask(question()).is_err());
-        let end = Instant::now() + Duration::from_secs(120);
-        let chosen = loop {
-            if let Some(answer) = chooser.take_answers().pop() {
-                break answer;
-            }
-            assert!(Instant::now() < end, "no answer");
-            std::thread::sleep(Duration::from_millis(1));
-        };
-        assert!(matches!(chosen, FileAnswer::Chosen(Purpose::OpenFolder, paths) if paths == [PathBuf::from("/x")]));
-        assert!(!chooser.is_asking() && chooser.ask(question()).is_ok());
-    }
-
-    #[test]
-    fn there_is_no_dialog_only_where_the_system_has_none_however_soon_one_ends() {
-        for paths in [None, Some(Vec::new())] {
-            assert!(matches!(answer(question(), &Scripted(true, paths.clone())), FileAnswer::Nothing(_)));
-            assert!(matches!(answer(question(), &Scripted(false, paths)), FileAnswer::NoDialog(_)));
-        }
-    }
-
     #[cfg(all(unix, not(target_os = "macos")))]
     mod of_a_free_desktop {
         use super::super::free_desktop::shows_dialogs;

@@ -125,12 +125,4 @@ mod tests {
             assert_eq!(path_from_text("~/bursts"), home.join("bursts"));
         }
     }
-
-    #[test]
-    fn a_folder_that_is_to_be_made_is_known_before() {
-        let home = tempfile::tempdir().expect("a folder");
-        assert_eq!(new_folder(&home.path().join("a.csv")), None);
-        assert_eq!(new_folder(&home.path().join("new/a.csv")), Some(home.path().join("new")));
-        assert_eq!(new_folder(std::path::Path::new("a.csv")), None);
-    }
 }

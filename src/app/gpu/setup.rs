@@ -188,7 +188,6 @@ pub fn textures_of(ctx: &Context) -> Vec<(TextureId, ImageDelta)> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::Color32;
 
     #[test]
     fn limits_follow_the_adapter_where_pictures_need_it() {
@@ -198,39 +197,5 @@ mod tests {
         assert_eq!((limits.max_texture_dimension_2d, limits.max_buffer_size), (32768, 1 << 40));
         let weak = wgpu::Limits::downlevel_defaults();
         assert!(required_limits(&weak).check_limits(&weak), "a weak adapter must still get a device");
-    }
-
-    fn pass(ctx: &Context, draw: impl FnMut(&mut egui::Ui)) -> Vec<TextureId> {
-        let mut textures = ctx.run_ui(egui::RawInput::default(), draw).textures_delta;
-        textures.free.clear();
-        let whole = std::mem::take(&mut textures.set).into_iter();
-        whole.filter(|(_, deltas)| deltas.iter().any(ImageDelta::is_whole)).map(|(id, _)| id).collect()
-    }
-
-    #[test]
-    fn textures_are_kept_as_the_card_has_them_and_come_again_once() {
-        let ctx = Context::default();
-        TextureMirror::install(&ctx);
-        let image = ColorImage::filled([4, 3], Color32::RED);
-        let mut texture = ctx.load_texture("test", image, TextureOptions::NEAREST);
-        pass(&ctx, |_| {});
-        texture.set_partial([1, 2], ColorImage::filled([2, 1], Color32::BLUE), TextureOptions::NEAREST);
-        let changed = pass(&ctx, |_| {});
-        assert!(!changed.contains(&texture.id()), "only a part is sent");
-        let kept = textures_of(&ctx);
-        let (_, delta) = kept.iter().find(|(id, _)| *id == texture.id()).expect("it is kept");
-        let ImageData::Color(pixels) = &delta.image;
-        let blue: Vec<usize> = (0..12).filter(|i| pixels.pixels[*i] == Color32::BLUE).collect();
-        assert_eq!(blue, [9, 10]);
-        // A new device gets all of them, once.
-        TextureMirror::install(&ctx);
-        let again = pass(&ctx, |_| {});
-        assert!(again.contains(&texture.id()) && again.contains(&TextureId::default()));
-        assert!(pass(&ctx, |_| {}).is_empty());
-        // Freed textures are not kept.
-        let id = texture.id();
-        drop(texture);
-        pass(&ctx, |_| {});
-        assert!(textures_of(&ctx).iter().all(|(kept, _)| *kept != id));
     }
 }

@@ -190,39 +190,6 @@ fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
     }
 }
 
-#[test]
-fn a_new_device_gets_the_pictures_again_and_draws_the_same() {
-    let picture = Picture::new(Arc::new(Plane::from_fn(64, 48, |u, v| ((u * 5 + v * 3) % 64) as f32 / 64.0)), "ramp");
-    let display = Display { map: ColourMap::Viridis, ..Display::default() };
-    let mut window = offscreen(vec2(64.0, 48.0), 1.0);
-    let uploads = |window: &Offscreen| {
-        window.render_state().renderer.read().callback_resources.get::<PictureRenderer>().unwrap().uploads()
-    };
-    let before = draw(&mut window, &picture, &display, &mut View::fit(), false);
-    let first = window.render_state().device.clone();
-    assert!(Gpu::of(window.context()).unwrap().lost().is_none());
-    first.destroy();
-    first.poll(wgpu::PollType::Poll).expect("it answers");
-    assert!(Gpu::of(window.context()).unwrap().lost().is_some());
-    assert_eq!(window.image().unwrap(), before);
-    assert!(Gpu::of(window.context()).unwrap().lost().is_none());
-    assert_eq!(draw(&mut window, &picture, &display, &mut View::fit(), false), before);
-    assert_eq!(uploads(&window), 1, "to the new device once");
-}
-
-#[test]
-fn stale_pictures_are_dimmer_and_paler() {
-    let picture = Picture::new(Arc::new(Plane::from_fn(8, 8, |_, _| 0.9)), "flat");
-    let display = Display { map: ColourMap::Turbo, ..Display::default() };
-    let mut window = offscreen(vec2(32.0, 32.0), 1.0);
-    let mut saturation = |dim: bool| {
-        let image = draw(&mut window, &picture, &display, &mut View::fit(), dim);
-        let [r, g, b, _] = image.get_pixel(16, 16).0;
-        i32::from(r.max(g).max(b)) - i32::from(r.min(g).min(b))
-    };
-    assert!(saturation(true) < saturation(false) / 2);
-}
-
 fn address_space() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").expect("Linux has it");
     let line = status.lines().find_map(|line| line.strip_prefix("VmSize:")).expect("its size");

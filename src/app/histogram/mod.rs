@@ -277,22 +277,3 @@ fn swatch_ui(ui: &mut Ui, map: ColourMap) {
     }
     ui.painter().add(egui::Shape::mesh(mesh));
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::plane::Plane;
-    use std::sync::Arc;
-
-    #[test]
-    fn ranges_of_buttons() {
-        let plane = Plane::from_fn(100, 100, |u, v| if (u, v) == (0, 0) { 1.0 } else { (v as f32) / 1000.0 });
-        let picture = Picture::new(Arc::new(plane), "ramp");
-        assert_eq!(RangeOf::All.range(&picture, None), Some((0.0, 1.0)));
-        let (low, high) = RangeOf::Percentiles.range(&picture, None).unwrap();
-        assert!(low == 0.0 && (high - 0.099).abs() < 1e-6, "{high}");
-        let rows = Rect::from_min_max(egui::pos2(-0.5, 49.5), egui::pos2(99.5, 59.5));
-        assert_eq!(RangeOf::Visible.range(&picture, Some(rows)), Some((0.05, 0.059)));
-        assert_eq!(RangeOf::Visible.range(&picture, None), None);
-    }
-}

@@ -54,27 +54,6 @@ mod tests {
     }
 
     #[test]
-    fn the_picture_stays_while_the_panel_comes_and_is_as_before_when_it_goes() {
-        let (mut aside, mut view) = (HeldPlace::default(), View::fit());
-        aside.keep(&mut view, rect(1040.0), false);
-        let place = pos2(100.0, 50.0);
-        let before = view.settle(rect(1040.0), SIZE, 1.0).pos(place);
-        aside.keep(&mut view, rect(780.0), true);
-        view.settle(rect(780.0), SIZE, 1.0);
-        aside.keep(&mut view, rect(740.0), true);
-        aside.keep(&mut view, rect(780.0), true);
-        let beside = view.settle(rect(780.0), SIZE, 1.0).pos(place);
-        assert!((beside - before).length() < 0.6 && !view.is_fit(), "{beside:?} instead of {before:?}");
-        aside.keep(&mut view, rect(780.0), true);
-        aside.keep(&mut view, rect(1040.0), false);
-        assert!(view.is_fit());
-        aside.keep(&mut view, rect(780.0), true);
-        view = View::fit();
-        aside.keep(&mut view, rect(1040.0), false);
-        assert!(view.is_fit(), "fitted beside the panel, and without it");
-    }
-
-    #[test]
     fn a_view_that_was_changed_meanwhile_stays_as_it_is() {
         let (mut aside, mut view) = (HeldPlace::default(), View::fit());
         aside.keep(&mut view, rect(1040.0), false);
@@ -86,17 +65,6 @@ mod tests {
         aside.keep(&mut view, rect(1040.0), false);
         let after = view.settle(rect(1040.0), SIZE, 1.0).pos(place);
         assert!((after - before).length() < 0.6 && !view.is_fit());
-    }
-
-    #[test]
-    fn a_view_that_is_restored_with_the_panel_is_the_one_beside_it() {
-        let (mut aside, mut view) = (HeldPlace::default(), View::fit());
-        aside.keep(&mut view, rect(1040.0), false);
-        aside.leave(view);
-        let restored = View::new(Zoom::PointsPerPixel(2.0), [100.0, 50.0]);
-        let mut view = restored;
-        aside.keep(&mut view, rect(780.0), true);
-        assert_eq!(view, restored);
     }
 
     #[test]

@@ -204,32 +204,3 @@ pub fn profile_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
     });
     named(&drawn.response, egui::Role::Image, format!("Profile of {} pictures", profiles.len()));
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::canvas::Picture;
-    use crate::plane::Plane;
-    use std::sync::Arc;
-
-    #[test]
-    fn numbers_are_computed_once_for_a_picture_and_a_rectangle() {
-        let plane = Arc::new(Plane::from_fn(20, 10, |u, _| u as f32));
-        let mut of = PaneRegion {
-            id: PaneId(0),
-            number: 1,
-            label: "Frame 0".into(),
-            picture: Picture::new(plane, "ramp"),
-            region: Region { columns: 2..8, rows: 0..5 },
-        };
-        let mut cache = RegionCache::default();
-        let first = cache.of(&of).clone();
-        assert_eq!(first.statistics.map(|s| (s.count, s.min, s.max)), Some((30, 2.0, 7.0)));
-        assert_eq!(first.histogram.map(|h| h.counts.iter().sum::<u64>()), Some(30));
-        assert_eq!(row(&of, first.statistics)[1..4], ["30", "4.5", "1.737"]);
-        of.region = Region { columns: 3..4, rows: 0..5 };
-        let flat = cache.of(&of);
-        assert!(flat.histogram.is_none() && flat.statistics.is_some(), "one value has no histogram");
-        assert!(table_text(&[row(&of, None)]).ends_with("\n1  Frame 0\t–\t–\t–\t–\t–\t–"));
-    }
-}

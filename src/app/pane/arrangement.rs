@@ -226,15 +226,6 @@ mod tests {
         assert_eq!(arrangement, pane(2), "the only pane stays");
     }
 
-    #[test]
-    fn rows_are_columns_of_rows() {
-        assert_eq!(Arrangement::rows(&[ids(&[7])]), pane(7));
-        let two = Arrangement::rows(&[ids(&[1, 2]), ids(&[3, 4])]);
-        assert!(matches!(&two, Arrangement::Column(rows) if rows.len() == 2));
-        assert_eq!(two.panes(), ids(&[1, 2, 3, 4]));
-        assert_eq!(two.in_rows(), [ids(&[1, 2]), ids(&[3, 4])]);
-    }
-
     fn any_arrangement() -> impl Strategy<Value = Arrangement> {
         let leaf = (0u32..6).prop_map(pane);
         leaf.prop_recursive(12, 40, 4, |inner| {

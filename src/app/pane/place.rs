@@ -44,20 +44,6 @@ mod tests {
 
     const SLOPE: Slope = Slope { u: 2.0, v: -1.0 };
 
-    #[test]
-    fn a_place_moves_along_the_slope_from_the_middle_of_the_burst_to_a_frame() {
-        let cursor = Cursor { slope: Slope::new(7.0, 7.0), ..Cursor::default() };
-        let stack = PictureKind::Stack { slope: SLOPE };
-        let frame = PictureKind::Frame(7);
-        let between = |place, from, to| place_in(place, from, &cursor, to, &cursor, (&Positions::even(11), 0..11));
-        assert_eq!(between(pos2(50.0, 40.0), stack, frame), pos2(54.0, 38.0));
-        assert_eq!(between(pos2(54.0, 38.0), frame, stack), pos2(50.0, 40.0));
-        let other = PictureKind::Stack { slope: Slope::default() };
-        assert_eq!(between(pos2(50.0, 40.0), stack, other), pos2(50.0, 40.0), "both are of the middle");
-        let last = PictureKind::Frame(9);
-        assert_eq!(between(pos2(50.0, 40.0), frame, last), pos2(64.0, 54.0), "by the slope of its own");
-    }
-
     proptest! {
         #[test]
         fn there_and_back_is_the_same_place(u in 0f32..500.0, v in 0f32..500.0, t in 0usize..12, s in -3f32..3.0) {

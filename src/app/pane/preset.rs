@@ -323,25 +323,8 @@ mod tests {
         pane
     }
 
-    fn slopes(laid: &Laid) -> Vec<f32> {
-        laid.rows.iter().flatten().map(|pane| pane.cursor.slope.u).collect()
-    }
-
     fn params() -> DetectorParams {
         DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 7), ..DetectorParams::default() }
-    }
-
-    #[test]
-    fn a_strip_has_the_slope_in_focus_in_its_middle_and_stays_on_the_grid() {
-        let laid = Preset::FiveSlopes.lay_out(&base(0.1), &params());
-        assert_eq!((slopes(&laid), laid.focus), (vec![-2.0, -1.0, 0.0, 1.0, 2.0], 2));
-        assert_eq!(laid.rows.iter().map(Vec::len).collect::<Vec<_>>(), [3, 2]);
-        let laid = Preset::ThreeSlopes.lay_out(&base(3.0), &params());
-        assert_eq!((slopes(&laid), laid.focus), (vec![1.0, 2.0, 3.0], 2));
-        let laid = Preset::NineSlopes.lay_out(&base(0.0), &params());
-        assert_eq!(slopes(&laid).len(), 7, "the grid has no more");
-        let single = DetectorParams { slopes: SlopeGrid::single(Slope::default()), ..params() };
-        assert_eq!(slopes(&Preset::ThreeSlopes.lay_out(&base(1.0), &single)), [0.75, 1.0, 1.25]);
     }
 
     #[test]

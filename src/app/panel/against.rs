@@ -329,27 +329,9 @@ mod tests {
     use super::*;
     use crate::app::apply::bench::{detected, feature, open};
     use crate::app::apply::{detection, opening};
-    use crate::app::document::comparison::{Kind, Reference};
+    use crate::app::document::comparison::Reference;
     use crate::app::results::Model;
-    use crate::detector::Slope;
     use std::time::Duration;
-
-    #[test]
-    fn a_row_says_dashes_for_what_it_has_not() {
-        let row = Row {
-            kind: Kind::Theirs,
-            pos_image: [10.04, 20.0],
-            from_image: None,
-            sigma: 2.345,
-            slope: None,
-            feature: None,
-            candidate: None,
-            note: String::new(),
-        };
-        assert_eq!(cells(&row), ["10.0", "20.0", "2.35", "–", "–"]);
-        let ours = Row { slope: Some(Slope::new(-1.0, 0.25)), feature: Some(4), kind: Kind::Ours, ..row };
-        assert_eq!(cells(&ours)[3..], ["-1.00, +0.25", "#4"], "features are counted from 0, as in files");
-    }
 
     #[test]
     fn an_empty_list_says_the_next_step() {

@@ -311,47 +311,6 @@ fn bars_ui(ui: &Ui, model: Read<'_>, second: bool, rect: Rect, x_of: &dyn Fn(f32
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::apply::bench::{Bench, open};
-    use crate::app::apply::{apply, opening, staged};
-    use egui::accesskit::Role;
-    use egui_kittest::Harness;
-    use egui_kittest::kittest::Queryable;
-
-    #[test]
-    fn a_drag_of_a_slider_is_one_action_a_pass_and_one_step_to_undo() {
-        let mut bench = Bench::new();
-        opening::take_burst(&mut bench.model, open((64, 48), 5));
-        let before = bench.model.document.cursor().slope;
-        let draw = |ui: &mut Ui, (bench, actions): &mut (Bench, Vec<usize>)| {
-            let mut queue = Queue::default();
-            cursor_ui(ui, Read::of(&bench.model), &mut queue);
-            let pushed: Vec<Action> = queue.into_iter().collect();
-            actions.push(pushed.len());
-            for action in pushed {
-                let _ = apply(action, &mut bench.model, &bench.engine);
-            }
-            bench.model.shell.history.close_step(&bench.model.document, ui.input(|i| i.pointer.any_down()));
-        };
-        let mut harness = Harness::new_ui_state(draw, (bench, Vec::new()));
-        let slider = harness.get_by_role_and_label(Role::Slider, "Slope u").rect();
-        let from = slider.center();
-        harness.hover_at(from);
-        harness.step();
-        harness.drag_at(from);
-        harness.step();
-        for part in [0.1, 0.2, 0.3] {
-            harness.hover_at(from + vec2(part * slider.width(), 0.0));
-            harness.step();
-        }
-        harness.drop_at(from + vec2(0.3 * slider.width(), 0.0));
-        harness.step();
-        let (bench, actions) = harness.state_mut();
-        assert!(actions.iter().all(|pushed| *pushed <= 1) && actions.iter().sum::<usize>() >= 3, "{actions:?}");
-        assert!(bench.model.document.cursor().slope.u > before.u);
-        staged::undo(&mut bench.model, &bench.engine);
-        assert_eq!(bench.model.document.cursor().slope, before);
-        assert!(!bench.model.shell.history.can_undo());
-    }
 
     #[test]
     fn an_end_moves_by_whole_steps_and_keeps_the_other_slopes() {

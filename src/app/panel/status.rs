@@ -219,26 +219,6 @@ mod tests {
     use crate::app::apply::bench::open;
     use crate::app::apply::opening;
     use crate::app::results::Model;
-    use crate::teach::Workspace;
-
-    #[test]
-    fn the_burst_is_said_with_its_frames_size_and_levels() {
-        let mut model = Model::default();
-        assert_eq!(burst_text(Read::of(&model)), "No burst open");
-        opening::take_burst(&mut model, open((64, 48), 5));
-        assert_eq!(burst_text(Read::of(&model)), "test · 5 frames · 64 × 48 · float");
-        let with_step = |quantisation_step: f32| {
-            let mut burst = (*open((64, 48), 1).burst).clone();
-            burst.quantisation_step = quantisation_step;
-            let mut model = Model::default();
-            opening::take_burst(&mut model, crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
-            model.document.workspace = Workspace::Pair;
-            burst_text(Read::of(&model))
-        };
-        assert_eq!(with_step(1.0 / 255.0), "A: test · 1 frame · 64 × 48 · 256 levels");
-        // Twelve bits in the upper part of sixteen.
-        assert_eq!(with_step(16.0 / 65535.0), "A: test · 1 frame · 64 × 48 · 4096 levels");
-    }
 
     #[test]
     fn all_warnings_about_a_file_are_listed() {
@@ -249,13 +229,5 @@ mod tests {
         let expected: Vec<String> = burst.notes().iter().map(|note| note.for_window()).collect();
         opening::take_burst(&mut model, crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
         assert_eq!((warnings(Read::of(&model)), expected.len()), (expected, 2), "not only the last one");
-    }
-
-    #[test]
-    fn the_age_is_said_in_words() {
-        let words = [(59, "just now"), (60, "1 minute ago"), (3 * 3600, "3 hours ago"), (50 * 3600, "2 days ago")];
-        for (seconds, wanted) in words {
-            assert_eq!(ago(Duration::from_secs(seconds)), wanted);
-        }
     }
 }

@@ -373,22 +373,6 @@ mod tests {
     }
 
     #[test]
-    fn a_candidate_is_where_its_slope_takes_it_and_says_why_it_failed() {
-        let slope = Slope::new(-1.0, 0.5);
-        let (pos, radius) = circle_of(&mark(5.0), slope, Offset { u: 2.0, v: 0.0 });
-        assert_eq!(pos, pos2(8.5, 21.0));
-        assert!((radius - 2.0 * std::f32::consts::SQRT_2).abs() < 1e-6);
-        let text = mark_text(&mark(5.0), slope);
-        assert!(
-            text.starts_with("candidate at (10.5, 20)  σ 2.00 px\noctave 0 level 1  slope (-1.00, +0.50)"),
-            "{text}"
-        );
-        assert!(text.ends_with(&format!("{}: by 12.5 %", Test::NoiseGate.reason())), "{text}");
-        let kept = CandidateMark { first_failed: None, margin: None, ..mark(5.0) };
-        assert!(mark_text(&kept, slope).ends_with("\nkept"));
-    }
-
-    #[test]
     fn what_nearly_passed_is_brighter_than_what_was_far_from_it() {
         let light = |margin| margin_colour(margin).intensity();
         assert!(light(Some(-0.01)) > light(Some(-0.3)) && light(Some(-0.3)) > light(Some(-0.9)));

@@ -139,33 +139,6 @@ fn locked(session: &Path) -> io::Result<Option<File>> {
 mod tests {
     use super::*;
 
-    fn files(folder: &Path) -> usize {
-        std::fs::read_dir(folder).map_or(0, Iterator::count)
-    }
-
-    #[test]
-    fn only_what_nobody_holds_was_left_behind() {
-        let home = tempfile::tempdir().expect("a folder");
-        let folder = home.path().join("running");
-        assert!(Record::left_behind(&folder).is_empty());
-        let (first, second) = (Record::new(&folder).expect("made"), Record::new(&folder).expect("made"));
-        assert_ne!(first.session(), second.session());
-        first.write("a = 1").expect("written");
-        second.write("b = 1").expect("written");
-        assert!(Record::left_behind(&folder).is_empty(), "both windows live");
-        // The second ends in the ordinary way, the first does not.
-        second.remove();
-        second.write("b = 2").expect("nothing to do");
-        let path = first.session().to_path_buf();
-        drop(first);
-        let found = Record::left_behind(&folder);
-        assert_eq!(found.iter().map(Record::session).collect::<Vec<_>>(), [&path]);
-        assert!(Record::left_behind(&folder).is_empty(), "the one who found it has it");
-        assert_eq!(std::fs::read_to_string(&path).expect("read"), "a = 1");
-        found[0].remove();
-        assert_eq!(files(&folder), 0);
-    }
-
     #[test]
     fn a_text_that_had_to_wait_does_not_replace_a_newer_one() {
         let home = tempfile::tempdir().expect("a folder");
@@ -174,21 +147,5 @@ mod tests {
         record.write("new").expect("written");
         record.write_in_turn("old", turn).expect("nothing to do");
         assert_eq!(std::fs::read_to_string(record.session()).expect("read"), "new");
-    }
-
-    #[test]
-    fn the_latest_comes_first_and_a_window_that_kept_nothing_leaves_nothing() {
-        let home = tempfile::tempdir().expect("a folder");
-        let records: Vec<Record> = (0..3).map(|_| Record::new(home.path()).expect("made")).collect();
-        for (record, age) in records.iter().zip([10, 5]) {
-            record.write("a = 1").expect("written");
-            let then = SystemTime::now() - std::time::Duration::from_secs(age);
-            File::options().write(true).open(record.session()).expect("there").set_modified(then).expect("set");
-        }
-        let names: Vec<PathBuf> = records.iter().map(|record| record.session().to_path_buf()).collect();
-        drop(records);
-        let found = Record::left_behind(home.path());
-        assert_eq!(found.iter().map(Record::session).collect::<Vec<_>>(), [&names[1], &names[0]]);
-        assert_eq!(files(home.path()), 4);
     }
 }

@@ -112,42 +112,18 @@ pub fn of_case(source: &BurstSource) -> Option<OfCase> {
 mod tests {
     use super::*;
     use crate::app::apply::bench::{Bench, open};
-    use crate::app::apply::{opening, pair};
-    use crate::app::results::Model;
-
-    fn session(burst: BurstSource) -> Box<Session> {
-        let mut model = Model::default();
-        let mut a = open((64, 48), 5);
-        a.source = burst;
-        opening::take_burst(&mut model, a);
-        pair::take_second_burst(&mut model, open((64, 48), 5));
-        model.document.params.levels = 3;
-        Box::new(Session::of(Read::of(&model)).expect("a burst is open"))
-    }
+    use crate::app::apply::opening;
 
     #[test]
     fn a_session_is_given_up_when_something_else_is_opened() {
         let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
+        opening::take_burst(&mut bench.model, open((64, 48), 5));
+        let session = Session::of(Read::of(&bench.model)).expect("a burst is open");
         let first = opening::open(&mut bench.model, Side::A, BurstSource::Demo, &bench.engine);
-        restoring.wait(Side::A, Some(first), session(BurstSource::Demo));
+        restoring.wait(Side::A, Some(first), Box::new(session));
         assert_eq!(restoring.waits_for(Read::of(&bench.model)), Some(first));
         let other = opening::open(&mut bench.model, Side::A, BurstSource::DemoLater, &bench.engine);
         assert_eq!(restoring.waits_for(Read::of(&bench.model)), None);
         assert!(restoring.take(Side::A, first).is_none() && restoring.take(Side::A, other).is_none());
-    }
-
-    #[test]
-    fn a_session_without_its_first_burst_leaves_what_is_open() {
-        let model = Model::from(Document::of_new_window());
-        let mut session = session(BurstSource::Demo);
-        session.document.panes.of_mut(Side::A).cursor.frame = 3;
-        let shown = |is_open| match session.after(Side::A, is_open, &model.document).into_iter().next() {
-            Some(Action::Stage(Staged::Show(document, _))) => *document,
-            other => panic!("a document comes first, not {other:?}"),
-        };
-        let [with, without] = [true, false].map(shown);
-        assert_eq!((with.params.levels, without.params.levels), (3, 3));
-        assert_eq!((&with.panes, &without.panes), (&session.document.panes, &model.document.panes));
-        assert!(session.after(Side::B, false, &model.document).is_empty(), "without the second nothing follows");
     }
 }

@@ -297,16 +297,6 @@ mod tests {
         assert_eq!(view.centre_image, [-0.5, 1199.5]);
     }
 
-    #[test]
-    fn a_session_file_cannot_break_a_view() {
-        let mut view = View { zoom: Zoom::PointsPerPixel(f32::NAN), centre_image: [f32::NAN, 1e30], ..View::fit() };
-        let ui_from_image = view.settle(canvas(), SIZE, 1.0);
-        assert!(ui_from_image.pos(pos2(3.0, 4.0)).is_finite());
-        let text = toml::to_string(&view).unwrap();
-        let back: View = toml::from_str(&text).unwrap();
-        assert_eq!((back.zoom, back.centre_image), (view.zoom, view.centre_image));
-    }
-
     proptest! {
         #[test]
         fn what_is_under_the_pointer_stays_there(

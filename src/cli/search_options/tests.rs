@@ -33,12 +33,6 @@ fn every_parameter_is_an_option_with_its_help() {
     }
 }
 
-#[test]
-fn nothing_given_is_the_default() {
-    assert_eq!(params(&[]), Ok(SearchParams::default()));
-    assert_eq!(params(&["--slopes", "auto"]), Ok(SearchParams::default()));
-}
-
 /// Every option with a value that is not the default, and the parameters that follow.
 pub(in crate::cli) fn everything() -> (Vec<String>, SearchParams) {
     let (mut arguments, mut expected) = (Vec::new(), SearchParams::default());
@@ -82,23 +76,4 @@ fn a_direction_alone_says_on_which_line_slopes_are_found() {
     // One axis alone makes the other zero.
     let slopes = params(&["--slopes-v", "-2:2:5"]).expect("valid").at_given().slopes;
     assert_eq!((slopes.u, slopes.v.count), (SlopeAxis::ZERO, 5));
-}
-
-#[test]
-fn nonsense_says_what_would_be_right() {
-    for (arguments, words) in [
-        (vec!["--slopes-u", "3:-3:7"], "give the smaller slope first"),
-        (vec!["--slopes-u", "1:2"], "is not MIN:MAX:COUNT"),
-        (vec!["--slopes", "auto", "--slopes-u", "0:2:3"], "cannot be used with"),
-        (vec!["--slopes", "auto", "--slopes-v", "0:2:3"], "cannot be used with"),
-        (vec!["--slopes", "all"], "possible values: auto"),
-        (vec!["--method", "surf"], "possible values: buff, sift"),
-        (vec!["--frames", "5"], "is not A..B"),
-        (vec!["--noise-gate", "lots"], "none of 'auto', 'matching' and 'strict'"),
-        (vec!["--levels", "0"], "give 1 to 10"),
-        (vec!["--params", "/nowhere/p.toml"], "/nowhere/p.toml"),
-    ] {
-        let error = params(&arguments).expect_err(words);
-        assert!(error.contains(words), "{error}");
-    }
 }

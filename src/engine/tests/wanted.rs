@@ -2,10 +2,9 @@
 
 use super::{end_of, engine, wait_for};
 use crate::engine::{Engine, Want, Wanted};
-use crate::requests::{Caches, JobError, Request, Urgency, Work};
+use crate::requests::{JobError, Request, Urgency, Work};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU32, Ordering};
-use std::time::Duration;
 
 /// Request for half of a number; odd numbers fail, and 0 runs until it is cancelled.
 #[derive(Debug, Clone)]
@@ -23,10 +22,6 @@ impl PartialEq for Half {
 impl Request for Half {
     type Answer = u32;
     type Partial = u32;
-
-    fn cached(&self, _: &Caches<'_>) -> Option<u32> {
-        (self.of == 100).then_some(50)
-    }
 
     fn compute(self, work: &Work<'_, u32>) -> Result<u32, JobError> {
         (work.tell)(self.of);
@@ -138,12 +133,4 @@ fn dropping_it_cancels_the_request() {
     wait_for(|| (halves.computed() == 1).then_some(()));
     drop(halves.wanted);
     wait_for(|| halves.engine.is_idle().then_some(()));
-}
-
-#[test]
-fn an_answer_that_is_kept_takes_no_time_and_no_work() {
-    let mut halves = Halves::new();
-    halves.want(100);
-    let ended = end_of(&mut halves.wanted);
-    assert_eq!((ended.result, ended.elapsed, halves.computed()), (Ok(50), Duration::ZERO, 0));
 }

@@ -450,22 +450,6 @@ mod tests {
     }
 
     #[test]
-    fn black_empty_and_noisy_frames_are_left_out() {
-        let without_5 = [0, 1, 2, 3, 4, 6, 7, 8, 9];
-        let black = survey(NoiseCase::BlackFrame);
-        assert_eq!(black.kept(), without_5);
-        assert!(matches!(black.frames[5].left_out, Some(LeftOut::Black | LeftOut::Empty)), "{:?}", black.frames[5]);
-        let empty = survey(NoiseCase::ConstantFrame);
-        assert_eq!((empty.kept(), empty.frames[5].left_out), (without_5.to_vec(), Some(LeftOut::Empty)));
-        let noisy = survey(NoiseCase::NoisyFrame);
-        assert_eq!(noisy.kept(), without_5);
-        match noisy.frames[5].left_out {
-            Some(LeftOut::Noisy(times)) => assert!((times / 25.0 - 1.0).abs() < 0.1, "{times}"),
-            other => panic!("{other:?}"),
-        }
-    }
-
-    #[test]
     fn a_change_that_all_places_share_is_drift() {
         for (case, range) in [(NoiseCase::Fading(10), 0.1), (NoiseCase::Breathing(3), 0.03)] {
             let survey = survey(case);

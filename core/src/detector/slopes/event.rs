@@ -236,24 +236,4 @@ mod tests {
         // Of 24 orders of four frames half are the others the other way round, and one is their own.
         assert_eq!(Event::all(4).iter().filter(|event| event.is_order()).count(), 11);
     }
-
-    #[test]
-    fn frames_are_sorted_by_their_times() {
-        let found = UniformTimes::of(&Event::Order(vec![0, 2, 3, 1]), &[0, 1, 2, 4]);
-        assert_eq!(found, UniformTimes { frames: vec![0, 2, 4, 1], times: vec![0.0, 1.0, 2.0, 3.0] });
-        let found = UniformTimes::of(&Event::Late { frame: 0, by: -0.5 }, &[0, 1, 2, 3]);
-        assert_eq!(found.times, [0.0, 1.5, 2.5, 3.5]);
-    }
-
-    #[test]
-    fn copies_are_told_unless_everything_is_one() {
-        let planes: Vec<Plane> = (0..6).map(|t| Plane::from_fn(3, 2, |u, _| (u + t / 2) as f32)).collect();
-        let of = |which: &[usize]| copies(&which.iter().map(|t| &planes[*t]).collect::<Vec<_>>());
-        assert_eq!(of(&[0, 2, 4, 0, 0]), [4]);
-        assert_eq!(of(&[0, 1, 2, 3, 4, 5]), [] as [usize; 0], "three are left");
-        assert_eq!(of(&[0, 0, 0, 0, 0]), [] as [usize; 0]);
-        let told = copies_warning(vec![1, 4]).expect("told");
-        assert_eq!((told.kind, told.number), (MotionWarningKind::Doubled, 2.0));
-        assert_eq!(copies_warning(Vec::new()), None);
-    }
 }

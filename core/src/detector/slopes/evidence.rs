@@ -412,16 +412,6 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn vertical_and_slanted_motion_are_lines_too() {
-        let grid = grid_for(&seen(&[(0.01, 2.0), (-0.02, 1.0)]), STEPS, None).expect("evidence");
-        assert_eq!((grid.direction_deg, grid.is_plane()), (90.0, false));
-        let (sin, cos) = 148f32.to_radians().sin_cos();
-        let grid = grid_for(&seen(&[(2.0 * cos, 2.0 * sin), (0.8 * cos, 0.8 * sin)]), STEPS, None).expect("evidence");
-        assert_eq!((grid.direction_deg, grid.is_plane()), (150.0, false));
-        assert!((grid.u.min - 0.4).abs() < 1e-5 && (grid.u.max - 2.4).abs() < 1e-5, "{grid:?}");
-    }
-
-    #[test]
     fn several_directions_are_a_plane_which_is_turned_if_that_helps() {
         let grid = grid_for(&seen(&[(1.6, -1.2), (-2.1, 0.0), (0.95, 0.0)]), STEPS, None).expect("evidence");
         assert!(grid.is_plane() && grid.direction_deg == 0.0, "{grid:?}");

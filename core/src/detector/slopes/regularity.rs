@@ -207,20 +207,6 @@ mod tests {
     }
 
     #[test]
-    fn a_turn_and_growth_are_named_with_their_size() {
-        let turn = 1.2f64.to_radians() / 9.0;
-        let grow = -0.015 / 9.0;
-        let warnings = of_places(&evidence(|u, v| (2.0 + grow * u, 0.5 + grow * v)), STEPS, SIZE);
-        assert_eq!(warnings.len(), 1, "{warnings:?}");
-        assert!(warnings[0].text.contains("shrinks by 1.5 %"), "{warnings:?}");
-        // An object that moves by itself changes nothing.
-        let with_object = |u: f64, v: f64| if u.abs() < 100.0 { (-3.0, 1.0) } else { (1.0 - turn * v, turn * u) };
-        let warnings = of_places(&evidence(with_object), STEPS, SIZE);
-        assert_eq!(warnings.len(), 1, "{warnings:?}");
-        assert!((warnings[0].number - 1.2).abs() < 0.01 && warnings[0].text.contains("turn by 1.2°"), "{warnings:?}");
-    }
-
-    #[test]
     fn parallax_and_uniform_motion_neither_turn_nor_grow() {
         assert_eq!(of_places(&evidence(|_, _| (2.0, 0.0)), STEPS, SIZE), []);
         assert_eq!(of_places(&evidence(|_, v| (2.0 + 0.004 * v, 0.0)), STEPS, SIZE), [], "a floor, seen at an angle");

@@ -35,29 +35,3 @@ pub(super) fn built_in(path: &Path) -> Option<Result<Trajectory>> {
         _ => None,
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::evaluate::poses::{PoseStudy, evaluate_poses, read_trajectory};
-
-    #[test]
-    fn the_built_in_cameras_stand_near_the_true_ones_before_four_planes() {
-        let [estimate, truth] = [DEMO_ESTIMATE, DEMO_TRUTH].map(|name| {
-            assert!(is_built_in(Path::new(name)));
-            read_trajectory(Path::new(name)).expect("built in")
-        });
-        let report = evaluate_poses(&estimate, &truth, &PoseStudy::default()).expect("compared");
-        assert_eq!((report.registered, truth.poses.len()), (8, 8));
-        let way = (truth.poses[7].world_from_camera.translation.vector
-            - truth.poses[0].world_from_camera.translation.vector)
-            .norm();
-        assert!(report.absolute.translation.max < 0.01 * way, "{way} {:?}", report.absolute);
-        let model = estimate.model.expect("a model");
-        let ahead = |p: &super::super::sparse::SparsePoint| {
-            report.truth_from_estimate.place(p.position).z > truth.poses[7].world_from_camera.translation.vector.z
-        };
-        assert!(model.points.iter().all(ahead), "the cameras look along z");
-        assert!(!is_built_in(Path::new("./demo-cameras")));
-    }
-}

@@ -303,25 +303,6 @@ mod tests {
         }
     }
 
-    fn judged(coherence: Option<f32>) -> Judged {
-        Judged { verdict: crate::inspect::verdict::Verdict::Unclear, coherence, why: String::new() }
-    }
-
-    #[test]
-    fn what_is_not_known_is_grey() {
-        let features = [feature(0.0, 0.0, 2.0, (0.0, 0.0), 0.1); 3];
-        let scale = ColourScale::of(ColourBy::Of(Quantity::Coherence), &features, &PLANE);
-        let colours = |scale: &ColourScale| [0, 1, 2].map(|i| scale.colour(i, &features[i]));
-        assert!(scale.has_unknown() && colours(&scale) == [UNKNOWN; 3]);
-        let some = scale.clone().with_coherences(Some(&Arc::new([Some(0.2), None, Some(0.9)].map(judged).to_vec())));
-        let [low, unknown, high] = colours(&some);
-        assert!(some.has_unknown() && unknown == UNKNOWN);
-        assert!(low != high && low != UNKNOWN && high != UNKNOWN);
-        assert_eq!((low, high), (some.along(0.2), some.along(0.9)));
-        let all = scale.with_coherences(Some(&Arc::new(vec![judged(Some(1.0)); 3])));
-        assert!(!all.has_unknown() && !ColourScale::of(ColourBy::Of(Quantity::Snr), &features, &PLANE).has_unknown());
-    }
-
     #[test]
     fn places_of_unknown_motion_and_features_of_no_layer_are_grey_and_colours_follow_the_motion() {
         let own = feature(0.0, 0.0, 2.0, (1.0, 0.0), 0.1);
@@ -338,18 +319,6 @@ mod tests {
         let scale = ColourScale::of(ColourBy::SlopeDirection, &features, &PLANE);
         assert_eq!(scale.colour(0, &edge), scale.of_slope(edge.field));
         assert_eq!(scale.colour(2, &unknown), scale.of_slope(unknown.slope));
-    }
-
-    #[test]
-    fn depths_follow_the_set_up_and_impossible_ones_are_grey() {
-        let near_far_none = [(-20.0, 0.0), (-2.5, 0.0), (1.0, 0.0)].map(|slope| feature(0.0, 0.0, 2.0, slope, 0.1));
-        let scale = ColourScale::of(ColourBy::Of(Quantity::Depth), &near_far_none, &PLANE);
-        let colours = |scale: &ColourScale| [0, 1, 2].map(|i| scale.colour(i, &near_far_none[i]));
-        assert!(scale.has_unknown() && colours(&scale) == [UNKNOWN; 3]);
-        // 0.5 m/s at 30 frames per second and 1200 px: 20 px/frame at 1 m, 2.5 px/frame at 8 m.
-        let scale = scale.with_set_up(Some(&SetUp::default()));
-        assert_eq!((scale.min, scale.max), (1.0, 8.0));
-        assert_eq!(colours(&scale), [scale.along(1.0), scale.along(8.0), UNKNOWN]);
     }
 
     #[test]

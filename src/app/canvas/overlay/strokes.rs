@@ -132,20 +132,6 @@ mod tests {
     use egui::pos2;
 
     #[test]
-    fn meshes_are_valid_and_where_they_should_be() {
-        let mut strokes = Strokes::new(2.0);
-        strokes.circle(pos2(50.0, 60.0), 20.0, 1.5, Color32::RED, false);
-        strokes.circle(pos2(50.0, 60.0), 0.5, 1.5, Color32::RED, true);
-        strokes.arrow(pos2(0.0, 0.0), pos2(30.0, 0.0), 1.0, Color32::GREEN);
-        strokes.line(pos2(1.0, 1.0), pos2(1.0, 1.0), 1.0, Color32::GREEN);
-        let mesh = strokes.mesh;
-        assert!(mesh.is_valid());
-        assert!(mesh.vertices.iter().all(|v| v.pos.is_finite()));
-        let bounds = mesh.calc_bounds();
-        assert!((bounds.max.x - 71.0).abs() < 1.0 && (bounds.max.y - 81.0).abs() < 1.0, "{bounds:?}");
-    }
-
-    #[test]
     fn a_dashed_line_begins_and_ends_with_a_dash_and_has_gaps() {
         let mut strokes = Strokes::new(1.0);
         strokes.dashed(pos2(10.0, 5.0), pos2(110.0, 5.0), 2.0, Color32::RED, (6.0, 4.0));

@@ -107,37 +107,3 @@ fn rows_of_truth(against: &AgainstTruth, truth: &Truth, features: &[Feature]) ->
     let wrong = against.elsewhere.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
     missed.chain(otherwise).chain(wrong).chain(repeated).chain(found).collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::inspect::changes::compare;
-    use crate::monitor::Monitor;
-    use crate::requests::OthersSource;
-    use crate::synth::demo_burst;
-    use std::sync::Arc;
-
-    #[test]
-    fn every_feature_has_one_row_and_news_come_first() {
-        let burst = demo_burst();
-        // One feature at each place: of two, either could count as the missing one.
-        let params = crate::DetectorParams { max_features: 40, max_orientations: 1, ..Default::default() };
-        let detection = crate::detect(&burst, &params, &Monitor::default()).expect("finds");
-        let after: Vec<Spot> = detection.features.iter().map(Spot::from).collect();
-        let mut before = after.clone();
-        before.remove(0);
-        before[0].pos_image[0] += 0.8;
-        before.push(Spot { pos_image: [-500.0, -500.0], ..after[0] });
-        let changes = compare(&before, &after);
-        let rows = rows_of_changes(Reference::Pinned, &changes, &before, &detection.features);
-        assert!(rows.iter().any(|row| row.note.ends_with("of the pinned result")), "what is lost was our own");
-        assert_eq!(rows.len(), changes.lost.len() + changes.gained.len() + changes.same.len());
-        let moved = rows.iter().find(|row| row.kind == Kind::Moved).expect("one was moved");
-        assert!(moved.from_image.is_some() && moved.note.starts_with("by 0.80 px"), "{moved:?}");
-        let answered =
-            Differences::Changes { changes, before: Arc::new(before), source: OthersSource::File(Arc::default()) };
-        let (sorted, summary) = of(Reference::File, &detection, &answered);
-        assert!(sorted.is_sorted_by_key(|row| row.kind));
-        assert!(summary.contains("1 only theirs") && summary.contains("1 only ours"), "{summary}");
-    }
-}

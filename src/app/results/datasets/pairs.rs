@@ -130,17 +130,12 @@ impl PairTable {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::document::datasets::pair_of;
-
-    fn counts(putative: usize, inliers: Option<usize>) -> MatchCounts {
-        MatchCounts { keypoints_a: 100, keypoints_b: 100, putative, inliers, refused: None }
-    }
 
     #[test]
     fn pairs_are_listed_in_the_order_that_was_clicked() {
         let mut table = PairTable::default();
         for (pair, putative, inliers) in [((0, 1), 30, 20), ((0, 2), 40, 0), ((1, 2), 30, 25)] {
-            table.take(pair, counts(putative, Some(inliers)));
+            table.take(pair, MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() });
         }
         let pairs = |table: &PairTable| table.listed().into_iter().map(|(p, _)| p).collect::<Vec<_>>();
         assert_eq!((pairs(&table), table.strongest()), (vec![(0, 1), (0, 2), (1, 2)], 25));
@@ -152,20 +147,5 @@ mod tests {
         assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
         [PairColumn::Pair; 2].into_iter().for_each(|column| table.sort_by(column));
         assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
-    }
-
-    #[test]
-    fn matches_of_other_parameters_are_forgotten() {
-        let mut table = PairTable::default();
-        table.take((0, 1), counts(3, None));
-        assert_eq!((table.strongest(), PairColumn::Inliers.text(&counts(3, None))), (3, "–".to_owned()));
-        table.begin(&MatchParams::default());
-        assert_eq!(table.len(), 1);
-        table.begin(&MatchParams { ratio: 0.7, ..MatchParams::default() });
-        assert!(table.is_empty() && table.params().ratio == 0.7);
-        [(0, 1), (1, 2), (0, 2)].into_iter().for_each(|pair| table.take(pair, counts(1, None)));
-        table.forget_burst(1);
-        assert_eq!(table.listed().len(), 1);
-        assert_eq!((pair_of(3, 1), pair_of(2, 2)), (Some((1, 3)), None));
     }
 }

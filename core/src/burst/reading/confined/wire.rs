@@ -102,28 +102,6 @@ mod tests {
     use super::*;
 
     #[test]
-    fn frames_and_errors_come_through_as_they_are() {
-        let sent = |reply| {
-            let mut bytes = Vec::new();
-            send_reply(&mut bytes, reply).expect("memory takes everything");
-            receive_reply(&mut &bytes[..], Path::new("a.dng"), &Limits::default()).expect("an answer")
-        };
-        let data = FileScale::Data { integer: true, largest: f32::MAX };
-        for scale in [FileScale::Range(65535.0), FileScale::Raw { white: 0.1 + 0.2 }, data] {
-            let plane = Plane::from_vec(2, 2, vec![0.1, -0.0, f32::MIN_POSITIVE, 7.0]);
-            let frame = RawFrame { encoding: Encoding::Srgb, binning: 2, ..RawFrame::linear(plane.clone(), scale) };
-            let frame = RawFrame { damage: Some("it ends".to_owned()), ..frame };
-            let found = sent(Ok(frame)).expect("a frame");
-            assert_eq!((found.scale, found.encoding, found.binning), (scale, Encoding::Srgb, 2));
-            assert_eq!((found.plane.size(), found.damage.as_deref()), ((2, 2), Some("it ends")));
-            let bits = |plane: &Plane| plane.data().iter().map(|v| v.to_bits()).collect::<Vec<_>>();
-            assert_eq!(bits(&found.plane), bits(&plane));
-        }
-        let error = Error::not_finite(Path::new("a.dng"), 0, 9, 31, f32::NEG_INFINITY);
-        assert_eq!(sent(Err(error.clone())).expect_err("an error"), error);
-    }
-
-    #[test]
     fn what_is_no_answer_is_an_error() {
         let read = |bytes: &[u8]| receive_reply(&mut &bytes[..], Path::new("a"), &Limits::default());
         assert!(read(b"").is_err() && read(&[255; 40]).is_err() && read(b"\x02\0\0\0{}").is_err());

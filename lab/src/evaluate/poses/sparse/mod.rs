@@ -283,16 +283,6 @@ mod tests {
     }
 
     #[test]
-    fn a_file_of_a_model_stands_for_its_folder() {
-        let home = tempfile::tempdir().expect("a folder");
-        written(home.path(), "txt");
-        let whole = crate::evaluate::poses::read_trajectory(home.path()).expect("a model");
-        let by_file = crate::evaluate::poses::read_trajectory(&home.path().join("images.txt")).expect("the same");
-        assert_eq!(whole, by_file);
-        assert_eq!(super::folder_of_file(Path::new("truth.txt")), None);
-    }
-
-    #[test]
     fn what_is_no_model_says_so() {
         let home = tempfile::tempdir().expect("a folder");
         let words = |folder: &Path| read_sparse_model(folder).expect_err("no model").to_string();
