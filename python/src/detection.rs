@@ -180,7 +180,7 @@ impl RawDetection {
     /// Writes the features to a file.
     fn write(&self, path: PathBuf, format: &str) -> PyResult<()> {
         let format: ExportFormat = format.parse().map_err(|error| PyValueError::new_err(format!("format: {error}")))?;
-        format.write(&path, &self.searched.detection).map_err(|error| raised(&error.into()))
+        format.write(&path, &self.searched.detection, None).map_err(|error| raised(&error.into()))
     }
 }
 

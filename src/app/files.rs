@@ -25,6 +25,7 @@ use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::export::{ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::Kind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
+use crate::inspect::verdict::{Verdict, kept_of};
 use crate::monitor::Monitor;
 use crate::requests::BurstSource;
 use crate::teach::{Lesson, Workspace, sheet};
@@ -282,7 +283,16 @@ fn case_work(model: Read<'_>) -> Result<Work, String> {
 fn features_work(model: Read<'_>, format: ExportFormat) -> Result<Work, String> {
     let found = model.found_of(model.active_side()).ok_or("there are no features; press Detect first")?;
     let detection = found.detection.clone();
-    Ok(work(move |path| format.write(path, &detection)))
+    let judged = model.results.coherence.of(&detection).cloned();
+    // What a verdict hides in the window is not written either; other filters are for looking.
+    let shown = model.document.filter.verdict.map_or(Verdict::ALL.to_vec(), |verdict| vec![verdict]);
+    Ok(work(move |path| match judged {
+        Some(judged) => {
+            let (detection, verdicts) = kept_of(&detection, &judged, &shown);
+            format.write(path, &detection, Some(&verdicts))
+        }
+        None => format.write(path, &detection, None),
+    }))
 }
 
 fn matches_work(model: Read<'_>) -> Result<Work, String> {
@@ -415,7 +425,7 @@ mod tests {
             work(path).expect("written");
         }
         let expected = home.path().join("expected.csv");
-        export::write_csv(&expected, &found.detection.features).expect("written");
+        export::write_csv(&expected, &found.detection.features, None).expect("written");
         let read = |path: &Path| std::fs::read_to_string(path).expect("text");
         assert_eq!(read(&csv), read(&expected));
         assert_eq!(SearchParams::from_toml(&read(&toml)).expect("parameters").levels, 3);

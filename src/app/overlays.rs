@@ -107,7 +107,8 @@ impl Overlays {
             super::lesson::highlights_ui(ctx);
         }
         let mut figure = model.document.figure;
-        super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut figure, queue);
+        let has_matches = model.document.workspace.shows_pair() || model.document.compares_methods();
+        super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut figure, has_matches, queue);
         queue.edit(model.document, Action::SetFigure(figure));
         self.film.ui(ctx, model, queue);
         match crate::app::panel::modals::calibration_ui(ctx, &mut self.calibration) {

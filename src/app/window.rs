@@ -9,7 +9,7 @@ use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
 use super::dialogs::{FileAnswer, FileChooser, Question};
 use super::document::{Action, Document, Journal, Playback};
 use super::files::drop_places;
-use super::inspector::{PaneWidgets, PlaceValue};
+use super::inspector::{PaneWidgets, PlaceValue, is_led};
 use super::lesson::{Captions, LessonAction, Lessons, lesson_ui, rings_ui, take_hall_keys};
 use super::measure::RegionCache;
 use super::overlays::Overlays;
@@ -171,7 +171,8 @@ impl BurstscopeApp {
         self.act(&ctx, queue);
         self.go_on_with_lesson(&ctx, asked);
         params::check_params(&mut self.model);
-        let goes_on = plays_on || ctx.egui_wants_keyboard_input() || ctx.input(|i| i.pointer.any_down());
+        let is_led = ctx.input(|i| i.pointer.any_down()) || is_led(&ctx);
+        let goes_on = plays_on || ctx.egui_wants_keyboard_input() || is_led;
         self.model.shell.history.close_step(&self.model.document, goes_on);
         self.journal.close(goes_on || self.model.document.playing);
         explained::refresh_listed(&mut self.model);

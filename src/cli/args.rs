@@ -5,6 +5,7 @@ use crate::burst::{FrameRange, OpenOptions};
 use crate::detector::params::doc;
 use crate::detector::{Combine, Slope, memory};
 use crate::export::ExportFormat;
+use crate::inspect::verdict::Verdict;
 use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -39,6 +40,10 @@ pub struct DetectArgs {
     /// Formats, separated by commas: csv, colmap, npz.
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "csv")]
     pub format: Vec<ExportFormat>,
+    /// Judge each feature and keep those with these verdicts, separated by commas: real, ghost, alias, duplicate,
+    /// unclear, or all. Tables then have the verdict and the coherence, 0 to 1, as last columns.
+    #[arg(long, value_name = "VERDICT", value_delimiter = ',', value_parser = parse_verdict)]
+    pub verdict: Vec<VerdictChoice>,
     #[command(flatten)]
     pub sequence: SequenceArgs,
     #[command(flatten)]
@@ -47,12 +52,25 @@ pub struct DetectArgs {
     pub overwrite: OverwriteArgs,
 }
 
+/// A verdict that features may have to be kept; `None` for any.
+type VerdictChoice = Option<Verdict>;
+
+fn parse_verdict(text: &str) -> Result<VerdictChoice, String> {
+    let named = Verdict::ALL.into_iter().find(|verdict| verdict.word() == text);
+    match (named, text) {
+        (None, "all") => Ok(None),
+        (Some(verdict), _) => Ok(Some(verdict)),
+        _ => Err(format!("'{text}' is no verdict; give real, ghost, alias, duplicate, unclear or all")),
+    }
+}
+
 const DETECT_HELP: &str = "\
 Files, for each burst NAME:
   csv     NAME.csv  u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,field_v,field_sigma,layer,motion; strongest first;
                     empty: no field or layer there; motion: surroundings, own, edge, ghost or unknown
   colmap  NAME.txt  'N 128', then x y scale orientation d1 … d128; first pixel centre at 0.5, UBC order
   npz     NAME.npz  features [N,17] f32 in the csv's columns (motion: 0 unknown, 1 surroundings, 2 own, 3 edge, 4 ghost), descriptors [N,128] u8
+  With --verdict: csv also verdict,coherence; npz also verdict [N] u8 (0 real, 1 ghost, 2 alias, 3 duplicate, 4 unclear), coherence [N] f32
 
 JSON (--json):
   {\"version\", \"command\": \"detect\", \"params\": {as in the parameter file},

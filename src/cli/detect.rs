@@ -12,7 +12,9 @@ use crate::detector::{Detection, Method, SearchParams, explain, find_slopes};
 use crate::export::{ExportFormat, OutputRules, detection_files, write_detection};
 use crate::files::lock::FolderLock;
 use crate::files::path_text;
+use crate::inspect::ProbeCache;
 use crate::inspect::spectrum::judgement;
+use crate::inspect::verdict::{Verdict, kept};
 use crate::matching::Camera;
 use crate::monitor::Stage;
 use std::path::{Path, PathBuf};
@@ -26,6 +28,8 @@ pub(super) struct DetectJob<'a> {
     /// Camera that took the bursts, where known. Bursts of another size are refused.
     camera: CameraChoice,
     pub rules: OutputRules,
+    /// Verdicts of features that are kept; empty where features are not judged.
+    verdicts: Vec<Verdict>,
 }
 
 impl<'a> DetectJob<'a> {
@@ -38,7 +42,7 @@ impl<'a> DetectJob<'a> {
         formats.sort_unstable();
         formats.dedup();
         let (camera, rules) = (CameraChoice::default(), OutputRules::default());
-        Ok(Self { out, formats, params, camera, rules })
+        Ok(Self { out, formats, params, camera, rules, verdicts: Vec::new() })
     }
 
     /// After checking that the features of `inputs` and the files `others` may be written there.
@@ -65,6 +69,10 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     let options = open_options(&inputs, &args.run.calibration)?;
+    job.verdicts = match args.verdict.contains(&None) {
+        true => Verdict::ALL.to_vec(),
+        false => args.verdict.iter().copied().flatten().collect(),
+    };
     job.rules = args.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
     // All files are checked, and the folder is locked, before the first search.
     let folder = job.take_folder(&inputs, &[])?;
@@ -107,7 +115,16 @@ pub(super) fn detect_burst(
     let burst = input.open_to_search(options, job.params, &console.monitor)?;
     job.camera.for_images(burst.size())?;
     let open_secs = start.elapsed().as_secs_f32();
-    let Searched { detection, params, finding, mut slopes_secs } = search(&burst, job.params, &console.monitor)?;
+    let (searched, judged_by) = match &job.verdicts[..] {
+        [] => (search(&burst, job.params, &console.monitor)?, None),
+        // A search that leaves what verdicts are found from.
+        _ => {
+            let cache = ProbeCache::new(&burst, job.params, &console.monitor.part(0.0, 0.7))?;
+            let (params, finding) = (cache.made_with(), cache.finding.clone());
+            (Searched { detection: cache.detection().clone(), params, finding, slopes_secs: 0.0 }, Some(cache.trail))
+        }
+    };
+    let Searched { detection, params, finding, mut slopes_secs } = searched;
     // Given slopes are compared with those that the frames show.
     let judging = Instant::now();
     let shown = match &finding {
@@ -116,6 +133,13 @@ pub(super) fn detect_burst(
     };
     let judged = judgement(&detection, &params, shown.as_ref(), &burst, &console.monitor)?;
     slopes_secs += judging.elapsed().as_secs_f32();
+    let (detection, verdicts) = match judged_by {
+        None => (detection, None),
+        Some(trail) => {
+            let (detection, verdicts) = kept(&trail, &job.verdicts, &console.monitor.part(0.7, 0.3))?;
+            (detection, Some(verdicts))
+        }
+    };
     // Past this point the features are written; Ctrl-C then stops before the next burst.
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
@@ -123,7 +147,7 @@ pub(super) fn detect_burst(
     // Checked again: the search took long, and the folder may have changed.
     folder.check()?;
     job.files(&name).iter().try_for_each(|file| job.rules.check(file))?;
-    let files = write_detection(job.out, &name, &detection, &job.formats)?;
+    let files = write_detection(job.out, &name, &detection, verdicts.as_deref(), &job.formats)?;
     let write_secs = start.elapsed().as_secs_f32();
     let files = job.formats.iter().map(ToString::to_string).zip(files.iter().map(|file| path_text(file))).collect();
     let advice = explain(&detection, &params, burst.size());

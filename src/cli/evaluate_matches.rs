@@ -119,7 +119,8 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let options = open_options(&inputs, &args.run.calibration)?;
     let exposure = exposure(args, &inputs, &options, &console)?;
     let names: Vec<String> = inputs.iter().map(|i| i.name.clone()).collect();
-    let mut frames_before = 0;
+    // Bursts are opened again for each method: the noise of one follows from its place, as in copies that are written.
+    let mut frames_before = vec![0];
     let report = study.run(
         &names,
         |k, shot| -> Result<Burst, Failure> {
@@ -130,8 +131,10 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
                 (Shot::Gold, None) => Ok(inputs[k].open(&options, &silent)?),
                 (Shot::Burst, _) => {
                     let burst = inputs[k].open(&options, &silent)?;
-                    let first_stream = 1 + frames_before as u64;
-                    frames_before += burst.len();
+                    let first_stream = 1 + frames_before[k] as u64;
+                    if frames_before.len() == k + 1 {
+                        frames_before.push(frames_before[k] + burst.len());
+                    }
                     Ok(match &exposure {
                         Some(exposure) => exposure.capture(&burst, args.noise_seed, first_stream, &silent)?,
                         None => burst,

@@ -327,3 +327,24 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
     assert!(told["methods"][0]["inlier_ratio"].is_number() && pair["inlier_ratio"].is_number());
     assert!(told["methods"][0]["precision"].is_null() && pair["precision"].is_null());
 }
+
+/// Every method sees the same noise of a burst, also where its pictures are opened again: that of written copies.
+#[test]
+fn noise_that_is_added_is_that_of_written_copies_for_each_method() {
+    let home = tempfile::tempdir().expect("a folder");
+    two_bursts(home.path());
+    std::fs::create_dir(home.path().join("night")).expect("made");
+    for name in ["a", "b"] {
+        std::fs::rename(home.path().join(name), home.path().join("night").join(name)).expect("moved");
+    }
+    let noise = ["--snr", "2"];
+    run_well(home.path(), &[&["synth", "noisy", "night", "--out", "dark", "--seed", "3"], &noise[..]].concat());
+    let counted = |more: &[&str]| {
+        let methods = ["--methods", "sift-frame,sift-merge,buff-1d", "--slopes-u", "-2:2:9", "--json"];
+        let text = run_well(home.path(), &[&["evaluate", "matches"], more, &methods[..]].concat());
+        serde_json::from_str::<serde_json::Value>(&text).expect("one JSON document")["methods"].clone()
+    };
+    let added = counted(&[&["night", "--noise-seed", "3"], &noise[..]].concat());
+    assert_eq!(added, counted(&["dark", "--gold", "night"]));
+    assert_eq!(added.as_array().map(Vec::len), Some(3));
+}

@@ -61,7 +61,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     detection.features.push(lonely);
     detection.descriptors.push([0; 128]);
     let (csv, txt) = (folder.path().join("theirs.csv"), folder.path().join("theirs.txt"));
-    write_csv(&csv, &detection.features).unwrap();
+    write_csv(&csv, &detection.features, None).unwrap();
     write_colmap(&txt, &detection.features, &detection.descriptors).unwrap();
     for path in [csv, txt] {
         window.dialogs.will_choose(&path);
@@ -96,7 +96,7 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     let folder = tempfile::tempdir().unwrap();
     let (session, theirs) = (folder.path().join("compared.burstscope.toml"), folder.path().join("theirs.csv"));
     let mut window = Start::default().open();
-    write_csv(&theirs, &window.app().read().features()[5..]).unwrap();
+    write_csv(&theirs, &window.app().read().features()[5..], None).unwrap();
     window.run_action("pin this result");
     window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0);
     window.settle();

@@ -25,19 +25,37 @@ fn feature_columns() -> impl Iterator<Item = usize> {
     std::iter::once(Quantity::STORED.len()).chain(Quantity::STORED_EARLIER)
 }
 
-/// Writes the features as CSV.
-pub fn write_csv(path: &Path, features: &[Feature]) -> Result<()> {
+/// Columns that follow those of a feature, where features were judged.
+pub const VERDICT_COLUMNS: &str = ",verdict,coherence";
+
+/// Verdict on a feature.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FeatureVerdict {
+    /// Its word.
+    pub word: &'static str,
+    /// Its place among the verdicts, from 0.
+    pub code: u8,
+    /// Coherence, 0 … 1; `None` where single frames are too noisy to be compared.
+    pub coherence: Option<f32>,
+}
+
+/// Writes the features as CSV, with their verdicts, one for each, where they were judged.
+pub fn write_csv(path: &Path, features: &[Feature], verdicts: Option<&[FeatureVerdict]>) -> Result<()> {
     write_whole(path, |out| {
-        writeln!(out, "{}", feature_header())?;
-        for feature in features {
-            writeln!(out, "{}", Quantity::STORED.map(|quantity| quantity.cell(feature)).join(","))?;
+        writeln!(out, "{}{}", feature_header(), verdicts.map_or("", |_| VERDICT_COLUMNS))?;
+        for (index, feature) in features.iter().enumerate() {
+            write!(out, "{}", Quantity::STORED.map(|quantity| quantity.cell(feature)).join(","))?;
+            if let Some(FeatureVerdict { word, coherence, .. }) = verdicts.map(|verdicts| verdicts[index]) {
+                write!(out, ",{word},{}", coherence.map_or_else(String::new, |coherence| coherence.to_string()))?;
+            }
+            writeln!(out)?;
         }
         Ok(())
     })
 }
 
-/// Reads a table that [`write_csv`] wrote, also one of an earlier version, without field of motion, ghosts or edges.
-/// The header must be exact and every line complete. `slope_index` is 0, since the table does not have it.
+/// Reads a table that [`write_csv`] wrote, also one of an earlier version, without field of motion, ghosts or edges;
+/// verdicts are left out, as they are found again with the burst. The header must be exact and every line complete. `slope_index` is 0, since the table does not have it.
 ///
 /// # Errors
 /// The file cannot be read, or a line has a wrong form; it is named with its number.
@@ -54,19 +72,21 @@ pub fn read_features_csv(path: &Path) -> Result<Vec<Feature>> {
 fn parse(text: &str) -> Result<Vec<Feature>, (usize, String)> {
     let mut lines = text.lines().enumerate().map(|(i, line)| (i + 1, line));
     let first = lines.next().map_or("", |(_, first)| first);
+    let judged = usize::from(first.ends_with(VERDICT_COLUMNS)) * VERDICT_COLUMNS.matches(',').count();
+    let first = first.strip_suffix(VERDICT_COLUMNS).unwrap_or(first);
     let columns = feature_columns().find(|&count| header_of(count) == first);
     let columns = columns.ok_or_else(|| (1, format!("the header must be {}", feature_header())))?;
-    lines.map(|(number, line)| row(line, columns).map_err(|problem| (number, problem))).collect()
+    lines.map(|(number, line)| row(line, columns, judged).map_err(|problem| (number, problem))).collect()
 }
 
-fn row(line: &str, columns: usize) -> Result<Feature, String> {
+fn row(line: &str, columns: usize, judged: usize) -> Result<Feature, String> {
     let cells: Vec<&str> = line.split(',').collect();
-    if cells.len() != columns {
-        return Err(format!("there must be {columns} cells, not {}", cells.len()));
+    if cells.len() != columns + judged {
+        return Err(format!("there must be {} cells, not {}", columns + judged, cells.len()));
     }
     // Columns that a shorter table lacks mean that no field of motion was found.
     let mut feature = Feature { field_sigma: f32::INFINITY, ..Feature::default() };
-    for (quantity, cell) in Quantity::STORED.into_iter().zip(cells) {
+    for (quantity, cell) in Quantity::STORED.into_iter().zip(&cells[..columns]) {
         let wrong = |right| format!("{} must be {right}, not '{cell}'", quantity.record().key);
         quantity.read(&mut feature, cell).map_err(wrong)?;
     }
@@ -89,7 +109,11 @@ pub(super) fn is_table(path: &Path) -> bool {
     let is_of_matches =
         |header: &str| MATCH_COLUMNS.strip_prefix(header).is_some_and(|more| ["", MATCHES_SINCE].contains(&more));
     let is_known = |header: &str| {
-        is_of_matches(header) || others.contains(&header) || feature_columns().any(|count| header_of(count) == header)
+        is_of_matches(header)
+            || others.contains(&header)
+            || feature_columns().any(|count| {
+                header.strip_prefix(&header_of(count)).is_some_and(|more| ["", VERDICT_COLUMNS].contains(&more))
+            })
     };
     // Commas outside of quotes.
     let commas = |line: &str| line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>();

@@ -1,7 +1,7 @@
 //! The formats in which features are exported, and the names of their files, for the window's dialog and `--format`.
 
 use super::colmap::write_colmap;
-use super::csv::write_csv;
+use super::csv::{FeatureVerdict, write_csv};
 use super::npz::write_npz;
 use crate::detector::Detection;
 use crate::error::{Error, Result};
@@ -44,11 +44,11 @@ impl ExportFormat {
     }
 
     /// Writes the features of `detection` to the file `path` in this format.
-    pub fn write(self, path: &Path, detection: &Detection) -> Result<()> {
+    pub fn write(self, path: &Path, detection: &Detection, verdicts: Option<&[FeatureVerdict]>) -> Result<()> {
         match self {
-            Self::Csv => write_csv(path, &detection.features),
+            Self::Csv => write_csv(path, &detection.features, verdicts),
             Self::Colmap => write_colmap(path, &detection.features, &detection.descriptors),
-            Self::Npz => write_npz(path, &detection.features, &detection.descriptors),
+            Self::Npz => write_npz(path, &detection.features, &detection.descriptors, verdicts),
         }
     }
 }
@@ -80,12 +80,13 @@ pub fn write_detection(
     folder: &Path,
     burst_name: &str,
     detection: &Detection,
+    verdicts: Option<&[FeatureVerdict]>,
     formats: &[ExportFormat],
 ) -> Result<Vec<PathBuf>> {
     let files = detection_files(folder, burst_name, formats);
     // Stops at the first error: a full disk fails for every format.
     let written = files.into_iter().zip(formats).map(|(path, format)| {
-        format.write(&path, detection)?;
+        format.write(&path, detection, verdicts)?;
         Ok(path)
     });
     written.collect()

@@ -29,8 +29,8 @@ pub use colmap::{
     DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
 };
 pub use csv::{
-    CURVE_COLUMNS, MATCH_COLUMNS, MatchRow, PLANTED_COLUMNS, PROFILE_COLUMNS, PictureProfile, feature_header,
-    read_features_csv, write_csv, write_matches_csv, write_profiles_csv,
+    CURVE_COLUMNS, FeatureVerdict, MATCH_COLUMNS, MatchRow, PLANTED_COLUMNS, PROFILE_COLUMNS, PictureProfile,
+    VERDICT_COLUMNS, feature_header, read_features_csv, write_csv, write_matches_csv, write_profiles_csv,
 };
 pub use density::{Cells, IN_A_CELL};
 pub use figure::{

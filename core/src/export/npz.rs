@@ -3,10 +3,11 @@
 //! are NaN, `field_sigma` infinite, `layer` 0. `motion` is 0 unknown, 1 surroundings, 2 own, 3 edge, 4 ghost.
 
 use super::atomic::write_marked;
+use super::csv::FeatureVerdict;
 use crate::detector::{Descriptor, Feature, Motion, MotionField, Quantity};
 use crate::error::Result;
 use crate::files::mark::Kind;
-use ndarray::{Array2, Array3, ArrayView2};
+use ndarray::{Array1, Array2, Array3, ArrayView2};
 use ndarray_npy::NpzWriter;
 use std::io;
 use std::path::Path;
@@ -39,8 +40,15 @@ pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<()> {
     })
 }
 
-/// Writes features and descriptors, one for each feature (it panics if the numbers differ); also without any.
-pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<()> {
+/// Writes features and descriptors, one for each feature (it panics if the numbers differ); also without any. Where
+/// features were judged, `verdict` `[N]` uint8, 0 real, 1 ghost, 2 alias, 3 duplicate, 4 unclear, and `coherence` `[N]`
+/// float32, NaN where frames are too noisy to be compared.
+pub fn write_npz(
+    path: &Path,
+    features: &[Feature],
+    descriptors: &[Descriptor],
+    verdicts: Option<&[FeatureVerdict]>,
+) -> Result<()> {
     assert_eq!(features.len(), descriptors.len(), "each feature has one descriptor");
     let values = |f| Quantity::STORED.into_iter().filter_map(move |quantity| quantity.of(f));
     let rows: Vec<f32> = features.iter().flat_map(values).collect();
@@ -51,6 +59,12 @@ pub fn write_npz(path: &Path, features: &[Feature], descriptors: &[Descriptor]) 
         let mut npz = NpzWriter::new(out);
         npz.add_array("features", &rows).map_err(io::Error::other)?;
         npz.add_array("descriptors", &descriptors).map_err(io::Error::other)?;
+        if let Some(verdicts) = verdicts {
+            let codes = Array1::from_iter(verdicts.iter().map(|verdict| verdict.code));
+            let coherences = Array1::from_iter(verdicts.iter().map(|verdict| verdict.coherence.unwrap_or(f32::NAN)));
+            npz.add_array("verdict", &codes).map_err(io::Error::other)?;
+            npz.add_array("coherence", &coherences).map_err(io::Error::other)?;
+        }
         npz.finish().map_err(io::Error::other)?;
         Ok(())
     })

@@ -1,8 +1,9 @@
 //! Likely nature of each feature, from the evenness of the frames' responses and the [suspicions](super::suspicion).
 
 use super::suspicion::{Kind, Suspicion, suspicions_of_feature};
-use crate::detector::Trail;
 use crate::detector::coherence::{BUMP_COHERENCE, Evenness, Shape};
+use crate::detector::{Detection, Trail};
+use crate::export::FeatureVerdict;
 use crate::monitor::{Cancelled, Monitor, Stage};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -93,6 +94,27 @@ impl Judged {
         };
         Self { verdict, coherence, why }
     }
+}
+
+/// Detection of the features of `trail` on which the verdict is one of `kept`, with their verdicts as files have them.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn kept(trail: &Trail, kept: &[Verdict], monitor: &Monitor) -> Result<(Detection, Vec<FeatureVerdict>), Cancelled> {
+    Ok(kept_of(trail.detection(), &judged(trail, monitor)?, kept))
+}
+
+/// As [`kept`], of features that were judged already.
+pub fn kept_of(detection: &Detection, judged: &[Judged], kept: &[Verdict]) -> (Detection, Vec<FeatureVerdict>) {
+    let is_kept = |index: &usize| kept.contains(&judged[*index].verdict);
+    let indices: Vec<usize> = (0..judged.len()).filter(is_kept).collect();
+    let features = indices.iter().map(|index| detection.features[*index]).collect();
+    let descriptors = indices.iter().map(|index| detection.descriptors[*index]).collect();
+    let verdict = |index: &usize| {
+        let Judged { verdict, coherence, .. } = judged[*index];
+        FeatureVerdict { word: verdict.word(), code: verdict as u8, coherence }
+    };
+    (Detection { features, descriptors, ..detection.clone() }, indices.iter().map(verdict).collect())
 }
 
 /// Judges every feature of the detection of `trail`, in their order.

@@ -85,7 +85,7 @@ fn csv_has_the_exact_header_and_one_row_for_each_feature() {
     let folder = folder();
     let path = folder.path().join("a.csv");
     let features: Vec<Feature> = (0..4).map(feature).collect();
-    write_csv(&path, &features).expect("written");
+    write_csv(&path, &features, None).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let mut lines = text.lines();
     let header = "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit,slope_sigma,field_u,\
@@ -103,7 +103,7 @@ fn csv_of_earlier_versions_is_read() {
     let folder = folder();
     let path = folder.path().join("a.csv");
     let by_itself = Feature { slope: Slope::new(9.0, 0.0), slope_sigma: 0.1, field_sigma: 0.1, ..feature(1) };
-    write_csv(&path, &[by_itself]).expect("written");
+    write_csv(&path, &[by_itself], None).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let cut = |columns: usize| {
         let cut = |line: &str| line.split(',').take(columns).collect::<Vec<_>>().join(",") + "\n";
@@ -123,7 +123,7 @@ fn csv_of_earlier_versions_is_read() {
 fn an_empty_csv_is_a_header() {
     let folder = folder();
     let path = folder.path().join("a.csv");
-    write_csv(&path, &[]).expect("written");
+    write_csv(&path, &[], None).expect("written");
     assert_eq!(fs::read_to_string(&path).expect("read"), feature_header() + "\n");
     assert_eq!(read_features_csv(&path), Ok(Vec::new()));
 }
@@ -134,7 +134,7 @@ fn csv_errors_name_the_file_and_the_line() {
     let path = folder.path().join("a.csv");
     let error = read_features_csv(&path).expect_err("missing");
     assert!(error.to_string().contains("a.csv"), "{error}");
-    write_csv(&path, &[feature(1), feature(2)]).expect("written");
+    write_csv(&path, &[feature(1), feature(2)], None).expect("written");
     let mut bytes = fs::read(&path).expect("read");
     let last_line = bytes.len() - 3;
     bytes[last_line] = 0xff;
@@ -153,7 +153,7 @@ proptest! {
         let feature = Feature { u, v, sigma, orientation, slope, response, snr, ..octave_level };
         let folder = folder();
         let path = folder.path().join("a.csv");
-        write_csv(&path, &[feature]).expect("written");
+        write_csv(&path, &[feature], None).expect("written");
         let row = read_features_csv(&path).expect("read")[0];
         let bits = |f: &Feature| stored(f).map(|v| if v.is_nan() { u32::MAX } else { v.to_bits() });
         prop_assert_eq!(bits(&row), bits(&feature));
@@ -167,7 +167,7 @@ fn npz_holds_both_arrays() {
     let path = folder.path().join("a.npz");
     for count in [0, 1, 5] {
         let Detection { features, descriptors, .. } = detection(count);
-        write_npz(&path, &features, &descriptors).expect("written");
+        write_npz(&path, &features, &descriptors, None).expect("written");
         let mut npz = NpzReader::new(fs::File::open(&path).expect("opened")).expect("a zip file");
         assert_eq!(npz.names().expect("names"), ["features", "descriptors"]);
         let rows: Array2<f32> = npz.by_name("features").expect("features");
@@ -188,8 +188,8 @@ fn npz_holds_both_arrays() {
 fn the_same_features_give_the_same_bytes() {
     let folder = folder();
     let detection = detection(9);
-    let paths =
-        ["a", "b"].map(|name| write_detection(folder.path(), name, &detection, &ExportFormat::ALL).expect("written"));
+    let paths = ["a", "b"]
+        .map(|name| write_detection(folder.path(), name, &detection, None, &ExportFormat::ALL).expect("written"));
     for (a, b) in paths[0].iter().zip(&paths[1]) {
         assert_eq!(fs::read(a).expect("read"), fs::read(b).expect("read"), "{}", a.display());
     }
@@ -221,10 +221,10 @@ fn colmap_text_has_its_header_its_offset_and_its_numbers() {
 fn a_detection_is_written_in_every_format_under_the_bursts_name() {
     let folder = folder();
     let out = folder.path().join("out/here");
-    let paths = write_detection(&out, "slider-far", &detection(2), &ExportFormat::ALL).expect("written");
+    let paths = write_detection(&out, "slider-far", &detection(2), None, &ExportFormat::ALL).expect("written");
     assert_eq!(paths, ["slider-far.csv", "slider-far.txt", "slider-far.npz"].map(|n| out.join(n)));
     assert_eq!(names(&out), ["slider-far.csv", "slider-far.npz", "slider-far.txt"]);
-    let paths = write_detection(&out, "../a/b", &detection(2), &[ExportFormat::Csv]).expect("written");
+    let paths = write_detection(&out, "../a/b", &detection(2), None, &[ExportFormat::Csv]).expect("written");
     assert_eq!(paths[0].parent(), Some(&*out));
 }
 
@@ -452,12 +452,13 @@ fn what_cannot_be_written_leaves_everything_as_it_was() {
     let detection = detection(2);
     // A folder in place of the file.
     fs::create_dir(folder.path().join("a.csv")).expect("made");
-    let error = write_detection(folder.path(), "a", &detection, &[ExportFormat::Csv]).expect_err("a folder is there");
+    let error =
+        write_detection(folder.path(), "a", &detection, None, &[ExportFormat::Csv]).expect_err("a folder is there");
     assert!(error.to_string().contains("a.csv"), "{error}");
     assert_eq!(names(folder.path()), ["a.csv"]);
     // A file in place of the folder.
     fs::write(folder.path().join("file"), "precious").expect("written");
-    let error = write_detection(&folder.path().join("file"), "a", &detection, &[ExportFormat::Npz]);
+    let error = write_detection(&folder.path().join("file"), "a", &detection, None, &[ExportFormat::Npz]);
     assert!(error.as_ref().is_err_and(|error| error.kind == ErrorKind::Unwritten), "{error:?}");
     assert_eq!(fs::read(folder.path().join("file")).expect("read"), b"precious");
     assert_eq!(names(folder.path()), ["a.csv", "file"]);
@@ -470,7 +471,7 @@ fn both_formats_come_back_with_the_same_places() {
     let at = |u, v| Feature { u, v, sigma: 2.5, orientation: 0.5, slope, ..Feature::default() };
     let features = [at(10.25, 20.5), at(0.0, 3.0)];
     let (csv, text) = (home.path().join("a.csv"), home.path().join("a.txt"));
-    write_csv(&csv, &features).expect("written");
+    write_csv(&csv, &features, None).expect("written");
     write_colmap(&text, &features, &[[7; 128]; 2]).expect("written");
     let (a, b) = (read_features(&csv).expect("ours"), read_features(&text).expect("COLMAP's"));
     assert_eq!(a.len(), 2);

@@ -55,7 +55,7 @@ fn sound() -> &'static Sound {
         detection.features.truncate(3);
         detection.descriptors.truncate(3);
         let (csv, colmap) = (home.path().join("f.csv"), home.path().join("f.txt"));
-        write_csv(&csv, &detection.features).expect("written");
+        write_csv(&csv, &detection.features, None).expect("written");
         write_colmap(&colmap, &detection.features, &detection.descriptors).expect("written");
         let read = |path: &Path| std::fs::read(path).expect("read");
         let colmap = String::from_utf8(read(&colmap)).expect("text");

@@ -15,6 +15,7 @@ use crate::app::results::{Effect, Model, Read};
 use crate::app::view::View;
 use crate::detector::{Method, SearchParams, Slope, SlopeGrid};
 use crate::engine::Engine;
+use crate::inspect::verdict::Verdict;
 use crate::matching::MatchParams;
 use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
 use crate::synth::Example;
@@ -272,6 +273,7 @@ actions! {
     ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst" => Switch(look.motion_vectors);
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation" => Switch(look.orientations);
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours" => Switch(look.legend);
+    FocusUnderPointer, View 3, "Focus under the pointer", [SHIFT Z], "Show the place under the pointer at its own motion, as long as this is on, or while Ctrl is held" => Switch(follows_focus), when when::inspects_burst;
     AutoContrast, View 3, "Auto contrast", [SHIFT A], "Set contrast and brightness so that all but the darkest and brightest 0.1 % of the values can be told apart" => Run(|model, _| panes::auto_contrast(model)), when when::has_picture;
     NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale, response, SNR, slope limit or coherence in turn" => Set(change::colour_next);
     ToggleLeft, View 4, "Cursor and parameters", [CTRL B], "Show or hide the panel on the left" => Run(change::toggle_left), on |model| model.shows_left();
@@ -345,6 +347,7 @@ actions! {
     ProbeStrongest, Features 1, "Probe the strongest candidate", [], "Probe the strongest candidate of the whole picture, kept or not" => Run(|model, _| probe::ask_probe(model, Read::of(model).active_side(), ProbeQuestion::Strongest)), when when::can_probe;
     ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked" => Run(|model, _| probe::follow_with_probe(model)), when when::can_probe, on |model| model.document.probe.follows;
     CloseProbe, Features 1, "Clear probe", [], "Close the probe and free its memory" => Run(|model, _| probe::clear_probe(model)), when |model| model.document.probe.is_on() || model.results.probed.answer.is_some();
+    OnlyReal, Features 2, "Only real ones", [SHIFT O], "Hide ghosts, aliases, duplicates and what cannot be told, here and in the files that are exported" => Set(|document| document.filter.verdict = (document.filter.verdict != Some(Verdict::Real)).then_some(Verdict::Real)), when |model| when::active(model).found.is_some(), on |model| model.document.filter.verdict == Some(Verdict::Real);
     ClearFilter, Features 2, "Clear filter", [], "Show all features" => Set(|document| document.filter = Default::default()), when |model| !model.document.filter.is_open();
     PinResult, Features 3, "Pin this result", [SHIFT D], "Keep these features, to show which ones later detections gain, lose and move" => Run(change::pin_result), when |model| when::active(model).found.is_some();
     UnpinResult, Features 3, "Unpin", [], "Remove the pinned result" => Run(|model, _| comparison::forget_reference(model, Read::of(model).active_side(), Reference::Pinned)), when |model| when::refers_to(model, Reference::Pinned);

@@ -33,7 +33,7 @@ impl Default for FigureChoice {
             width: FigureWidth::Millimetres(TWO_COLUMNS_MM),
             stroke_width: 0.75,
             font_size: 8.0,
-            features: FigureAmount::All,
+            features: FigureAmount::Drawn,
             matches: FigureAmount::All,
             titles: true,
             letters: true,

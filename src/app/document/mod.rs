@@ -91,6 +91,8 @@ pub struct Document {
     pub theme: egui::ThemePreference,
     pub playing: bool,
     pub play: Playing,
+    /// Whether the place under the pointer is shown at its own motion.
+    pub follows_focus: bool,
 }
 
 impl Document {

@@ -11,8 +11,8 @@ pub use raster::rasterise;
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas;
-use crate::app::canvas::number;
 use crate::app::canvas::overlay::{ColourBy, ColourScale};
+use crate::app::canvas::{RectTransform, number};
 use crate::app::document::export::{FigureChoice, ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::document::look::RangeClass;
 use crate::app::document::method::MethodId;
@@ -176,7 +176,8 @@ fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureC
     };
     let step = shown.image_from_picture_scale;
     let layer = FeatureLayer::of(model, id);
-    let drawn = layer.as_ref().map_or_else(Vec::new, |layer| drawn_in(layer, choice.features));
+    let view = widgets.ui_from_image(id).zip(Some(visible.unwrap_or_else(|| shown.rect_image())));
+    let drawn = layer.as_ref().map_or_else(Vec::new, |layer| drawn_in(layer, choice.features, view));
     let legend = match &layer {
         Some(layer) if choice.legend && !drawn.is_empty() => legend(&layer.scale(model), layer, &drawn),
         _ => Vec::new(),
@@ -221,9 +222,12 @@ fn part_in_view(state: &PictureState) -> Option<egui::Rect> {
     (seen.size().min_elem() >= SQUEEZED).then_some(visible)
 }
 
-/// Features that the figure shows, in the order in which they are drawn.
-fn drawn_in(layer: &FeatureLayer, amount: FigureAmount) -> Vec<usize> {
-    let mut order: Vec<usize> = amount.of((0..layer.placed().len()).filter(|&i| layer.shown[i]).collect());
+/// Features that the figure shows, in the order in which they are drawn; `view` is that of the pane on the window, and
+/// the part of the image that is drawn.
+fn drawn_in(layer: &FeatureLayer, amount: FigureAmount, view: Option<(RectTransform, egui::Rect)>) -> Vec<usize> {
+    let in_full = view.filter(|_| amount == FigureAmount::Drawn).map(|(ui, rect)| layer.in_full(ui, rect).flags);
+    let is_shown = |i: &usize| in_full.as_ref().map_or(layer.shown[*i], |flags| flags[*i]);
+    let mut order: Vec<usize> = amount.of((0..layer.placed().len()).filter(is_shown).collect());
     order.sort_by_key(|&i| (layer.selected == Some(i), !layer.is_faint(i)));
     order
 }
@@ -293,7 +297,13 @@ fn rgb(colour: egui::Color32) -> [u8; 3] {
     [colour.r(), colour.g(), colour.b()]
 }
 
-pub fn figure_dialog_ui(ctx: &egui::Context, open: &mut bool, choice: &mut FigureChoice, queue: &mut Queue) {
+pub fn figure_dialog_ui(
+    ctx: &egui::Context,
+    open: &mut bool,
+    choice: &mut FigureChoice,
+    has_matches: bool,
+    queue: &mut Queue,
+) {
     if !*open {
         return;
     }
@@ -303,7 +313,7 @@ pub fn figure_dialog_ui(ctx: &egui::Context, open: &mut bool, choice: &mut Figur
         ui.heading("Figure of what is shown");
         ui.weak("Features, filter, colours and part of the picture as in the panes");
         ui.add_space(6.0);
-        size_ui(ui, choice);
+        size_ui(ui, choice, has_matches);
         ui.add_space(4.0);
         switches_ui(ui, choice);
         ui.add_space(8.0);
@@ -341,7 +351,7 @@ fn switches_ui(ui: &mut Ui, choice: &mut FigureChoice) {
     }
 }
 
-fn size_ui(ui: &mut Ui, choice: &mut FigureChoice) {
+fn size_ui(ui: &mut Ui, choice: &mut FigureChoice, has_matches: bool) {
     egui::Grid::new("figure numbers").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
         ui.label("Format");
         ui.horizontal(|ui| {
@@ -385,21 +395,24 @@ fn size_ui(ui: &mut Ui, choice: &mut FigureChoice) {
             ui.add(DragValue::new(value).range(range).speed(speed).suffix(unit).max_decimals(2)).labelled_by(name.id);
             ui.end_row();
         }
-        for (amount, label) in [(&mut choice.features, "Features"), (&mut choice.matches, "Matches")] {
+        let rows = [(&mut choice.features, "Features", true), (&mut choice.matches, "Matches", false)];
+        for (amount, label, are_features) in rows.into_iter().filter(|(.., are_features)| *are_features || has_matches)
+        {
             let name = ui.label(label);
-            ui.horizontal(|ui| amount_ui(ui, amount, name.id));
+            ui.horizontal(|ui| amount_ui(ui, amount, are_features, name.id));
             ui.end_row();
         }
     });
 }
 
-fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, label: egui::Id) {
+fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, are_features: bool, label: egui::Id) {
     let kinds = [
+        (FigureAmount::Drawn, "as drawn", "Those that the window draws in full, and no dots"),
         (FigureAmount::All, "all", "All that are shown"),
         (FigureAmount::Strongest(100), "strongest", "The strongest features, and the matches of the smallest distance"),
         (FigureAmount::OneOf(10), "one of", "Every so many-th, along the order of strength"),
     ];
-    for (kind, name, tip) in kinds {
+    for (kind, name, tip) in kinds.into_iter().skip(usize::from(!are_features)) {
         let is_on = std::mem::discriminant(amount) == std::mem::discriminant(&kind);
         if ui.selectable_label(is_on, name).on_hover_text(tip).clicked() && !is_on {
             *amount = kind;

@@ -1,6 +1,6 @@
 //! Marks of the place under the pointer in all linked panes, and of the probed place in the panes of its burst.
 
-use super::pane_ui::{Drawn, full_scale};
+use super::pane_ui::{Drawn, chip_ui, full_scale};
 use super::widgets::{PaneWidgets, PlaceValue};
 use crate::app::actions::Queue;
 use crate::app::canvas::CanvasOutput;
@@ -8,13 +8,14 @@ use crate::app::document::cursor::Cursor;
 use crate::app::document::method::MethodId;
 use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
-use crate::app::pane::{Link, PaneId, place_in};
+use crate::app::pane::{Content, Link, PaneId, place_in};
 use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::dashed_circle;
 use crate::app::results::Read;
 use crate::burst::Positions;
 use crate::detector::{Feature, Slope};
 use crate::inspect::probe::{AT_PLACE_PX, Wanted};
+use crate::inspect::words::slope_text;
 use crate::requests::{PictureKind, ProbeQuestion};
 use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
 use std::ops::Range;
@@ -130,6 +131,63 @@ pub(super) fn probe_ui(
         Some(feature) => Action::ProbeFeature(Side::A, feature),
         None => Action::Probe(side, ProbeQuestion::At { place, wanted: Wanted::Best }),
     });
+}
+
+/// What a pane showed before the pointer led its slope, while Ctrl is held.
+#[derive(Clone, Copy)]
+struct Before(PaneId, Content, Cursor);
+
+const FOCUS: &str = "focus under the pointer";
+
+/// Whether the pointer leads the slope now: all that it leads through is one step to undo.
+pub fn is_led(ctx: &egui::Context) -> bool {
+    ctx.data(|data| data.get_temp(egui::Id::unique(FOCUS))).unwrap_or(false)
+}
+
+/// Shows the place under the pointer at its own motion, while the switch is on or Ctrl is held. With Ctrl a click stays
+/// at that slope; without one the pane goes back to what it showed.
+pub(super) fn focus_ui(ui: &egui::Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)], queue: &mut Queue) {
+    let (flag, kept) = (egui::Id::unique(FOCUS), egui::Id::unique((FOCUS, "before")));
+    let is_held = ui.input(|i| i.modifiers.command_only() && i.keys_down.is_empty());
+    let before: Option<Before> = ui.data(|data| data.get_temp(kept));
+    if let Some(Before(id, content, cursor)) = before.filter(|_| !is_held) {
+        ui.data_mut(|data| data.remove::<Before>(kept));
+        queue.push(Action::SetSlope(id, cursor.slope));
+        queue.push(match content {
+            Content::Cursor => Action::Show(id, cursor.kind),
+            content => Action::SetContent(id, content),
+        });
+    }
+    let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
+    let is_on = is_held || model.document.follows_focus;
+    let led = pointed.filter(|_| is_on && model.document.workspace.inspects());
+    ui.data_mut(|data| data.insert_temp(flag, led.is_some()));
+    let Some((id, drawn, pos)) = led else { return };
+    let (Some(pane), Some((side, [u, v]))) = (model.document.panes.get(id), mid_burst(model, drawn.shown, pos)) else {
+        return;
+    };
+    let field = model.found_of(side).and_then(|found| found.detection.field.as_ref());
+    let text = match (field, field.and_then(|field| field.known_at(u, v))) {
+        (None, _) => "Focus needs the motions of a detection".to_owned(),
+        (_, None) => "Here no motion is known".to_owned(),
+        (_, Some(motion)) => {
+            // A slope that differs by less looks the same, and would be computed for nothing.
+            let is_other = (motion.slope.u - pane.cursor.slope.u).hypot(motion.slope.v - pane.cursor.slope.v) > 0.02;
+            let is_sharp = pane.shown().is_some_and(|kind| kind.about().of_slope) && !is_other;
+            if ui.input(|i| i.pointer.delta() != egui::Vec2::ZERO) && !is_sharp {
+                if is_held && before.is_none() {
+                    ui.data_mut(|data| data.insert_temp(kept, Before(id, pane.content, pane.cursor)));
+                }
+                queue.push(Action::Focus(id));
+                queue.push(Action::SetSlope(id, motion.slope));
+            }
+            format!("Sharp at {} px/frame", slope_text(motion.slope))
+        }
+    };
+    if drawn.output.response.clicked() {
+        ui.data_mut(|data| data.remove::<Before>(kept));
+    }
+    chip_ui(ui, &drawn.output, Align2::LEFT_BOTTOM, &text, (FOCUS, id));
 }
 
 pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {

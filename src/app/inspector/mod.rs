@@ -9,7 +9,7 @@ mod pane_ui;
 mod panes;
 mod widgets;
 
-pub(in crate::app) use marks::{is_with_shift, same_place};
+pub(in crate::app) use marks::{is_led, is_with_shift, same_place};
 pub(in crate::app) use menu::{copy_ui, match_menu_ui};
 pub use pane_ui::Drawn;
 pub(in crate::app) use pane_ui::chip_ui;

@@ -1,7 +1,7 @@
 //! All panes of the open workspace, as `egui_tiles` draws them, or a page that says how to open a pane's burst.
 
 use super::header::header_ui;
-use super::marks::{marks_ui, probe_ui};
+use super::marks::{focus_ui, marks_ui, probe_ui};
 use super::menu::picture_menu_ui;
 use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, scrub_ui, slice_ui};
 use super::widgets::{PaneWidgets, canvas_name, compact_description};
@@ -40,6 +40,7 @@ pub fn inspector_ui(
     marks_ui(model, widgets, &drawn);
     if model.document.workspace.probes() {
         probe_ui(ui, model, widgets, &drawn, queue);
+        focus_ui(ui, model, &drawn, queue);
     }
     drawn
 }

@@ -1,12 +1,14 @@
 //! Features over the picture: drawing, hovering, selection, and the legend.
 
 use crate::app::actions::Queue;
+use crate::app::canvas::RectTransform;
 use crate::app::canvas::{CanvasOutput, overlay, signed_number};
 use crate::app::document::filter::moves_by;
 use crate::app::document::look::FeaturesShown;
 use crate::app::document::method::MethodId;
 use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
+use crate::app::measure::Tool;
 use crate::app::pane::PaneId;
 use crate::app::panel::against::{RowsInPane, marks_ui};
 use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
@@ -101,12 +103,13 @@ impl FeatureLayer {
 
     /// Choice of the features that are drawn in full over the canvas of `output`: the strongest of each part of it, and
     /// those selected or pointed at. Features of other slopes than the picture's take no place from its own.
-    fn in_full(&self, output: &CanvasOutput) -> overlay::Drawn {
+    /// Features that are drawn in full where `view_image` is in view.
+    pub fn in_full(&self, ui_from_image: RectTransform, view_image: egui::Rect) -> overlay::Drawn {
         let group = |i: usize| {
             self.shown[i].then(|| if self.is_faint(i) { overlay::Group::Faint } else { overlay::Group::Own })
         };
         let always = |i: usize| self.selected == Some(i) || self.hovered == Some(i);
-        overlay::drawn(self.placed(), group, output.ui_from_image, output.visible_image, always)
+        overlay::drawn(self.placed(), group, ui_from_image, view_image, always)
     }
 
     /// The feature at `pos_ui`: one that is drawn in full, otherwise one whose dot lies there.
@@ -165,9 +168,10 @@ pub fn features_ui(
     let scale = scale.with_set_up(model.document.set_up.depths_by());
     // Candidates lie above features.
     let on_top = layer.is_listed && model.results.explained.pointed.is_none();
-    let can_be_pointed_at = on_top || layer.method.is_some();
+    // What is drawn for a mask is drawn past features.
+    let can_be_pointed_at = (on_top || layer.method.is_some()) && model.document.measure.tool != Tool::Mask;
     let pointer = output.pointer_ui.filter(|pos| can_be_pointed_at && output.painter.clip_rect().contains(*pos));
-    let mut in_full = layer.in_full(output);
+    let mut in_full = layer.in_full(output.ui_from_image, output.visible_image);
     if is_probed && layer.method.is_none() {
         let here = model.results.probed.features_here();
         let dots: Vec<usize> = here.into_iter().filter(|feature| in_full.dots.contains(feature)).collect();
@@ -191,7 +195,11 @@ pub fn features_ui(
     state.drawn_of = Some((in_full.drawn, in_full.in_view));
     draw(&layer, &scale, output, &in_full);
     let clicked_here = |pos: Pos2| output.painter.clip_rect().contains(pos);
-    if on_top && output.response.clicked() && output.response.interact_pointer_pos().is_none_or(clicked_here) {
+    if on_top
+        && can_be_pointed_at
+        && output.response.clicked()
+        && output.response.interact_pointer_pos().is_none_or(clicked_here)
+    {
         queue.push(Action::Select(pointed));
     }
     if let Some(i) = pointed

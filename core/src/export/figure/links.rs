@@ -82,6 +82,8 @@ pub enum FigureAmount {
     /// All that are shown.
     #[default]
     All,
+    /// Features that the window draws in full: as many of the strongest as each part of the view can bear.
+    Drawn,
     /// So many of the strongest.
     Strongest(u32),
     /// One of so many, evenly along the order of strength.
@@ -92,7 +94,7 @@ impl FigureAmount {
     /// Those shown of `all`, the strongest first.
     pub fn of<T>(self, all: Vec<T>) -> Vec<T> {
         match self {
-            Self::All => all,
+            Self::All | Self::Drawn => all,
             Self::Strongest(count) => all.into_iter().take(count as usize).collect(),
             Self::OneOf(every) => all.into_iter().step_by(every.max(1) as usize).collect(),
         }

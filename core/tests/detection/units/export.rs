@@ -194,8 +194,8 @@ mod outputs {
         let (case, part) =
             Case::of(&burst, &SearchParams::default(), (None, None), "", &Monitor::default()).expect("nobody cancels");
         write_case(&at("a.burstcase"), (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
-        write_npz(&at("a.npz"), &[], &[]).expect("written");
-        write_csv(&at("a.csv"), &[]).expect("written");
+        write_npz(&at("a.npz"), &[], &[], None).expect("written");
+        write_csv(&at("a.csv"), &[], None).expect("written");
         write_matches_csv(&at("m.csv"), &[]).expect("written");
         let profile = PictureProfile { picture: "a \"b\", c".into(), samples: Vec::new() };
         write_profiles_csv(&at("p.csv"), &[profile]).expect("written");
