@@ -1,6 +1,6 @@
 //! Advice on a detection with few or no features: the reason, and a setting to change. A good detection rejects nearly
-//! every sample too, so each test's share of rejected candidates is compared with its usual one; the test that exceeds
-//! it most is to blame. (Whether the slopes fit is judged in `inspect::spectrum`.)
+//! every sample too, so each test's share of rejections is compared with its usual share, and the worst test is blamed.
+//! (Whether the slopes fit is judged in `inspect::spectrum`.)
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, Param, SearchParams, Word, doc};
@@ -9,7 +9,7 @@ use super::test::{LOWEST_GATE, wider_axis};
 /// Reason for a poor detection, and a setting to change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice {
-    /// The reason: a clause without a capital at its start or a full stop at its end.
+    /// Reason: a clause without a capital at its start or a full stop at its end.
     pub problem: String,
     /// Parameter to change.
     pub parameter: Param<SearchParams>,
@@ -33,9 +33,9 @@ impl Advice {
 const LITTLE_PER_MEGAPIXEL: f64 = 50.0;
 /// Fewer features than this are too few in an image of any size.
 const LITTLE: usize = 8;
-/// Minimum number of samples above both thresholds for one feature: usually one of 650 to 1000 became a keypoint.
+/// Least number of samples above both thresholds for one feature: usually one of 650 to 1000 became a keypoint.
 const SAMPLES_PER_FEATURE: u64 = 500;
-/// A test that lets pass less than this fraction of its usual share is to blame.
+/// Part of its usual share of passing candidates below which a test is blamed.
 const BLAMED_BELOW: f64 = 0.5;
 /// Gate's share of rejected samples below which the peak threshold before it had already taken the noise.
 const GATE_REJECTS_NOISE: f64 = 0.999;
@@ -70,6 +70,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
     };
     let above_peak = tally.samples.saturating_sub(tally.rejected_by(Test::PeakThreshold));
     let above = above_peak.saturating_sub(tally.rejected_by(Test::NoiseGate));
+    // Too little reached the later tests, so a threshold is to blame: the peak threshold if it left the gate no noise.
     if above < SAMPLES_PER_FEATURE * wanted {
         let gated = tally.rejected_by(Test::NoiseGate) as f64 / above_peak.max(1) as f64;
         if params.peak_threshold > 0.0 && above_peak < tally.samples && gated < GATE_REJECTS_NOISE {
@@ -82,7 +83,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
                 advice(problem, doc::NOISE_GATE, LOWEST_GATE.to_string())
             }
             Method::Buff => {
-                // Twice as wide.
+                // Twice as wide, half of it on each side.
                 let (parameter, axis) = wider_axis(&params.slopes);
                 let more = axis.count.saturating_sub(1).div_ceil(2).max(1);
                 advice(problem, parameter, axis.with_more(more, more).to_string())
@@ -95,7 +96,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
     advice(took(test, reached), parameter, value)
 }
 
-/// The test after the thresholds that most exceeds its usual share of rejections, and how many candidates reached it.
+/// Test after the thresholds that most exceeds its usual share of rejections, and how many candidates reached it.
 fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     let mut reached = tally.samples;
     let mut worst: Option<(f64, Test, u64)> = None;

@@ -1,12 +1,12 @@
-//! Memory limit of a search: its need is estimated before it starts, and a search that would take more is done in
-//! groups of slopes, or refused where even that takes too much.
+//! Memory limit of a search: the need is estimated first, and a search that would take more goes in groups of slopes,
+//! or is refused where even groups take too much.
 //!
 //! For every slope the first level of each octave after the first is held. Besides, there are the frames, cleaned by
 //! the noise model and at each octave's resolution, and the threads' windows of slopes.
 //!
-//! All searches of the process share one budget: a search plans with the memory that the running ones have left. One
-//! that does not fit is done in its smallest form (one thread, the smallest groups of slopes) rather than made to wait:
-//! another search may be waiting for the thread that started it.
+//! All searches of the process share one budget: a search plans with the memory that running ones leave. A search that
+//! does not fit goes in its smallest form (one thread, the smallest groups of slopes) rather than waiting: another
+//! search may be waiting for the thread that started it.
 
 pub use crate::plane::memory::machine_bytes;
 
@@ -54,8 +54,7 @@ pub fn kept_bytes() -> u64 {
 }
 
 /// Checks, before a burst is opened, that its search will be possible: `frames` frames of `size` (columns, rows), of
-/// which `params` may leave some out, searched within [`budget`]. Where the slopes are to be found from the burst, a
-/// single slope is assumed, the fewest that a search holds.
+/// which `params` may leave some out, within [`budget`]. Slopes yet to be found count as a single slope, the fewest.
 ///
 /// # Errors
 /// As the search itself: the error gives the memory that it needs at least, and settings that need less.
@@ -89,7 +88,7 @@ impl Wanted<'_> {
     /// Memory that a search on `threads` threads needs, whatever the number of slopes; bytes.
     fn bytes_beside_slopes(self, threads: usize) -> u64 {
         let windows = threads.saturating_mul(WINDOW_BYTES).min(WINDOWS_BYTES);
-        // The cleaned frames, and their octaves together, or those binned and the means of the octaves above.
+        // Cleaned frames and their octaves, or binned frames and the means of the octaves above: 7/3 of the frames.
         let of_frames = (self.frames as u64).saturating_mul(plane_bytes(self.size)).saturating_mul(7) / 3;
         of_frames.saturating_add(windows as u64)
     }
@@ -112,7 +111,7 @@ pub(crate) struct Account {
 
 pub(crate) static OF_PROCESS: Account = Account::new();
 
-/// Memory of a search, released when dropped.
+/// Memory of a search, returned to the account when dropped.
 #[derive(Debug)]
 pub(crate) struct Share<'account> {
     account: &'account Account,
@@ -140,6 +139,7 @@ impl Account {
     pub(crate) fn plan(&self, wanted: Wanted<'_>, budget: Option<u64>) -> Result<(Plan, Share<'_>)> {
         let mut taken = self.taken();
         let left = budget.map(|budget| budget.saturating_sub(*taken));
+        // A search that finds no room takes the least memory of its own instead of waiting for others.
         let plan = Plan::new(wanted, left).or_else(|_| Plan::smallest(wanted, budget))?;
         let share = Share { account: self, bytes: plan.bytes };
         *taken = taken.saturating_add(share.bytes);
@@ -147,12 +147,12 @@ impl Account {
     }
 }
 
-/// Groups, threads and memory of a search. Results do not depend on it.
+/// Groups, threads and memory of a search; they do not change the result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Plan {
     /// Groups in which slopes are searched; a single one if all fit.
     pub(crate) search: Vec<SlopeGroup>,
-    /// Groups in which keypoints are localised and described; a single one if there is one for the search.
+    /// Groups in which keypoints are localised and described; one if the search has one.
     pub(crate) describe: Vec<SlopeGroup>,
     /// Number of threads. Each holds its own window of slopes, so a small budget may have room for few.
     pub(crate) threads: usize,
@@ -161,8 +161,8 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Plans the `wanted` search within `budget` bytes, or without a bound, on as many threads as there is memory for.
-    /// Where even the smallest form needs more, the error gives its least memory.
+    /// Plans the `wanted` search within `budget` bytes, or without a bound, on as many threads as have room. Where even
+    /// the smallest form needs more, the error gives its least memory.
     pub(crate) fn new(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
         let several = (2..=rayon::current_num_threads()).rev();
         let fitting = several.map(|threads| Self::on(threads, wanted, budget)).find_map(Result::ok);
@@ -170,7 +170,7 @@ impl Plan {
         fitting.map_or_else(|| Self::on(1, wanted, budget), Ok)
     }
 
-    /// Plan that takes the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
+    /// Plan with the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
     pub(crate) fn smallest(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
         let of_slopes = wanted.bytes_of_slope().saturating_mul(min_slopes(wanted.params) as u64);
         let min = wanted.bytes_beside_slopes(1).saturating_add(of_slopes);
@@ -188,7 +188,7 @@ impl Plan {
         let beside = wanted.bytes_beside_slopes(threads);
         let fitting = (budget.saturating_sub(beside) / of_slope.max(1)).min(count as u64) as usize;
         let reach = OtherSlopes::of(params).reach(&grid);
-        // The whole did not fit: even without slopes the budget may be exceeded.
+        // Since the whole did not fit, even no slopes may exceed the budget.
         let cut = |reach| SlopeGroup::cut(count, reach, fitting).filter(|_| beside <= budget);
         if let (Some(search), Some(describe)) = (cut(reach), cut(Some(slopes_around(params, &grid)))) {
             let visited = search.iter().chain(&describe).map(|group| group.visited.len()).max().unwrap_or(count);
@@ -201,7 +201,7 @@ impl Plan {
 
     /// Runs `work` on the threads that the plan allows.
     pub(crate) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        // If the system gives no more threads, those of the pool are used, and the search may take more memory.
+        // If the system gives no more threads, the pool's are used, and the search may take more memory.
         if self.threads >= rayon::current_num_threads() { work() } else { on_threads(self.threads, work) }
     }
 }
@@ -215,7 +215,7 @@ pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Sen
     }
 }
 
-/// Number of slopes that must be held at once: those that one is compared with and localised between.
+/// Number of slopes held at once at least: a slope, and those that it is compared with and localised between.
 fn min_slopes(params: &DetectorParams) -> usize {
     let grid = params.used_slopes();
     let reach = OtherSlopes::of(params).reach(&grid);

@@ -6,7 +6,7 @@
 //! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
 //! slope) → `orient` and [`describe`] (on the pixels around the feature) → `limit` (motion beyond the slopes) →
 //! [`feature`], whose values [`quantity`] lists. From `distinct` on the steps read D along any motion (`along`), and so
-//! does [`coherence`], which tells how alike the single frames respond. [`test`](mod@test) has a record of each test
+//! does [`coherence`], which measures how alike the single frames respond. [`test`](mod@test) has a record of each test
 //! that a candidate goes through.
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and

@@ -50,8 +50,8 @@ pub fn combined_view(
 
 /// DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i,
 /// j) lies at (i·2^octave, j·2^octave) of the input image. Levels −1 … levels exist; features come from 0 … levels−1.
-/// Unit: fraction of full scale. The picture is of the frames as they are: where `slope` is on the grid the values are
-/// bitwise those that the search compares, unless the local noise model cleaned the frames.
+/// Unit: fraction of full scale. Frames are taken as they are: for a `slope` on the grid the values are bitwise those
+/// that the search compares, unless the local noise model cleaned the frames.
 ///
 /// # Errors
 /// An octave or level that the parameters do not have.
@@ -120,9 +120,9 @@ pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> R
     Ok(Plane::from_fn(width, height, at))
 }
 
-/// σ of the noise in D at each pixel of an octave, as the noise gate uses it: of the motion-stack image at any `slope`
-/// (px/frame, on the grid or between) at `octave` and `level` (−1 … levels). A candidate must reach the gate's factor
-/// times this. On the pixels of `octave`, as [`dog_view`]; fraction of full scale.
+/// σ of the noise in D at each pixel of `octave`, as the noise gate uses it, for the motion-stack image at any `slope`
+/// (px/frame, on the grid or between) and `level` (−1 … levels): a candidate must reach the gate's factor times this.
+/// Unit: fraction of full scale.
 ///
 /// # Errors
 /// Parameters that make no sense for the burst, or do not have the octave or level.
@@ -142,8 +142,8 @@ pub fn gate_noise_map(
     Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
 }
 
-/// Share (0 … 1) of the frames that take part in the search that see each pixel of the image at `slope` (px/frame, on
-/// the grid or between): they cover it, and no mask hides it. Where fewer do, the mean over them is noisier.
+/// Share (0 … 1) of the kept frames that see each pixel of the image at `slope` (px/frame, on the grid or between):
+/// they cover it, and no mask hides it. Where fewer do, the mean over them is noisier.
 ///
 /// # Errors
 /// Parameters that make no sense for the burst.

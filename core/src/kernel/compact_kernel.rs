@@ -14,7 +14,7 @@
 use crate::plane::Plane;
 use multiversion::multiversion;
 
-/// The shape of a compactly supported kernel.
+/// Shape of a compactly supported kernel: h and its derivatives by their polynomials in q.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompactKernel {
     /// Coefficients of 1, q, q², q³ in h over (1 − q)³.
@@ -102,7 +102,7 @@ fn cubic(c: &[f32; 4], q: f32) -> f32 {
     q.mul_add(q.mul_add(q.mul_add(c[3], c[2]), c[1]), c[0])
 }
 
-/// The sums that make a [`KernelResponse`]. `x` and `y` are the distances of columns and rows, in radii.
+/// Sums that make a [`KernelResponse`]. `x` and `y` are the distances of columns and rows, in radii.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sums(
     kernel: &CompactKernel,
@@ -115,6 +115,7 @@ fn sums(
     let mut line = [0.0f32; LINE];
     let mut acc = [[0.0f32; LANES]; 7];
     for (j, &y) in y.iter().enumerate() {
+        // Each derivative of h carries one power of (1 − q) less than the one before: `pixel` gains them in turn.
         pixels.line(first.1 + j as i64, first.0, &mut line[..x.len()]);
         let yy = y * y;
         for (x, pixels) in x.chunks_exact(LANES).zip(line.chunks_exact(LANES)) {
@@ -142,8 +143,8 @@ fn sums(
 }
 
 impl PixelView<'_> {
-    /// The mean of pixels on a circle of nine tenths of `radius` around (x, y). Samples of a kernel do not sum to
-    /// exactly 0, and err most where it ends, so it is applied to the difference from the grey level there.
+    /// Mean of pixels on a circle of nine tenths of `radius` around (x, y), to be subtracted first: samples of a kernel
+    /// do not sum to exactly 0, and err most where it ends.
     pub fn local_mean(&self, radius: f64, (x, y): (f64, f64)) -> f32 {
         let near = |at: f64, n: usize| (at.round().max(0.0) as usize).min(n - 1);
         let at = |du: f64, dv: f64| {

@@ -10,7 +10,7 @@ pub struct FrameOffset {
     pub whole_v: i64,
     pub part_u: f32,
     pub part_v: f32,
-    /// Columns and rows before the first one that still count as it, 0 or 1: see `Interpolation::Truncated`.
+    /// Columns and rows before the first one that still count as the first, 0 or 1: see `Interpolation::Truncated`.
     pub before_u: i64,
     pub before_v: i64,
 }
@@ -41,8 +41,7 @@ impl FrameOffset {
         self.covers(u, v, frame.size()) && self.weight(frame, (u, v), 0.0) >= 0.5
     }
 
-    /// Mean weight (0 … 1) of the samples of `frame` that are read up to `radius` pixels around pixel (u, v), which it
-    /// covers.
+    /// Mean weight (0 … 1) of the samples of `frame` read up to `radius` pixels around pixel (u, v), which it covers.
     pub fn weight(&self, frame: &Plane, (u, v): (usize, usize), radius: f32) -> f32 {
         let Some(mask) = frame.mask() else { return 1.0 };
         let (x, y) = ((u as i64 + self.whole_u) as f32 + self.part_u, (v as i64 + self.whole_v) as f32 + self.part_v);
@@ -59,5 +58,5 @@ impl FrameOffset {
     }
 }
 
-/// Samples of a radius at most that a weight is the mean of.
+/// Steps in a radius at most, over which a weight is averaged.
 const DISC_STEPS: i32 = 5;

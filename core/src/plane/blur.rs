@@ -8,19 +8,19 @@ use super::{Mask, Plane};
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 
-/// A symmetric, normalised Gaussian kernel: its centre tap and the taps to one side.
+/// Symmetric, normalised Gaussian kernel: the centre tap and the taps to one side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussianKernel {
     half: Vec<f32>,
 }
 
 impl GaussianKernel {
-    /// The kernel of standard deviation `sigma` in pixels (0 or less gives the identity), cut at ⌈4σ⌉.
+    /// Kernel of standard deviation `sigma` in pixels (0 or less gives the identity), cut at ⌈4σ⌉.
     pub fn new(sigma: f64) -> Self {
         Self::with_cut(sigma, 4.0)
     }
 
-    /// The kernel of standard deviation `sigma` in pixels, cut at ⌈`cut`·σ⌉; `cut` in standard deviations.
+    /// Kernel of standard deviation `sigma` in pixels, cut at ⌈`cut`·σ⌉; `cut` in standard deviations.
     pub fn with_cut(sigma: f64, cut: f64) -> Self {
         if sigma <= 0.0 {
             return Self { half: vec![1.0] };
@@ -31,7 +31,6 @@ impl GaussianKernel {
         Self { half: taps.iter().map(|t| (t / sum) as f32).collect() }
     }
 
-    /// The symmetric kernel with the taps `half`, from the centre to one side.
     pub(crate) fn of_half(half: Vec<f32>) -> Self {
         Self { half }
     }
@@ -47,7 +46,7 @@ impl GaussianKernel {
     }
 }
 
-/// The whole image blurred by `kernel`: along the columns, then along the rows.
+/// Whole image blurred by `kernel`, along the columns, then along the rows: the plain reference, and slow.
 pub fn gaussian_blur(plane: &Plane, kernel: &GaussianKernel) -> Plane {
     let (width, height) = plane.size();
     let inside = |i: usize, k: i64, n: usize| (i as i64 + k).clamp(0, n as i64 - 1) as usize;
@@ -57,8 +56,8 @@ pub fn gaussian_blur(plane: &Plane, kernel: &GaussianKernel) -> Plane {
     Plane::from_fn(width, height, |u, v| sum(&|k| columns.at(inside(u, k, width), v)))
 }
 
-/// The plane smoothed by a Gaussian of `sigma_px` pixels (0 or less: unchanged), cut at 3σ; for looking at, the
-/// detector has its own. NaN stays NaN and its neighbours are smoothed without it. The same for any number of threads.
+/// Plane smoothed by a Gaussian of `sigma_px` pixels (0 or less: unchanged), cut at 3σ; to look at, not to detect. NaN
+/// stays NaN, and its neighbours are smoothed without it. The same for any number of threads.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -70,6 +69,7 @@ pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane
     if !plane.data().iter().any(|x| x.is_nan()) {
         return blurred_by_rows(plane, &kernel, monitor);
     }
+    // Normalised by the blurred weights of the known values, so that NaN leaves no dark rim.
     let of = |value: fn(f32) -> f32| {
         let data = plane.data().iter().map(|&x| value(x)).collect();
         blurred_by_rows(&Plane::from_vec(plane.width(), plane.height(), data), &kernel, monitor)
@@ -82,8 +82,8 @@ pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane
     Ok(sum)
 }
 
-/// The plane blurred by a triangle that reaches 0 at `half_width` pixels from each pixel, along columns and rows;
-/// beyond the plane the nearest pixel is repeated. A mask is blurred alike.
+/// Plane blurred by a triangle that reaches 0 at `half_width` pixels, along columns and rows; beyond the plane the
+/// nearest pixel is repeated. A mask is blurred alike.
 pub(crate) fn triangle_blur(plane: &Plane, half_width: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let area = (half_width * half_width) as f32;
     let half = (0..half_width).map(|k| (half_width - k) as f32 / area).collect();

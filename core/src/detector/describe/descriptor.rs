@@ -24,14 +24,14 @@ pub struct DescriptorScratch {
     samples: Samples,
 }
 
-/// Radius of the pixels that the descriptor of a feature of scale `sigma` depends on, octave pixels: half the diagonal
-/// of the turned square. The level around it must reach one pixel farther.
+/// Radius of the pixels that a descriptor of scale `sigma` reads, octave pixels: half the diagonal of the turned
+/// square. The level around it must reach one pixel farther.
 pub fn descriptor_radius(sigma: f32) -> usize {
     (std::f32::consts::SQRT_2 * MAGNIFICATION * sigma * (CELLS as f32 + 1.0) / 2.0 + 0.5).floor() as usize
 }
 
-/// Radius of the disc of pixels that a coarser scale `sigma` of a pooled descriptor depends on, in pixels of the level:
-/// half the side of the turned square. The level around it must reach one pixel farther.
+/// Radius of the disc of pixels that a coarser scale `sigma` of a pooled descriptor reads, pixels of the level: half
+/// the side of the turned square. The level around it must reach one pixel farther.
 pub fn coarse_radius(sigma: f32) -> usize {
     (HALF * MAGNIFICATION * sigma + 0.5).floor() as usize
 }
@@ -63,8 +63,8 @@ impl Square {
         Self { reach: descriptor_radius(sigma), ..square }
     }
 
-    /// As [`Self::of`], for a coarser scale of a pooled descriptor: without the corners beyond [`coarse_radius`], where
-    /// all weights are small, and without rows between which the level hardly changes.
+    /// As [`Self::of`], for a coarser scale of a pooled descriptor: without the corners beyond [`coarse_radius`], whose
+    /// weights are small, and without rows between which the level hardly changes.
     pub fn coarse(place: (f32, f32), sigma: f32, orientation: f32) -> Self {
         let cell = MAGNIFICATION * sigma;
         let (radius, row_step, reach) = (HALF * cell, sigma as usize, coarse_radius(sigma));
@@ -115,6 +115,7 @@ pub fn sums(level: &Patch, size: (usize, usize), square: &Square, scratch: &mut 
     for (v, &weight_v) in rows.clone().zip(along_v.iter()).step_by(row_step.max(1)) {
         let dv = v as f32 - y;
         let (left, right) = interval(dv);
+        // Columns outside the turned square are never visited: at 45° they are half of all.
         let left = max((x + left).ceil(), columns.start as f32);
         let right = min((x + right).floor(), columns.end as f32 - 1.0);
         if left > right {
@@ -128,11 +129,12 @@ pub fn sums(level: &Patch, size: (usize, usize), square: &Square, scratch: &mut 
             let weights = vector_of(weights_u, at);
             let first = start as f32 + at as f32 - x;
             let out = samples.vector(held + at);
+            // Arithmetic without branches; the scattered sums follow per batch, in `PairedCells::add`.
             for i in 0..LANES {
                 let turned = eighths[i] - orientation;
                 let turned = if turned < 0.0 { turned + DIRECTIONS as f32 } else { turned };
                 let direction = min(turned.floor(), LAST_DIRECTION);
-                // Distances in cells from the first padded one.
+                // Distances in cells from the padding's first cell.
                 let du = first + i as f32;
                 let cx = cos.mul_add(du, sin.mul_add(dv, HALF));
                 let cy = cos.mul_add(dv, (-sin).mul_add(du, HALF));
@@ -201,7 +203,7 @@ pub fn pool(scales: &[Sums]) -> Descriptor {
     in_bytes(&total)
 }
 
-/// In UBC/COLMAP's order: in each cell the directions run the other way round than VLFeat's, the first stays.
+/// Bytes in UBC/COLMAP's order: within a cell the directions run the other way round than VLFeat's, the first stays.
 #[inline(always)]
 fn in_bytes(bins: &Sums) -> Descriptor {
     let sum = sum_of(bins, |x| x);
@@ -227,7 +229,7 @@ pub fn to_vlfeat_order(descriptor: &Descriptor) -> Descriptor {
 const CELLS: usize = 4;
 const DIRECTIONS: usize = 8;
 const BINS: usize = CELLS * CELLS * DIRECTIONS;
-/// Number of cells along a side with one more at each end for pixels outside, so that no weight needs a test.
+/// Number of cells along a side with one more at each end, so that pixels outside need no test.
 const PADDED: usize = CELLS + 2;
 /// Number of independent accumulators, so that an addition need not wait for the one before it.
 const TURNS: usize = 4;
@@ -235,7 +237,7 @@ const TURNS: usize = 4;
 /// Pairs in a row of cells.
 const PAIRS: usize = PADDED - 1;
 
-/// Values that some pixels add, in the order of the pixels. Cells and directions are counted from the padding on.
+/// Weighted values of some pixels, in the order of the pixels. Cells and directions are counted from the padding on.
 #[derive(Debug, Default)]
 struct Samples {
     /// Pair of cells above the pixel, between which it lies.
@@ -288,12 +290,12 @@ impl Samples {
     }
 }
 
-/// Sums for each pair of neighbouring cells of a row: the parts of samples between the two for the left one, then for
-/// the right one. A sample adds to one pair and to the one below it; kept apart, pairs never overlap.
+/// Sums for each pair of neighbouring cells of a row: first the left cell's parts, then the right one's. A sample adds
+/// to one pair and to the one below; kept apart, pairs never overlap.
 #[repr(C, align(64))]
 struct PairedCells([[[f32; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS]);
 
-/// For each direction, its share in each of a pair's directions, and the change of that towards the next direction.
+/// For each direction, its share in a pair's directions, and the change of the share towards the next direction.
 #[repr(C, align(64))]
 struct Shares([[[f32; 2 * DIRECTIONS]; 2]; DIRECTIONS]);
 

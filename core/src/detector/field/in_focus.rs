@@ -9,8 +9,8 @@ use crate::plane::{Mask, Plane};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Largest difference of motions between which a place is interpolated, pixels of smear between the first and the last
-/// frame; beyond it the two sides of a border move apart, and each keeps its own.
+/// Largest difference of motions between which a place is interpolated, pixels of smear over the burst; beyond it the
+/// two sides of a border move apart, and each keeps its own.
 const SAME_SMEAR_PX: f32 = 2.0;
 
 impl MotionField {
@@ -35,8 +35,7 @@ impl MotionField {
 }
 
 /// Mean of `frames`, taken at `times`, with every place shifted by its own motion in `field`: all depths are sharp at
-/// once. Frames that do not see a place are left out of its mean, unless none does. The frames' size and scale of
-/// values.
+/// once, with the frames' size and values. Frames that do not see a place are left out unless none sees it.
 pub fn in_focus(frames: &[&Plane], times: &FrameTimes, field: &MotionField) -> Plane {
     let Some(first) = frames.first() else { return Plane::zeros(0, 0) };
     let (width, height) = first.size();

@@ -1,11 +1,11 @@
 //! Motion layers: the motions that exist in a burst.
 //!
 //! The motions of all known cells are counted on a fine grid of slopes. Each hill of the smoothed count is a layer; two
-//! hills are one unless the saddle between them is lower than half of the lower one. So a floor that comes nearer is
-//! one layer with a spread, and two things before one another are two.
+//! hills are one unless the saddle between them is lower than half of the lower one: a floor that comes nearer is one
+//! layer with a spread, and two things before one another are two.
 //!
-//! Layers come in the order of depth, which all motions together tell ([`super::depth`]); those that move otherwise
-//! than a camera makes still things move come last.
+//! Layers come in the order of depth, which all motions together determine ([`super::depth`]); things that move by
+//! themselves come last.
 
 use super::depth::inverse_depths;
 use crate::detector::params::slope_grid::Slope;
@@ -22,7 +22,7 @@ const SMOOTHING_STEPS: f64 = 2.0;
 const MARGIN_STEPS: usize = 7;
 /// Maximum number of steps along an axis.
 const MAX_STEPS: f32 = 400.0;
-/// Height of a saddle, as a part of the lower hill, from which on the two are one.
+/// Height of a saddle, as a part of the lower hill, from which the two hills are one.
 const ONE_HILL: f32 = 0.5;
 /// Share of the known cells that a layer needs.
 const MIN_SHARE: f32 = 0.004;
@@ -32,27 +32,25 @@ const MIN_SHARE: f32 = 0.004;
 pub struct MotionLayer {
     /// Mean motion of its cells, pixels per frame.
     pub slope: Slope,
-    /// Standard deviation of their motions (root of the mean of both directions' variances), pixels per frame.
+    /// Standard deviation of the cells' motions (root mean variance of both directions), pixels per frame.
     pub spread: f32,
-    /// Its part of the cells whose motion is known, 0 … 1.
+    /// Part (0 … 1) of the cells with known motion that belong to the layer.
     pub share: f32,
-    /// Its inverse depth, relative to that of the first layer, the nearest: below 0 where the camera turned about so
-    /// much that it moves the other way. `None` where it moves by itself.
+    /// Inverse depth relative to the first layer, the nearest: below 0 where the camera turned so much that the
+    /// layer moves the other way. `None` where it moves by itself.
     pub inverse_depth: Option<f32>,
 }
 
 /// Cell of a field whose motion is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct KnownCell {
-    /// Its centre (u, v), pixels of the input image.
     pub pos_image: [f64; 2],
-    /// Its motion, pixels per frame, and the largest standard deviation of that.
+    /// Motion, pixels per frame, and its largest standard deviation.
     pub motion: (Slope, f32),
 }
 
-/// Layers of the motions of all cells (`None` where unknown), the nearest first, and the number of each cell's, from 1;
-/// 0 for none. Those that move by themselves come last, the fastest first. `last_frame` is the number of frames less
-/// one.
+/// Layers of the motions of all cells (`None` where unknown), nearest first, then those that move by themselves,
+/// fastest first; and the number of each cell's layer, from 1, or 0. `last_frame` is the number of frames less one.
 pub(super) fn layers(
     known: &[Option<KnownCell>],
     last_frame: f32,
@@ -69,6 +67,7 @@ pub(super) fn layers(
         let (u, v) = (f64::from(slope.u), f64::from(slope.v));
         sums[hill_of(slope)].iter_mut().zip([1.0, u, v, u * u, v * v]).for_each(|(sum, x)| *sum += x);
     }
+    // Smaller hills are cells at borders, which show two motions at once.
     let enough = f64::from(MIN_SHARE) * slopes.len() as f64;
     let mut found: Vec<(usize, MotionLayer)> = Vec::new();
     for (hill, [count, u, v, uu, vv]) in sums.iter().copied().enumerate().filter(|(_, sums)| sums[0] > enough) {
@@ -102,8 +101,8 @@ fn middle_depth(depths: impl Iterator<Item = Option<f32>>) -> Option<f32> {
     (2 * known.len() > all.len()).then(|| known[known.len() / 2])
 }
 
-/// Orders layers, each with its hill, and makes their inverse depths relative to the first. Of the two ways round, the
-/// one that begins with the fastest: what is near moves fast.
+/// Orders layers, each with its hill, and makes inverse depths relative to the first. Of both signs the one that puts
+/// the fastest first is taken: near things move fast.
 fn order(found: &mut Vec<(usize, MotionLayer)>) {
     let depths = found.iter().filter_map(|(_, layer)| layer.inverse_depth);
     let largest = depths.reduce(|a, b| if b.abs() > a.abs() { b } else { a }).filter(|depth| *depth != 0.0);
@@ -120,11 +119,11 @@ fn order(found: &mut Vec<(usize, MotionLayer)>) {
 
 /// Hills of the smoothed count of motions.
 struct Hills {
-    /// Slope of the first bin, and the step, pixels per frame.
+    /// Slope of the first bin.
     first: Slope,
     step: f32,
     width: usize,
-    /// Bin at the top of the hill that each bin belongs to.
+    /// Bin at the top of each bin's hill.
     of_bin: Vec<usize>,
 }
 
@@ -138,6 +137,7 @@ impl Hills {
         if slopes.is_empty() {
             return Ok(None);
         }
+        // A wide range of motions gets a coarser grid, so that memory stays bounded.
         let step = step.max((u.1 - u.0).max(v.1 - v.0) / MAX_STEPS);
         let count = |(min, max): (f32, f32)| ((max - min) / step).ceil() as usize + 1 + 2 * MARGIN_STEPS;
         let first = Slope::new(u.0 - MARGIN_STEPS as f32 * step, v.0 - MARGIN_STEPS as f32 * step);
@@ -164,8 +164,9 @@ impl Hills {
         (-1..=1).flat_map(|dj| (-1..=1).map(move |di| (di, dj))).filter_map(inside)
     }
 
-    /// The top above each bin, uphill by the steepest way.
+    /// Top above each bin, by steepest ascent.
     fn climbed(&self, counts: &[f32]) -> Vec<usize> {
+        // Ties go to the first bin, or a plateau would lead round in a circle.
         let higher = |a: usize, b: usize| if (counts[b], a) > (counts[a], b) { b } else { a };
         let next: Vec<usize> =
             (0..counts.len()).map(|bin| self.around(bin, counts.len()).reduce(higher).unwrap_or(bin)).collect();

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Value with a few names.
+/// Value with a few names, as options, files and menus show them.
 pub trait Word {
     /// Name on the command line and in files.
     fn word(&self) -> &'static str;
@@ -12,7 +12,7 @@ pub trait Word {
     fn set_word(&mut self, word: &str) -> bool;
 }
 
-/// Gives each variant of a type its name on the command line and its name in the window.
+/// Gives the variants of a type their names on the command line and in the window.
 macro_rules! words {
     ($type:ty, $(($variant:ident, $word:literal, $label:literal)),+) => {
         impl $crate::detector::params::Word for $type {

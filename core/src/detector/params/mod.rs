@@ -40,8 +40,8 @@ impl<S: Clone> DetectorParams<S> {
         }
     }
 
-    /// These parameters with those of `other` that change neither a stack nor a sample of D, only the judgement of what
-    /// a search left: see [`Trail::rejudged`](crate::detector::Trail::rejudged).
+    /// These parameters with those of `other` that change neither a stack nor a sample of D, only the judgement after a
+    /// search: see [`Trail::rejudged`](crate::detector::Trail::rejudged).
     pub fn judged_as<T>(&self, other: &DetectorParams<T>) -> Self {
         let &DetectorParams {
             noise_gate, peak_threshold, edge_threshold, distinct, distinct_scale, max_features, ..
@@ -51,6 +51,7 @@ impl<S: Clone> DetectorParams<S> {
 
     /// These parameters with other `slopes`.
     pub fn with_slopes<T>(self, slopes: T) -> DetectorParams<T> {
+        // Field by field, since `..self` cannot change the type of `slopes`; a forgotten field does not compile.
         let Self { method, frames, octaves, levels, first_octave, peak_threshold, noise_gate, noise_model, .. } = self;
         let Self { flicker, edge_threshold, search, slope_extrema, distinct, distinct_scale, rules, .. } = self;
         let Self { max_features, max_orientations, describe_scales, .. } = self;

@@ -1,8 +1,8 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
-//! The inputs give the frames that take part and their noise; the [search](crate::detector::search) finds keypoints.
-//! Of those on one blob the strongest stays; those that stay are localised, described and ranked. The data for
-//! explaining the detection is gathered in a [`Trail`], which judges single samples ([`Judgement`]).
+//! The inputs give the kept frames and their noise; the [search](crate::detector::search) finds keypoints. On each blob
+//! the strongest keypoint stays, and is localised, described and ranked. A [`Trail`] gathers the data that explain the
+//! detection, and judges single samples ([`Judgement`]).
 
 mod choice;
 mod earlier;
@@ -44,9 +44,9 @@ pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) 
     Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), None, monitor)?.detection)
 }
 
-/// Finds the features of a burst and keeps the data that explains them. What an `earlier` search of it left at the same
-/// slopes is taken over; the result is the same to the bit, but in the tally, samples there that are no keypoints are
-/// counted as the earlier search rejected them.
+/// Finds the features of a burst and keeps the data that explains them. Results of an `earlier` search at the same
+/// slopes are taken over; the result is the same to the bit, except that samples there that are no keypoints are
+/// tallied as the earlier search rejected them.
 pub(crate) fn search_with_trail(
     burst: &Burst,
     params: &DetectorParams,
@@ -64,14 +64,13 @@ pub type FirstFeatures<'a> = &'a (dyn Fn(Detection) + Sync);
 pub(crate) struct Keeping<'a> {
     /// Trail from which this search goes on.
     pub earlier: Option<&'a Trail>,
-    /// Is given the features of the slope by which most places move, before the others are searched, if the search is
-    /// long and goes on from no earlier one. They are as a search of that slope alone finds them with
-    /// the gate of all slopes.
+    /// Called with the features of the slope by which most places move, before the others are searched, if the search
+    /// is long and has no `earlier` one. They are as a search of that slope alone finds them with the gate of all
+    /// slopes.
     pub first: FirstFeatures<'a>,
 }
 
 impl Keeping<'_> {
-    /// Keeps a search that begins anew, whose first features nobody waits for.
     #[cfg(test)]
     pub const ANEW: Self = Self { earlier: None, first: &|_| {} };
 }
@@ -81,7 +80,7 @@ const LONG_SEARCH_PX: usize = 5_000_000;
 /// Least number of slopes of a long search: the first one is then a small part of it.
 const LONG_SEARCH_SLOPES: usize = 16;
 
-/// Memory of a search while trails are kept, which already have their part of the budget; bytes.
+/// Memory of a search while trails are kept, which already hold their part of the budget; bytes.
 fn budget_beside_kept() -> Option<u64> {
     memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()))
 }
@@ -101,6 +100,7 @@ fn search_all(
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(Wanted { params, frames, size: burst.size() }, budget)?;
     plan.run(|| {
+        // Noise and cleaned frames of an earlier search are taken over, so that only slopes remain to be searched.
         let mut earlier = keeping.and_then(|keeping| Earlier::of(keeping.earlier?, burst, params));
         let mut inputs = match &earlier {
             Some(earlier) => earlier.inputs(params),
@@ -128,7 +128,6 @@ fn is_long(params: &DetectorParams, size: (usize, usize)) -> bool {
     slopes >= LONG_SEARCH_SLOPES && slopes.saturating_mul(size.0 * size.1) >= LONG_SEARCH_PX && earlier::is_sum(params)
 }
 
-/// Searches the slope by which most places move, and gives its features to `first`.
 fn search_first(
     inputs: &Inputs,
     field: Option<&Arc<MotionField>>,
@@ -148,8 +147,7 @@ fn search_first(
     Ok(trail)
 }
 
-/// Detects in frames whose noise is known, by what an `earlier` search of them left. `times` are those of the steps
-/// before.
+/// Detects in frames whose noise is known, continuing an `earlier` search. `times` holds the steps so far.
 fn search_inputs(
     inputs: Inputs,
     field: Option<Arc<MotionField>>,
@@ -161,6 +159,7 @@ fn search_inputs(
 ) -> Result<Trail> {
     let search = Search::new(&inputs, monitor);
     let started = Instant::now();
+    // Taking over needs all slopes in one group; groups are searched anew.
     let known = earlier.filter(|_| plan.search.len() == 1).and_then(|earlier| earlier.known(&search));
     let mut tallies =
         known.as_ref().map_or_else(|| vec![Tally::default(); search.grid.len()], |known| known.tallies.clone());
@@ -176,7 +175,7 @@ fn search_inputs(
     Ok(Trail::new(inputs, Arc::new(outcome), passing, choice, detection))
 }
 
-/// Chooses the features among the `passing` keypoints of a search. `times` are those of the steps before.
+/// Chooses the features among the `passing` keypoints of a search. `times` holds the steps so far.
 fn choose(
     search: &Search<'_>,
     outcome: &Outcome,
@@ -190,6 +189,7 @@ fn choose(
     let mut tally = passing.tally;
     choice.count(&mut tally);
     chooser.mark(&mut found)?;
+    // Comparing keypoints belongs to the search, although it takes turns with describing.
     times.search_secs += choice.distinct_secs;
     times.describe_secs = started.elapsed().as_secs_f32() - choice.distinct_secs;
     search.monitor.report(Stage::Describe, 1.0);
@@ -213,9 +213,9 @@ fn choose(
 }
 
 impl Trail {
-    /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one: unless they
-    /// [follow](follows). Keypoints, features and descriptors are those of the search to the bit. In the tally, samples
-    /// that are no keypoints are counted as the earlier search rejected them.
+    /// Trail that a search of the same burst with `params` would leave, without the search; `None` unless `params`
+    /// [follow](follows). Keypoints, features and descriptors equal those of the search to the bit; samples that are no
+    /// keypoints are tallied as the earlier search rejected them.
     pub fn rejudged(&self, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
         if !follows(params, &self.outcome.params) {
             return Ok(None);
@@ -238,9 +238,8 @@ impl Trail {
         Earlier::of(self, burst, params).map_or(0, |_| shared_slopes(params, &self.outcome.params))
     }
 
-    /// A new search of the same frames in another order: the frame at place i among those that took part gets the
-    /// time of that at place `order[i]`. Noise model, gates, slopes and the field of motion stay, and all features are
-    /// kept.
+    /// Searches the same frames in another order: the frame at place i among the kept ones gets the time of the frame
+    /// at place `order[i]`. Noise model, gates, slopes and field stay, and all features are kept.
     ///
     /// # Panics
     /// If `order` is no permutation of the places of the frames that took part.
@@ -259,8 +258,8 @@ impl Trail {
 }
 
 impl Search<'_> {
-    /// Localises and describes `keypoints`, which are in order of octaves. First levels that were not kept are computed
-    /// again, one group of slopes after the other. `part` is the part of the description's progress that this takes.
+    /// Localises and describes `keypoints`, which are in order of octaves. First levels that were not kept are made
+    /// again, one group of slopes after the other. `part` is this step's part of the description's progress.
     fn describe(
         &self,
         keypoints: &[Keypoint],

@@ -28,8 +28,8 @@ pub struct Thresholds {
     pub scale_ease: f32,
 }
 
-/// Factor of a sample that is compared with the adjacent levels. In an octave that [ascends](super::ascends) one that
-/// is nearly as strong goes on to the ascent, which finds the exact scale.
+/// Factor of a sample that is compared with the adjacent levels. In an octave that [ascends](super::ascends), a sample
+/// nearly as strong as its neighbours passes too: the ascent finds the exact scale.
 pub fn scale_ease(ascends: bool) -> f32 {
     if ascends { 1.03 } else { 1.0 }
 }
@@ -61,6 +61,7 @@ fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f3
         let (d, e, f) = (&row[start..][..n], &row[start + 1..][..n], &row[start + 2..][..n]);
         let (g, h, i) = (&below[start..][..n], &below[start + 1..][..n], &below[start + 2..][..n]);
         let (mut below_peak, mut below_any) = (0u32, 0u32);
+        // Counted even where the run is skipped: the tally reports the rejections of each test.
         for value in e {
             below_peak += u32::from(value.abs() < peak);
             below_any += u32::from(value.abs() < limit);
@@ -78,6 +79,7 @@ fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f3
                     smaller(smaller(a[u], b[u]), smaller(c[u], d[u])),
                     smaller(smaller(f[u], g[u]), smaller(h[u], i[u])),
                 );
+                // `&` and `|` instead of `&&` and `||`: without branches the loop stays in vector lanes.
                 let high = (e[u] > max) & (e[u] >= limit);
                 let low = (e[u] < min) & (e[u] <= -limit);
                 marks[u] = u8::from(high | low);
@@ -177,6 +179,7 @@ fn level_extrema(
         tally.samples += count as u64;
         tally.reject(Test::PeakThreshold, below_peak);
         tally.reject(Test::NoiseGate, below_any - below_peak);
+        // The adjacent levels are read only for the few samples that are extrema in the image.
         for &column in found.iter() {
             let x = first + column as usize;
             let value = own.at(x, y);
@@ -187,6 +190,7 @@ fn level_extrema(
             }
         }
         let extrema = found.len() as u64;
+        // Each sample is rejected by one test: the rest after the thresholds failed in space.
         tally.reject(Test::SpaceExtremum, count as u64 - below_any - extrema);
     }
 }

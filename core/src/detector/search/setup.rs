@@ -26,7 +26,7 @@ use std::borrow::Borrow;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// Radius of a feature's disc, of whose samples a part may be masked, σ of the feature.
+/// Radius of the disc around a feature in which masked samples are counted, in σ of the feature.
 const DISC_SIGMAS: f32 = 2.0;
 
 /// Number of pixels held around a tile: enough for the moves of the refinement and for the neighbours that it reads.
@@ -40,7 +40,7 @@ pub(crate) struct Search<'a> {
     /// Frames as the first octave reads them.
     pub(crate) planes: Vec<&'a Plane>,
     pub(crate) grid: SlopeGrid,
-    /// Offsets of the frames at each slope.
+    /// Offsets of the frames, `[slope][frame]`.
     pub(crate) offsets: Vec<Vec<FrameOffset>>,
     /// Filters of the first octave and of the later ones.
     pub(crate) banks: (FilterBank, FilterBank),
@@ -73,7 +73,7 @@ impl<'a> Search<'a> {
         SlopeStack { frames, offsets, space: self.space, size_image: self.inputs.size_image }
     }
 
-    /// Source of the first level of an octave at a slope of the grid: the frames, or that of `bases`, by octave.
+    /// Source of an octave's first level at a slope: the frames for the first octave, else its part of `bases`.
     pub(crate) fn base<'s>(&'s self, bases: &'s [FirstLevels], octave: i32, slope_index: usize) -> Base<'s> {
         match (octave - self.space.first_octave) as usize {
             0 => self.stack(slope_index).base(),
@@ -123,7 +123,7 @@ impl Inputs {
         Ok(Self { frames, read, binned, times, frames_used, size_image, space, params, noise, gate_factor, around })
     }
 
-    /// Inputs with other parameters, of which only those differ that are judged after the search.
+    /// Inputs with other parameters, which may differ only in those judged after the search.
     pub(crate) fn judged_with(&self, params: &DetectorParams) -> Self {
         Self { params: params.clone(), gate_factor: gate_factor(params), ..self.clone() }
     }
@@ -151,7 +151,6 @@ impl Inputs {
         searched_octaves(&self.params, self.size_image)
     }
 
-    /// Offsets at which the frames that take part are read at `slope`.
     pub(crate) fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
         self.times.of(frame_offsets(&self.times.positions, slope, self.params.rules.interpolation))
     }
@@ -247,13 +246,14 @@ impl SlopeGroup {
         Self { own: 0..count, visited: 0..count }
     }
 
-    /// Divides `count` slopes into as few nearly equal groups as possible that visit at most `max` slopes: each needs
-    /// those up to `reach` steps from its own, all for `None`. `None` where there are no such groups.
+    /// Divides `count` slopes into as few nearly equal groups as visit at most `max` slopes each: their own and those
+    /// up to `reach` steps beside them, or all for `None`. `None` where no such groups exist.
     pub(crate) fn cut(count: usize, reach: Option<usize>, max: usize) -> Option<Vec<Self>> {
         if count <= max {
             return Some(vec![Self::whole(count)]);
         }
         let reach = reach?;
+        // Slopes beside a group are computed again by its neighbours: a group must own some besides.
         let own = max.checked_sub(2 * reach).filter(|own| *own > 0)?;
         let groups = count.div_ceil(own);
         let cut = |i: usize| i * count / groups;

@@ -33,9 +33,9 @@ impl Undecided {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OtherSlopes {
     Unseen,
-    /// D around it at the neighbouring slopes, to refine its slope.
+    /// D at the neighbouring slopes refines the candidate's slope.
     Seen,
-    /// D around the sample at the neighbouring slopes; a joint extremum exceeds all of them.
+    /// The candidate must beat the 27 samples at each of these slopes, which then refine its slope.
     Beaten(SlopeNeighbours),
 }
 
@@ -70,7 +70,6 @@ pub struct SlopeWindow {
     undecided: Vec<Vec<Undecided>>,
 }
 
-/// Number of tiles that a window holds.
 pub fn capacity(grid: &SlopeGrid, others: OtherSlopes) -> usize {
     others.reach(grid).map_or(grid.len(), |reach| (reach + 1).min(grid.len()))
 }
@@ -132,10 +131,11 @@ impl SlopeWindow {
         let slots = self.tiles.len();
         let own = &self.tiles[made % slots];
         let joint = matches!(self.others, OtherSlopes::Beaten(_));
-        // Of two slopes with the same D the earlier one stays.
+        // Of two slopes with equal D the earlier one stays: later slopes must beat it, it need only equal them.
         let beats = |candidate: &Candidate, tile: &DogTile, or_equals: bool| {
             !joint || beats_all_27(candidate.value, tile, candidate.x, candidate.y, candidate.level_index, or_equals)
         };
+        // Candidates of earlier slopes have waited for this tile, the last value that they lacked.
         for &(other, (di, dj)) in &earlier {
             let waiting = &mut self.undecided[other % slots];
             let before = waiting.len();
@@ -154,6 +154,7 @@ impl SlopeWindow {
             } else if !earlier.iter().all(|&(other, _)| beats(candidate, self.tile(other), false)) {
                 tally.reject(Test::SlopeExtremum, 1);
             } else {
+                // Refined before the later slopes are known: the slot of this tile is reused by then.
                 let refined = refine(own, candidate);
                 let mut undecided = Undecided { candidate: *candidate, refined, around: [[0.0; 3]; 3] };
                 undecided.look_at(own, (0, 0));

@@ -47,14 +47,14 @@ const FILM_PART: f64 = 1.0 / 3.0;
 const STILL_PX: f64 = 0.95;
 /// Slope in standard deviations above which the motion is surely not 0.
 const SURELY: f64 = 2.5;
-/// Confirmed moving windows that turn a mostly still picture into a moving one.
+/// Number of confirmed moving windows from which a mostly still picture counts as moving.
 const MIN_MOVING: usize = 3;
-/// Distance from a uniform motion, in pixels of the level, up to which a picture whose windows stand still does so.
+/// Deviation from a uniform motion, pixels of the level, that is forgiven where the windows stand still.
 const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
-/// from +u towards +v) or anywhere in the plane. Views of a light field have a disparity: without a direction it is
-/// that of a grid along the picture's axes, 0.
+/// from +u towards +v) or anywhere in the plane. Views of a light field without a direction take 0: a grid along the
+/// picture's axes.
 ///
 /// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ over the time
 /// from the first to the last frame for the finest σ searched, or coarser where the range is long. Results do not
@@ -76,6 +76,7 @@ pub fn find_slopes(
         return Ok(SlopeFinding { grid, verdict: SlopeVerdict::Still, ..SlopeFinding::default() });
     }
     let positions = burst.positions.part(params.used_frames(burst.len()));
+    // A copy repeats the noise of the frame before, and would correlate as if nothing moved.
     let copies = event::copies(&all);
     let kept: Vec<usize> = (0..all.len()).filter(|t| !copies.contains(t)).collect();
     let frames: Vec<&Plane> = kept.iter().map(|t| all[*t]).collect();
@@ -93,12 +94,14 @@ pub fn find_slopes(
     let (mut seen, mut table) = look((&frames, &lags), (levels.clone(), 0), track, &fourier, monitor)?;
     let whole = seen.wholes.first().filter(|_| !are_views);
     let shared = whole.map_or(0, |whole| peak::lags_of_shared_noise(&whole.products, &whole.pairs, &lags, &fourier));
+    // Shared noise peaks at shift 0 like a scene that stands still: look again without its lags.
     if shared > 0 {
         (seen, table) = look((&frames, &lags), (levels.clone(), shared), track, &fourier, monitor)?;
     }
     let steps = steps_of(params, &positions);
     let size = Size { gaps: positions.span(), pixels: burst.size() };
     let finding = conclude(&seen, steps, direction_deg, size);
+    // Views follow no time, and shared noise hides the shifts of neighbours: neither has a path.
     let path = if are_views || shared > 0 { None } else { path_of(&seen, &fourier, levels.start) };
     let is_told = is_even && (event::MIN_FRAMES..=event::MAX_FRAMES).contains(&frames.len());
     let blocks = seen.blocks.first().filter(|_| is_told);
@@ -122,12 +125,14 @@ pub fn find_slopes(
     let deviation_of_middle = path.as_ref().filter(|_| is_whole).map(deviation_of_middle).unwrap_or_default();
     let deviation = path.map(|path| (deviation_of(&path, 0..kept.len()), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
+    // The grid of a crooked motion is still the best one, but no slope of it aligns all frames.
     let verdict = match finding.verdict {
         SlopeVerdict::Found | SlopeVerdict::Still
             if is_irregular || deviation.is_some_and(|(distance, limit)| distance > limit) =>
         {
             SlopeVerdict::NotStraight
         }
+        // A large disparity between views is no reason to cut them.
         SlopeVerdict::Film if are_views => SlopeVerdict::Found,
         verdict => verdict,
     };
@@ -157,8 +162,8 @@ pub fn open_burst(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) 
     Ok(burst)
 }
 
-/// `burst` with its frames in the order and at the times that `finding` shows; `None` where it shows none, or where the
-/// frames say then that these are wrong too.
+/// `burst` with its frames in the order and at the times that `finding` shows; `None` where it shows none, or where
+/// the frames so ordered look no more even than before.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -166,6 +171,7 @@ pub(crate) fn retimed(burst: &Burst, finding: &SlopeFinding, monitor: &Monitor) 
     let times = |uniform: &UniformTimes| Some((uniform.frames.clone(), Positions::new(&uniform.times)?));
     let Some((frames, positions)) = finding.uniform.as_ref().and_then(times) else { return Ok(None) };
     let retimed = burst.clone().of_frames(&frames, positions);
+    // The times are inferred: a second look confirms them before frames are exchanged.
     let after = find_slopes(&retimed, &DetectorParams::default(), None, &monitor.silent())?;
     let is_crooked = after.verdict == SlopeVerdict::NotStraight && after.deviation_px >= finding.deviation_px;
     let is_even = after.uniform.is_none() && after.verdict != SlopeVerdict::NothingSeen && !is_crooked;
@@ -196,7 +202,7 @@ impl SlopeFinding {
         agreement(&significant, grid, steps_of(params, positions))
     }
 
-    /// Texts of the warnings.
+    /// Texts of the warnings, joined by semicolons; empty without any.
     pub fn irregularities(&self) -> String {
         self.warnings.iter().map(|warning| &warning.text[..]).collect::<Vec<_>>().join("; ")
     }
@@ -280,7 +286,7 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     let max = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
     let clear: Vec<SlopeEvidence> = significant.iter().filter(|e| is_clear(e, steps)).copied().collect();
     let mut kept = confirmed(&clear, steps);
-    // Of slopes at which a point at mid-burst is still inside the picture at the burst's ends.
+    // Beyond these slopes nearly all that is seen at mid-burst has left the picture at the burst's ends.
     let stays = |slope: f32, pixels: usize| f64::from(slope).abs() * 0.5 * size.gaps < 0.9 * pixels as f64;
     kept.retain(|e| stays(e.slope.u, size.pixels.0) && stays(e.slope.v, size.pixels.1));
     let Some(grid) = grid_for(&kept, steps, line_deg) else {
@@ -322,7 +328,7 @@ fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
     middle <= still && !may_move && confirmed(&surely, steps).len() < MIN_MOVING
 }
 
-/// Median of a value over the evidence, weighted by significance.
+/// Median of a value over the evidence, weighted by significance; 0 without evidence.
 fn typical(evidence: &[SlopeEvidence], value: impl Fn(&SlopeEvidence) -> f64) -> f64 {
     let mut values: Vec<(f64, f64)> = evidence.iter().map(|e| (value(e), f64::from(e.significance))).collect();
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -374,7 +380,7 @@ fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlopeVerdict {
-    /// Slopes were found.
+    /// Slopes were found, and `grid` spans them.
     Found,
     /// Nothing moves: a still tripod.
     Still,

@@ -70,7 +70,7 @@ pub(super) struct CrossSpectra {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PairSpectra {
     pub products: Vec<Spectrum>,
-    /// For each pair, the variance of a value of its correlation if the frames had nothing in common.
+    /// Variance of a value of each pair's correlation if the frames had nothing in common.
     pub variance: Vec<f64>,
     frames: usize,
 }
@@ -98,9 +98,10 @@ impl CrossSpectra {
         Self { lags: vec![Spectrum::zeros(); lags], variance: vec![0.0; lags] }
     }
 
-    /// Removes the first `count` lags, at which frames have noise in common; at others it then repeats itself.
+    /// Removes the first `count` lags, at which frames share noise; the noise of the others then repeats itself.
     pub fn forget_lags(&mut self, count: usize) {
         self.lags.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
+        // Each product of noise then occurs up to (count + 1)² times, once for each pair that shares it.
         let repeated = ((count + 1) * (count + 1)) as f64;
         for (lag, variance) in self.variance.iter_mut().enumerate() {
             *variance *= if lag < count { 0.0 } else { repeated };
@@ -141,6 +142,7 @@ impl Fourier {
             let i = if i > SIDE / 2 { i as f64 - SIDE as f64 } else { i as f64 };
             std::f64::consts::TAU * i / SIDE as f64
         };
+        // The band is a DoG like those of the search, so that power stands for features.
         let gauss = |w2: f64, sigma: f64| (-0.5 * w2 * sigma * sigma).exp();
         let band = (0..HALF)
             .map(|i| {
@@ -177,6 +179,7 @@ impl Fourier {
             let (a, b) = scratch.frames[first..].split_at_mut(1);
             unpack(&scratch.packed, &self.band, &mut a[0], b.first_mut().filter(|_| second.is_some()));
         }
+        // The energies give the variance of each correlation without a model of the noise.
         for (energy, spectrum) in scratch.energy.iter_mut().zip(&scratch.frames) {
             for (e, (re, im)) in energy.iter_mut().zip(spectrum.re.iter().zip(&spectrum.im)) {
                 *e = re * re + im * im;
@@ -206,6 +209,7 @@ impl Fourier {
     fn pack(&self, a: &Plane, b: Option<&Plane>, (u, v): (usize, usize), packed: &mut [Complex32]) {
         let rows =
             |plane: &Plane| -> f32 { (v..v + SIDE).map(|y| plane.row(y)[u..u + SIDE].iter().sum::<f32>()).sum() };
+        // The mean is taken off first, or the Hann window would make a blob of it.
         let mean_a = rows(a) / AREA as f32;
         let mean_b = b.map_or(0.0, rows) / AREA as f32;
         for y in 0..SIDE {
@@ -224,7 +228,7 @@ impl Fourier {
         let mut out = Vec::with_capacity(spectra.len());
         for two in spectra.chunks(2) {
             merge(&two[0], two.get(1), &mut scratch.packed);
-            // `transform` leaves the frequencies of u first; applying it again restores the order.
+            // `transform` exchanges the axes; applied twice, it restores their order.
             transform(&*self.inverse, &mut scratch.packed, &mut scratch.turned, &mut scratch.fft);
             let scale = 1.0 / AREA as f32;
             out.push(scratch.packed.iter().map(|z| z.re * scale).collect());
@@ -273,7 +277,7 @@ fn merge(a: &Spectrum, b: Option<&Spectrum>, packed: &mut [Complex32]) {
     }
 }
 
-/// Σ a·b over the whole spectrum, from its halves: rows 0 and SIDE/2 have no counterpart in the other half.
+/// Σ a·b over the whole spectrum, from its halves: rows 0 and SIDE/2 occur once, the others twice.
 fn whole_sum_of_products(a: &[f32], b: &[f32]) -> f64 {
     let sum = |range: std::ops::Range<usize>| {
         f64::from(a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum::<f32>())
@@ -309,7 +313,7 @@ pub(super) fn pyramids(frames: &[&Plane], levels: Range<u32>, monitor: &Monitor)
     Ok(by_level)
 }
 
-/// Means over squares of `side` × `side` pixels; left-over pixels at the right and below are dropped.
+/// Means over squares of `side` × `side` pixels; incomplete squares at the right and below are dropped.
 fn means(plane: &Plane, side: usize) -> Plane {
     let (width, height) = (plane.width() / side, plane.height() / side);
     let mut out = Plane::zeros(width, height);
