@@ -23,8 +23,7 @@ use std::time::Instant;
 /// ```
 ///
 /// # Errors
-/// Parameters that make no sense for the burst, and cancellation once `monitor`
-/// was cancelled.
+/// Parameters that make no sense for the burst, and cancellation once `monitor` was cancelled.
 pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection> {
     Ok(search(burst, &params.clone().into(), monitor)?.detection)
 }
@@ -64,7 +63,6 @@ pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result
 /// Share of a search's progress that finding the slopes takes.
 const SLOPES_SHARE: f32 = 0.2;
 
-/// Largest number of times that the slopes found are widened.
 const MOST_WIDENED: usize = 2;
 
 /// Search whose slopes are found and whose frames are merged, as its parameters request.
@@ -77,7 +75,6 @@ pub(crate) struct PreparedSearch {
     slopes_secs: f32,
     /// Monitor of the steps after finding the slopes.
     pub rest: Monitor,
-    /// Number of times that the slopes found were widened.
     widened: usize,
 }
 

@@ -1,6 +1,5 @@
 //! Advice on a detection with few or no features: the reason, and a setting to change. A good detection rejects nearly
-//! every sample too, so each test's share of rejections is compared with its usual share, and the worst test is blamed.
-//! (Whether the slopes fit is judged in `inspect::spectrum`.)
+//! every sample too, so each test's share of rejections is compared with its usual one, and the worst test blamed.
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, Param, SearchParams, Word, doc};
@@ -40,8 +39,7 @@ const BLAMED_BELOW: f64 = 0.5;
 /// Gate's share of rejected samples below which the peak threshold before it had already taken the noise.
 const GATE_REJECTS_NOISE: f64 = 0.999;
 
-/// Explains why `detection`, found with `params` in images of `size` (columns, rows), has few or no features; `None`
-/// where it has enough, or where the parameters ask for few.
+/// Explains why `detection` by `params` has few or no features in `size` (columns, rows); `None` where it has enough.
 pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usize)) -> Option<Advice> {
     let found = detection.features.len();
     let wanted = LITTLE.max((LITTLE_PER_MEGAPIXEL * 1e-6 * size.0 as f64 * size.1 as f64) as usize);
@@ -56,7 +54,6 @@ pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usi
     little(&what, wanted as u64, &detection.tally, params, detection.noise_gate_factor)
 }
 
-/// Advice where there are few or no features.
 fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate: f32) -> Option<Advice> {
     let advice =
         |problem: String, parameter: Param<SearchParams>, value: String| Some(Advice { problem, parameter, value });

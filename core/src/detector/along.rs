@@ -152,7 +152,6 @@ impl OctaveFrames<'_> {
         times.of(shifted_offsets(&times.positions, in_octave, shift_px, params.rules.interpolation))
     }
 
-    /// The `chosen` frames, and their offsets at `slope`.
     pub fn chosen(&self, slope: Slope, chosen: &[usize]) -> (Vec<&Plane>, Vec<FrameOffset>) {
         let offsets = self.offsets(slope);
         chosen.iter().map(|&index| (self.planes[index], offsets[index])).unzip()

@@ -158,8 +158,7 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     Evenness { mean: mean as f32, coherence, unevenness: unevenness as f32, shape }
 }
 
-/// Whether the frame of each response responds: those averaged with their neighbours that reach half of the largest,
-/// with the sign of their mean. None where the mean has no sign.
+/// Whether each frame responds: its smoothed response has the sign of the mean and at least half of the maximum.
 pub fn responding(answers: &[(f32, f32)]) -> Vec<bool> {
     let sign = answers.iter().map(|a| a.0).sum::<f32>().signum();
     let at = |i: i64| answers[i.clamp(0, answers.len() as i64 - 1) as usize].0;

@@ -1,5 +1,4 @@
-//! Ways to combine the shifted frames at a slope: the mean, which the detector uses, and others, which show structure
-//! in some frames only.
+//! Ways to combine the shifted frames at a slope: the mean, for the detector, and others, for structure in some frames.
 //!
 //! The values of the frames that cover a pixel are sorted. The mean is that of [`motion_stack`], to the bit.
 
@@ -71,9 +70,8 @@ impl Combine {
     }
 }
 
-/// Combines `frames` (one size, in time order) at `positions`, at `slope`: for each pixel x the values
-/// F_t(x + (t − t0)·λ) of the frames that see it, as [`motion_stack`] takes their mean. Size and unit are those of the
-/// frames. Rows in parallel.
+/// Combines `frames` (one size, in time order) at `positions`, at `slope`: for each pixel x the values F_t(x + (t −
+/// t0)·λ) of the frames that see it, in the frames' size and unit. Rows in parallel.
 pub fn combined_stack(
     frames: &[&Plane],
     positions: &Positions,

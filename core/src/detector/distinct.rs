@@ -58,8 +58,7 @@ impl Blob {
     }
 }
 
-/// Frames count in which the paths are this many σ of the stronger keypoint apart, where its response has passed
-/// through 0.
+/// Distance of the paths, in σ of the stronger keypoint, from which a frame counts: its response has passed through 0.
 const APART_SIGMAS: f32 = 2.5;
 /// Minimum share of all frames that must count; two frames must in any case.
 const FRAMES_SHARE: f32 = 0.2;
@@ -111,12 +110,10 @@ const BLOCK: usize = if cfg!(test) { 16 } else { 512 };
 enum Decision {
     Open,
     Stays,
-    /// A stronger blob, with this index, stands for it.
     CoveredBy(u32),
 }
 
-/// Decisions on blobs, on demand. Equally strong blobs go in their order. A decision needs those on stronger blobs that
-/// may cover the blob, and theirs in turn, but no others.
+/// Decisions on blobs, on demand: each needs those on stronger blobs that may cover the blob, and theirs in turn.
 pub struct Deciding<'b> {
     /// All blobs, each cell from the strongest to the weakest.
     all: Cells<'b>,
@@ -149,8 +146,7 @@ impl<'b> Deciding<'b> {
     /// Decides on the blobs `asked`, each given once, and on those that their decisions need. `both_stay(stronger,
     /// weaker)` is whether two blobs so near are separate structures all the same.
     ///
-    /// Blobs go in blocks, strongest first: a block is compared in parallel with blobs that stayed before it, then with
-    /// its own members one by one.
+    /// Blobs go in blocks, strongest first: compared in parallel with blobs that stayed before, then among themselves.
     pub fn decide(
         &mut self,
         asked: &[usize],
@@ -242,7 +238,6 @@ struct Cells<'b> {
 }
 
 impl<'b> Cells<'b> {
-    /// Empty cells for blobs with the order `order` of strength.
     fn new(blobs: &'b [Blob], rule: Rule, order: &[usize]) -> Self {
         let range = |of: fn(&Blob) -> f32| {
             blobs.iter().map(of).fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)))

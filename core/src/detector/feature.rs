@@ -35,16 +35,13 @@ pub struct Feature {
     pub level: i32,
     /// Running index of the grid's slope at which it was found.
     pub slope_index: usize,
-    /// Whether `slope` is at the end of the searched range and the response still rises beyond: the motion lies
-    /// outside. See `limit`.
+    /// Whether `slope` is at an end of the searched range and the response still rises beyond: the motion is outside.
     pub at_slope_limit: bool,
-    /// Standard deviation of `slope` along its least certain direction, pixels per frame: large along an edge, whose
-    /// motion along itself is undefined.
+    /// Standard deviation of `slope` along its least certain direction, pixels per frame: large along an edge.
     pub slope_sigma: f32,
     /// Motion of its place, from the [field of motion](super::field), pixels per frame; 0 where it is unknown.
     pub field: Slope,
-    /// Standard deviation of `field` along its least certain direction, pixels per frame; infinite where the motion of
-    /// the place is unknown or the burst has no field.
+    /// Standard deviation of `field` along its least certain direction, pixels per frame; infinite where it is unknown.
     pub field_sigma: f32,
     /// [Layer](super::field::MotionLayer) that it moves with, from 1, the nearest; 0 for none.
     pub layer: i32,
@@ -68,8 +65,7 @@ pub enum Moves {
     /// Undefined by the feature's shape: an edge shows no motion along itself.
     #[serde(rename = "edge")]
     Edge,
-    /// A ghost of another motion: only some frames respond, one after the other, along a slope with which nothing at
-    /// the place moves.
+    /// A ghost of another motion: only some frames respond, in turn, along a slope by which nothing at the place moves.
     #[serde(rename = "ghost")]
     Ghost,
 }

@@ -108,12 +108,10 @@ impl Along<'_> {
     }
 }
 
-/// Part (0 … 1) of its response that a blob of scale `sigma` px loses in a stack of frames at `positions` at a slope
-/// `error` px/frame off.
+/// Part (0 … 1) of its response that a blob of scale `sigma` px loses in a stack of frames `error` px/frame off.
 ///
 /// A blob shifted by x px under a filter of its own size has (1 − x²/(2s²))·exp(−x²/(2s²)) of its response, s² = 2σ²,
-/// along the direction of the shift; the mean over the frames, each off by its position times the error, is the
-/// response that remains.
+/// along the shift; the mean over the frames, each off by its position times the error, remains.
 pub fn response_loss(error: f32, positions: &Positions, sigma: f32) -> f32 {
     let variance = 2.0 * f64::from(sigma).powi(2);
     let left: f64 = positions

@@ -1,12 +1,10 @@
-//! Memory limit of a search: the need is estimated first, and a search that would take more goes in groups of slopes,
-//! or is refused where even groups take too much.
+//! Memory limit of a search: its need is estimated first; a larger one goes in groups of slopes, or is refused.
 //!
 //! For every slope the first level of each octave after the first is held. Besides, there are the frames, cleaned by
 //! the noise model and at each octave's resolution, and the threads' windows of slopes.
 //!
 //! All searches of the process share one budget: a search plans with the memory that running ones leave. A search that
-//! does not fit goes in its smallest form (one thread, the smallest groups of slopes) rather than waiting: another
-//! search may be waiting for the thread that started it.
+//! does not fit goes in its smallest form rather than waiting: another may be waiting for the thread that started it.
 
 pub use crate::plane::memory::machine_bytes;
 
@@ -29,8 +27,7 @@ pub const OPTION: &str = "memory";
 /// Budget in bytes; 0 for the default.
 static BUDGET: AtomicU64 = AtomicU64::new(0);
 
-/// Sets the memory that all searches of this process may take together, bytes; `None` is [`DEFAULT_PART`] of the
-/// machine's memory. Results do not depend on it.
+/// Sets the memory of all searches of this process together, bytes; `None` is [`DEFAULT_PART`] of the machine's.
 pub fn set_budget(bytes: Option<u64>) {
     BUDGET.store(bytes.map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
 }
@@ -65,8 +62,7 @@ pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, 
     Plan::new(Wanted { params: &detector, frames, size }, budget()).map(|_| ())
 }
 
-/// Estimates the memory that a search with `params` needs besides the burst if all slopes are searched at once, bytes;
-/// `frames` frames of `size` (columns, rows) take part.
+/// Estimate of the bytes that a search of all slopes at once needs besides a burst of `frames` frames of `size`.
 pub fn estimate(params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
     Wanted { params, frames, size }.bytes_on(rayon::current_num_threads())
 }
@@ -199,15 +195,13 @@ impl Plan {
         Err(refusal(wanted, min, budget, fitting))
     }
 
-    /// Runs `work` on the threads that the plan allows.
     pub(crate) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
         // If the system gives no more threads, the pool's are used, and the search may take more memory.
         if self.threads >= rayon::current_num_threads() { work() } else { on_threads(self.threads, work) }
     }
 }
 
-/// Calls `work` in a pool of `threads` threads of its own, 0 for as many as usual; in the current one where the system
-/// gives no more threads.
+/// Calls `work` in a pool of `threads` threads (0: as usual), or in the current one if the system gives no threads.
 pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(work),

@@ -1,5 +1,5 @@
-//! Noise of a frame, estimated from the burst itself, and the threshold on D that follows from it. For noise that is
-//! not white everywhere see [`super::noise_model`].
+//! Noise of a frame, estimated from the burst, and the threshold on D; for other than white noise
+//! [`super::noise_model`].
 //!
 //! Estimate. Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1
 //! −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over
@@ -8,8 +8,7 @@
 //! frame. Pixels at the ends of the file's range are excluded: there the noise is cut off.
 //!
 //! Gate. The noise in D falls with scale while a blob's response does not. So the noise of one frame, σ_F
-//! ([`frame_noise`]), is carried through the mean over frames, the interpolation and the DoG filter; the gate requires
-//! |D| ≥ k·σ_D at each octave and level.
+//! ([`frame_noise`]), is carried through mean, interpolation and filter; the gate requires |D| ≥ k·σ_D at each level.
 //!
 //! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. All its parts are
 //! nearly Gaussian, with known inner products: ∫ g(A)·g(B) = 1/√(2π(A+B)) in one dimension, for variances A and B.
@@ -29,8 +28,7 @@ use std::ops::Range;
 const MEDIAN_OF_NORMAL: f32 = 0.674_49;
 /// Gain of the filter for white noise: σ of its output over that of its input.
 const GAIN: f32 = 6.0;
-/// Maximum number of places in a frame, about: the standard error of one frame's estimate is then one percent, and
-/// smaller for the median over frames.
+/// Maximum number of places in a frame, about: the standard error of one frame's estimate is then one percent.
 const MAX_PLACES: usize = 32_768;
 /// Number of columns of a piece of a row, where the image has more places than [`MAX_PLACES`].
 const PIECE: usize = 32;
@@ -125,7 +123,6 @@ impl Filtered {
         out
     }
 
-    /// Filter output of the difference of two frames.
     fn less(&self, other: &Self) -> Self {
         Self {
             values: self.values.iter().zip(&other.values).map(|(a, b)| a - b).collect(),
@@ -169,8 +166,7 @@ fn filter_piece(
     }
 }
 
-/// Median of values on a lattice of spacing `step` (0: continuous): a lattice value stands for the interval around it,
-/// inside which the median falls in proportion to the counts.
+/// Median of values on a lattice of spacing `step` (0: continuous), each of which stands for the interval around it.
 fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
     let middle = values.len() / 2;
     let (_, &mut median, _) = values.select_nth_unstable_by(middle, f32::total_cmp);
@@ -218,8 +214,7 @@ pub(super) fn dog_energy(low: f64, high: f64) -> f64 {
     product(low, low) - 2.0 * product(low, high) + product(high, high)
 }
 
-/// The gate's factor k: the given one, or the one at which white noise gives about the allowed number of false
-/// keypoints per megapixel of the input over all slopes and octaves.
+/// The gate's factor k: given, or such that white noise gives about the allowed number of false keypoints a megapixel.
 ///
 /// The number of local maxima of a smooth Gaussian field above k falls like k²·exp(−k²/2) per independent place; the
 /// places are proportional to pixels and slopes. The factor in front was measured on pure noise.

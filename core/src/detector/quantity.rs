@@ -123,8 +123,7 @@ pub struct Record {
     pub colours: Option<Colours>,
 }
 
-/// Lighter part of Viridis: stands out from grey pictures and from the diverging maps of DoG responses, and is even for
-/// readers with a colour vision deficiency.
+/// Lighter part of Viridis, which stands out from grey pictures and DoG maps, also with a colour vision deficiency.
 pub const BRIGHT: Colours =
     Colours { map: ColourMap::Viridis, part: [0.35, 1.0], is_log: false, span: Span::Found(-1.0, 1.0) };
 /// As [`BRIGHT`], for values without a sign.
@@ -351,8 +350,7 @@ impl Quantity {
         }
     }
 
-    /// Whether `feature` lacks this quantity: the field where the motion of the place is unknown, the layer where it
-    /// has none.
+    /// Whether `feature` lacks this quantity: the field where it is unknown, the layer where there is none.
     pub fn is_empty(self, feature: &Feature) -> bool {
         match self {
             Self::FieldU | Self::FieldV | Self::FieldSigma => feature.field_sigma.is_infinite(),
@@ -361,8 +359,7 @@ impl Quantity {
         }
     }
 
-    /// Value of `feature`; `None` if a feature does not hold this quantity. An unknown field is NaN ± infinity; no
-    /// layer is 0.
+    /// Value of `feature`; `None` for quantities beside the feature. An unknown field is NaN ± infinity; no layer is 0.
     pub fn of(self, feature: &Feature) -> Option<f32> {
         let mut feature = *feature;
         if matches!(self, Self::FieldU | Self::FieldV) && self.is_empty(&feature) {

@@ -107,8 +107,7 @@ pub(super) fn shifted_offsets(
     (0..positions.len()).map(offset).collect()
 }
 
-/// Variances along u and v, pixels², of the blur by linear interpolation in the mean of frames at `offsets`: f(1 − f)
-/// for a fraction f.
+/// Variances along u and v, pixels², of the blur by linear interpolation in a stack: the mean of f(1 − f).
 pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
     let mean = |part: fn(&FrameOffset) -> f32| {
         let blur = |offset| f64::from(part(offset)) * (1.0 - f64::from(part(offset)));
@@ -171,7 +170,6 @@ mod tests {
     use crate::plane::mask::HIDDEN_WEIGHT;
     use proptest::prelude::*;
 
-    /// The definition, pixel by pixel.
     fn by_definition(frames: &[&Plane], slope: Slope, interpolation: Interpolation) -> Plane {
         let (width, height) = frames[0].size();
         let offsets = frame_offsets(&Positions::even(frames.len()), slope, interpolation);
@@ -244,7 +242,6 @@ mod tests {
         }
     }
 
-    /// The mean of the seen samples, pixel by pixel.
     fn seen_by_definition(frames: &[&Plane], slope: Slope, interpolation: Interpolation) -> Plane {
         let (width, height) = frames[0].size();
         let offsets = frame_offsets(&Positions::even(frames.len()), slope, interpolation);

@@ -299,7 +299,6 @@ fn other_levels(params: &DetectorParams) -> Option<Setting> {
     Some((doc::LEVELS, if params.levels > 3 { "3" } else { "4" }.to_owned()))
 }
 
-/// The axis with more slopes, and its parameter.
 pub(super) fn wider_axis(grid: &SlopeGrid) -> (Param<SearchParams>, SlopeAxis) {
     if grid.v.count > grid.u.count { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) }
 }
@@ -333,8 +332,7 @@ pub struct Tally {
     /// Number of samples of D that were examined: over all octaves the pixels (except each border's outermost, which
     /// lack neighbours) × the levels with one above and one below × the slopes searched there.
     pub samples: u64,
-    /// Number of samples that were not searched at their slope: see
-    /// [`SearchSlopes::Field`](crate::detector::SearchSlopes::Field).
+    /// Number of samples left out at their slope by [`SearchSlopes::Field`](crate::detector::SearchSlopes::Field).
     pub not_searched: u64,
     /// Number of samples that each test rejected, in the order of [`Test::ALL`].
     pub rejected: [u64; Test::ALL.len()],

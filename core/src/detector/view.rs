@@ -1,5 +1,4 @@
-//! Pictures of the search's steps: the motion-stack image and the DoG response at any slope, octave and level, and the
-//! noise by place.
+//! Pictures of the search's steps: motion stack and DoG response at any slope, octave and level, and noise by place.
 
 use super::combine::{Combine, combined_stack};
 use super::field::{MotionField, in_focus, motion_field};
@@ -16,8 +15,7 @@ use crate::plane::Plane;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use. Input-pixel
-/// size, [0, 1] unit.
+/// Motion-stack image at any `slope` (px/frame) of the frames that `params` use. Input-pixel size, [0, 1] unit.
 ///
 /// ```
 /// use burstscope_core::detector::{Slope, view::stack_view};
@@ -154,8 +152,7 @@ pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monit
     Ok(plane_of(size, share, monitor)?)
 }
 
-/// Field of motion of the burst as a search with `params` finds it; `None` where the burst shows none (see
-/// [`motion_field`]).
+/// Field of motion of the burst as a search with `params` finds it; `None` where [`motion_field`] finds none.
 ///
 /// # Errors
 /// Parameters that make no sense for the burst.

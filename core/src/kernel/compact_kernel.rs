@@ -208,7 +208,6 @@ mod tests {
         (1.0 - q).powi(3) * polynomial(&kernel.value, q)
     }
 
-    /// ∫f dq from 0 to 1.
     fn integral(f: impl Fn(f64) -> f64) -> f64 {
         (0..20_000).map(|i| f((f64::from(i) + 0.5) / 20_000.0)).sum::<f64>() / 20_000.0
     }

@@ -1,8 +1,7 @@
 //! Gaussian jets: a place's sums of pixels under two Gaussians and under their derivatives up to the fourth order.
 //!
-//! Sampled Gaussians and their derivatives are separable, so all 30 sums take one pass over the pixels: each row is
-//! multiplied by ten weights, the result by ten weights a column. A jet shows how D changes with place and, by the heat
-//! equation, with scale, without a picture of D.
+//! Sampled Gaussians and their derivatives are separable, so all 30 sums take one pass over the pixels, with ten
+//! weights a row and ten a column. A jet shows how D changes with place and, by the heat equation, with scale.
 
 use crate::kernel::compact_kernel::PixelView;
 use multiversion::multiversion;
@@ -69,8 +68,7 @@ const MIN_SAMPLED_VARIANCE: f64 = 1.2;
 const SHARPENING: usize = 4;
 
 /// Writes the derivatives of a Gaussian of `variance` at `stride` whole distances from `d` on, order after order. A
-/// Gaussian too narrow to be sampled is the wider g sharpened, exp(−c/2·∂²)g with the difference c of the variances: on
-/// smooth pixels the sums are equal. `wider` is a buffer.
+/// Gaussian too narrow to be sampled is a wider one sharpened by exp(−c/2·∂²), c being the difference of the variances.
 fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Vec<f32>) {
     let missing = MIN_SAMPLED_VARIANCE - variance;
     if missing <= 0.0 {

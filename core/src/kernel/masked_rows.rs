@@ -17,8 +17,7 @@ pub(super) struct MaskedRows {
 }
 
 impl MaskedRows {
-    /// Writes row `v` of the mean of the seen samples of `frames` at `offsets` to `out`, which holds `columns` of the
-    /// mean of all. Columns that read no hidden sample stay.
+    /// Writes row `v` of the mean of the seen samples to `out`, which holds `columns` of the mean of all samples.
     pub fn mend(
         &mut self,
         frames: &[&Plane],

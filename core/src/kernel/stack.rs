@@ -119,8 +119,7 @@ impl<'a> RowStacker<'a> {
         Self { frames, slopes, groups, mixed, counts, sums, masked }
     }
 
-    /// Writes rows `rows`, columns `columns`, of each slope's motion-stack image to its slice of `outs`, where rows are
-    /// `stride` apart.
+    /// Writes `rows` and `columns` of each slope's motion-stack image to its slice of `outs`, with rows `stride` apart.
     pub fn rows(&mut self, rows: Range<usize>, columns: &Range<usize>, outs: &mut [&mut [f32]], stride: usize) {
         for index in 0..self.groups.len() {
             let mut next = rows.start;

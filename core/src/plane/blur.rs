@@ -82,8 +82,7 @@ pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane
     Ok(sum)
 }
 
-/// Plane blurred by a triangle that reaches 0 at `half_width` pixels, along columns and rows; beyond the plane the
-/// nearest pixel is repeated. A mask is blurred alike.
+/// Plane (with its mask) blurred by a triangle that reaches 0 at `half_width` pixels; the nearest pixel is repeated.
 pub(crate) fn triangle_blur(plane: &Plane, half_width: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let area = (half_width * half_width) as f32;
     let half = (0..half_width).map(|k| (half_width - k) as f32 / area).collect();

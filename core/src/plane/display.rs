@@ -214,8 +214,7 @@ impl ColourMap {
         matches!(self, Self::BlueWhiteRed | Self::BlueBlackOrange | Self::PurpleWhiteGreen)
     }
 
-    /// Table from the smallest value (entry 0) to the largest (255). Entries 127 and 128 of a diverging map are the
-    /// same neutral grey, so that the exact centre is neutral.
+    /// Table from the smallest value to the largest. Entries 127 and 128 of a diverging map are the same neutral grey.
     pub fn lut(self) -> [Rgb; 256] {
         std::array::from_fn(|i| {
             let t = if self.is_diverging() {

@@ -106,14 +106,12 @@ impl Plane {
         values
     }
 
-    /// This plane with a mask of its size; the values stay.
     pub(crate) fn with_mask(self, mask: Option<Arc<Mask>>) -> Self {
         Self { mask, ..self }
     }
 }
 
-/// Means of squares of 2×2 of `values` by their numbers of samples, and the sums of these; squares at an odd end are
-/// smaller.
+/// Means of squares of 2×2 of `values` by their numbers of samples, and the sums of these; smaller at an odd end.
 fn coarser(values: &Plane, samples: &Plane) -> (Plane, Plane) {
     let (width, height) = values.size();
     let size = (width.div_ceil(2), height.div_ceil(2));

@@ -1,9 +1,8 @@
 //! Memory for pixels, with allocations that may fail without ending the program.
 //!
 //! The user's input decides the size of frames and planes, which may exceed the machine's memory. A refusal unwinds as
-//! an [`Error`], without a panic's message; [`refusable`] catches it, for a file that is opened, a command, or a job in
-//! the background. A system may promise memory that it lacks and end the program later; [`crate::detector`] checks a
-//! limit well below before a search starts.
+//! an [`Error`], without a panic's message, up to [`refusable`] around a file, a command or a job. A system may promise
+//! memory that it lacks; [`crate::detector`] checks a limit well below before a search.
 
 use crate::error::{Error, ErrorKind, Result};
 use bytemuck::Zeroable;
@@ -36,8 +35,7 @@ pub fn with_capacity<T>(count: usize) -> Vec<T> {
     }
 }
 
-/// Unwinds as [`zeroed`] where the system refuses `bytes` of memory: to be called before code that takes at most so
-/// much and could only end the program.
+/// Unwinds as [`zeroed`] where the system refuses `bytes`: to call before code that cannot be refused memory itself.
 pub fn check_room(bytes: u64) {
     drop(with_capacity::<u8>(usize::try_from(bytes).unwrap_or(usize::MAX)));
 }
@@ -57,7 +55,6 @@ fn read_machine_bytes() -> Option<u64> {
     Some([group, own].into_iter().flatten().fold(total, u64::min))
 }
 
-/// Bytes of memory, from the text of `/proc/meminfo`.
 fn machine_bytes_of(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find(|line| line.starts_with("MemTotal:"))?;
     Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? << 10)

@@ -104,8 +104,7 @@ pub fn cuts(n: usize, max: usize) -> Vec<Range<usize>> {
     (0..count).map(|i| cut(i)..cut(i + 1)).collect()
 }
 
-/// Rows of `plane` cut at `columns` and `rows`, which follow one another from 0 on: for each part, row by row of parts,
-/// its pieces of rows.
+/// Rows of `plane` cut at `columns` and `rows`: for each part, row by row of parts, its pieces of rows.
 pub fn split_mut<'p>(plane: &'p mut Plane, columns: &[Range<usize>], rows: &[Range<usize>]) -> Vec<Vec<&'p mut [f32]>> {
     let width = plane.width();
     let mut parts: Vec<Vec<&mut [f32]>> = Vec::with_capacity(columns.len() * rows.len());

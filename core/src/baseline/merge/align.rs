@@ -39,8 +39,7 @@ pub(super) struct ShiftField {
     pub shifts: Vec<Shift>,
 }
 
-/// Shifts of the tiles of the reference, at full resolution, from pyramids of the same sizes; `variance` is the noise
-/// of one frame.
+/// Shifts of the reference's tiles at full resolution, from pyramids of equal sizes; `variance` is a frame's noise.
 pub(super) fn align(
     reference: &[Plane],
     frame: &[Plane],

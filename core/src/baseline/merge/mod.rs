@@ -19,8 +19,7 @@ use std::ops::Range;
 /// Minimum noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bits.
 const MIN_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
 
-/// Merges the frames `used` of `burst` into a burst of one frame, aligned to the frame with index N/2 of N, on which
-/// SIFT on a single frame runs as well.
+/// Merges the frames `used` of `burst` into a burst of one frame, aligned to the frame N/2 of N, as SIFT uses.
 ///
 /// # Panics
 /// When `used` holds no frame or reaches past the burst: a mistake of the caller.

@@ -1,7 +1,6 @@
 //! Robust mean over time, tile by tile.
 //!
-//! With the coefficients T₀ of the reference's tile and T of the matching tiles of all N frames (the reference among
-//! them), the merged tile is
+//! For coefficients T₀ of the reference's tile and T of the matching tiles of all N frames, the merged tile is
 //!
 //! ```text
 //! T₀ − 1/N · Σ (1 − A)·D,    D = T₀ − T,    A = E / (E + c·2σ²),    E = max(0, D² − b·2σ²)

@@ -16,7 +16,7 @@ use std::f32::consts::TAU;
 /// Side of a cell, in σ.
 const MAGNIFICATION: f32 = 3.0;
 
-/// Reused from feature to feature.
+/// Buffers that [`sums`] reuses from feature to feature.
 #[derive(Debug, Default)]
 pub struct DescriptorScratch {
     along_u: Vec<f32>,
@@ -79,8 +79,7 @@ impl Square {
         Self { place, cos, sin, orientation, radius: f32::INFINITY, row_step: 1, reach: 0 }
     }
 
-    /// Returns a function from a row's distance `dv` below the centre to the first and last column inside the square
-    /// and the disc, as distances from the centre.
+    /// Function from a row's distance `dv` below the centre to the first and last column inside, from the centre.
     #[inline(always)]
     fn interval(&self) -> impl Fn(f32) -> (f32, f32) {
         // Where |cos·du + sin·dv| and |cos·dv − sin·du| are at most HALF.
@@ -96,8 +95,7 @@ impl Square {
     }
 }
 
-/// The 128 sums, cells row by row, in an octave of `size`, from the Gaussian `level` around the square, which holds a
-/// pixel more on each side than the square reads.
+/// The 128 sums, cells row by row, in an octave of `size`; `level` holds one pixel more around than the square reads.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 pub fn sums(level: &Patch, size: (usize, usize), square: &Square, scratch: &mut DescriptorScratch) -> Sums {
     let &Square { place: (x, y), cos, sin, orientation, row_step, reach: far, .. } = square;
@@ -380,7 +378,6 @@ mod tests {
         level
     }
 
-    /// The definition of the sums, pixel by pixel.
     fn by_definition(level: &Patch, (x, y): (f32, f32), sigma: f32, orientation: f32) -> [f64; BINS] {
         let mut bins = [0.0; BINS];
         let cell = f64::from(MAGNIFICATION * sigma);

@@ -19,8 +19,7 @@ use crate::plane::blur::GaussianKernel;
 use pooling::{CoarseScratch, CoarserScales};
 use rayon::prelude::*;
 
-/// A feature is described at its own slope where the grid's slope misplaces the outermost frame by more than this many
-/// σ; a smaller smear hardly widens a feature. Chosen, not tuned.
+/// Misplacement of the outermost frame, in σ, above which a feature is described at its own slope. Chosen, not tuned.
 const MISALIGNED_SIGMAS: f32 = 0.1;
 
 /// Whether a misplacement of an outermost frame by `px` matters to a feature of scale `sigma_px`.
@@ -114,8 +113,7 @@ impl Describing<'_> {
         misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope)))
     }
 
-    /// Appends the features of one keypoint, one for each of its orientations. `kernels` lead from the octave's first
-    /// level to each of its levels.
+    /// Appends one feature for each orientation of a keypoint. `kernels` lead from the first level to each level.
     fn describe_one(
         &self,
         number: usize,

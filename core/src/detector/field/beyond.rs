@@ -18,7 +18,6 @@ const FEATURES_BEYOND: usize = 3;
 /// Part of the motions beyond a range that may lie beyond a wider one: where more do, noise leads on and on.
 const LEFT_BEYOND: f32 = 0.5;
 
-/// Motions beyond a range of slopes.
 pub(crate) struct Beyond {
     /// Range, wider at the `ends`, with the same steps.
     pub grid: SlopeGrid,

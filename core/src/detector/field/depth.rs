@@ -1,10 +1,9 @@
 //! Relative inverse depths of places of a burst, from their motions.
 //!
-//! While a camera moves without turning, a point at inverse depth ρ moves in the picture by ρ·(e − e_z·x), where x is
-//! its place and (e, e_z) the camera's velocity: towards or away from the focus of expansion e/e_z, which lies at
-//! infinity where the camera moves sideways (Longuet-Higgins and Prazdny, "The interpretation of a moving retinal
-//! image", 1980). All places together give the focus; each motion then gives an inverse depth, up to one factor for the
-//! burst.
+//! While a camera moves without turning, a point x at inverse depth ρ moves in the picture by ρ·(e − e_z·x), where (e,
+//! e_z) is the camera's velocity: towards or away from the focus of expansion e/e_z, which lies at infinity where the
+//! camera moves sideways (Longuet-Higgins and Prazdny, "The interpretation of a moving retinal image", 1980). All
+//! places together give the focus; each motion then gives an inverse depth, up to one factor for the burst.
 
 use crate::detector::params::Slope;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
@@ -91,7 +90,6 @@ mod tests {
     use super::*;
     use crate::synth::random::Stream;
 
-    /// Places, inverse depths and motions.
     type Scene = (Vec<[f64; 2]>, Vec<f64>, Vec<(Slope, f32)>);
 
     /// What a camera shows that moves by (`e`, `e_z`), with `sigma` px/frame of noise.

@@ -37,7 +37,6 @@ const MIN_SEEN: f32 = 0.8;
 /// Finest cells on a side of a cell for which evidence is kept: only the smallest things are as small.
 pub(super) const MERGED_CELLS: usize = 2;
 
-/// Evidence of all cells for all swept slopes.
 pub(super) struct Evidence {
     /// Columns and rows of cells.
     pub size: (usize, usize),
@@ -108,8 +107,7 @@ impl Evidence {
     }
 }
 
-/// Squares of `side` pixels, numbered row by row in a plane of `size`, with too few seen samples in all frames: they
-/// have no noise to compare with, and no evidence.
+/// Squares of `side` pixels, numbered row by row in a plane of `size`, with too few seen samples to have any evidence.
 fn hidden_squares(frames: &[&Plane], side: usize, (columns, rows): (usize, usize)) -> Vec<usize> {
     if !any_masked(frames) {
         return Vec::new();
@@ -125,8 +123,7 @@ fn hidden_squares(frames: &[&Plane], side: usize, (columns, rows): (usize, usize
     (0..columns * rows).filter(|&square| seen(square) < MIN_SEEN).collect()
 }
 
-/// Sweep over the range of `grid`, one step wider on each side so that its ends can be peaks, in steps whose smear the
-/// band can bear.
+/// Sweep over the range of `grid`, in steps that the band can bear, one wider at each end so that ends can be peaks.
 pub(super) fn swept(grid: &SlopeGrid, times: &FrameTimes, cell_px: usize) -> SlopeGrid {
     let step = STEP_CELLS * (cell_px / MERGED_CELLS) as f32 / times.positions.span().max(1.0) as f32;
     let most = MAX_STEPS[usize::from(grid.is_plane())];
@@ -204,8 +201,7 @@ fn to_nats(power: &mut Plane, scale: &Plane) {
     let equal = nothing - (SHARE / (1.0 + POWER).sqrt()).ln();
     for (power, scale) in power.data_mut().iter_mut().zip(scale.data()) {
         let exponent = (scale * *power).clamp(0.0, f32::MAX);
-        // Bright things must separate slopes, but not speak for all around them. A float's bits are its logarithm,
-        // linear between powers of two.
+        // Bright things separate slopes, but must not speak for all around. A float's bits are about its logarithm.
         let octaves = ((exponent * (1.0 / BRIGHT)).to_bits() as i32 - (127 << 23)) as f32 * (1.0 / (1 << 23) as f32);
         let x =
             if exponent > BRIGHT { BRIGHT * (1.0 + std::f32::consts::LN_2 / 3.0 * octaves) } else { exponent } - equal;

@@ -9,8 +9,7 @@ use crate::plane::{Mask, Plane};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Largest difference of motions between which a place is interpolated, pixels of smear over the burst; beyond it the
-/// two sides of a border move apart, and each keeps its own.
+/// Largest difference of motions across which they are interpolated, pixels of smear: borders stay sharp.
 const SAME_SMEAR_PX: f32 = 2.0;
 
 impl MotionField {

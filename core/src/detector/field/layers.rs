@@ -4,8 +4,7 @@
 //! hills are one unless the saddle between them is lower than half of the lower one: a floor that comes nearer is one
 //! layer with a spread, and two things before one another are two.
 //!
-//! Layers come in the order of depth, which all motions together determine ([`super::depth`]); things that move by
-//! themselves come last.
+//! Layers come in the order of depth, which all motions together determine ([`super::depth`]); own motions come last.
 
 use super::depth::inverse_depths;
 use crate::detector::params::slope_grid::Slope;
@@ -20,7 +19,6 @@ const STEP_SMEAR_PX: f32 = 0.5;
 const SMOOTHING_STEPS: f64 = 2.0;
 /// Steps beyond the outermost motions.
 const MARGIN_STEPS: usize = 7;
-/// Maximum number of steps along an axis.
 const MAX_STEPS: f32 = 400.0;
 /// Height of a saddle, as a part of the lower hill, from which the two hills are one.
 const ONE_HILL: f32 = 0.5;
@@ -36,12 +34,10 @@ pub struct MotionLayer {
     pub spread: f32,
     /// Part (0 … 1) of the cells with known motion that belong to the layer.
     pub share: f32,
-    /// Inverse depth relative to the first layer, the nearest: below 0 where the camera turned so much that the
-    /// layer moves the other way. `None` where it moves by itself.
+    /// Inverse depth relative to the nearest layer; negative for opposite motion, `None` for motion of its own.
     pub inverse_depth: Option<f32>,
 }
 
-/// Cell of a field whose motion is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct KnownCell {
     pub pos_image: [f64; 2],
@@ -101,8 +97,7 @@ fn middle_depth(depths: impl Iterator<Item = Option<f32>>) -> Option<f32> {
     (2 * known.len() > all.len()).then(|| known[known.len() / 2])
 }
 
-/// Orders layers, each with its hill, and makes inverse depths relative to the first. Of both signs the one that puts
-/// the fastest first is taken: near things move fast.
+/// Orders layers and makes inverse depths relative to the first, with the sign that puts the fastest first.
 fn order(found: &mut Vec<(usize, MotionLayer)>) {
     let depths = found.iter().filter_map(|(_, layer)| layer.inverse_depth);
     let largest = depths.reduce(|a, b| if b.abs() > a.abs() { b } else { a }).filter(|depth| *depth != 0.0);
@@ -117,7 +112,6 @@ fn order(found: &mut Vec<(usize, MotionLayer)>) {
     found.truncate(usize::from(u8::MAX));
 }
 
-/// Hills of the smoothed count of motions.
 struct Hills {
     /// Slope of the first bin.
     first: Slope,

@@ -63,8 +63,7 @@ const LEAST_SMEAR_PX: f32 = 0.3;
 pub struct Motion {
     /// Apparent motion of the place, pixels per frame.
     pub slope: Slope,
-    /// Covariance of the motion: of u, of u with v, and of v, (pixels per frame)². Across a line of slopes, which is
-    /// given, only the least uncertainty of any motion.
+    /// Covariance of the motion (uu, uv, vv), (pixels per frame)². Across a line of slopes the least of any motion.
     pub covariance: [f32; 3],
 }
 
@@ -76,8 +75,7 @@ impl Motion {
         (variances.map(|variance| variance.max(0.0).sqrt()), sin.atan2(cos))
     }
 
-    /// Distance of `slope` from this motion in its standard deviations (Mahalanobis), where the other slope has
-    /// `sigma` of its own in each direction, pixels per frame.
+    /// Mahalanobis distance of `slope`, with its own `sigma` in each direction (pixels per frame), from this motion.
     pub fn distance(&self, slope: Slope, sigma: f32) -> f32 {
         let [uu, uv, vv] = self.covariance;
         let (uu, vv) = (uu + sigma * sigma, vv + sigma * sigma);
@@ -166,8 +164,7 @@ impl MotionField {
 }
 
 /// Finds the motion of every place of the burst of `frames` taken at `times`, all of one size, among the slopes of
-/// `grid` and those one step beyond. `None` for a single slope, fewer than 3 frames, or under 4 cells on a side: they
-/// show no motion.
+/// `grid` and those one step beyond. `None` for a single slope, fewer than 3 frames, or under 4 cells on a side.
 ///
 /// The field has the same bits for any number of threads, and takes up to 100 MB while it is found.
 ///

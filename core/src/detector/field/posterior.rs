@@ -1,12 +1,11 @@
 //! Posterior of the motion of each cell, given the evidence of all cells.
 //!
 //! Neighbouring cells mostly move alike: from cell to cell a motion wanders a little ([`WANDER`]) around the
-//! [`drift`](Posterior::drift) of the whole picture (a picture that comes nearer grows), and seldom, at the
-//! border of a thing, it becomes any other ([`BORDER`]). Between the cells of a tree such a model is solved exactly, by
-//! passing messages along its branches (Pearl, "Probabilistic Reasoning in Intelligent Systems", 1988). Each cell has
-//! two trees, which hold all cells: its column with the rows as branches, and its row with the columns (Bleyer and
-//! Gelautz, "Simple but effective tree structures for dynamic programming-based stereo matching", 2008). Their
-//! geometric mean has no preferred direction.
+//! [`drift`](Posterior::drift) of the whole picture, and seldom, at the border of a thing, it becomes any other
+//! ([`BORDER`]). Between the cells of a tree such a model is solved exactly, by passing messages along its branches
+//! (Pearl, "Probabilistic Reasoning in Intelligent Systems", 1988). Each cell has two trees, which hold all cells: its
+//! column with the rows as branches, and its row with the columns (Bleyer and Gelautz, "Simple but effective tree
+//! structures for dynamic programming-based stereo matching", 2008). Their geometric mean has no preferred direction.
 //!
 //! So there is no window in which everything moves alike: evidence reaches as far as nothing speaks against it.
 
@@ -106,8 +105,7 @@ impl Candidates {
         })
     }
 
-    /// Motion that `probabilities` favour: their mean around the largest one. The covariance includes all of them, so
-    /// that another likely motion makes the first one uncertain.
+    /// Motion that `probabilities` favour: the mean around the largest one, with a covariance over all of them.
     pub fn found(&self, probabilities: &[f32]) -> MotionEstimate {
         let columns = self.count[0];
         let larger = |best: usize, (index, x): (usize, &f32)| if *x > probabilities[best] { index } else { best };
@@ -198,8 +196,7 @@ struct Model {
 }
 
 impl Model {
-    /// Weights, along u and v, of the candidate before, the same and the next one, in the cell before; for a `sign` of
-    /// −1 in the cell after.
+    /// Weights, along u and v, of the candidate before, the same and the next, in the cell before; for `sign` −1 after.
     fn taps(&self, sign: f32) -> [[f32; 3]; 2] {
         self.drift.map(|drift| {
             let drift = sign * drift.clamp(-0.9, 0.9);
@@ -250,8 +247,7 @@ impl Posterior {
         self.probabilities.par_chunks(self.candidates.len()).map(|cell| self.candidates.found(cell)).collect()
     }
 
-    /// Mean change of the motion, candidates along u and v, for each cell to the right and down, between blocks in
-    /// `size` columns and rows that move nearly alike.
+    /// Mean change of the motion, candidates, for each cell to the right and down, from blocks that move nearly alike.
     fn drift(&self, (width, height): (usize, usize)) -> [[f32; 2]; 2] {
         let found = self.found();
         let variance = |found: &MotionEstimate| found.covariance[0] + found.covariance[2];

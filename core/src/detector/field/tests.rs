@@ -125,8 +125,7 @@ fn one_motion_is_one_layer_and_two_are_two_with_their_shares() {
 
 #[test]
 fn layers_come_by_depth_and_what_moves_by_itself_last() {
-    // Three strips at different depths of a camera that moves along u, the farthest in the middle, and a thing that
-    // moves across all of that.
+    // Three strips at different depths, the farthest in the middle, and a thing that moves across their motion.
     let slopes = [Slope::new(1.2, 0.0), Slope::new(0.2, 0.0), Slope::new(2.2, 0.0)];
     let across = Slope::new(0.3, -1.5);
     let scene = |u: f32, v: f32, t: f32| {

@@ -1,8 +1,7 @@
 //! Evidence of windows around each cell, beside the posterior.
 //!
-//! *Small things.* A row of cells on a thing of a few cells seldom has enough evidence to pay for two borders, and the
-//! posterior does not see that the rows beside it have evidence too. A small window overrules it where another motion
-//! has much more evidence there.
+//! *Small things.* A row of cells on a small thing seldom has enough evidence to pay for two borders, and the posterior
+//! does not see the evidence of other rows. A small window overrules it where another motion has much more evidence.
 //!
 //! *Motions between the swept slopes.* Each cell's evidence is read at its own motion plus a common offset, whose sum
 //! over a window has its peak where the window is off on average. The offset is held by a prior, as noise would move
@@ -27,7 +26,6 @@ const OVERRULING_NATS: f32 = 3.0;
 const OTHER_STEPS: f32 = 1.0;
 /// Standard deviation of the window that moves motions, cells.
 const WINDOW_CELLS: f64 = 3.0;
-/// Number of times that each motion is moved.
 const ROUNDS: usize = 2;
 /// Standard deviation of the offsets, pixels of smear between the first and the last frame.
 const OFFSET_SMEAR_PX: f32 = 1.2;
@@ -37,8 +35,7 @@ const WIDE_CELLS: f64 = 14.0;
 const WIDE_PART: f32 = 0.5;
 /// Evidence in the wide window that a motion needs to be known, nats.
 const KNOWN_NATS: f32 = 6.0;
-/// Standard deviation by noise alone of the second difference of evidence between steps, as a part of the root of twice
-/// the evidence: stacks a step apart have nearly the same noise.
+/// Deviation by noise of the second difference of evidence between steps, as a part of the root of twice the evidence.
 const CHANCE: f32 = 0.2;
 
 /// Gives cells the motion of the window around them where it overrules what was `found`.
@@ -67,8 +64,7 @@ pub(super) fn overrule(found: &mut [MotionEstimate], evidence: &Evidence, monito
     Ok(())
 }
 
-/// Moves each motion by the offset that its window suggests. Returns the covariances by the wide window, squared steps:
-/// a motion without evidence lies somewhere in the swept range.
+/// Moves each motion by the offset that its window suggests. Returns the covariances by the wide window, squared steps.
 pub(super) fn refine(
     found: &mut [MotionEstimate],
     evidence: &Evidence,

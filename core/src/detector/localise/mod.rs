@@ -1,7 +1,6 @@
 //! Localisation: a feature's exact place, slope and scale, from the pixels of its own and neighbouring slopes.
 //!
-//! The quadratic fit of `refine` leaves errors of a tenth of an input pixel even without noise, and the long tails of
-//! D's Gaussians let neighbours pull. So, starting from the fit:
+//! The quadratic fit of `refine` errs by a tenth of an input pixel even without noise, and neighbours pull. So:
 //!
 //! - **Place**: the extremum of a kernel (`crate::kernel::compact_kernel`) whose zero lies where D's own scale puts a
 //!   blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel for blobs with a rim and the
@@ -124,11 +123,10 @@ pub(super) fn located(
     (keypoint, width)
 }
 
-/// Distance, in pixels of `answer`, at which a wrong motion weakens the response by the factor e^−½, as the standard
-/// deviation of the blur that it causes: along the line of `grid`, or in a plane in the worst direction. A small blur
-/// of variance ε along a direction changes a response R by ε/2 times its second derivative there, so the distance is
-/// √(−R/R″): σ for a blob of scale σ, infinite along an edge. Views of a light field blur in each direction by their
-/// variance there.
+/// Distance, in pixels of `answer`, at which a wrong motion weakens the response by e^−½, as the standard deviation of
+/// its blur: along the line of `grid`, or in a plane in the worst direction. A small blur of variance ε along a
+/// direction changes a response R by ε/2 times its second derivative, so the distance is √(−R/R″): σ for a blob of
+/// scale σ, infinite along an edge. Views of a light field blur in each direction by their variance there.
 fn motion_width(answer: &KernelResponse, grid: &SlopeGrid, times: &FrameTimes) -> f32 {
     let [uu, vv, uv] = answer.hessian.map(|second| -second / answer.value);
     let sharpness = if times.positions.are_views() {
@@ -162,8 +160,7 @@ impl Feature {
     }
 }
 
-/// Radius of the rim of a feature of scale `sigma` with `levels` levels an octave, in the units of `sigma`: the rim of
-/// the disc to which D responds most strongly at that scale.
+/// Radius of the rim of the disc to which D with `levels` levels an octave responds most at `sigma`, in its unit.
 pub fn rim_radius(sigma: f64, levels: usize) -> f64 {
     let k2 = 2f64.powf(2.0 / levels as f64);
     sigma * (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
@@ -187,8 +184,7 @@ pub fn kernel_reach(rim: f64, unit: usize) -> usize {
     SOFT.on_rim(rim).ceil() as usize + FARTHEST_MOVE_PX * unit + 1
 }
 
-/// Place of a blob with a rim of radius `rim` within `farthest` of `start`, and the kernel that found it; all in
-/// pixels of `pixels`. `None` where there is none.
+/// Place of a blob of rim radius `rim` within `farthest` of `start`, and the kernel that found it, in `pixels`.
 pub fn place(
     pixels: &PixelView<'_>,
     start: (f64, f64),

@@ -41,8 +41,7 @@ fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize, stride:
     taps
 }
 
-/// Sums of pixels under Gaussians with samples `along_u` and `along_v`; `lines` are the rows of pixels. All are
-/// `stride` long, a multiple of [`LANES`].
+/// Sums of `lines` of pixels under Gaussians with samples `along_u` and `along_v`, all `stride` long, whole [`LANES`].
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn weighted_sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [f64; GAUSSIANS] {
     let mut sums = [0.0f64; GAUSSIANS];

@@ -46,8 +46,7 @@ pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     (looked, apart)
 }
 
-/// As [`looked_at`] for views of a light field at `offsets`, which do not follow one another: triples of neighbours in
-/// a row or in a column that share no view.
+/// As [`looked_at`] for views at `offsets`: triples of neighbours in a row or in a column that share no view.
 pub fn looked_at_views(offsets: &[Offset<f32>], pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     let at = |place: Offset<f32>| {
         offsets.iter().position(|own| (own.u - place.u).abs() < NEAR_STEPS && (own.v - place.v).abs() < NEAR_STEPS)

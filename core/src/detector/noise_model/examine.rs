@@ -1,7 +1,6 @@
 //! Examination of a burst: measures its noise, and cleans the frames for the search.
 //!
-//! Useless frames are left out, flicker and the sensor's pattern are removed; then the noise of the rest is measured.
-//! Where nothing is found, the frames are unchanged.
+//! Useless frames, flicker and the sensor's pattern are removed, as far as found; the noise of the rest is measured.
 
 use super::changing_lines::ChangingLines;
 use super::codec::Flattened;

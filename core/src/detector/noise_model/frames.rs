@@ -368,8 +368,7 @@ const EVEN_PATTERN: f32 = 1.25;
 const EVEN: f32 = 1.75;
 const MAX_LAG: usize = 16;
 
-/// Correlations of the noise of frames 1, 2, … apart, and the flattest squares with a frame's mean variance in them.
-/// None where shared texture may explain the correlations.
+/// Correlations of the noise of frames 1, 2, … apart, and the flattest squares with their mean variance.
 fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>, (Vec<usize>, f32)) {
     let none = (Vec::new(), (Vec::new(), 0.0));
     if kept.len() < 5 {

@@ -248,7 +248,6 @@ pub fn tiles_of_octave(
     Ok(tiles.concat())
 }
 
-/// Whether the frames of a contrast see `region` moved by `slope`.
 fn is_seen_along(
     frames: &[&Plane],
     contrast: &Contrast,

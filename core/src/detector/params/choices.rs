@@ -54,8 +54,7 @@ pub enum Method {
     Buff,
     /// SIFT on the middle frame of those used: the same detector with one frame and slope 0.
     Sift,
-    /// SIFT on the frames used, merged into one image. [`crate::detect::detect`] aligns and merges them; the detector
-    /// alone takes their plain mean, at slope 0.
+    /// SIFT on the frames used, merged by [`crate::detect::detect`] into one image; the detector alone takes the mean.
     Merge,
 }
 
@@ -256,8 +255,7 @@ impl std::str::FromStr for NoiseGate {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum NoiseModelKind {
-    /// The noise as measured in the burst: by brightness, place, octave and level; faulty frames and pixels are left
-    /// out (see [`super::super::noise_model`]).
+    /// Noise as measured in the burst, by brightness, place and scale, without faulty frames and pixels.
     #[default]
     Local,
     /// White noise of one standard deviation.

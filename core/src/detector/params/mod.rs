@@ -27,8 +27,7 @@ pub use rules::Rules;
 pub use slope_grid::{AUTO, MAX_SLOPES, Slope, SlopeAxis, SlopeGrid, Slopes, SlopesPart};
 
 impl<S: Clone> DetectorParams<S> {
-    /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
-    /// for SIFT.
+    /// Indices into the burst of the frames that take part: the whole range, or its middle frame for SIFT.
     pub fn used_frames(&self, frame_count: usize) -> std::ops::Range<usize> {
         let range = self.frames.map_or(0..frame_count, |r| r.start..r.end.min(frame_count));
         match self.method {

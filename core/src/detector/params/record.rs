@@ -1,7 +1,6 @@
 //! Record of one parameter: all that the program knows about it, in one place.
 //!
-//! The option of the commands, the row in the window, the changes that advice suggests, the checks, the help texts and
-//! the page of reference are made from a [`Param`].
+//! Options, rows of the window, changes by advice, checks, help texts and the page of reference come from a [`Param`].
 
 use super::{Distinct, FrameRange, NoiseGate, SlopeAxis, Slopes, SlopesPart, Word};
 use crate::error::{Error, Result};

@@ -9,8 +9,7 @@ use super::{
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Details of the search that users set together, by one of the [named](Rules::NAMED) sets; tests of agreement with
-/// other codes set single fields.
+/// Details of the search that users set together, by a [named](Rules::NAMED) set; tests set single fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rules {
     /// Slopes that a joint extremum must beat.

@@ -1,8 +1,6 @@
-//! Parameters as commands, parameter files, datasets and the window hold them: slopes are given, or to be found from
-//! each burst.
+//! Parameters as commands, parameter files, datasets and the window hold them, with slopes given or yet to be found.
 //!
-//! [`crate::detector::slopes::resolve`] turns [`SearchParams`] into the [`DetectorParams`] of one burst, whose slopes
-//! are a grid, given or found.
+//! [`crate::detector::slopes::resolve`] turns [`SearchParams`] into the [`DetectorParams`] of one burst.
 
 use super::doc::SearchParams;
 use super::slope_grid::AUTO;

@@ -221,8 +221,7 @@ impl SlopeGrid {
         self.len() == 0
     }
 
-    /// Direction of a line of slopes, degrees from +u towards +v, and the slopes along it; `None` for a plane, and for
-    /// a single slope.
+    /// Direction of a line of slopes, degrees from +u towards +v, and the slopes along it; `None` for other grids.
     pub fn as_line(&self) -> Option<(f32, SlopeAxis)> {
         match (self.u.count > 1, self.v.count > 1) {
             (true, false) => Some((self.direction_deg, self.u)),
@@ -294,8 +293,7 @@ impl SlopeGrid {
             || (self.v.count > 1 && (j == 0 || j + 1 == self.v.count))
     }
 
-    /// Grid coordinates (along the first axis, along the second) of any slope: the inverse of [`Self::at`]. 0 on an
-    /// axis with one slope.
+    /// Grid coordinates (first, second axis) of any slope: the inverse of [`Self::at`]; 0 on an axis with one slope.
     pub fn position(&self, slope: Slope) -> (f32, f32) {
         let (sin, cos) = f64::from(self.direction_deg).to_radians().sin_cos();
         let (u, v) = (f64::from(slope.u), f64::from(slope.v));

@@ -17,11 +17,9 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Instant;
 
-/// Fate of a keypoint in the choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Verdict {
     Kept,
-    /// The stronger keypoint with this index stands for its blob.
     CoveredBy(usize),
     /// Its features are not among the strongest that are kept; it may never have been compared with others.
     Cut,
@@ -34,7 +32,6 @@ pub(super) struct Choice {
     pub(super) ranked: Vec<usize>,
     /// Keypoints known to be the strongest on their blobs.
     pub(super) distinct: Vec<usize>,
-    /// Seconds that the comparison of keypoints on one blob took.
     pub(super) distinct_secs: f32,
 }
 
@@ -156,8 +153,7 @@ impl Chooser<'_> {
         Ok(())
     }
 
-    /// Marks the features at the limit of the slopes, and adds how certain their motion is, how their surroundings
-    /// move, and how they move beside these.
+    /// Marks the features at the limit of the slopes, and adds their certainty and the motion of their surroundings.
     pub(super) fn mark(&self, found: &mut [Described]) -> Result<(), Cancelled> {
         let grid = &self.search.grid;
         // Without evidence the slope is somewhere in the grid: the deviation of a uniform distribution.

@@ -44,7 +44,6 @@ pub(super) fn is_sum(params: &DetectorParams) -> bool {
     OtherSlopes::of(params) == OtherSlopes::Unseen && params.search == SearchSlopes::All
 }
 
-/// For each slope of `grid` its index among those of `earlier`.
 fn known_slopes(grid: &SlopeGrid, earlier: &SlopeGrid) -> Vec<Option<usize>> {
     // 0 and −0 are one slope with different bits.
     let bits = |slope: Slope| [slope.u + 0.0, slope.v + 0.0].map(f32::to_bits);
@@ -91,8 +90,7 @@ impl<'a> Earlier<'a> {
         Some(Known { slopes, bases, keypoints, tallies })
     }
 
-    /// Takes over the features of the keypoints of `outcome` that were `known` and have the same neighbours among the
-    /// slopes of `grid`.
+    /// Takes over features of `known` keypoints of `outcome` with the same neighbours among the slopes of `grid`.
     pub(super) fn describe(&self, grid: &SlopeGrid, known: &Known<'_>, outcome: &mut Outcome) {
         let earlier = self.trail.inputs.params.used_slopes();
         // Features read D at neighbouring slopes: other steps or neighbours make other features.

@@ -146,14 +146,12 @@ impl Trail {
         })
     }
 
-    /// Whether the search tries slope `slope_index` at `place` (u, v), input pixels: see
-    /// [`SearchSlopes`](crate::detector::SearchSlopes).
+    /// Whether the search tries slope `slope_index` at `place` (u, v), input pixels; always, unless around the field.
     pub fn searches(&self, place: [f32; 2], slope_index: usize) -> bool {
         self.inputs.searches(place, slope_index)
     }
 
-    /// Judges samples of a neighbourhood; `None` for those that the search does not examine: on the octave's border,
-    /// and at slopes that it leaves out there.
+    /// Judges samples of a neighbourhood; `None` on the octave's border and at slopes that the search leaves out there.
     pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
         let monitor = Monitor::default();
         self.with_search(&monitor, |search| {

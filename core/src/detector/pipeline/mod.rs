@@ -1,8 +1,7 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
-//! The inputs give the kept frames and their noise; the [search](crate::detector::search) finds keypoints. On each blob
-//! the strongest keypoint stays, and is localised, described and ranked. A [`Trail`] gathers the data that explain the
-//! detection, and judges single samples ([`Judgement`]).
+//! The inputs give the kept frames and their noise; the [search](crate::detector::search) finds keypoints. The
+//! strongest on each blob is localised, described and ranked. A [`Trail`] explains the detection, sample by sample.
 
 mod choice;
 mod earlier;
@@ -44,9 +43,8 @@ pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) 
     Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), None, monitor)?.detection)
 }
 
-/// Finds the features of a burst and keeps the data that explains them. Results of an `earlier` search at the same
-/// slopes are taken over; the result is the same to the bit, except that samples there that are no keypoints are
-/// tallied as the earlier search rejected them.
+/// Finds the features of a burst and keeps the data that explains them. Results of an `earlier` search at shared slopes
+/// are taken over; the result is the same to the bit, but its tally counts rejections as the earlier search did.
 pub(crate) fn search_with_trail(
     burst: &Burst,
     params: &DetectorParams,
@@ -65,8 +63,7 @@ pub(crate) struct Keeping<'a> {
     /// Trail from which this search goes on.
     pub earlier: Option<&'a Trail>,
     /// Called with the features of the slope by which most places move, before the others are searched, if the search
-    /// is long and has no `earlier` one. They are as a search of that slope alone finds them with the gate of all
-    /// slopes.
+    /// is long and has no `earlier` one. The gate is that of all slopes.
     pub first: FirstFeatures<'a>,
 }
 
@@ -85,8 +82,7 @@ fn budget_beside_kept() -> Option<u64> {
     memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()))
 }
 
-/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. Without `keeping`
-/// the trail cannot be judged again.
+/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave.
 fn search_all(
     burst: &Burst,
     params: &DetectorParams,

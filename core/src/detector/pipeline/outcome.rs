@@ -1,5 +1,4 @@
-//! Outcome of a search, for later judgements: its keypoints with the values that its thresholds compared, and the
-//! features of those that have been described since.
+//! Outcome of a search, for later judgements: keypoints with the values that thresholds compared, and known features.
 //!
 //! The result of a stricter threshold, another rule for distinct keypoints or another number of features follows from
 //! the keypoints: those that fail are left out, and the features are chosen again.
@@ -26,7 +25,6 @@ pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
     searched.judged_as(params) == *params && params.validate().is_ok() && are_as_strict(params, searched)
 }
 
-/// Whether no threshold of `params` is lower than that of `searched`.
 pub(super) fn are_as_strict(params: &DetectorParams, searched: &DetectorParams) -> bool {
     params.peak_threshold >= searched.peak_threshold
         && edge_limit(params.edge_threshold) <= edge_limit(searched.edge_threshold)
@@ -51,13 +49,11 @@ pub(super) struct Outcome {
     pub(super) described: Vec<OnceLock<Box<[Described]>>>,
     /// Rises beyond the slopes of the features of each keypoint, computed on demand.
     pub(super) rises: Vec<OnceLock<Vec<Rise>>>,
-    /// Whether the features of each keypoint are ghosts, computed on demand.
     pub(super) ghosts: Vec<OnceLock<bool>>,
     pub(super) means: Means,
     pub(super) field: Option<Arc<MotionField>>,
 }
 
-/// Keypoints that pass thresholds.
 #[derive(Debug)]
 pub(super) struct PassingKeypoints {
     /// In order of octaves.
@@ -99,8 +95,7 @@ impl Outcome {
         PassingKeypoints { keypoints: self.keypoints.clone(), numbers, tally: total(&self.tallies) }
     }
 
-    /// Keypoints that `search` would find, with σ_D `sigma_d` and parameters that [follow](follows). `None` where it
-    /// might find others because one of its limits is lower.
+    /// Keypoints that `search`, if it [follows](follows), would find; `None` where one of its limits is lower.
     pub(super) fn passing(&self, search: &Search<'_>, sigma_d: &SigmaD) -> Option<PassingKeypoints> {
         let slopes: Vec<Option<usize>> = (0..search.grid.len()).map(Some).collect();
         let judged = self.judged(search, sigma_d, &slopes).filter(|_| follows(search.params, &self.params))?;
@@ -117,9 +112,8 @@ impl Outcome {
         Some(PassingKeypoints { keypoints, numbers, tally })
     }
 
-    /// Keypoints at the slopes that `search` shares, each with the first test that it fails in `search`. `slopes`
-    /// holds, for each slope of `search`, its index here; keypoints get the index there. `None` where `search` might
-    /// find more.
+    /// Keypoints at the slopes that `search` shares, each with the first test that it fails there. `slopes` has the
+    /// index here of each slope of `search`; keypoints get the index there. `None` where `search` might find more.
     pub(super) fn judged(
         &self,
         search: &Search<'_>,
@@ -162,7 +156,6 @@ impl Outcome {
         Some(self.keypoints.iter().zip(&self.evidence).filter_map(judged).collect())
     }
 
-    /// Approximate bytes of the keypoints and of their features.
     pub(super) fn bytes(&self) -> usize {
         let described: usize = self.described.iter().filter_map(OnceLock::get).map(|one| size_of_val(&one[..])).sum();
         described
@@ -180,7 +173,6 @@ fn total(tallies: &[Tally]) -> Tally {
     total
 }
 
-/// σ_D of a search at the place of least noise.
 pub(super) fn sigma_d(search: &Search<'_>) -> SigmaD {
     search.inputs.octaves().map(|octave| search.sigma_d(octave)).collect()
 }

@@ -69,7 +69,6 @@ fn of_features(trail: &Trail, count: usize) -> Vec<usize> {
     (0..count).map(|index| trail.keypoint_of_feature(index)).collect()
 }
 
-/// Checks that later questions to both trails have equal answers.
 fn assert_same_answers(found: &Trail, whole: &Trail) {
     let monitor = Monitor::default();
     for octave in whole.octaves() {

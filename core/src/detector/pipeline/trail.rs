@@ -1,6 +1,5 @@
-//! Data that a detection keeps to explain its result. Nothing here changes the result: questions run the search's own
-//! functions again on a few samples (see [`Trail::neighbourhood`]), with bitwise equal values, because a value does not
-//! depend on its tile.
+//! Data that a detection keeps to explain its result. Questions run the search's own functions again on a few samples
+//! (see [`Trail::neighbourhood`]), with bitwise equal values, because a value does not depend on its tile.
 
 use crate::burst::Positions;
 use crate::detector::along::Along;
@@ -49,7 +48,6 @@ pub struct Trail {
     by_sample: HashMap<SampleKey, usize>,
     /// Keypoints that are known to have stayed, sorted by row.
     stayed: Vec<(usize, Blob)>,
-    /// σ_D at the place of least noise, by octave, DoG level index and slope.
     pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
     pub(super) search_secs: f32,
@@ -166,8 +164,7 @@ impl Trail {
         &self.passing.keypoints
     }
 
-    /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one. `None` for
-    /// keypoints that [are cut](Trail::is_cut).
+    /// Index of the stronger keypoint on the same blob as keypoint `index`; `None` for [cut](Trail::is_cut) ones too.
     pub fn covered_by(&self, index: usize) -> Option<usize> {
         match self.choice.verdicts[index] {
             Verdict::CoveredBy(by) => Some(by),
@@ -349,8 +346,7 @@ impl Trail {
         features.par_iter().map(evenness).collect()
     }
 
-    /// The mean of the `chosen` frames (indices among those that took part), shifted by `slope`, in a rectangle of the
-    /// image, less its value in the middle.
+    /// Mean of the `chosen` kept frames, shifted by `slope`, in a rectangle of the image, less its value in the middle.
     pub fn stack_part(&self, region: &Region, slope: Slope, chosen: &[usize]) -> Plane {
         let along = self.along();
         let frames = along.of(0);

@@ -1,10 +1,9 @@
 //! Ascent: the exact maximum of |D| over place and scale, from the pixels of an octave's first level.
 //!
-//! The samples of a coarse octave lie 2^o input pixels apart, and a fit to them depends on where they fall on a blob: a
-//! burst cropped by a pixel would keep other keypoints. So in octaves after the first the fit only starts an ascent. D
-//! at any place and scale is the difference of two sums of pixels under Gaussians; their jets
-//! (`crate::kernel::gaussian_jet`) give the gradient and second derivatives, over place and, since ∂G/∂σ = σ∇²G, over
-//! ln σ. Newton's steps reach the maximum in one or two evaluations.
+//! The samples of a coarse octave lie 2^o input pixels apart, and a fit depends on where they fall on a blob: a burst
+//! cropped by a pixel would keep other keypoints. So in octaves after the first the fit only starts an ascent. D at any
+//! place and scale is the difference of two sums of pixels under Gaussians; their jets (`crate::kernel::gaussian_jet`)
+//! give its derivatives over place and, by ∂G/∂σ = σ∇²G, over ln σ. Newton's steps reach the maximum.
 
 use crate::detector::scale_space::ScaleSpace;
 use crate::kernel::compact_kernel::{PixelView, RIM};
@@ -129,8 +128,7 @@ struct Derivatives {
 }
 
 impl Derivatives {
-    /// Derivatives of the difference of Gaussians with the jets `fine` and `coarse` and squared scales `fine2` and
-    /// `coarse2`, by ∂G/∂ln σ = σ²∇²G.
+    /// Derivatives of a difference of Gaussians by its jets and squared scales, with ∂G/∂ln σ = σ²∇²G.
     fn of(fine: &Jet, fine2: f64, coarse: &Jet, coarse2: f64) -> Self {
         let both = |of: &dyn Fn(&Jet, f64) -> f64| of(coarse, coarse2) - of(fine, fine2);
         let laplacian = |j: &Jet, p: usize, q: usize| j[p + 2][q] + j[p][q + 2];

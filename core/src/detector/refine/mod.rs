@@ -2,9 +2,8 @@
 //!
 //! Place and scale: Brown and Lowe's quadratic fit as in VLFeat: up to four moves of a pixel while the fitted offset
 //! exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. In octaves after the first
-//! the fit only starts an [ascent] to the exact maximum. Slope: D over slope is a mean of shifted blob responses, close
-//! to a Gaussian bump, so a parabola is fitted to log |D| over the neighbouring slopes, which is exact for such a bump
-//! (to |D| itself where a neighbour has the other sign).
+//! the fit only starts an [ascent] to the exact maximum. Slope: D over slope is nearly a Gaussian bump, so a parabola
+//! is fitted to log |D| over the neighbouring slopes, or to |D| itself where a neighbour has the other sign.
 
 pub mod ascent;
 
@@ -38,8 +37,7 @@ impl Limits {
     }
 }
 
-/// Maximum number of fits, between which the sample moves by a pixel. The tile must hold this many pixels and one more
-/// on each side.
+/// Maximum number of fits, with moves of a pixel between. The tile holds so many pixels and one more around.
 pub const MAX_FITS: usize = 5;
 
 /// Solves the symmetric 3×3 system `a·x = −g` by elimination with pivoting; `None` when it is singular.
@@ -88,8 +86,7 @@ pub struct Fit {
 pub const MAX_OFFSET: f64 = 1.5;
 
 impl Fit {
-    /// Largest offset in magnitude, with levels scaled so that [`Self::level_reach`] counts as [`MAX_OFFSET`], which
-    /// accepted fits stay below. Infinite where an offset is NaN.
+    /// Largest offset in magnitude, with [`Self::level_reach`] levels as [`MAX_OFFSET`]. Infinite where one is NaN.
     pub fn largest_offset(&self) -> f64 {
         let [x, y, level] = self.offset;
         let offsets = [x, y, level * (MAX_OFFSET / self.level_reach)];
@@ -118,8 +115,7 @@ impl Fit {
         0.5 * (sum + (sum * sum - 4.0).sqrt())
     }
 
-    /// Applies the tests that follow the fit, each by itself, in their order. `size` is the octave's, `levels` the
-    /// number of DoG levels.
+    /// Applies the tests that follow the fit, each by itself, in order, in an octave of `size` with `levels` levels.
     pub fn tests(&self, size: (usize, usize), levels: usize, limits: Limits) -> [(Test, bool); 5] {
         let inside = |at: f64, n: usize| (0.0..=(n - 1) as f64).contains(&at);
         let (x, y) = self.place();
@@ -269,9 +265,8 @@ pub fn peak_offset(before: f32, here: f32, after: f32) -> f32 {
     (0.5 * (a - c) / curvature).clamp(-1.0, 1.0) as f32
 }
 
-/// Offset of the peak of a two-dimensional bump from the middle of 3×3 samples `values[j][i]`, in steps along (i, j),
-/// each within ±1. A quadratic is fitted to the logarithms by least squares; where these are undefined, or there is no
-/// peak, each axis is fitted alone.
+/// Offset of the peak of a bump from the middle of 3×3 samples `values[j][i]`, in steps along (i, j), each within ±1. A
+/// quadratic is fitted to the logarithms by least squares; where that fails, each axis is fitted alone.
 pub fn peak_offset_2d(values: [[f32; 3]; 3]) -> (f32, f32) {
     let separate = || {
         (peak_offset(values[1][0], values[1][1], values[1][2]), peak_offset(values[0][1], values[1][1], values[2][1]))

@@ -11,8 +11,7 @@
 //! nearest pixel repeated beyond the frame. Binning commutes with shifts and sums, so each frame is binned once for all
 //! slopes. Codes that skip pixels instead ([`CoarseStart`]) lose their light, and alias.
 //!
-//! Everything is made in tiles; a tile includes the pixels around it that its filters need, so each value is bitwise
-//! independent of the tiles.
+//! Tiles include the pixels around them that their filters need, so each value is bitwise independent of the tiles.
 
 pub(super) mod planes;
 
@@ -141,8 +140,7 @@ pub fn octave_pixel(octave: i32) -> f32 {
     2f32.powi(octave)
 }
 
-/// Octaves that a search with `params` visits in an image of `size` = (columns, rows): those requested whose shorter
-/// side has [`MIN_OCTAVE_SIDE`] pixels. At least the first one.
+/// Requested octaves whose shorter side has [`MIN_OCTAVE_SIDE`] pixels in an image of `size`; at least the first one.
 pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> Range<i32> {
     let first = params.first_octave;
     let side = size.0.min(size.1);

@@ -1,7 +1,6 @@
 //! Whole planes of the scale space of one slope: a DoG level, the first level of any octave.
 //!
-//! The search computes all levels of a tile at once; here one level of one slope is computed for a whole octave or a
-//! part of it, with bitwise equal values.
+//! The search computes all levels of a tile at once; here one level of one slope is made, with bitwise equal values.
 
 use crate::detector::scale_space::{
     Base, DogTile, OctaveFilters, Pixels, ScaleSpace, dog_tile, octave_size, stack_tiles,

@@ -21,11 +21,9 @@ const MOSTLY: f32 = 0.5;
 /// Part of the blocks with a known motion below which the other blocks search all slopes.
 const FEW: f32 = 0.2;
 
-/// Slopes that are searched in each block of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SlopesAround {
     grid: SlopeGrid,
-    /// Columns and rows of blocks.
     size: (usize, usize),
     /// `[block][slope]`: whether a block (row by row) searches a slope of the grid.
     searched: Vec<Vec<bool>>,
@@ -71,7 +69,6 @@ impl SlopesAround {
         if beside { widened(&self.grid, &some, 1) } else { some }
     }
 
-    /// Parts of `region` of `octave` in which slope `index` is searched.
     pub(crate) fn parts(&self, octave: i32, region: &Region, index: usize) -> Vec<Region> {
         let mut parts: Vec<Region> = Vec::new();
         for (columns, rows, _) in self.blocks(octave, region).filter(|(.., block)| block[index]) {

@@ -1,6 +1,5 @@
-//! Extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule,
-//! those at the slopes around it. Thresholds and the eight neighbours in the image reject nearly everything: they are
-//! tested for a whole row at once, in vector lanes.
+//! Extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule, at
+//! the slopes around. Thresholds and the eight neighbours in the image reject nearly all, in vector lanes.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::scale_space::DogTile;
@@ -44,9 +43,8 @@ struct Counts {
     below_any: u32,
 }
 
-/// Appends to `found` the inner columns (0 is the row's second one) of `row` whose value reaches `limit` in magnitude
-/// and is above, or below, all its eight neighbours; counts the samples below the thresholds. `above` and `below` are
-/// the neighbouring rows.
+/// Appends to `found` the inner columns (0 is the second one) of `row` whose value reaches `limit` in magnitude and is
+/// above, or below, its eight neighbours in `above`, `row` and `below`; counts the samples below the thresholds.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32, found: &mut Vec<u32>) -> Counts {
     let larger = |x: f32, y: f32| if x > y { x } else { y };
@@ -106,9 +104,8 @@ fn append_marked(marks: &[u8], first: u32, found: &mut Vec<u32>) {
     found.extend(rest.iter().zip(end..).filter(|(mark, _)| **mark != 0).map(|(_, at)| at));
 }
 
-/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope. With
-/// `or_equals` it also passes when it equals them: of two slopes with equal D, which a motion half-way between them
-/// gives, exactly one must stay.
+/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of another slope's `dog`. With `or_equals` it may
+/// also equal them: of two slopes with equal D, as by a motion half-way between them, exactly one must stay.
 pub fn beats_all_27(value: f32, dog: &DogTile, x: usize, y: usize, level_index: usize, or_equals: bool) -> bool {
     let sign = value.signum();
     let limit = sign * value;

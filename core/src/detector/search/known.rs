@@ -11,7 +11,6 @@ use crate::plane::Plane;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Responses of an earlier search at slopes of this search.
 pub(crate) struct Known<'a> {
     /// For each slope of the grid its index in the grid of the earlier search; `None` where it is new.
     pub(crate) slopes: Vec<Option<usize>>,

@@ -1,10 +1,9 @@
 //! Search: extrema of D over place and scale, at each slope for itself or jointly over slope.
 //!
-//! Octaves come in turn, each starting from planes that the one before has written for every slope. Each is cut into
-//! tiles, which run in parallel. A tile visits the slopes in order, holding only those that its undecided candidates
-//! still need. Tiles return their keypoints in order, so threads cannot change the result. The first levels of all
-//! octaves are kept for the steps after the search; where memory does not allow that for all slopes, groups of slopes
-//! go through all octaves one after the other.
+//! Octaves come in turn, each starting from planes that the one before has written for every slope. Tiles run in
+//! parallel; each visits the slopes in order, holding only those that its undecided candidates still need. Tiles return
+//! their keypoints in order, so threads cannot change the result. The first levels of all octaves are kept for later
+//! steps; where memory does not allow that for all slopes, groups of slopes go through all octaves in turn.
 
 pub(super) mod around_field;
 pub mod extrema;
@@ -147,8 +146,7 @@ impl Search<'_> {
         })
     }
 
-    /// Columns and rows of the tiles of an octave of `size`: as high as fits all threads' windows into their bound, at
-    /// least eight rows.
+    /// Columns and rows of an octave's tiles: as high as all threads' windows allow, at least eight rows.
     fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
         let slopes = capacity(&self.grid, OtherSlopes::of(self.params));
         let window_bytes = (WINDOWS_BYTES / rayon::current_num_threads().max(1)).min(WINDOW_BYTES);
@@ -275,8 +273,7 @@ struct Octave<'a> {
 }
 
 impl Search<'_> {
-    /// `next` holds the tile's parts of the next octave's first level, one for each slope visited that is not known, or
-    /// is empty.
+    /// Searches a tile. `next` holds its parts of the next octave's first level by unknown slope, or is empty.
     fn tile(
         &self,
         job: &Octave<'_>,
@@ -368,7 +365,6 @@ impl Search<'_> {
         Ok(keypoints)
     }
 
-    /// Work of a tile for each slope of the grid.
     fn makes(&self, job: &Octave<'_>, region: &Region) -> Vec<Makes> {
         let Some(around) = &self.inputs.around else {
             let is_known = |index: usize| job.known.is_some_and(|known| known.slopes[index].is_some());
@@ -478,7 +474,6 @@ impl Search<'_> {
         }
     }
 
-    /// Keypoint of a refined candidate whose noise is `sigma_d`.
     pub(crate) fn keypoint(
         &self,
         octave: i32,

@@ -37,19 +37,15 @@ pub(crate) struct Search<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) params: &'a DetectorParams,
     pub(crate) space: &'a ScaleSpace,
-    /// Frames as the first octave reads them.
     pub(crate) planes: Vec<&'a Plane>,
     pub(crate) grid: SlopeGrid,
     /// Offsets of the frames, `[slope][frame]`.
     pub(crate) offsets: Vec<Vec<FrameOffset>>,
-    /// Filters of the first octave and of the later ones.
     pub(crate) banks: (FilterBank, FilterBank),
     pub(crate) monitor: &'a Monitor,
-    /// Buffers that no thread is using.
     pub(crate) unused: Mutex<Vec<TileScratch>>,
 }
 
-/// Buffers that a thread reuses from tile to tile.
 pub(crate) struct TileScratch {
     pub(crate) stacked: Vec<Tile>,
     pub(crate) filter: FilterScratch,
@@ -132,17 +128,14 @@ impl Inputs {
         self.frames.iter().map(|frame| &**frame).collect()
     }
 
-    /// The frames as the first octave reads them.
     pub(crate) fn first_planes(&self) -> Vec<&Plane> {
         if self.binned.is_empty() { self.planes() } else { self.binned.iter().collect() }
     }
 
-    /// Whether slope `index` is searched at a place (u, v) of the input image.
     pub(crate) fn searches(&self, place: [f32; 2], index: usize) -> bool {
         self.around.as_ref().is_none_or(|around| around.searches(place, index))
     }
 
-    /// Whether first levels are made for slope `index`.
     pub(crate) fn holds(&self, index: usize) -> bool {
         self.around.as_ref().is_none_or(|around| around.holds(index))
     }
@@ -160,8 +153,7 @@ impl Inputs {
         self.noise.sigma_d(&self.space, (octave, level), (slope, offsets), self.gate_factor)
     }
 
-    /// √(N / number of frames that see the octave pixel (x, y) in the stack whose frames are read at `offsets`),
-    /// times the ratio of the noise there to its smallest value.
+    /// √(N / number of frames at `offsets` that see the octave pixel (x, y)), times the relative noise there.
     pub(crate) fn place_factor(&self, octave: i32, offsets: &[FrameOffset], (x, y): (usize, usize)) -> f32 {
         let (pixel, size) = (octave_pixel(octave), self.size_image);
         let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
@@ -182,8 +174,7 @@ impl Inputs {
         coverage(frames, offsets, at, DISC_SIGMAS * self.space.sigma_image(octave, 0.0) as f32).1.max(1.0)
     }
 
-    /// Share (0 … 1) of the samples of a feature's disc that are seen, in the frames that cover its place (u, v), input
-    /// pixels, at `offsets`. `None` where nothing is masked.
+    /// Seen share (0 … 1) of a feature's disc at (u, v), input pixels, in the covering frames; `None` without masks.
     pub(crate) fn seen_share(&self, offsets: &[FrameOffset], (u, v): (f32, f32), sigma: f32) -> Option<f32> {
         if self.frames.iter().all(|frame| frame.mask().is_none()) {
             return None;
@@ -201,9 +192,8 @@ impl Inputs {
 }
 
 /// Noise of the burst by the model in the parameters, and the frames that are searched: with [`NoiseModelKind::White`],
-/// or where there is too little data for a local model, all that are used, unchanged. What the scene may move by is
-/// read off the range that [encloses](SlopeGrid::enclosing) the slopes, so that a search of a few more has the same
-/// noise.
+/// or with too little data for a local model, all used frames, unchanged. The scene's motion is sought in the range
+/// that [encloses](SlopeGrid::enclosing) the slopes, so that a search of a few more has the same noise.
 pub(in crate::detector) fn known_noise(
     burst: &Burst,
     params: &DetectorParams,

@@ -1,5 +1,4 @@
-//! Window of the slopes that the search holds at once, for one tile of the octave: one, unless candidates are compared
-//! with other slopes or refined over them.
+//! Window of the slopes held at once for one tile: one, unless candidates are compared or refined over slopes.
 //!
 //! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as
 //! soon as it is found, and with those after its own as they come; meanwhile it keeps the values that it needs of its
@@ -58,7 +57,6 @@ impl OtherSlopes {
     }
 }
 
-/// DoG tiles and undecided candidates of the slopes in reach.
 #[derive(Debug)]
 pub struct SlopeWindow {
     grid: SlopeGrid,

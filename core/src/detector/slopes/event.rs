@@ -21,7 +21,6 @@ const LIKE: f64 = 0.25;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Event {
     Nothing,
-    /// The frames were taken in this order.
     Order(Vec<usize>),
     /// `count` frames are missing after frame `after`.
     Missing {
@@ -113,7 +112,6 @@ impl Event {
 }
 
 impl UniformTimes {
-    /// Times of the frames `kept`, to which `event` happened.
     pub(super) fn of(event: &Event, kept: &[usize]) -> Self {
         let mut taken: Vec<(f64, usize)> = event.times(kept.len()).into_iter().zip(kept.iter().copied()).collect();
         taken.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -179,8 +177,7 @@ fn permutations(frames: usize) -> Vec<Vec<usize>> {
     all
 }
 
-/// Frames that are copies of the one before, bit by bit, counted from 0; none where so few others are left that all
-/// frames are the same picture.
+/// Frames that are copies of the frame before, bit by bit, counted from 0; none where all frames are the same picture.
 pub(super) fn copies(frames: &[&Plane]) -> Vec<usize> {
     let copies: Vec<usize> = (1..frames.len()).filter(|t| frames[*t].data() == frames[*t - 1].data()).collect();
     if frames.len() < copies.len() + MIN_FRAMES { Vec::new() } else { copies }

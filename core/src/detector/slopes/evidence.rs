@@ -175,7 +175,6 @@ fn starts(length: usize) -> Vec<usize> {
     (0..=steps).map(|i| (i * room).checked_div(steps).unwrap_or(0)).collect()
 }
 
-/// Products of one or more windows.
 pub(super) struct Sum {
     pub products: CrossSpectra,
     pub pairs: PairSpectra,

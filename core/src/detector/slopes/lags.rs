@@ -1,5 +1,4 @@
-//! Pairs of frames by their lag: the distance of frames in time, in whole frame intervals, or that of views in columns
-//! and rows.
+//! Pairs of frames by their lag: the distance in time, whole frame intervals, or of views in columns and rows.
 
 use crate::burst::{Offset, Positions};
 use std::collections::BTreeMap;

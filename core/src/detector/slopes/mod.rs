@@ -53,12 +53,10 @@ const MIN_MOVING: usize = 3;
 const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
-/// from +u towards +v) or anywhere in the plane. Views of a light field without a direction take 0: a grid along the
-/// picture's axes.
+/// from +u towards +v) or anywhere in the plane; for views of a light field on a grid along the picture's axes.
 ///
-/// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ over the time
-/// from the first to the last frame for the finest σ searched, or coarser where the range is long. Results do not
-/// depend on the number of threads, to the bit.
+/// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ of the finest scale
+/// over the time from first to last frame, or coarser for long ranges. Threads do not change the result, to the bit.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -141,8 +139,7 @@ pub fn find_slopes(
     Ok(SlopeFinding { verdict, deviation_px, deviation_of_middle, spectrum, warnings, uniform, ..finding })
 }
 
-/// Opens a burst as [`Burst::open_with`] does; where the choice of times says so, with its frames in the order and at
-/// the times in which their motion is uniform.
+/// Opens a burst as [`Burst::open_with`] does; with [`TimesChoice::Found`] at the times of uniform motion.
 ///
 /// # Errors
 /// Those of [`Burst::open_with`].
@@ -162,8 +159,7 @@ pub fn open_burst(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) 
     Ok(burst)
 }
 
-/// `burst` with its frames in the order and at the times that `finding` shows; `None` where it shows none, or where
-/// the frames so ordered look no more even than before.
+/// `burst` in the order and at the times that `finding` shows; `None` without any, or where they look no more even.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -254,8 +250,7 @@ pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, positions
 /// Parameters with which `burst` is searched, and the finding where slopes are found from it, which baselines do not.
 ///
 /// # Errors
-/// Parameters that make no sense for the burst, and cancellation once `monitor`
-/// was cancelled.
+/// Parameters that make no sense for the burst, and cancellation once `monitor` was cancelled.
 pub fn resolve(
     burst: &Burst,
     params: &SearchParams,

@@ -1,12 +1,11 @@
 //! Times of the frames, from the images alone.
 //!
 //! Each block of the picture has a slope of its own. If the frames were taken at other times than their order says, the
-//! correlation of two of them has its peak not at the slope times their distance in the order, but times that in time.
-//! Read along the slopes of all blocks, the correlation of a pair is thus a function of its time difference alone, and
-//! the sum over pairs one of the times of all frames. It is a logarithm of their likelihood, in nats: half the square
-//! of each block's significance, with the slope that suits it best. Times are sought freely, and as one event that
-//! happens to cameras, such as two frames exchanged or one missing. An event is reported only if it explains nearly all
-//! that free times do, and no other one does.
+//! correlation of two of them peaks at the slope times their distance in time, not in the order. Read along the slopes
+//! of all blocks, the correlation of a pair is a function of its time difference alone, and the sum over pairs one of
+//! the times of all frames: a log-likelihood, in nats, half the square of each block's significance, at its best slope.
+//! Times are sought freely, and as one event that happens to cameras, such as two frames exchanged or one missing. An
+//! event is reported only if it explains nearly all that free times do, and no other one does.
 
 use super::SlopeEvidence;
 use super::event::{Event, MAX_MISSING, MAX_SCRAMBLED};
@@ -20,8 +19,7 @@ use rayon::prelude::*;
 const MIN_NATS: f64 = 12.0;
 /// Least gain of the even-numbered blocks, and of the odd-numbered ones, nats.
 const MIN_HALF_NATS: f64 = 5.0;
-/// Part of what blocks gain that others may lose: 0.3 or more where nothing happened, 0.05 at most where frames are
-/// missing or out of order.
+/// Part of the blocks' gain that others may lose: 0.3 or more where nothing happened, up to 0.05 after an event.
 const MAX_LOST: f64 = 0.2;
 /// Least gain, as a part of the nats of even times: the model errs on real pictures by up to half of it.
 const MIN_PART: f64 = 0.01;
@@ -31,8 +29,7 @@ const MAX_LEFT: f64 = 0.2;
 const MAX_LEFT_PART: f64 = 0.005;
 /// Part of its gain by which an event must lead the next different one.
 const MIN_AHEAD: f64 = 0.1;
-/// Part of its gain that frames beside the line of the motion may gain: up to 0.23 where something happened, and 0.55
-/// or more where a hand moves the camera.
+/// Part of its gain that frames beside the motion's line may gain: up to 0.23 after an event, from 0.55 for a hand.
 const MAX_BESIDE: f64 = 0.35;
 /// Number of events that get slopes of their own: those that agree best with the slopes of even times.
 const TRIED: usize = 8;
@@ -62,7 +59,6 @@ struct Block {
     least: f64,
 }
 
-/// Blocks of the picture, at one level.
 pub(super) struct Blocks<'a> {
     pairs: &'a [(usize, usize)],
     frames: usize,
@@ -70,7 +66,6 @@ pub(super) struct Blocks<'a> {
     blocks: Vec<Block>,
 }
 
-/// An event and how well it agrees with the frames.
 #[derive(Debug, Clone)]
 pub(super) struct Agreement {
     pub event: Event,
@@ -123,8 +118,7 @@ impl<'a> Blocks<'a> {
         is_told.then(|| first.event.clone())
     }
 
-    /// Nats that are gained if frames also lie beside the line along which most moves: those of an event do not, while
-    /// a hand moves them there as far as along it.
+    /// Nats gained if frames also lie beside the line of the motion, where no event but a hand moves them.
     fn gain_beside(&self, one: &Agreement) -> f64 {
         let times = one.event.times(self.frames);
         let weighed = |axis: usize| one.slopes.iter().zip(&one.significance).map(|(s, w)| s[axis] * w * w).sum::<f64>();
@@ -222,8 +216,7 @@ impl<'a> Blocks<'a> {
         best[..TRIED.min(best.len())].iter().map(own).collect()
     }
 
-    /// Orders of few frames that agree well with a slope that two frames show: where no frame is in its place, the
-    /// slopes of even times mean nothing.
+    /// Orders of few frames that agree with a slope that two frames show, since those of even times mean nothing here.
     fn scrambled(&self, events: &[Event]) -> Vec<Agreement> {
         if self.frames > MAX_SCRAMBLED {
             return Vec::new();

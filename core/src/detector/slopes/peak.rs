@@ -308,8 +308,7 @@ impl Path {
 /// Smallest overlap of two frames, 0 … 1, at which their correlation shows whether the shifts between them add up.
 const MIN_SEEN: f32 = 0.2;
 
-/// Path of the picture as a whole, level pixels; `None` where single pairs of frames are too noisy to measure it, or
-/// the picture does not move as a whole.
+/// Path of the picture as a whole, level pixels; `None` where pairs are too noisy or the picture moves in parts.
 pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
     let neighbours = pairs.neighbours();
     let variance = pairs.variance[..neighbours.len()].iter().sum::<f64>() / neighbours.len() as f64;

@@ -15,8 +15,7 @@ pub struct MotionWarning {
     pub kind: MotionWarningKind,
     /// Frames out of order, late, copied or before a gap, counted from the first one used; none for turns and growth.
     pub frames: Vec<usize>,
-    /// Size of the effect: number of frames out of order, missing or copied, frame intervals late, degrees from +u
-    /// towards +v, or percent.
+    /// Size of the effect: number of frames, frame intervals late, degrees from +u towards +v, or percent, by `kind`.
     pub number: f32,
     /// Finding in one sentence, ready to be shown.
     pub text: String,

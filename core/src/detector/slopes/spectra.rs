@@ -3,8 +3,7 @@
 //! Frames are reduced to means over squares: level `l` has pixels of 2^l image pixels. A window of [`SIDE`]² level
 //! pixels is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The
 //! product conj(F_s)·F_t is the spectrum of the cross-correlation of frames s and t; products of the same
-//! [lag](super::lags) are added up. A frame is never multiplied by
-//! itself, so that the frames' own noise adds nothing on average.
+//! [lag](super::lags) are added up. A frame is never multiplied by itself, so that its noise adds nothing on average.
 
 use super::lags::Lags;
 use crate::monitor::{Cancelled, Monitor};
@@ -347,7 +346,6 @@ mod tests {
     use crate::burst::Positions;
     use crate::synth::random::Stream;
 
-    /// Frames of smooth noise that moves by `step` level pixels a frame.
     fn moving(step: (f64, f64), count: usize) -> Vec<Plane> {
         let mut noise = Stream::new(3, 0);
         let waves: Vec<[f64; 4]> = (0..40)

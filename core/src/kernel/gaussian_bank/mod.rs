@@ -1,11 +1,10 @@
 //! A bank of Gaussian filters: all levels of an octave straight from its first pixels.
 //!
 //! In the scale space each level is blurred from the one before. So every level is also one blur of the chain's input,
-//! by the convolution of the kernels so far, cut at [`LEVEL_CUT`] standard deviations, and levels do not wait for one
-//! another: one pass along the rows makes all of them with each pixel loaded once, a second one along the columns
-//! finishes them. Near the border, where the chain repeats the nearest pixel of every level, the weights come from the
-//! chain's own matrix (`weights`). Every value is made by the same operations in the same order wherever it lies in a
-//! tile, so results do not depend on tiles and threads, to the bit.
+//! by the convolution of the kernels so far, cut at [`LEVEL_CUT`] standard deviations: one pass along the rows makes
+//! all levels with each pixel loaded once, a second one along the columns finishes them. Near the border, where the
+//! chain repeats the nearest pixel of every level, the weights come from the chain's own matrix (`weights`). Every
+//! value is made by the same operations in the same order, so results do not depend on tiles and threads, to the bit.
 
 mod passes;
 mod weights;

@@ -1,8 +1,7 @@
 //! Weights of the levels of a chain of blurs: their kernels inside an image, and the chain's own weights near a border.
 //!
 //! Inside, a level's kernel is the convolution of the chain's kernels. Near a border each blur of the chain repeats the
-//! nearest pixel of its own input, a clamped convolution. The chain is the product of these matrices; its rows for
-//! places near the border are the weights of the input's pixels.
+//! nearest pixel of its input: a clamped convolution, a matrix. Rows of the product of these matrices are the weights.
 
 use crate::kernel::gaussian_bank::FilterBank;
 use crate::kernel::machine::WIDEST_VECTOR as VECTOR;
