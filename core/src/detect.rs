@@ -33,7 +33,7 @@ pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Resu
 pub struct Searched {
     /// Features, descriptors, and the data that the search used.
     pub detection: Detection,
-    /// Parameters of the search: the requested ones, with the slopes that were searched.
+    /// Requested parameters with the searched slopes.
     pub params: DetectorParams,
     /// Finding of the slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,

@@ -12,7 +12,7 @@ pub struct Advice {
     pub problem: String,
     /// Parameter to change.
     pub parameter: Param<SearchParams>,
-    /// Its new value, as the command line takes it.
+    /// New value of the parameter, in the syntax of the command line.
     pub value: String,
 }
 

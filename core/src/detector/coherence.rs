@@ -41,6 +41,7 @@ impl Along<'_> {
         let at = (pixel(place[0], size.0), pixel(place[1], size.1));
         let frames = self.of(octave);
         let in_octave = frames.offsets(slope);
+        // Brightness and noise follow the place through all frames, so that one factor serves them.
         let factor = noise.place_factor(octave, &offsets, floor_pixel((place[0], place[1]), *size), *size);
         let response = |(index, (&t, from_middle)): (usize, (&usize, Offset<f32>))| {
             monitor.check()?;

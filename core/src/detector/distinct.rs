@@ -64,7 +64,7 @@ const APART_SIGMAS: f32 = 2.5;
 const FRAMES_SHARE: f32 = 0.2;
 /// Minimum fraction of its response that a separate structure keeps in those frames.
 const KEPT_RESPONSE: f32 = 0.6;
-/// Minimum of that response in deviations of its noise: a false second keypoint makes matches ambiguous.
+/// Minimum of the kept response in deviations of noise: a false second keypoint makes matches ambiguous.
 const FRAMES_SNR: f32 = 5.0;
 /// Maximum response between the two paths, as a fraction of the weaker response.
 const BETWEEN_RESPONSE: f32 = 0.5;
@@ -115,7 +115,6 @@ enum Decision {
 
 /// Decisions on blobs, on demand: each needs those on stronger blobs that may cover the blob, and theirs in turn.
 pub struct Deciding<'b> {
-    /// All blobs, each cell from the strongest to the weakest.
     all: Cells<'b>,
     stayed: Cells<'b>,
     decisions: Vec<Decision>,

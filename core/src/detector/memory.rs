@@ -99,7 +99,6 @@ fn plane_bytes((width, height): (usize, usize)) -> u64 {
     (width as u64).saturating_mul(height as u64).saturating_mul(size_of::<f32>() as u64)
 }
 
-/// Memory taken by searches that share a budget, bytes.
 #[derive(Debug)]
 pub(crate) struct Account {
     taken: Mutex<u64>,
@@ -209,7 +208,7 @@ pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Sen
     }
 }
 
-/// Number of slopes held at once at least: a slope, and those that it is compared with and localised between.
+/// Least number of slopes held at once: a slope, and its neighbours for comparison and localisation.
 fn min_slopes(params: &DetectorParams) -> usize {
     let grid = params.used_slopes();
     let reach = OtherSlopes::of(params).reach(&grid);

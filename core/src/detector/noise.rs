@@ -327,7 +327,7 @@ mod tests {
             let (space, step) = (ScaleSpace::new(3, first_octave, 4.0), 1usize << first_octave);
             let offsets = frame_offsets(&Positions::even(4), Slope::new(slope[0], slope[1]), Interpolation::Linear);
             let (side, mut energy) = (80 * step, [0.0; 2]);
-            // One pixel of one frame, at each of the places that a kept pixel may have beside it.
+            // One pixel of one frame, at each possible place beside a kept pixel.
             for (t, phase) in (0..4).flat_map(|t| (0..step * step).map(move |phase| (t, phase))) {
                 let at = (side / 2 + phase % step, side / 2 + phase / step);
                 let of = |frame| Plane::from_fn(side, side, |u, v| f32::from(frame == t && (u, v) == at));

@@ -31,6 +31,7 @@ pub fn orientations(
 ) -> Vec<f32> {
     let mut histogram = histogram(level, size, (x, y), sigma, scratch);
     let around = |histogram: &[f32; BINS], i: usize| [BINS - 1, 0, 1].map(|step| histogram[(i + step) % BINS]);
+    // Six box filters of three bins, as in VLFeat, are nearly a Gaussian.
     for _ in 0..6 {
         histogram = std::array::from_fn(|i| {
             let [before, here, after] = around(&histogram, i);

@@ -73,7 +73,7 @@ pub struct TestRecord {
     pub side: Side,
     /// Unit of value and limit.
     pub unit: &'static str,
-    /// Sentence on a candidate that passes; empty where it is that of a failing one.
+    /// Sentence on a candidate that passes; empty where `fails` serves both.
     pub passes: &'static str,
     /// Sentence on a candidate that fails.
     pub fails: &'static str,
@@ -81,7 +81,7 @@ pub struct TestRecord {
     pub boundless: &'static str,
     /// Sentence where the parameters switch the test off.
     pub off: &'static str,
-    /// Sentences where the test has a limit, but is not applied: for a value that would pass, and one that would fail.
+    /// Sentences where the test has a limit, but is not applied: for a passing and for a failing value.
     pub waived: [&'static str; 2],
     /// Sentence where the test cannot be decided.
     pub unknown: &'static str,

@@ -115,13 +115,13 @@ fn sums(
     let mut line = [0.0f32; LINE];
     let mut acc = [[0.0f32; LANES]; 7];
     for (j, &y) in y.iter().enumerate() {
-        // Each derivative of h carries one power of (1 − q) less than the one before: `pixel` gains them in turn.
         pixels.line(first.1 + j as i64, first.0, &mut line[..x.len()]);
         let yy = y * y;
         for (x, pixels) in x.chunks_exact(LANES).zip(line.chunks_exact(LANES)) {
             for l in 0..LANES {
                 let x = x[l];
                 let q = x.mul_add(x, yy);
+                // Each derivative of h carries one power of (1 − q) less than the one before: `pixel` gains them in turn.
                 let w = (1.0 - q).max(0.0);
                 let pixel = (pixels[l] - local_mean) * w;
                 let second = pixel * cubic(&kernel.second, q);
@@ -139,6 +139,7 @@ fn sums(
             }
         }
     }
+    // Lanes are added once at the end: the order of additions is the same on all processors.
     acc.map(|lanes| lanes.iter().sum())
 }
 

@@ -15,7 +15,7 @@ use crate::plane::vectors::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Values in a vector. Those beyond the end of a patch's row are computed and dropped.
+/// Values in a vector; values beyond the end of a patch's row are computed and dropped.
 pub(crate) const LANES: usize = 16;
 
 /// A rectangle of pixels of an octave, with its place. The buffer keeps its capacity when it is reset.
@@ -300,8 +300,9 @@ fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mu
                 sums[i] = simd.mul_add_f32s(tap, simd.add_f32s(above[i], below[i]), sums[i]);
             }
             distance += 1;
-        }; // Four taps a turn: unrolled, the rotation of four rows needs no copies.
+        };
     }
+    // Four taps a turn: unrolled, the rotation of four rows needs no copies.
     while distance + 3 < half.len() {
         step!();
         step!();

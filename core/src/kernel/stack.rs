@@ -125,6 +125,7 @@ impl<'a> RowStacker<'a> {
             let mut next = rows.start;
             while next < rows.end {
                 let Group { slopes, run } = &mut self.groups[index];
+                // Runs are kept between calls, since the next batch mostly continues one.
                 if !run.rows.contains(&next) || run.columns != *columns {
                     *run = Run::new(self.frames, &self.slopes[slopes.clone()], next, columns.clone());
                 }
@@ -266,8 +267,8 @@ fn side_columns(
     for ((out, count), u) in out.iter_mut().zip(counts).zip(side.clone()) {
         *out = if *count > 0.0 {
             *out / *count
-        // No frame covers the pixel: the clamped mean keeps the image continuous.
         } else {
+            // No frame covers the pixel: the clamped mean keeps the image continuous.
             let sum: f32 = frames.iter().zip(offsets).map(|(frame, offset)| sample_clamped(frame, offset, u, v)).sum();
             sum / frames.len() as f32
         };
@@ -410,6 +411,7 @@ impl WithSimd for RowsJob<'_> {
                         }
                     });
                 }
+                // Whole-pixel slopes need neither a second sum nor fractions.
                 Between::Never => {
                     in_vectors!(S, self.columns, |V, places| {
                         let sums = one_sum::<S, V, true>(simd, self.taps, row, places);

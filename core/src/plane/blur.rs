@@ -1,4 +1,4 @@
-//! Gaussian kernels, and the plain separable blur that defines what they compute.
+//! Gaussian kernels, and the plain separable blur that defines their result.
 //!
 //! A kernel is the Gaussian sampled at whole pixels out to ⌈4σ⌉ and normalised to sum 1, as in VLFeat (`vl_imsmooth`);
 //! beyond the image the nearest pixel is repeated. The detector makes its levels with `crate::kernel::gaussian_bank`;
@@ -97,6 +97,7 @@ fn blurred_by_rows(plane: &Plane, kernel: &GaussianKernel, monitor: &Monitor) ->
     let mut blurred = Plane::zeros(width, height);
     let row_of = |(v, out): (usize, &mut [f32])| -> Result<(), Cancelled> {
         monitor.check()?;
+        // Both passes for one row: the column sums stay in the cache and need no second plane.
         let mut row = vec![0.0; width + 2 * reach];
         for k in 0..=2 * reach {
             let weight = kernel.half[k.abs_diff(reach)];

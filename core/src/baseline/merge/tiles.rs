@@ -33,7 +33,6 @@ pub(super) fn window() -> [f32; TILE] {
     std::array::from_fn(|k| (0.5 - 0.5 * (TAU * (k as f64 + 0.5) / TILE as f64).cos()) as f32)
 }
 
-/// Pixels or coefficients of a tile, row by row.
 pub(super) type Block = [[f32; TILE]; TILE];
 
 /// Cosine transform along an axis: row k holds the k-th cosine, of length 1.

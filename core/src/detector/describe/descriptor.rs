@@ -223,7 +223,6 @@ pub fn to_vlfeat_order(descriptor: &Descriptor) -> Descriptor {
     out
 }
 
-/// Cells along a side.
 const CELLS: usize = 4;
 const DIRECTIONS: usize = 8;
 const BINS: usize = CELLS * CELLS * DIRECTIONS;
@@ -232,7 +231,6 @@ const PADDED: usize = CELLS + 2;
 /// Number of independent accumulators, so that an addition need not wait for the one before it.
 const TURNS: usize = 4;
 
-/// Pairs in a row of cells.
 const PAIRS: usize = PADDED - 1;
 
 /// Weighted values of some pixels, in the order of the pixels. Cells and directions are counted from the padding on.
@@ -260,7 +258,6 @@ struct SampleVector<'a> {
 }
 
 impl Samples {
-    /// Makes room for `count` samples and a partly used vector.
     fn room(&mut self, count: usize) {
         let count = count + LANES;
         if self.cell.len() < count {
@@ -317,7 +314,6 @@ impl PairedCells {
         Self([[[0.0; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS])
     }
 
-    /// Adds the first `count` samples.
     #[inline(always)]
     fn add(&mut self, samples: &mut Samples, count: usize) {
         // Unused samples of the last turn add nothing.

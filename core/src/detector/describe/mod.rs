@@ -48,7 +48,6 @@ pub(super) struct Described {
     pub slope_width: f32,
 }
 
-/// Inputs for describing the keypoints of one octave.
 pub(super) struct Describing<'a> {
     pub search: &'a Search<'a>,
     pub bases: &'a [FirstLevels],
@@ -145,6 +144,7 @@ impl Describing<'_> {
         let (located, slope_width) = located(self.search, self.bases, keypoint, raw, from, &mut scratch.locate);
         let Keypoint { x, y, sigma_octave: sigma, .. } = located;
         let reach_level = level_reach(sigma);
+        // The grid's slope would smear the patch: the frames are read again at the feature's own.
         if let Some((frames, offsets)) = self.own_slope(&located) {
             let kernel = self.kernel(keypoint.level, frames.sigma_octave(&offsets));
             coarser = self.coarser_scales(keypoint.level, frames.sigma_octave(&offsets));

@@ -21,7 +21,6 @@ pub(super) struct CoarseScratch {
     level: Patch,
 }
 
-/// The coarser scales of the descriptors of one level.
 pub(super) struct CoarserScales {
     /// Blur of the halved patch to the level of each scale.
     kernels: Vec<GaussianKernel>,

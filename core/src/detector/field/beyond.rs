@@ -1,4 +1,4 @@
-//! Motions of a field that lie beyond the slopes that were searched, and a range that holds them.
+//! Motions of a field beyond the searched slopes, and a range that holds these motions.
 
 use super::{MotionField, motion_field};
 use crate::burst::Burst;
@@ -72,9 +72,6 @@ impl MotionField {
 
 impl Beyond {
     /// Whether a field measured over the wider range has less beyond it: an end hides what lies farther out.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
     pub(crate) fn is_held(&self, burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<bool, Cancelled> {
         let field = field_over(&self.grid, burst, used, monitor)?;
         let left = field.and_then(|field| field.beyond(&self.grid, None)).map_or(0.0, |left| left.share);
@@ -83,9 +80,6 @@ impl Beyond {
 }
 
 /// Field of motion of the frames `used` over the slopes of `grid`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(crate) fn field_over(
     grid: &SlopeGrid,
     burst: &Burst,

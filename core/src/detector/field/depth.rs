@@ -92,7 +92,7 @@ mod tests {
 
     type Scene = (Vec<[f64; 2]>, Vec<f64>, Vec<(Slope, f32)>);
 
-    /// What a camera shows that moves by (`e`, `e_z`), with `sigma` px/frame of noise.
+    /// View of a camera with the velocity (`e`, `e_z`), with `sigma` px/frame of noise.
     fn scene(velocity: [f64; 3], sigma: f64, on_a_line: bool) -> Scene {
         let mut random = Stream::new(3, 1);
         let (mut places, mut depths, mut motions) = (Vec::new(), Vec::new(), Vec::new());

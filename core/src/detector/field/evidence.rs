@@ -40,7 +40,7 @@ pub(super) const MERGED_CELLS: usize = 2;
 pub(super) struct Evidence {
     /// Columns and rows of cells.
     pub size: (usize, usize),
-    /// Swept slopes; one step more on each side than asked for.
+    /// Swept slopes; one step more on each side than requested.
     pub grid: SlopeGrid,
     /// Time from the first to the last frame, frame intervals.
     pub last_frame: f32,
@@ -151,8 +151,8 @@ fn band(frame: &Plane, cell_px: usize, monitor: &Monitor) -> Result<Plane, Cance
     Ok(band)
 }
 
-/// S²/N of the sum S of the frames, already shifted down with a `margin` of columns at both sides, at the `shifts` to
-/// the right; and the variance of the frames around their mean in squares of [`NOISE_CELLS`]; per frame.
+/// S²/N of the sum S of the frames, which are shifted down with a `margin` of columns at both sides, at the `shifts` to
+/// the right; and their variance in squares of [`NOISE_CELLS`]. Both are in the power of one frame.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) {
     let (width, height) = (frames[0].width() - 2 * margin, frames[0].height());
@@ -178,6 +178,7 @@ fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) 
                 sum.iter_mut().zip(read).for_each(|(sum, x)| *sum += x);
             }
         }
+        // S²/N has the power of one frame, like the residual it is compared with.
         sum.iter_mut().for_each(|sum| *sum *= *sum / count);
         if v % NOISE_CELLS == 0 {
             let pairs = squares.chunks(NOISE_CELLS).zip(sum.chunks(NOISE_CELLS));

@@ -17,7 +17,6 @@ use serde::Serialize;
 const STEP_SMEAR_PX: f32 = 0.5;
 /// Standard deviation by which the count is smoothed, steps.
 const SMOOTHING_STEPS: f64 = 2.0;
-/// Steps beyond the outermost motions.
 const MARGIN_STEPS: usize = 7;
 const MAX_STEPS: f32 = 400.0;
 /// Height of a saddle, as a part of the lower hill, from which the two hills are one.
@@ -81,6 +80,7 @@ pub(super) fn layers(
     for (hill, layer) in &mut found {
         layer.inverse_depth = middle_depth(of_cells.iter().filter(|(of, _)| of == hill).map(|(_, depth)| *depth));
     }
+    // Numbers come after the order: a cell's number is the place of its layer.
     order(&mut found);
     let number = |cell: &KnownCell| {
         found.iter().position(|(hill, _)| *hill == hill_of(&cell.motion.0)).map_or(0, |at| at as u8 + 1)

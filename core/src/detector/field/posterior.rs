@@ -32,7 +32,7 @@ const BORDER_STEPS: f32 = 1.5;
 /// Variance of such a change besides those of the motions, squared steps.
 const CHANGE_VARIANCE: f32 = 0.25;
 
-/// Motions that a cell may have: the slopes of a sweep, and those between them.
+/// Possible motions of a cell: the slopes of a sweep, and on a line the slopes between.
 #[derive(Clone, Copy)]
 pub(super) struct Candidates {
     /// Number along u and v.
@@ -81,6 +81,7 @@ impl Candidates {
                 row[candidate..].iter_mut().step_by(count).zip(between).for_each(|(out, nats)| *out = nats);
             }
             for cell in row.chunks_mut(count) {
+                // Only ratios count; relative to the largest no exponential overflows.
                 let most = cell.iter().fold(f32::NEG_INFINITY, |most, &x| if x > most { x } else { most });
                 cell.iter_mut().for_each(|x| *x = (*x - most).max(-MOST_AGAINST).exp());
             }
@@ -257,6 +258,7 @@ impl Posterior {
                 for i in 0..width.saturating_sub(right) {
                     let (one, other) = (&found[j * width + i], &found[(j + down) * width + i + right]);
                     let change = [0, 1].map(|axis| other.at[axis] - one.at[axis]);
+                    // A larger change is a border, which is no drift.
                     if change[0].hypot(change[1]) < BORDER_STEPS {
                         let weight = 1.0 / (CHANGE_VARIANCE + variance(one) + variance(other));
                         let of = [weight, weight * change[0], weight * change[1]];

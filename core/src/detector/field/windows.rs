@@ -56,6 +56,7 @@ pub(super) fn overrule(found: &mut [MotionEstimate], evidence: &Evidence, monito
         let (i, j) = grid.coordinates(best);
         let apart = (i as f32 - found.at[0]).hypot(j as f32 - found.at[1]);
         let most = in_window[best];
+        // Only clear evidence overrules: the posterior has used all cells, the window a few.
         if apart > OTHER_STEPS && most - own > OVERRULING_NATS {
             in_window.iter_mut().for_each(|x| *x = (*x - most).exp());
             *found = candidates.found(in_window);
@@ -105,7 +106,6 @@ pub(super) fn refine(
 struct Around {
     /// Steps to each side along u and v: 0 where there is one slope.
     reach: [i64; 2],
-    /// Row by row.
     sums: Vec<Plane>,
 }
 

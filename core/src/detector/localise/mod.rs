@@ -149,7 +149,6 @@ const MAX_STEPS: usize = 6;
 /// Step length, in pixels, below which a step is the last.
 const SHORT_PX: f64 = 2e-3;
 
-/// Levels of the default parameters.
 const USUAL_LEVELS: usize = 5;
 
 impl Feature {

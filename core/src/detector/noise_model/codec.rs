@@ -244,7 +244,7 @@ mod tests {
             in_block.largest((0..10).map(|t| (slope * t as f32, 0.0)))
         };
         assert!(largest(3.0, 0.0) > 1.5 && largest(10.0, 0.0) < 1.05, "{} {}", largest(3.0, 0.0), largest(10.0, 0.0));
-        // What moves by some blocks sees all places; what moves by whole blocks a frame stays in place.
+        // Motion by parts of a block sees all places in it; motion by whole blocks a frame stays in place.
         assert!(largest(3.0, 1.6) < largest(3.0, 0.0) && largest(3.0, 8.0) == largest(3.0, 0.0));
     }
 

@@ -2,7 +2,7 @@
 //!
 //! Three consecutive frames enter with the weights 1, −2, 1, which removes steady changes; each is read where the scene
 //! has moved to, in whole pixels, so that nothing is interpolated. A texture half a pixel off leaves less than two
-//! percent of its power. For each part that is measured the slope is that, among those of the search, at which the mean
+//! percent of its power. For each measured part the slope is the one, among those of the search, at which the mean
 //! of the shifted frames has the most power. That mean is independent of contrasts, whose weights sum to 0, so the
 //! choice does not change the noise measured.
 
@@ -51,6 +51,7 @@ pub fn looked_at_views(offsets: &[Offset<f32>], pixels: usize) -> (Vec<usize>, V
     let at = |place: Offset<f32>| {
         offsets.iter().position(|own| (own.u - place.u).abs() < NEAR_STEPS && (own.v - place.v).abs() < NEAR_STEPS)
     };
+    // A view in two triples would make their contrasts dependent.
     let mut free = vec![true; offsets.len()];
     let mut triples: Vec<[usize; 3]> = Vec::new();
     for step in [Offset { u: 1.0, v: 0.0 }, Offset { u: 0.0, v: 1.0 }] {
@@ -294,6 +295,7 @@ impl OctaveMotion {
                 sums[at.clone()].iter_mut().zip(from).for_each(|(sum, x)| *sum += x);
                 counts[at].iter_mut().for_each(|count| *count += 1.0);
             }
+            // S²/n has the noise of one frame whatever n is, so that places with fewer frames count alike.
             power += sums.iter().zip(&counts).map(|(sum, count)| sum * sum / count.max(1.0)).sum::<f32>();
         }
         power

@@ -220,7 +220,7 @@ const MIN_STRUCK: usize = 3;
 const STRIKES: [f32; 2] = [5.0, 2.5];
 const MAX_STRUCK: f32 = 0.005;
 
-/// Whether some squares have far more than `noise` in one contrast only. Structures that move are in all of them.
+/// Whether some squares have far more than `noise` in one contrast only; moving structures are in all contrasts.
 pub fn are_struck(squares: &HighPass, contrasts: &[Contrast], noise: f32) -> bool {
     let all: Vec<Vec<f32>> = contrasts.iter().map(|contrast| squares.variances(contrast)).collect();
     let is_struck = |square: &usize| {

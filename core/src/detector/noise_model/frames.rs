@@ -216,6 +216,7 @@ impl FrameSurvey {
         let own: Vec<f32> = kept.iter().map(|&t| noise[t]).collect();
         let in_pairs = median(pairs.collect());
         let texture = (median(own) - in_pairs).max(0.0);
+        // Noise is what texture leaves, which strong texture makes uncertain.
         if in_pairs <= 0.0 || texture > 3.0 * in_pairs {
             return;
         }

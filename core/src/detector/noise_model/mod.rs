@@ -164,6 +164,7 @@ impl NoiseModel {
             sum += self.variance_at(pyramid, Some(octave), at);
             count += 1;
         }
+        // A place outside all sampled frames gets the least noise.
         if count == 0 || min <= 0.0 { 1.0 } else { (sum / (count as f32 * min)).sqrt().max(1.0) }
     }
 

@@ -45,7 +45,7 @@ const MIN_OVER_WHITE: f32 = 0.02;
 const MAX_KURTOSIS: f32 = 8.0;
 /// Number of independent values in a tile below which the kurtosis is derived from the finer level's.
 const FREE_FOR_KURTOSIS: f32 = 40.0;
-/// Kurtosis up to which it is not distinguished from 0, and largest standard error at which it is measured.
+/// Kurtosis up to which noise counts as normal, and largest standard error of a measured kurtosis.
 const MIN_KURTOSIS: f32 = 0.3;
 /// Kurtosis of one frame relative to that of a combination of frames with weights 1, −2, 1, or 1, −1.
 const OF_ONE_FRAME: f32 = 2.0;

@@ -198,9 +198,8 @@ pub struct ExcessMap {
     cells: Plane,
     /// Values as the filters of octaves 0, 1, … collect them; cells beside a border are raised to the larger side.
     by_octave: Vec<Plane>,
-    /// Side of a cell, image pixels.
     cell_px: f32,
-    /// First pixel of the first cell: its middle is that of its square.
+    /// First pixel of the first cell, which has its square in the middle.
     first_px: f32,
 }
 

@@ -230,6 +230,7 @@ pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning
     let (mut black, mut white, mut count) = (0usize, 0usize, 0usize);
     for frame in frames {
         let rows = || (0..frame.height()).step_by(ROWS_APART).map(|v| frame.row(v));
+        // Where a black level was subtracted the range ends at the least value, not at 0.
         let least = rows().flatten().copied().fold(0.0, f32::min);
         for row in rows() {
             black += row.iter().filter(|&&x| x <= least + 0.5 * step * f32::from(u8::from(least < 0.0))).count();

@@ -52,7 +52,6 @@ impl ParamChange {
     ///
     /// # Errors
     /// As [`Self::applied`].
-    // Checked once at the end: some values make sense only together.
     pub fn all_applied(changes: &[Self], params: &DetectorParams) -> Result<DetectorParams> {
         let mut changed = SearchParams::from(params.clone());
         for change in changes {

@@ -97,7 +97,7 @@ pub enum DescribeSlope {
 pub enum Distinct {
     /// All keypoints stay.
     Off,
-    /// The stronger one of keypoints nearer than this many σ of it stays; above 0.
+    /// Of keypoints nearer than this many σ of the stronger one, the stronger stays; above 0.
     Radius(f32),
 }
 

@@ -92,7 +92,7 @@ impl DetectorParams {
         if self.used_slopes().len() == 1 { SlopeExtrema::Each } else { self.slope_extrema }
     }
 
-    /// Texts of the parameters that decide the result of `stage`: those of this stage and of the ones before it.
+    /// Texts of the parameters that decide the result of `stage`, of this stage and earlier ones.
     pub fn deciding(&self, stage: Stage) -> Vec<String> {
         let params = SearchParams::from(self.clone());
         doc::ALL.iter().filter(|record| record.stage <= stage).map(|record| record.text(&params)).collect()

@@ -92,6 +92,7 @@ impl<S: Clone + Default> DetectorParams<S> {
             self.clone()
         };
         Self {
+            // The choice of data and effort is the user's, not a detector's.
             method: self.method,
             frames: self.frames,
             octaves: self.octaves,

@@ -334,7 +334,7 @@ impl SlopeGrid {
     }
 }
 
-/// Value for slopes that are found from each burst.
+/// Word for slopes found from each burst, on the command line and in files.
 pub const AUTO: &str = "auto";
 /// Direction of the line in a file, where slopes are found on one.
 const DIRECTION: &str = "direction_deg";

@@ -192,7 +192,7 @@ impl Chooser<'_> {
         })
     }
 
-    /// Whether `feature` of keypoint `number` is a ghost. Kept, since thresholds judged later do not change the answer.
+    /// Whether `feature` of keypoint `number` is a ghost; thresholds judged later do not change the answer, which is kept.
     fn is_ghost(&self, number: usize, feature: &Feature) -> Result<bool, Cancelled> {
         let known = &self.outcome.ghosts[number];
         if let Some(is_ghost) = known.get() {

@@ -63,7 +63,7 @@ impl<'a> Earlier<'a> {
         (same_frames && is_after()).then_some(Self { trail })
     }
 
-    /// The search of some slopes of the new one with its own inputs: `trail`.
+    /// Continues `trail`, which searched some slopes of the new search with the same inputs.
     pub(super) fn begun(trail: &'a Trail) -> Self {
         Self { trail }
     }

@@ -54,13 +54,13 @@ pub(crate) fn search_with_trail(
     Ok(search_all(burst, params, &OF_PROCESS, budget_beside_kept(), Some(keeping), monitor)?.ready())
 }
 
-/// Callback for the features of the first slope of a long search.
+/// Callback that shows the features of the first slope while a long search goes on.
 pub type FirstFeatures<'a> = &'a (dyn Fn(Detection) + Sync);
 
 /// Search whose trail is kept: its keypoints can be judged again, and another search can go on from it.
 #[derive(Clone, Copy)]
 pub(crate) struct Keeping<'a> {
-    /// Trail from which this search goes on.
+    /// Trail that this search continues.
     pub earlier: Option<&'a Trail>,
     /// Called with the features of the slope by which most places move, before the others are searched, if the search
     /// is long and has no `earlier` one. The gate is that of all slopes.
@@ -274,6 +274,7 @@ impl Search<'_> {
             return self.describe_with(keypoints, bases, along, &described);
         }
         let mut found = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
+        // A group's levels serve its own keypoints alone, so that one group is held at a time.
         for group in &outcome.groups {
             let numbers: Vec<usize> =
                 (0..keypoints.len()).filter(|&number| group.own.contains(&keypoints[number].slope_index)).collect();
@@ -308,6 +309,7 @@ impl Search<'_> {
         let mut first = 0;
         for in_octave in keypoints.chunk_by(|a, b| a.octave == b.octave) {
             let octave = in_octave[0].octave;
+            // Made on all threads at once, before keypoints ask for the octave's frames one by one.
             let own_slopes = self.describes_own_slopes(octave).then(|| {
                 along.make(octave);
                 along.of(octave)

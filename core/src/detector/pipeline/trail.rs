@@ -109,7 +109,7 @@ impl Trail {
         Arc::ptr_eq(&self.outcome, &other.outcome)
     }
 
-    /// Result of the detection that this trail explains.
+    /// Detection that this trail explains.
     pub fn detection(&self) -> &Detection {
         &self.detection
     }

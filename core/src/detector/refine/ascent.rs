@@ -37,7 +37,6 @@ pub struct Peak {
 const CUT: f64 = 3.5;
 /// Smallest variance beyond the first level's, octave pixels²: finer Gaussians show too little of the structure.
 const MIN_VARIANCE: f64 = 0.3;
-/// Maximum number of evaluations.
 const MAX_STEPS: usize = 4;
 /// Length of a step after which no other evaluation is needed: the parabola's peak is exact to a thousandth.
 const SHORT_PX: f64 = 0.1;

@@ -158,7 +158,7 @@ pub enum Base<'a> {
         frames: &'a [&'a Plane],
         /// [`crate::detector::stack::frame_offsets`] of the slope.
         offsets: &'a [FrameOffset],
-        /// Index of the octave, which is the first one.
+        /// Index of the first octave.
         octave: i32,
     },
     /// Finished first level, on the octave's pixels.

@@ -28,7 +28,7 @@ impl Known<'_> {
         self.slopes[index].map(|earlier| self.bases[later].planes[earlier].clone())
     }
 
-    /// Adds the keypoints of `octave` to those of its `tiles`, in the order in which one search of all finds them.
+    /// Adds the known keypoints of `octave` to its `tiles`, in the order of one search of all slopes.
     pub(super) fn merge_into(
         &self,
         tiles: &mut [Vec<FoundKeypoint>],

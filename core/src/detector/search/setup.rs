@@ -83,7 +83,7 @@ impl<'a> Search<'a> {
 pub(crate) struct Inputs {
     /// Frames that take part, cleaned by the noise model.
     pub(crate) frames: Vec<Arc<Plane>>,
-    /// The frames that are used, as they were read.
+    /// Used frames, as read.
     pub(crate) read: Vec<Arc<Plane>>,
     /// The frames binned for the first octave; none where it reads them unbinned.
     pub(crate) binned: Arc<[Plane]>,
@@ -257,7 +257,7 @@ impl SlopeGroup {
 #[derive(Debug, Default)]
 pub(crate) struct FirstLevels {
     pub(crate) first_slope: usize,
-    /// Shared with the searches that [go on](super::known) from this one.
+    /// Shared with searches that [continue](super::known) this one.
     pub(crate) planes: Vec<Arc<Plane>>,
 }
 

@@ -129,7 +129,7 @@ impl SlopeWindow {
         let slots = self.tiles.len();
         let own = &self.tiles[made % slots];
         let joint = matches!(self.others, OtherSlopes::Beaten(_));
-        // Of two slopes with equal D the earlier one stays: later slopes must beat it, it need only equal them.
+        // Of two slopes with equal D the earlier one stays.
         let beats = |candidate: &Candidate, tile: &DogTile, or_equals: bool| {
             !joint || beats_all_27(candidate.value, tile, candidate.x, candidate.y, candidate.level_index, or_equals)
         };

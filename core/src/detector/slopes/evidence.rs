@@ -41,7 +41,7 @@ pub(super) struct Seen {
     pub evidence: Vec<SlopeEvidence>,
     /// For each level, the products summed over the whole image.
     pub wholes: Vec<Sum>,
-    /// For each level, the products of the blocks that show anything, and what these show.
+    /// For each level, the products and the evidence of the blocks with any signal.
     pub blocks: Vec<Vec<(Sum, SlopeEvidence)>>,
 }
 
@@ -227,7 +227,7 @@ const COARSEST: f64 = 2.0;
 const COARSER: [f64; 4] = [1.0, 4.0 / 3.0, 5.0 / 3.0, COARSEST];
 /// Angle from an axis below which a direction is taken as the axis: whole pixels are searched faster.
 const SNAP_DEG: f64 = 5.0;
-/// Multiples, in degrees, to which a direction is rounded: the first one that the evidence allows.
+/// Multiples, in degrees, to which a direction is rounded, as coarsely as the evidence allows.
 const ROUND_DEG: [f64; 3] = [15.0, 5.0, 1.0];
 /// Multiples, in degrees, to which the direction of a turned plane is rounded.
 const TURNED_DEG: f64 = 15.0;

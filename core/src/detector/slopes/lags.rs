@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 /// Largest lag that is used, and number of lags: pairs of frames further apart add little new information.
 pub(super) const MAX_LAG: usize = 12;
-/// Largest distance in frames of pairs whose products are kept one by one.
+/// Largest distance, frames, of pairs with products of their own.
 const MAX_NEAR: usize = 6;
 
 /// Frames s and t, s before t.

@@ -160,9 +160,6 @@ pub fn open_burst(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) 
 }
 
 /// `burst` in the order and at the times that `finding` shows; `None` without any, or where they look no more even.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(crate) fn retimed(burst: &Burst, finding: &SlopeFinding, monitor: &Monitor) -> Result<Option<Burst>, Cancelled> {
     let times = |uniform: &UniformTimes| Some((uniform.frames.clone(), Positions::new(&uniform.times)?));
     let Some((frames, positions)) = finding.uniform.as_ref().and_then(times) else { return Ok(None) };
@@ -268,7 +265,6 @@ pub fn resolve(
     Ok((DetectorParams { slopes: finding.grid, ..unmoved }, Some(finding)))
 }
 
-/// Sizes that limit a motion.
 #[derive(Clone, Copy)]
 struct Size {
     /// Time from the first to the last frame, frame intervals.
@@ -400,9 +396,9 @@ pub struct SlopeSpectrum {
 /// Slopes to search, and the evidence for them. By default nothing is seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct SlopeFinding {
-    /// Grid to search.
+    /// Grid to search; the default grid where nothing is seen.
     pub grid: SlopeGrid,
-    /// Kind of motion.
+    /// Kind of motion, and so whether `grid` aligns all frames.
     pub verdict: SlopeVerdict,
     /// Part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds; 0 without any.
     pub confidence: f32,
@@ -422,10 +418,10 @@ pub struct SlopeFinding {
     /// Order and times in which the motion is uniform, where the frames show that those they have are wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uniform: Option<UniformTimes>,
-    /// Evidence of each window.
+    /// Evidence of every window with any signal; [`Self::confirmed`] selects what `grid` comes from.
     #[serde(skip)]
     pub evidence: Vec<SlopeEvidence>,
-    /// Power over slopes.
+    /// Power over slopes of the whole image; empty for a single frame.
     #[serde(skip)]
     pub spectrum: SlopeSpectrum,
 }

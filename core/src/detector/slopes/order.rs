@@ -41,7 +41,7 @@ const PARTS: f64 = 8.0;
 const APART: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
 /// Least distance between slopes that are tried for scrambled frames, level pixels per frame.
 const APART_SLOPES: f64 = 0.1;
-/// Number of orders tried with each of these slopes.
+/// Number of orders tried with each scrambled slope.
 const TRIED_ORDERS: usize = 2;
 /// First step of a climb to the best slope, and the one that ends it, level pixels per frame.
 const CLIMB: [f64; 2] = [0.16, 0.01];
@@ -135,6 +135,7 @@ impl<'a> Blocks<'a> {
         let (before, [mut step, last]) = (total(&sums), CLIMB);
         while step > last {
             let mut is_better = false;
+            // Steps are halved when no frame improves: far moves first need few evaluations.
             for frame in 0..self.frames {
                 for by in [step, -step] {
                     let mut other = beside.clone();
@@ -369,7 +370,6 @@ fn nats(significance: f64) -> f64 {
     0.5 * significance.max(0.0).powi(2)
 }
 
-/// Each event once, best agreement first.
 fn best_first(tried: impl Iterator<Item = Agreement>) -> Vec<Agreement> {
     let mut all: Vec<Agreement> = tried.collect();
     all.sort_by(|a, b| b.nats.total_cmp(&a.nats));

@@ -342,7 +342,7 @@ pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
     Some(Path { way, error, noise: error * (planes.len() as f64).sqrt(), pixel: 1.0 })
 }
 
-/// Part of a correlation that another one of the same scene has at least.
+/// Least ratio of two correlations of the same scene.
 const SAME_SCENE: f64 = 0.5;
 
 /// Index of a correlation's largest value; 0 is shift 0.
@@ -369,6 +369,7 @@ pub(super) fn lags_of_shared_noise(
         let pairs = lags.pairs(lag) as f64;
         (at, f64::from(plane[at]) / pairs, products.variance[lag - 1].sqrt() / pairs)
     };
+    // A scene that stands still correlates as well at the next lag; noise of few frames does not.
     let is_noise = |lag: usize| {
         let ((at, value, error), (_, next, next_error)) = (largest(lag), largest(lag + 1));
         at == 0 && value > MIN_SIGNIFICANCE * error && next + next_error < SAME_SCENE * value

@@ -1,4 +1,4 @@
-//! Irregularities of a burst that its motion shows: of time ([`super::event`]), and of place.
+//! Irregularities in the motion of a burst: of time ([`super::event`]), and of place.
 //!
 //! Where the picture turns or grows, slopes change linearly with place, so an affine map from place to slope is fitted
 //! robustly. Its antisymmetric part is a turn, the mean of its diagonal growth; the rest is shear, as a plane seen at an
@@ -125,7 +125,7 @@ struct Windows {
 }
 
 impl Windows {
-    /// The map that fits those windows that count, and their mean; `None` where these do not determine it.
+    /// Map that fits the windows that `counts` names, and their mean; `None` where they do not determine a map.
     fn fits(&self, counts: &[bool]) -> Option<(Map, Map)> {
         let plain: Vec<f64> =
             self.errors.iter().zip(counts).map(|(e, counts)| if *counts { 1.0 / (e * e) } else { 0.0 }).collect();

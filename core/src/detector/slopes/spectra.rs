@@ -293,6 +293,7 @@ const LEVELS: u32 = 3;
 /// Levels at which an image of `size` is examined: those whose sides are at least `min_side` level pixels.
 pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Range<u32> {
     let larger_than = |pixels: usize| u32::from(width * height > pixels);
+    // Large images start at coarser levels, which still have many windows and take a quarter of the time each.
     let first = larger_than(SMALL_PIXELS) + larger_than(MEDIUM_PIXELS);
     let fits = |level: &u32| (width.min(height) >> level) >= min_side;
     let first = (0..=first).rev().find(fits).unwrap_or(0);
@@ -394,7 +395,7 @@ mod tests {
             let lag_2 = by_hand(&planes[0], &planes[2], shift);
             assert!((correlations[1][index] - lag_2).abs() < 1e-3 * scale, "{shift:?}");
         }
-        // It is largest where the scene has moved to.
+        // The correlation is largest at the motion of the scene.
         let largest = (0..AREA).max_by(|&a, &b| correlations[0][a].total_cmp(&correlations[0][b]));
         assert_eq!(largest, Some((SIDE - 1) * SIDE + 2));
     }

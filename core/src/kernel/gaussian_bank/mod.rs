@@ -188,8 +188,8 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
                 *out = band.row_mut(index);
             }
             convolve_row(simd, group, (line, reach), blocks, &mut out[..group.levels.len()]);
-            // The columns near a border were made wrongly, as if inside, and are overwritten.
         }
+        // The columns near a border were made wrongly, as if inside, and are overwritten.
         if columns.start < reach || columns.end + reach > self.along_u.n {
             for (weights, band) in self.along_u.levels.iter().zip(bands) {
                 edge_columns(simd, weights, columns, (line, reach), blocks, band.row_mut(index));

@@ -273,6 +273,7 @@ pub(crate) fn edge_rows<S: Simd, const ROWS: usize>(
     stride: usize,
     sink: &mut Sink<'_>,
 ) {
+    // Weights differ from row to row here, so that rows share loads but no sums.
     let inputs = dense.inputs(&(first..first + ROWS));
     let out = first - dense.outs.start;
     for part in 0..BLOCK / S::F32_LANES {
@@ -297,7 +298,6 @@ pub(crate) type Row = [f32; BLOCK];
 pub(crate) struct Band {
     data: Aligned,
     blocks: usize,
-    /// Capacity in rows.
     room: usize,
 }
 

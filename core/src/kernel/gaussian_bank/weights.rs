@@ -192,7 +192,7 @@ impl FilterBank {
 }
 
 impl Axis {
-    /// `range` widened by the pixels that it depends on.
+    /// `range` widened by the radius, inside the line.
     pub fn inputs(&self, range: &Range<usize>) -> Range<usize> {
         range.start.saturating_sub(self.radius)..(range.end + self.radius).min(self.n)
     }
