@@ -41,7 +41,7 @@ pub const CLIP_SIGMAS: f32 = 2.5;
 const QUARTILES: f32 = 1.348_98;
 
 impl Combine {
-    /// All ways, in the order in which menus show them.
+    /// All ways.
     pub const ALL: [Self; 7] =
         [Self::Mean, Self::Median, Self::ClippedMean, Self::Max, Self::Min, Self::Deviation, Self::MeanMinusMedian];
 
@@ -70,8 +70,8 @@ impl Combine {
     }
 }
 
-/// Combines `frames` (one size, in time order) at `positions`, at `slope`: for each pixel x the values F_t(x + (t −
-/// t0)·λ) of the frames that see it, in the frames' size and unit. Rows in parallel.
+/// Combines `frames` (one size, in time order) at `positions`, at `slope`: for each pixel x the values
+/// F_t(x + (t − t0)·λ) of the frames that see it, in the frames' size and unit. Rows in parallel.
 pub fn combined_stack(
     frames: &[&Plane],
     positions: &Positions,
@@ -80,7 +80,7 @@ pub fn combined_stack(
     combine: Combine,
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
-    // The mean has code of its own, so that the two never differ by a bit.
+    // The mean comes from the search's own code, so that the two never differ by a bit.
     if combine == Combine::Mean {
         return motion_stack(frames, positions, slope, interpolation, monitor);
     }

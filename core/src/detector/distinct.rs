@@ -142,8 +142,8 @@ impl<'b> Deciding<'b> {
         (0..self.decisions.len()).filter(|&index| self.decisions[index] == Decision::Stays)
     }
 
-    /// Decides on the blobs `asked`, each given once, and on those that their decisions need. `both_stay(stronger,
-    /// weaker)` is whether two blobs so near are separate structures all the same.
+    /// Decides on the blobs `asked`, each given once, and on those that their decisions need.
+    /// `both_stay(stronger, weaker)` is whether two blobs so near are separate structures all the same.
     ///
     /// Blobs go in blocks, strongest first: compared in parallel with blobs that stayed before, then among themselves.
     pub fn decide(

@@ -132,6 +132,7 @@ impl Account {
 
     /// Plans as [`Plan::new`], within the part of `budget` that the other searches of this account leave.
     pub(crate) fn plan(&self, wanted: Wanted<'_>, budget: Option<u64>) -> Result<(Plan, Share<'_>)> {
+        // The lock is held while planning, so that two searches cannot take the same room.
         let mut taken = self.taken();
         let left = budget.map(|budget| budget.saturating_sub(*taken));
         // A search that finds no room takes the least memory of its own instead of waiting for others.
@@ -159,6 +160,7 @@ impl Plan {
     /// Plans the `wanted` search within `budget` bytes, or without a bound, on as many threads as have room. Where even
     /// the smallest form needs more, the error gives its least memory.
     pub(crate) fn new(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
+        // Each thread holds a window of its own: as many threads are taken as have room.
         let several = (2..=rayon::current_num_threads()).rev();
         let fitting = several.map(|threads| Self::on(threads, wanted, budget)).find_map(Result::ok);
         // The error for one thread gives the least memory.

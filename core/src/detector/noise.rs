@@ -1,5 +1,5 @@
-//! Noise of a frame, estimated from the burst, and the threshold on D; for other than white noise
-//! [`super::noise_model`].
+//! Noise of a frame, estimated from the burst itself, and the threshold on D that follows from it. For noise that is
+//! not white everywhere see [`super::noise_model`].
 //!
 //! Estimate. Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1
 //! −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over
@@ -59,6 +59,7 @@ pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
         .par_windows(2)
         .map(|pair| Ok(deviation(&pair[1].less(&pair[0]))? / 2f32.sqrt()))
         .collect::<Result<_, Cancelled>>()?;
+    // Texture can only add to either estimate, so the smaller one is right.
     let medians = [of_frames, of_pairs].into_iter().filter(|values| !values.is_empty());
     let sigma = medians.map(|mut values| median_on_lattice(&mut values, 0.0)).reduce(f32::min);
     Ok(sigma.map_or(min, |sigma| sigma.max(min)))

@@ -121,7 +121,7 @@ fn sums(
             for l in 0..LANES {
                 let x = x[l];
                 let q = x.mul_add(x, yy);
-                // Each derivative of h carries one power of (1 − q) less than the one before: `pixel` gains them in turn.
+                // Each derivative of h has one power of (1 − q) less than the one before: `pixel` gains them in turn.
                 let w = (1.0 - q).max(0.0);
                 let pixel = (pixels[l] - local_mean) * w;
                 let second = pixel * cubic(&kernel.second, q);

@@ -137,6 +137,7 @@ fn count_keys(
 /// Integer that orders like the value.
 fn key_of_value(value: f32) -> u32 {
     let bits = value.to_bits();
+    // The bits of negative numbers order backwards, so they are flipped; others go above them.
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }
 

@@ -185,6 +185,7 @@ fn normalise(bins: &mut [f32; BINS]) {
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 pub fn quantise(mut bins: Sums) -> Descriptor {
     normalise(&mut bins);
+    // As in SIFT, few strong gradients must not outweigh all others.
     bins.iter_mut().for_each(|x| *x = x.min(0.2));
     normalise(&mut bins);
     in_bytes(&bins)

@@ -210,6 +210,7 @@ fn extremum(
     farthest: f64,
 ) -> Option<(f64, f64)> {
     let (mut x, mut y) = (x0, y0);
+    // One local mean for all steps, so that Newton's method climbs one function.
     let local_mean = pixels.local_mean(radius, (x, y));
     for _ in 0..MAX_STEPS {
         let answer = pixels.kernel_response(kernel, radius, (x, y), local_mean);

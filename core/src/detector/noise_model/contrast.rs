@@ -40,6 +40,7 @@ pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     if triples > max || frames < 6 {
         return ((0..frames).collect(), contrasts(frames));
     }
+    // From the first frame to the last, so that changes over the burst are seen.
     let start = |i: usize| i * (frames - 3) / (triples - 1);
     let looked = (0..triples).flat_map(|i| start(i)..start(i) + 3).collect();
     let apart = contrasts(3 * triples).into_iter().take(triples).collect();

@@ -176,8 +176,8 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     warnings
 }
 
-/// False features a megapixel that pass the strict gate on white noise merged from eight frames (`evaluate noise
-/// --case white --method merge --noise-gate strict --frames 0..8`).
+/// False features a megapixel that pass the strict gate on white noise merged from eight frames
+/// (`evaluate noise --case white --method merge --noise-gate strict --frames 0..8`).
 const KEPT_BY_MERGE: f32 = 12.0;
 
 pub(in crate::detector) fn of_merge() -> NoiseWarning {

@@ -192,7 +192,7 @@ impl Chooser<'_> {
         })
     }
 
-    /// Whether `feature` of keypoint `number` is a ghost; thresholds judged later do not change the answer, which is kept.
+    /// Whether `feature` of keypoint `number` is a ghost; the answer is kept, as later thresholds do not change it.
     fn is_ghost(&self, number: usize, feature: &Feature) -> Result<bool, Cancelled> {
         let known = &self.outcome.ghosts[number];
         if let Some(is_ghost) = known.get() {

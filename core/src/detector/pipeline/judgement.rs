@@ -146,7 +146,7 @@ impl Trail {
         })
     }
 
-    /// Whether the search tries slope `slope_index` at `place` (u, v), input pixels: `SearchSlopes::Field` leaves some out.
+    /// Whether slope `slope_index` is tried at `place` (u, v), input pixels: `SearchSlopes::Field` leaves some out.
     pub fn searches(&self, place: [f32; 2], slope_index: usize) -> bool {
         self.inputs.searches(place, slope_index)
     }

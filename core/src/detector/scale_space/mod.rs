@@ -3,8 +3,8 @@
 //!
 //! Octaves and levels are in VLFeat's convention. Octave `o` has pixels of 2^o input pixels; its levels `s = −1 … S+1`
 //! have σ = σ0·2^(o + s/S) input pixels, with σ0 = 1.6·2^(1/S), so that the first level of an octave always has σ = 1.6
-//! octave pixels. The input is taken to have σ = 0.5. Each level is blurred from the level before by σ0·2^(s/S)·√(1 −
-//! 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, with twice the first level's
+//! octave pixels. The input is taken to have σ = 0.5. Each level is blurred from the level before by
+//! σ0·2^(s/S)·√(1 − 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, with twice the first level's
 //! σ. DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are searched at levels 0 … S−1. Octave −1 is the image
 //! doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). A positive first octave o has every 2^o-th pixel of
 //! the mean of *binned* frames: means of pixels less than 2^o columns and rows away, weighted by a triangle, with the

@@ -1,5 +1,5 @@
 //! Extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule, at
-//! the slopes around. Thresholds and the eight neighbours in the image reject nearly all, in vector lanes.
+//! the slopes around. Thresholds and the eight neighbours in the image reject nearly all, so they run in vector lanes.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::scale_space::DogTile;
@@ -200,6 +200,7 @@ pub fn own_slope_verdict(
     size: (usize, usize),
     thresholds: &Thresholds,
 ) -> Option<Result<Candidate, Test>> {
+    // The search's own code on a region of one sample, so that both agree.
     let sample = Region { columns: x..x + 1, rows: y..y + 1 };
     let (mut tally, mut out) = (Tally::default(), Vec::new());
     level_extrema(levels, level_index, &sample, size, thresholds, &mut tally, &mut Vec::new(), &mut out);

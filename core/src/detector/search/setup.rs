@@ -106,6 +106,7 @@ impl Inputs {
         monitor.report(Stage::Noise, 0.0);
         let space = ScaleSpace::of(params);
         let Examined { model, frames, kept } = known_noise(burst, params, &space, monitor)?;
+        // A strict gate promises a rate of false features, which needs a noise that can be measured.
         if let Some(refused) = model.flattened.filter(|f| params.noise_gate == NoiseGate::Strict && !f.is_measurable())
         {
             return Err(refused.against_strict());

@@ -313,6 +313,7 @@ fn line_through(evidence: &[SlopeEvidence], steps: Steps) -> Option<f64> {
     };
     let snapped = [0.0, 90.0].into_iter().filter(|a| near(*a));
     let rounded = ROUND_DEG.map(|round| (degrees / round).round() * round);
+    // Axes first, then ever finer roundings, until the evidence lies on the line.
     snapped.chain(rounded).find(|d| off_line(evidence, *d, steps).len() < MIN_BESIDE)
 }
 
@@ -364,6 +365,7 @@ pub(super) fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f6
 }
 
 pub(super) fn count([min, max]: [f64; 2], step: f64, slopes: usize) -> usize {
+    // A range hardly longer than a multiple of the step needs no slope more.
     let with_step = |step: f64| ((max - min) / step - 0.05).ceil().max(2.0) as usize + 1;
     with_step(step).min(slopes.max(with_step(COARSEST * step)))
 }

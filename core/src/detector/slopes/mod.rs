@@ -139,7 +139,7 @@ pub fn find_slopes(
     Ok(SlopeFinding { verdict, deviation_px, deviation_of_middle, spectrum, warnings, uniform, ..finding })
 }
 
-/// Opens a burst as [`Burst::open_with`] does; with [`TimesChoice::Found`] at the times of uniform motion.
+/// Opens a burst as [`Burst::open_with`] does; [`TimesChoice::Found`]: in the order and at the times of uniform motion.
 ///
 /// # Errors
 /// Those of [`Burst::open_with`].

@@ -125,8 +125,8 @@ impl SearchTable {
     /// Maximum of P nearest to `slope`, by Newton's method.
     fn refined(&self, stack: &Stack<'_>, slope: [f64; 2], steps: usize) -> Option<Peak> {
         let axes = match self.track {
-            // On a line the second axis completes the frame, but nothing is varied along it.
             Track::Plane => [[1.0, 0.0], [0.0, 1.0]],
+            // On a line the second axis completes the frame, but nothing is varied along it.
             Track::Line([u, v]) => [[u, v], [-v, u]],
         };
         let both = self.track == Track::Plane;

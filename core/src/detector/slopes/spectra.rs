@@ -258,6 +258,7 @@ fn opposite(i: usize) -> usize {
 /// Extracts the band-passed half spectra of the two real images that were transformed as one complex image.
 fn unpack(packed: &[Complex32], band: &[f32], a: &mut Spectrum, mut b: Option<&mut Spectrum>) {
     for (i, h) in band.iter().enumerate() {
+        // Spectra of real images are symmetric, so that opposite frequencies part the two.
         let (z, o) = (packed[i], packed[opposite(i)]);
         let h = 0.5 * h;
         (a.re[i], a.im[i]) = (h * (z.re + o.re), h * (z.im - o.im));

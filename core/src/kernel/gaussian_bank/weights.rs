@@ -176,6 +176,7 @@ pub(crate) enum Section {
 impl FilterBank {
     pub fn axis(&self, n: usize) -> Axis {
         let own;
+        // In a short line both borders reach the same pixels, so that the weights depend on its length.
         let edges = if n < self.edges.far {
             own = Edges::of_line(&self.chain, &self.wanted, &self.kernels, n);
             &own
