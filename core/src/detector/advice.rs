@@ -43,6 +43,7 @@ const GATE_REJECTS_NOISE: f64 = 0.999;
 pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usize)) -> Option<Advice> {
     let found = detection.features.len();
     let wanted = LITTLE.max((LITTLE_PER_MEGAPIXEL * 1e-6 * size.0 as f64 * size.1 as f64) as usize);
+    // Features cut by the user's maximum were found: nothing is wrong.
     if found >= wanted || detection.tally.rejected_by(Test::MaxFeatures) > 0 {
         return None;
     }
@@ -100,6 +101,7 @@ fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     for test in Test::ALL {
         let passed = reached.saturating_sub(tally.rejected_by(test));
         if let Some(usual) = test.record().usual_share.filter(|_| reached > 0) {
+            // Tests reject very different shares as a rule: each is compared with its usual one.
             let over_usual = passed as f64 / reached as f64 / usual;
             if over_usual < BLAMED_BELOW && worst.is_none_or(|(min, ..)| over_usual < min) {
                 worst = Some((over_usual, test, reached));

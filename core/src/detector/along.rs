@@ -181,6 +181,7 @@ impl OctaveFrames<'_> {
         place: (f32, f32),
     ) -> Vec<f32> {
         let from = self.sigma_octave(offsets);
+        // The frames are blurred already: each kernel adds what its level lacks.
         let kernel = |s: i32| {
             let sigma = self.inputs.space.sigma_octave(f64::from(s));
             GaussianKernel::new((sigma * sigma - from * from).max(0.0).sqrt())

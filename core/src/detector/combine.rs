@@ -54,6 +54,7 @@ impl Combine {
             Self::Mean => mean(),
             Self::Median => median,
             Self::ClippedMean => {
+                // From quartiles: values to be clipped would widen a standard deviation.
                 let limit = CLIP_SIGMAS / QUARTILES * (sorted[n - 1 - n / 4] - sorted[n / 4]);
                 let near = sorted.iter().filter(|x| (**x - median).abs() <= limit);
                 let (sum, count) = near.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));

@@ -91,6 +91,7 @@ impl Along<'_> {
         let span = self.inputs.times.positions.span().max(1.0) as f32;
         let finest = 2.0 * space.sigma_image(space.first_octave, 0.0) as f32 / span;
         let step = (finest / axis.step()).max(1.0);
+        // Inside the range both sides were searched: only at an end may the response rise outwards.
         match at.round().clamp(0.0, last) {
             0.0 => (0.0, vec![0.0, -step]),
             end if end == last => (last, vec![0.0, step]),

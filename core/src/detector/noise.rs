@@ -1,5 +1,4 @@
-//! Noise of a frame, estimated from the burst itself, and the threshold on D that follows from it. For noise that is
-//! not white everywhere see [`super::noise_model`].
+//! White noise of a frame, estimated from the burst, and the threshold on D; for other noise [`super::noise_model`].
 //!
 //! Estimate. Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1
 //! −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over
@@ -234,8 +233,7 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
         // One for one blob. Measured on 12 to 20 Mpx of white noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for
         // 13 slopes on a line, 7×7, and the doubled image, on samples; exact maxima are a quarter more.
         SlopeExtrema::Each => 0.000_25,
-        // Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 … 0.0004, for one slope, 7 and 13 on a
-        // line, 7×7, and the doubled image.
+        // 0.0002 … 0.0004 from k = 3.6 to 4.8 on 18 Mpx of white noise: 1, 7 and 13 slopes, 7×7, and the doubled image.
         SlopeExtrema::Joint => 0.000_35,
     };
     let slopes = params.used_slopes().len() as f64;

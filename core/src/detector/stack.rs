@@ -151,6 +151,7 @@ pub fn motion_stack(
     assert!(frames.iter().all(|f| f.size() == (width, height)), "frames of a burst have one size");
     let offsets = frame_offsets(positions, slope, interpolation);
     let mut out = Plane::zeros(width, height);
+    // `par_chunks_mut` takes no chunks of length 0.
     if width == 0 || height == 0 {
         return Ok(out);
     }

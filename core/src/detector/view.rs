@@ -64,6 +64,7 @@ pub fn dog_view(
     let octaves = check_level(params, burst.size(), octave, level)?;
     let (mut frames, space) = (used_frames(burst, params), ScaleSpace::of(params));
     let binned = space.binned(&frames, monitor)?;
+    // A coarse first octave starts from the binned frames.
     if !binned.is_empty() {
         frames = binned.iter().collect();
     }
@@ -118,9 +119,8 @@ pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> R
     Ok(Plane::from_fn(width, height, at))
 }
 
-/// σ of the noise in D at each pixel of `octave`, as the noise gate uses it, for the motion-stack image at any `slope`
+/// σ of the noise in D (fraction of full scale) at each pixel of `octave`, as the gate uses it, at any `slope`
 /// (px/frame, on the grid or between) and `level` (−1 … levels): a candidate must reach the gate's factor times this.
-/// Unit: fraction of full scale.
 ///
 /// # Errors
 /// Parameters that make no sense for the burst, or do not have the octave or level.
@@ -136,6 +136,7 @@ pub fn gate_noise_map(
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let offsets = inputs.offsets(slope);
     let min = inputs.sigma_d(octave, level, slope, &offsets);
+    // As the search forms the product, so that the map has its bits.
     let at = |x, y| min * inputs.place_factor(octave, &offsets, (x, y));
     Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
 }

@@ -144,8 +144,7 @@ fn sums(
 }
 
 impl PixelView<'_> {
-    /// Mean of pixels on a circle of nine tenths of `radius` around (x, y), to be subtracted first: samples of a kernel
-    /// do not sum to exactly 0, and err most where it ends.
+    /// Mean on a circle of 0.9 `radius` around (x, y), subtracted first: samples sum to about 0, and err most there.
     pub fn local_mean(&self, radius: f64, (x, y): (f64, f64)) -> f32 {
         let near = |at: f64, n: usize| (at.round().max(0.0) as usize).min(n - 1);
         let at = |du: f64, dv: f64| {

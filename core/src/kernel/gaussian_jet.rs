@@ -78,6 +78,7 @@ fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Ve
     derivatives(MIN_SAMPLED_VARIANCE, d, stride, wider);
     for (order, out) in out.chunks_exact_mut(stride).enumerate() {
         out.copy_from_slice(&wider[order * stride..][..stride]);
+        // The series of a Gaussian that is sharpened by its own derivatives.
         let mut factor = 1.0;
         for term in 1..=SHARPENING {
             factor *= (-0.5 * missing / term as f64) as f32;

@@ -48,6 +48,7 @@ impl FrameOffset {
         let (steps, size) = ((radius.ceil() as i32).min(DISC_STEPS), frame.size());
         let (mut sum, mut count) = (0.0, 0.0);
         for (i, j) in (-steps..=steps).flat_map(|j| (-steps..=steps).map(move |i| (i, j))) {
+            // A large disc is sampled, not summed.
             let away = |step: i32| step as f32 * radius / steps.max(1) as f32;
             let (x, y) = ((x + away(i)).round().max(0.0) as usize, (y + away(j)).round().max(0.0) as usize);
             if i * i + j * j <= steps * steps && x < size.0 && y < size.1 {

@@ -108,6 +108,7 @@ impl<'a> RowStacker<'a> {
         let mut groups: Vec<Group<'_>> = Vec::new();
         for index in 0..slopes.len() {
             match groups.last_mut() {
+                // Slopes alike along v share mixed rows; in the order of the grid they are neighbours.
                 Some(Group { slopes: group, .. }) if vertical(slopes[group.start]) == vertical(slopes[index]) => {
                     group.end = index + 1;
                 }
@@ -211,6 +212,7 @@ impl<'a> RowStacker<'a> {
 fn mix(from: &[f32], width: usize, part: f32, columns: usize, out: &mut [f32], stride: usize) {
     for (row, out) in out.chunks_exact_mut(stride).enumerate() {
         let (out, upper) = (&mut out[..columns], &from[row * width..][..columns]);
+        // Without a part the row below is not needed, and may not exist.
         if part == 0.0 {
             out.copy_from_slice(upper);
             continue;
@@ -432,6 +434,7 @@ fn two_sums<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, plac
     for tap in taps {
         let weights = tap.weights.map(|weight| simd.splat_f32s(weight));
         let pixels = &tap.pixels[row..];
+        // Pixels are loaded once for both sums; the second is shifted by a column afterwards.
         for i in 0..V {
             let pixels = load::<S>(pixels, places[i]);
             sums[0][i] = simd.mul_add_f32s(weights[0], pixels, sums[0][i]);

@@ -68,6 +68,7 @@ const MAX_SAMPLES: usize = 1 << 14;
 pub fn profile(plane: &Plane, from: [f32; 2], to: [f32; 2], px_per_plane_px: f32) -> Vec<ProfileSample> {
     let (du, dv) = (to[0] - from[0], to[1] - from[1]);
     let length = du.hypot(dv);
+    // Negated, so that NaN is refused as well.
     if !(length.is_finite() && from[0].is_finite() && from[1].is_finite() && px_per_plane_px > 0.0) {
         return Vec::new();
     }
@@ -104,6 +105,7 @@ pub fn region_statistics(plane: &Plane, region: &Region) -> Option<RegionStatist
     let region = region.within(plane);
     let summary = summary(plane, &region);
     let (min, max) = summary.range()?;
+    // About the mean: sums of squares would cancel where values are large and alike.
     let mut squares = 0.0;
     for v in region.rows.clone() {
         let row = &plane.row(v)[region.columns.clone()];

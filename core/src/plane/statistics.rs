@@ -122,6 +122,7 @@ fn count_keys(
     let counts = rows(plane, region)
         .try_fold(Vec::new, |mut counts, row| {
             monitor.check()?;
+            // Bins take half a megabyte: only a part that has rows makes them.
             if counts.is_empty() {
                 counts = vec![0u64; BINS];
             }
@@ -193,6 +194,7 @@ pub fn histogram(plane: &Plane, region: &Region, min: f32, max: f32, bins: usize
                 } else if x > max {
                     histogram.above += 1;
                 } else {
+                    // `max` itself belongs to the last bin.
                     let bin = ((f64::from(x) - f64::from(min)) * scale) as usize;
                     histogram.counts[bin.min(bins - 1)] += 1;
                 }

@@ -112,6 +112,7 @@ pub fn split_mut<'p>(plane: &'p mut Plane, columns: &[Range<usize>], rows: &[Ran
     for band in rows {
         let first = parts.len();
         parts.extend(columns.iter().map(|_| Vec::with_capacity(band.len())));
+        // By reference: the next band goes on where this one ends.
         for line in lines.by_ref().take(band.len()) {
             let mut rest = line;
             for (part, range) in parts[first..].iter_mut().zip(columns) {

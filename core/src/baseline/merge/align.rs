@@ -9,8 +9,7 @@
 //!
 //! The first part is minus the log-likelihood of d when both tiles show the same signal of power P (the tile's variance
 //! in excess of σ²) under independent noise of variance σ². The second keeps shifts near those of the coarser level. So
-//! a blank tile stays with the prediction, and a well-lit corner moves to its best match. A parabola through the costs
-//! beside the whole-pixel minimum gives the fraction of a pixel.
+//! blank tiles stay with the prediction, and well-lit corners move. A parabola through costs gives parts of a pixel.
 
 use super::tiles::{TILE, TileGrid, first_pixel};
 use crate::monitor::{Cancelled, Monitor};
@@ -65,6 +64,7 @@ fn align_level(pair: &FramePair<'_>, coarser: Option<&ShiftField>, monitor: &Mon
             Ok((0..grid.columns)
                 .map(|i| {
                     predict(coarser, i, j, &mut predictions);
+                    // Nothing predicts the coarsest motion: it is searched farther, with less trust in none.
                     let (radius, prior_sigma) = match coarser {
                         Some(_) => (RADIUS, PRIOR_SIGMA),
                         None => (COARSEST_RADIUS, COARSEST_PRIOR_SIGMA),

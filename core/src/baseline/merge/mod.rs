@@ -56,5 +56,6 @@ fn merge_frames(frames: &[&Plane], noise: f32, monitor: &Monitor) -> Result<Plan
     }
     let merged = temporal::merge_tiles(reference, &others, variance, monitor)?;
     monitor.report(Stage::Merge, 1.0);
+    // The result has the geometry of the middle frame, and so its mask.
     Ok(merged.with_mask(reference.mask().cloned()))
 }

@@ -78,6 +78,7 @@ impl Merging<'_> {
             for (v, row) in tile.iter().enumerate() {
                 let out = out.row_mut(v);
                 for (u, value) in row.iter().enumerate() {
+                    // Tiles at the sides reach beyond the image.
                     if let Some(out) = usize::try_from(first + u as i64).ok().and_then(|x| out.get_mut(x)) {
                         *out += self.window[u] * self.window[v] * value;
                     }
@@ -143,6 +144,7 @@ fn shifted_pixels(
     (width, height): (usize, usize),
 ) -> (Block, Option<Covered>) {
     let place = |first: i64, k: usize, d: i64, size: usize| -> Option<usize> {
+        // Tiles reach beyond the image: there the border pixel stands in, and moves as it does.
         let own = (first + k as i64).clamp(0, size as i64 - 1);
         usize::try_from(own + d).ok().filter(|x| *x < size)
     };
@@ -160,6 +162,7 @@ fn stand_in(reference: &Block, others: &mut [(Block, Option<Covered>)]) {
     for v in 0..TILE {
         for u in 0..TILE {
             let shows = |covered: &Option<Covered>| covered.as_ref().is_none_or(|c| c[v][u]);
+            // The reference shows every pixel, so the mean always exists.
             let (mut sum, mut count) = (reference[v][u], 1.0);
             for (block, _) in others.iter().filter(|(_, covered)| shows(covered)) {
                 sum += block[v][u];

@@ -24,8 +24,7 @@ pub struct DescriptorScratch {
     samples: Samples,
 }
 
-/// Radius of the pixels that a descriptor of scale `sigma` reads, octave pixels: half the diagonal of the turned
-/// square. The level around it must reach one pixel farther.
+/// Radius that a descriptor of scale `sigma` reads, octave pixels: half its diagonal. The level must reach one farther.
 pub fn descriptor_radius(sigma: f32) -> usize {
     (std::f32::consts::SQRT_2 * MAGNIFICATION * sigma * (CELLS as f32 + 1.0) / 2.0 + 0.5).floor() as usize
 }

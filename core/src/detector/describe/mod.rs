@@ -59,8 +59,7 @@ pub(super) struct Describing<'a> {
 }
 
 impl Describing<'_> {
-    /// Localises, orients and describes the octave's keypoints; the features' order depends on the keypoints alone.
-    /// `first` is the number of the first keypoint.
+    /// Localises, orients and describes keypoints, numbered from `first`; the features' order depends on them alone.
     pub fn describe(&self, keypoints: &[Keypoint], first: usize) -> Result<Vec<Described>, Cancelled> {
         let order = self.in_order(keypoints);
         let from = self.search.space.sigma_before(self.octave);

@@ -224,6 +224,7 @@ pub(super) fn means(plane: &Plane, by: usize) -> Plane {
             out.iter_mut().zip(plane.row(v).chunks(by)).for_each(|(sum, cells)| *sum += cells.iter().sum::<f32>());
         }
         let whole = (rows.len() * by) as f32;
+        // The last column of cells may be narrower.
         let last = (rows.len() * (width - (out.len() - 1) * by)) as f32;
         let count = out.len();
         out.iter_mut().enumerate().for_each(|(i, sum)| *sum /= if i + 1 < count { whole } else { last });

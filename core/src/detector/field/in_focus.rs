@@ -24,6 +24,7 @@ impl MotionField {
         let slope = |i: usize, j: usize| self.motions[j * self.size.0 + i].slope;
         let corners = [slope(i, j), slope(i_next, j), slope(i, j_next), slope(i_next, j_next)];
         let nearest = corners[2 * usize::from(y >= 0.5) + usize::from(x >= 0.5)];
+        // A mean of different motions would be the motion of nothing: a border stays a border.
         if corners.iter().any(|c| (c.u - nearest.u).hypot(c.v - nearest.v) > same_px_per_frame) {
             return nearest;
         }

@@ -109,6 +109,7 @@ fn order(found: &mut Vec<(usize, MotionLayer)>) {
         let (one, other) = (key(one), key(other));
         other.0.total_cmp(&one.0).then(other.1.total_cmp(&one.1)).then(a.cmp(b))
     });
+    // A cell keeps the number of its layer in a byte; the last ones are given up.
     found.truncate(usize::from(u8::MAX));
 }
 
@@ -181,11 +182,13 @@ impl Hills {
                 saddles.push((counts[bin].min(counts[other]), self.of_bin[bin], self.of_bin[other]));
             }
         }
+        // Equal saddles go by their hills, so that the result has one order.
         saddles.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         let mut joined: Vec<usize> = (0..counts.len()).collect();
         for (height, one, other) in saddles {
             let (one, other) = (root(&joined, one), root(&joined, other));
             let (low, high) = if counts[one] < counts[other] { (one, other) } else { (other, one) };
+            // The peak of the lower hill rises little above the saddle: a bump of the higher one.
             if low != high && height > ONE_HILL * counts[low] {
                 joined[low] = high;
             }

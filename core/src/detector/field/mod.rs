@@ -5,8 +5,7 @@
 //! the plane of slopes on reduced, band-passed frames gives, for each cell and slope, how much more likely the frames
 //! are if the cell moves so, in nats. All evidence together gives how likely each motion is at each cell (`posterior`):
 //! its mean around the likeliest one is the motion, its variance the uncertainty. Things of a few cells are found by
-//! the window around each (`windows`). Motions that exist in the burst become [layers](MotionLayer), and [`in_focus`]
-//! stacks each place at its own.
+//! the window around each (`windows`). The burst's motions become [layers](MotionLayer); [`in_focus`] stacks by place.
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
 

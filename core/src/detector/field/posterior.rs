@@ -177,6 +177,7 @@ fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [for
 /// Writes the `message` of a cell of this `belief` to the next one.
 #[inline(always)]
 fn pass(belief: &[f32], scratch: &mut [f32], message: &mut [f32], [columns, rows]: [usize; 2], taps: &[[f32; 3]; 2]) {
+    // Normalised at each cell: products along a chain would underflow.
     let kept = (1.0 - BORDER) / sum(belief);
     let any = BORDER / belief.len() as f32;
     let scaled = taps.map(|taps| taps.map(|tap| kept * tap));

@@ -4,8 +4,7 @@
 //! does not see the evidence of other rows. A small window overrules it where another motion has much more evidence.
 //!
 //! *Motions between the swept slopes.* Each cell's evidence is read at its own motion plus a common offset, whose sum
-//! over a window has its peak where the window is off on average. The offset is held by a prior, as noise would move
-//! each cell where it likes.
+//! over a window has its peak where the window is off on average. A prior holds the offset against noise.
 //!
 //! *Certainty.* How sharply such a sum falls over a wide window shows whether the structure determines the motion: an
 //! edge does not along itself, and noise not at all.
@@ -121,6 +120,7 @@ impl Around {
         let [reach_u, reach_v] = reach;
         let steps: Vec<(i64, i64)> =
             (-reach_v..=reach_v).flat_map(|dj| (-reach_u..=reach_u).map(move |di| (di, dj))).collect();
+        // Each cell is moved beside its own motion, since depths differ within a window.
         let sum_of = |&(di, dj): &(i64, i64)| {
             let nats = |(place, found): (usize, &MotionEstimate)| {
                 nats_at(evidence, place, [found.at[0] + di as f32, found.at[1] + dj as f32])
@@ -197,6 +197,7 @@ fn weighted_sums(plane: &Plane, weights: &[f32]) -> Plane {
         let (from, out) = (columns.row(v), sums.row_mut(v));
         for (k, weight) in weights.iter().enumerate().take(width) {
             out.iter_mut().zip(&from[k..]).for_each(|(sum, x)| *sum += weight * x);
+            // The middle weight has no mirror image.
             if k > 0 {
                 out[k..].iter_mut().zip(from).for_each(|(sum, x)| *sum += weight * x);
             }

@@ -41,6 +41,7 @@ fn pixels_around<'p>(
     reach: usize,
     scratch: &'p mut LocateScratch,
 ) -> PixelView<'p> {
+    // A held level is read in place; others are made around the keypoint alone.
     if let Base::Level(plane) = base {
         return PixelView::of(plane);
     }
@@ -133,6 +134,7 @@ fn motion_width(answer: &KernelResponse, grid: &SlopeGrid, times: &FrameTimes) -
         let [views_uu, views_vv, views_uv] = times.moments().map(f64::from);
         (views_uu * uu + views_vv * vv + 2.0 * views_uv * uv) / (views_uu + views_vv)
     } else if grid.is_plane() {
+        // The smaller eigenvalue: the direction in which the motion is known worst.
         0.5 * (uu + vv) - (0.5 * (uu - vv)).hypot(uv)
     } else {
         let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();
@@ -256,6 +258,7 @@ fn slope_steps(middle: f32, mut value: impl FnMut(isize, isize) -> Option<f32>) 
                 [corner(-1, 1), below, corner(1, 1)],
             ])
         }
+        // On a line or at the edge of a plane each axis is by itself.
         _ => (peak(along_i), peak(along_j)),
     }
 }

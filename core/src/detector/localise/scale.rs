@@ -52,6 +52,7 @@ fn weighted_sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize)
             let mut acc = [0.0f32; LANES];
             for (line, weight) in lines.chunks_exact(stride).zip(along_v) {
                 let pixels: &[f32; LANES] = line[start * LANES..][..LANES].try_into().expect("a whole block");
+                // Along v first: the weights along u then apply to one sum a column.
                 for l in 0..LANES {
                     acc[l] = weight.mul_add(pixels[l], acc[l]);
                 }

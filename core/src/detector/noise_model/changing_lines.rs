@@ -98,8 +98,7 @@ impl ChangingLines {
         }
     }
 
-    /// Variance of independent lines with the same coarse means as the offsets in the mean of the frames: interpolation
-    /// lowers the power that lasts, but not coarse means.
+    /// Variance, in the frames' mean, of independent lines with the offsets' coarse means, which interpolation keeps.
     pub(super) fn variance_in_mean(&self) -> f32 {
         if self.is_whole { 0.0 } else { self.deviation.powi(2) * self.coarse * (INTERPOLATED * self.lasting).min(1.0) }
     }

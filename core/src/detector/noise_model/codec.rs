@@ -148,6 +148,7 @@ impl InBlock {
         let mut sums = [[0.0; SIDE]; SIDE];
         let mut frames = 0.0;
         for (du, dv) in shifts {
+            // Only the place within a block counts, so that whole blocks of motion are none.
             let whole = |shift: f32| (shift.round() as i64).rem_euclid(SIDE as i64) as usize;
             let (du, dv) = (whole(du), whole(dv));
             for (v, row) in sums.iter_mut().enumerate() {

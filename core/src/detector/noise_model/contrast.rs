@@ -169,6 +169,7 @@ fn kept_inside(mut shifts: Vec<i64>, range: &Range<usize>, n: usize) -> Vec<i64>
         // The scene moves farther than the readable range: frames are compared in place.
         shifts.fill(0);
     } else if start + min < 0 {
+        // All frames move back together, so that their distances stay those of the scene.
         shifts.iter_mut().for_each(|s| *s -= start + min);
     } else if end + max > n {
         shifts.iter_mut().for_each(|s| *s += n - end - max);
@@ -232,6 +233,7 @@ impl SceneMotion<'_> {
         let part = |index: usize| {
             let range = |i: usize, n: usize| {
                 let (start, end) = (i * side, ((i + 1) * side).min(n));
+                // The middle of a part stands for all of it, so that large pictures take no longer.
                 let spare = (end - start).saturating_sub(PART) / 2;
                 start + spare..end - spare
             };
@@ -261,6 +263,7 @@ impl OctaveMotion {
         }
         for (slope, shifts) in &self.candidates {
             let power = self.power(region, shifts);
+            // Strictly more: of equal powers the slower slope, which comes first, stays.
             if power > best.0 {
                 best = (power, *slope);
             }
@@ -308,6 +311,7 @@ fn without_slopes(plane: &Plane) -> Plane {
     let mut out = Plane::zeros(width, height);
     for v in 0..height {
         let (above, at, below) = (plane.row(v.saturating_sub(1)), plane.row(v), plane.row((v + 1).min(height - 1)));
+        // The mean of the four neighbours equals the pixel wherever brightness is a plane.
         let row = out.row_mut(v);
         for u in 0..width {
             let (left, right) = (at[u.saturating_sub(1)], at[(u + 1).min(width - 1)]);

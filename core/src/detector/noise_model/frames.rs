@@ -1,5 +1,4 @@
-//! Survey of a burst's frames: copies, and frames that are black, flashed, empty, too noisy or blurred, are left out;
-//! of the others the relative exposure and noise are measured.
+//! Survey: copies and black, flashed, empty, noisy or blurred frames go; exposure and noise of the others are measured.
 //!
 //! A copy brings no new noise, so it does not count; a frame much noisier than the others makes their mean worse.
 //! Without exposures `gain-flicker` has 984 false features a megapixel at the strict gate, not 6; without noise by
@@ -129,6 +128,7 @@ impl FrameSurvey {
         let all = squares.noise_in(variances.clone()) / noise - 1.0;
         let of_noise = (2.0 / FREE_VALUES).sqrt();
         let error = of_noise * 1.5 / (variances.len() as f32).sqrt();
+        // A pattern is the same everywhere; what is uneven may be texture that stays in place.
         let is_uneven = spread(&sorted(variances)) > EVEN_PATTERN * of_noise;
         if all < SURE_OF_PATTERN * error || is_uneven { 0.0 } else { all / (kept.len() as f32 + all) }
     }
@@ -311,6 +311,7 @@ fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
     let mut ratios: Vec<(f32, f32)> =
         squares.iter().zip(reference).filter(|(_, r)| **r > least).map(|(x, r)| (x / r, *r)).collect();
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // A median with half of the brightness on each side: bright squares tell a ratio best.
     let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f32>();
     let mut so_far = 0.0;
     for (ratio, weight) in ratios {

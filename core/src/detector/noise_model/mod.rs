@@ -262,6 +262,7 @@ impl NoiseModel {
             (1.0 - lag / frames as f32).max(0.0) * correlation * (overlap(lag * speed) / overlap(0.0)).max(0.0)
         };
         if self.correlations.is_empty() {
+            // A pattern correlates at every lag alike; the measured differences of frames lack it.
             let always = std::iter::repeat_n(self.pattern_share, frames.saturating_sub(1));
             return (1.0 + 2.0 * always.enumerate().map(shared).sum::<f32>()).max(1.0) / (1.0 - self.pattern_share);
         }

@@ -445,6 +445,7 @@ impl<'de> Deserialize<'de> for Slopes {
             None => Ok(None),
             Some(degrees) => degrees.clone().try_into().map(Some),
         };
+        // A wrong direction is a fault of `auto` only here: a given grid reports its own.
         match table.remove(AUTO) {
             None => table.try_into().map(Self::Given).map_err(|e| wrong(e.to_string())),
             Some(Value::Boolean(true)) if table.keys().all(|key| key == DIRECTION) => degrees

@@ -83,6 +83,7 @@ impl<'a> Earlier<'a> {
         let mut keypoints = Vec::with_capacity(judged.len());
         for (found, failed) in judged {
             match failed {
+                // It passed before, so that the earlier tally counts no rejection of it.
                 Some(test) => tallies[found.0.slope_index].reject(test, 1),
                 None => keypoints.push(found),
             }

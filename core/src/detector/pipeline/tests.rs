@@ -1,5 +1,4 @@
-//! A search in groups of slopes gives bitwise the same results as the whole search, and so do one that is cut first and
-//! one that goes on from another.
+//! Searches in groups of slopes, cut first or continued from another have the bits of the whole search.
 
 use super::*;
 use crate::detector::feature::Feature;

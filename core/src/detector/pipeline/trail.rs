@@ -87,6 +87,7 @@ impl Trail {
     /// Memory of the trail, bytes, without the frames among `others`. It grows as questions are answered.
     pub fn bytes_beside(&self, others: &[Arc<Plane>]) -> usize {
         let plane = |plane: &Plane| size_of_val(plane.data());
+        // Frames that others hold too are counted there.
         let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
         let frames: usize = self.inputs.frames.iter().filter(is_own).map(|frame| plane(frame)).sum();
         let means = self.outcome.means.iter().filter_map(OnceLock::get).flatten();
@@ -215,6 +216,7 @@ impl Trail {
             let (u, v, sigma) = k.in_image();
             (u - own.0).hypot(v - own.1) <= CHAIN_LINKS * radius.max(own_radius) * sigma.max(own.2)
         };
+        // Only the chains of keypoints around decide, not the whole picture.
         let around: Vec<usize> = (0..keypoints.len()).filter(|&other| near(&keypoints[other])).collect();
         let blobs: Vec<Blob> = around.iter().map(|&other| Blob::of(&keypoints[other], &self.inputs.space)).collect();
         let along = self.along();

@@ -130,6 +130,7 @@ impl Derivatives {
     /// Derivatives of a difference of Gaussians by its jets and squared scales, with ∂G/∂ln σ = σ²∇²G.
     fn of(fine: &Jet, fine2: f64, coarse: &Jet, coarse2: f64) -> Self {
         let both = |of: &dyn Fn(&Jet, f64) -> f64| of(coarse, coarse2) - of(fine, fine2);
+        // A Gaussian changes with ln σ by σ² times its Laplacian: derivatives in place give those in scale.
         let laplacian = |j: &Jet, p: usize, q: usize| j[p + 2][q] + j[p][q + 2];
         Self {
             value: both(&|j, _| j[0][0]),

@@ -45,6 +45,7 @@ fn solve(mut a: [[f64; 3]; 3], g: [f64; 3]) -> Option<[f64; 3]> {
     let mut b = [-g[0], -g[1], -g[2]];
     for j in 0..3 {
         let pivot = (j..3).max_by(|&p, &q| a[p][j].abs().total_cmp(&a[q][j].abs()))?;
+        // A flat direction: the quadratic has no single extremum.
         if a[pivot][j].abs() < 1e-14 {
             return None;
         }

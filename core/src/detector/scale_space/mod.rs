@@ -252,8 +252,7 @@ pub enum Pixels<'a> {
     Level(&'a Plane),
 }
 
-/// Filters `region` of an octave into `dog`; `batch_done` gets the finished rows. `next` receives the level from which
-/// the next octave starts.
+/// Filters `region` of an octave into `dog`, and into `next` the next octave's start; `batch_done` gets finished rows.
 pub fn dog_tile(
     filters: &OctaveFilters,
     pixels: Pixels<'_>,

@@ -167,6 +167,7 @@ fn next_first_level(
     each_tile(base, space, next_level(space), size, wanted, &mut out, 2, monitor, |_, level, region, part| {
         for (v, row) in part.into_iter().enumerate() {
             let from = level.row(region.rows.start + 2 * v);
+            // Every second pixel, as in the search, so that both agree to the bit.
             row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
         }
     })?;

@@ -143,6 +143,7 @@ pub fn own_slope_extrema(
     out: &mut Vec<Candidate>,
 ) {
     let mut found = Vec::with_capacity(region.columns.len() / 2);
+    // The first and the last level have only one neighbour in scale.
     for level_index in 1..levels.len() - 1 {
         level_extrema(levels, level_index, region, size, thresholds, tally, &mut found, out);
     }

@@ -88,8 +88,7 @@ impl Search<'_> {
     }
 
     /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` before. Returns
-    /// the first levels of all octaves if it `keeps` them. For the progress, `done` is the finished part of the
-    /// detection, and `share` the group's.
+    /// the first levels of all octaves if it `keeps` them. Of the progress `done` is finished and `share` the group's.
     fn group(
         &self,
         octaves: &Range<i32>,
@@ -484,6 +483,7 @@ impl Search<'_> {
     ) -> Keypoint {
         let (x, y) = fit.place();
         let (x, y, value, snr) = (x as f32, y as f32, fit.value as f32, f32::INFINITY);
+        // Index 0 is level −1.
         let sigma_octave = self.space.sigma_octave(fit.level_refined - 1.0) as f32;
         let (level, sample) = (candidate.level_index as i32 - 1, [candidate.x as u32, candidate.y as u32]);
         let found = Keypoint { octave, x, y, sigma_octave, level, sample, slope_index, slope, value, snr };

@@ -163,8 +163,7 @@ impl Inputs {
         (offsets.len() as f32 / seeing).sqrt() * self.noise.place_factor(octave, offsets, at, size)
     }
 
-    /// Number of `frames`, read at `offsets`, that see the pixel `at` of the image and what the filters of `octave`
-    /// read around it; at least 1.
+    /// Number (1 or more) of `frames`, read at `offsets`, that see image pixel `at` and all that `octave` reads for it.
     pub(crate) fn seeing(
         &self,
         frames: &[impl Borrow<Plane>],

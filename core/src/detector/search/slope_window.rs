@@ -168,6 +168,7 @@ impl SlopeWindow {
         let Range { start: first, end } = self.visited;
         let last = made + 1 == end;
         match self.others.reach(&self.grid) {
+            // Compared with every slope, none is decided before the last one is made.
             None if last => first..end,
             None => 0..0,
             Some(reach) => {

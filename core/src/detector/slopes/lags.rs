@@ -61,6 +61,7 @@ impl Lags {
             }
         }
         let distance = |(of, lag): (&Pairs, usize)| match of.len() {
+            // A lag without pairs keeps its place, so that distances and lags stay in step.
             0 => lag as f64,
             n => of.iter().map(|pair| apart(*pair)).sum::<f64>() / n as f64,
         };

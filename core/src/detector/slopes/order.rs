@@ -278,6 +278,7 @@ impl<'a> Blocks<'a> {
             let shift = [0, 1].map(|axis| slope[axis] * (times[*t] - times[*s]) + to[axis] - from[axis]);
             let overlap = f64::from(overlap_at(self.overlap, shift));
             if overlap >= f64::from(MIN_OVERLAP) {
+                // The division by the overlap raised the noise: its square weights pairs by their accuracy.
                 let weight = overlap * overlap;
                 sums = [sums[0] + weight * cubic(plane, shift), sums[1] + weight, sums[2] + weight * variance];
             }
@@ -350,6 +351,7 @@ impl<'a> Blocks<'a> {
                     let apart = |s: usize, t: usize| if t == frame { time - times[s] } else { times[t] - time };
                     of_frame.iter().map(|((s, t), row)| at(row, apart(*s, *t))).sum()
                 };
+                // All times of one frame are tried, so that no local maximum along its time holds the ascent.
                 let all = (ends[0]..=ends[1]).map(|i| i as f64 / PARTS).map(|time| (value(time), time));
                 times[frame] = all.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(times[frame], |best| best.1);
             }

@@ -63,6 +63,7 @@ impl SearchTable {
     pub fn new(distances: &[Offset], track: Track, overlap: &[f32]) -> Self {
         let lag_count = distances.len();
         let lags = lag_count.clamp(1, SEARCH_LAGS);
+        // The farthest lag moves the most by a slope, so it sets the step.
         let step = SEARCH_STEP / lags as f64;
         let radius = REACH / lag_count.clamp(1, 3) as f64;
         let half = (radius / step).floor() as i64;

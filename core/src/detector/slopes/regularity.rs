@@ -1,8 +1,7 @@
 //! Irregularities in the motion of a burst: of time ([`super::event`]), and of place.
 //!
 //! Where the picture turns or grows, slopes change linearly with place, so an affine map from place to slope is fitted
-//! robustly. Its antisymmetric part is a turn, the mean of its diagonal growth; the rest is shear, as of a plane seen at
-//! an angle, and must be smaller.
+//! robustly. Its antisymmetric part is a turn, its mean diagonal growth; shear, as of slanted planes, must be smaller.
 
 use super::evidence::{Steps, is_clear};
 use super::{Size, SlopeEvidence};

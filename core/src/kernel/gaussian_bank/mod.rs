@@ -100,6 +100,7 @@ pub fn filter_tile<L: Lines + ?Sized>(
     batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
 ) {
     assert_eq!(differences.len() + 1, along_u.levels.len(), "one difference fewer than levels");
+    // Rows of whole blocks: no pass needs a case for a shorter end.
     let stride = region.columns.len().next_multiple_of(BLOCK);
     differences.iter_mut().for_each(|tile| tile.reset(region, stride));
     if let Some((_, tile)) = &mut keep {
@@ -239,6 +240,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         let difference = index.checked_sub(1).map(|i| self.differences[i].rows_from_mut(first, ROWS));
         let mut sink = Sink { level: &mut level[(first - batch_start) * BLOCK..][..ROWS * BLOCK], difference };
         match section {
+            // Inner rows share one set of weights; each row at an edge has its own.
             Section::Inner => {
                 let around = first - top - (weights.half.len() - 1);
                 inner_rows::<S, ROWS>(simd, &weights.half, &rows[around..], block, stride, &mut sink);

@@ -30,6 +30,7 @@ pub(crate) struct Packed {
 /// All levels of `axis`, in as few groups of (nearly) equal size as [`MOST`] allows.
 pub(crate) fn packed(axis: &Axis) -> Vec<Packed> {
     let count = axis.levels.len();
+    // Groups of even size: a small rest would load the pixels for few levels.
     let size = count.div_ceil(count.div_ceil(MOST).max(1)).max(1);
     (0..count)
         .step_by(size)
@@ -67,6 +68,7 @@ pub(crate) fn convolve_row<S: Simd>(
     blocks: Blocks,
     out: &mut [&mut [f32]],
 ) {
+    // The number of levels is a constant of each version, so that all sums stay in registers.
     match group.levels.len() {
         1 => convolve::<S, 1>(simd, group, line, blocks, out),
         2 => convolve::<S, 2>(simd, group, line, blocks, out),

@@ -213,6 +213,7 @@ pub(crate) fn composed(chain: &[GaussianKernel], cut: f64) -> Vec<GaussianKernel
             taps = convolved(&taps, &all_taps(step.half()));
             let middle = taps.len() / 2;
             let variance: f64 = taps.iter().enumerate().map(|(i, tap)| tap * (i as f64 - middle as f64).powi(2)).sum();
+            // Never below the radius before: passes rely on radii that rise with the level.
             radius = ((cut * variance.sqrt()).ceil() as usize).clamp(radius, middle.max(radius));
             let half = &taps[middle..=(middle + radius).min(taps.len() - 1)];
             let sum = half[0] + 2.0 * half[1..].iter().sum::<f64>();
