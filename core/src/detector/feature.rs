@@ -138,9 +138,8 @@ impl Feature {
         strength(self.response, self.snr)
     }
 
-    /// Whether it was found on the rim of the slopes of `params`, or, where each slope is searched for itself, at a
-    /// slope nearest to the rim: no slope beyond allows interpolation, so its slope is less exact. (A joint extremum
-    /// beside the rim is stronger than the rim.)
+    /// Whether it was found on the rim of the slopes of `params` or, if each slope is searched for itself, nearest to
+    /// it: nothing beyond allows interpolation, so its slope is less exact. (A joint extremum exceeds the rim.)
     pub fn is_on_rim(&self, params: &DetectorParams) -> bool {
         let grid = params.used_slopes();
         let (i, j) = grid.coordinates(self.slope_index);

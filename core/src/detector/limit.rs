@@ -1,8 +1,7 @@
 //! Features at the limit of the searched slopes: their own response shows that their motion lies beyond.
 //!
-//! A place on the rim of the slopes alone is no evidence: noise, edges and ghosts lie there too. The response is: |D|
-//! of a blob over slope is one bump around its own slope. A larger |D| a step beyond the rim than on the rim puts the
-//! middle of the bump more than half a step beyond.
+//! A place on the rim alone is no evidence: noise, edges and ghosts lie there too. The response is: |D| over slope is
+//! one bump around a blob's own. If |D| grows a step beyond the rim, its middle is over half a step beyond.
 //!
 //! Noise moves that comparison. D at two slopes has the correlation 1 − loss, where *loss* is the part of its response
 //! that a blob of this scale loses over the difference ([`response_loss`]), so the difference of D has the standard

@@ -1,17 +1,17 @@
 //! White noise of a frame, estimated from the burst, and the threshold on D; for other noise [`super::noise_model`].
 //!
-//! Estimate. Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1
-//! −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over
-//! 0.6745 is the standard deviation, which a minority of edges hardly changes. Texture can only add, so the smaller of
-//! the two estimates is taken. The filter runs on short pieces of rows spread evenly over the image, the same in every
-//! frame. Pixels at the ends of the file's range are excluded: there the noise is cut off.
+//! Estimate. Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask
+//! `[1 −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes
+//! over 0.6745 is the standard deviation, which a minority of edges hardly changes. Texture can only add, so the
+//! smaller of the two estimates is taken. The filter runs on short pieces of rows spread evenly over the image, the
+//! same in every frame, without pixels at the ends of the file's range, where noise is cut off.
 //!
 //! Gate. The noise in D falls with scale while a blob's response does not. So the noise of one frame, σ_F
 //! ([`frame_noise`]), is carried through mean, interpolation and filter; the gate requires |D| ≥ k·σ_D at each level.
 //!
-//! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. All its parts are
-//! nearly Gaussian, with known inner products: ∫ g(A)·g(B) = 1/√(2π(A+B)) in one dimension, for variances A and B.
-//! Bilinear sampling at a fraction f adds the variance f(1−f) in its direction; its mean over the frames is taken.
+//! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. Its parts are nearly
+//! Gaussian, with inner products ∫ g(A)·g(B) = 1/√(2π(A+B)) in one dimension, for variances A and B. Bilinear sampling
+//! at a fraction f adds the variance f(1−f) in its direction; its mean over the frames is taken.
 
 use crate::burst::Burst;
 use crate::detector::params::{DetectorParams, NoiseGate, SlopeExtrema};
@@ -225,8 +225,7 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
         NoiseGate::Strict => 0.5,
         // They match nothing, while faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
         NoiseGate::Auto => 5.0,
-        // Below the gates for which the factors were measured: 300 to 360 features come through. They cost time and
-        // give few wrong matches (docs/MEASUREMENTS.md).
+        // Below the measured gates: 300 to 360 features pass; they cost time and few mismatches (docs/MEASUREMENTS.md).
         NoiseGate::Matching => 100.0,
     };
     let maxima_per_pixel = match params.used_extrema() {

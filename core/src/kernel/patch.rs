@@ -1,10 +1,9 @@
 //! Patches: the pixels around one feature at one slope, their motion stack and their blur.
 //!
-//! Localisation and description make the small part that they need of a feature's own motion-stack image again. A patch
+//! Localisation and description make the part that they need of a feature's own motion-stack image again. A patch
 //! always holds the whole rectangle: beyond the octave's border the nearest pixel is repeated. Where every frame covers
-//! the patch, pixels that belong together and their weights are computed once for all of it; at the sides row by row. A
-//! pixel has the same bits either way, unless a frame is read between its rows. One blur to a level equals the levels'
-//! chain of blurs up to the kernels' cut.
+//! the patch, pixels that belong together and their weights are computed once; at the sides row by row. A pixel has the
+//! same bits either way, unless a frame is read between its rows. One blur equals a chain up to its cut.
 
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};

@@ -1,12 +1,11 @@
 //! Rows of motion-stack images, for several slopes at once.
 //!
 //! The slopes of a group read the same rows of the same frames, a few columns apart, so each row comes from memory
-//! once; slopes that agree in their vertical part share the mixing of two rows into one. Some rows are made together,
-//! since the setup of a sum takes as long as a part of it. Where every frame of a row covers the column and the next
-//! one, rows are weighted sums of the frames' rows (`WeightedRows`). Each frame pixel adds to two pixels of the sum, at
-//! its place and one before: two sums are made from the same loads and finally added, the second one shifted by a
-//! pixel; one sum is enough where all fractions are alike. At the sides frames are added in turn and divided by their
-//! number. Patches around features use the same code, to the bit.
+//! once; slopes that agree in their vertical part share the mixing of two rows into one. Rows are made some at a time,
+//! since setting up a sum takes long. Where every frame of a row covers the column and the next one, rows are weighted
+//! sums of the frames' rows (`WeightedRows`). Each frame pixel adds to two pixels, its own place and one before: two
+//! sums of the same loads are added, the second shifted by a pixel; one sum is enough where all fractions are alike. At
+//! the sides frames are added in turn and divided by their number. Patches have the same bits.
 
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
 use crate::kernel::masked_rows::MaskedRows;

@@ -1,8 +1,7 @@
 //! Gaussian kernels, and the plain separable blur that defines their result.
 //!
-//! A kernel is the Gaussian sampled at whole pixels out to ⌈4σ⌉ and normalised to sum 1, as in VLFeat (`vl_imsmooth`);
-//! beyond the image the nearest pixel is repeated. The detector makes its levels with `crate::kernel::gaussian_bank`;
-//! [`gaussian_blur`] is the reference for its tests.
+//! A kernel is the Gaussian sampled at whole pixels out to ⌈4σ⌉, of sum 1, as in VLFeat (`vl_imsmooth`); beyond the
+//! image the nearest pixel is repeated. [`gaussian_blur`] is the reference for `crate::kernel::gaussian_bank`.
 
 use super::{Mask, Plane};
 use crate::monitor::{Cancelled, Monitor};

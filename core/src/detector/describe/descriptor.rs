@@ -1,8 +1,7 @@
 //! Descriptors: 4×4 histograms of gradient directions around a feature, turned by its orientation.
 //!
-//! As in VLFeat: 4×4 cells of 3σ, each a histogram of 8 directions, filled with trilinear weights under a Gaussian of
-//! two cells. The 128 numbers are normalised, cut at 0.2, normalised again, then L1-normalised, square-rooted
-//! ("RootSIFT"), multiplied by 512 and cut at 255.
+//! As in VLFeat: 4×4 cells of 3σ, each a histogram of 8 directions, with trilinear weights under a Gaussian of two
+//! cells. All 128 are normalised, cut at 0.2, normalised, L1-normalised, rooted ("RootSIFT"), times 512, cut at 255.
 //!
 //! Pooled over scales, after Dong and Soatto ("Domain-Size Pooling in Local Descriptors: DSP-SIFT", CVPR 2015): the
 //! sums of each scale are normalised and added before the root, and not cut, which in the dark costs matches.

@@ -4,7 +4,7 @@
 //! one frame. With σ, the noise of one frame, z = S/(√N·σ) is standard normal in empty cells. Most of a scene is empty
 //! and a part of it strong structure, so the evidence is the logarithm of a mixture: empty (a share 1 − π), or
 //! structure ρ times as strong as the noise of S (a share π). It is about 0 for noise, whatever the slope, and grows as
-//! z²/2 for structure; a plain square would add the noise of all empty cells to each window.
+//! z²/2 for structure; a plain square would add the noise of empty cells.
 
 use crate::burst::Offset;
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};

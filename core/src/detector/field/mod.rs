@@ -1,11 +1,11 @@
 //! Field of motion: how each place of a burst moves, and how surely that is known.
 //!
-//! The slope of a single feature is where the noise happens to help it most, and along an edge it is not defined at
-//! all. The motion of a *place* is known much better, since its surroundings mostly move alike. A sweep (`evidence`) of
-//! the plane of slopes on reduced, band-passed frames gives, for each cell and slope, how much more likely the frames
-//! are if the cell moves so, in nats. All evidence together gives how likely each motion is at each cell (`posterior`):
-//! its mean around the likeliest one is the motion, its variance the uncertainty. Things of a few cells are found by
-//! the window around each (`windows`). The burst's motions become [layers](MotionLayer); [`in_focus`] stacks by place.
+//! The slope of a single feature is where noise helps it most, and along an edge it is undefined. The motion of a
+//! *place* is known much better, since its surroundings mostly move alike. A sweep (`evidence`) of the plane of slopes
+//! on reduced, band-passed frames gives, for each cell and slope, how much more likely the frames are if the cell moves
+//! so, in nats. All evidence together gives how likely each motion is at each cell (`posterior`): its mean around the
+//! likeliest one is the motion, its variance the uncertainty. Things of a few cells are found by the window around each
+//! (`windows`). The burst's motions become [layers](MotionLayer); [`in_focus`] stacks by place.
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
 

@@ -6,8 +6,7 @@
 //! *Motions between the swept slopes.* Each cell's evidence is read at its own motion plus a common offset, whose sum
 //! over a window has its peak where the window is off on average. A prior holds the offset against noise.
 //!
-//! *Certainty.* How sharply such a sum falls over a wide window shows whether the structure determines the motion: an
-//! edge does not along itself, and noise not at all.
+//! *Certainty.* Sums over a wide window fall sharply where structure determines the motion: edges only across.
 
 use super::evidence::Evidence;
 use super::posterior::{Candidates, MotionEstimate};

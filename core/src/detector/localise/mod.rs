@@ -58,9 +58,8 @@ pub(super) fn slopes_around(params: &DetectorParams, grid: &SlopeGrid) -> usize 
     }
 }
 
-/// Keypoint with refined place, slope and scale, or unchanged where the parameters ask for the quadratic fit alone or
-/// the refinement fails; and its [width](motion_width) in slope. `raw` holds the pixels around it, of σ `from`;
-/// `bases` are the first levels of all octaves.
+/// Keypoint with refined place, slope and scale, or unchanged with the quadratic fit alone or a failed refinement; and
+/// its [width](motion_width) in slope. `raw`: pixels around it, of σ `from`; `bases`: first levels of all octaves.
 pub(super) fn located(
     search: &Search<'_>,
     bases: &[FirstLevels],

@@ -2,9 +2,8 @@
 //!
 //! Three consecutive frames enter with the weights 1, −2, 1, which removes steady changes; each is read where the scene
 //! has moved to, in whole pixels, so that nothing is interpolated. A texture half a pixel off leaves less than two
-//! percent of its power. For each measured part the slope is the one, among those of the search, at which the mean
-//! of the shifted frames has the most power. That mean is independent of contrasts, whose weights sum to 0, so the
-//! choice does not change the noise measured.
+//! percent of its power. For each part the slope is the one of the search at which the mean of the shifted frames has
+//! the most power. Contrasts, whose weights sum to 0, are independent of it: the choice leaves the noise.
 
 use super::reading::BoxPyramid;
 use crate::burst::Offset;

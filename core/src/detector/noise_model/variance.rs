@@ -2,10 +2,10 @@
 //!
 //! Photon transfer: variance = a·I + b, since the number of photons varies by its square root; reading out adds b. The
 //! quiet part of each group of equally bright squares gives a point. The line is fitted by the median slope between any
-//! two (Theil–Sen), then by iteratively reweighted least squares, in which groups far from the line do not count.
-//! By place: the excess is the median, over the nine squares around, of the variance over the predicted one. Squares
-//! that differ from a steady rise by more than noise have texture or lie across a border: they take the largest excess
-//! of trusted neighbours. Without the map `varying-6` has 734 false features a megapixel at the strict gate, not 6.
+//! two (Theil–Sen), then by iteratively reweighted least squares, in which groups far from the line do not count. By
+//! place: the excess is the median, over the nine squares around, of the variance over the predicted one. Squares that
+//! differ from a steady rise by more than noise have texture or lie across a border: they take the largest excess of
+//! trusted neighbours. Without the map `varying-6` has 734 false features a megapixel at the strict gate, not 6.
 
 use super::high_pass::{Lattice, around, median, quiet_variance, sorted, spread};
 use super::reading::sample_at;

@@ -29,9 +29,8 @@ impl SearchParams {
     /// These parameters with the `given` values, as typed on the command line, in place of their own; checked.
     ///
     /// Slopes are found from each burst unless ranges are given here or in these parameters; a direction alone
-    /// restricts the search to a line in that direction. Rules come first, with the
-    /// [parameters that go with them](DetectorParams::under). An axis of slopes that is missing is that of these
-    /// parameters, or 0 where they have no ranges.
+    /// restricts the search to a line in that direction. Rules come first, with the [parameters that go with
+    /// them](DetectorParams::under). A missing axis is that of these parameters, or 0 without ranges.
     ///
     /// # Errors
     /// The first value that cannot be read, or the first parameter that makes no sense.

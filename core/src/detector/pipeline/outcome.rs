@@ -18,9 +18,8 @@ use std::sync::{Arc, OnceLock};
 /// σ_D at the place of least noise, by octave, DoG level index and slope.
 pub(super) type SigmaD = Vec<Vec<Vec<f32>>>;
 
-/// Whether the result of a search with `params` follows from a search with `searched`: they differ only in parameters
-/// that are judged later, and `params` are as strict. (In noise with very light tails a higher gate may be less strict;
-/// the judgement then returns `None`.)
+/// Whether a search with `params` follows from one with `searched`: they differ only in parameters judged later, and
+/// `params` are as strict. (In noise with very light tails a higher gate may be less strict: the judgement is `None`.)
 pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
     searched.judged_as(params) == *params && params.validate().is_ok() && are_as_strict(params, searched)
 }

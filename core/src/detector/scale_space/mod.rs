@@ -2,14 +2,14 @@
 //! tiles of D in one octave; `planes` computes whole levels of one slope.
 //!
 //! Octaves and levels are in VLFeat's convention. Octave `o` has pixels of 2^o input pixels; its levels `s = −1 … S+1`
-//! have σ = σ0·2^(o + s/S) input pixels, with σ0 = 1.6·2^(1/S), so that the first level of an octave always has σ = 1.6
+//! have σ = σ0·2^(o + s/S) input pixels, with σ0 = 1.6·2^(1/S), so that an octave's first level always has σ = 1.6
 //! octave pixels. The input is taken to have σ = 0.5. Each level is blurred from the level before by
-//! σ0·2^(s/S)·√(1 − 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, with twice the first level's
-//! σ. DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are searched at levels 0 … S−1. Octave −1 is the image
-//! doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). A positive first octave o has every 2^o-th pixel of
-//! the mean of *binned* frames: means of pixels less than 2^o columns and rows away, weighted by a triangle, with the
-//! nearest pixel repeated beyond the frame. Binning commutes with shifts and sums, so each frame is binned once for all
-//! slopes. Codes that skip pixels instead ([`CoarseStart`]) lose their light, and alias.
+//! σ0·2^(s/S)·√(1 − 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, with twice
+//! the first level's σ. DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are searched at levels 0 … S−1. Octave
+//! −1 is the image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). A positive first octave o has every
+//! 2^o-th pixel of the mean of *binned* frames: triangle-weighted means of pixels less than 2^o columns and rows away,
+//! the nearest repeated beyond the frame. Binning commutes with shifts and sums, so each frame is binned once for all
+//! slopes. Codes that skip pixels ([`CoarseStart`]) lose light, and alias.
 //!
 //! Tiles include the pixels around them that their filters need, so each value is bitwise independent of the tiles.
 
@@ -215,8 +215,7 @@ pub struct OctaveFilters {
 }
 
 impl OctaveFilters {
-    /// Filters for an octave of `size` of `space`, the first one or another; `bank` makes the Gaussian level indices
-    /// `levels` (0 is level −1), as [`ScaleSpace::bank`] gives it.
+    /// Filters for an octave of `size`; `bank` ([`ScaleSpace::bank`]) makes the level indices `levels` (0 is level −1).
     pub fn new(space: &ScaleSpace, bank: &FilterBank, levels: &Range<usize>, size: (usize, usize)) -> Self {
         let next = levels.contains(&space.levels).then(|| space.levels - levels.start);
         Self { along_u: bank.axis(size.0), along_v: bank.axis(size.1), next }

@@ -189,8 +189,7 @@ impl SlopeWindow {
 }
 
 /// Slope of the extremum between the grid's slopes: `around[dj + 1][di + 1]` is D of the refined sample at the slopes
-/// around slope `index`, 0 beyond the grid. An axis on which `index` is the first or last keeps the grid's slope, and
-/// so do both where other slopes are not used.
+/// around `index`, 0 beyond the grid. Axes on which it is first or last, or all if no others are used, keep its slope.
 pub fn refined_slope(grid: &SlopeGrid, others: OtherSlopes, index: usize, around: &[[f32; 3]; 3]) -> Slope {
     if others == OtherSlopes::Unseen {
         return grid.slope(index);

@@ -5,7 +5,7 @@
 //! window counts when it is significant, determines its slope, is not ambiguous, and is certain by itself or confirmed
 //! by another. If those that count lie on a line through slope 0, the grid is this line, otherwise a plane, turned if
 //! that makes it much smaller. Its slopes are multiples of the step and end one to two steps beyond the evidence, so
-//! that the grid of a burst and that of a part of it have their points in common.
+//! that grids of a burst and of a part of it share points.
 
 use super::lags::Lags;
 use super::peak::{SearchTable, Track};

@@ -1,11 +1,10 @@
 //! Slope finder: finds the slopes that a burst needs from the burst alone. (The paper gives their range by hand.)
 //!
 //! Where the band-passed motion stack at a slope has power there are features. That power is a sum, over pairs of
-//! frames, of their correlation at the shift that the slope gives them; without each frame's product with itself it
-//! lacks the power of its noise. `spectra` computes the correlations of small windows, `peak` finds a window's slope
-//! and the path of the picture, and `evidence` looks at windows of many places and sizes and chooses the slopes to
-//! search. `order` finds what happened to the frames (`event`), `regularity` whether the picture turns or grows. A
-//! histogram of features would not work: in the dark it is flat.
+//! frames, of their correlation at the shift that the slope gives them; without products of frames with themselves it
+//! lacks their noise. `spectra` computes the correlations of small windows, `peak` finds a window's slope and the path
+//! of the picture, and `evidence` chooses the slopes to search by windows of many places and sizes. `order` finds what
+//! happened to the frames (`event`), `regularity` turns and growth. A histogram of features would be flat in the dark.
 
 mod event;
 mod evidence;

@@ -5,7 +5,7 @@
 //! of all blocks, the correlation of a pair is a function of its time difference alone, and the sum over pairs one of
 //! the times of all frames: a log-likelihood, in nats, half the square of each block's significance, at its best slope.
 //! Times are sought freely, and as one event that happens to cameras, such as two frames exchanged or one missing. An
-//! event is reported only if it explains nearly all that free times do, and no other one does.
+//! event is reported if it alone explains nearly all that free times do.
 
 use super::SlopeEvidence;
 use super::event::{Event, MAX_MISSING, MAX_SCRAMBLED};
