@@ -23,26 +23,25 @@ use std::time::Instant;
 /// ```
 ///
 /// # Errors
-/// Parameters that make no sense for the burst, and cancellation once `monitor`
-/// was cancelled.
+/// Parameters that make no sense for the burst, and cancellation once `monitor` was cancelled.
 pub fn detect(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Detection> {
     Ok(search(burst, &params.clone().into(), monitor)?.detection)
 }
 
-/// Features of a burst, with the slopes that were searched.
+/// Features of a burst, with the slopes that were searched: the result of [`search`].
 #[derive(Debug, Clone)]
 pub struct Searched {
-    /// The features.
+    /// Features, descriptors, and the data that the search used.
     pub detection: Detection,
-    /// The parameters of the search: the requested ones, with the slopes that were searched.
+    /// Requested parameters with the searched slopes.
     pub params: DetectorParams,
-    /// The result of finding the slopes, if they were to be found.
+    /// Finding of the slopes, if they were to be found.
     pub finding: Option<SlopeFinding>,
-    /// Time taken to find the slopes, seconds; 0 where they were given.
+    /// Seconds taken to find the slopes; 0 where they were given.
     pub slopes_secs: f32,
 }
 
-/// Finds the slopes of a burst if they are to be found, and then its features. For bursts whose motion is not known.
+/// Finds the slopes of a burst if they are to be found, and then its features: for bursts of unknown motion.
 ///
 /// ```
 /// use burstscope_core::{Monitor, detect::search, detector::SearchParams, synth::demo_burst};
@@ -64,10 +63,9 @@ pub fn search(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result
 /// Share of a search's progress that finding the slopes takes.
 const SLOPES_SHARE: f32 = 0.2;
 
-/// Largest number of times that the slopes found are widened.
 const MOST_WIDENED: usize = 2;
 
-/// A search whose slopes are found and whose frames are merged, as its parameters ask for.
+/// Search whose slopes are found and whose frames are merged, as its parameters request.
 pub(crate) struct PreparedSearch {
     pub burst: Burst,
     pub params: DetectorParams,
@@ -75,9 +73,8 @@ pub(crate) struct PreparedSearch {
     asked: DetectorParams,
     pub finding: Option<SlopeFinding>,
     slopes_secs: f32,
-    /// Monitor of the search itself.
+    /// Monitor of the steps after finding the slopes.
     pub rest: Monitor,
-    /// Number of times that the slopes found were widened.
     widened: usize,
 }
 
@@ -93,11 +90,12 @@ impl PreparedSearch {
     }
 
     /// Widens the slopes found where features and field of motion of `detection` show that a part of the picture moves
-    /// beyond them, such as a floor that comes near. Whether it did, and the search has to be made once more.
+    /// beyond them, such as a floor that comes near; true if the search has to be made once more.
     pub fn is_widened(&mut self, detection: &Detection) -> Result<bool> {
         let Some(finding) = self.finding.as_mut().filter(|finding| finding.verdict == SlopeVerdict::Found) else {
             return Ok(false);
         };
+        // Without confirmed evidence, or after several turns, noise would lead on and on.
         let seen = !finding.confirmed(&self.params, &self.burst.positions).is_empty();
         let field = detection.field.as_ref().filter(|_| seen && self.widened < MOST_WIDENED);
         let beyond = field.and_then(|field| field.beyond(&finding.grid, Some(&detection.features)));
@@ -113,8 +111,8 @@ impl PreparedSearch {
     }
 }
 
-/// Checks, before the burst that `inputs` name is opened, that there is memory for its search; the error says the least
-/// that it needs, and changes that would lower it. A file that cannot be read passes: opening it reports the error.
+/// Checks, before the burst that `inputs` name is opened, that there is memory for its search; the error gives the
+/// least need and changes that lower it. A file that cannot be read passes: opening it reports the error.
 pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchParams, monitor: &Monitor) -> Result<()> {
     match Info::of(inputs, options, &monitor.silent()) {
         Ok(info) => memory::check_before_opening(params, info.frames, (info.width, info.height)),
@@ -122,7 +120,7 @@ pub fn check_memory(inputs: &[PathBuf], options: &OpenOptions, params: &SearchPa
     }
 }
 
-/// The burst to search and its parameters: for [`Method::Merge`] one merged frame, otherwise the given ones unchanged.
+/// Burst to search and its parameters: for [`Method::Merge`] one merged frame, otherwise the given ones unchanged.
 ///
 /// # Errors
 /// As [`detect`].

@@ -11,8 +11,7 @@ use crate::burst::Burst;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Plane, memory};
 
-/// Mean of all frames of `burst`, as a burst of one frame with the middle frame's mask: what moves is
-/// smeared.
+/// Mean of all frames of `burst`, as a burst of one frame with the middle frame's mask: moving structure is smeared.
 pub fn plain_mean(burst: &Burst, monitor: &Monitor) -> Result<Burst, Cancelled> {
     let (width, height) = burst.size();
     // Sums of many 16-bit values need more than the 24 bits of f32.

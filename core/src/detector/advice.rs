@@ -1,6 +1,5 @@
 //! Advice on a detection with few or no features: the reason, and a setting to change. A good detection rejects nearly
-//! every sample too, so each test's share of rejected candidates is compared with its usual one; the test that exceeds
-//! it most is to blame. (Whether the slopes fit is judged in `inspect::spectrum`.)
+//! every sample too, so each test's share of rejections is compared with its usual one, and the worst test blamed.
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, Param, SearchParams, Word, doc};
@@ -9,11 +8,11 @@ use super::test::{LOWEST_GATE, wider_axis};
 /// Reason for a poor detection, and a setting to change.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Advice {
-    /// The reason: a clause without a capital at its start or a full stop at its end.
+    /// Reason: a clause without a capital at its start or a full stop at its end.
     pub problem: String,
     /// Parameter to change.
     pub parameter: Param<SearchParams>,
-    /// Its new value, as the command line takes it.
+    /// New value of the parameter, in the syntax of the command line.
     pub value: String,
 }
 
@@ -33,18 +32,18 @@ impl Advice {
 const LITTLE_PER_MEGAPIXEL: f64 = 50.0;
 /// Fewer features than this are too few in an image of any size.
 const LITTLE: usize = 8;
-/// Minimum number of samples above both thresholds for one feature: usually one of 650 to 1000 became a keypoint.
+/// Least number of samples above both thresholds for one feature: usually one of 650 to 1000 became a keypoint.
 const SAMPLES_PER_FEATURE: u64 = 500;
-/// A test that lets pass less than this fraction of its usual share is to blame.
+/// Part of its usual share of passing candidates below which a test is blamed.
 const BLAMED_BELOW: f64 = 0.5;
 /// Gate's share of rejected samples below which the peak threshold before it had already taken the noise.
 const GATE_REJECTS_NOISE: f64 = 0.999;
 
-/// Explains why `detection`, found with `params` in images of `size` (columns, rows), has few or no features; `None`
-/// where it has enough, or where the parameters ask for few.
+/// Explains why `detection` by `params` has few or no features in `size` (columns, rows); `None` where it has enough.
 pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usize)) -> Option<Advice> {
     let found = detection.features.len();
     let wanted = LITTLE.max((LITTLE_PER_MEGAPIXEL * 1e-6 * size.0 as f64 * size.1 as f64) as usize);
+    // Features cut by the user's maximum were found: nothing is wrong.
     if found >= wanted || detection.tally.rejected_by(Test::MaxFeatures) > 0 {
         return None;
     }
@@ -56,7 +55,6 @@ pub fn explain(detection: &Detection, params: &DetectorParams, size: (usize, usi
     little(&what, wanted as u64, &detection.tally, params, detection.noise_gate_factor)
 }
 
-/// Advice where there are few or no features.
 fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate: f32) -> Option<Advice> {
     let advice =
         |problem: String, parameter: Param<SearchParams>, value: String| Some(Advice { problem, parameter, value });
@@ -70,6 +68,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
     };
     let above_peak = tally.samples.saturating_sub(tally.rejected_by(Test::PeakThreshold));
     let above = above_peak.saturating_sub(tally.rejected_by(Test::NoiseGate));
+    // Too little reached the later tests, so a threshold is to blame: the peak threshold if it left the gate no noise.
     if above < SAMPLES_PER_FEATURE * wanted {
         let gated = tally.rejected_by(Test::NoiseGate) as f64 / above_peak.max(1) as f64;
         if params.peak_threshold > 0.0 && above_peak < tally.samples && gated < GATE_REJECTS_NOISE {
@@ -82,7 +81,7 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
                 advice(problem, doc::NOISE_GATE, LOWEST_GATE.to_string())
             }
             Method::Buff => {
-                // Twice as wide.
+                // Twice as wide, half of it on each side.
                 let (parameter, axis) = wider_axis(&params.slopes);
                 let more = axis.count.saturating_sub(1).div_ceil(2).max(1);
                 advice(problem, parameter, axis.with_more(more, more).to_string())
@@ -95,13 +94,14 @@ fn little(what: &str, wanted: u64, tally: &Tally, params: &DetectorParams, gate:
     advice(took(test, reached), parameter, value)
 }
 
-/// The test after the thresholds that most exceeds its usual share of rejections, and how many candidates reached it.
+/// Test after the thresholds that most exceeds its usual share of rejections, and how many candidates reached it.
 fn to_blame(tally: &Tally) -> Option<(Test, u64)> {
     let mut reached = tally.samples;
     let mut worst: Option<(f64, Test, u64)> = None;
     for test in Test::ALL {
         let passed = reached.saturating_sub(tally.rejected_by(test));
         if let Some(usual) = test.record().usual_share.filter(|_| reached > 0) {
+            // Tests reject very different shares as a rule: each is compared with its usual one.
             let over_usual = passed as f64 / reached as f64 / usual;
             if over_usual < BLAMED_BELOW && worst.is_none_or(|(min, ..)| over_usual < min) {
                 worst = Some((over_usual, test, reached));

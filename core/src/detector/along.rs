@@ -1,10 +1,9 @@
 //! The response along a motion: D at single places, at any slope, and the pixels around a place from which it follows.
 //!
-//! A feature lies at a slope of its own, between those of the grid, whose stacks smear it. So the frames are shifted
-//! again, for octaves above 0 frames of that octave's resolution ([`OctaveFrames`]): each pixel the mean of 2^o × 2^o
-//! of a frame's. D at a place is the mean of the shifted frames in a small patch, weighted by two Gaussians. Stacking
-//! and filtering commute, so the values are those of a search at that slope, up to interpolation (and, in coarser
-//! octaves, the way in which the frames are brought to their resolution).
+//! A feature lies at a slope of its own, between the grid's slopes, whose stacks smear it. So the frames are shifted
+//! again, in octaves above 0 frames of that octave's resolution ([`OctaveFrames`]): means of 2^o × 2^o pixels. D at a
+//! place is the mean of the shifted frames in a small patch, weighted by two Gaussians. Stacking and filtering commute,
+//! so the values are those of a search at that slope, up to interpolation (and, in coarser octaves, the reduction).
 
 use crate::detector::params::Slope;
 use crate::detector::scale_space::{Base, SIGMA_INPUT, octave_pixel, octave_size};
@@ -52,7 +51,7 @@ impl Base<'_> {
                 patch.repeat_border(size);
             }
             Self::Frames { frames, offsets, octave: -1 } => {
-                // Pixels between which those of the doubled image lie. Repeated border pixels double to repeated ones.
+                // Pixels between which the doubled ones lie. Repeated border pixels double to repeated ones.
                 let narrow = |range: &Range<i64>| range.start.div_euclid(2)..(range.end - 1).div_euclid(2) + 2;
                 scratch.narrow.reset(narrow(&columns), narrow(&rows));
                 stack_patch(frames, offsets, &mut scratch.narrow, &mut scratch.sums);
@@ -69,15 +68,14 @@ impl Base<'_> {
                 patch.repeat_border(size);
             }
         }
+        // Smaller numbers have smaller rounding errors in the sums that follow.
         patch.centre();
     }
 }
 
-/// For each octave from 0 on, means of 2^octave × 2^octave pixels of each frame, computed on first use; octave 0 uses
-/// the frames unchanged.
+/// For each octave from 0 on, means of 2^octave × 2^octave pixels of each frame, on first use; octave 0 stays empty.
 pub type Means = Vec<OnceLock<Vec<Plane>>>;
 
-/// The frames of a search at the resolutions of all octaves.
 pub struct Along<'a> {
     pub inputs: &'a Inputs,
     planes: Vec<&'a Plane>,
@@ -94,7 +92,6 @@ impl<'a> Along<'a> {
         Self { inputs, planes: inputs.planes(), means: Cow::Borrowed(means) }
     }
 
-    /// Means of which none is computed yet.
     pub fn no_means(inputs: &Inputs) -> Means {
         vec![OnceLock::new(); inputs.octaves().end.max(0) as usize]
     }
@@ -104,10 +101,9 @@ impl<'a> Along<'a> {
         self.made(octave, matches!(self.means, Cow::Owned(_)));
     }
 
-    /// Frames of `octave`, one of those searched.
     pub fn of(&self, octave: i32) -> OctaveFrames<'_> {
-        // Many threads may call this at once. The thread that computes must work alone: if it waited for others, it
-        // would run other jobs meanwhile, which may need the same frames and so wait for itself.
+        // Many threads may call this at once. The thread that computes must work alone: waiting for others, it would
+        // run jobs that may need the same frames, and so wait for itself.
         OctaveFrames { octave, inputs: self.inputs, planes: self.made(octave, false) }
     }
 
@@ -122,8 +118,8 @@ impl<'a> Along<'a> {
         self.means[octave as usize].get_or_init(make).iter().collect()
     }
 
-    /// D of the mean of the `chosen` frames (indices among those that take part) at each of the DoG `levels` of
-    /// `octave`, on the path through `place` (input pixels, at mid-burst) at `slope`, at the octave's nearest pixel.
+    /// D of the mean of the `chosen` frames (indices among the kept frames) at each of the DoG `levels` of `octave`, on
+    /// the path through `place` (input pixels, at mid-burst) at `slope`, at the octave's nearest pixel.
     pub fn response(
         &self,
         octave: i32,
@@ -138,11 +134,10 @@ impl<'a> Along<'a> {
     }
 }
 
-/// Frames at the resolution of one octave.
 pub struct OctaveFrames<'a> {
     octave: i32,
     inputs: &'a Inputs,
-    /// Those that take part, in time order.
+    /// Kept frames, in time order.
     pub planes: Vec<&'a Plane>,
 }
 
@@ -157,7 +152,6 @@ impl OctaveFrames<'_> {
         times.of(shifted_offsets(&times.positions, in_octave, shift_px, params.rules.interpolation))
     }
 
-    /// The `chosen` frames, and their offsets at `slope`.
     pub fn chosen(&self, slope: Slope, chosen: &[usize]) -> (Vec<&Plane>, Vec<FrameOffset>) {
         let offsets = self.offsets(slope);
         chosen.iter().map(|&index| (self.planes[index], offsets[index])).unzip()
@@ -173,7 +167,7 @@ impl OctaveFrames<'_> {
         let pixel = 2f64.powi(self.octave);
         let average = if self.octave > 0 { (1.0 - 1.0 / (pixel * pixel)) / 12.0 } else { 0.0 };
         let (u, v) = interpolation_blur(offsets);
-        // A doubled image is read between the frames' pixels, which are two of its own apart.
+        // A doubled image is read between the frames' pixels, two of its own apart.
         let reading = 0.5 * (u + v) * if self.octave < 0 { 4.0 } else { 1.0 };
         ((SIGMA_INPUT / pixel).powi(2) + average + reading).sqrt()
     }
@@ -187,6 +181,7 @@ impl OctaveFrames<'_> {
         place: (f32, f32),
     ) -> Vec<f32> {
         let from = self.sigma_octave(offsets);
+        // The frames are blurred already: each kernel adds what its level lacks.
         let kernel = |s: i32| {
             let sigma = self.inputs.space.sigma_octave(f64::from(s));
             GaussianKernel::new((sigma * sigma - from * from).max(0.0).sqrt())

@@ -1,7 +1,7 @@
 //! Coherence of a feature: how alike the single frames respond along its motion.
 //!
 //! A true feature is in every frame: the responses are level. A ghost (a blob of another motion that shows in the stack
-//! of a wrong slope) responds only in the frames in which the true blob crosses its path, so its responses form a bump.
+//! of a wrong slope) responds only in frames in which the true blob crosses its path: its responses form a bump.
 
 use crate::burst::Offset;
 use crate::detector::along::Along;
@@ -22,7 +22,7 @@ pub struct FrameResponse {
     pub covers: bool,
     /// D of this frame alone, fraction of full scale; NaN where it does not show the place.
     pub value: f32,
-    /// Noise of that D.
+    /// Noise of that D: its standard deviation.
     pub sigma_d: f32,
 }
 
@@ -41,6 +41,7 @@ impl Along<'_> {
         let at = (pixel(place[0], size.0), pixel(place[1], size.1));
         let frames = self.of(octave);
         let in_octave = frames.offsets(slope);
+        // Brightness and noise follow the place through all frames, so that one factor serves them.
         let factor = noise.place_factor(octave, &offsets, floor_pixel((place[0], place[1]), *size), *size);
         let response = |(index, (&t, from_middle)): (usize, (&usize, Offset<f32>))| {
             monitor.check()?;
@@ -60,7 +61,6 @@ impl Along<'_> {
         times.kept.iter().zip(times.from_middle()).enumerate().map(response).collect()
     }
 
-    /// Evenness of the frames' responses along the motion of a feature.
     pub(super) fn evenness(&self, feature: &Feature, monitor: &Monitor) -> Result<Evenness, Cancelled> {
         let (scale, place) = ((feature.octave, feature.level), [feature.u, feature.v]);
         Ok(evenness_of(&self.each_frame(scale, place, feature.slope, monitor)?))
@@ -94,23 +94,22 @@ pub enum Shape {
     Unclear,
 }
 
-/// The evenness of the responses of the frames that show the place.
+/// Evenness of the responses of the frames that show the place, from [`FrameResponse`]s in time order.
 pub fn evenness_of(answers: &[FrameResponse]) -> Evenness {
     evenness(&answers.iter().filter(|answer| answer.covers).map(|a| (a.value, a.sigma_d)).collect::<Vec<_>>())
 }
 
-/// Evenness of responses.
+/// Evenness of responses over frames: whether all frames, or only some, contribute to a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Evenness {
-    /// Mean of the responses.
+    /// Mean of the responses, fraction of full scale.
     pub mean: f32,
-    /// Coherence, 0 … 1: the square of the mean over the mean square, both without the contribution of noise. 1 when
-    /// all frames respond equally; m when only a part m of the frames responds. `None` where single frames are too
-    /// noisy to tell.
+    /// Coherence, 0 … 1: the squared mean over the mean square, both without the contribution of noise. 1 when all
+    /// frames respond equally; m when only a part m of them does. `None` where single frames are too noisy.
     pub coherence: Option<f32>,
     /// Excess of the responses' spread over that of noise, in standard deviations.
     pub unevenness: f32,
-    /// Pattern that follows from these.
+    /// Pattern that follows from coherence and unevenness.
     pub shape: Shape,
 }
 
@@ -124,6 +123,7 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     let mean = answers.iter().map(value).sum::<f64>() / n;
     let square = answers.iter().map(|a| value(a).powi(2)).sum::<f64>() / n;
     let noise = answers.iter().map(|a| f64::from(a.1).powi(2)).sum::<f64>() / n;
+    // Noise adds σ²/n to the squared mean and σ² to the mean square.
     let (of_mean, of_all) = (mean * mean - noise / n, square - noise);
     // The mean square is known to about √(2/n) of the noise's; below twice that there is too little to compare.
     let is_seen = of_all > 2.0 * (2.0 / n).sqrt() * noise && of_all > 0.0;
@@ -137,6 +137,7 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
             if spread > 1e-3 * mean.abs() { f64::from(UNEVEN) * (spread / (0.3 * mean.abs().max(1e-30))) } else { 0.0 }
         }
         () => {
+            // Standardised: the number of frames then does not change the limit.
             let chi2: f64 = answers.iter().map(|a| ((value(a) - mean) / f64::from(a.1).max(1e-30)).powi(2)).sum();
             (chi2 - free) / (2.0 * free).sqrt()
         }
@@ -158,8 +159,7 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     Evenness { mean: mean as f32, coherence, unevenness: unevenness as f32, shape }
 }
 
-/// For each of the responses, whether its frame responds: those averaged with their neighbours that are at least half
-/// the largest, all with the sign of their mean. None where the mean has no sign.
+/// Whether each frame responds: its smoothed response has the sign of the mean and at least half of the maximum.
 pub fn responding(answers: &[(f32, f32)]) -> Vec<bool> {
     let sign = answers.iter().map(|a| a.0).sum::<f32>().signum();
     let at = |i: i64| answers[i.clamp(0, answers.len() as i64 - 1) as usize].0;

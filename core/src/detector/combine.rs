@@ -1,8 +1,6 @@
-//! Ways to combine the shifted frames at a slope: the mean, which the detector uses, and others, which show what is in
-//! some frames only.
+//! Ways to combine the shifted frames at a slope: the mean, for the detector, and others, for structure in some frames.
 //!
-//! Of each pixel the values of the frames that cover it are gathered and sorted. The mean is that of [`motion_stack`],
-//! to the bit.
+//! The values of the frames that cover a pixel are sorted. The mean is that of [`motion_stack`], to the bit.
 
 use super::stack::{frame_offsets, motion_stack};
 use crate::burst::Positions;
@@ -47,7 +45,7 @@ impl Combine {
     pub const ALL: [Self; 7] =
         [Self::Mean, Self::Median, Self::ClippedMean, Self::Max, Self::Min, Self::Deviation, Self::MeanMinusMedian];
 
-    /// The combination of sorted values; at least one.
+    /// Combination of sorted values; at least one.
     fn of_sorted(self, sorted: &[f32]) -> f32 {
         let n = sorted.len();
         let mean = || sorted.iter().sum::<f32>() / n as f32;
@@ -56,6 +54,7 @@ impl Combine {
             Self::Mean => mean(),
             Self::Median => median,
             Self::ClippedMean => {
+                // From quartiles: values to be clipped would widen a standard deviation.
                 let limit = CLIP_SIGMAS / QUARTILES * (sorted[n - 1 - n / 4] - sorted[n / 4]);
                 let near = sorted.iter().filter(|x| (**x - median).abs() <= limit);
                 let (sum, count) = near.fold((0.0, 0.0), |(sum, count), x| (sum + x, count + 1.0));
@@ -72,9 +71,8 @@ impl Combine {
     }
 }
 
-/// Combines `frames` (one size, in time order) at `positions`, at `slope`: of each pixel x the values
-/// F_t(x + (t − t0)·λ) of the frames that see it, as [`motion_stack`] takes their mean. Size and unit are those of the
-/// frames. Rows in parallel.
+/// Combines `frames` (one size, in time order) at `positions`, at `slope`: for each pixel x the values
+/// F_t(x + (t − t0)·λ) of the frames that see it, in the frames' size and unit. Rows in parallel.
 pub fn combined_stack(
     frames: &[&Plane],
     positions: &Positions,
@@ -83,6 +81,7 @@ pub fn combined_stack(
     combine: Combine,
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
+    // The mean comes from the search's own code, so that the two never differ by a bit.
     if combine == Combine::Mean {
         return motion_stack(frames, positions, slope, interpolation, monitor);
     }
@@ -102,6 +101,7 @@ pub fn combined_stack(
             let covering = covered.iter().filter(|(.., rows, columns)| rows.contains(&v) && columns.contains(&u));
             let seeing = covering.filter(|(frame, offset, ..)| offset.weight(frame, (u, v), 0.0) >= 0.5);
             values.extend(seeing.map(|(frame, offset, ..)| sample_clamped(frame, offset, u, v)));
+            // Where every frame is hidden or outside, the nearest pixels of all frames stand in.
             if values.is_empty() {
                 values.extend(covered.iter().map(|(frame, offset, ..)| sample_clamped(frame, offset, u, v)));
             }

@@ -1,13 +1,13 @@
 //! Distinct keypoints: one keypoint for one blob, over all slopes, scales and octaves.
 //!
-//! Two keypoints with nearly the same descriptor make each other's matches ambiguous. So, from the strongest to the
-//! weakest: a keypoint stays unless it lies within [`Rule::radius`] σ of one that stayed, σ being the stronger one's,
-//! and their scales differ by at most the factor [`Rule::scale_ratio`]. A removed keypoint removes no other.
+//! Two keypoints with nearly the same descriptor make each other's matches ambiguous. So, strongest first, a keypoint
+//! stays unless it lies within [`Rule::radius`] σ (of the stronger one) of a keypoint that stayed, and their scales
+//! differ by at most the factor [`Rule::scale_ratio`]. A removed keypoint removes no other.
 //!
 //! Two blobs that pass each other at one place both stay if the frames show two motions ([`Along::are_two`]). A ghost
-//! (a blob smeared in the stack of a wrong slope) responds only in the frames in which the true blob crosses its path.
-//! So only the frames count in which the paths of both are well apart: there a separate structure still has its full
-//! response, and between the two paths there is none. (An edge that slides along itself responds there too.)
+//! (a blob smeared in the stack of a wrong slope) responds only in frames in which the true blob crosses its path. So
+//! only frames count in which the two paths are well apart: there a separate structure keeps its full response, and
+//! between the paths there is none. (An edge that slides along itself responds there too.)
 
 use super::feature::Keypoint;
 use crate::burst::Offset;
@@ -37,9 +37,9 @@ pub struct Blob {
 }
 
 impl Blob {
-    /// It is ranked by snr·|D|^¼: snr alone serves matching best, |D|·√snr finds most discs of charts, and this lies
-    /// between them (docs/MEASUREMENTS.md). The noise is that at the refined scale, scaled as 1/σ from the level's:
-    /// with the level's own, a smear one level coarser would win over the sharp blob. Without noise the rank is |D|.
+    /// Ranked by snr·|D|^¼: snr alone serves matching best, |D|·√snr finds most discs of charts, and this lies between
+    /// (docs/MEASUREMENTS.md). The noise is scaled as 1/σ to the refined scale: with the level's own, a smear one level
+    /// coarser would win over the sharp blob. Without noise the rank is |D|.
     pub fn of(keypoint: &Keypoint, space: &ScaleSpace) -> Self {
         let (u, v, sigma) = keypoint.in_image();
         let magnitude = keypoint.value.abs();
@@ -58,14 +58,13 @@ impl Blob {
     }
 }
 
-/// Frames count in which the paths are this many σ of the stronger keypoint apart, where its response has passed
-/// through 0.
+/// Distance of the paths, in σ of the stronger keypoint, from which a frame counts: its response has passed through 0.
 const APART_SIGMAS: f32 = 2.5;
 /// Minimum share of all frames that must count; two frames must in any case.
 const FRAMES_SHARE: f32 = 0.2;
 /// Minimum fraction of its response that a separate structure keeps in those frames.
 const KEPT_RESPONSE: f32 = 0.6;
-/// Minimum of that response in deviations of its noise: a false second keypoint makes matches ambiguous.
+/// Minimum of the kept response in deviations of noise: a false second keypoint makes matches ambiguous.
 const FRAMES_SNR: f32 = 5.0;
 /// Maximum response between the two paths, as a fraction of the weaker response.
 const BETWEEN_RESPONSE: f32 = 0.5;
@@ -82,20 +81,23 @@ impl Along<'_> {
             let (moved_u, moved_v) = at.displacement((slope_u, slope_v));
             (du + moved_u).hypot(dv + moved_v) > APART_SIGMAS * sigma
         };
+        // Close to the crossing the stronger blob's response would pass for the weaker one's.
         let apart: Vec<usize> = (0..times.len()).filter(|&index| is_apart(times[index])).collect();
         if apart.len() < 2 || (apart.len() as f32) < FRAMES_SHARE * times.len() as f32 {
             return false;
         }
-        // Of the weaker one's sign, at its octave and level.
+        // Responses have the weaker one's sign, at its octave and level.
         let response = |place: (f32, f32), slope: Slope| {
             let levels = weaker.level..weaker.level + 1;
             self.response(weaker.octave, levels, place, slope, &apart)[0] * weaker.value.signum()
         };
         let own = response((wu, wv), weaker.slope);
+        // Fewer frames have more noise in their mean.
         let noise = weaker.value.abs() / weaker.snr * (times.len() as f32 / apart.len() as f32).sqrt();
         if own < KEPT_RESPONSE * weaker.value.abs() || own < FRAMES_SNR * noise {
             return false;
         }
+        // A smear responds between the paths as well; two blobs leave a gap there.
         let slope = Slope::new(between(stronger.slope.u, weaker.slope.u), between(stronger.slope.v, weaker.slope.v));
         response((between(su, wu), between(sv, wv)), slope) < BETWEEN_RESPONSE * weaker.value.abs()
     }
@@ -108,14 +110,11 @@ const BLOCK: usize = if cfg!(test) { 16 } else { 512 };
 enum Decision {
     Open,
     Stays,
-    /// A stronger blob, with this index, stands for it.
     CoveredBy(u32),
 }
 
-/// Decisions on those blobs that are asked about. Of equally strong blobs the first one goes first. A decision needs
-/// those on the stronger blobs that may cover it, and theirs in turn, but no others.
+/// Decisions on blobs, on demand: each needs those on stronger blobs that may cover the blob, and theirs in turn.
 pub struct Deciding<'b> {
-    /// All blobs, each cell from the strongest to the weakest.
     all: Cells<'b>,
     stayed: Cells<'b>,
     decisions: Vec<Decision>,
@@ -143,11 +142,10 @@ impl<'b> Deciding<'b> {
         (0..self.decisions.len()).filter(|&index| self.decisions[index] == Decision::Stays)
     }
 
-    /// Decides on the blobs `asked`, each of which is given once, and on those that their decisions need.
-    /// `both_stay(stronger, weaker)` tells whether two that lie so near are separate structures all the same.
+    /// Decides on the blobs `asked`, each given once, and on those that their decisions need.
+    /// `both_stay(stronger, weaker)` is whether two blobs so near are separate structures all the same.
     ///
-    /// Blobs are taken in blocks from the strongest to the weakest: a block is compared with those that stayed before
-    /// it in parallel, then with its own members one after the other.
+    /// Blobs go in blocks, strongest first: compared in parallel with blobs that stayed before, then among themselves.
     pub fn decide(
         &mut self,
         asked: &[usize],
@@ -163,7 +161,7 @@ impl<'b> Deciding<'b> {
             let by_earlier: Vec<Option<usize>> =
                 block.par_iter().with_min_len(16).map(by_earlier).collect::<Result<_, _>>()?;
             for (&index, by_earlier) in block.iter().zip(by_earlier) {
-                // Of its own block only members stronger than the one found already.
+                // Of its own block only members stronger than the blob found already.
                 let below = self.stayed.place[by_earlier.unwrap_or(index)];
                 let by = self.stayed.covering(index, (before, below), &both_stay).or(by_earlier);
                 self.decisions[index] = by.map_or(Decision::Stays, |by| Decision::CoveredBy(by as u32));
@@ -175,16 +173,18 @@ impl<'b> Deciding<'b> {
         Ok(())
     }
 
-    /// The open ones of the blobs `asked` and of all that their decisions need, from the strongest to the weakest.
+    /// Open blobs among `asked` and all that their decisions need, strongest first.
     fn needed(&self, asked: &[usize]) -> Vec<usize> {
         let mut is_open: Vec<bool> = self.decisions.iter().map(|decision| *decision == Decision::Open).collect();
         let mut needed: Vec<usize> =
             asked.iter().copied().filter(|&index| std::mem::take(&mut is_open[index])).collect();
+        // Breadth first: each round looks for the stronger neighbours of the blobs of the round before.
         let mut first = 0;
         while first < needed.len() && is_open.contains(&true) {
             let may_cover = |&index: &usize| {
                 let mut near = Vec::new();
                 self.all.near(index, |other| {
+                    // Cells list the strongest first, so the first weaker blob ends the visit.
                     let is_stronger = self.all.place[other as usize] < self.all.place[index];
                     if is_stronger && is_open[other as usize] && self.all.covers(other, index) {
                         near.push(other as usize);
@@ -207,7 +207,7 @@ const NONE: u32 = u32::MAX;
 /// Smallest ratio between the ends of a grid's range of scales.
 const MIN_CLASS_RATIO: f32 = 1.2;
 
-/// Blobs of one range of scales, in square cells at least as wide as any of them covers another.
+/// Blobs of one range of scales, in square cells at least as wide as the largest covering distance.
 #[derive(Clone)]
 struct Grid {
     /// Of a cell, input pixels.
@@ -229,7 +229,7 @@ struct Cells<'b> {
     grids: Vec<Grid>,
     /// For each blob, the blob inserted before into the same cell.
     before: Vec<u32>,
-    /// For each blob that is inserted, the number of those inserted before it.
+    /// For each inserted blob, the number of blobs inserted before.
     turn: Vec<u32>,
     inserted: u32,
     /// Position of each blob in the order of strength: 0 for the strongest.
@@ -237,7 +237,6 @@ struct Cells<'b> {
 }
 
 impl<'b> Cells<'b> {
-    /// Empty cells for blobs, whose order from the strongest to the weakest is `order`.
     fn new(blobs: &'b [Blob], rule: Rule, order: &[usize]) -> Self {
         let range = |of: fn(&Blob) -> f32| {
             blobs.iter().map(of).fold((f32::INFINITY, f32::NEG_INFINITY), |(min, max), x| (min.min(x), max.max(x)))
@@ -254,6 +253,7 @@ impl<'b> Cells<'b> {
         let mut population = vec![0usize; cells.scale_class(s1) + 1];
         blobs.iter().for_each(|blob| population[cells.scale_class(blob.sigma)] += 1);
         let (width, height) = (u1 - u0, v1 - v0);
+        // One grid as wide as the largest blob would put all small blobs into a few cells.
         for (k, blobs_of_class) in population.into_iter().enumerate() {
             let reach = rule.radius * s0 * cells.class_ratio().powi(k as i32 + 1);
             // Cells may be wider than the reach: about one a blob, however small the radius.
@@ -266,7 +266,7 @@ impl<'b> Cells<'b> {
         cells
     }
 
-    /// Ratio of the largest to the smallest scale of a class, large enough that there are few classes.
+    /// Ratio of the largest to the smallest scale of a class; few classes, so that few grids are searched.
     fn class_ratio(&self) -> f32 {
         self.rule.scale_ratio.max(MIN_CLASS_RATIO)
     }
@@ -297,7 +297,7 @@ impl<'b> Cells<'b> {
         self.blobs[stronger as usize].covers(&self.blobs[weaker], self.rule)
     }
 
-    /// Calls `visit` with the blobs of each cell near blob `index`, the last inserted first, until it returns false.
+    /// Calls `visit` with the blobs of each cell near blob `index`, last inserted first, until it returns false.
     fn near(&self, index: usize, mut visit: impl FnMut(u32) -> bool) {
         let blob = &self.blobs[index];
         let class = self.scale_class(blob.sigma);
@@ -316,7 +316,7 @@ impl<'b> Cells<'b> {
         }
     }
 
-    /// Strongest blob that covers blob `index`, of those inserted at turn `from` or later and placed below `below`.
+    /// Strongest blob that covers blob `index`, among those inserted at turn `from` or later and placed below `below`.
     fn covering(
         &self,
         index: usize,

@@ -1,7 +1,7 @@
 //! Keypoints that the search finds, and the results of the detector: features, their descriptors, and the errors.
 //!
-//! Features are stored in files beside a dataset and reused. Those of an older detector match new ones less well, so
-//! code that stores features writes the [`REVISION`] beside them, and reuses only those with an equal number.
+//! Features stored beside a dataset are reused. Features of an older detector match new ones less well, so code that
+//! stores features writes the [`REVISION`] beside them, and reuses only those with an equal number.
 
 pub use super::test::{Tally, Test};
 
@@ -25,51 +25,47 @@ pub struct Feature {
     pub orientation: f32,
     /// Apparent motion, pixels per frame, refined between the grid's slopes.
     pub slope: Slope,
-    /// The interpolated DoG value with its sign, fraction of full scale; bright blobs are negative.
+    /// Interpolated DoG value with its sign, fraction of full scale; bright blobs are negative.
     pub response: f32,
     /// |response| over the noise in D at its octave and level; infinite for a noiseless burst.
     pub snr: f32,
-    /// Octave in which it was found; −1 is the doubled image.
+    /// Octave in which the feature was found; −1 is the doubled image.
     pub octave: i32,
-    /// Level within the octave at which it was found, 0 … levels−1.
+    /// Level within the octave, 0 … levels−1.
     pub level: i32,
     /// Running index of the grid's slope at which it was found.
     pub slope_index: usize,
-    /// Whether `slope` is at the end of the range that was searched and the response still rises beyond: the motion
-    /// lies outside. See `limit`.
+    /// Whether `slope` is at an end of the searched range and the response still rises beyond: the motion is outside.
     pub at_slope_limit: bool,
-    /// Standard deviation of `slope` along its least certain direction, pixels per frame: large along an edge, whose
-    /// motion along itself is not defined.
+    /// Standard deviation of `slope` along its least certain direction, pixels per frame: large along an edge.
     pub slope_sigma: f32,
     /// Motion of its place, from the [field of motion](super::field), pixels per frame; 0 where it is unknown.
     pub field: Slope,
-    /// Standard deviation of `field` along its least certain direction, pixels per frame; infinite where the motion of
-    /// the place is unknown, and where a burst has no field.
+    /// Standard deviation of `field` along its least certain direction, pixels per frame; infinite where it is unknown.
     pub field_sigma: f32,
     /// [Layer](super::field::MotionLayer) that it moves with, from 1, the nearest; 0 for none.
     pub layer: i32,
-    /// Its motion beside that of its surroundings.
+    /// Motion of the feature relative to its surroundings.
     pub moves: Moves,
 }
 
 /// Motion of a feature beside that of its surroundings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, serde::Serialize, serde::Deserialize)]
 pub enum Moves {
-    /// Nothing is known of its surroundings.
+    /// Nothing is known of the surroundings.
     #[default]
     #[serde(rename = "unknown")]
     Unknown,
-    /// As its surroundings do, as far as its own motion is known.
+    /// As the surroundings do, as far as the feature's own motion is known.
     #[serde(rename = "surroundings")]
     WithSurroundings,
-    /// Otherwise: a thing that moves by itself, or an alias.
+    /// Otherwise than the surroundings: a thing that moves by itself, or an alias.
     #[serde(rename = "own")]
     ByItself,
-    /// Its own motion is not defined by its shape: an edge shows no motion along itself.
+    /// Undefined by the feature's shape: an edge shows no motion along itself.
     #[serde(rename = "edge")]
     Edge,
-    /// A ghost of another motion: only some of the frames respond, one after the other, along its slope, with which
-    /// nothing at its place moves.
+    /// A ghost of another motion: only some frames respond, in turn, along a slope by which nothing at the place moves.
     #[serde(rename = "ghost")]
     Ghost,
 }
@@ -100,7 +96,7 @@ impl Moves {
         }
     }
 
-    /// Motion of `feature` by the numbers that it holds; they do not tell ghosts and edges.
+    /// Motion of `feature` by its numbers, which show neither ghosts nor edges.
     pub fn by_numbers(feature: &Feature) -> Self {
         let Feature { slope, slope_sigma, field, field_sigma, .. } = feature;
         let apart = (slope.u - field.u).hypot(slope.v - field.v);
@@ -118,9 +114,9 @@ pub(super) const DEFINED_SIGMA: f32 = 0.75;
 const BY_ITSELF_SIGMAS: f32 = 3.0;
 
 impl Feature {
-    /// Motion to be said of it, and its standard deviation, pixels per frame: its own where it moves by itself, where
-    /// the motion of its place is unknown, and where it is surer and within one standard deviation of that; else that
-    /// of its place, on which more of the picture decides.
+    /// Motion to report, and its standard deviation, pixels per frame: the feature's own where it moves by itself,
+    /// where the motion of the place is unknown, and where it is more certain and within one standard deviation of the
+    /// place's; else that of the place, which more of the picture supports.
     pub fn motion(&self) -> (Slope, f32) {
         let (own, of_place) = ((self.slope, self.slope_sigma), (self.field, self.field_sigma));
         let apart = (self.slope.u - self.field.u).hypot(self.slope.v - self.field.v);
@@ -132,7 +128,7 @@ impl Feature {
         }
     }
 
-    /// Motion of its place, from the field; `None` where it is unknown.
+    /// Motion of the place, from the field; `None` where it is unknown.
     pub fn known_field(&self) -> Option<Slope> {
         self.field_sigma.is_finite().then_some(self.field)
     }
@@ -142,9 +138,8 @@ impl Feature {
         strength(self.response, self.snr)
     }
 
-    /// Whether it was found on the rim of the slopes of `params`, or, where each slope is searched for itself, at a
-    /// slope whose nearest one on the grid is on the rim: there is no slope beyond to interpolate with, so its slope is
-    /// less exact. (A joint extremum beside the rim is stronger than the rim.)
+    /// Whether it was found on the rim of the slopes of `params` or, if each slope is searched for itself, nearest to
+    /// it: nothing beyond allows interpolation, so its slope is less exact. (A joint extremum exceeds the rim.)
     pub fn is_on_rim(&self, params: &DetectorParams) -> bool {
         let grid = params.used_slopes();
         let (i, j) = grid.coordinates(self.slope_index);
@@ -159,7 +154,7 @@ pub type Descriptor = [u8; 128];
 /// Wall-clock time spent in each stage of a detection, seconds.
 #[derive(Debug, Clone, Copy, PartialEq, Default, serde::Serialize)]
 pub struct StageTimes {
-    /// Time for estimating the noise, and the field of motion.
+    /// Time for estimating the noise and the field of motion.
     pub noise_secs: f32,
     /// Time for stacking, filtering and searching.
     pub search_secs: f32,
@@ -174,18 +169,18 @@ impl StageTimes {
     }
 }
 
-/// Result of the detector.
+/// Result of the detector: features with descriptors, and the data that a search used and found on the way.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Detection {
     /// Features, strongest first (by [`Feature::strength`], ties by place).
     pub features: Vec<Feature>,
     /// One descriptor for each feature, in the features' order.
     pub descriptors: Vec<Descriptor>,
-    /// Numbers of samples that each test rejected.
+    /// Numbers of samples by the test that rejected them, and of those kept.
     pub tally: Tally,
     /// Standard deviation of one frame's noise, fraction of full scale.
     pub frame_noise: f32,
-    /// Noise model.
+    /// Noise model with which the gate was computed.
     pub noise: Arc<NoiseModel>,
     /// Motion of every place; `None` where the burst shows none (see [`motion_field`](super::field::motion_field)).
     pub field: Option<Arc<MotionField>>,
@@ -193,13 +188,13 @@ pub struct Detection {
     pub noise_gate_factor: f32,
     /// Slopes that were searched.
     pub slopes: SlopeGrid,
-    /// Indices of the frames that took part.
+    /// Indices into the burst of the frames that took part.
     pub frames_used: std::ops::Range<usize>,
     /// Positions of these frames.
     pub positions: Positions,
     /// Octaves that were searched.
     pub octaves: std::ops::Range<i32>,
-    /// Time by stage.
+    /// Wall-clock time by stage.
     pub times: StageTimes,
 }
 
@@ -214,7 +209,7 @@ impl Detection {
 /// An extremum of D that passed every test of the search, at the place and scale of the quadratic fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Keypoint {
-    /// The octave in which it was found.
+    /// Octave in which it was found; −1 is the doubled image.
     pub octave: i32,
     /// Column, octave pixels.
     pub x: f32,
@@ -222,7 +217,7 @@ pub struct Keypoint {
     pub y: f32,
     /// Scale, octave pixels.
     pub sigma_octave: f32,
-    /// DoG level.
+    /// DoG level within the octave, 0 … levels−1.
     pub level: i32,
     /// The sample (column, row), octave pixels; no other keypoint of the octave, level and slope has it.
     pub sample: [u32; 2],
@@ -230,7 +225,7 @@ pub struct Keypoint {
     pub slope_index: usize,
     /// Slope, refined between those of the grid; pixels per frame.
     pub slope: Slope,
-    /// D at the keypoint, fraction of full scale.
+    /// D at the keypoint with its sign, fraction of full scale.
     pub value: f32,
     /// |D| over its noise; infinite for a noiseless burst.
     pub snr: f32,
@@ -243,7 +238,6 @@ impl Keypoint {
         (self.x * pixel, self.y * pixel, self.sigma_octave * pixel)
     }
 
-    /// The keypoint, where the standard deviation of the noise in D is `sigma_d`.
     pub(crate) fn with_noise(self, sigma_d: f32) -> Self {
         Self { snr: if sigma_d > 0.0 { self.value.abs() / sigma_d } else { f32::INFINITY }, ..self }
     }
@@ -256,15 +250,14 @@ impl Keypoint {
 
 /// Strength of a response for ranking: |response|·√snr, or |response| where the burst has no noise.
 ///
-/// Response alone puts noise at fine scales above large faint blobs; signal-to-noise alone the weak hollows between
-/// large blobs. Their product found most discs of the charts, over powers 0, ½, 1 and 2 of the snr.
+/// Response alone puts fine-scale noise above large faint blobs; signal-to-noise alone the weak hollows between large
+/// blobs. Their product found most discs of the charts, over powers 0, ½, 1 and 2 of the snr.
 pub fn strength(response: f32, snr: f32) -> f32 {
     response.abs() * if snr.is_finite() { snr.sqrt() } else { 1.0 }
 }
 
 /// Revision of the detector. It goes up by one with every change after which an unchanged burst and unchanged
-/// parameters give other bits of any feature or descriptor; not with new parameters whose defaults change nothing
-/// (parameters are compared separately).
+/// parameters give other bits of any feature or descriptor, but not with new parameters whose defaults change nothing.
 pub const REVISION: u32 = 13;
 
 #[cfg(test)]

@@ -1,12 +1,10 @@
-//! Memory limit of a search: its need is estimated before it starts, and a search that would take more is done in
-//! groups of slopes, or refused where even that takes too much.
+//! Memory limit of a search: its need is estimated first; a larger one goes in groups of slopes, or is refused.
 //!
 //! For every slope the first level of each octave after the first is held. Besides, there are the frames, cleaned by
 //! the noise model and at each octave's resolution, and the threads' windows of slopes.
 //!
-//! All searches of the process share one budget: a search plans with the memory that the running ones have left. One
-//! that does not fit is done in its smallest form (one thread, the smallest groups of slopes) rather than made to wait:
-//! another search may be waiting for the thread that started it.
+//! All searches of the process share one budget: a search plans with the memory that running ones leave. A search that
+//! does not fit goes in its smallest form rather than waiting: another may be waiting for the thread that started it.
 
 pub use crate::plane::memory::machine_bytes;
 
@@ -29,8 +27,7 @@ pub const OPTION: &str = "memory";
 /// Budget in bytes; 0 for the default.
 static BUDGET: AtomicU64 = AtomicU64::new(0);
 
-/// Sets the memory that all searches of this process may take together, bytes; `None` is [`DEFAULT_PART`] of the
-/// machine's memory. Results do not depend on it.
+/// Sets the memory of all searches of this process together, bytes; `None` is [`DEFAULT_PART`] of the machine's.
 pub fn set_budget(bytes: Option<u64>) {
     BUDGET.store(bytes.map_or(0, |bytes| bytes.max(1)), Ordering::Relaxed);
 }
@@ -54,8 +51,7 @@ pub fn kept_bytes() -> u64 {
 }
 
 /// Checks, before a burst is opened, that its search will be possible: `frames` frames of `size` (columns, rows), of
-/// which `params` may leave some out, searched within [`budget`]. Where the slopes are to be found from the burst, a
-/// single slope is assumed, the fewest that a search holds.
+/// which `params` may leave some out, within [`budget`]. Slopes yet to be found count as a single slope, the fewest.
 ///
 /// # Errors
 /// As the search itself: the error gives the memory that it needs at least, and settings that need less.
@@ -66,8 +62,7 @@ pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, 
     Plan::new(Wanted { params: &detector, frames, size }, budget()).map(|_| ())
 }
 
-/// Estimates the memory that a search with `params` needs besides the burst if all slopes are searched at once, bytes;
-/// `frames` frames of `size` (columns, rows) take part.
+/// Estimate of the bytes that a search of all slopes at once needs besides a burst of `frames` frames of `size`.
 pub fn estimate(params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
     Wanted { params, frames, size }.bytes_on(rayon::current_num_threads())
 }
@@ -89,7 +84,7 @@ impl Wanted<'_> {
     /// Memory that a search on `threads` threads needs, whatever the number of slopes; bytes.
     fn bytes_beside_slopes(self, threads: usize) -> u64 {
         let windows = threads.saturating_mul(WINDOW_BYTES).min(WINDOWS_BYTES);
-        // The cleaned frames, and their octaves together, or those binned and the means of the octaves above.
+        // Cleaned frames and their octaves, or binned frames and the means of the octaves above: 7/3 of the frames.
         let of_frames = (self.frames as u64).saturating_mul(plane_bytes(self.size)).saturating_mul(7) / 3;
         of_frames.saturating_add(windows as u64)
     }
@@ -104,7 +99,6 @@ fn plane_bytes((width, height): (usize, usize)) -> u64 {
     (width as u64).saturating_mul(height as u64).saturating_mul(size_of::<f32>() as u64)
 }
 
-/// Memory taken by searches that share a budget, bytes.
 #[derive(Debug)]
 pub(crate) struct Account {
     taken: Mutex<u64>,
@@ -112,7 +106,7 @@ pub(crate) struct Account {
 
 pub(crate) static OF_PROCESS: Account = Account::new();
 
-/// Memory of a search, released when dropped.
+/// Memory of a search, returned to the account when dropped.
 #[derive(Debug)]
 pub(crate) struct Share<'account> {
     account: &'account Account,
@@ -138,8 +132,10 @@ impl Account {
 
     /// Plans as [`Plan::new`], within the part of `budget` that the other searches of this account leave.
     pub(crate) fn plan(&self, wanted: Wanted<'_>, budget: Option<u64>) -> Result<(Plan, Share<'_>)> {
+        // The lock is held while planning, so that two searches cannot take the same room.
         let mut taken = self.taken();
         let left = budget.map(|budget| budget.saturating_sub(*taken));
+        // A search that finds no room takes the least memory of its own instead of waiting for others.
         let plan = Plan::new(wanted, left).or_else(|_| Plan::smallest(wanted, budget))?;
         let share = Share { account: self, bytes: plan.bytes };
         *taken = taken.saturating_add(share.bytes);
@@ -147,12 +143,12 @@ impl Account {
     }
 }
 
-/// Groups, threads and memory of a search. Results do not depend on it.
+/// Groups, threads and memory of a search; they do not change the result.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(crate) struct Plan {
     /// Groups in which slopes are searched; a single one if all fit.
     pub(crate) search: Vec<SlopeGroup>,
-    /// Groups in which keypoints are localised and described; a single one if there is one for the search.
+    /// Groups in which keypoints are localised and described; one if the search has one.
     pub(crate) describe: Vec<SlopeGroup>,
     /// Number of threads. Each holds its own window of slopes, so a small budget may have room for few.
     pub(crate) threads: usize,
@@ -161,16 +157,17 @@ pub(crate) struct Plan {
 }
 
 impl Plan {
-    /// Plans the `wanted` search within `budget` bytes, or without a bound, on as many threads as there is memory for.
-    /// Where even the smallest form needs more, the error gives its least memory.
+    /// Plans the `wanted` search within `budget` bytes, or without a bound, on as many threads as have room. Where even
+    /// the smallest form needs more, the error gives its least memory.
     pub(crate) fn new(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
+        // Each thread holds a window of its own: as many threads are taken as have room.
         let several = (2..=rayon::current_num_threads()).rev();
         let fitting = several.map(|threads| Self::on(threads, wanted, budget)).find_map(Result::ok);
         // The error for one thread gives the least memory.
         fitting.map_or_else(|| Self::on(1, wanted, budget), Ok)
     }
 
-    /// Plan that takes the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
+    /// Plan with the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
     pub(crate) fn smallest(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
         let of_slopes = wanted.bytes_of_slope().saturating_mul(min_slopes(wanted.params) as u64);
         let min = wanted.bytes_beside_slopes(1).saturating_add(of_slopes);
@@ -188,7 +185,7 @@ impl Plan {
         let beside = wanted.bytes_beside_slopes(threads);
         let fitting = (budget.saturating_sub(beside) / of_slope.max(1)).min(count as u64) as usize;
         let reach = OtherSlopes::of(params).reach(&grid);
-        // The whole did not fit: even without slopes the budget may be exceeded.
+        // Since the whole did not fit, even no slopes may exceed the budget.
         let cut = |reach| SlopeGroup::cut(count, reach, fitting).filter(|_| beside <= budget);
         if let (Some(search), Some(describe)) = (cut(reach), cut(Some(slopes_around(params, &grid)))) {
             let visited = search.iter().chain(&describe).map(|group| group.visited.len()).max().unwrap_or(count);
@@ -199,15 +196,13 @@ impl Plan {
         Err(refusal(wanted, min, budget, fitting))
     }
 
-    /// Runs `work` on the threads that the plan allows.
     pub(crate) fn run<T: Send>(&self, work: impl FnOnce() -> T + Send) -> T {
-        // If the system gives no more threads, those of the pool are used, and the search may take more memory.
+        // If the system gives no more threads, the pool's are used, and the search may take more memory.
         if self.threads >= rayon::current_num_threads() { work() } else { on_threads(self.threads, work) }
     }
 }
 
-/// Calls `work` in a pool of `threads` threads of its own, 0 for as many as usual; in the current one where the system
-/// gives no more threads.
+/// Calls `work` in a pool of `threads` threads (0: as usual), or in the current one if the system gives no threads.
 pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
     match rayon::ThreadPoolBuilder::new().num_threads(threads).build() {
         Ok(pool) => pool.install(work),
@@ -215,7 +210,7 @@ pub(crate) fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Sen
     }
 }
 
-/// Number of slopes that must be held at once: those that one is compared with and localised between.
+/// Least number of slopes held at once: a slope, and its neighbours for comparison and localisation.
 fn min_slopes(params: &DetectorParams) -> usize {
     let grid = params.used_slopes();
     let reach = OtherSlopes::of(params).reach(&grid);

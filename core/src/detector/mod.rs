@@ -2,12 +2,11 @@
 //!
 //! Data flows through steps, each a folder or a file, in the order of the paper: frames → [`stack`] (shift by a slope
 //! and average) → [`scale_space`] (Gaussian levels and their differences D, tile by tile) → `search` (extrema over
-//! place and scale, at each slope for itself or jointly over slope) → `refine` (between the samples) → `distinct`
-//! (one [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale,
-//! slope) → `orient` and [`describe`] (on the pixels around the feature) → `limit` (motion beyond the slopes) →
-//! [`feature`], whose values [`quantity`] lists. From `distinct` on the steps read D along any motion (`along`), and so
-//! does [`coherence`], which tells how alike the single frames respond. [`test`](mod@test) has a record of each test
-//! that a candidate goes through.
+//! place and scale, at each slope for itself or jointly over slope) → `refine` (between the samples) → `distinct` (one
+//! [keypoint](feature::Keypoint) for one blob) → [`localise`] (place on a compactly supported kernel, scale, slope) →
+//! `orient` and [`describe`] (on the pixels around the feature) → `limit` (motion beyond the slopes) → [`feature`],
+//! whose values [`quantity`] lists. From `distinct` on the steps read D along any motion (`along`), as [`coherence`]
+//! does, a measure of how alike frames respond. [`test`](mod@test) has a record of each test.
 //!
 //! Besides: [`params`] with the grid of slopes; [`noise`], the noise of a frame and the threshold on D, and
 //! [`noise_model`], both where noise is not white; [`slopes`], the slopes that a burst needs, found before the search;

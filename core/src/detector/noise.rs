@@ -1,19 +1,17 @@
-//! Noise of a frame, estimated from the burst itself, and the threshold on D that follows from it. For noise that is
-//! not white everywhere see [`super::noise_model`].
+//! White noise of a frame, estimated from the burst, and the threshold on D; for other noise [`super::noise_model`].
 //!
-//! Estimate. Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask `[1
-//! −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes over
-//! 0.6745 is the standard deviation, which a minority of edges hardly changes. Texture can only add, so the smaller of
-//! the two estimates is taken. The filter runs on short pieces of rows spread evenly over the image, the same in every
-//! frame. Pixels at the ends of the file's range are excluded: there the noise is cut off.
+//! Estimate. Frames and differences of consecutive frames are filtered by the second difference in u and in v (mask
+//! `[1 −2 1]ᵀ[1 −2 1]`, gain 6 for white noise), which removes everything locally linear; the median of the magnitudes
+//! over 0.6745 is the standard deviation, which a minority of edges hardly changes. Texture can only add, so the
+//! smaller of the two estimates is taken. The filter runs on short pieces of rows spread evenly over the image, the
+//! same in every frame, without pixels at the ends of the file's range, where noise is cut off.
 //!
 //! Gate. The noise in D falls with scale while a blob's response does not. So the noise of one frame, σ_F
-//! ([`frame_noise`]), is carried through the mean over frames, the interpolation and the DoG filter; the gate requires
-//! |D| ≥ k·σ_D at each octave and level.
+//! ([`frame_noise`]), is carried through mean, interpolation and filter; the gate requires |D| ≥ k·σ_D at each level.
 //!
-//! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. All its parts are close
-//! to Gaussians, whose inner products are known: ∫ g(A)·g(B) = 1/√(2π(A+B)) in one dimension, for variances A and B.
-//! Bilinear sampling at a fraction f adds the variance f(1−f) in its direction; its mean over the frames is taken.
+//! Propagation. For white noise the variance in D is σ_F² times the energy of the whole filter. Its parts are nearly
+//! Gaussian, with inner products ∫ g(A)·g(B) = 1/√(2π(A+B)) in one dimension, for variances A and B. Bilinear sampling
+//! at a fraction f adds the variance f(1−f) in its direction; its mean over the frames is taken.
 
 use crate::burst::Burst;
 use crate::detector::params::{DetectorParams, NoiseGate, SlopeExtrema};
@@ -29,8 +27,7 @@ use std::ops::Range;
 const MEDIAN_OF_NORMAL: f32 = 0.674_49;
 /// Gain of the filter for white noise: σ of its output over that of its input.
 const GAIN: f32 = 6.0;
-/// Maximum number of places in a frame, about; the standard error of one frame's estimate is then about one percent,
-/// and that of the median over frames is smaller.
+/// Maximum number of places in a frame, about: the standard error of one frame's estimate is then one percent.
 const MAX_PLACES: usize = 32_768;
 /// Number of columns of a piece of a row, where the image has more places than [`MAX_PLACES`].
 const PIECE: usize = 32;
@@ -56,10 +53,12 @@ pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
         Ok(filtered.deviation(step))
     };
     let of_frames: Vec<f32> = filtered.par_iter().map(deviation).collect::<Result<_, Cancelled>>()?;
+    // A difference of two frames has twice the variance; texture that stands still cancels in it.
     let of_pairs: Vec<f32> = filtered
         .par_windows(2)
         .map(|pair| Ok(deviation(&pair[1].less(&pair[0]))? / 2f32.sqrt()))
         .collect::<Result<_, Cancelled>>()?;
+    // Texture can only add to either estimate, so the smaller one is right.
     let medians = [of_frames, of_pairs].into_iter().filter(|values| !values.is_empty());
     let sigma = medians.map(|mut values| median_on_lattice(&mut values, 0.0)).reduce(f32::min);
     Ok(sigma.map_or(min, |sigma| sigma.max(min)))
@@ -68,7 +67,7 @@ pub fn frame_noise(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
 /// A piece of a row: the row, and the columns of the filter's centres in it.
 type Piece = (usize, Range<usize>);
 
-/// Pieces of an image of `size` for the estimate: whole rows of a small one, else spread evenly; none under 3×3 pixels.
+/// Pieces of an image of `size`: whole rows of a small one, else spread evenly; none under 3×3 pixels.
 fn pieces((width, height): (usize, usize)) -> Vec<Piece> {
     if width < 3 || height < 3 {
         return Vec::new();
@@ -89,7 +88,7 @@ fn pieces((width, height): (usize, usize)) -> Vec<Piece> {
         .collect()
 }
 
-/// Output of the filter at all places of a frame, or of a difference of two.
+/// Output of the filter at all places of a frame, or of the difference of two frames.
 struct Filtered {
     values: Vec<f32>,
     /// Whether the filter touched a pixel whose noise was cut off, or that is masked.
@@ -101,8 +100,8 @@ impl Filtered {
     fn new(frame: &Plane, pieces: &[Piece], step: f32) -> Self {
         let places = pieces.iter().map(|(_, columns)| columns.len()).sum();
         let mut out = Self { values: vec![0.0; places], cut_off: vec![false; places] };
-        // The file's range ends here; float files have no range. Where a black level was subtracted it begins at the
-        // least value.
+        // Ends of the file's range, where noise is cut off; float files have none. After a black level was subtracted
+        // the range begins at the least value.
         let columns_read = |columns: &Range<usize>| columns.start - 1..columns.end + 1;
         let read = pieces.iter().flat_map(|(v, columns)| &frame.row(*v)[columns_read(columns)]);
         let least = read.copied().fold(0.0, f32::min);
@@ -124,7 +123,6 @@ impl Filtered {
         out
     }
 
-    /// Filter output of the difference of two frames.
     fn less(&self, other: &Self) -> Self {
         Self {
             values: self.values.iter().zip(&other.values).map(|(a, b)| a - b).collect(),
@@ -146,7 +144,7 @@ impl Filtered {
 }
 
 /// Filters a piece of `row` between its neighbours `above` and `below`, each a pixel longer at both ends than `values`.
-/// `cut_off` tells whether any of the nine pixels is outside `whole`.
+/// `cut_off` becomes whether any of the nine pixels is outside `whole`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn filter_piece(
     above: &[f32],
@@ -168,8 +166,7 @@ fn filter_piece(
     }
 }
 
-/// Median of values that lie on a lattice of spacing `step` (0: continuous): each lattice value represents the interval
-/// around it, so the median falls inside the interval in proportion to the counts.
+/// Median of values on a lattice of spacing `step` (0: continuous), each of which stands for the interval around it.
 fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
     let middle = values.len() / 2;
     let (_, &mut median, _) = values.select_nth_unstable_by(middle, f32::total_cmp);
@@ -179,7 +176,7 @@ fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
     let near = |x: f32| (x - median).abs() < 0.5 * step;
     let below = values.iter().filter(|&&x| !near(x) && x < median).count() as f32;
     let equal = values.iter().filter(|&&x| near(x)).count() as f32;
-    // Magnitudes: the value 0 represents a half interval only.
+    // For magnitudes the value 0 stands for half an interval.
     let (start, length) = if median < 0.5 * step { (0.0, 0.5 * step) } else { (median - 0.5 * step, step) };
     start + length * (values.len() as f32 * 0.5 - below) / equal
 }
@@ -187,7 +184,7 @@ fn median_on_lattice(values: &mut [f32], step: f32) -> f32 {
 /// Variance of D of the mean over the frames at `offsets`, at `octave` and `level` (−1 … S), for white noise of
 /// variance 1 in each frame, where all frames cover the pixel.
 pub fn dog_noise_variance(space: &ScaleSpace, octave: i32, level: f64, offsets: &[FrameOffset]) -> f64 {
-    // Where the first octave skips pixels the noise is white on the kept ones; lengths are then in those pixels.
+    // If the first octave skips pixels, the noise is white on the kept ones; lengths are then in those pixels.
     let unit = space.skip() as f64;
     let input = SIGMA_INPUT / unit;
     let variance = |s: f64| (space.sigma_image(octave, s) / unit).powi(2) - input * input;
@@ -204,21 +201,20 @@ pub fn dog_noise_variance(space: &ScaleSpace, octave: i32, level: f64, offsets: 
             };
             let ((u, gain_u), (v, gain_v)) = (spread(offset.part_u), spread(offset.part_v));
             let both = |a: f64, b: f64| product(a + u, b + u) * product(a + v, b + v);
+            // Energy of the difference of two Gaussians, each widened by the interpolation of this frame.
             (both(low, low) - 2.0 * both(low, high) + both(high, high)) * gain_u * gain_v
         })
         .sum();
     total / (offsets.len() as f64).powi(2)
 }
 
-/// Variance, for white noise of variance 1, of the difference of two isotropic Gaussians of variances `low` and `high`,
-/// px².
+/// Variance of the difference of two isotropic Gaussians, of variances `low` and `high` px², for white noise of 1.
 pub(super) fn dog_energy(low: f64, high: f64) -> f64 {
     let product = |a: f64, b: f64| 1.0 / (2.0 * std::f64::consts::PI * (a + b));
     product(low, low) - 2.0 * product(low, high) + product(high, high)
 }
 
-/// The gate's factor k: the one given, or the one at which white noise gives about so many false keypoints per
-/// megapixel of the input over all slopes and octaves.
+/// The gate's factor k: given, or such that white noise gives about the allowed number of false keypoints a megapixel.
 ///
 /// The number of local maxima of a smooth Gaussian field above k falls like k²·exp(−k²/2) per independent place; the
 /// places are proportional to pixels and slopes. The factor in front was measured on pure noise.
@@ -227,24 +223,23 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
         NoiseGate::Factor(k) => return k,
         // At most one false feature is promised; with two orientations a keypoint is up to two.
         NoiseGate::Strict => 0.5,
-        // They find no match, while the faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
+        // They match nothing, while faint true ones that pass add to the inliers (docs/MEASUREMENTS.md).
         NoiseGate::Auto => 5.0,
-        // Below the gates for which the factors were measured: 300 to 360 features come through. They cost time and
-        // give few wrong matches (docs/MEASUREMENTS.md).
+        // Below the measured gates: 300 to 360 features pass; they cost time and few mismatches (docs/MEASUREMENTS.md).
         NoiseGate::Matching => 100.0,
     };
     let maxima_per_pixel = match params.used_extrema() {
         // One for one blob. Measured on 12 to 20 Mpx of white noise as 0.00016 … 0.00028 between k = 4.0 and 5.3, for
         // 13 slopes on a line, 7×7, and the doubled image, on samples; exact maxima are a quarter more.
         SlopeExtrema::Each => 0.000_25,
-        // Measured between k = 3.6 and 4.8 on 18 Mpx of white noise as 0.0002 … 0.0004, for one slope, 7 and 13 on a
-        // line, 7×7, and the doubled image.
+        // 0.0002 … 0.0004 from k = 3.6 to 4.8 on 18 Mpx of white noise: 1, 7 and 13 slopes, 7×7, and the doubled image.
         SlopeExtrema::Joint => 0.000_35,
     };
     let slopes = params.used_slopes().len() as f64;
-    // Octave 0 and the coarser ones have 4/3 of its places; the doubled image has four times as many.
+    // Octave 0 and the coarser ones have 4/3 of the places of octave 0; the doubled image has four times as many.
     let places = 1e6 * 4f64.powi(-params.first_octave) * slopes;
     let expected = |k: f64| maxima_per_pixel * places * k * k * (-0.5 * k * k).exp();
+    // k²·exp(−k²/2) has no simple inverse; it falls from √2 on, so bisection finds k.
     let (mut low, mut high) = (2.0, 12.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
@@ -330,7 +325,7 @@ mod tests {
             let (space, step) = (ScaleSpace::new(3, first_octave, 4.0), 1usize << first_octave);
             let offsets = frame_offsets(&Positions::even(4), Slope::new(slope[0], slope[1]), Interpolation::Linear);
             let (side, mut energy) = (80 * step, [0.0; 2]);
-            // One pixel of one frame, at each of the places that a kept pixel may have beside it.
+            // One pixel of one frame, at each possible place beside a kept pixel.
             for (t, phase) in (0..4).flat_map(|t| (0..step * step).map(move |phase| (t, phase))) {
                 let at = (side / 2 + phase % step, side / 2 + phase / step);
                 let of = |frame| Plane::from_fn(side, side, |u, v| f32::from(frame == t && (u, v) == at));

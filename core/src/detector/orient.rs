@@ -12,7 +12,6 @@ const BINS: usize = 36;
 /// Number of independent histograms, so that an addition need not wait for the one before it.
 const TURNS: usize = 4;
 
-/// Reused from feature to feature.
 #[derive(Debug, Default)]
 pub struct OrientationScratch {
     along_u: Vec<f32>,
@@ -20,8 +19,8 @@ pub struct OrientationScratch {
 }
 
 /// Computes the orientations of a feature at (x, y), scale `sigma`, in octave pixels: radians in [0, 2π), strongest
-/// first, at most `max` (1 … 4). `level` is the Gaussian level around it, reaching a pixel farther than 4.5σ, of an
-/// octave of `size`. Without any gradient the only orientation is 0.
+/// first, at most `max` (1 … 4). `level` is the Gaussian level around it, a pixel farther than 4.5σ, of an octave of
+/// `size`. Without any gradient the only orientation is 0.
 pub fn orientations(
     level: &Patch,
     size: (usize, usize),
@@ -32,6 +31,7 @@ pub fn orientations(
 ) -> Vec<f32> {
     let mut histogram = histogram(level, size, (x, y), sigma, scratch);
     let around = |histogram: &[f32; BINS], i: usize| [BINS - 1, 0, 1].map(|step| histogram[(i + step) % BINS]);
+    // Six box filters of three bins, as in VLFeat, are nearly a Gaussian.
     for _ in 0..6 {
         histogram = std::array::from_fn(|i| {
             let [before, here, after] = around(&histogram, i);
@@ -67,11 +67,12 @@ fn histogram(
     let OrientationScratch { along_u, along_v } = scratch;
     window(columns.clone(), x, spread, along_u);
     window(rows.clone(), y, spread, along_v);
-    // Entry i + 1 is bin i; the entries beyond each end belong to the bins at the other end.
+    // Entry i + 1 is bin i; entries beyond each end belong to the bins at the other end.
     let mut entries = [[0.0f32; BINS + 4]; TURNS];
     for (v, &weight_v) in rows.zip(along_v.iter()) {
         let dv = v as f32 - y;
         let half = (limit - dv * dv).max(0.0).sqrt();
+        // A column more on each side: the test of the disc decides per pixel, so rounding here loses none.
         let start = columns.start.max((x - half).floor() as i64);
         let end = columns.end.min((x + half).ceil() as i64 + 1);
         if start >= end {
@@ -95,6 +96,7 @@ fn histogram(
                 upper[i] = (place - below) * weight;
                 lower[i] = weight - upper[i];
             }
+            // Sample by sample, since several lanes may add to one bin; turns keep neighbours in different histograms.
             for i in 0..count {
                 let entries = &mut entries[i % TURNS];
                 let at = (bin[i] as usize).min(BINS);
@@ -103,6 +105,7 @@ fn histogram(
             }
         }
     }
+    // The circle is closed only here: inside the loop no bin needs a test for its ends.
     let sum = |i: usize| entries.iter().map(|entries| entries[i]).sum::<f32>();
     let mut out: [f32; BINS] = std::array::from_fn(|i| sum(i + 1));
     out[BINS - 1] += sum(0);

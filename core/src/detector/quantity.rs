@@ -1,12 +1,12 @@
-//! Quantities of a feature. One record for each says how files, tables, filters and colours have it, so that a new one
-//! is added here, where it is computed, and nowhere else.
+//! Quantities of a feature. One record for each states its form in files, tables, filters and colours, so that a new
+//! quantity is added here, where it is computed, and nowhere else.
 
 use super::feature::{Feature, Moves};
 use crate::plane::display::ColourMap;
 use serde::{Deserialize, Serialize};
 use strum::{EnumCount, VariantArray};
 
-/// A quantity of a feature. Depth, coherence and verdict are found after the detection; [`Feature`] does not hold them.
+/// Quantity of a feature. Depth, coherence and verdict are found after the detection; [`Feature`] does not hold them.
 #[derive(
     Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, Serialize, Deserialize, EnumCount, VariantArray,
 )]
@@ -38,33 +38,33 @@ pub enum Quantity {
     Moves,
 }
 
-/// Place of a quantity in a feature.
+/// Place of a quantity in a feature, as an accessor by type.
 #[derive(Debug, Clone, Copy)]
 pub enum Place {
-    /// A real number.
+    /// Real number, in the unit of the record.
     Real(fn(&mut Feature) -> &mut f32),
-    /// A whole number.
+    /// Whole number.
     Whole(fn(&mut Feature) -> &mut i32),
     /// Yes or no.
     Flag(fn(&mut Feature) -> &mut bool),
-    /// The way it moves: a word, or its number in [`Moves::ALL`].
+    /// Kind of motion: a word, or its number in [`Moves::ALL`].
     Moves(fn(&mut Feature) -> &mut Moves),
-    /// Not in the feature.
+    /// Computed beside the feature, such as depth.
     Beside,
 }
 
-/// Form of a value for people.
+/// Form of a value for people, in tables and legends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
-    /// A whole number.
+    /// Whole number, without decimals.
     Whole,
-    /// So many decimals.
+    /// Number with so many decimals.
     Fixed(usize),
-    /// So many decimals, and a sign.
+    /// Number with so many decimals, and a sign.
     Signed(usize),
-    /// So many significant digits.
+    /// Number with so many significant digits.
     Digits(usize),
-    /// So many significant digits, and a sign.
+    /// Number with so many significant digits, and a sign.
     SignedDigits(usize),
     /// Whole degrees, of an angle in radians.
     Degrees,
@@ -72,69 +72,67 @@ pub enum Form {
     Flag,
 }
 
-/// Values that the colours of a quantity span.
+/// Range of values that the colours of a quantity span.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Span {
-    /// Those of the features; these without features.
+    /// Range of the features' values; this one without features.
     Found(f32, f32),
-    /// ± the largest magnitude of the features; ± this without features.
+    /// ± the largest magnitude of the features; ± this one without features.
     Around(f32),
-    /// Always these.
+    /// Fixed range, whatever the features.
     Always(f32, f32),
 }
 
 /// Colours of the values of a quantity.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Colours {
-    /// Map of colours.
+    /// Map of colours, which `part` cuts.
     pub map: ColourMap,
     /// Parts of the map (0 … 1) at the smallest and largest value, without ends too dark for a dark picture.
     pub part: [f32; 2],
     /// Whether the colours follow the logarithm of the value.
     pub is_log: bool,
-    /// Values that the colours span.
+    /// Range of values that the colours span.
     pub span: Span,
 }
 
-/// All that the program knows about a quantity.
+/// Record of a quantity: all that files, tables, filters and legends know about it.
 #[derive(Debug, Clone, Copy)]
 pub struct Record {
-    /// Name of the column in files.
+    /// Name of the column in files; part of the file format.
     pub key: &'static str,
     /// Name in lists and legends.
     pub title: &'static str,
     /// Heading of the column in tables.
     pub heading: &'static str,
-    /// Unit; empty where it has none.
+    /// Unit of the value in files; empty where it has none.
     pub unit: &'static str,
     /// Meaning, with the unit.
     pub help: &'static str,
-    /// Name of the entry of the program's glossary.
+    /// Entry of the program's glossary that explains it.
     pub term: Option<&'static str>,
     /// Form in tables.
     pub form: Form,
     /// Text in place of an unknown value.
     pub unknown: &'static str,
-    /// Width of its column in tables, points.
+    /// Width of the column in tables, points.
     pub width: f32,
-    /// Place in a feature.
+    /// Accessor of the value in a feature.
     pub place: Place,
-    /// Colours, if features can be coloured by it.
+    /// Colours, if features can be coloured by the quantity.
     pub colours: Option<Colours>,
 }
 
-/// The lighter part of Viridis stands out from grey pictures and from the diverging maps of DoG responses alike, and is
-/// even for readers with a colour vision deficiency.
+/// Lighter part of Viridis, which stands out from grey pictures and DoG maps, also with a colour vision deficiency.
 pub const BRIGHT: Colours =
     Colours { map: ColourMap::Viridis, part: [0.35, 1.0], is_log: false, span: Span::Found(-1.0, 1.0) };
-/// As [`BRIGHT`], for what has no sign.
+/// As [`BRIGHT`], for values without a sign.
 pub const WARM: Colours =
     Colours { map: ColourMap::Magma, part: [0.45, 1.0], is_log: true, span: Span::Found(1.0, 16.0) };
-/// As [`BRIGHT`], from light to dark: few responses are uneven, and those stand out.
+/// As [`BRIGHT`], from light to dark: the few uneven responses stand out.
 const REVERSED: Colours =
     Colours { map: ColourMap::Viridis, part: [1.0, 0.35], is_log: false, span: Span::Always(0.0, 1.0) };
 
-/// The record of a whole number that is not in a feature, without colours and without an entry of the glossary.
 fn named(key: &'static str, heading: &'static str, unit: &'static str, help: &'static str) -> Record {
     let (form, place, term, unknown, width, colours) = (Form::Whole, Place::Beside, None, "", 46.0, None);
     Record { key, title: heading, heading, unit, help, term, form, unknown, width, place, colours }
@@ -145,7 +143,6 @@ fn motion(key: &'static str, heading: &'static str, term: &'static str, help: &'
     Record { form, term, colours, ..named(key, heading, "px/frame", help) }
 }
 
-/// The record of the standard deviation of a motion.
 fn uncertainty(key: &'static str, help: &'static str) -> Record {
     let colours = Some(Colours { span: Span::Found(0.01, 1.0), ..WARM });
     Record { form: Form::Fixed(2), colours, ..named(key, "±", "px/frame", help) }
@@ -155,9 +152,9 @@ impl Quantity {
     /// All quantities, as tables show them from left to right: the most important come first.
     pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
-    /// The columns of files, in order. Positions and scale are in input pixels; orientation in radians; slopes in
-    /// pixels per frame; `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is
-    /// |response|/σ_D; `at_slope_limit` is 1 or 0. The motions' uncertainties are standard deviations along the least
+    /// Columns of files, in order. Positions and scale are in input pixels; orientation in radians; slopes in pixels
+    /// per frame; `response` is the interpolated DoG value with its sign, fraction of full scale; `snr` is
+    /// |response|/σ_D; `at_slope_limit` is 1 or 0. Uncertainties of motions are standard deviations along the least
     /// certain direction. Tables as text have [empty](Self::is_empty) cells where the field or the layer is unknown.
     pub const STORED: [Self; 17] = [
         Self::U,
@@ -181,8 +178,9 @@ impl Quantity {
     /// Numbers of the stored columns that files of earlier versions have.
     pub const STORED_EARLIER: [usize; 2] = [16, 11];
 
-    /// The record of the quantity.
+    /// Record of this quantity.
     pub fn record(self) -> Record {
+        // Each record starts from `named` or a relative, and gives only what differs.
         match self {
             Self::Rank => {
                 Record { width: 34.0, ..named("rank", "#", "", "Number in the order of strength, from 0, as in files") }
@@ -352,8 +350,7 @@ impl Quantity {
         }
     }
 
-    /// Whether `feature` lacks this quantity: its field where the motion of its place is unknown, and its layer where
-    /// it has none.
+    /// Whether `feature` lacks this quantity: the field where it is unknown, the layer where there is none.
     pub fn is_empty(self, feature: &Feature) -> bool {
         match self {
             Self::FieldU | Self::FieldV | Self::FieldSigma => feature.field_sigma.is_infinite(),
@@ -362,8 +359,7 @@ impl Quantity {
         }
     }
 
-    /// The value of `feature`; `None` if a feature does not hold this quantity. Where its field is unknown, that is NaN
-    /// ± infinity; no layer is 0.
+    /// Value of `feature`; `None` for quantities beside the feature. An unknown field is NaN ± infinity; no layer is 0.
     pub fn of(self, feature: &Feature) -> Option<f32> {
         let mut feature = *feature;
         if matches!(self, Self::FieldU | Self::FieldV) && self.is_empty(&feature) {
@@ -378,9 +374,8 @@ impl Quantity {
         }
     }
 
-    /// The value of `feature` as files have it: with the fewest digits that read back to the same number; a flag is 1
-    /// or 0, and the way it moves a word. Empty if a feature does not hold this quantity, or [lacks](Self::is_empty)
-    /// it.
+    /// Value of `feature` as files have it: with the fewest digits that read back to the same number; a flag as 1 or 0,
+    /// and the motion as a word. Empty if a feature does not hold this quantity, or [lacks](Self::is_empty) it.
     pub fn cell(self, feature: &Feature) -> String {
         let mut feature = *feature;
         match self.record().place {
@@ -397,10 +392,10 @@ impl Quantity {
         matches!(self, Self::FieldU | Self::FieldV | Self::FieldSigma | Self::Layer)
     }
 
-    /// Sets the value of `feature` to that of a file's cell; an empty one changes nothing.
+    /// Sets the value of `feature` from a file's cell; an empty cell changes nothing.
     ///
     /// # Errors
-    /// The values that the cell may have, in words.
+    /// Allowed values of the cell, in words.
     pub fn read(self, feature: &mut Feature, cell: &str) -> Result<(), &'static str> {
         match self.record().place {
             _ if cell.is_empty() && self.may_be_empty() => {}

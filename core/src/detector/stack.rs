@@ -2,9 +2,9 @@
 //!
 //! Frame `t` is sampled at `x + (t − t0)·λ`, where t is the frame's position and t0 the mean of all positions. The
 //! offset is constant over the image, so it is split once into whole pixels and a fraction. A frame covers a pixel when
-//! the sampling point lies between the centres of its first and last pixel; the sum is divided by the number of frames
-//! that do; where samples are masked it is the mean of those that are seen. Where no frame covers a pixel (a corner,
-//! with diagonal slopes and an even number of frames) the frames' nearest pixels are averaged.
+//! the sampling point lies between the centres of its first and last pixel; the sum is divided by the number of
+//! covering frames, or, under masks, is the mean of the seen samples. Where no frame covers a pixel (a corner, with
+//! diagonal slopes and an even number of frames) the frames' nearest pixels are averaged.
 
 use crate::burst::{Offset, Positions};
 use crate::detector::params::{Interpolation, Slope};
@@ -15,12 +15,12 @@ use rayon::prelude::*;
 use std::borrow::Borrow;
 use std::ops::Range;
 
-/// Frames of a burst that take part.
+/// Positions of a burst's frames, and which of the frames take part.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameTimes {
     /// Positions of the N frames used; t0 is their mean.
     pub positions: Positions,
-    /// Indices of those that take part, in increasing order unless they were [reordered](Self::reordered).
+    /// Indices of the kept frames, in increasing order unless they were [reordered](Self::reordered).
     pub kept: Vec<usize>,
 }
 
@@ -30,18 +30,18 @@ impl FrameTimes {
         Self { kept: (0..positions.len()).collect(), positions }
     }
 
-    /// Positions of the frames that take part, from mid-burst.
+    /// Positions of the kept frames, from mid-burst.
     pub fn from_middle(&self) -> Vec<Offset<f32>> {
         self.kept.iter().map(|&t| self.positions.offset(t).to_f32()).collect()
     }
 
-    /// Standard deviation of those positions, frames.
+    /// Standard deviation of the kept frames' positions, frames.
     pub fn spread_frames(&self) -> f32 {
         let [uu, vv, _] = self.moments();
         (uu + vv).sqrt()
     }
 
-    /// Variances of those positions along u and v, and their covariance, frames²; along v 0 but for views.
+    /// Variances of the kept frames' positions along u and v, and their covariance, frames²; along v 0 but for views.
     pub fn moments(&self) -> [f32; 3] {
         let at = self.from_middle();
         let mean = |of: &dyn Fn(&Offset<f32>) -> f32| at.iter().map(of).sum::<f32>() / at.len().max(1) as f32;
@@ -49,7 +49,7 @@ impl FrameTimes {
         [mean(&|at| (at.u - u) * (at.u - u)), mean(&|at| (at.v - v) * (at.v - v)), mean(&|at| (at.u - u) * (at.v - v))]
     }
 
-    /// Times of the same frames when the one at place i among them takes that of the one at place `order[i]`.
+    /// Times after a permutation: the frame at place i among the kept ones takes the time of the one at `order[i]`.
     ///
     /// # Panics
     /// If `order` is no permutation of their places.
@@ -60,7 +60,7 @@ impl FrameTimes {
         Self { kept: order.iter().map(|&place| self.kept[place]).collect(), ..self.clone() }
     }
 
-    /// Selects the offsets of the frames that take part from those of all frames.
+    /// Selects the offsets of the kept frames from those of all frames.
     pub fn of(&self, offsets: Vec<FrameOffset>) -> Vec<FrameOffset> {
         self.kept.iter().map(|&t| offsets[t]).collect()
     }
@@ -68,8 +68,7 @@ impl FrameTimes {
 
 /// Offset (u, v), pixels, as `interpolation` reads it.
 fn offset_at(u_px: f64, v_px: f64, interpolation: Interpolation) -> FrameOffset {
-    // A fraction under a millionth of a pixel is a rounding error of the slope; dropping it keeps whole-pixel slopes
-    // exact.
+    // A fraction under a millionth of a pixel is rounding of the slope; without it whole-pixel slopes are exact.
     let split = |x: f64| match interpolation {
         Interpolation::Nearest => (x.round() as i64, 0.0, 0),
         // Truncating place + 1/2 is its floor, except for places between −1.5 and −0.5, where it gives 0.
@@ -108,8 +107,7 @@ pub(super) fn shifted_offsets(
     (0..positions.len()).map(offset).collect()
 }
 
-/// Variances along u and along v, in pixels², of the blur that linear interpolation leaves in the mean of frames at
-/// `offsets`: f(1 − f) for a fraction f.
+/// Variances along u and v, pixels², of the blur by linear interpolation in a stack: the mean of f(1 − f).
 pub fn interpolation_blur(offsets: &[FrameOffset]) -> (f64, f64) {
     let mean = |part: fn(&FrameOffset) -> f32| {
         let blur = |offset| f64::from(part(offset)) * (1.0 - f64::from(part(offset)));
@@ -124,8 +122,8 @@ pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: 
     RowStacker::new(frames, vec![offsets]).rows(v..v + 1, &columns, &mut [out], stride);
 }
 
-/// Number of `frames`, read at `offsets`, that cover the pixel (u, v), and how many of them see what lies up to
-/// `radius` pixels around it: each counts as the share of these samples that is not masked.
+/// Number of `frames`, read at `offsets`, that cover the pixel (u, v), and the number that see it: each counts as the
+/// unmasked share of its samples up to `radius` pixels around.
 pub fn coverage(
     frames: &[impl Borrow<Plane>],
     offsets: &[FrameOffset],
@@ -137,8 +135,8 @@ pub fn coverage(
     covering.fold((0.0, 0.0), |(all, seen), (frame, offset)| (all + 1.0, seen + offset.weight(frame, (u, v), radius)))
 }
 
-/// Computes the motion-stack image of `frames` (one size, in time order) at `positions`, at `slope`: the mean over the
-/// frames that cover a pixel of `F_t(x + (t − t0)·λ)`, where t is a frame's position and t0 the mean of all.
+/// Computes the motion-stack image of `frames` (one size, in time order) at `positions`, at `slope`: for each pixel the
+/// mean of `F_t(x + (t − t0)·λ)` over the frames that cover it, where t is a frame's position and t0 the mean of all.
 ///
 /// # Panics
 /// If there is no frame, the sizes differ, or there are fewer positions.
@@ -153,6 +151,7 @@ pub fn motion_stack(
     assert!(frames.iter().all(|f| f.size() == (width, height)), "frames of a burst have one size");
     let offsets = frame_offsets(positions, slope, interpolation);
     let mut out = Plane::zeros(width, height);
+    // `par_chunks_mut` takes no chunks of length 0.
     if width == 0 || height == 0 {
         return Ok(out);
     }
@@ -172,7 +171,6 @@ mod tests {
     use crate::plane::mask::HIDDEN_WEIGHT;
     use proptest::prelude::*;
 
-    /// The definition, pixel by pixel.
     fn by_definition(frames: &[&Plane], slope: Slope, interpolation: Interpolation) -> Plane {
         let (width, height) = frames[0].size();
         let offsets = frame_offsets(&Positions::even(frames.len()), slope, interpolation);
@@ -245,7 +243,6 @@ mod tests {
         }
     }
 
-    /// The mean of the seen samples, pixel by pixel.
     fn seen_by_definition(frames: &[&Plane], slope: Slope, interpolation: Interpolation) -> Plane {
         let (width, height) = frames[0].size();
         let offsets = frame_offsets(&Positions::even(frames.len()), slope, interpolation);

@@ -1,7 +1,7 @@
-//! Tests that a sample of D goes through until it is a feature, in order: one record each.
+//! Tests that a sample of D passes on its way to a feature, in order: one record each.
 //!
-//! The search decides (`search`, then `refine`, then `distinct`). Whatever else the program
-//! knows of a test it reads here; the value and the limit of one candidate come from [`crate::inspect::telling`].
+//! The search decides (`search`, then `refine`, then `distinct`). The rest of the program reads what it knows of a test
+//! here; the value and the limit of one candidate come from [`crate::inspect::telling`].
 //!
 //! Words in braces stand for numbers of the candidate: `crate::inspect::fate::TestReport::word` has those of all
 //! sentences, `crate::inspect::remedy` those of verdicts and remedies.
@@ -11,7 +11,7 @@ use super::params::{DetectorParams, Distinct, Param, SearchParams, doc};
 use serde::{Deserialize, Serialize};
 use strum::{EnumCount, VariantArray};
 
-/// Tests of a sample of D, in order.
+/// Test of a sample of D, in the order in which the search applies them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize, EnumCount, VariantArray)]
 #[serde(rename_all = "snake_case")]
 pub enum Test {
@@ -33,12 +33,11 @@ pub enum Test {
     Edge,
     /// The refined place is outside the image or the refined scale outside the octave.
     Outside,
-    /// Too many samples of its disc are masked.
+    /// Too many samples of the feature's disc are masked.
     Seen,
-    /// A stronger keypoint shows this blob.
+    /// A stronger keypoint stands for the same blob.
     Duplicate,
-    /// Its features are weaker than the strongest `max_features`. Keypoints weaker than all of these come to this test
-    /// without the one before it.
+    /// Its features are weaker than the strongest `max_features`. Weaker keypoints skip the test before.
     MaxFeatures,
 }
 
@@ -59,7 +58,6 @@ impl Side {
     }
 }
 
-/// A parameter and a value for it, as the command line takes it.
 type Setting = (Param<SearchParams>, String);
 
 /// Record of a test. Sentences are clauses without a capital at their start or a full stop at their end.
@@ -67,7 +65,7 @@ type Setting = (Param<SearchParams>, String);
 pub struct TestRecord {
     /// Reason why a sample failed, in words.
     pub reason: &'static str,
-    /// Name in a table of values, with their unit.
+    /// Name in a table of values, with the unit of the values.
     pub name: &'static str,
     /// Name in a list.
     pub short: &'static str,
@@ -75,17 +73,17 @@ pub struct TestRecord {
     pub side: Side,
     /// Unit of value and limit.
     pub unit: &'static str,
-    /// Sentence on a candidate that passes; empty for the same as of one that fails.
+    /// Sentence on a candidate that passes; empty where `fails` serves both.
     pub passes: &'static str,
     /// Sentence on a candidate that fails.
     pub fails: &'static str,
-    /// Sentence on one that fails without a finite value.
+    /// Sentence on a candidate that fails without a finite value.
     pub boundless: &'static str,
     /// Sentence where the parameters switch the test off.
     pub off: &'static str,
-    /// Sentences where the test has a limit, but is not applied: for a value that would pass, and one that would fail.
+    /// Sentences where the test has a limit, but is not applied: for a passing and for a failing value.
     pub waived: [&'static str; 2],
-    /// Sentence where it cannot be decided.
+    /// Sentence where the test cannot be decided.
     pub unknown: &'static str,
     /// Verdict on a candidate that fails this test first.
     pub verdict: &'static str,
@@ -93,15 +91,15 @@ pub struct TestRecord {
     pub parameter: Option<Param<SearchParams>>,
     /// Setting by which a candidate passes.
     pub remedy: &'static str,
-    /// Usual share of the candidates that pass, in a detection that finds enough. Measured without a peak threshold on
-    /// a chart, the demo, two trajectories and two real scenes, all dark: they differ by a fifth at most, by a third
-    /// for slopes. `None` for the thresholds, which are judged apart, and for the maximum number of features.
+    /// Usual share of passing candidates in a detection that finds enough. Measured without a peak threshold on a
+    /// chart, the demo, two trajectories and two real scenes, all dark: they differ by a fifth at most, by a third for
+    /// slopes. `None` for the thresholds, which are judged apart, and for the maximum number of features.
     pub usual_share: Option<f64>,
-    /// Setting to change where it rejects too much; `None` where none would help.
+    /// Setting to change where the test rejects too much; `None` where none would help.
     pub advised: fn(&DetectorParams) -> Option<Setting>,
 }
 
-/// Record of an imaginary test, for what the others do not need.
+/// Record of an imaginary test, as the default of fields that a record leaves out.
 const NONE: TestRecord = TestRecord {
     reason: "",
     name: "",
@@ -301,7 +299,6 @@ fn other_levels(params: &DetectorParams) -> Option<Setting> {
     Some((doc::LEVELS, if params.levels > 3 { "3" } else { "4" }.to_owned()))
 }
 
-/// The axis with more slopes, and its parameter.
 pub(super) fn wider_axis(grid: &SlopeGrid) -> (Param<SearchParams>, SlopeAxis) {
     if grid.v.count > grid.u.count { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) }
 }
@@ -310,17 +307,17 @@ impl Test {
     /// All tests, in order.
     pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
-    /// Whatever is known of it.
+    /// Record of this test.
     pub fn record(self) -> &'static TestRecord {
         &RECORDS[self as usize]
     }
 
-    /// See [`TestRecord::reason`].
+    /// Reason why a sample failed: see [`TestRecord::reason`].
     pub fn reason(self) -> &'static str {
         self.record().reason
     }
 
-    /// Whether a sample that fails it first is an extremum at its own slope: a candidate.
+    /// Whether a sample that fails this test first is a candidate: an extremum at its own slope.
     pub fn takes_candidates(self) -> bool {
         !matches!(self, Self::SpaceExtremum | Self::ScaleExtremum)
     }
@@ -329,14 +326,13 @@ impl Test {
 /// Fate of samples at slopes that a search around the field of motion leaves out.
 pub const NOT_SEARCHED: &str = "not searched here at this slope";
 
-/// Numbers of samples that each test rejected.
+/// Numbers of samples by the first test that rejected them.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Tally {
-    /// Number of samples of D that were examined: over all octaves the pixels (except the outermost of each border,
-    /// which lack neighbours) × the levels that have one above and one below × the slopes searched there.
+    /// Number of samples of D that were examined: over all octaves the pixels (except each border's outermost, which
+    /// lack neighbours) × the levels with one above and one below × the slopes searched there.
     pub samples: u64,
-    /// Number of samples that were not searched at their slope: see
-    /// [`SearchSlopes::Field`](crate::detector::SearchSlopes::Field).
+    /// Number of samples left out at their slope by [`SearchSlopes::Field`](crate::detector::SearchSlopes::Field).
     pub not_searched: u64,
     /// Number of samples that each test rejected, in the order of [`Test::ALL`].
     pub rejected: [u64; Test::ALL.len()],
@@ -355,7 +351,7 @@ impl Tally {
         self.rejected[test as usize] += count;
     }
 
-    /// Adds another tally.
+    /// Adds another tally, such as that of another tile or slope.
     pub fn merge(&mut self, other: &Self) {
         self.samples += other.samples;
         self.not_searched += other.not_searched;

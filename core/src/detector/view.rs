@@ -1,5 +1,4 @@
-//! Pictures of the search's steps: the motion-stack image and the DoG response at any slope, octave and level, and the
-//! noise by place.
+//! Pictures of the search's steps: motion stack and DoG response at any slope, octave and level, and noise by place.
 
 use super::combine::{Combine, combined_stack};
 use super::field::{MotionField, in_focus, motion_field};
@@ -16,8 +15,7 @@ use crate::plane::Plane;
 use rayon::prelude::*;
 use std::ops::Range;
 
-/// Motion-stack image at any `slope` (px/frame, on the grid or between) of the frames that `params` use. Input-pixel
-/// size, [0, 1] unit.
+/// Motion-stack image at any `slope` (px/frame) of the frames that `params` use. Input-pixel size, [0, 1] unit.
 ///
 /// ```
 /// use burstscope_core::detector::{Slope, view::stack_view};
@@ -50,8 +48,8 @@ pub fn combined_view(
 
 /// DoG response D = G(level + 1) − G(level) of the motion-stack image at `slope`, on the pixels of `octave`: pixel (i,
 /// j) lies at (i·2^octave, j·2^octave) of the input image. Levels −1 … levels exist; features come from 0 … levels−1.
-/// Unit: fraction of full scale. The picture is of the frames as they are: where `slope` is on the grid the values are
-/// bitwise those that the search compares, unless the local noise model cleaned the frames.
+/// Unit: fraction of full scale. Frames are taken as they are: for a `slope` on the grid the values are bitwise those
+/// that the search compares, unless the local noise model cleaned the frames.
 ///
 /// # Errors
 /// An octave or level that the parameters do not have.
@@ -66,6 +64,7 @@ pub fn dog_view(
     let octaves = check_level(params, burst.size(), octave, level)?;
     let (mut frames, space) = (used_frames(burst, params), ScaleSpace::of(params));
     let binned = space.binned(&frames, monitor)?;
+    // A coarse first octave starts from the binned frames.
     if !binned.is_empty() {
         frames = binned.iter().collect();
     }
@@ -120,9 +119,8 @@ pub fn noise_map(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> R
     Ok(Plane::from_fn(width, height, at))
 }
 
-/// σ of the noise in D at each pixel of an octave, as the noise gate uses it: of the motion-stack image at any `slope`
-/// (px/frame, on the grid or between) at `octave` and `level` (−1 … levels). A candidate must reach the gate's factor
-/// times this. On the pixels of `octave`, as [`dog_view`]; fraction of full scale.
+/// σ of the noise in D (fraction of full scale) at each pixel of `octave`, as the gate uses it, at any `slope`
+/// (px/frame, on the grid or between) and `level` (−1 … levels): a candidate must reach the gate's factor times this.
 ///
 /// # Errors
 /// Parameters that make no sense for the burst, or do not have the octave or level.
@@ -138,12 +136,13 @@ pub fn gate_noise_map(
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let offsets = inputs.offsets(slope);
     let min = inputs.sigma_d(octave, level, slope, &offsets);
+    // As the search forms the product, so that the map has its bits.
     let at = |x, y| min * inputs.place_factor(octave, &offsets, (x, y));
     Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
 }
 
-/// Share (0 … 1) of the frames that take part in the search that see each pixel of the image at `slope` (px/frame, on
-/// the grid or between): they cover it, and no mask hides it. Where fewer do, the mean over them is noisier.
+/// Share (0 … 1) of the kept frames that see each pixel of the image at `slope` (px/frame, on the grid or between):
+/// they cover it, and no mask hides it. Where fewer do, the mean over them is noisier.
 ///
 /// # Errors
 /// Parameters that make no sense for the burst.
@@ -154,8 +153,7 @@ pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monit
     Ok(plane_of(size, share, monitor)?)
 }
 
-/// Field of motion of the burst as a search with `params` finds it; `None` where the burst shows none (see
-/// [`motion_field`]).
+/// Field of motion of the burst as a search with `params` finds it; `None` where [`motion_field`] finds none.
 ///
 /// # Errors
 /// Parameters that make no sense for the burst.

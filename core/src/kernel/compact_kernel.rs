@@ -14,7 +14,7 @@
 use crate::plane::Plane;
 use multiversion::multiversion;
 
-/// The shape of a compactly supported kernel.
+/// Shape of a compactly supported kernel: h and its derivatives by their polynomials in q.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CompactKernel {
     /// Coefficients of 1, q, q², q³ in h over (1 − q)³.
@@ -102,7 +102,7 @@ fn cubic(c: &[f32; 4], q: f32) -> f32 {
     q.mul_add(q.mul_add(q.mul_add(c[3], c[2]), c[1]), c[0])
 }
 
-/// The sums that make a [`KernelResponse`]. `x` and `y` are the distances of columns and rows, in radii.
+/// Sums that make a [`KernelResponse`]. `x` and `y` are the distances of columns and rows, in radii.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sums(
     kernel: &CompactKernel,
@@ -121,6 +121,7 @@ fn sums(
             for l in 0..LANES {
                 let x = x[l];
                 let q = x.mul_add(x, yy);
+                // Each derivative of h has one power of (1 − q) less than the one before: `pixel` gains them in turn.
                 let w = (1.0 - q).max(0.0);
                 let pixel = (pixels[l] - local_mean) * w;
                 let second = pixel * cubic(&kernel.second, q);
@@ -138,12 +139,12 @@ fn sums(
             }
         }
     }
+    // Lanes are added once at the end: the order of additions is the same on all processors.
     acc.map(|lanes| lanes.iter().sum())
 }
 
 impl PixelView<'_> {
-    /// The mean of pixels on a circle of nine tenths of `radius` around (x, y). Samples of a kernel do not sum to
-    /// exactly 0, and err most where it ends, so it is applied to the difference from the grey level there.
+    /// Mean on a circle of 0.9 `radius` around (x, y), subtracted first: samples sum to about 0, and err most there.
     pub fn local_mean(&self, radius: f64, (x, y): (f64, f64)) -> f32 {
         let near = |at: f64, n: usize| (at.round().max(0.0) as usize).min(n - 1);
         let at = |du: f64, dv: f64| {
@@ -207,7 +208,6 @@ mod tests {
         (1.0 - q).powi(3) * polynomial(&kernel.value, q)
     }
 
-    /// ∫f dq from 0 to 1.
     fn integral(f: impl Fn(f64) -> f64) -> f64 {
         (0..20_000).map(|i| f((f64::from(i) + 0.5) / 20_000.0)).sum::<f64>() / 20_000.0
     }

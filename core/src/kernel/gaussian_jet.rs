@@ -1,8 +1,7 @@
 //! Gaussian jets: a place's sums of pixels under two Gaussians and under their derivatives up to the fourth order.
 //!
-//! Sampled Gaussians and their derivatives are separable, so all 30 sums take one pass over the pixels: each row is
-//! multiplied by ten weights, and what remains by ten weights a column. A jet shows how D changes with place and, by
-//! the heat equation, with scale, without a picture of D.
+//! Sampled Gaussians and their derivatives are separable, so all 30 sums take one pass over the pixels, with ten
+//! weights a row and ten a column. A jet shows how D changes with place and, by the heat equation, with scale.
 
 use crate::kernel::compact_kernel::PixelView;
 use multiversion::multiversion;
@@ -68,9 +67,8 @@ const MIN_SAMPLED_VARIANCE: f64 = 1.2;
 /// Terms by which a sampled Gaussian is made as sharp as a narrower one, beside itself.
 const SHARPENING: usize = 4;
 
-/// Writes the derivatives of a Gaussian of `variance` at `stride` whole distances from `d` on, order after order. One
-/// that is too narrow to be sampled is the wider g sharpened, exp(−c/2·∂²)g with the difference c of the variances: on
-/// smooth pixels their sums are the same. `wider` is a buffer.
+/// Writes the derivatives of a Gaussian of `variance` at `stride` whole distances from `d` on, order after order. A
+/// Gaussian too narrow to be sampled is a wider one sharpened by exp(−c/2·∂²), c being the difference of the variances.
 fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Vec<f32>) {
     let missing = MIN_SAMPLED_VARIANCE - variance;
     if missing <= 0.0 {
@@ -80,6 +78,7 @@ fn weights(variance: f64, d: f64, stride: usize, out: &mut [f32], wider: &mut Ve
     derivatives(MIN_SAMPLED_VARIANCE, d, stride, wider);
     for (order, out) in out.chunks_exact_mut(stride).enumerate() {
         out.copy_from_slice(&wider[order * stride..][..stride]);
+        // The series of a Gaussian that is sharpened by its own derivatives.
         let mut factor = 1.0;
         for term in 1..=SHARPENING {
             factor *= (-0.5 * missing / term as f64) as f32;
@@ -103,6 +102,7 @@ fn derivatives(variance: f64, d: f64, stride: usize, out: &mut [f32]) {
         ratio *= fall;
     }
     let (first, step) = ((d * inverse) as f32, inverse as f32);
+    // The recursion of the Hermite polynomials.
     for order in 1..out.len() / stride {
         let (before, next) = out.split_at_mut(order * stride);
         let now = &before[(order - 1) * stride..];
@@ -128,6 +128,7 @@ fn sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [[f32
                 }
             }
         }
+        // Row sums of one order along v are shared by all orders along u.
         for (g, totals) in totals.iter_mut().enumerate() {
             let mut term = 0;
             for p in 0..ORDERS {

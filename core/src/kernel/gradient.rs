@@ -12,7 +12,7 @@ const EIGHTHS: f32 = 4.0 / std::f32::consts::PI;
 
 pub(crate) type Lane = [f32; LANES];
 
-/// The smaller of two numbers, neither of which is NaN: unlike [`f32::min`] a single instruction.
+/// Smaller of two numbers, neither NaN: unlike [`f32::min`] a single instruction.
 #[inline(always)]
 pub(crate) fn min(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
@@ -23,7 +23,6 @@ pub(crate) fn max(a: f32, b: f32) -> f32 {
     if a > b { a } else { b }
 }
 
-/// The polynomial with these coefficients at `x`, highest power first.
 #[inline(always)]
 fn polynomial<const N: usize>(coefficients: [f32; N], x: f32) -> f32 {
     let mut sum = coefficients[0];
@@ -42,6 +41,7 @@ fn polar(gu: f32, gv: f32) -> (f32, f32) {
     let s = a * a;
     const ROOT: [f32; 6] = [0.005_171_558, -0.023_276_972, 0.056_170_046, -0.123_759_41, 0.499_908_78, 1.000_001_1];
     const ARCTANGENT: [f32; 6] = [-0.011_721_2, 0.052_653_32, -0.116_432_87, 0.193_543_46, -0.332_623_47, 0.999_977_26];
+    // Octant by octant: the arctangent of the smaller ratio, mirrored into place.
     let mut r = polynomial(ARCTANGENT, s) * (a * EIGHTHS);
     r = if y > x { 2.0 - r } else { r };
     r = if gu < 0.0 { 4.0 - r } else { r };
@@ -59,7 +59,7 @@ fn exp_of_negative(x: f32) -> f32 {
     series * f32::from_bits(whole(doublings + 127.0) << 23)
 }
 
-/// exp(−d²/(2·sigma²)) of the distances of `range` from `centre`, and at least one more vector.
+/// exp(−d²/(2·sigma²)) of the distances of `range` from `centre`, and at least one vector more.
 #[inline(always)]
 pub(crate) fn window(range: Range<i64>, centre: f32, sigma: f32, out: &mut Vec<f32>) {
     let scale = -0.5 / (sigma * sigma);
@@ -79,7 +79,7 @@ pub(crate) fn vector_of(values: &[f32], at: usize) -> &Lane {
     values[at..at + LANES].try_into().expect("a vector")
 }
 
-/// The neighbours on four sides of part of a row of a Gaussian level; each slice begins at the first pixel's.
+/// Neighbours on four sides of part of a row of a Gaussian level; each slice begins at the first pixel's.
 pub(crate) struct GradientRow<'a> {
     before: &'a [f32],
     after: &'a [f32],
@@ -109,7 +109,7 @@ impl<'a> GradientRow<'a> {
     }
 }
 
-/// The octave's columns (or rows), of `n`, within `radius` of the pixel at `centre`, without the image's rim.
+/// Columns (or rows) of an octave of `n`, within `radius` of the pixel at `centre`, without the image's rim.
 pub(crate) fn reach(centre: f32, radius: i64, n: usize) -> Range<i64> {
     let centre = (centre + 0.5) as i64;
     let wanted = centre - radius..centre + radius + 1;

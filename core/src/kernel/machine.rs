@@ -7,7 +7,6 @@ use pulp::Simd;
 
 /// Vectors whose sums are held at once: they hide each other's latency and fit into sixteen registers.
 pub(crate) const MAX_VECTORS: usize = 6;
-/// Values of the widest kind of vector.
 pub(crate) const WIDEST_VECTOR: usize = 16;
 /// Columns that the filter bank makes together: two vectors of the widest kind, a whole number of any kind.
 pub(crate) const BLOCK_COLUMNS: usize = 32;

@@ -1,6 +1,6 @@
 //! Rows of a motion-stack image where masks hide a part of the frames: the mean of the samples that are seen.
 //!
-//! Where no frame sees a place its filled values are averaged, since a hidden sample weighs a little.
+//! Where no frame sees a place, the filled values are averaged, since a hidden sample keeps a small weight.
 
 use crate::kernel::offset::FrameOffset;
 use crate::plane::Plane;
@@ -17,8 +17,7 @@ pub(super) struct MaskedRows {
 }
 
 impl MaskedRows {
-    /// Writes row `v` of the mean of the seen samples of `frames` at `offsets` to `out`, which holds `columns` of the
-    /// mean of all; columns that read no hidden sample stay.
+    /// Writes row `v` of the mean of the seen samples to `out`, which holds `columns` of the mean of all samples.
     pub fn mend(
         &mut self,
         frames: &[&Plane],
@@ -40,6 +39,7 @@ impl MaskedRows {
             let before = offset.before_u + i64::from(offset.part_u > 0.0);
             Some(span.start as i64 - before - offset.whole_u..span.end as i64 - offset.whole_u)
         });
+        // Only columns that read a hidden sample are made again: elsewhere the mean of all is right.
         let Some(hidden) = hidden.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else { return };
         let inside = |at: i64| at.clamp(columns.start as i64, columns.end as i64) as usize;
         let hidden = inside(hidden.start)..inside(hidden.end);
@@ -53,7 +53,7 @@ impl MaskedRows {
             if start >= end {
                 continue;
             }
-            // Columns before the frame's first one that count as it begin a column too far left.
+            // Columns before the frame's first one that count as that column begin a column too far left.
             let left = start as i64 + offset.whole_u;
             let (skipped, left) = (usize::try_from(-left).unwrap_or(0), left.max(0) as usize);
             let read = left..(left + end - start + usize::from(offset.part_u > 0.0)).min(width);

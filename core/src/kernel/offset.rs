@@ -10,7 +10,7 @@ pub struct FrameOffset {
     pub whole_v: i64,
     pub part_u: f32,
     pub part_v: f32,
-    /// Columns and rows before the first one that still count as it, 0 or 1: see `Interpolation::Truncated`.
+    /// Columns and rows before the first one that still count as the first, 0 or 1: see `Interpolation::Truncated`.
     pub before_u: i64,
     pub before_v: i64,
 }
@@ -41,14 +41,14 @@ impl FrameOffset {
         self.covers(u, v, frame.size()) && self.weight(frame, (u, v), 0.0) >= 0.5
     }
 
-    /// Mean weight (0 … 1) of the samples of `frame` that are read up to `radius` pixels around pixel (u, v), which it
-    /// covers.
+    /// Mean weight (0 … 1) of the samples of `frame` read up to `radius` pixels around pixel (u, v), which it covers.
     pub fn weight(&self, frame: &Plane, (u, v): (usize, usize), radius: f32) -> f32 {
         let Some(mask) = frame.mask() else { return 1.0 };
         let (x, y) = ((u as i64 + self.whole_u) as f32 + self.part_u, (v as i64 + self.whole_v) as f32 + self.part_v);
         let (steps, size) = ((radius.ceil() as i32).min(DISC_STEPS), frame.size());
         let (mut sum, mut count) = (0.0, 0.0);
         for (i, j) in (-steps..=steps).flat_map(|j| (-steps..=steps).map(move |i| (i, j))) {
+            // A large disc is sampled, not summed.
             let away = |step: i32| step as f32 * radius / steps.max(1) as f32;
             let (x, y) = ((x + away(i)).round().max(0.0) as usize, (y + away(j)).round().max(0.0) as usize);
             if i * i + j * j <= steps * steps && x < size.0 && y < size.1 {
@@ -59,5 +59,5 @@ impl FrameOffset {
     }
 }
 
-/// Samples of a radius at most that a weight is the mean of.
+/// Steps in a radius at most, over which a weight is averaged.
 const DISC_STEPS: i32 = 5;

@@ -1,10 +1,9 @@
 //! Patches: the pixels around one feature at one slope, their motion stack and their blur.
 //!
-//! Localisation and description compute again the small part that they need of a feature's own motion-stack image. A
-//! patch always holds the whole rectangle asked for: beyond the octave's border the nearest pixel is repeated. Where
-//! every frame covers the whole patch, the pixels that belong together and their weights are computed once for all of
-//! it; at the sides rows are made one by one. A pixel has the same bits either way, unless a frame is read between its
-//! rows. One blur to a level equals the levels' chain of blurs up to the kernels' cut.
+//! Localisation and description make the part that they need of a feature's own motion-stack image again. A patch
+//! always holds the whole rectangle: beyond the octave's border the nearest pixel is repeated. Where every frame covers
+//! the patch, pixels that belong together and their weights are computed once; at the sides row by row. A pixel has the
+//! same bits either way, unless a frame is read between its rows. One blur equals a chain up to its cut.
 
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};
@@ -15,7 +14,7 @@ use crate::plane::vectors::Aligned;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
-/// Values in a vector. Those beyond the end of a patch's row are computed and dropped.
+/// Values in a vector; values beyond the end of a patch's row are computed and dropped.
 pub(crate) const LANES: usize = 16;
 
 /// A rectangle of pixels of an octave, with its place. The buffer keeps its capacity when it is reset.
@@ -81,7 +80,6 @@ impl Patch {
         &mut self.data[at..]
     }
 
-    /// Row `v`, one value for each held column.
     pub fn row(&self, v: i64) -> &[f32] {
         &self.values(self.columns.start, v)[..self.columns.clone().count()]
     }
@@ -105,6 +103,7 @@ impl Patch {
                 row[end..].fill(last);
             }
         }
+        // Rows above and below last, so that they copy the repeated corners too.
         let stride = self.stride;
         let (above, below) = (rows.start as i64 - self.rows.start, self.rows.end - rows.end as i64);
         let last = (rows.end as i64 - 1 - self.rows.start) as usize;
@@ -114,7 +113,7 @@ impl Patch {
         (1..=below as usize).for_each(|v| data.copy_within(last * stride..(last + 1) * stride, (last + v) * stride));
     }
 
-    /// Subtracts the value in the middle: small numbers have smaller rounding errors.
+    /// Subtracts the value in the middle: smaller numbers have smaller rounding errors.
     pub(crate) fn centre(&mut self) {
         let (columns, rows) = (self.columns(), self.rows());
         let middle = self.values((columns.start + columns.end) / 2, (rows.start + rows.end) / 2)[0];
@@ -134,7 +133,7 @@ impl Patch {
                 let lower = narrow.row(v.div_euclid(2) + 1);
                 row.iter_mut().zip(upper).zip(lower).for_each(|((out, a), b)| *out = 0.5 * (a + b));
             }
-            // The first pixel of the patch is the first narrow one or lies after it.
+            // The patch begins at a narrow pixel or between it and the next.
             let odd = left.rem_euclid(2) as usize;
             for (i, out) in self.row_mut(v).iter_mut().enumerate() {
                 let at = (i + odd) / 2;
@@ -169,7 +168,7 @@ impl Patch {
         let (left, top) = (columns.start - radius, rows.start - radius);
         assert!(self.columns().start <= left && self.columns().end >= columns.end + radius, "the patch is wide enough");
         assert!(self.rows().start <= top && self.rows().end >= rows.end + radius, "the patch is high enough");
-        // Vectors that begin at cache lines.
+        // Vectors begin at cache lines.
         let skipped = (left - self.columns().start) as usize % LANES;
         let (width, count) = (columns.clone().count(), rows.clone().count());
         assert!(count >= TOGETHER, "{count} rows are too few");
@@ -197,6 +196,7 @@ pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
     let size = frames[0].size();
     let (columns, rows) = (inside(&patch.columns(), size.0), inside(&patch.rows(), size.1));
     let (left, top, stride) = (columns.start as i64, rows.start as i64, patch.stride());
+    // At the sides and under masks the frames that count differ from pixel to pixel.
     if any_masked(frames) || !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
         let out = patch.values_mut(left, top);
         return RowStacker::new(frames, vec![offsets]).rows(rows, &columns, &mut [out], stride);
@@ -249,7 +249,7 @@ impl WithSimd for BlurRows<'_> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         for first in (0..self.rows).step_by(TOGETHER) {
-            // The last rows overlap those before them.
+            // The last rows overlap the rows before them, so that all groups have one size.
             let first = first.min(self.rows - TOGETHER);
             let from = &self.from[first * self.from_stride..];
             for u in (0..self.band_stride).step_by(S::F32_LANES) {
@@ -271,7 +271,7 @@ impl WithSimd for BlurRows<'_> {
     }
 }
 
-/// Combines one vector of [`TOGETHER`] rows; `from` begins at the first row that the first one reads.
+/// Combines one vector of [`TOGETHER`] rows; `from` begins at the first row read.
 #[inline(always)]
 fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mut [f32], out_stride: usize) {
     let radius = half.len() - 1;
@@ -282,7 +282,7 @@ fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mu
         sums[i] = simd.mul_f32s(tap, above[i]);
     }
     let mut below = above;
-    // One tap farther, the rows needed are those already loaded, shifted by one, and a new one.
+    // One tap farther, the rows are those already loaded, shifted by one, and a new row.
     let mut distance = 1;
     macro_rules! step {
         () => {
@@ -301,6 +301,7 @@ fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mu
             distance += 1;
         };
     }
+    // Four taps a turn: unrolled, the rotation of four rows needs no copies.
     while distance + 3 < half.len() {
         step!();
         step!();
@@ -315,7 +316,7 @@ fn combine<S: Simd>(simd: S, half: &[f32], from: &[f32], stride: usize, out: &mu
     }
 }
 
-/// Convolves `V` vectors: Σ taps·values over a symmetric kernel; `line` begins at the first value under the first tap.
+/// Convolves `V` vectors with a symmetric kernel; `line` begins at the first value under the first tap.
 #[inline(always)]
 fn convolve<S: Simd, const V: usize>(simd: S, half: &[f32], line: &[f32], out: &mut [f32]) {
     let (radius, read) = (half.len() - 1, V * S::F32_LANES);
@@ -324,7 +325,7 @@ fn convolve<S: Simd, const V: usize>(simd: S, half: &[f32], line: &[f32], out: &
     for (i, sum) in sums.iter_mut().enumerate() {
         *sum = simd.mul_f32s(tap, load::<S>(line, radius + i * S::F32_LANES));
     }
-    // Iterators need no bounds checks in the loop.
+    // Iterators need no bounds checks.
     let before = line[..radius + read - 1].windows(read).rev();
     let after = line[radius + 1..2 * radius + read].windows(read);
     for ((before, after), &tap) in before.zip(after).zip(&half[1..]) {

@@ -1,12 +1,11 @@
 //! Rows of motion-stack images, for several slopes at once.
 //!
 //! The slopes of a group read the same rows of the same frames, a few columns apart, so each row comes from memory
-//! once; slopes that agree in their vertical part share the mixing of two rows into one. Some rows are made together,
-//! since to set up a sum takes as long as a part of it. Where every frame of a row covers the column and the next one,
-//! rows are weighted sums of the frames' rows (`WeightedRows`). Each frame pixel adds to two pixels of the sum, the one
-//! at its place and the one before: so two sums are made from the same loads and finally added, the second one shifted
-//! by a pixel; one is enough where all fractions are alike. At the sides frames are added one after the other and
-//! divided by their number. The patches around features use the same, to the bit.
+//! once; slopes that agree in their vertical part share the mixing of two rows into one. Rows are made some at a time,
+//! since setting up a sum takes long. Where every frame of a row covers the column and the next one, rows are weighted
+//! sums of the frames' rows (`WeightedRows`). Each frame pixel adds to two pixels, its own place and one before: two
+//! sums of the same loads are added, the second shifted by a pixel; one sum is enough where all fractions are alike. At
+//! the sides frames are added in turn and divided by their number. Patches have the same bits.
 
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
 use crate::kernel::masked_rows::MaskedRows;
@@ -36,13 +35,13 @@ struct Group<'a> {
     run: Run<'a>,
 }
 
-/// Data shared by the rows that the same frames cover.
+/// Data shared by consecutive rows that the same frames cover.
 #[derive(Debug, Default)]
 struct Run<'a> {
     rows: Range<usize>,
     columns: Range<usize>,
     covering: Vec<usize>,
-    /// The columns of the frames that any slope of the group reads.
+    /// Columns of the frames that any slope of the group reads.
     wide: Range<usize>,
     mixes: bool,
     /// For each slope the columns covered by all frames.
@@ -59,13 +58,14 @@ struct Source<'s> {
 }
 
 impl<'a> Run<'a> {
-    /// The rows from `v` on, columns `columns`, of `frames` at `slopes`, which form a group.
+    /// Run of rows from `v` on, columns `columns`, of `frames` at `slopes`, which form a group.
     fn new(frames: &'a [&'a Plane], slopes: &[&'a [FrameOffset]], v: usize, columns: Range<usize>) -> Self {
         let (width, height) = frames[0].size();
         let first = slopes[0];
         let covering: Vec<usize> = (0..frames.len()).filter(|&t| first[t].covers_rows(height).contains(&v)).collect();
+        // A run ends where a frame begins or ceases to cover, so that all its rows have the same terms.
         let changes = first.iter().map(|offset| offset.covers_rows(height)).flat_map(|rows| [rows.start, rows.end]);
-        // Rows above the frame are copies of its first row.
+        // Rows above a frame are copies of its first row, so a run must not cross into the frame.
         let reads = covering.iter().map(|&t| usize::try_from(-first[t].whole_v).unwrap_or(0));
         let end = changes.chain(reads).filter(|&change| change > v).min().unwrap_or(height);
         let shifts = || slopes.iter().flat_map(|slope| slope.iter()).map(|offset| offset.whole_u);
@@ -75,13 +75,14 @@ impl<'a> Run<'a> {
             .iter()
             .map(|offsets| {
                 let reads = covering.iter().map(|&frame| {
-                    // One more to the right, whether or not that is needed.
+                    // One column more to the right, needed or not: taps read a pixel beyond.
                     FrameOffset::covered(offsets[frame].whole_u, 1.0, 0, width)
                 });
                 let inner = reads.fold(columns.clone(), |a, b| a.start.max(b.start)..a.end.min(b.end));
                 if covering.is_empty() || inner.is_empty() { columns.start..columns.start } else { inner }
             })
             .collect();
+        // Terms into the frames themselves serve all rows of the run; mixed rows exist only for a few rows at a time.
         let mixes = covering.iter().any(|&frame| first[frame].part_v > 0.0);
         let scale = 1.0 / covering.len() as f32;
         let taps = |(offsets, inner): (&&'a [FrameOffset], &Range<usize>)| -> Vec<Tap<'a>> {
@@ -106,6 +107,7 @@ impl<'a> RowStacker<'a> {
         let mut groups: Vec<Group<'_>> = Vec::new();
         for index in 0..slopes.len() {
             match groups.last_mut() {
+                // Slopes alike along v share mixed rows; in the order of the grid they are neighbours.
                 Some(Group { slopes: group, .. }) if vertical(slopes[group.start]) == vertical(slopes[index]) => {
                     group.end = index + 1;
                 }
@@ -117,13 +119,13 @@ impl<'a> RowStacker<'a> {
         Self { frames, slopes, groups, mixed, counts, sums, masked }
     }
 
-    /// Writes rows `rows`, columns `columns`, of each slope's motion-stack image to its slice of `outs`, where rows are
-    /// `stride` apart.
+    /// Writes `rows` and `columns` of each slope's motion-stack image to its slice of `outs`, with rows `stride` apart.
     pub fn rows(&mut self, rows: Range<usize>, columns: &Range<usize>, outs: &mut [&mut [f32]], stride: usize) {
         for index in 0..self.groups.len() {
             let mut next = rows.start;
             while next < rows.end {
                 let Group { slopes, run } = &mut self.groups[index];
+                // Runs are kept between calls, since the next batch mostly continues one.
                 if !run.rows.contains(&next) || run.columns != *columns {
                     *run = Run::new(self.frames, &self.slopes[slopes.clone()], next, columns.clone());
                 }
@@ -140,15 +142,16 @@ impl<'a> RowStacker<'a> {
         }
     }
 
-    /// Writes `rows`, which are of one run, from `first` on in each of `outs`.
+    /// Writes `rows` of one run, from `first` on in each of `outs`.
     fn group_rows(&mut self, group: usize, rows: Range<usize>, outs: &mut [&mut [f32]], first: usize, stride: usize) {
         let Self { frames, slopes, groups, mixed, counts, sums, .. } = self;
         let Group { slopes: group, run } = &groups[group];
         let width = frames[0].width();
         let Run { columns, wide, covering, .. } = run;
         let upper = |frame: usize, v: usize| (v as i64 + slopes[group.start][frame].whole_v).max(0) as usize;
-        // Rows of one frame, then of the next; each begins a cache line.
+        // All rows of one frame, then of the next; each row begins a cache line.
         let mixed_stride = wide.len().next_multiple_of(WIDEST_VECTOR);
+        // Rows are mixed once for all slopes of the group, which differ only along u.
         if run.mixes {
             mixed.grow(covering.len() * rows.len() * mixed_stride);
             for (&frame, mixed) in covering.iter().zip(mixed.chunks_exact_mut(rows.len() * mixed_stride)) {
@@ -177,9 +180,11 @@ impl<'a> RowStacker<'a> {
                 sums.make(&run.taps[index], width, inner.len(), row..row + rows.len(), here, stride);
             }
         }
+        // The usual case: every frame covers all columns, and the sides are empty.
         if run.inner.iter().all(|inner| inner == columns) {
             return;
         }
+        // At the sides the number of frames differs from column to column.
         for (row, v) in rows.clone().enumerate() {
             let mixed = |index: usize| &mixed[(index * rows.len() + row) * mixed_stride..][..wide.len()];
             let source = |(index, &frame): (usize, &usize)| match run.mixes {
@@ -200,12 +205,13 @@ impl<'a> RowStacker<'a> {
     }
 }
 
-/// Rows `(1 − part)·upper + part·lower` of the neighbouring rows of `from`, `width` apart: `columns` values each to
-/// rows of `out`. Two rows are too few for [`WeightedRows`], whose setting up they would wait for.
+/// Rows `(1 − part)·upper + part·lower` of neighbouring rows of `from`, `width` apart: `columns` values each to rows of
+/// `out`. Two terms are too few for [`WeightedRows`], whose setup would dominate.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn mix(from: &[f32], width: usize, part: f32, columns: usize, out: &mut [f32], stride: usize) {
     for (row, out) in out.chunks_exact_mut(stride).enumerate() {
         let (out, upper) = (&mut out[..columns], &from[row * width..][..columns]);
+        // Without a part the row below is not needed, and may not exist.
         if part == 0.0 {
             out.copy_from_slice(upper);
             continue;
@@ -217,7 +223,7 @@ fn mix(from: &[f32], width: usize, part: f32, columns: usize, out: &mut [f32], s
     }
 }
 
-/// Computes the columns `side` of row `v`, which not all `sources` cover.
+/// Computes the columns `side` of row `v`, not covered by all `sources`.
 fn side_columns(
     frames: &[&Plane],
     offsets: &[FrameOffset],
@@ -236,7 +242,7 @@ fn side_columns(
         let covered = offset.covers_columns(width);
         let reads = FrameOffset::covered(offset.whole_u, offset.part_u, 0, width);
         let (start, end) = (covered.start.max(side.start), covered.end.min(side.end));
-        // Columns left of the frame, copies of its first column, come before the columns read.
+        // Columns left of the frame, copies of its first column, precede the columns read.
         let first_read = reads.start.clamp(start, end.max(start));
         for u in start..first_read.min(end) {
             out[u - side.start] += source.pixels[0];
@@ -263,6 +269,7 @@ fn side_columns(
         *out = if *count > 0.0 {
             *out / *count
         } else {
+            // No frame covers the pixel: the clamped mean keeps the image continuous.
             let sum: f32 = frames.iter().zip(offsets).map(|(frame, offset)| sample_clamped(frame, offset, u, v)).sum();
             sum / frames.len() as f32
         };
@@ -274,7 +281,7 @@ fn side_columns(
 pub(crate) struct Tap<'a> {
     /// Pixels; rows as far apart as in the image.
     pub pixels: &'a [f32],
-    /// Weights of the pixels at their own place and a pixel to the left.
+    /// Weights of a pixel at its own place and one pixel to the left.
     pub weights: [f32; 2],
 }
 
@@ -285,11 +292,11 @@ impl<'a> Tap<'a> {
     }
 }
 
-/// Fractions of a column at which the taps of a sum are read.
+/// Positions between columns at which the taps of a sum are read.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Between {
     Never,
-    /// One fraction for all frames, so that their pixels are summed once; the weights of its taps.
+    /// One fraction for all frames, so that pixels are summed once; the weights of the taps.
     Alike([f32; 2]),
     Apart,
 }
@@ -312,8 +319,8 @@ pub(crate) struct WeightedRows {
 }
 
 impl WeightedRows {
-    /// Writes rows `rows` of the sum of `taps`, `columns` values each, to `out`, `stride` apart. Row 0 is the first one
-    /// of the taps' pixels, whose rows lie `width` apart and hold a pixel more than `columns`.
+    /// Writes `rows` of the sum of `taps`, `columns` values each, to `out`, `stride` apart. Row 0 is the first of the
+    /// taps' pixels, whose rows lie `width` apart and hold one pixel more than `columns`.
     pub fn make(
         &mut self,
         taps: &[Tap<'_>],
@@ -327,6 +334,7 @@ impl WeightedRows {
         here.grow(columns + WIDEST_VECTOR);
         shifted.grow(columns + WIDEST_VECTOR);
         let between = Between::of(taps);
+        // Shorter than a vector; same operations in the same order, so the bits are those of long rows.
         if columns < WIDEST_VECTOR {
             for (out, v) in out.chunks_mut(stride).zip(rows) {
                 short_row(taps, v * width, between, &mut out[..columns]);
@@ -373,7 +381,7 @@ impl WithSimd for RowsJob<'_> {
             let (out, row) = (&mut self.out[index * self.stride..][..self.columns], v * self.width);
             match self.between {
                 Between::Apart => {
-                    // The second sum needs one value more.
+                    // The shifted sum needs one value more.
                     in_vectors!(S, self.columns + 1, |V, places| {
                         let sums = two_sums::<S, V>(simd, self.taps, row, places);
                         for i in 0..V {
@@ -404,6 +412,7 @@ impl WithSimd for RowsJob<'_> {
                         }
                     });
                 }
+                // Whole-pixel slopes need neither a second sum nor fractions.
                 Between::Never => {
                     in_vectors!(S, self.columns, |V, places| {
                         let sums = one_sum::<S, V, true>(simd, self.taps, row, places);
@@ -424,6 +433,7 @@ fn two_sums<S: Simd, const V: usize>(simd: S, taps: &[Tap<'_>], row: usize, plac
     for tap in taps {
         let weights = tap.weights.map(|weight| simd.splat_f32s(weight));
         let pixels = &tap.pixels[row..];
+        // Pixels are loaded once for both sums; the second is shifted by a column afterwards.
         for i in 0..V {
             let pixels = load::<S>(pixels, places[i]);
             sums[0][i] = simd.mul_add_f32s(weights[0], pixels, sums[0][i]);
@@ -451,12 +461,11 @@ fn one_sum<S: Simd, const V: usize, const WEIGHTED: bool>(
     sums
 }
 
-/// Whether a sample of one of `frames` is hidden.
 pub(crate) fn any_masked(frames: &[&Plane]) -> bool {
     frames.iter().any(|frame| frame.mask().is_some())
 }
 
-/// The bilinear sample of `frame` for pixel (u, v); beyond the frame the nearest pixel.
+/// Bilinear sample of `frame` for pixel (u, v); the nearest pixel beyond the frame.
 pub(crate) fn sample_clamped(frame: &Plane, offset: &FrameOffset, u: usize, v: usize) -> f32 {
     let (width, height) = frame.size();
     let at = |du: i64, dv: i64| {

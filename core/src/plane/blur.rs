@@ -1,26 +1,25 @@
-//! Gaussian kernels, and the plain separable blur that defines what they compute.
+//! Gaussian kernels, and the plain separable blur that defines their result.
 //!
-//! A kernel is the Gaussian sampled at whole pixels out to ⌈4σ⌉ and normalised to sum 1, as in VLFeat (`vl_imsmooth`);
-//! beyond the image the nearest pixel is repeated. The detector makes its levels with `crate::kernel::gaussian_bank`;
-//! [`gaussian_blur`] is the reference for its tests.
+//! A kernel is the Gaussian sampled at whole pixels out to ⌈4σ⌉, of sum 1, as in VLFeat (`vl_imsmooth`); beyond the
+//! image the nearest pixel is repeated. [`gaussian_blur`] is the reference for `crate::kernel::gaussian_bank`.
 
 use super::{Mask, Plane};
 use crate::monitor::{Cancelled, Monitor};
 use rayon::prelude::*;
 
-/// A symmetric, normalised Gaussian kernel: its centre tap and the taps to one side.
+/// Symmetric, normalised Gaussian kernel: the centre tap and the taps to one side.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GaussianKernel {
     half: Vec<f32>,
 }
 
 impl GaussianKernel {
-    /// The kernel of standard deviation `sigma` in pixels (0 or less gives the identity), cut at ⌈4σ⌉.
+    /// Kernel of standard deviation `sigma` in pixels (0 or less gives the identity), cut at ⌈4σ⌉.
     pub fn new(sigma: f64) -> Self {
         Self::with_cut(sigma, 4.0)
     }
 
-    /// The kernel of standard deviation `sigma` in pixels, cut at ⌈`cut`·σ⌉; `cut` in standard deviations.
+    /// Kernel of standard deviation `sigma` in pixels, cut at ⌈`cut`·σ⌉; `cut` in standard deviations.
     pub fn with_cut(sigma: f64, cut: f64) -> Self {
         if sigma <= 0.0 {
             return Self { half: vec![1.0] };
@@ -31,7 +30,6 @@ impl GaussianKernel {
         Self { half: taps.iter().map(|t| (t / sum) as f32).collect() }
     }
 
-    /// The symmetric kernel with the taps `half`, from the centre to one side.
     pub(crate) fn of_half(half: Vec<f32>) -> Self {
         Self { half }
     }
@@ -47,7 +45,7 @@ impl GaussianKernel {
     }
 }
 
-/// The whole image blurred by `kernel`: along the columns, then along the rows.
+/// Whole image blurred by `kernel`, along the columns, then along the rows: the plain reference, and slow.
 pub fn gaussian_blur(plane: &Plane, kernel: &GaussianKernel) -> Plane {
     let (width, height) = plane.size();
     let inside = |i: usize, k: i64, n: usize| (i as i64 + k).clamp(0, n as i64 - 1) as usize;
@@ -57,8 +55,8 @@ pub fn gaussian_blur(plane: &Plane, kernel: &GaussianKernel) -> Plane {
     Plane::from_fn(width, height, |u, v| sum(&|k| columns.at(inside(u, k, width), v)))
 }
 
-/// The plane smoothed by a Gaussian of `sigma_px` pixels (0 or less: unchanged), cut at 3σ; for looking at, the
-/// detector has its own. NaN stays NaN and its neighbours are smoothed without it. The same for any number of threads.
+/// Plane smoothed by a Gaussian of `sigma_px` pixels (0 or less: unchanged), cut at 3σ; to look at, not to detect. NaN
+/// stays NaN, and its neighbours are smoothed without it. The same for any number of threads.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -70,6 +68,7 @@ pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane
     if !plane.data().iter().any(|x| x.is_nan()) {
         return blurred_by_rows(plane, &kernel, monitor);
     }
+    // Normalised by the blurred weights of the known values, so that NaN leaves no dark rim.
     let of = |value: fn(f32) -> f32| {
         let data = plane.data().iter().map(|&x| value(x)).collect();
         blurred_by_rows(&Plane::from_vec(plane.width(), plane.height(), data), &kernel, monitor)
@@ -82,8 +81,7 @@ pub fn smoothed(plane: &Plane, sigma_px: f64, monitor: &Monitor) -> Result<Plane
     Ok(sum)
 }
 
-/// The plane blurred by a triangle that reaches 0 at `half_width` pixels from each pixel, along columns and rows;
-/// beyond the plane the nearest pixel is repeated. A mask is blurred alike.
+/// Plane (with its mask) blurred by a triangle that reaches 0 at `half_width` pixels; the nearest pixel is repeated.
 pub(crate) fn triangle_blur(plane: &Plane, half_width: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let area = (half_width * half_width) as f32;
     let half = (0..half_width).map(|k| (half_width - k) as f32 / area).collect();
@@ -98,6 +96,7 @@ fn blurred_by_rows(plane: &Plane, kernel: &GaussianKernel, monitor: &Monitor) ->
     let mut blurred = Plane::zeros(width, height);
     let row_of = |(v, out): (usize, &mut [f32])| -> Result<(), Cancelled> {
         monitor.check()?;
+        // Both passes for one row: the column sums stay in the cache and need no second plane.
         let mut row = vec![0.0; width + 2 * reach];
         for k in 0..=2 * reach {
             let weight = kernel.half[k.abs_diff(reach)];

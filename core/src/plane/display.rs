@@ -21,14 +21,14 @@ pub const GAMMA_RANGE: std::ops::RangeInclusive<f32> = 0.1..=10.0;
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Display {
-    /// Value shown with the map's first colour, as smaller ones are, in the picture's unit (fraction of full scale).
+    /// Value shown with the map's first colour, as all smaller ones, in the picture's unit (fraction of full scale).
     pub min: f32,
-    /// Value shown with the map's last colour. Larger values get the same colour.
+    /// Value shown with the map's last colour, as all larger ones.
     pub max: f32,
-    /// The position in the range is raised to the power 1/gamma, so that values above 1 brighten the dark half. With a
-    /// diverging map it applies to the distance from the centre, so that both signs are treated alike.
+    /// Exponent 1/gamma of the position in the range: values above 1 brighten the dark half. With a diverging map it
+    /// applies to the distance from the centre, so that both signs are treated alike.
     pub gamma: f32,
-    /// Colour map.
+    /// Colour map, diverging for values with a sign.
     pub map: ColourMap,
     /// Whether the range is kept symmetric about zero, for pictures whose values have a sign.
     pub symmetric: bool,
@@ -47,8 +47,8 @@ impl Display {
         Self { min: -limit, max: limit, gamma: 1.0, map: ColourMap::BlueWhiteRed, symmetric: true }
     }
 
-    /// This display with another range. A symmetric one takes ± the larger of the two magnitudes. An empty or
-    /// non-finite range becomes a small one around `min` (or 0), so that a display is always usable.
+    /// This display with another range. A symmetric one takes ± the larger magnitude. An empty or non-finite range
+    /// becomes a small one around `min` (or 0), so that a display is always usable.
     #[must_use]
     pub fn with_range(self, min: f32, max: f32) -> Self {
         let min = if min.is_finite() { min } else { 0.0 };
@@ -102,12 +102,12 @@ impl Display {
         })
     }
 
-    /// The colour of `value`. Builds the map's table each time; for many values use [`Display::colours`].
+    /// Colour of `value`. Builds the map's table each time; for many values use [`Display::colours`].
     pub fn colour(&self, value: f32) -> Rgb {
         self.colours().colour(value)
     }
 
-    /// The display with its colour table, for many values.
+    /// Display with its colour table, for many values.
     pub fn colours(&self) -> Colours {
         Colours { display: *self, lut: self.map.lut() }
     }
@@ -121,7 +121,7 @@ pub struct Colours {
 }
 
 impl Colours {
-    /// The colour of `value`: linear between the table's entries.
+    /// Colour of `value`: linear between the table's entries.
     pub fn colour(&self, value: f32) -> Rgb {
         let Some(position) = self.display.position(value) else { return NAN_COLOUR };
         let x = position * 255.0;
@@ -132,7 +132,7 @@ impl Colours {
     }
 }
 
-/// The picture as displayed: one opaque RGBA pixel for each value.
+/// Picture as displayed: one opaque RGBA pixel for each value.
 pub fn to_rgba8(plane: &Plane, display: &Display) -> image::RgbaImage {
     let colours = display.colours();
     let width = plane.width();
@@ -149,10 +149,10 @@ pub fn to_rgba8(plane: &Plane, display: &Display) -> image::RgbaImage {
         .expect("the buffer was made with four bytes for each pixel")
 }
 
-/// A colour as 8-bit sRGB: red, green, blue.
+/// Colour as 8-bit sRGB: red, green, blue.
 pub type Rgb = [u8; 3];
 
-/// A named table of 256 colours.
+/// Named table of 256 colours, sequential or diverging.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, EnumCount, VariantArray)]
 #[serde(rename_all = "snake_case")]
 pub enum ColourMap {
@@ -214,8 +214,7 @@ impl ColourMap {
         matches!(self, Self::BlueWhiteRed | Self::BlueBlackOrange | Self::PurpleWhiteGreen)
     }
 
-    /// The table. Entry 0 is the colour of the smallest value, entry 255 of the largest. A diverging map's entries 127
-    /// and 128 are the same neutral grey, so that the exact centre is neutral.
+    /// Table from the smallest value to the largest. Entries 127 and 128 of a diverging map are the same neutral grey.
     pub fn lut(self) -> [Rgb; 256] {
         std::array::from_fn(|i| {
             let t = if self.is_diverging() {
@@ -257,7 +256,7 @@ fn gradient(gradient: colorous::Gradient, t: f64) -> Rgb {
     gradient.eval_continuous(t.clamp(0.0, 1.0)).into_array()
 }
 
-/// Makes the centre of a diverging map exactly grey: its small tint is taken off there, fading out towards the ends.
+/// Makes the centre of a diverging map exactly grey: the small tint there is taken off, fading out towards the ends.
 fn neutral_centre(map: impl Fn(f64) -> Rgb, t: f64) -> Rgb {
     let centre = map(0.5);
     let grey = (centre.iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0).round();
@@ -268,9 +267,9 @@ fn neutral_centre(map: impl Fn(f64) -> Rgb, t: f64) -> Rgb {
     })
 }
 
-/// A cyclic colour for a direction: the hue tells `angle_rad` (from +u towards +v), the saturation `magnitude_fraction`
-/// in [0, 1], at first faster (power 0.6). Lightness is about the same all around. The hues are those of the OKLCH
-/// colour space (Ottosson 2020, "A perceptual color space for image processing").
+/// Cyclic colour for a direction: the hue shows `angle_rad` (from +u towards +v), the saturation `magnitude_fraction`
+/// in [0, 1], at first faster (power 0.6), at about equal lightness. Hues are those of the OKLCH colour space (Ottosson
+/// 2020, "A perceptual color space for image processing").
 pub fn direction_colour(angle_rad: f32, magnitude_fraction: f32) -> Rgb {
     const LIGHTNESS: f32 = 0.75;
     // A little beyond what sRGB holds for every hue: cyan is clamped, the others gain.

@@ -1,8 +1,8 @@
-//! Masks: which samples of a frame are seen, and values for those that are not.
+//! Masks: which samples of a frame are seen, and fill values for hidden ones.
 //!
-//! A hidden sample has no weight where frames are averaged. It has a value all the same, because filters read whole
-//! rectangles: [`Plane::masked`] fills it smoothly from the seen samples around it, so that no mask makes an edge and
-//! nothing is NaN. Values are filled from means over squares of 2, 4, 8 … pixels, the coarse ones where little is seen.
+//! A hidden sample has no weight where frames are averaged, but still a value, because filters read whole rectangles:
+//! [`Plane::masked`] fills it smoothly from the seen samples around, so that no mask makes an edge and nothing is NaN.
+//! Values are filled from means over squares of 2, 4, 8 … pixels, the coarse ones where little is seen.
 
 use super::Plane;
 use super::sample::bilinear;
@@ -12,14 +12,14 @@ use std::sync::Arc;
 
 /// Weight of a hidden sample beside 1 for a seen one: it decides only where no frame sees a place.
 pub(crate) const HIDDEN_WEIGHT: f32 = 1.0 / 1024.0;
-/// Weight from which on a sample counts as seen.
+/// Weight from which a sample counts as seen.
 const SEEN: f32 = 0.5;
 /// Share of hidden samples up to which the noise of a region can be measured.
 const NOISE_SHARE: f32 = 0.02;
 /// Samples by which the mean of a coarser square counts beside those of a finer one, against noise in the fill.
 const COARSER_SAMPLES: f32 = 4.0;
 
-/// Weights of a frame's samples, of which at least one is not wholly seen.
+/// Weights of a frame's samples, at least one of which is not wholly seen.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mask {
     weights: Plane,
@@ -28,7 +28,7 @@ pub struct Mask {
 }
 
 impl Mask {
-    /// The mask with these weights, from 0 for a hidden sample to 1 for a seen one; `None` where all are seen.
+    /// Mask with these weights, from 0 for a hidden sample to 1 for a seen one; `None` where all are seen.
     pub fn new(weights: Plane) -> Option<Arc<Self>> {
         let span = |v: usize| {
             let row = weights.row(v);
@@ -39,7 +39,7 @@ impl Mask {
         spans.iter().any(|span| !span.is_empty()).then(|| Arc::new(Self { weights, spans }))
     }
 
-    /// Weights of the samples, 0 … 1.
+    /// Weights of the samples, 0 … 1; fractions where masks were blurred or halved.
     pub fn weights(&self) -> &Plane {
         &self.weights
     }
@@ -61,7 +61,7 @@ impl Plane {
         self.mask.as_ref().map_or(1.0, |mask| mask.weights.at(u, v))
     }
 
-    /// Whether the sample at column `u`, row `v` is hidden.
+    /// Whether the sample at column `u`, row `v` is hidden: its weight is below a half.
     pub fn is_hidden_at(&self, u: usize, v: usize) -> bool {
         self.weight_at(u, v) < SEEN
     }
@@ -75,7 +75,7 @@ impl Plane {
         touched.map(row).sum::<usize>() as f32 > NOISE_SHARE * region.len() as f32
     }
 
-    /// This plane with a mask of its size, and its hidden values filled. `None` leaves it as it is.
+    /// This plane with a mask of its size, its hidden values filled. `None` removes the mask and changes no value.
     ///
     /// # Panics
     /// When the mask has another size.
@@ -88,7 +88,7 @@ impl Plane {
         self.with_mask(mask)
     }
 
-    /// This plane with its NaN masked and filled; the mask that it had is dropped.
+    /// This plane with its NaN masked and filled; any earlier mask is dropped.
     #[must_use]
     pub fn with_nan_masked(self) -> Self {
         let seen = |u: usize, v: usize| f32::from(!self.at(u, v).is_nan());
@@ -96,7 +96,7 @@ impl Plane {
         self.masked(mask)
     }
 
-    /// Values of the samples, row by row, NaN for those that are masked.
+    /// Values of the samples, row by row, NaN where masked.
     pub fn seen_values(&self) -> Vec<f32> {
         let mut values = self.data().to_vec();
         if let Some(mask) = &self.mask {
@@ -106,14 +106,12 @@ impl Plane {
         values
     }
 
-    /// This plane with a mask of its size; the values stay.
     pub(crate) fn with_mask(self, mask: Option<Arc<Mask>>) -> Self {
         Self { mask, ..self }
     }
 }
 
-/// Means of squares of 2×2 of `values` by their numbers of samples, and the sums of these; a last odd column or row
-/// makes squares of fewer.
+/// Means of squares of 2×2 of `values` by their numbers of samples, and the sums of these; smaller at an odd end.
 fn coarser(values: &Plane, samples: &Plane) -> (Plane, Plane) {
     let (width, height) = values.size();
     let size = (width.div_ceil(2), height.div_ceil(2));
@@ -143,6 +141,7 @@ fn fill(plane: &mut Plane, weights: &Plane) {
     let upper = |filled: &Plane, u: usize, v: usize| {
         bilinear(filled, (u as f32 - 0.5) / 2.0, (v as f32 - 0.5) / 2.0).unwrap_or_default()
     };
+    // From coarse to fine: each level leans on the coarser one where it has few samples of its own.
     for (mut means, sums) in levels.into_iter().rev() {
         if let Some(coarse) = &filled {
             let width = means.width();

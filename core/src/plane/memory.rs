@@ -1,9 +1,8 @@
 //! Memory for pixels, with allocations that may fail without ending the program.
 //!
 //! The user's input decides the size of frames and planes, which may exceed the machine's memory. A refusal unwinds as
-//! an [`Error`], without a panic's message; [`refusable`] catches it, for a file that is opened, a command,
-//! or a job in the background. A system may promise memory that it does not have and end the program later;
-//! [`crate::detector`] checks, before a search starts, the limit that keeps it well below that.
+//! an [`Error`], without a panic's message, up to [`refusable`] around a file, a command or a job. A system may promise
+//! memory that it lacks; [`crate::detector`] checks a limit well below before a search.
 
 use crate::error::{Error, ErrorKind, Result};
 use bytemuck::Zeroable;
@@ -22,12 +21,12 @@ fn refused<T>(count: usize) -> ! {
     resume_unwind(Box::new(error))
 }
 
-/// `count` zeros. Unwinds as an error of the kind [`ErrorKind::NoMemory`] where the system refuses them.
+/// `count` zeros. Unwinds with [`ErrorKind::NoMemory`] where the system refuses them.
 pub fn zeroed<T: Zeroable>(count: usize) -> Vec<T> {
     bytemuck::try_zeroed_vec(count).unwrap_or_else(|()| refused::<T>(count))
 }
 
-/// An empty vector with room for `count` values. Unwinds as [`zeroed`] does where the system refuses it.
+/// Empty vector with room for `count` values. Unwinds as [`zeroed`] where the system refuses it.
 pub fn with_capacity<T>(count: usize) -> Vec<T> {
     let mut values = Vec::new();
     match values.try_reserve_exact(count) {
@@ -36,14 +35,13 @@ pub fn with_capacity<T>(count: usize) -> Vec<T> {
     }
 }
 
-/// Unwinds as [`zeroed`] does where the system refuses `bytes` of memory: before code that cannot be refused memory
-/// without ending the program, of which this is the most that it takes.
+/// Unwinds as [`zeroed`] where the system refuses `bytes`: to call before code that cannot be refused memory itself.
 pub fn check_room(bytes: u64) {
     drop(with_capacity::<u8>(usize::try_from(bytes).unwrap_or(usize::MAX)));
 }
 
 /// Memory available to this process, bytes: the minimum of the machine's, its control group's and its own limit of
-/// address space. `None` where the system does not tell (anything but Linux). Read once.
+/// address space. `None` where the system does not report it (anything but Linux). Read once.
 pub fn machine_bytes() -> Option<u64> {
     static BYTES: OnceLock<Option<u64>> = OnceLock::new();
     *BYTES.get_or_init(read_machine_bytes)
@@ -57,7 +55,6 @@ fn read_machine_bytes() -> Option<u64> {
     Some([group, own].into_iter().flatten().fold(total, u64::min))
 }
 
-/// Bytes of memory, from the text of `/proc/meminfo`.
 fn machine_bytes_of(meminfo: &str) -> Option<u64> {
     let line = meminfo.lines().find(|line| line.starts_with("MemTotal:"))?;
     Some(line.split_whitespace().nth(1)?.parse::<u64>().ok()? << 10)
@@ -71,9 +68,9 @@ fn address_space_of(limits: &str) -> Option<u64> {
 /// Runs `work`; turns a refused allocation into an error.
 ///
 /// # Errors
-/// The one of the allocation.
+/// Refusal by the system, as [`ErrorKind::NoMemory`]; panics go on.
 pub fn refusable<T>(work: impl FnOnce() -> T) -> Result<T> {
-    // State that the work has changed halfway is its own, and dropped with it.
+    // State that the work left halfway is its own, and dropped with it.
     catch_unwind(AssertUnwindSafe(work)).map_err(|payload| match payload.downcast::<Error>() {
         Ok(refused) => *refused,
         Err(panic) => resume_unwind(panic),

@@ -15,7 +15,7 @@ pub(crate) mod vectors;
 pub use mask::Mask;
 use std::sync::Arc;
 
-/// A float image, row-major, without padding between rows; of a frame, with the samples that are seen.
+/// Float image, row-major, without padding between rows; of a frame, with a mask of the seen samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
     width: usize,
@@ -25,7 +25,7 @@ pub struct Plane {
 }
 
 impl Plane {
-    /// A plane of zeros. Unwinds as [`memory::zeroed`] where the system refuses the memory, as all constructors do.
+    /// Plane of zeros. Unwinds as [`memory::zeroed`] where the system refuses the memory, as all constructors do.
     pub fn zeros(width: usize, height: usize) -> Self {
         Self { width, height, data: Pixels::Own(memory::zeroed(width.saturating_mul(height))), mask: None }
     }
@@ -48,7 +48,7 @@ impl Plane {
         Self { width, height, data: Pixels::Shared(owner), mask: None }
     }
 
-    /// The plane whose value at column `u`, row `v` is `f(u, v)`.
+    /// Plane with the value `f(u, v)` at column `u`, row `v`.
     pub fn from_fn(width: usize, height: usize, mut f: impl FnMut(usize, usize) -> f32) -> Self {
         let mut data = memory::with_capacity(width.saturating_mul(height));
         for v in 0..height {
@@ -69,7 +69,7 @@ impl Plane {
         self.height
     }
 
-    /// (columns, rows).
+    /// Number of columns and of rows.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }
@@ -79,7 +79,7 @@ impl Plane {
         self.data.get()
     }
 
-    /// All pixels, row by row, mutable.
+    /// All pixels, row by row, mutable; pixels of another owner are copied first.
     pub fn data_mut(&mut self) -> &mut [f32] {
         self.data.get_mut()
     }
@@ -97,7 +97,7 @@ impl Plane {
         &self.data()[v * self.width..(v + 1) * self.width]
     }
 
-    /// Row `v`, mutable.
+    /// Row `v`, mutable, as by [`Self::data_mut`].
     ///
     /// # Panics
     /// When `v >= height`.
@@ -106,7 +106,7 @@ impl Plane {
         &mut self.data_mut()[v * width..(v + 1) * width]
     }
 
-    /// The value at column `u`, row `v`.
+    /// Value at column `u`, row `v`.
     ///
     /// # Panics
     /// When the pixel is outside.
@@ -115,7 +115,7 @@ impl Plane {
         self.data()[v * self.width + u]
     }
 
-    /// The value at column `u`, row `v`, or `None` outside.
+    /// Value at column `u`, row `v`, or `None` outside.
     pub fn get(&self, u: i64, v: i64) -> Option<f32> {
         let (u, v) = (usize::try_from(u).ok()?, usize::try_from(v).ok()?);
         (u < self.width && v < self.height).then(|| self.data()[v * self.width + u])
@@ -134,15 +134,14 @@ impl Plane {
     }
 }
 
-/// Owner of pixels that planes show without a copy. They must stay the same as long as a plane shows them.
+/// Owner of pixels that planes show without a copy. Pixels must not change while a plane shows them.
 pub trait PixelOwner: Send + Sync {
-    /// The pixels, row by row.
+    /// Pixels, row by row, always the same.
     fn pixels(&self) -> &[f32];
 }
 
 #[derive(Clone)]
 enum Pixels {
-    /// The plane's own.
     Own(Vec<f32>),
     /// Pixels of another owner; copied before they are changed.
     Shared(Arc<dyn PixelOwner>),
@@ -157,7 +156,6 @@ impl Pixels {
         }
     }
 
-    /// All pixels, mutable and the plane's own.
     fn get_mut(&mut self) -> &mut Vec<f32> {
         if let Self::Shared(owner) = self {
             *self = Self::Own(copied(owner.pixels()));

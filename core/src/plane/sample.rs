@@ -6,7 +6,7 @@
 use super::Plane;
 use super::statistics::{Region, summary};
 
-/// The value at (`u`, `v`), linear between the four pixels around it; `None` outside the plane.
+/// Value at (`u`, `v`), linear between the four pixels around; `None` outside the plane.
 pub fn bilinear(plane: &Plane, u: f32, v: f32) -> Option<f32> {
     let (width, height) = plane.size();
     let inside = |x: f32, size: usize| x >= -0.5 && x <= size as f32 - 0.5;
@@ -23,8 +23,8 @@ pub fn bilinear(plane: &Plane, u: f32, v: f32) -> Option<f32> {
     Some(mix(mix(top[u0], top[u1], fu), mix(bottom[u0], bottom[u1], fu), fv))
 }
 
-/// `a` minus `b`, on the pixels of `a`. Pixel (i, j) of `a` lies at (i, j)·`b_px_per_a_px` of `b`, whose values are
-/// taken linearly between its pixels; where `b` has none the difference is NaN, which is shown in its own colour.
+/// `a` minus `b`, on the pixels of `a`. Pixel (i, j) of `a` lies at (i, j)·`b_px_per_a_px` of `b`, read linearly
+/// between its pixels; outside `b` the difference is NaN, which has a colour of its own.
 pub fn difference(a: &Plane, b: &Plane, b_px_per_a_px: f32) -> Plane {
     if a.size() == b.size() && b_px_per_a_px == 1.0 {
         return Plane::from_fn(a.width(), a.height(), |u, v| a.at(u, v) - b.at(u, v));
@@ -35,9 +35,9 @@ pub fn difference(a: &Plane, b: &Plane, b_px_per_a_px: f32) -> Plane {
     })
 }
 
-/// A square patch of `size × size` samples around `centre` = (u, v), reaching `half_width_px` pixels to each side,
-/// whose horizontal axis points along `angle_rad` (from +u towards +v): what a descriptor with that orientation sees.
-/// Sample (i, j) is the value at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`, turned; outside NaN.
+/// Square patch of `size × size` samples around `centre` = (u, v), `half_width_px` pixels to each side, whose
+/// horizontal axis points along `angle_rad` (from +u towards +v): what a descriptor with that orientation sees. Sample
+/// (i, j) lies at `centre + half_width_px·((2i + 1)/size − 1, (2j + 1)/size − 1)`, turned; NaN outside.
 pub fn sample_patch(plane: &Plane, centre: (f32, f32), half_width_px: f32, angle_rad: f32, size: usize) -> Plane {
     let (sin, cos) = angle_rad.sin_cos();
     let offset = |i: usize| half_width_px * ((2 * i + 1) as f32 / size as f32 - 1.0);
@@ -63,11 +63,12 @@ pub struct ProfileSample {
 /// Maximum number of samples of a profile: a screen shows no more.
 const MAX_SAMPLES: usize = 1 << 14;
 
-/// The values of `plane` along the line from `from` to `to`, both (u, v) in pixels of which `px_per_plane_px` make one
-/// pixel of the plane: about one for each, with those at the ends. Ends that are not finite give none.
+/// Values of `plane` along the line from `from` to `to`, both (u, v) in pixels of which `px_per_plane_px` make one of
+/// the plane: about one sample a pixel, both ends included. Ends that are not finite give none.
 pub fn profile(plane: &Plane, from: [f32; 2], to: [f32; 2], px_per_plane_px: f32) -> Vec<ProfileSample> {
     let (du, dv) = (to[0] - from[0], to[1] - from[1]);
     let length = du.hypot(dv);
+    // Negated, so that NaN is refused as well.
     if !(length.is_finite() && from[0].is_finite() && from[1].is_finite() && px_per_plane_px > 0.0) {
         return Vec::new();
     }
@@ -95,15 +96,16 @@ pub struct RegionStatistics {
     pub min: f32,
     /// Largest finite value.
     pub max: f32,
-    /// The standard deviation of white noise on a smooth picture; `None` in a region smaller than 3 × 3 pixels.
+    /// Standard deviation of white noise on a smooth picture; `None` in a region smaller than 3 × 3 pixels.
     pub noise: Option<f64>,
 }
 
-/// The statistics of the values of `region`, cut to the plane; `None` when it holds no finite value.
+/// Statistics of the values of `region`, cut to the plane; `None` when it holds no finite value.
 pub fn region_statistics(plane: &Plane, region: &Region) -> Option<RegionStatistics> {
     let region = region.within(plane);
     let summary = summary(plane, &region);
     let (min, max) = summary.range()?;
+    // About the mean: sums of squares would cancel where values are large and alike.
     let mut squares = 0.0;
     for v in region.rows.clone() {
         let row = &plane.row(v)[region.columns.clone()];
@@ -114,11 +116,10 @@ pub fn region_statistics(plane: &Plane, region: &Region) -> Option<RegionStatist
     Some(RegionStatistics { count: summary.count, mean: summary.mean, deviation, min, max, noise })
 }
 
-/// The median of |x| of a normal distribution of standard deviation 1.
 const MEDIAN_OF_NORMAL: f64 = 0.674_489_750_196_081_7;
 
-/// The standard deviation of white noise over any smooth picture: the median of the absolute second differences in both
-/// directions at once (J. Immerkær, "Fast noise variance estimation", 1996; the median for his mean leaves edges out).
+/// Standard deviation of white noise over any smooth picture: the median of the absolute second differences in both
+/// directions at once (J. Immerkær, "Fast noise variance estimation", 1996; the median ignores edges).
 fn region_noise(plane: &Plane, region: &Region) -> Option<f64> {
     if region.columns.len() < 3 || region.rows.len() < 3 {
         return None;

@@ -1,6 +1,6 @@
 //! Statistics of the values of a plane or of a rectangle of it: range, mean, percentiles, histogram.
 //!
-//! Values that are not finite are counted but otherwise left out. Everything works in parallel over rows and takes a
+//! Values that are not finite are counted but otherwise left out. All functions work in parallel over rows and take a
 //! few milliseconds for a camera picture, so that a window can ask while the user drags.
 
 pub use super::tile::Region;
@@ -30,7 +30,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// (smallest, largest), when there is a finite value.
+    /// Smallest and largest finite value; `None` when there is none.
     pub fn range(&self) -> Option<(f32, f32)> {
         (self.count > 0).then_some((self.min, self.max))
     }
@@ -62,17 +62,17 @@ pub fn summary(plane: &Plane, region: &Region) -> Summary {
     all
 }
 
-/// The exact percentiles of the finite values of `region`, one for each of `percents` (0 … 100); `None` without any:
-/// the values of rank round(p/100·(n − 1)) among the n sorted ones. Found by counting the upper and then the lower half
-/// of an order-preserving integer key: two passes over the data for each percentile.
+/// Exact percentiles of the finite values of `region`, one for each of `percents` (0 … 100); `None` without any: values
+/// of rank round(p/100·(n − 1)) among the n sorted ones. Found by counting the upper, then the lower half of an
+/// order-preserving integer key: two passes over the data for each percentile.
 pub fn percentiles(plane: &Plane, region: &Region, percents: &[f32]) -> Option<Vec<f32>> {
     percentiles_until(plane, region, percents, &Monitor::default()).ok().flatten()
 }
 
-/// The percentiles as [`percentiles`] finds them, until `monitor` is cancelled.
+/// Percentiles as by [`percentiles`], until `monitor` is cancelled: for work in the background.
 ///
 /// # Errors
-/// [`Cancelled`] once it was.
+/// [`Cancelled`] once `monitor` was cancelled.
 pub fn percentiles_until(
     plane: &Plane,
     region: &Region,
@@ -94,6 +94,7 @@ pub fn percentiles_until(
         }
         unreachable!("a rank is smaller than the count")
     };
+    // Lower halves are counted only among values with the found upper half: 65536 bins suffice twice.
     let percentile = |percent: &f32| {
         let fraction = f64::from(percent.clamp(0.0, 100.0)) / 100.0;
         let (high, rank) = find(&upper, (fraction * (count - 1) as f64).round() as u64);
@@ -103,7 +104,7 @@ pub fn percentiles_until(
     percents.iter().map(percentile).collect::<Result<_, Cancelled>>().map(Some)
 }
 
-/// Counts the finite values of `region` by the bin that `bin` gives for their keys (below 65536; `None` leaves out).
+/// Counts the finite values of `region` by the bin of their keys (below 65536; `None` leaves out).
 fn count_keys(
     plane: &Plane,
     region: &Region,
@@ -121,6 +122,7 @@ fn count_keys(
     let counts = rows(plane, region)
         .try_fold(Vec::new, |mut counts, row| {
             monitor.check()?;
+            // Bins take half a megabyte: only a part that has rows makes them.
             if counts.is_empty() {
                 counts = vec![0u64; BINS];
             }
@@ -133,9 +135,10 @@ fn count_keys(
     Ok(if counts.is_empty() { vec![0; BINS] } else { counts })
 }
 
-/// Orders like the value.
+/// Integer that orders like the value.
 fn key_of_value(value: f32) -> u32 {
     let bits = value.to_bits();
+    // The bits of negative numbers order backwards, so they are flipped; others go above them.
     if bits >> 31 == 1 { !bits } else { bits | 1 << 31 }
 }
 
@@ -150,7 +153,7 @@ pub struct Histogram {
     pub min: f32,
     /// Upper end of the last bin, which holds `max` itself too.
     pub max: f32,
-    /// Counts of the bins.
+    /// Number of values in each bin, from `min` on.
     pub counts: Vec<u64>,
     /// Values below `min`, −∞ included.
     pub below: u64,
@@ -166,14 +169,14 @@ impl Histogram {
         (self.max - self.min) / self.counts.len() as f32
     }
 
-    /// (lower end, upper end) of bin `i`.
+    /// Lower and upper end of bin `i`.
     pub fn bin_range(&self, i: usize) -> (f32, f32) {
         let edge = |i: usize| self.min + (self.max - self.min) * i as f32 / self.counts.len() as f32;
         (edge(i), edge(i + 1))
     }
 }
 
-/// The histogram of the values of `region` in `bins` equal bins over [min, max].
+/// Histogram of the values of `region` in `bins` equal bins over [min, max].
 ///
 /// # Panics
 /// When `bins` is 0 or not `min < max`: a mistake of the caller.
@@ -191,6 +194,7 @@ pub fn histogram(plane: &Plane, region: &Region, min: f32, max: f32, bins: usize
                 } else if x > max {
                     histogram.above += 1;
                 } else {
+                    // `max` itself belongs to the last bin.
                     let bin = ((f64::from(x) - f64::from(min)) * scale) as usize;
                     histogram.counts[bin.min(bins - 1)] += 1;
                 }

@@ -7,22 +7,22 @@ use super::Plane;
 use super::vectors::Aligned;
 use std::ops::Range;
 
-/// A part of an image: columns × rows.
+/// Part of an image: columns × rows.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct Region {
-    /// Columns of the image.
+    /// Columns of the image, from the first one held to the one after the last.
     pub columns: Range<usize>,
-    /// Rows of the image.
+    /// Rows of the image, alike.
     pub rows: Range<usize>,
 }
 
 impl Region {
-    /// All pixels of a plane.
+    /// Region of all pixels of a plane.
     pub fn whole(plane: &Plane) -> Self {
         Self { columns: 0..plane.width(), rows: 0..plane.height() }
     }
 
-    /// The part of this region that lies inside `plane`; may be empty.
+    /// Part of this region inside `plane`; may be empty.
     #[must_use]
     pub fn within(&self, plane: &Plane) -> Self {
         let cut = |r: &Range<usize>, size: usize| r.start.min(size)..r.end.min(size).max(r.start.min(size));
@@ -46,7 +46,7 @@ impl Region {
     }
 }
 
-/// The values of a [`Region`]. Rows lie `stride` apart, so that they can begin and end with whole vectors.
+/// Values of a [`Region`]. Rows lie `stride` apart, so that they can begin and end with whole vectors.
 #[derive(Debug, Default, Clone)]
 pub struct Tile {
     region: Region,
@@ -67,7 +67,6 @@ impl Tile {
         &self.region
     }
 
-    /// The held columns of row `v` of the image.
     #[inline]
     pub fn row(&self, v: usize) -> &[f32] {
         let start = (v - self.region.rows.start) * self.stride;
@@ -80,7 +79,6 @@ impl Tile {
         &self.data[start..start + self.stride]
     }
 
-    /// The value of the image's pixel (u, v).
     #[inline]
     pub fn at(&self, u: usize, v: usize) -> f32 {
         self.row(v)[u - self.region.columns.start]
@@ -106,8 +104,7 @@ pub fn cuts(n: usize, max: usize) -> Vec<Range<usize>> {
     (0..count).map(|i| cut(i)..cut(i + 1)).collect()
 }
 
-/// The rows of `plane` cut at `columns` and `rows`, which follow one another from 0 on: for each part, in the order of
-/// rows of parts, its pieces of rows.
+/// Rows of `plane` cut at `columns` and `rows`: for each part, row by row of parts, its pieces of rows.
 pub fn split_mut<'p>(plane: &'p mut Plane, columns: &[Range<usize>], rows: &[Range<usize>]) -> Vec<Vec<&'p mut [f32]>> {
     let width = plane.width();
     let mut parts: Vec<Vec<&mut [f32]>> = Vec::with_capacity(columns.len() * rows.len());
@@ -115,6 +112,7 @@ pub fn split_mut<'p>(plane: &'p mut Plane, columns: &[Range<usize>], rows: &[Ran
     for band in rows {
         let first = parts.len();
         parts.extend(columns.iter().map(|_| Vec::with_capacity(band.len())));
+        // By reference: the next band goes on where this one ends.
         for line in lines.by_ref().take(band.len()) {
             let mut rest = line;
             for (part, range) in parts[first..].iter_mut().zip(columns) {

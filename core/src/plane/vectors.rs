@@ -1,5 +1,5 @@
-//! Memory that suits the processor's vectors. One of the widest kind is as long as a cache line; where rows begin at
-//! cache lines no vector of a row straddles two of them, which would take twice as long.
+//! Memory that suits the processor's vectors. The widest vector is as long as a cache line; where rows begin at cache
+//! lines no vector straddles two of them, which would take twice as long.
 
 use std::ops::{Deref, DerefMut};
 

@@ -7,10 +7,9 @@
 //! C(d) = Σ (r − f(d))² / (4σ²) · 2P/(2P + σ²)  +  min over predictions p of |d − p|² / (2τ²)
 //! ```
 //!
-//! The first part is minus the logarithm of the likelihood of d when both tiles show the same signal of power P (the
-//! tile's variance in excess of σ²) under independent noise of variance σ². The second keeps shifts near those that the
-//! coarser level found there or beside it. So a blank tile stays with the prediction, and a well-lit corner moves to
-//! its best match. A parabola through the costs beside the whole-pixel minimum gives the fraction of a pixel.
+//! The first part is minus the log-likelihood of d when both tiles show the same signal of power P (the tile's variance
+//! in excess of σ²) under independent noise of variance σ². The second keeps shifts near those of the coarser level. So
+//! blank tiles stay with the prediction, and well-lit corners move. A parabola through costs gives parts of a pixel.
 
 use super::tiles::{TILE, TileGrid, first_pixel};
 use crate::monitor::{Cancelled, Monitor};
@@ -39,8 +38,7 @@ pub(super) struct ShiftField {
     pub shifts: Vec<Shift>,
 }
 
-/// Shifts of the tiles of the reference, at full resolution, from pyramids of the same sizes; `variance` is the noise
-/// of one frame.
+/// Shifts of the reference's tiles at full resolution, from pyramids of equal sizes; `variance` is a frame's noise.
 pub(super) fn align(
     reference: &[Plane],
     frame: &[Plane],
@@ -49,7 +47,7 @@ pub(super) fn align(
 ) -> Result<ShiftField, Cancelled> {
     let mut field: Option<ShiftField> = None;
     for (level, (reference, frame)) in reference.iter().zip(frame).enumerate().rev() {
-        // Each level has a quarter of the variance of the finer one.
+        // Halving averages four pixels: each level has a quarter of the variance of the finer one.
         let pair = FramePair { reference, frame, variance: variance * 0.25f32.powi(level as i32) };
         field = Some(align_level(&pair, field.as_ref(), monitor)?);
     }
@@ -66,6 +64,7 @@ fn align_level(pair: &FramePair<'_>, coarser: Option<&ShiftField>, monitor: &Mon
             Ok((0..grid.columns)
                 .map(|i| {
                     predict(coarser, i, j, &mut predictions);
+                    // Nothing predicts the coarsest motion: it is searched farther, with less trust in none.
                     let (radius, prior_sigma) = match coarser {
                         Some(_) => (RADIUS, PRIOR_SIGMA),
                         None => (COARSEST_RADIUS, COARSEST_PRIOR_SIGMA),
@@ -78,7 +77,7 @@ fn align_level(pair: &FramePair<'_>, coarser: Option<&ShiftField>, monitor: &Mon
     Ok(ShiftField { grid, shifts: rows.concat() })
 }
 
-/// Predictions for tile (i, j): the doubled shifts of the tiles around it on the coarser level; without one no motion.
+/// Predictions for tile (i, j): the doubled shifts of the tiles around it on the coarser level; else no motion.
 fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut Vec<Shift>) {
     predictions.clear();
     let Some(ShiftField { grid, shifts }) = coarser else {
@@ -93,6 +92,7 @@ fn predict(coarser: Option<&ShiftField>, i: usize, j: usize, predictions: &mut V
     for j in around(j, grid.rows) {
         for i in around(i, grid.columns) {
             let shift = shifts[j * grid.columns + i].map(|x| 2.0 * x);
+            // Nearly equal predictions search the same places.
             let near = |other: &Shift| (other[0] - shift[0]).hypot(other[1] - shift[1]) < 0.25;
             if !predictions.iter().any(near) {
                 predictions.push(shift);
@@ -113,9 +113,9 @@ struct Tile<'a> {
     columns: Range<i64>,
     rows: Range<i64>,
     predictions: &'a [Shift],
-    /// Cost of a unit of squared difference.
+    /// Cost of a squared difference of 1.
     weight: f32,
-    /// Cost of a squared pixel of deviation from the prediction.
+    /// Cost of a deviation of one pixel from the prediction.
     prior: f32,
 }
 
@@ -124,6 +124,7 @@ impl<'a> Tile<'a> {
         let (width, height) = pair.reference.size();
         let inside = |first: i64, size: usize| first.max(0)..(first + TILE as i64).min(size as i64);
         let (columns, rows) = (inside(first_pixel(i), width), inside(first_pixel(j), height));
+        // Without signal beyond the noise the weight is 0, and the prediction alone decides.
         let power = (variance_of(pair.reference, &columns, &rows) - pair.variance).max(0.0);
         let weight = 0.5 * power / ((2.0 * power + pair.variance) * pair.variance);
         Self { pair, columns, rows, predictions, weight, prior: 0.5 / (prior_sigma * prior_sigma) }
@@ -132,6 +133,7 @@ impl<'a> Tile<'a> {
     fn best(&self, radius: i32) -> Shift {
         let mut best = ([0i32; 2], f32::INFINITY);
         let mut seen: Vec<[i32; 2]> = Vec::with_capacity(81);
+        // Each prediction has its own neighbourhood, so that a border between two motions can choose either.
         for prediction in self.predictions {
             let centre = prediction.map(|x| x.round() as i32);
             for dv in -radius..=radius {
@@ -150,7 +152,7 @@ impl<'a> Tile<'a> {
         }
         let (shift, cost) = best;
         if cost.is_infinite() {
-            // No shift near the predictions has enough of the tile in the other frame.
+            // No shift near the predictions keeps enough of the tile inside the other frame.
             return self.predictions[0];
         }
         let between = |before: f32, after: f32| {
@@ -168,7 +170,7 @@ impl<'a> Tile<'a> {
         ]
     }
 
-    /// C(shift); infinite where the frames have too little in common there.
+    /// C(shift); infinite where the frames overlap too little.
     fn cost(&self, shift: [i32; 2]) -> f32 {
         let [du, dv] = shift.map(i64::from);
         let (width, height) = self.pair.frame.size();
@@ -183,6 +185,7 @@ impl<'a> Tile<'a> {
         }
         let sum = squared_difference(self.pair.reference, self.pair.frame, columns, rows, (du, dv));
         let off = |p: &Shift| (shift[0] as f32 - p[0]).powi(2) + (shift[1] as f32 - p[1]).powi(2);
+        // Scaled to the whole tile: a shift must not win by comparing fewer pixels.
         let deviation = self.predictions.iter().map(off).fold(f32::INFINITY, f32::min);
         self.weight * sum * (own / common) + self.prior * deviation
     }
@@ -199,7 +202,7 @@ fn variance_of(plane: &Plane, columns: &Range<i64>, rows: &Range<i64>) -> f32 {
     if count < 2.0 { 0.0 } else { ((squares - sum * sum / count) / (count - 1.0)).max(0.0) as f32 }
 }
 
-/// Σ (reference(x) − frame(x + shift))² over a rectangle of at most [`TILE`] columns that lies in both.
+/// Σ (reference(x) − frame(x + shift))² over a rectangle of at most [`TILE`] columns inside both.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn squared_difference(
     reference: &Plane,
@@ -213,6 +216,7 @@ fn squared_difference(
     let (from_there, to_there) = ((columns.start + du) as usize, (columns.end + du) as usize);
     for v in rows {
         let (a, b) = (&reference.row(v as usize)[from..to], &frame.row((v + dv) as usize)[from_there..to_there]);
+        // Whole tiles have a fixed width, which the compiler turns into vectors.
         if let (Ok(a), Ok(b)) = (<&[f32; TILE]>::try_from(a), <&[f32; TILE]>::try_from(b)) {
             for k in 0..TILE {
                 let d = a[k] - b[k];
@@ -231,7 +235,7 @@ fn squared_difference(
 /// Maximum number of levels, with the image itself: enough to follow motion of up to about 100 pixels.
 const MAX_LEVELS: usize = 5;
 
-/// The image and its coarser copies, finest first, none smaller than a tile.
+/// Image and coarser copies, finest first, none smaller than a tile.
 pub(super) fn pyramid(image: &Plane) -> Vec<Plane> {
     let coarser = |finer: &Plane| (finer.width().min(finer.height()) >= 2 * TILE).then(|| finer.halved());
     std::iter::successors(Some(image.clone()), coarser).take(MAX_LEVELS).collect()

@@ -16,11 +16,10 @@ use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use std::ops::Range;
 
-/// Minimum noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bit.
+/// Minimum noise assumed of a frame, fraction of full scale: the quantisation noise of 16 bits.
 const MIN_NOISE: f32 = 1.0 / 65535.0 / 3.464_101_6;
 
-/// Merges the frames `used` of `burst` into a burst of one frame, aligned to the middle one of them (of N frames the
-/// one with index N/2, on which SIFT on a single frame runs).
+/// Merges the frames `used` of `burst` into a burst of one frame, aligned to the frame N/2 of N, as SIFT uses.
 ///
 /// # Panics
 /// When `used` holds no frame or reaches past the burst: a mistake of the caller.
@@ -32,14 +31,14 @@ pub fn merge_burst(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
     let image = merge_frames(&burst.frames[used.clone()].iter().map(|f| &**f).collect::<Vec<_>>(), noise, monitor)?;
     let mut merged = Burst::from_planes(format!("merge of {}", burst.name), vec![image]);
     merged.full_scale = burst.full_scale;
-    // As for a mean: the sum of N numbers on a lattice.
+    // As for a mean: a sum of N numbers on a lattice.
     merged.quantisation_step = burst.quantisation_step / used.len() as f32;
     merged.frame_names = vec![burst.frame_names[middle].clone()];
     merged.sources.clone_from(&burst.sources);
     Ok(merged)
 }
 
-/// The frames merged in the geometry of the middle one; `noise` is the standard deviation in one frame, above 0.
+/// Frames merged in the geometry of the middle one; `noise` is the standard deviation in one frame, above 0.
 fn merge_frames(frames: &[&Plane], noise: f32, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let middle = frames.len() / 2;
     let reference = frames[middle];
@@ -57,5 +56,6 @@ fn merge_frames(frames: &[&Plane], noise: f32, monitor: &Monitor) -> Result<Plan
     }
     let merged = temporal::merge_tiles(reference, &others, variance, monitor)?;
     monitor.report(Stage::Merge, 1.0);
+    // The result has the geometry of the middle frame, and so its mask.
     Ok(merged.with_mask(reference.mask().cloned()))
 }

@@ -1,17 +1,15 @@
-//! The robust mean over time, tile by tile.
+//! Robust mean over time, tile by tile.
 //!
-//! With the coefficients T₀ of the reference's tile and T of the matching tiles of all N frames (the reference among
-//! them), the merged tile is
+//! For coefficients T₀ of the reference's tile and T of the matching tiles of all N frames, the merged tile is
 //!
 //! ```text
 //! T₀ − 1/N · Σ (1 − A)·D,    D = T₀ − T,    A = E / (E + c·2σ²),    E = max(0, D² − b·2σ²)
 //! ```
 //!
-//! coefficient by coefficient: differences of the size of noise (variance 2σ²) are averaged away, far larger ones, of
+//! coefficient by coefficient: differences of the size of noise (variance 2σ²) are averaged away, far larger ones, from
 //! wrong alignment or independent motion, are not. This is the Wiener-like shrinkage of Hasinoff et al. with a dead
 //! zone: with their b = 0 and c = 8 ten frames lower the noise 2.5 times, with the values here 3.02 times of at most
-//! 3.16. Tiles are blended under a raised-cosine window. Where a frame does not show a place, the mean of those that do
-//! is used.
+//! 3.16. Tiles are blended under a raised-cosine window. A frame that does not show a place takes the others' mean.
 
 use super::align::ShiftField;
 use super::tiles::{Block, STEP, TILE, TileGrid, basis, first_pixel, transform, transposed, window};
@@ -20,7 +18,7 @@ use crate::plane::Plane;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-/// b: squared differences up to this many times the variance of those of noise count as noise: all but 1.4 % of them.
+/// b: squared differences up to this many times their variance by noise count as noise: all but 1.4 % of them.
 const DEAD_ZONE: f32 = 6.0;
 /// c: the excess counts half where it is this many times that variance.
 const SOFTNESS: f32 = 2.0;
@@ -30,7 +28,7 @@ pub(super) struct Aligned<'a> {
     pub shifts: ShiftField,
 }
 
-/// The merged image, in the geometry of the reference. `variance` is the noise variance of one frame.
+/// Merged image, in the geometry of the reference. `variance` is the noise variance of one frame.
 pub(super) fn merge_tiles(
     reference: &Plane,
     others: &[Aligned<'_>],
@@ -41,7 +39,7 @@ pub(super) fn merge_tiles(
     let grid = TileGrid::of((width, height));
     let (forward, back) = (basis(), transposed(&basis()));
     let merging = Merging { reference, others, grid, variance: 2.0 * variance, forward, back, window: window() };
-    // Each row of tiles is faded out above and below; two of them make a strip of the image.
+    // Rows of tiles fade out above and below; two of them make a strip of the image.
     let rows: Vec<Plane> = (0..grid.rows)
         .into_par_iter()
         .map(|j| {
@@ -80,6 +78,7 @@ impl Merging<'_> {
             for (v, row) in tile.iter().enumerate() {
                 let out = out.row_mut(v);
                 for (u, value) in row.iter().enumerate() {
+                    // Tiles at the sides reach beyond the image.
                     if let Some(out) = usize::try_from(first + u as i64).ok().and_then(|x| out.get_mut(x)) {
                         *out += self.window[u] * self.window[v] * value;
                     }
@@ -94,9 +93,8 @@ impl Merging<'_> {
         let reference = pixels(self.reference, at);
         let mut others: Vec<(Block, Option<Covered>)> = Vec::with_capacity(self.others.len());
         for Aligned { frame, shifts } in self.others {
-            // Whole pixels: interpolation would smooth the noise, more so at finer scales, and no single estimate of it
-            // would be right for all scales. The remaining fraction of the shift smears by 1/12 px², half as much as
-            // linear interpolation.
+            // Whole pixels: interpolation smooths noise, more so at finer scales, and no single estimate of it would be
+            // right for all. The dropped fraction of a shift smears by 1/12 px², half as much as linear interpolation.
             let shift = shifts.shifts[j * self.grid.columns + i].map(|x| x.round() as i64);
             others.push(shifted_pixels(frame, at, shift, self.reference.size()));
         }
@@ -128,7 +126,7 @@ fn shrink(differences: &Block, variance: f32, sum: &mut Block) {
 
 type Covered = [[bool; TILE]; TILE];
 
-/// The pixels of a tile; beyond the image the nearest pixel is repeated.
+/// Pixels of a tile; beyond the image the nearest pixel is repeated.
 fn pixels(plane: &Plane, at: (i64, i64)) -> Block {
     let (width, height) = plane.size();
     let column = |u: usize| (at.0 + u as i64).clamp(0, width as i64 - 1) as usize;
@@ -138,7 +136,7 @@ fn pixels(plane: &Plane, at: (i64, i64)) -> Block {
     })
 }
 
-/// The pixels of another frame that correspond to [`pixels`], and which of them it shows, unless it shows all.
+/// Pixels of another frame that correspond to [`pixels`], and which of them it shows, unless it shows all.
 fn shifted_pixels(
     frame: &Plane,
     at: (i64, i64),
@@ -146,6 +144,7 @@ fn shifted_pixels(
     (width, height): (usize, usize),
 ) -> (Block, Option<Covered>) {
     let place = |first: i64, k: usize, d: i64, size: usize| -> Option<usize> {
+        // Tiles reach beyond the image: there the border pixel stands in, and moves as it does.
         let own = (first + k as i64).clamp(0, size as i64 - 1);
         usize::try_from(own + d).ok().filter(|x| *x < size)
     };
@@ -158,11 +157,12 @@ fn shifted_pixels(
     (block, (!all).then(covered))
 }
 
-/// Replaces the pixels that a frame does not show by the mean of the frames that show them.
+/// Replaces pixels that a frame does not show by the mean of the frames that show them.
 fn stand_in(reference: &Block, others: &mut [(Block, Option<Covered>)]) {
     for v in 0..TILE {
         for u in 0..TILE {
             let shows = |covered: &Option<Covered>| covered.as_ref().is_none_or(|c| c[v][u]);
+            // The reference shows every pixel, so the mean always exists.
             let (mut sum, mut count) = (reference[v][u], 1.0);
             for (block, _) in others.iter().filter(|(_, covered)| shows(covered)) {
                 sum += block[v][u];

@@ -1,8 +1,7 @@
 //! Half-overlapping square tiles over an image, the window under which they are blended, and their cosine transform.
 //!
-//! Tile (i, j) has its centre at ([`STEP`]·i, [`STEP`]·j) and reaches half a tile to each side, also beyond the image;
-//! so each pixel lies in two tiles along each axis. The raised-cosine window weighs the pixels of a tile so that the
-//! weights of those that share a pixel add up to 1.
+//! Tile (i, j) has its centre at ([`STEP`]·i, [`STEP`]·j) and reaches half a tile to each side, also beyond the image:
+//! each pixel lies in two tiles along each axis. Under the raised-cosine window the weights of a pixel add up to 1.
 
 use multiversion::multiversion;
 use std::f64::consts::{PI, TAU};
@@ -19,26 +18,24 @@ pub(super) struct TileGrid {
 }
 
 impl TileGrid {
-    /// The tiles of an image of `size` = (columns, rows), neither of which is 0.
+    /// Tiles of an image of `size` = (columns, rows), neither of which is 0.
     pub fn of(size: (usize, usize)) -> Self {
         Self { columns: (size.0 - 1) / STEP + 2, rows: (size.1 - 1) / STEP + 2 }
     }
 }
 
-/// The first pixel of tile `index` along an axis; it may lie outside the image.
+/// First pixel of tile `index` along an axis; may lie outside the image.
 pub(super) fn first_pixel(index: usize) -> i64 {
     (index * STEP) as i64 - STEP as i64
 }
 
-/// Weights along an axis.
 pub(super) fn window() -> [f32; TILE] {
     std::array::from_fn(|k| (0.5 - 0.5 * (TAU * (k as f64 + 0.5) / TILE as f64).cos()) as f32)
 }
 
-/// The pixels, or the coefficients, of a tile, row by row.
 pub(super) type Block = [[f32; TILE]; TILE];
 
-/// The transform along an axis: row k holds the k-th cosine, of length 1.
+/// Cosine transform along an axis: row k holds the k-th cosine, of length 1.
 pub(super) fn basis() -> Block {
     let n = TILE as f64;
     std::array::from_fn(|k| {

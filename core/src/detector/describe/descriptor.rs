@@ -1,8 +1,7 @@
 //! Descriptors: 4×4 histograms of gradient directions around a feature, turned by its orientation.
 //!
-//! As in VLFeat: 4×4 cells of 3σ, each a histogram of 8 directions, filled with trilinear weights under a Gaussian of
-//! two cells. The 128 numbers are normalised, cut at 0.2, normalised again, then L1-normalised, square-rooted
-//! ("RootSIFT"), multiplied by 512 and cut at 255.
+//! As in VLFeat: 4×4 cells of 3σ, each a histogram of 8 directions, with trilinear weights under a Gaussian of two
+//! cells. All 128 are normalised, cut at 0.2, normalised, L1-normalised, rooted ("RootSIFT"), times 512, cut at 255.
 //!
 //! Pooled over scales, after Dong and Soatto ("Domain-Size Pooling in Local Descriptors: DSP-SIFT", CVPR 2015): the
 //! sums of each scale are normalised and added before the root, and not cut, which in the dark costs matches.
@@ -16,7 +15,7 @@ use std::f32::consts::TAU;
 /// Side of a cell, in σ.
 const MAGNIFICATION: f32 = 3.0;
 
-/// Reused from feature to feature.
+/// Buffers that [`sums`] reuses from feature to feature.
 #[derive(Debug, Default)]
 pub struct DescriptorScratch {
     along_u: Vec<f32>,
@@ -24,14 +23,13 @@ pub struct DescriptorScratch {
     samples: Samples,
 }
 
-/// Radius of the pixels that the descriptor of a feature of scale `sigma` depends on, octave pixels: half the diagonal
-/// of the turned square. The level around it must reach one pixel farther.
+/// Radius that a descriptor of scale `sigma` reads, octave pixels: half its diagonal. The level must reach one farther.
 pub fn descriptor_radius(sigma: f32) -> usize {
     (std::f32::consts::SQRT_2 * MAGNIFICATION * sigma * (CELLS as f32 + 1.0) / 2.0 + 0.5).floor() as usize
 }
 
-/// Radius of the disc of pixels that a coarser scale `sigma` of a pooled descriptor depends on, in pixels of the level:
-/// half the side of the turned square. The level around it must reach one pixel farther.
+/// Radius of the disc of pixels that a coarser scale `sigma` of a pooled descriptor reads, pixels of the level: half
+/// the side of the turned square. The level around it must reach one pixel farther.
 pub fn coarse_radius(sigma: f32) -> usize {
     (HALF * MAGNIFICATION * sigma + 0.5).floor() as usize
 }
@@ -63,8 +61,8 @@ impl Square {
         Self { reach: descriptor_radius(sigma), ..square }
     }
 
-    /// As [`Self::of`], for a coarser scale of a pooled descriptor: without the corners beyond [`coarse_radius`], where
-    /// all weights are small, and without rows between which the level hardly changes.
+    /// As [`Self::of`], for a coarser scale of a pooled descriptor: without the corners beyond [`coarse_radius`], whose
+    /// weights are small, and without rows between which the level hardly changes.
     pub fn coarse(place: (f32, f32), sigma: f32, orientation: f32) -> Self {
         let cell = MAGNIFICATION * sigma;
         let (radius, row_step, reach) = (HALF * cell, sigma as usize, coarse_radius(sigma));
@@ -79,8 +77,7 @@ impl Square {
         Self { place, cos, sin, orientation, radius: f32::INFINITY, row_step: 1, reach: 0 }
     }
 
-    /// Returns a function from a row's distance `dv` below the centre to the first and last column inside the square
-    /// and the disc, as distances from the centre.
+    /// Function from a row's distance `dv` below the centre to the first and last column inside, from the centre.
     #[inline(always)]
     fn interval(&self) -> impl Fn(f32) -> (f32, f32) {
         // Where |cos·du + sin·dv| and |cos·dv − sin·du| are at most HALF.
@@ -96,8 +93,7 @@ impl Square {
     }
 }
 
-/// The 128 sums, cells row by row, in an octave of `size`, from the Gaussian `level` around the square, which holds a
-/// pixel more on each side than the square reads.
+/// The 128 sums, cells row by row, in an octave of `size`; `level` holds one pixel more around than the square reads.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 pub fn sums(level: &Patch, size: (usize, usize), square: &Square, scratch: &mut DescriptorScratch) -> Sums {
     let &Square { place: (x, y), cos, sin, orientation, row_step, reach: far, .. } = square;
@@ -115,6 +111,7 @@ pub fn sums(level: &Patch, size: (usize, usize), square: &Square, scratch: &mut 
     for (v, &weight_v) in rows.clone().zip(along_v.iter()).step_by(row_step.max(1)) {
         let dv = v as f32 - y;
         let (left, right) = interval(dv);
+        // Columns outside the turned square are never visited: at 45° they are half of all.
         let left = max((x + left).ceil(), columns.start as f32);
         let right = min((x + right).floor(), columns.end as f32 - 1.0);
         if left > right {
@@ -128,11 +125,12 @@ pub fn sums(level: &Patch, size: (usize, usize), square: &Square, scratch: &mut 
             let weights = vector_of(weights_u, at);
             let first = start as f32 + at as f32 - x;
             let out = samples.vector(held + at);
+            // Arithmetic without branches; the scattered sums follow per batch, in `PairedCells::add`.
             for i in 0..LANES {
                 let turned = eighths[i] - orientation;
                 let turned = if turned < 0.0 { turned + DIRECTIONS as f32 } else { turned };
                 let direction = min(turned.floor(), LAST_DIRECTION);
-                // Distances in cells from the first padded one.
+                // Distances in cells from the padding's first cell.
                 let du = first + i as f32;
                 let cx = cos.mul_add(du, sin.mul_add(dv, HALF));
                 let cy = cos.mul_add(dv, (-sin).mul_add(du, HALF));
@@ -185,6 +183,7 @@ fn normalise(bins: &mut [f32; BINS]) {
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 pub fn quantise(mut bins: Sums) -> Descriptor {
     normalise(&mut bins);
+    // As in SIFT, few strong gradients must not outweigh all others.
     bins.iter_mut().for_each(|x| *x = x.min(0.2));
     normalise(&mut bins);
     in_bytes(&bins)
@@ -201,7 +200,7 @@ pub fn pool(scales: &[Sums]) -> Descriptor {
     in_bytes(&total)
 }
 
-/// In UBC/COLMAP's order: in each cell the directions run the other way round than VLFeat's, the first stays.
+/// Bytes in UBC/COLMAP's order: within a cell the directions run the other way round than VLFeat's, the first stays.
 #[inline(always)]
 fn in_bytes(bins: &Sums) -> Descriptor {
     let sum = sum_of(bins, |x| x);
@@ -223,19 +222,17 @@ pub fn to_vlfeat_order(descriptor: &Descriptor) -> Descriptor {
     out
 }
 
-/// Cells along a side.
 const CELLS: usize = 4;
 const DIRECTIONS: usize = 8;
 const BINS: usize = CELLS * CELLS * DIRECTIONS;
-/// Number of cells along a side with one more at each end for pixels outside, so that no weight needs a test.
+/// Number of cells along a side with one more at each end, so that pixels outside need no test.
 const PADDED: usize = CELLS + 2;
 /// Number of independent accumulators, so that an addition need not wait for the one before it.
 const TURNS: usize = 4;
 
-/// Pairs in a row of cells.
 const PAIRS: usize = PADDED - 1;
 
-/// Values that some pixels add, in the order of the pixels. Cells and directions are counted from the padding on.
+/// Weighted values of some pixels, in the order of the pixels. Cells and directions are counted from the padding on.
 #[derive(Debug, Default)]
 struct Samples {
     /// Pair of cells above the pixel, between which it lies.
@@ -260,7 +257,6 @@ struct SampleVector<'a> {
 }
 
 impl Samples {
-    /// Makes room for `count` samples and a partly used vector.
     fn room(&mut self, count: usize) {
         let count = count + LANES;
         if self.cell.len() < count {
@@ -288,12 +284,12 @@ impl Samples {
     }
 }
 
-/// Sums for each pair of neighbouring cells of a row: the parts of samples between the two for the left one, then for
-/// the right one. A sample adds to one pair and to the one below it; kept apart, pairs never overlap.
+/// Sums for each pair of neighbouring cells of a row: first the left cell's parts, then the right one's. A sample adds
+/// to one pair and to the one below; kept apart, pairs never overlap.
 #[repr(C, align(64))]
 struct PairedCells([[[f32; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS]);
 
-/// For each direction, its share in each of a pair's directions, and the change of that towards the next direction.
+/// For each direction, its share in a pair's directions, and the change of the share towards the next direction.
 #[repr(C, align(64))]
 struct Shares([[[f32; 2 * DIRECTIONS]; 2]; DIRECTIONS]);
 
@@ -317,7 +313,6 @@ impl PairedCells {
         Self([[[0.0; 2 * DIRECTIONS]; PADDED * PAIRS]; TURNS])
     }
 
-    /// Adds the first `count` samples.
     #[inline(always)]
     fn add(&mut self, samples: &mut Samples, count: usize) {
         // Unused samples of the last turn add nothing.
@@ -378,7 +373,6 @@ mod tests {
         level
     }
 
-    /// The definition of the sums, pixel by pixel.
     fn by_definition(level: &Patch, (x, y): (f32, f32), sigma: f32, orientation: f32) -> [f64; BINS] {
         let mut bins = [0.0; BINS];
         let cell = f64::from(MAGNIFICATION * sigma);

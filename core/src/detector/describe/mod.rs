@@ -19,8 +19,7 @@ use crate::plane::blur::GaussianKernel;
 use pooling::{CoarseScratch, CoarserScales};
 use rayon::prelude::*;
 
-/// A feature is described at its own slope where the grid's slope misplaces the outermost frame by more than this many
-/// σ; a smaller smear hardly widens it. Chosen, not tuned.
+/// Misplacement of the outermost frame, in σ, above which a feature is described at its own slope. Chosen, not tuned.
 const MISALIGNED_SIGMAS: f32 = 0.1;
 
 /// Whether a misplacement of an outermost frame by `px` matters to a feature of scale `sigma_px`.
@@ -28,7 +27,6 @@ pub(super) fn misaligned(px: f32, sigma_px: f32) -> bool {
     px > MISALIGNED_SIGMAS * sigma_px
 }
 
-/// Reused by a thread from keypoint to keypoint.
 #[derive(Default)]
 pub(super) struct DescribeScratch {
     raw: Patch,
@@ -50,10 +48,8 @@ pub(super) struct Described {
     pub slope_width: f32,
 }
 
-/// Inputs for describing the keypoints of one octave.
 pub(super) struct Describing<'a> {
     pub search: &'a Search<'a>,
-    /// First levels of all octaves.
     pub bases: &'a [FirstLevels],
     pub octave: i32,
     /// Frames at the octave's resolution, where features are described at their own slope.
@@ -63,8 +59,7 @@ pub(super) struct Describing<'a> {
 }
 
 impl Describing<'_> {
-    /// Localises, orients and describes the octave's keypoints; the features' order depends on the keypoints alone.
-    /// `first` is the number of the first keypoint.
+    /// Localises, orients and describes keypoints, numbered from `first`; the features' order depends on them alone.
     pub fn describe(&self, keypoints: &[Keypoint], first: usize) -> Result<Vec<Described>, Cancelled> {
         let order = self.in_order(keypoints);
         let from = self.search.space.sigma_before(self.octave);
@@ -116,8 +111,7 @@ impl Describing<'_> {
         misaligned(outermost_px, sigma_px).then(|| (frames, frames.offsets(keypoint.slope)))
     }
 
-    /// Appends the features of one keypoint, one for each of its orientations. `kernels` lead from the octave's first
-    /// level to each of its levels.
+    /// Appends one feature for each orientation of a keypoint. `kernels` lead from the first level to each level.
     fn describe_one(
         &self,
         number: usize,
@@ -131,8 +125,7 @@ impl Describing<'_> {
         let base = self.search.base(self.bases, self.octave, keypoint.slope_index);
         let from = space.sigma_before(self.octave);
         let kernel = &kernels[keypoint.level as usize];
-        // Reach of the descriptor's square and of the neighbours that its gradients need, and of the kernel around
-        // them.
+        // The first patch must hold the descriptor's square, the neighbours of its gradients, and the kernels.
         let level_reach = |sigma: f32| descriptor_radius(sigma) + 1;
         let wanted_sigma = f64::from(keypoint.sigma_octave);
         let mut reach = (scale::reach(wanted_sigma, space.levels) + FARTHEST_MOVE_PX)
@@ -141,6 +134,7 @@ impl Describing<'_> {
         let needed = |kernel: &GaussianKernel, coarser: &CoarserScales, sigma: f32| {
             (level_reach(sigma) + kernel.radius()).max(coarser.reach(sigma))
         };
+        // With own slopes the patch is read again at the refined slope, so that the first one may be small.
         if self.own_slopes.is_none() {
             reach = reach.max(needed(kernel, &coarser, keypoint.sigma_octave) + FARTHEST_MOVE_PX + 1);
         }
@@ -149,6 +143,7 @@ impl Describing<'_> {
         let (located, slope_width) = located(self.search, self.bases, keypoint, raw, from, &mut scratch.locate);
         let Keypoint { x, y, sigma_octave: sigma, .. } = located;
         let reach_level = level_reach(sigma);
+        // The grid's slope would smear the patch: the frames are read again at the feature's own.
         if let Some((frames, offsets)) = self.own_slope(&located) {
             let kernel = self.kernel(keypoint.level, frames.sigma_octave(&offsets));
             coarser = self.coarser_scales(keypoint.level, frames.sigma_octave(&offsets));
@@ -164,6 +159,7 @@ impl Describing<'_> {
             }
             raw.blurred(around(x, reach_level), around(y, reach_level), kernel, &mut scratch.blur, patch);
         }
+        // All orientations share one level and patch; only the sums are turned.
         let angles = orientations(patch, size, (x, y), sigma, params.max_orientations, &mut scratch.orientation);
         let finest = |angle: &f32| sums(patch, size, &Square::of((x, y), sigma, *angle), &mut scratch.descriptor);
         let mut sums: Vec<Vec<Sums>> = angles.iter().map(finest).map(|sums| vec![sums]).collect();
@@ -181,7 +177,7 @@ impl Describing<'_> {
                 octave: self.octave,
                 level: located.level,
                 slope_index: located.slope_index,
-                // The limit and what the field says are known once the features are ranked.
+                // The mark at the limit and the field's values follow once the features are ranked.
                 ..Feature::default()
             };
             let descriptor = if let [alone] = sums[..] { quantise(alone) } else { pool(&sums) };

@@ -1,8 +1,8 @@
 //! The coarser scales of a pooled descriptor: Gaussian levels around a feature at half the octave's resolution.
 //!
 //! A descriptor is pooled over the feature's own σ and over coarser scales, each [`SCALE_RATIO`] times the one before:
-//! cells and blur both grow with the scale. Coarser levels hold no detail that pixels of twice the size would not show,
-//! so the stacked patch is halved once, and each level is a blur of that.
+//! cells and blur grow with the scale. Coarser levels hold no detail that pixels of twice the size would lose, so the
+//! stacked patch is halved once, and each level is a blur of that half.
 
 use super::descriptor::{DescriptorScratch, Square, Sums, coarse_radius, sums as sums_of};
 use crate::detector::along::around;
@@ -12,17 +12,15 @@ use crate::plane::blur::GaussianKernel;
 /// Ratio of neighbouring scales, tuned on dark bursts of two scenes with other views kept back (docs/MEASUREMENTS.md).
 const SCALE_RATIO: f32 = 1.75;
 
-/// Latest end of the coarser levels' kernels, in their σ, so that patches are narrower; what lies beyond weighs 0.3 %.
+/// Cut of the coarser levels' kernels, in their σ, at most: patches stay narrow, and 0.3 % of the weight is lost.
 const MAX_CUT: f64 = 3.0;
 
-/// Reused from keypoint to keypoint.
 #[derive(Default)]
 pub(super) struct CoarseScratch {
     half: Patch,
     level: Patch,
 }
 
-/// The coarser scales of the descriptors of one level.
 pub(super) struct CoarserScales {
     /// Blur of the halved patch to the level of each scale.
     kernels: Vec<GaussianKernel>,
@@ -50,7 +48,7 @@ impl CoarserScales {
     }
 
     /// Appends the sums of each coarser scale to those of each of `angles` (radians), of a feature at (x, y) of σ
-    /// `sigma`, from `raw`, which reaches [`Self::reach`] pixels around it. The octave has `size`.
+    /// `sigma`, from `raw`, which reaches [`Self::reach`] pixels around. The octave has `size`.
     pub(super) fn append(
         &self,
         raw: &Patch,

@@ -1,4 +1,4 @@
-//! Motions of a field that lie beyond the slopes that were searched, and a range that holds them.
+//! Motions of a field beyond the searched slopes, and a range that holds these motions.
 
 use super::{MotionField, motion_field};
 use crate::burst::Burst;
@@ -9,19 +9,17 @@ use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use std::ops::Range;
 
-/// Part of the field of motion beyond an end of the range from which a wider one is advised, where
-/// [features](FEATURES_BEYOND) bear it out: alone it is up to 0.34 on bursts whose slopes fit.
+/// Part of the field of motion beyond an end of the range from which a wider one is advised, if
+/// [features](FEATURES_BEYOND) confirm it: without them the part is up to 0.34 on bursts whose slopes fit.
 const FIELD_BEYOND: f32 = 0.02;
-/// Number of features at an end of the range that bear out a field of motion beyond it. What the field says there is
-/// less sure than inside, as the frames were not compared farther out; noise and aliases leave one or two such
-/// features.
+/// Number of features at an end of the range that confirm a field of motion beyond it. The field is less certain there,
+/// as frames were not compared farther out; noise and aliases leave one or two such features.
 const FEATURES_BEYOND: usize = 3;
-/// Part of what lies beyond a range that may lie beyond a wider one: where more does, noise leads on and on.
+/// Part of the motions beyond a range that may lie beyond a wider one: where more do, noise leads on and on.
 const LEFT_BEYOND: f32 = 0.5;
 
-/// Motions beyond a range of slopes.
 pub(crate) struct Beyond {
-    /// Range, wider at those ends, with the same steps.
+    /// Range, wider at the `ends`, with the same steps.
     pub grid: SlopeGrid,
     /// Largest part of the picture that moves beyond an end.
     pub share: f32,
@@ -30,12 +28,12 @@ pub(crate) struct Beyond {
 }
 
 impl MotionField {
-    /// Motions beyond `grid`, borne out by `features` if they are given. Places whose evidence still rises at an end of
-    /// the sweep, such as a near floor, have no known motion but lie there; of places that show nothing, as many lie at
-    /// either end by chance.
+    /// Motions beyond `grid`, confirmed by `features` if they are given. Places whose evidence still rises at an end of
+    /// the sweep, such as a near floor, have no known motion but lie there; empty places lie at both ends alike.
     pub(crate) fn beyond(&self, grid: &SlopeGrid, features: Option<&[Feature]>) -> Option<Beyond> {
         let mut beyond = Beyond { grid: *grid, share: 0.0, ends: Vec::new() };
         for (second, axis) in grid.axes() {
+            // Half a step beyond the end still belongs to the slope at the end.
             let margin = 0.5 * axis.step();
             let is_below = |slope: Slope| grid.along(slope, second) < axis.min - margin;
             let is_above = |slope: Slope| grid.along(slope, second) > axis.max + margin;
@@ -43,8 +41,10 @@ impl MotionField {
                 let motions = self.motions.iter().filter(|motion| self.is_known(motion) == is_known);
                 motions.filter(|motion| is_beyond(motion.slope)).count()
             };
+            // Unknown motions at the other end estimate how many are here by chance.
             let by_chance = [count(false, &is_below), count(false, &is_above)];
             let middle = 0.5 * (axis.min + axis.max);
+            // Features on the other half of the axis say nothing about this end.
             let is_borne_out = |end: f32| {
                 let is_there = |slope: Slope| (grid.along(slope, second) - middle) * (end - middle) > 0.0;
                 features.is_none_or(|features| {
@@ -71,11 +71,7 @@ impl MotionField {
 }
 
 impl Beyond {
-    /// Whether a field measured over the wider range has less beyond it: what is found at an end was not compared
-    /// farther out.
-    ///
-    /// # Errors
-    /// [`Cancelled`] once `monitor` was cancelled.
+    /// Whether a field measured over the wider range has less beyond it: an end hides what lies farther out.
     pub(crate) fn is_held(&self, burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<bool, Cancelled> {
         let field = field_over(&self.grid, burst, used, monitor)?;
         let left = field.and_then(|field| field.beyond(&self.grid, None)).map_or(0.0, |left| left.share);
@@ -84,9 +80,6 @@ impl Beyond {
 }
 
 /// Field of motion of the frames `used` over the slopes of `grid`.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
 pub(crate) fn field_over(
     grid: &SlopeGrid,
     burst: &Burst,

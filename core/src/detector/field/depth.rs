@@ -1,10 +1,9 @@
 //! Relative inverse depths of places of a burst, from their motions.
 //!
-//! While a camera moves without turning, what lies at inverse depth ρ moves in its picture by ρ·(e − e_z·x), where x is
-//! its place and (e, e_z) the camera's velocity: towards or away from the focus of expansion e/e_z, which lies at
-//! infinity where the camera moves sideways (Longuet-Higgins and Prazdny, "The interpretation of a moving retinal
-//! image", 1980). All places together tell the focus, and then each motion tells the inverse depth of its place, up to
-//! one factor for the burst.
+//! While a camera moves without turning, a point x at inverse depth ρ moves in the picture by ρ·(e − e_z·x), where (e,
+//! e_z) is the camera's velocity: towards or away from the focus of expansion e/e_z, which lies at infinity where the
+//! camera moves sideways (Longuet-Higgins and Prazdny, "The interpretation of a moving retinal image", 1980). All
+//! places together give the focus; each motion then gives an inverse depth, up to one factor for the burst.
 
 use crate::detector::params::Slope;
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
@@ -16,16 +15,15 @@ pub(crate) struct InverseDepth {
     pub sigma: f64,
 }
 
-/// Standard deviations from which on a motion counts as that of something that moves by itself.
+/// Standard deviations from which a motion counts as that of a thing that moves by itself.
 const OTHER_SIGMAS: f64 = 3.0;
 /// Number of rounds in which the weights of the motions follow the focus.
 const ROUNDS: usize = 10;
-/// Fewest known motions that tell the focus.
+/// Fewest known motions that determine the focus.
 const FEWEST: usize = 8;
 
-/// The inverse depths of `places` (u, v), pixels, by their `motions` and the standard deviations of these, pixels per
-/// frame, infinite where unknown; `None` where the motion is unknown, is not towards or from the focus, or lies too
-/// close to it to tell.
+/// Inverse depths of `places` (u, v), pixels, from their `motions` and standard deviations, pixels per frame, infinite
+/// where unknown; `None` where the motion is unknown, does not point along the focus, or lies too close to it.
 pub(crate) fn inverse_depths(places: &[[f64; 2]], motions: &[(Slope, f32)]) -> Vec<Option<InverseDepth>> {
     let none = || vec![None; places.len()];
     let known: Vec<(usize, &(Slope, f32))> = motions.iter().enumerate().filter(|(_, m)| m.1.is_finite()).collect();
@@ -57,6 +55,7 @@ pub(crate) fn inverse_depths(places: &[[f64; 2]], motions: &[(Slope, f32)]) -> V
             let weight = focus.map_or(1.0, |focus| {
                 let [x, y] = away(&focus, at(i));
                 let variance = sigma * sigma * (x * x + y * y).max(1e-6);
+                // A Cauchy weight: a thing that moves by itself pulls less and less at the focus.
                 let off = row.dot(&focus).powi(2) / (OTHER_SIGMAS * OTHER_SIGMAS * variance);
                 1.0 / (variance * (1.0 + off))
             });
@@ -65,6 +64,7 @@ pub(crate) fn inverse_depths(places: &[[f64; 2]], motions: &[(Slope, f32)]) -> V
         let is_finite = normal.iter().all(|x| x.is_finite());
         let eigen = is_finite.then(|| SymmetricEigen::try_new(normal, f64::EPSILON, 500)).flatten();
         let Some(eigen) = eigen else { return none() };
+        // The direction that all rows are most nearly perpendicular to.
         focus = Some(eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned());
     }
     let Some(focus) = focus else { return none() };
@@ -78,7 +78,7 @@ pub(crate) fn inverse_depths(places: &[[f64; 2]], motions: &[(Slope, f32)]) -> V
     };
     let mut depths = none();
     known.iter().for_each(|&(i, moving)| depths[i] = depth(i, moving));
-    // Things are before the camera, not behind it.
+    // The sign of the focus is free: things lie before the camera, not behind.
     if depths.iter().flatten().map(|depth| depth.value.signum()).sum::<f64>() < 0.0 {
         depths.iter_mut().flatten().for_each(|depth| depth.value = -depth.value);
     }
@@ -90,10 +90,9 @@ mod tests {
     use super::*;
     use crate::synth::random::Stream;
 
-    /// Places, inverse depths and motions.
     type Scene = (Vec<[f64; 2]>, Vec<f64>, Vec<(Slope, f32)>);
 
-    /// What a camera shows that moves by (`e`, `e_z`), with `sigma` px/frame of noise.
+    /// View of a camera with the velocity (`e`, `e_z`), with `sigma` px/frame of noise.
     fn scene(velocity: [f64; 3], sigma: f64, on_a_line: bool) -> Scene {
         let mut random = Stream::new(3, 1);
         let (mut places, mut depths, mut motions) = (Vec::new(), Vec::new(), Vec::new());

@@ -1,10 +1,10 @@
 //! Evidence for each slope at each cell, in nats, from a sweep over the slopes on reduced, band-passed frames.
 //!
 //! Where a cell moves by λ the frames shifted by λ add up: their sum S has N times the signal and √N times the noise of
-//! one frame. With the noise of one frame σ, z = S/(√N·σ) is a standard normal where there is nothing. Most of a scene
-//! shows nothing and a part of it strong structure, so the evidence is the logarithm of a mixture: nothing (a share 1 −
-//! π), or structure that is ρ times as strong as the noise of S (a share π). It is about 0 for noise, whatever the
-//! slope, and grows as z²/2 for what stands out; a plain square would add the noise of all empty cells to each window.
+//! one frame. With σ, the noise of one frame, z = S/(√N·σ) is standard normal in empty cells. Most of a scene is empty
+//! and a part of it strong structure, so the evidence is the logarithm of a mixture: empty (a share 1 − π), or
+//! structure ρ times as strong as the noise of S (a share π). It is about 0 for noise, whatever the slope, and grows as
+//! z²/2 for structure; a plain square would add the noise of empty cells.
 
 use crate::burst::Offset;
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
@@ -16,13 +16,13 @@ use crate::plane::blur::smoothed;
 use multiversion::multiversion;
 use rayon::prelude::*;
 
-/// Band that is looked at: Gaussians of these σ, in the finest cells, as all lengths here.
+/// Gaussians that bound the band, σ in the finest cells, as all lengths here.
 const BAND_CELLS: [f64; 2] = [1.0, 1.6];
-/// Cells that the noise of one band-passed cell is shared by: the evidence of that many cells is that of one.
+/// Number of cells that share the noise of one band-passed cell: together their evidence counts once.
 const CORRELATED_CELLS: f32 = 12.0;
 /// Share of the cells that show structure.
 const SHARE: f32 = 0.3;
-/// Power of their structure in S, of that of the noise.
+/// Power of structure in S, relative to the noise's.
 const POWER: f32 = 16.0;
 /// Largest smear that a step of the sweep leaves between the first and the last frame, cells.
 const STEP_CELLS: f32 = 1.125;
@@ -30,18 +30,17 @@ const STEP_CELLS: f32 = 1.125;
 const MAX_STEPS: [usize; 2] = [65, 17];
 /// Standard deviation of the window in which the noise is the same, cells.
 const NOISE_WINDOW_CELLS: f64 = 16.0;
-/// Cells on a side of the squares that its means are taken of.
+/// Cells on a side of the squares over which the noise is averaged.
 const NOISE_CELLS: usize = 4;
 /// Share of a square's samples, in all frames, below which it is hidden.
 const MIN_SEEN: f32 = 0.8;
-/// Finest cells on a side of a cell for which evidence is kept. Only the smallest things are as small.
+/// Finest cells on a side of a cell for which evidence is kept: only the smallest things are as small.
 pub(super) const MERGED_CELLS: usize = 2;
 
-/// Evidence of all cells for all swept slopes.
 pub(super) struct Evidence {
     /// Columns and rows of cells.
     pub size: (usize, usize),
-    /// Swept slopes; one step more on each side than asked for.
+    /// Swept slopes; one step more on each side than requested.
     pub grid: SlopeGrid,
     /// Time from the first to the last frame, frame intervals.
     pub last_frame: f32,
@@ -67,12 +66,12 @@ impl Evidence {
         let grid = swept(grid, times, cell_px);
         let slopes: Vec<Slope> = grid.slopes().collect();
         let size = bands[0].size();
-        // The residual of a wrong slope has the signal in it: the noise is that of the best slope around a place.
+        // At a wrong slope the residual contains the signal: the noise is the smallest over all slopes around a place.
         let mut variance = Plane::zeros(size.0.div_ceil(NOISE_CELLS), size.1.div_ceil(NOISE_CELLS));
         variance.data_mut().fill(f32::MAX);
         let hidden = hidden_squares(frames, fine_px * NOISE_CELLS, variance.size());
         let mut nats = Vec::with_capacity(slopes.len());
-        // Views of a light field move down by any slope.
+        // Slopes of one row share the shift down; views of a light field move down by any slope.
         for same_v in slopes.chunk_by(|a, b| !are_views && a.v == b.v) {
             monitor.check()?;
             let moved = |slope: &Slope| at_cells.iter().map(|at| slope.displacement(*at)).collect::<Vec<_>>();
@@ -84,7 +83,7 @@ impl Evidence {
             let stacks = same_v.par_iter().map(|slope| {
                 let shifts: Vec<Shift> = moved(slope).into_iter().map(|(u, _)| Shift::new(u)).collect();
                 let (power, mut residual) = stacked(&shifted, &shifts, margin);
-                // NaN stays out of the windows around it, and out of the least variance.
+                // NaN keeps hidden squares out of the windows around them and of the least variance.
                 hidden.iter().for_each(|&square| residual.data_mut()[square] = f32::NAN);
                 Ok((power, smoothed(&residual, NOISE_WINDOW_CELLS / NOISE_CELLS as f64, monitor)?))
             });
@@ -97,6 +96,7 @@ impl Evidence {
         let gain = 0.5 * POWER / (1.0 + POWER);
         scale.data_mut().iter_mut().for_each(|x| *x = gain / x.max(f32::MIN_POSITIVE));
         nats.par_iter_mut().for_each(|power| {
+            // Evidence adds up: a merged cell has the sum of its finest cells, not the mean.
             to_nats(power, &scale);
             let mut merged = means(power, MERGED_CELLS);
             merged.data_mut().iter_mut().for_each(|nats| *nats *= (MERGED_CELLS * MERGED_CELLS) as f32);
@@ -107,8 +107,7 @@ impl Evidence {
     }
 }
 
-/// Squares of `side` pixels, numbered row by row in a plane of `size`, of whose samples in all frames too few are seen:
-/// they have no noise to compare with, and no evidence.
+/// Squares of `side` pixels, numbered row by row in a plane of `size`, with too few seen samples to have any evidence.
 fn hidden_squares(frames: &[&Plane], side: usize, (columns, rows): (usize, usize)) -> Vec<usize> {
     if !any_masked(frames) {
         return Vec::new();
@@ -124,8 +123,7 @@ fn hidden_squares(frames: &[&Plane], side: usize, (columns, rows): (usize, usize
     (0..columns * rows).filter(|&square| seen(square) < MIN_SEEN).collect()
 }
 
-/// The sweep over the range of `grid`, a step wider on each side so that its ends can be peaks, in steps that leave no
-/// more smear than the band can bear.
+/// Sweep over the range of `grid`, in steps that the band can bear, one wider at each end so that ends can be peaks.
 pub(super) fn swept(grid: &SlopeGrid, times: &FrameTimes, cell_px: usize) -> SlopeGrid {
     let step = STEP_CELLS * (cell_px / MERGED_CELLS) as f32 / times.positions.span().max(1.0) as f32;
     let most = MAX_STEPS[usize::from(grid.is_plane())];
@@ -139,8 +137,7 @@ pub(super) fn swept(grid: &SlopeGrid, times: &FrameTimes, cell_px: usize) -> Slo
     SlopeGrid { u: axis(grid.u), v: axis(grid.v), ..*grid }
 }
 
-/// The band of one frame, on cells that are means of `cell_px`² pixels. What is left at the right and lower edge is no
-/// whole cell, and is left out.
+/// Band of one frame, on cells that are means of `cell_px`² pixels; incomplete cells are dropped.
 fn band(frame: &Plane, cell_px: usize, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let weight = 1.0 / (cell_px * cell_px) as f32;
     let cells = Plane::from_fn(frame.width() / cell_px, frame.height() / cell_px, |i, j| {
@@ -154,9 +151,8 @@ fn band(frame: &Plane, cell_px: usize, monitor: &Monitor) -> Result<Plane, Cance
     Ok(band)
 }
 
-/// S²/N of the sum S of the frames, which are shifted down already and have a `margin` of columns at both sides, at the
-/// `shifts` to the right; and the variance of the frames around their mean, of squares of [`NOISE_CELLS`]. Both are in
-/// the power of one frame.
+/// S²/N of the sum S of the frames, which are shifted down with a `margin` of columns at both sides, at the `shifts` to
+/// the right; and their variance in squares of [`NOISE_CELLS`]. Both are in the power of one frame.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) {
     let (width, height) = (frames[0].width() - 2 * margin, frames[0].height());
@@ -173,7 +169,7 @@ fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) 
             let [a, b, c, d] = shift.weights;
             let read = from.windows(4).map(|x| a * x[0] + b * x[1] + c * x[2] + d * x[3]);
             if v % NOISE_CELLS == 0 {
-                // Squares after the shift: interpolation smooths noise, and slope 0 would be favoured without.
+                // Squared after the shift: interpolation smooths noise, and slope 0 would be favoured otherwise.
                 sum.iter_mut().zip(&mut squares).zip(read).for_each(|((sum, square), x)| {
                     *sum += x;
                     *square += x * x;
@@ -182,6 +178,7 @@ fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) 
                 sum.iter_mut().zip(read).for_each(|(sum, x)| *sum += x);
             }
         }
+        // S²/N has the power of one frame, like the residual it is compared with.
         sum.iter_mut().for_each(|sum| *sum *= *sum / count);
         if v % NOISE_CELLS == 0 {
             let pairs = squares.chunks(NOISE_CELLS).zip(sum.chunks(NOISE_CELLS));
@@ -194,30 +191,29 @@ fn stacked(frames: &[Plane], shifts: &[Shift], margin: usize) -> (Plane, Plane) 
     (power, residual)
 }
 
-/// Exponent from which on evidence grows with its logarithm.
+/// Exponent from which evidence grows with its logarithm only.
 const BRIGHT: f32 = 60.0;
 
-/// Makes the power of a stack its evidence: ln(1 − π + π·(1 + ρ)^−½·exp(x)) for the exponent x, its `scale` times the
-/// power, to a hundredth of a nat before cells are taken for correlated.
+/// Makes the power of a stack its evidence: ln(1 − π + π·(1 + ρ)^−½·exp(x)) for the exponent x, `scale` times the
+/// power, to a hundredth of a nat before the division by correlated cells.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn to_nats(power: &mut Plane, scale: &Plane) {
     let nothing = (1.0 - SHARE).ln();
     let equal = nothing - (SHARE / (1.0 + POWER).sqrt()).ln();
     for (power, scale) in power.data_mut().iter_mut().zip(scale.data()) {
         let exponent = (scale * *power).clamp(0.0, f32::MAX);
-        // Bright things must tell slopes apart, and not speak for all around them. A float's bits are its logarithm,
-        // linear between powers of two.
+        // Bright things separate slopes, but must not speak for all around. A float's bits are about its logarithm.
         let octaves = ((exponent * (1.0 / BRIGHT)).to_bits() as i32 - (127 << 23)) as f32 * (1.0 / (1 << 23) as f32);
         let x =
             if exponent > BRIGHT { BRIGHT * (1.0 + std::f32::consts::LN_2 / 3.0 * octaves) } else { exponent } - equal;
-        // ln(1 + exp(x)), which is x where it is large; what is missing has value and slope at 0 of this power.
+        // ln(1 + exp(x)) tends to x where x is large; this power has the missing value and slope at 0.
         let missing = (1.0 - x.abs() * (0.5 / (6.0 * std::f32::consts::LN_2))).max(0.0);
         let cubed = missing * missing * missing;
         *power = (nothing + x.max(0.0) + std::f32::consts::LN_2 * cubed * cubed) * (1.0 / CORRELATED_CELLS);
     }
 }
 
-/// Means of squares of `by`² cells, and of what is left of them at the right and lower edge.
+/// Means of squares of `by`² cells, smaller ones at the right and lower edge.
 pub(super) fn means(plane: &Plane, by: usize) -> Plane {
     let (width, height) = plane.size();
     let mut means = Plane::zeros(width.div_ceil(by), height.div_ceil(by));
@@ -228,6 +224,7 @@ pub(super) fn means(plane: &Plane, by: usize) -> Plane {
             out.iter_mut().zip(plane.row(v).chunks(by)).for_each(|(sum, cells)| *sum += cells.iter().sum::<f32>());
         }
         let whole = (rows.len() * by) as f32;
+        // The last column of cells may be narrower.
         let last = (rows.len() * (width - (out.len() - 1) * by)) as f32;
         let count = out.len();
         out.iter_mut().enumerate().for_each(|(i, sum)| *sum /= if i + 1 < count { whole } else { last });
@@ -235,9 +232,9 @@ pub(super) fn means(plane: &Plane, by: usize) -> Plane {
     means
 }
 
-/// `few`, which has one value for `by`² cells, on a plane of `size`, linear between.
+/// `few`, one value for `by`² cells, enlarged to a plane of `size` by linear interpolation.
 pub(super) fn enlarged(few: &Plane, by: usize, (width, height): (usize, usize)) -> Plane {
-    // The values before and after each place, and the part of the one after.
+    // The values before and after each place, and the weight of the later one.
     let along = |count: usize, last: usize| -> Vec<(usize, usize, f32)> {
         let place = |x: usize| ((x as f32 + 0.5) / by as f32 - 0.5).clamp(0.0, last as f32);
         (0..count).map(place).map(|x| (x as usize, (x as usize + 1).min(last), x.fract())).collect()
@@ -273,8 +270,7 @@ impl Shift {
     }
 }
 
-/// The band shifted down by so many cells, with `margin` columns more at both sides; beyond the edge the nearest cell
-/// is repeated.
+/// Band shifted down by `cells`, with `margin` columns more at both sides; the nearest cell is repeated beyond.
 fn shifted_down(band: &Plane, cells: f32, margin: usize) -> Plane {
     let (width, height) = band.size();
     let shift = Shift::new(cells);

@@ -9,8 +9,7 @@ use crate::plane::{Mask, Plane};
 use rayon::prelude::*;
 use std::sync::Arc;
 
-/// Largest difference of motions between which a place is interpolated, pixels of smear between the first and the last
-/// frame; beyond it the two sides of a border move apart, and each keeps its own.
+/// Largest difference of motions across which they are interpolated, pixels of smear: borders stay sharp.
 const SAME_SMEAR_PX: f32 = 2.0;
 
 impl MotionField {
@@ -25,6 +24,7 @@ impl MotionField {
         let slope = |i: usize, j: usize| self.motions[j * self.size.0 + i].slope;
         let corners = [slope(i, j), slope(i_next, j), slope(i, j_next), slope(i_next, j_next)];
         let nearest = corners[2 * usize::from(y >= 0.5) + usize::from(x >= 0.5)];
+        // A mean of different motions would be the motion of nothing: a border stays a border.
         if corners.iter().any(|c| (c.u - nearest.u).hypot(c.v - nearest.v) > same_px_per_frame) {
             return nearest;
         }
@@ -35,8 +35,7 @@ impl MotionField {
 }
 
 /// Mean of `frames`, taken at `times`, with every place shifted by its own motion in `field`: all depths are sharp at
-/// once. Frames that do not see a place are left out of its mean, unless none does. The frames' size and scale of
-/// values.
+/// once, with the frames' size and values. Frames that do not see a place are left out unless none sees it.
 pub fn in_focus(frames: &[&Plane], times: &FrameTimes, field: &MotionField) -> Plane {
     let Some(first) = frames.first() else { return Plane::zeros(0, 0) };
     let (width, height) = first.size();

@@ -1,11 +1,10 @@
 //! Motion layers: the motions that exist in a burst.
 //!
 //! The motions of all known cells are counted on a fine grid of slopes. Each hill of the smoothed count is a layer; two
-//! hills are one unless the saddle between them is lower than half of the lower one. So a floor that comes nearer is
-//! one layer with a spread, and two things before one another are two.
+//! hills are one unless the saddle between them is lower than half of the lower one: a floor that comes nearer is one
+//! layer with a spread, and two things before one another are two.
 //!
-//! Layers come in the order of depth, which all motions together tell ([`super::depth`]); those that move otherwise
-//! than a camera makes still things move come last.
+//! Layers come in the order of depth, which all motions together determine ([`super::depth`]); own motions come last.
 
 use super::depth::inverse_depths;
 use crate::detector::params::slope_grid::Slope;
@@ -18,11 +17,9 @@ use serde::Serialize;
 const STEP_SMEAR_PX: f32 = 0.5;
 /// Standard deviation by which the count is smoothed, steps.
 const SMOOTHING_STEPS: f64 = 2.0;
-/// Steps beyond the outermost motions.
 const MARGIN_STEPS: usize = 7;
-/// Maximum number of steps along an axis.
 const MAX_STEPS: f32 = 400.0;
-/// Height of a saddle, as a part of the lower hill, from which on the two are one.
+/// Height of a saddle, as a part of the lower hill, from which the two hills are one.
 const ONE_HILL: f32 = 0.5;
 /// Share of the known cells that a layer needs.
 const MIN_SHARE: f32 = 0.004;
@@ -32,27 +29,23 @@ const MIN_SHARE: f32 = 0.004;
 pub struct MotionLayer {
     /// Mean motion of its cells, pixels per frame.
     pub slope: Slope,
-    /// Standard deviation of their motions (root of the mean of both directions' variances), pixels per frame.
+    /// Standard deviation of the cells' motions (root mean variance of both directions), pixels per frame.
     pub spread: f32,
-    /// Its part of the cells whose motion is known, 0 … 1.
+    /// Part (0 … 1) of the cells with known motion that belong to the layer.
     pub share: f32,
-    /// Its inverse depth, relative to that of the first layer, the nearest: below 0 where the camera turned about so
-    /// much that it moves the other way. `None` where it moves by itself.
+    /// Inverse depth relative to the nearest layer; negative for opposite motion, `None` for motion of its own.
     pub inverse_depth: Option<f32>,
 }
 
-/// Cell of a field whose motion is known.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct KnownCell {
-    /// Its centre (u, v), pixels of the input image.
     pub pos_image: [f64; 2],
-    /// Its motion, pixels per frame, and the largest standard deviation of that.
+    /// Motion, pixels per frame, and its largest standard deviation.
     pub motion: (Slope, f32),
 }
 
-/// Layers of the motions of all cells (`None` where unknown), the nearest first, and the number of each cell's, from 1;
-/// 0 for none. Those that move by themselves come last, the fastest first. `last_frame` is the number of frames less
-/// one.
+/// Layers of the motions of all cells (`None` where unknown), nearest first, then those that move by themselves,
+/// fastest first; and the number of each cell's layer, from 1, or 0. `last_frame` is the number of frames less one.
 pub(super) fn layers(
     known: &[Option<KnownCell>],
     last_frame: f32,
@@ -69,6 +62,7 @@ pub(super) fn layers(
         let (u, v) = (f64::from(slope.u), f64::from(slope.v));
         sums[hill_of(slope)].iter_mut().zip([1.0, u, v, u * u, v * v]).for_each(|(sum, x)| *sum += x);
     }
+    // Smaller hills are cells at borders, which show two motions at once.
     let enough = f64::from(MIN_SHARE) * slopes.len() as f64;
     let mut found: Vec<(usize, MotionLayer)> = Vec::new();
     for (hill, [count, u, v, uu, vv]) in sums.iter().copied().enumerate().filter(|(_, sums)| sums[0] > enough) {
@@ -86,6 +80,7 @@ pub(super) fn layers(
     for (hill, layer) in &mut found {
         layer.inverse_depth = middle_depth(of_cells.iter().filter(|(of, _)| of == hill).map(|(_, depth)| *depth));
     }
+    // Numbers come after the order: a cell's number is the place of its layer.
     order(&mut found);
     let number = |cell: &KnownCell| {
         found.iter().position(|(hill, _)| *hill == hill_of(&cell.motion.0)).map_or(0, |at| at as u8 + 1)
@@ -102,8 +97,7 @@ fn middle_depth(depths: impl Iterator<Item = Option<f32>>) -> Option<f32> {
     (2 * known.len() > all.len()).then(|| known[known.len() / 2])
 }
 
-/// Orders layers, each with its hill, and makes their inverse depths relative to the first. Of the two ways round, the
-/// one that begins with the fastest: what is near moves fast.
+/// Orders layers and makes inverse depths relative to the first, with the sign that puts the fastest first.
 fn order(found: &mut Vec<(usize, MotionLayer)>) {
     let depths = found.iter().filter_map(|(_, layer)| layer.inverse_depth);
     let largest = depths.reduce(|a, b| if b.abs() > a.abs() { b } else { a }).filter(|depth| *depth != 0.0);
@@ -115,16 +109,16 @@ fn order(found: &mut Vec<(usize, MotionLayer)>) {
         let (one, other) = (key(one), key(other));
         other.0.total_cmp(&one.0).then(other.1.total_cmp(&one.1)).then(a.cmp(b))
     });
+    // A cell keeps the number of its layer in a byte; the last ones are given up.
     found.truncate(usize::from(u8::MAX));
 }
 
-/// Hills of the smoothed count of motions.
 struct Hills {
-    /// Slope of the first bin, and the step, pixels per frame.
+    /// Slope of the first bin.
     first: Slope,
     step: f32,
     width: usize,
-    /// Bin at the top of the hill that each bin belongs to.
+    /// Bin at the top of each bin's hill.
     of_bin: Vec<usize>,
 }
 
@@ -138,6 +132,7 @@ impl Hills {
         if slopes.is_empty() {
             return Ok(None);
         }
+        // A wide range of motions gets a coarser grid, so that memory stays bounded.
         let step = step.max((u.1 - u.0).max(v.1 - v.0) / MAX_STEPS);
         let count = |(min, max): (f32, f32)| ((max - min) / step).ceil() as usize + 1 + 2 * MARGIN_STEPS;
         let first = Slope::new(u.0 - MARGIN_STEPS as f32 * step, v.0 - MARGIN_STEPS as f32 * step);
@@ -164,8 +159,9 @@ impl Hills {
         (-1..=1).flat_map(|dj| (-1..=1).map(move |di| (di, dj))).filter_map(inside)
     }
 
-    /// The top above each bin, uphill by the steepest way.
+    /// Top above each bin, by steepest ascent.
     fn climbed(&self, counts: &[f32]) -> Vec<usize> {
+        // Ties go to the first bin, or a plateau would lead round in a circle.
         let higher = |a: usize, b: usize| if (counts[b], a) > (counts[a], b) { b } else { a };
         let next: Vec<usize> =
             (0..counts.len()).map(|bin| self.around(bin, counts.len()).reduce(higher).unwrap_or(bin)).collect();
@@ -186,11 +182,13 @@ impl Hills {
                 saddles.push((counts[bin].min(counts[other]), self.of_bin[bin], self.of_bin[other]));
             }
         }
+        // Equal saddles go by their hills, so that the result has one order.
         saddles.sort_by(|a, b| b.0.total_cmp(&a.0).then((a.1, a.2).cmp(&(b.1, b.2))));
         let mut joined: Vec<usize> = (0..counts.len()).collect();
         for (height, one, other) in saddles {
             let (one, other) = (root(&joined, one), root(&joined, other));
             let (low, high) = if counts[one] < counts[other] { (one, other) } else { (other, one) };
+            // The peak of the lower hill rises little above the saddle: a bump of the higher one.
             if low != high && height > ONE_HILL * counts[low] {
                 joined[low] = high;
             }

@@ -1,12 +1,11 @@
 //! Field of motion: how each place of a burst moves, and how surely that is known.
 //!
-//! The slope of a single feature is where the noise happens to help it most, and along an edge it is not defined at
-//! all. The motion of a *place* is known much better, since all that lies around it moves the same way. A sweep
-//! (`evidence`) of the plane of slopes on reduced, band-passed frames says for each cell and slope how much more likely
-//! the frames are if the cell moves so, in nats. Cells beside one another mostly move alike, and all evidence together
-//! tells how likely each motion is at each cell (`posterior`): its mean around the likeliest one is the motion, its
-//! variance the uncertainty. Things of a few cells are found by the window around each (`windows`). The motions
-//! that exist in the burst become [layers](MotionLayer), and [`in_focus`] stacks each place at its own.
+//! The slope of a single feature is where noise helps it most, and along an edge it is undefined. The motion of a
+//! *place* is known much better, since its surroundings mostly move alike. A sweep (`evidence`) of the plane of slopes
+//! on reduced, band-passed frames gives, for each cell and slope, how much more likely the frames are if the cell moves
+//! so, in nats. All evidence together gives how likely each motion is at each cell (`posterior`): its mean around the
+//! likeliest one is the motion, its variance the uncertainty. Things of a few cells are found by the window around each
+//! (`windows`). The burst's motions become [layers](MotionLayer); [`in_focus`] stacks by place.
 //!
 //! (The paper has no such step: its features carry the slope at which they were found.)
 
@@ -34,7 +33,7 @@ use posterior::{MotionEstimate, Posterior};
 use serde::Serialize;
 use windows::{overrule, refine};
 
-/// Reason why a burst has no field, and the remedy.
+/// Reason why [`motion_field`] found no field, and the remedy.
 pub const NO_FIELD: &str =
     "there is no field of motion: it needs at least 3 frames of 32 × 32 pixels and a range of slopes";
 
@@ -42,20 +41,18 @@ pub const NO_FIELD: &str =
 const MAX_VALUES: usize = 20_000_000;
 /// Pixels on a side of the smallest cells.
 const CELL_PX: usize = 8;
-/// Side of a cell in images of at most [`SMALL_IMAGE_PX`], pixels: things are small in them.
+/// Side of a cell in images of at most [`SMALL_IMAGE_PX`], pixels: their things are small.
 const SMALL_CELL_PX: usize = 6;
 /// Pixels of the largest image that counts as small.
 const SMALL_IMAGE_PX: usize = 360_000;
-/// Parts of two variances that the errors in real pictures have: that of the probabilities, since a tree does not count
-/// all that cells beside one another know, and the change of the motion to the next cell, since a border may lie a cell
-/// beside where it was found.
+/// Parts of two variances that count as errors in real pictures: of the probabilities, since a tree does not count all
+/// that neighbouring cells know, and of the change to the next cell, since a border may lie a cell off.
 const VARIANCE_PARTS: [f32; 2] = [0.15, 0.75];
 /// Standard deviation of the window in which changes of the motion are looked at, cells.
 const CHANGE_WINDOW_CELLS: f64 = 1.0;
 /// Standard deviations by which two motions differ significantly.
 const OTHER_SIGMAS: f32 = 3.0;
-/// Uncertainty of a motion along its least certain direction from which on it is unknown, pixels of smear between the
-/// first and the last frame.
+/// Uncertainty of a motion in its least certain direction from which it is unknown, pixels of smear over the burst.
 const UNKNOWN_SMEAR_PX: f32 = 6.0;
 /// Uncertainty of any motion, pixels of smear: structure that moves otherwise within a cell.
 const LEAST_SMEAR_PX: f32 = 0.3;
@@ -65,8 +62,7 @@ const LEAST_SMEAR_PX: f32 = 0.3;
 pub struct Motion {
     /// Apparent motion of the place, pixels per frame.
     pub slope: Slope,
-    /// Covariance of the motion: of u, of u with v, and of v, (pixels per frame)². Across a line of slopes, which
-    /// is taken as given, only the least that any motion has.
+    /// Covariance of the motion (uu, uv, vv), (pixels per frame)². Across a line of slopes the least of any motion.
     pub covariance: [f32; 3],
 }
 
@@ -78,8 +74,7 @@ impl Motion {
         (variances.map(|variance| variance.max(0.0).sqrt()), sin.atan2(cos))
     }
 
-    /// Distance of `slope` from this motion in its standard deviations (Mahalanobis), where the other slope has
-    /// `sigma` of its own in each direction, pixels per frame.
+    /// Mahalanobis distance of `slope`, with its own `sigma` in each direction (pixels per frame), from this motion.
     pub fn distance(&self, slope: Slope, sigma: f32) -> f32 {
         let [uu, uv, vv] = self.covariance;
         let (uu, vv) = (uu + sigma * sigma, vv + sigma * sigma);
@@ -89,7 +84,7 @@ impl Motion {
     }
 }
 
-/// Motions of all places of a burst at mid-burst.
+/// Motions of all places of a burst at mid-burst, cell by cell; made by [`motion_field`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct MotionField {
     /// Columns and rows of cells.
@@ -100,7 +95,7 @@ pub struct MotionField {
     pub motions: Vec<Motion>,
     /// Uncertainty from which on a motion counts as unknown, pixels per frame.
     pub unknown_sigma: f32,
-    /// Motions that exist in the burst, the nearest first, and after them those of what moves by itself.
+    /// Motions that exist in the burst, nearest first, then the layers that move by themselves.
     pub layers: Vec<MotionLayer>,
     /// Layer of each cell, from 1; 0 for none.
     pub layer: Vec<u8>,
@@ -128,8 +123,8 @@ impl MotionField {
         self.layer[self.cell(u, v)]
     }
 
-    /// Layer, from 1, of what is found at the place (`u`, `v`) and moves by `slope` ± `sigma`, pixels per frame: that
-    /// of the place unless it moves otherwise, and else the nearest motion among the others; 0 if it moves like none.
+    /// Layer, from 1, of a feature at the place (`u`, `v`) that moves by `slope` ± `sigma`, pixels per frame: that of
+    /// the place, or else the layer of the nearest motion among the others; 0 if the feature moves like none.
     pub fn layer_of(&self, (u, v): (f32, f32), slope: Slope, sigma: f32) -> u8 {
         let here = self.at(u, v);
         if here.distance(slope, sigma) < OTHER_SIGMAS {
@@ -153,8 +148,7 @@ impl MotionField {
         Plane::from_fn(size.0, size.1, |u, v| self.at(u as f32, v as f32).slope.magnitude())
     }
 
-    /// Slope of `grid` that is the nearest to the motions of the most cells, of equal ones the first; `None` where no
-    /// motion is known.
+    /// Slope of `grid` nearest to the motions of the most cells, the first of equal ones; `None` where none is known.
     pub fn commonest_of(&self, grid: &SlopeGrid) -> Option<Slope> {
         let mut cells = vec![0usize; grid.len()];
         self.motions.iter().filter(|motion| self.is_known(motion)).for_each(|m| cells[grid.nearest(m.slope)] += 1);
@@ -169,8 +163,7 @@ impl MotionField {
 }
 
 /// Finds the motion of every place of the burst of `frames` taken at `times`, all of one size, among the slopes of
-/// `grid` and those one step beyond. `None` for a single slope, for fewer than 3 frames, and for images of less than 4
-/// cells on a side: they show no motion.
+/// `grid` and those one step beyond. `None` for a single slope, fewer than 3 frames, or under 4 cells on a side.
 ///
 /// The field has the same bits for any number of threads, and takes up to 100 MB while it is found.
 ///
@@ -184,6 +177,7 @@ pub fn motion_field(
 ) -> Result<Option<MotionField>, Cancelled> {
     let Some(first) = frames.first() else { return Ok(None) };
     let (width, height) = first.size();
+    // Cells grow until the values of the whole sweep fit into memory.
     let cells = |cell_px: usize| MERGED_CELLS * MERGED_CELLS * (width / cell_px) * (height / cell_px);
     let values = |cell_px: &usize| cells(*cell_px) * swept(grid, times, *cell_px).len();
     let smallest_px = if width * height > SMALL_IMAGE_PX { CELL_PX } else { SMALL_CELL_PX };
@@ -194,6 +188,7 @@ pub fn motion_field(
     }
     let evidence = Evidence::new(frames, times, cell_px, grid, monitor)?;
     let swept = [evidence.grid.u.count, evidence.grid.v.count];
+    // Windows come after the posterior: they correct its cells and add the accuracy between slopes.
     let mut found = Posterior::new(&evidence.nats, swept, monitor)?.found();
     overrule(&mut found, &evidence, monitor)?;
     let of_window = refine(&mut found, &evidence, monitor)?;
@@ -212,7 +207,7 @@ pub fn motion_field(
     Ok(Some(field))
 }
 
-/// Makes the covariances that were `found` those of the errors, with those `of_window` and the changes between cells.
+/// Completes the covariances `found` by those `of_window` and by the changes between cells.
 fn complete_covariances(
     found: &mut [MotionEstimate],
     of_window: &[[f32; 3]],
@@ -251,8 +246,7 @@ fn motion(found: &MotionEstimate, evidence: &Evidence) -> Motion {
     Motion { slope: grid.at(found.at[0], found.at[1]), covariance }
 }
 
-/// Rotation (cosine, sine) to the principal axes of a symmetric matrix (uu, uv, vv), and its eigenvalues, the larger
-/// first.
+/// Rotation (cosine, sine) to the principal axes of a symmetric matrix (uu, uv, vv), and its eigenvalues, larger first.
 fn eigen([uu, uv, vv]: [f32; 3]) -> ((f32, f32), [f32; 2]) {
     let (mean, half) = (0.5 * (uu + vv), (0.5 * (uu - vv)).hypot(uv));
     let (sin, cos) = (0.5 * (2.0 * uv).atan2(uu - vv)).sin_cos();

@@ -1,12 +1,11 @@
 //! Posterior of the motion of each cell, given the evidence of all cells.
 //!
-//! Neighbouring cells mostly move alike: from cell to cell a motion wanders a little ([`WANDER`]) around
-//! what it does on the whole ([`drift`](Posterior::drift): a picture that comes nearer grows), and seldom, at the
-//! border of a thing, it becomes any other ([`BORDER`]). Between the cells of a tree such a model is solved exactly, by
-//! passing messages along its branches (Pearl, "Probabilistic Reasoning in Intelligent Systems", 1988). Each cell has
-//! two trees, which hold all cells: its column with the rows as branches, and its row with the columns (Bleyer and
-//! Gelautz, "Simple but effective tree structures for dynamic programming-based stereo matching", 2008). Their
-//! geometric mean has no preferred direction.
+//! Neighbouring cells mostly move alike: from cell to cell a motion wanders a little ([`WANDER`]) around the
+//! [`drift`](Posterior::drift) of the whole picture, and seldom, at the border of a thing, it becomes any other
+//! ([`BORDER`]). Between the cells of a tree such a model is solved exactly, by passing messages along its branches
+//! (Pearl, "Probabilistic Reasoning in Intelligent Systems", 1988). Each cell has two trees, which hold all cells: its
+//! column with the rows as branches, and its row with the columns (Bleyer and Gelautz, "Simple but effective tree
+//! structures for dynamic programming-based stereo matching", 2008). Their geometric mean has no preferred direction.
 //!
 //! So there is no window in which everything moves alike: evidence reaches as far as nothing speaks against it.
 
@@ -22,18 +21,18 @@ const WANDER: f32 = 0.05;
 const BORDER: f32 = 0.02;
 /// Largest evidence against a motion in a single cell, nats.
 const MOST_AGAINST: f32 = 30.0;
-/// Cells on a side of the blocks whose motions tell the drift.
+/// Cells on a side of the blocks whose motions give the drift.
 const BLOCK_CELLS: usize = 4;
 /// [`WANDER`] between such blocks.
 const BLOCK_WANDER: f32 = 0.2;
 /// Number of blocks over which their motions are compared.
 const BLOCKS_APART: usize = 2;
-/// Change of the motion over these from which on it is a border, steps of the sweep.
+/// Change of the motion over these blocks from which it is a border, steps of the sweep.
 const BORDER_STEPS: f32 = 1.5;
-/// Variance of such a change besides that of the motions, squared steps.
+/// Variance of such a change besides those of the motions, squared steps.
 const CHANGE_VARIANCE: f32 = 0.25;
 
-/// Motions that a cell may have: the slopes of a sweep, and those between them.
+/// Possible motions of a cell: the slopes of a sweep, and on a line the slopes between.
 #[derive(Clone, Copy)]
 pub(super) struct Candidates {
     /// Number along u and v.
@@ -49,7 +48,6 @@ pub(super) struct MotionEstimate {
     pub covariance: [f32; 3],
 }
 
-/// Probabilities of the candidates for each cell.
 pub(super) struct Posterior {
     candidates: Candidates,
     /// Cell by cell, row by row.
@@ -57,7 +55,7 @@ pub(super) struct Posterior {
 }
 
 impl Candidates {
-    /// Those of a sweep over `count` slopes along u and v: on a line with one between each two.
+    /// Candidates of a sweep over `count` slopes along u and v: on a line also one between each two.
     pub fn of_sweep(count: [usize; 2]) -> Self {
         let per_step = if count[0] > 1 && count[1] > 1 { 1 } else { 2 };
         Self { count: count.map(|count| (count - 1) * per_step + 1), per_step }
@@ -83,6 +81,7 @@ impl Candidates {
                 row[candidate..].iter_mut().step_by(count).zip(between).for_each(|(out, nats)| *out = nats);
             }
             for cell in row.chunks_mut(count) {
+                // Only ratios count; relative to the largest no exponential overflows.
                 let most = cell.iter().fold(f32::NEG_INFINITY, |most, &x| if x > most { x } else { most });
                 cell.iter_mut().for_each(|x| *x = (*x - most).max(-MOST_AGAINST).exp());
             }
@@ -90,7 +89,7 @@ impl Candidates {
         all
     }
 
-    /// Makes the likelihoods of each chain of `length` cells the posteriors given all of its cells.
+    /// Replaces the likelihoods of each chain of `length` cells by the posteriors given all cells of the chain.
     fn along_chains(
         &self,
         cells: &mut [f32],
@@ -107,8 +106,7 @@ impl Candidates {
         })
     }
 
-    /// The motion that `probabilities` speak for: their mean around the largest one. The covariance is that of all of
-    /// them around it, so that another motion that is likely too counts.
+    /// Motion that `probabilities` favour: the mean around the largest one, with a covariance over all of them.
     pub fn found(&self, probabilities: &[f32]) -> MotionEstimate {
         let columns = self.count[0];
         let larger = |best: usize, (index, x): (usize, &f32)| if *x > probabilities[best] { index } else { best };
@@ -131,12 +129,15 @@ impl Candidates {
             all.iter_mut().zip([x, u, dj * x, uu, dj * u, dj * dj * x]).for_each(|(sum, x)| *sum += x);
         }
         let [du, dv] = near.map(|[a, b, c]| {
+            // At an end of the range, or where a neighbour underflows, only the mean remains.
             if a <= 0.0 || c <= 0.0 {
                 return (c - a) / (a + b + c);
             }
+            // The peak of a Gaussian is a parabola in the logarithm.
             let [a, b, c] = [a, b, c].map(f32::ln);
             (0.5 * (c - a) / (2.0 * b - a - c).max(1e-6)).clamp(-0.6, 0.6)
         });
+        // Moments are about the largest candidate; the covariance is about the refined motion.
         let [u, v, uu, uv, vv] = [1, 2, 3, 4, 5].map(|index| all[index] / all[0]);
         let step = 1.0 / reach;
         let covariance = [uu - du * (2.0 * u - du), uv - du * v - dv * u + du * dv, vv - dv * (2.0 * v - dv)];
@@ -147,7 +148,7 @@ impl Candidates {
     }
 }
 
-/// Makes the likelihoods of the cells of a chain, `counts` values each, their posteriors given all of them, with the
+/// Replaces the likelihoods of a chain's cells, `counts` values each, by their posteriors given all of them, with the
 /// weights `taps` from each cell to the next and back. `messages` holds one more for each cell, and three.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [forth, back]: &[[[f32; 3]; 2]; 2]) {
@@ -162,6 +163,7 @@ fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [for
         belief.iter_mut().zip(likelihood).zip(said).for_each(|((belief, l), said)| *belief = l * *said);
         pass(belief, scratch, &mut next[..count], counts, forth);
     }
+    // Backwards, each cell's posterior is complete as soon as the message from behind has come.
     after.fill(1.0 / count as f32);
     for (cell, before) in chain.chunks_mut(count).zip(before.chunks(count)).rev() {
         belief.iter_mut().zip(&*cell).zip(&*after).for_each(|((belief, l), after)| *belief = l * after);
@@ -175,6 +177,7 @@ fn along_chain(chain: &mut [f32], messages: &mut [f32], counts: [usize; 2], [for
 /// Writes the `message` of a cell of this `belief` to the next one.
 #[inline(always)]
 fn pass(belief: &[f32], scratch: &mut [f32], message: &mut [f32], [columns, rows]: [usize; 2], taps: &[[f32; 3]; 2]) {
+    // Normalised at each cell: products along a chain would underflow.
     let kept = (1.0 - BORDER) / sum(belief);
     let any = BORDER / belief.len() as f32;
     let scaled = taps.map(|taps| taps.map(|tap| kept * tap));
@@ -188,15 +191,14 @@ fn pass(belief: &[f32], scratch: &mut [f32], message: &mut [f32], [columns, rows
     }
 }
 
-/// How motions change from cell to cell along a chain, in candidates.
+/// Change of motions from cell to cell along a chain, in candidates.
 struct Model {
     drift: [f32; 2],
     wander: f32,
 }
 
 impl Model {
-    /// Weights, along u and v, of the candidate before, the same one, and the one after it, in the cell before; in the
-    /// one after for a `sign` of −1.
+    /// Weights, along u and v, of the candidate before, the same and the next, in the cell before; for `sign` −1 after.
     fn taps(&self, sign: f32) -> [[f32; 3]; 2] {
         self.drift.map(|drift| {
             let drift = sign * drift.clamp(-0.9, 0.9);
@@ -210,6 +212,7 @@ impl Posterior {
     /// The posterior from the evidence for each swept slope, `swept` of them along u and v.
     pub fn new(nats: &[Plane], swept: [usize; 2], monitor: &Monitor) -> Result<Self, Cancelled> {
         let candidates = Candidates::of_sweep(swept);
+        // Drift is found on blocks first: single cells know their motion too badly to show a small change.
         let blocks: Vec<Plane> = nats.par_iter().map(block_sums).collect();
         let still = [[0.0; 2]; 2];
         let of_blocks = Self::with(&blocks, candidates, (still, BLOCK_WANDER), monitor)?;
@@ -227,6 +230,7 @@ impl Posterior {
         let (width, height) = nats[0].size();
         let count = candidates.len();
         let [right, down] = drift.map(|drift| Model { drift, wander });
+        // Both trees of each cell: its row with columns as branches, and its column with rows.
         let mut rows_first = candidates.likelihoods(nats);
         let mut columns_first = transposed(&rows_first, (width, height), count);
         candidates.along_chains(&mut rows_first, width, &right, monitor)?;
@@ -241,13 +245,11 @@ impl Posterior {
         Ok(Self { candidates, probabilities })
     }
 
-    /// The motion of each cell.
     pub fn found(&self) -> Vec<MotionEstimate> {
         self.probabilities.par_chunks(self.candidates.len()).map(|cell| self.candidates.found(cell)).collect()
     }
 
-    /// Mean change of the motion, candidates along u and v, for each cell to the right and down, between blocks of
-    /// cells in `size` columns and rows that move nearly alike.
+    /// Mean change of the motion, candidates, for each cell to the right and down, from blocks that move nearly alike.
     fn drift(&self, (width, height): (usize, usize)) -> [[f32; 2]; 2] {
         let found = self.found();
         let variance = |found: &MotionEstimate| found.covariance[0] + found.covariance[2];
@@ -257,6 +259,7 @@ impl Posterior {
                 for i in 0..width.saturating_sub(right) {
                     let (one, other) = (&found[j * width + i], &found[(j + down) * width + i + right]);
                     let change = [0, 1].map(|axis| other.at[axis] - one.at[axis]);
+                    // A larger change is a border, which is no drift.
                     if change[0].hypot(change[1]) < BORDER_STEPS {
                         let weight = 1.0 / (CHANGE_VARIANCE + variance(one) + variance(other));
                         let of = [weight, weight * change[0], weight * change[1]];
@@ -276,9 +279,8 @@ fn block_sums(nats: &Plane) -> Plane {
     sums
 }
 
-/// `from` with a part of each value moved to the places `stride` before and after it in its line of `line` values, and
-/// `more` added everywhere. Beyond the ends of a line the values are as at the ends: motions that drift neither gather
-/// there nor are kept away.
+/// `from` with a part of each value moved `stride` places before and after in its line of `line` values, and `more`
+/// added everywhere. Beyond the ends values repeat: motions that drift neither gather there nor are kept away.
 #[inline(always)]
 fn moved(from: &[f32], to: &mut [f32], (stride, line): (usize, usize), [before, same, after]: [f32; 3], more: f32) {
     let count = from.len();
@@ -294,7 +296,7 @@ fn moved(from: &[f32], to: &mut [f32], (stride, line): (usize, usize), [before, 
     }
 }
 
-/// Sum in the order of the processor's vectors.
+/// Sum in sixteen partial sums, for vector lanes.
 #[inline(always)]
 fn sum(values: &[f32]) -> f32 {
     let mut lanes = [0.0f32; 16];

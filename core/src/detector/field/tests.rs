@@ -117,7 +117,7 @@ fn one_motion_is_one_layer_and_two_are_two_with_their_shares() {
     let (two, between): (Vec<MotionLayer>, Vec<MotionLayer>) =
         of(&halves).into_iter().partition(|layer| layer.share > 0.2);
     assert!(two.len() == 2 && between.iter().all(|layer| layer.share < 0.1), "{two:?} {between:?}");
-    // The nearest first: of the two ways round the one in which that is the fastest.
+    // The nearest first, with the sign that makes the fastest layer the nearest.
     for (layer, slope) in two.iter().zip([right, left]) {
         assert!((layer.slope.u - slope.u).abs() < 0.25 && (layer.share - 0.5).abs() < 0.1, "{layer:?} {slope:?}");
     }
@@ -125,8 +125,7 @@ fn one_motion_is_one_layer_and_two_are_two_with_their_shares() {
 
 #[test]
 fn layers_come_by_depth_and_what_moves_by_itself_last() {
-    // Three strips at different depths of a camera that moves along u, the farthest in the middle, and a thing that
-    // moves across all of that.
+    // Three strips at different depths, the farthest in the middle, and a thing that moves across their motion.
     let slopes = [Slope::new(1.2, 0.0), Slope::new(0.2, 0.0), Slope::new(2.2, 0.0)];
     let across = Slope::new(0.3, -1.5);
     let scene = |u: f32, v: f32, t: f32| {

@@ -1,15 +1,12 @@
 //! Evidence of windows around each cell, beside the posterior.
 //!
-//! *Small things.* A row of cells on a thing of a few cells seldom has enough evidence to pay for two borders, and the
-//! posterior does not see that the rows beside it have it too. A small window overrules it where another motion has
-//! much more evidence in it.
+//! *Small things.* A row of cells on a small thing seldom has enough evidence to pay for two borders, and the posterior
+//! does not see the evidence of other rows. A small window overrules it where another motion has much more evidence.
 //!
 //! *Motions between the swept slopes.* Each cell's evidence is read at its own motion plus a common offset, whose sum
-//! over a window has its peak where the window is off on average. The offset is held by a prior, as noise would move
-//! each cell where it likes.
+//! over a window has its peak where the window is off on average. A prior holds the offset against noise.
 //!
-//! *What a motion is worth.* How sharply such a sum over a wide window falls tells whether its structure says anything:
-//! an edge says nothing along itself, and noise nothing at all.
+//! *Certainty.* Sums over a wide window fall sharply where structure determines the motion: edges only across.
 
 use super::evidence::Evidence;
 use super::posterior::{Candidates, MotionEstimate};
@@ -27,18 +24,16 @@ const OVERRULING_NATS: f32 = 3.0;
 const OTHER_STEPS: f32 = 1.0;
 /// Standard deviation of the window that moves motions, cells.
 const WINDOW_CELLS: f64 = 3.0;
-/// Number of times that each motion is moved.
 const ROUNDS: usize = 2;
 /// Standard deviation of the offsets, pixels of smear between the first and the last frame.
 const OFFSET_SMEAR_PX: f32 = 1.2;
 /// Standard deviation of the wide window, cells.
 const WIDE_CELLS: f64 = 14.0;
-/// Part of the variance that it leaves which the errors in real pictures have besides other variances.
+/// Part of the wide window's variance that counts, since errors in real pictures have other variances besides.
 const WIDE_PART: f32 = 0.5;
-/// Evidence in it that a motion needs to be known, nats.
+/// Evidence in the wide window that a motion needs to be known, nats.
 const KNOWN_NATS: f32 = 6.0;
-/// Standard deviation of the second difference of evidence between steps that noise alone gives, as a part of the root
-/// of twice the evidence: the noise of stacks a step apart is nearly the same.
+/// Deviation by noise of the second difference of evidence between steps, as a part of the root of twice the evidence.
 const CHANCE: f32 = 0.2;
 
 /// Gives cells the motion of the window around them where it overrules what was `found`.
@@ -59,6 +54,7 @@ pub(super) fn overrule(found: &mut [MotionEstimate], evidence: &Evidence, monito
         let (i, j) = grid.coordinates(best);
         let apart = (i as f32 - found.at[0]).hypot(j as f32 - found.at[1]);
         let most = in_window[best];
+        // Only clear evidence overrules: the posterior has used all cells, the window a few.
         if apart > OTHER_STEPS && most - own > OVERRULING_NATS {
             in_window.iter_mut().for_each(|x| *x = (*x - most).exp());
             *found = candidates.found(in_window);
@@ -67,8 +63,7 @@ pub(super) fn overrule(found: &mut [MotionEstimate], evidence: &Evidence, monito
     Ok(())
 }
 
-/// Moves each motion by the offset that the window around it asks for. Returns the covariances that the wide window
-/// alone leaves, squared steps: where nothing is known, it is somewhere in the swept range.
+/// Moves each motion by the offset that its window suggests. Returns the covariances by the wide window, squared steps.
 pub(super) fn refine(
     found: &mut [MotionEstimate],
     evidence: &Evidence,
@@ -87,13 +82,14 @@ pub(super) fn refine(
     }
     let wide = Around::new(found, evidence, WIDE_CELLS, monitor)?;
     let active = wide.reach.map(|reach| reach > 0);
+    // A uniform distribution over n steps has the deviation n/√12.
     let range = [grid.u, grid.v].map(|axis| 12f32.sqrt() / axis.count as f32);
     let least = if active == [true; 2] { range[0].max(range[1]) } else { range[usize::from(active[1])] };
     let covariance = |place: usize| {
         let (nats, _, information) = wide.derivatives(place);
         let chance = if nats < KNOWN_NATS { f32::INFINITY } else { CHANCE * (2.0 * nats).sqrt() };
         let (rotation, values) = eigen(information);
-        // What is no more than chance says nothing.
+        // Evidence within chance determines nothing.
         let certain = values.map(|value| (value * value.abs() - chance * chance).max(0.0).sqrt());
         let [uu, uv, vv] = turned(rotation, certain.map(|nats| 1.0 / (nats / WIDE_PART + least * least)));
         match active {
@@ -108,7 +104,6 @@ pub(super) fn refine(
 struct Around {
     /// Steps to each side along u and v: 0 where there is one slope.
     reach: [i64; 2],
-    /// Row by row.
     sums: Vec<Plane>,
 }
 
@@ -124,6 +119,7 @@ impl Around {
         let [reach_u, reach_v] = reach;
         let steps: Vec<(i64, i64)> =
             (-reach_v..=reach_v).flat_map(|dj| (-reach_u..=reach_u).map(move |di| (di, dj))).collect();
+        // Each cell is moved beside its own motion, since depths differ within a window.
         let sum_of = |&(di, dj): &(i64, i64)| {
             let nats = |(place, found): (usize, &MotionEstimate)| {
                 nats_at(evidence, place, [found.at[0] + di as f32, found.at[1] + dj as f32])
@@ -151,8 +147,8 @@ impl Around {
     }
 }
 
-/// Most likely offset, steps, of at most one step: that of the quadratic with a Gaussian prior of standard deviation
-/// `prior_steps`. A direction in which the sum does not fall says nothing.
+/// Most likely offset, at most one step: the peak of the quadratic with a Gaussian prior of standard deviation
+/// `prior_steps`. A direction in which the sum does not fall is left to the prior.
 fn offset([gradient_u, gradient_v]: [f32; 2], information: [f32; 3], prior_steps: f32) -> [f32; 2] {
     let ((cos, sin), values) = eigen(information);
     let held = values.map(|nats| nats.max(0.0) + 1.0 / (prior_steps * prior_steps));
@@ -177,8 +173,8 @@ fn nats_at(evidence: &Evidence, place: usize, at: [f32; 2]) -> f32 {
     between(between(nats(i, j), nats(i_next, j), u), between(nats(i, j_next), nats(i_next, j_next), u), v)
 }
 
-/// Sums of `plane` over Gaussian windows of standard deviation `sigma_cells` around each cell, with weight 1 in its
-/// middle and nothing beyond the edges: a repeated edge would count as often as all it stands for.
+/// Sums of `plane` over Gaussian windows of `sigma_cells` around each cell, with weight 1 in the middle and nothing
+/// beyond the edges: a repeated edge would count as often as it is repeated.
 fn window_sums(plane: &Plane, sigma_cells: f64, monitor: &Monitor) -> Result<Plane, Cancelled> {
     monitor.check()?;
     let reach = (3.0 * sigma_cells).ceil() as usize;
@@ -200,6 +196,7 @@ fn weighted_sums(plane: &Plane, weights: &[f32]) -> Plane {
         let (from, out) = (columns.row(v), sums.row_mut(v));
         for (k, weight) in weights.iter().enumerate().take(width) {
             out.iter_mut().zip(&from[k..]).for_each(|(sum, x)| *sum += weight * x);
+            // The middle weight has no mirror image.
             if k > 0 {
                 out[k..].iter_mut().zip(from).for_each(|(sum, x)| *sum += weight * x);
             }

@@ -1,7 +1,6 @@
 //! Localisation: a feature's exact place, slope and scale, from the pixels of its own and neighbouring slopes.
 //!
-//! The quadratic fit of `refine` leaves errors of a tenth of an input pixel even without noise, and
-//! the long tails of D's Gaussians let neighbours pull. So, starting from the fit:
+//! The quadratic fit of `refine` errs by a tenth of an input pixel even without noise, and neighbours pull. So:
 //!
 //! - **Place**: the extremum of a kernel (`crate::kernel::compact_kernel`) whose zero lies where D's own scale puts a
 //!   blob's rim, by Newton's steps on the pixels of the feature's own slope. Of the kernel for blobs with a rim and the
@@ -42,6 +41,7 @@ fn pixels_around<'p>(
     reach: usize,
     scratch: &'p mut LocateScratch,
 ) -> PixelView<'p> {
+    // A held level is read in place; others are made around the keypoint alone.
     if let Base::Level(plane) = base {
         return PixelView::of(plane);
     }
@@ -58,9 +58,8 @@ pub(super) fn slopes_around(params: &DetectorParams, grid: &SlopeGrid) -> usize 
     }
 }
 
-/// The keypoint with refined place, slope and scale, or unchanged where the parameters ask for the quadratic fit alone
-/// or the refinement fails; and its [width](motion_width) in slope. `raw` holds the pixels around it, of σ `from`, of
-/// the first levels `bases` of all octaves.
+/// Keypoint with refined place, slope and scale, or unchanged with the quadratic fit alone or a failed refinement; and
+/// its [width](motion_width) in slope. `raw`: pixels around it, of σ `from`; `bases`: first levels of all octaves.
 pub(super) fn located(
     search: &Search<'_>,
     bases: &[FirstLevels],
@@ -83,6 +82,7 @@ pub(super) fn located(
     let placed = if octave == search.space.first_octave {
         place(&raw.pixels(), at, rim, FARTHEST_MOVE_PX as f64)
     } else {
+        // Pixels of the finer octave are half as large, and less blurred.
         let finer = search.base(bases, octave - 1, keypoint.slope_index);
         let (at, rim) = ((2.0 * at.0, 2.0 * at.1), 2.0 * rim);
         let pixels = pixels_around(&finer, size(octave - 1), at, kernel_reach(rim, 2), scratch);
@@ -90,8 +90,7 @@ pub(super) fn located(
     };
     let (at, kernel) = match placed {
         Some(found) => found,
-        // Where no kernel gives a place, that of the fit is kept. A joint search has refined the slope; otherwise it is
-        // refined here.
+        // Without a place by a kernel that of the fit is kept. A joint search has refined the slope already.
         None if search.params.used_extrema() == SlopeExtrema::Joint => return (*keypoint, round),
         None => (at, SOFT),
     };
@@ -115,6 +114,7 @@ pub(super) fn located(
         Some(sharp(&answer_in(&pixels), slope_index))
     });
     let slope = grid.beside(keypoint.slope_index, i, j);
+    // The scale is read at the new place, so without one it stays.
     if placed.is_none() {
         return (Keypoint { slope, ..*keypoint }, width);
     }
@@ -123,17 +123,17 @@ pub(super) fn located(
     (keypoint, width)
 }
 
-/// Distance, in pixels of `answer`, at which a wrong motion weakens the response by the factor e^−½ where it blurs the
-/// frames by so much (standard deviation): along the line of `grid`, or in a plane where that is farthest. A small blur
-/// of variance ε along a direction changes a response R by ε/2 times its second derivative there, so that is
-/// √(−R/R″), which is σ for a blob of scale σ. Infinite along an edge. Views of a light field lie in all directions,
-/// and blur in each by their variance there.
+/// Distance, in pixels of `answer`, at which a wrong motion weakens the response by e^−½, as the standard deviation of
+/// its blur: along the line of `grid`, or in a plane in the worst direction. A small blur of variance ε along a
+/// direction changes a response R by ε/2 times its second derivative, so the distance is √(−R/R″): σ for a blob of
+/// scale σ, infinite along an edge. Views of a light field blur in each direction by their variance there.
 fn motion_width(answer: &KernelResponse, grid: &SlopeGrid, times: &FrameTimes) -> f32 {
     let [uu, vv, uv] = answer.hessian.map(|second| -second / answer.value);
     let sharpness = if times.positions.are_views() {
         let [views_uu, views_vv, views_uv] = times.moments().map(f64::from);
         (views_uu * uu + views_vv * vv + 2.0 * views_uv * uv) / (views_uu + views_vv)
     } else if grid.is_plane() {
+        // The smaller eigenvalue: the direction in which the motion is known worst.
         0.5 * (uu + vv) - (0.5 * (uu - vv)).hypot(uv)
     } else {
         let (sin, cos) = f64::from(grid.direction_deg).to_radians().sin_cos();
@@ -143,26 +143,24 @@ fn motion_width(answer: &KernelResponse, grid: &SlopeGrid, times: &FrameTimes) -
     if sharpness > 0.0 { (1.0 / sharpness).sqrt() as f32 } else { f32::INFINITY }
 }
 
-/// Largest distance of the place from the quadratic fit, octave pixels; beyond it, it is not the same extremum.
+/// Largest distance of the place from the quadratic fit, octave pixels; farther extrema are others.
 pub const FARTHEST_MOVE_PX: usize = 1;
 /// Maximum number of Newton steps; two or three are usual.
 const MAX_STEPS: usize = 6;
 /// Step length, in pixels, below which a step is the last.
 const SHORT_PX: f64 = 2e-3;
 
-/// Levels of the default parameters.
 const USUAL_LEVELS: usize = 5;
 
 impl Feature {
-    /// Radius of the circle that stands for it, input pixels: the rim of the disc to which D responds most strongly at
-    /// its scale; 1.51·σ for the usual five levels an octave (four: 1.54·σ, ten: 1.46·σ).
+    /// Radius of the circle to draw for a feature, input pixels: the rim of the disc to which D responds most strongly
+    /// at this scale; 1.51·σ for the usual five levels an octave (four: 1.54·σ, ten: 1.46·σ).
     pub fn circle_radius_px(&self) -> f32 {
         rim_radius(f64::from(self.sigma), USUAL_LEVELS) as f32
     }
 }
 
-/// Radius of the rim of a feature of scale `sigma` found with `levels` levels an octave, in the units of `sigma`: that
-/// of the disc to which D responds most strongly at that scale.
+/// Radius of the rim of the disc to which D with `levels` levels an octave responds most at `sigma`, in its unit.
 pub fn rim_radius(sigma: f64, levels: usize) -> f64 {
     let k2 = 2f64.powf(2.0 / levels as f64);
     sigma * (2.0 * k2.ln() / (1.0 - 1.0 / k2)).sqrt()
@@ -174,20 +172,19 @@ impl CompactKernel {
         rim / self.zero_at
     }
 
-    /// Expected error of a place due to noise, up to a factor that all kernels share; infinite where there is no peak.
+    /// Expected error of a place due to noise, up to a common factor of all kernels; infinite where there is no peak.
     fn error(&self, answer: &KernelResponse) -> f64 {
         let sharpness = answer.sharpness();
         if sharpness > 0.0 { self.gradient_noise / sharpness } else { f64::INFINITY }
     }
 }
 
-/// Reach of the pixels that a rim of radius `rim` needs around a feature, when `unit` of them make an octave pixel.
+/// Reach, in pixels of which `unit` make an octave pixel, that a rim of radius `rim` needs around a feature.
 pub fn kernel_reach(rim: f64, unit: usize) -> usize {
     SOFT.on_rim(rim).ceil() as usize + FARTHEST_MOVE_PX * unit + 1
 }
 
-/// Place of a blob near `start` with a rim of radius `rim`, not farther than `farthest`, and the kernel that found it;
-/// all in pixels of `pixels`. `None` where there is none.
+/// Place of a blob of rim radius `rim` within `farthest` of `start`, and the kernel that found it, in `pixels`.
 pub fn place(
     pixels: &PixelView<'_>,
     start: (f64, f64),
@@ -197,7 +194,7 @@ pub fn place(
     let answer = |kernel: &CompactKernel| {
         pixels.kernel_response(kernel, kernel.on_rim(rim), start, pixels.local_mean(kernel.on_rim(rim), start))
     };
-    // Where there is no rim, the kernel for rims has a flat peak, or none.
+    // Without a rim, the kernel for rims has a flat peak or none.
     let kernels: &[CompactKernel] =
         if RIM.error(&answer(&RIM)) <= SOFT.error(&answer(&SOFT)) { &[RIM, SOFT] } else { &[SOFT] };
     kernels
@@ -214,6 +211,7 @@ fn extremum(
     farthest: f64,
 ) -> Option<(f64, f64)> {
     let (mut x, mut y) = (x0, y0);
+    // One local mean for all steps, so that Newton's method climbs one function.
     let local_mean = pixels.local_mean(radius, (x, y));
     for _ in 0..MAX_STEPS {
         let answer = pixels.kernel_response(kernel, radius, (x, y), local_mean);
@@ -224,6 +222,7 @@ fn extremum(
         let determinant = uu * vv - uv * uv;
         let (du, dv) = ((uv * gv - vv * gu) / determinant, (uv * gu - uu * gv) / determinant);
         let length = du.hypot(dv).max(1e-12);
+        // Far steps leave the range in which the quadratic of a compact kernel holds.
         let damp = (0.1 * radius / length).min(1.0);
         (x, y) = (x + damp * du, y + damp * dv);
         if (x - x0).hypot(y - y0) > farthest {
@@ -236,14 +235,13 @@ fn extremum(
     Some((x, y))
 }
 
-/// The response without the blur of linear interpolation, whose variances along u and v are `blur` (square pixels).
+/// Response without the blur of linear interpolation, of variances `blur` (u, v), square pixels.
 fn sharpened(answer: &KernelResponse, blur: (f64, f64)) -> f32 {
     (answer.value - 0.5 * (blur.0 * answer.hessian[0] + blur.1 * answer.hessian[1])) as f32
 }
 
-/// Offset of the strongest slope from the one whose response is `middle`, in steps along both axes, within ±1; 0 on an
-/// axis where a neighbour is missing. `value` is the response at the slope (di, dj) of the grid beside it; `None`
-/// beyond the grid.
+/// Offset of the strongest slope from the slope with response `middle`, in steps along both axes, within ±1; 0 on an
+/// axis without two neighbours. `value` is the response (di, dj) steps away, `None` beyond the grid.
 fn slope_steps(middle: f32, mut value: impl FnMut(isize, isize) -> Option<f32>) -> (f32, f32) {
     let along_i = (value(-1, 0), value(1, 0));
     let along_j = (value(0, -1), value(0, 1));
@@ -259,6 +257,7 @@ fn slope_steps(middle: f32, mut value: impl FnMut(isize, isize) -> Option<f32>) 
                 [corner(-1, 1), below, corner(1, 1)],
             ])
         }
+        // On a line or at the edge of a plane each axis is by itself.
         _ => (peak(along_i), peak(along_j)),
     }
 }

@@ -1,4 +1,4 @@
-//! Scale of a blob: that at which |D| at its place is largest, over all scales, not only those of the pyramid.
+//! Scale of a blob: the σ at which |D| at its place is largest, over all scales, not only those of the pyramid.
 //!
 //! D at one place is the difference of two sums of pixels under Gaussians, which may have any width. So D is evaluated
 //! at three close scales around the pyramid's scale, and again around the peak of the parabola through the logarithms
@@ -41,8 +41,7 @@ fn taps(variances: &[f64; GAUSSIANS], at: f64, first: i64, count: usize, stride:
     taps
 }
 
-/// Sums of pixels under Gaussians with samples `along_u` and `along_v`, each `stride` long; `lines` are the rows of
-/// pixels, as long. `stride` is a multiple of [`LANES`].
+/// Sums of `lines` of pixels under Gaussians with samples `along_u` and `along_v`, all `stride` long, whole [`LANES`].
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn weighted_sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize) -> [f64; GAUSSIANS] {
     let mut sums = [0.0f64; GAUSSIANS];
@@ -53,6 +52,7 @@ fn weighted_sums(lines: &[f32], along_u: &[f32], along_v: &[f32], stride: usize)
             let mut acc = [0.0f32; LANES];
             for (line, weight) in lines.chunks_exact(stride).zip(along_v) {
                 let pixels: &[f32; LANES] = line[start * LANES..][..LANES].try_into().expect("a whole block");
+                // Along v first: the weights along u then apply to one sum a column.
                 for l in 0..LANES {
                     acc[l] = weight.mul_add(pixels[l], acc[l]);
                 }
@@ -71,11 +71,11 @@ pub fn reach(sigma: f64, levels: usize) -> usize {
     (CUT * sigma * 2f64.powf(1.0 / levels as f64) * (1.0 + STEP)).ceil() as usize + 1
 }
 
-/// σ near `sigma` at which |D(x, y)| is largest, all in pixels. The pixels already have a σ of `from`; D is that of
-/// `levels` levels an octave. `None` where there is no peak within one level.
+/// σ near `sigma` at which |D(x, y)| is largest, all in pixels. The pixels already have a σ of `from`; D has `levels`
+/// levels an octave. `None` where there is no peak within one level.
 pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels: usize, from: f64) -> Option<f64> {
     let k = 2f64.powf(1.0 / levels as f64);
-    // The local mean is subtracted, so that cutting the Gaussians off beyond the blob's rim changes nothing.
+    // Without the local mean, cutting the Gaussians off beyond the blob's rim would count as structure.
     let local_mean = pixels.local_mean(RIM.on_rim(rim_radius(sigma, levels)), (x, y));
     let radius = reach(sigma, levels) as i64;
     let first = (x.round() as i64 - radius, y.round() as i64 - radius);
@@ -98,11 +98,13 @@ pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels
         let along_u = taps(&variances, x, first.0, count, stride);
         let along_v = taps(&variances, y, first.1, count, stride);
         let g = weighted_sums(&lines, &along_u, &along_v, stride);
+        // The sign is that of the middle scale; where D changes its sign between scales there is no blob.
         let sign = (g[3] - g[2]).signum();
         let d: [f64; 3] = std::array::from_fn(|i| sign * (g[2 * i + 1] - g[2 * i]));
         if d.iter().any(|d| *d <= 0.0) {
             return None;
         }
+        // A parabola through logarithms, as D over ln σ resembles a Gaussian.
         let [before, here, after] = d.map(f64::ln);
         let curvature = before - 2.0 * here + after;
         if curvature >= 0.0 {
@@ -113,9 +115,11 @@ pub fn scale_peak(pixels: &PixelView<'_>, (x, y): (f64, f64), sigma: f64, levels
         if !limits.contains(&peak) {
             return None;
         }
+        // Within a step of the middle the parabola is exact enough; otherwise it is fitted again nearer the peak.
         if offset.abs() < 0.75 {
             return Some(peak.exp());
         }
+        // The pixels show no finer scale: a peak just below is taken, one farther away is unknown.
         if peak < finest && middle == finest {
             return (offset > -1.0).then(|| peak.exp());
         }

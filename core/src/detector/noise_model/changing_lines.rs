@@ -1,9 +1,9 @@
 //! Columns or rows whose offsets change from frame to frame: drifting stripes, columns with noise of their own, bands.
 //!
-//! Unlike a scene they have the same offset from one end of the image to the other. So they are measured in eight bands
-//! across them, and what the even and the odd bands share is compared with what the bands differ by. Sharp lines have
-//! little in common with the next one, since no lens makes structure so sharp; wide ones agree closely in all bands and
-//! are weak. Without this `drifting-stripes-0.3` has 13 590 false features a megapixel at the strict gate, not 6.
+//! Unlike a scene, a line has the same offset from one end of the image to the other. Offsets are measured in eight
+//! bands across the lines: the power that even and odd bands share is compared with the variance between bands. Sharp
+//! lines have little in common with the next one, since no lens makes structure so sharp; wide ones are weak and agree
+//! closely in all bands. Without this `drifting-stripes-0.3` has 13 590 false features a megapixel, not 6.
 
 use super::reading::{Lines, less_local_mean, lines_of};
 use crate::plane::Plane;
@@ -19,24 +19,24 @@ pub struct ChangingLines {
     /// Variance of coarse means relative to that of independent lines: above 1 where lines share offsets with the next.
     #[serde(skip)]
     coarse: f32,
-    /// Whether neighbouring lines differ.
+    /// Whether neighbouring lines differ, which decides how the offsets are measured and taken off.
     pub extent: Extent,
     /// Whether the smooth part of sharp offsets is shared by all bands as well, so that it is taken off too.
     #[serde(skip)]
     is_whole: bool,
 }
 
-/// Extent of a pattern of lines.
+/// Extent of a pattern of lines: over how many lines an offset reaches.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Extent {
-    /// Neighbouring lines differ.
+    /// Neighbouring lines differ: columns with noise of their own, drifting stripes.
     Sharp,
-    /// Neighbouring lines hardly differ.
+    /// Neighbouring lines hardly differ: bands, as lamps that flicker make them.
     Wide,
 }
 
-/// Number of standard errors above which what the bands have in common is significant.
+/// Number of standard errors above which the power shared by bands is significant.
 const SURE: f32 = 6.0;
 /// Correlation with the next two lines up to which lines are sharp: interpolation shares up to a half with the next.
 const SHARP: [f32; 2] = [0.6, 0.4];
@@ -54,6 +54,7 @@ impl ChangingLines {
     /// Finds the offsets, given the mean `brightness` and the `slopes` of the search across the lines, lines per frame.
     pub(super) fn find(frames: &[Lines], brightness: f32, slopes: &[f32]) -> Option<Self> {
         [Extent::Sharp, Extent::Wide].into_iter().find_map(|extent| {
+            // Even and odd bands see the same offsets and different noise: their product has no bias by noise.
             let found: Vec<Shared> = frames.iter().map(|frame| Shared::of(&less_surroundings(frame, extent))).collect();
             let n = found.iter().map(|frame| frame.even.len()).sum::<usize>() as f32;
             let sum = |of: &dyn Fn(&Shared) -> f32| found.iter().map(of).sum::<f32>() / n;
@@ -63,6 +64,7 @@ impl ChangingLines {
             let between = sum(&|frame| frame.between);
             let is_common = common > SURE * error;
             let tells = match extent {
+                // A scene is smooth: sharp offsets must fall off within a line or two. Wide ones must be weak instead.
                 Extent::Sharp => {
                     let next = |by: usize| sum(&|frame| dot(&frame.even, &frame.odd[by.min(frame.odd.len())..]));
                     common > SHARED[0] * between && next(1) <= SHARP[0] * common && next(2) <= SHARP[1] * common
@@ -82,6 +84,7 @@ impl ChangingLines {
     pub(super) fn remove_from(&self, frame: &mut Plane, axis: usize) {
         let lines = &lines_of(frame)[axis];
         let offsets = match self.is_whole {
+            // With a straight line taken off alone, the smooth part of the offsets goes too.
             true => median(less_surroundings(lines, Extent::Wide).iter()),
             false => offsets(lines, self.extent),
         };
@@ -95,8 +98,7 @@ impl ChangingLines {
         }
     }
 
-    /// Variance of independent lines with the same coarse means as the offsets in the mean of the frames: interpolation
-    /// takes a part of what lasts, but not of coarse means.
+    /// Variance, in the frames' mean, of independent lines with the offsets' coarse means, which interpolation keeps.
     pub(super) fn variance_in_mean(&self) -> f32 {
         if self.is_whole { 0.0 } else { self.deviation.powi(2) * self.coarse * (INTERPOLATED * self.lasting).min(1.0) }
     }
@@ -123,7 +125,7 @@ impl Shared {
     }
 }
 
-/// Whether all bands share the smooth part of offsets that are known to be sharp too, and it is small.
+/// Whether all bands also share the smooth part of sharp offsets, and the part is small enough to be no scene.
 fn shares_smooth_part(frames: &[Lines], brightness: f32) -> bool {
     let smooth = |frame: &Lines| {
         let mut smooth = less_surroundings(frame, Extent::Wide);
@@ -203,7 +205,7 @@ fn lasting(frames: &[Vec<f32>], slopes: &[f32]) -> f32 {
         };
         (0..lines).map(|i| mean(i).powi(2)).sum::<f32>() / power.max(f32::MIN_POSITIVE)
     };
-    // Between the slopes searched too, since coarse octaves, where most remains, tell them apart less well.
+    // Slopes between the searched ones count too: coarse octaves, where most remains, hardly separate them.
     let (min, max) = slopes.iter().fold((0.0f32, 0.0f32), |(a, b), s| (a.min(*s), b.max(*s)));
     let count = ((max - min) * n).ceil().min(MAX_TRIED);
     let tried = (0..=count as usize).map(|i| min + (max - min) * i as f32 / count.max(1.0));

@@ -1,9 +1,9 @@
 //! Blocks that a file's codec flattened.
 //!
 //! A JPEG file keeps of each block of 8×8 pixels only what exceeds half a step of its table: weak noise is rounded away
-//! in most blocks, and is as strong as the step where it is not. So a flattened block is no evidence of low noise.
-//! Where a good part of the blocks is flat, the noise is measured from all of them, and the gate allows for noise that
-//! is rare and strong ([`rare`]). Without this `jpeg-20` has 8769 false features a megapixel at the strict gate, not 6.
+//! in most blocks, and elsewhere is as strong as the step. A flattened block is thus no evidence of low noise. Where
+//! many blocks are flat, the noise is measured from all of them, and the gate allows for noise that is rare and strong
+//! ([`rare`]). Without this `jpeg-20` has 8769 false features a megapixel at the strict gate, not 6.
 
 use super::warning::{NoiseWarning, WarningKind};
 use crate::detector::params::doc;
@@ -15,7 +15,7 @@ use serde::Serialize;
 const SIDE: usize = 8;
 const BLOCKS: usize = 2048;
 const FRAMES: usize = 4;
-/// Share of the blocks from which on they are no evidence of low noise.
+/// Share of flat blocks from which they are no evidence of low noise.
 const MIN_FLAT: f32 = 0.25;
 /// Ratio of the shares with structure, half a block off to in place, above which the blocks are a codec's.
 const OFF_TO_IN: f32 = 1.25;
@@ -28,9 +28,9 @@ const ENOUGH: f32 = 0.02;
 /// Flattening of a burst's frames by their codec.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Flattened {
-    /// Share of the codec's blocks that are flat.
+    /// Share (0 … 1) of the codec's blocks that are flat.
     pub share: f32,
-    /// Share of the blocks that lie half a block off the codec's and have structure: in them noise is left.
+    /// Share (0 … 1) of blocks half a block off the codec's that have structure: noise is left in them.
     pub shown: f32,
 }
 
@@ -58,6 +58,7 @@ impl Flattened {
         if flat < MIN_FLAT {
             return None;
         }
+        // Flat parts of a scene are flat at any offset; a codec's blocks are flat only in place.
         let shown = 1.0 - share(SIDE / 2);
         let error = ((1.0 - flat) * flat / (looked * count) as f32).sqrt();
         let is_codec = shown > OFF_TO_IN * (1.0 - flat) && shown - (1.0 - flat) > SURE * error;
@@ -115,7 +116,7 @@ impl InBlock {
         if low > WIDE * WIDE {
             return Self([[1.0; SIDE]; SIDE]);
         }
-        // Share of the block that begins `from` pixels after a place in the Gaussian there, along one axis.
+        // Share of a Gaussian's weight in the block that begins `from` pixels after a place, along one axis.
         let reach = (4.0 * high.sqrt() / SIDE as f64).ceil() as i64 + 1;
         let share = |variance: f64, from: f64| {
             let below = |x: f64| 0.5 * libm::erfc(-x / (2.0 * variance).sqrt());
@@ -128,6 +129,7 @@ impl InBlock {
                 [a + l * l, b + l * h, c + h * h]
             })
         });
+        // Σ over blocks of (l_u·l_v − h_u·h_v)²: a block's offset behind the difference of two Gaussians.
         let at = |u: usize, v: usize| {
             let [a, b, c] = std::array::from_fn(|i| products[u][i] * products[v][i]);
             a - 2.0 * b + c
@@ -146,6 +148,7 @@ impl InBlock {
         let mut sums = [[0.0; SIDE]; SIDE];
         let mut frames = 0.0;
         for (du, dv) in shifts {
+            // Only the place within a block counts, so that whole blocks of motion are none.
             let whole = |shift: f32| (shift.round() as i64).rem_euclid(SIDE as i64) as usize;
             let (du, dv) = (whole(du), whole(dv));
             for (v, row) in sums.iter_mut().enumerate() {
@@ -158,8 +161,8 @@ impl InBlock {
     }
 }
 
-/// Factor on σ of the mean of `frames` frames so that `gate` times it is exceeded as rarely as by normal noise. Noise
-/// of this excess `kurtosis` is taken for normal noise present in a share 3/(3 + kurtosis) of the frames. At least 1.
+/// Factor (at least 1) on σ of the mean of `frames` frames so that `gate` times the result is exceeded as rarely as by
+/// normal noise. Noise of excess `kurtosis` is modelled as normal noise in a share 3/(3 + kurtosis) of the frames.
 pub fn rare(kurtosis: f32, frames: usize, gate: f32) -> f32 {
     let present = 3.0 / (3.0 + f64::from(kurtosis.max(0.0)));
     // Beyond some dozens of frames the mean is nearly normal, and their exact number matters no more.
@@ -168,6 +171,7 @@ pub fn rare(kurtosis: f32, frames: usize, gate: f32) -> f32 {
         return 1.0;
     }
     let beyond = |x: f64| 0.5 * libm::erfc(x * std::f64::consts::FRAC_1_SQRT_2);
+    // The number of frames that hold noise is binomial; each number has a normal tail of its own.
     let chance = |m: f64| {
         let ways = libm::lgamma(n + 1.0) - libm::lgamma(m + 1.0) - libm::lgamma(n - m + 1.0);
         libm::exp(ways + m * libm::log(present) + (n - m) * libm::log(1.0 - present))
@@ -178,6 +182,7 @@ pub fn rare(kurtosis: f32, frames: usize, gate: f32) -> f32 {
     let wanted = beyond(gate);
     // In all frames at once the noise is 1/√present times as strong as on average.
     let (mut low, mut high) = (gate, gate / present.sqrt());
+    // The tail falls with x, so bisection finds the gate; 30 halvings exhaust `f32`.
     for _ in 0..30 {
         let middle = 0.5 * (low + high);
         let tail: f64 = chances.iter().map(|(chance, deviation)| chance * beyond(middle / deviation)).sum();
@@ -240,7 +245,7 @@ mod tests {
             in_block.largest((0..10).map(|t| (slope * t as f32, 0.0)))
         };
         assert!(largest(3.0, 0.0) > 1.5 && largest(10.0, 0.0) < 1.05, "{} {}", largest(3.0, 0.0), largest(10.0, 0.0));
-        // What moves by some blocks sees all places; what moves by whole blocks a frame stays in place.
+        // Motion by parts of a block sees all places in it; motion by whole blocks a frame stays in place.
         assert!(largest(3.0, 1.6) < largest(3.0, 0.0) && largest(3.0, 8.0) == largest(3.0, 0.0));
     }
 

@@ -2,9 +2,8 @@
 //!
 //! Three consecutive frames enter with the weights 1, −2, 1, which removes steady changes; each is read where the scene
 //! has moved to, in whole pixels, so that nothing is interpolated. A texture half a pixel off leaves less than two
-//! percent of its power. For each part that is measured the slope is that, among those of the search, at which the mean
-//! of the shifted frames has the most power. That mean is independent of contrasts, whose weights sum to 0, so the
-//! choice does not change the noise measured.
+//! percent of its power. For each part the slope is the one of the search at which the mean of the shifted frames has
+//! the most power. Contrasts, whose weights sum to 0, are independent of it: the choice leaves the noise.
 
 use super::reading::BoxPyramid;
 use crate::burst::Offset;
@@ -20,7 +19,7 @@ use std::ops::Range;
 /// Frames and their weights, whose squares sum to 1, so that a contrast has the variance of one frame.
 pub type Contrast = Vec<(usize, f32)>;
 
-/// Contrasts of neighbours among `frames` frames (at least two): those that share no frame come first.
+/// Contrasts of neighbours among `frames` frames (at least two); contrasts that share no frame come first.
 pub fn contrasts(frames: usize) -> Vec<Contrast> {
     let of = |start: usize, weights: &[f32]| {
         let norm = weights.iter().map(|w| w * w).sum::<f32>().sqrt();
@@ -40,18 +39,19 @@ pub fn looked_at(frames: usize, pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     if triples > max || frames < 6 {
         return ((0..frames).collect(), contrasts(frames));
     }
+    // From the first frame to the last, so that changes over the burst are seen.
     let start = |i: usize| i * (frames - 3) / (triples - 1);
     let looked = (0..triples).flat_map(|i| start(i)..start(i) + 3).collect();
     let apart = contrasts(3 * triples).into_iter().take(triples).collect();
     (looked, apart)
 }
 
-/// As [`looked_at`] for views of a light field at `offsets`, which do not follow one another: triples of neighbours in a
-/// row or in a column, no two of which share a view.
+/// As [`looked_at`] for views at `offsets`: triples of neighbours in a row or in a column that share no view.
 pub fn looked_at_views(offsets: &[Offset<f32>], pixels: usize) -> (Vec<usize>, Vec<Contrast>) {
     let at = |place: Offset<f32>| {
         offsets.iter().position(|own| (own.u - place.u).abs() < NEAR_STEPS && (own.v - place.v).abs() < NEAR_STEPS)
     };
+    // A view in two triples would make their contrasts dependent.
     let mut free = vec![true; offsets.len()];
     let mut triples: Vec<[usize; 3]> = Vec::new();
     for step in [Offset { u: 1.0, v: 0.0 }, Offset { u: 0.0, v: 1.0 }] {
@@ -79,7 +79,7 @@ pub fn looked_at_views(offsets: &[Offset<f32>], pixels: usize) -> (Vec<usize>, V
     (looked, contrasts)
 }
 
-/// Distance in steps of the grid of views up to which a view is at a place of it.
+/// Distance in steps of the grid of views up to which a view counts as being at a place.
 const NEAR_STEPS: f32 = 0.1;
 /// Number of pixels of all frames that are examined closely, about.
 const LOOKED_PIXELS: usize = 3_000_000;
@@ -87,7 +87,7 @@ const LOOKED_PIXELS: usize = 3_000_000;
 /// Pixels that a contrast reads: the frames themselves at an octave's resolution, or means over squares.
 #[derive(Debug, Clone, Copy)]
 pub enum Pixels<'a> {
-    /// And the octave to whose resolution they are brought.
+    /// Frames, and the octave to whose resolution they are brought.
     Frames(&'a [&'a Plane], i32),
     /// Pyramids, and the level whose means over squares of 2^level pixels are read.
     Squares(&'a [&'a BoxPyramid], usize),
@@ -103,7 +103,7 @@ impl Pixels<'_> {
     ) {
         out.reset(region, (region.columns.len() + PADDING).next_multiple_of(16));
         region.rows.clone().for_each(|v| out.row_mut(v).fill(0.0));
-        // The width of what is read in image pixels, and that of the octave's pixels in it.
+        // Size of the planes read, width of their pixels in image pixels, and of the octave's pixels in theirs.
         let ((width, height), pixel, unit) = match self {
             Self::Frames(frames, octave) => (frames[0].size(), 1.0, (*octave as f32).exp2()),
             Self::Squares(pyramids, level) => (pyramids[0].level(*level).size(), (1usize << level) as f32, 1.0),
@@ -114,6 +114,7 @@ impl Pixels<'_> {
         let in_pixels = Slope::new(slope.u / pixel, slope.v / pixel);
         let region_read = (&read(&region.columns), &read(&region.rows));
         let shifts = shifts(contrast, offsets, in_pixels, region_read, (width, height));
+        // Whole pixels only: interpolation would smooth the noise that is measured.
         for (&(t, weight), (whole_u, whole_v)) in contrast.iter().zip(shifts) {
             let mut add = |v: usize, row: &[f32]| {
                 out.row_mut(v).iter_mut().zip(row).for_each(|(sum, x)| *sum += weight * x);
@@ -144,7 +145,7 @@ impl Pixels<'_> {
 const PADDING: usize = 32;
 
 /// Shifts (u, v) in whole pixels by which the frames of a contrast, at `offsets`, are read farther for a scene that
-/// moves by `slope` px/frame; on each axis all moved alike where that keeps the read of `columns` or `rows` inside.
+/// moves by `slope` px/frame. On each axis all shift alike where the read of `columns` or `rows` leaves the image.
 pub(super) fn shifts(
     contrast: &Contrast,
     offsets: &[Offset<f32>],
@@ -164,9 +165,10 @@ fn kept_inside(mut shifts: Vec<i64>, range: &Range<usize>, n: usize) -> Vec<i64>
     let (min, max) = shifts.iter().fold((0, 0), |(a, b), &s| (a.min(s), b.max(s)));
     let (start, end, n) = (range.start as i64, range.end as i64, n as i64);
     if end - start + max - min > n {
-        // The scene moves farther than the readable range: frames are compared where they are.
+        // The scene moves farther than the readable range: frames are compared in place.
         shifts.fill(0);
     } else if start + min < 0 {
+        // All frames move back together, so that their distances stay those of the scene.
         shifts.iter_mut().for_each(|s| *s -= start + min);
     } else if end + max > n {
         shifts.iter_mut().for_each(|s| *s += n - end - max);
@@ -186,7 +188,7 @@ const MAX_PARTS: usize = 48;
 #[derive(Debug, Clone, Copy)]
 pub struct SceneMotion<'a> {
     pub pyramids: &'a [&'a BoxPyramid],
-    /// Positions at which they were taken, in frames of the burst.
+    /// Positions of the pyramids' frames, in frames of the burst.
     pub offsets: &'a [Offset<f32>],
     /// Possible slopes, px/frame.
     pub slopes: &'a [Slope],
@@ -196,7 +198,7 @@ impl SceneMotion<'_> {
     /// Motion for parts that are measured with pixels of 2^`octave` image pixels.
     pub fn for_octave(&self, octave: i32) -> OctaveMotion {
         let mut slopes = self.slopes.to_vec();
-        // Of equally good slopes the slowest is taken.
+        // Slowest first: of equally good slopes the first one found is kept.
         slopes.sort_by(|a, b| a.magnitude().total_cmp(&b.magnitude()));
         let slowest = slopes.first().copied().unwrap_or_default();
         let fastest = slopes.last().map_or(0.0, |slope| slope.magnitude());
@@ -209,6 +211,7 @@ impl SceneMotion<'_> {
         let (first, last) = (self.offsets[0], self.offsets[self.offsets.len() - 1]);
         let middle = Offset { u: 0.5 * (first.u + last.u), v: 0.5 * (first.v + last.v) };
         let (mut candidates, mut known) = (Vec::new(), BTreeSet::new());
+        // Slopes that shift all frames by the same squares cannot be distinguished at this level.
         for slope in slopes {
             let squares = |px: f32| (px / square).round() as i64;
             let moved = self.offsets.iter().map(|&at| slope.displacement(at - middle));
@@ -229,6 +232,7 @@ impl SceneMotion<'_> {
         let part = |index: usize| {
             let range = |i: usize, n: usize| {
                 let (start, end) = (i * side, ((i + 1) * side).min(n));
+                // The middle of a part stands for all of it, so that large pictures take no longer.
                 let spare = (end - start).saturating_sub(PART) / 2;
                 start + spare..end - spare
             };
@@ -242,11 +246,11 @@ impl SceneMotion<'_> {
 
 #[derive(Debug)]
 pub struct OctaveMotion {
-    /// Each frame less its surroundings, in squares of the pyramid; empty where the motion does not matter.
+    /// Frames less their local mean, in squares of the pyramid; empty where the motion does not matter.
     planes: Vec<Plane>,
     /// Side of a square, image pixels.
     square: f32,
-    /// Slopes that differ in squares, from the slowest on, with the squares by which each frame is shifted.
+    /// Slopes that differ in squares, slowest first, with the squares by which each frame is shifted.
     candidates: Vec<(Slope, Vec<(i64, i64)>)>,
 }
 
@@ -258,6 +262,7 @@ impl OctaveMotion {
         }
         for (slope, shifts) in &self.candidates {
             let power = self.power(region, shifts);
+            // Strictly more: of equal powers the slower slope, which comes first, stays.
             if power > best.0 {
                 best = (power, *slope);
             }
@@ -293,6 +298,7 @@ impl OctaveMotion {
                 sums[at.clone()].iter_mut().zip(from).for_each(|(sum, x)| *sum += x);
                 counts[at].iter_mut().for_each(|count| *count += 1.0);
             }
+            // S²/n has the noise of one frame whatever n is, so that places with fewer frames count alike.
             power += sums.iter().zip(&counts).map(|(sum, count)| sum * sum / count.max(1.0)).sum::<f32>();
         }
         power
@@ -304,6 +310,7 @@ fn without_slopes(plane: &Plane) -> Plane {
     let mut out = Plane::zeros(width, height);
     for v in 0..height {
         let (above, at, below) = (plane.row(v.saturating_sub(1)), plane.row(v), plane.row((v + 1).min(height - 1)));
+        // The mean of the four neighbours equals the pixel wherever brightness is a plane.
         let row = out.row_mut(v);
         for u in 0..width {
             let (left, right) = (at[u.saturating_sub(1)], at[(u + 1).min(width - 1)]);

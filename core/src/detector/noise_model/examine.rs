@@ -1,7 +1,6 @@
 //! Examination of a burst: measures its noise, and cleans the frames for the search.
 //!
-//! Useless frames are left out, flicker and the sensor's pattern are removed; then the noise of the rest is measured.
-//! Where nothing is found, the frames are unchanged.
+//! Useless frames, flicker and the sensor's pattern are removed, as far as found; the noise of the rest is measured.
 
 use super::changing_lines::ChangingLines;
 use super::codec::Flattened;
@@ -27,7 +26,7 @@ use std::sync::Arc;
 /// Noise and cleaned frames of a burst.
 #[derive(Debug, Clone)]
 pub struct Examined {
-    /// Its noise.
+    /// Noise of the kept frames after cleaning.
     pub model: NoiseModel,
     /// Frames that take part, cleaned.
     pub frames: Vec<Arc<Plane>>,
@@ -38,15 +37,15 @@ pub struct Examined {
 /// Properties of the search for which the noise is measured.
 #[derive(Debug, Clone)]
 pub struct ForSearch<'a> {
-    /// Scales of its filters.
+    /// Scales of the search's filters, with which the noise is measured.
     pub space: &'a ScaleSpace,
-    /// Its octaves.
+    /// Octaves of the search.
     pub octaves: Range<i32>,
     /// Slopes of the search, px/frame, by which the scene may move.
     pub slopes: &'a [Slope],
     /// Treatment of frames whose exposures differ.
     pub flicker: Flicker,
-    /// Positions of the frames.
+    /// Positions of the frames in the order given; those of views lie on a grid.
     pub positions: &'a Positions,
 }
 
@@ -61,6 +60,7 @@ pub fn examine(
     search: &ForSearch<'_>,
     monitor: &Monitor,
 ) -> Result<Option<Examined>, Cancelled> {
+    // Cleaning comes before measuring: flicker, strikes and patterns would all pass for noise.
     let ForSearch { space, octaves, slopes, flicker, positions } = search;
     let mut squares = HighPass::new(&planes(frames));
     monitor.check()?;
@@ -73,6 +73,7 @@ pub fn examine(
         return Ok(None);
     }
     let mut clean: Vec<Arc<Plane>> = kept.iter().map(|&t| frames[t].clone()).collect();
+    // Exposures are evened before contrasts are formed: a brighter frame would leave the scene in them.
     let is_evened = (survey.flicker > 0.0 || survey.drift > 0.0) && *flicker == Flicker::Auto;
     if is_evened {
         for (frame, &t) in clean.iter_mut().zip(&kept) {
@@ -90,15 +91,15 @@ pub fn examine(
     let about = first_look.noise_in(first_look.mean_variances(&contrasts));
     let shown = survey.shown(&first_look, &contrasts);
     let pattern_share = survey.pattern_share(&squares, about);
-    // The mean of frames that have noise in common has more of it.
+    // Frames that share noise have more of it in their mean.
     let shared = (1..).zip(&survey.correlations).map(|(lag, r)| (1.0 - lag as f32 / looked.len() as f32).max(0.0) * r);
     let more = (1.0 + 2.0 * shared.sum::<f32>()) / shown;
     let fastest = slopes.iter().map(|slope| slope.magnitude()).fold(0.0, f32::max);
-    // One photon in the dark is no strike.
+    // With single photons in the dark every photon would be a strike.
     let is_struck = flattened.is_none() && bit.is_none() && are_struck(&first_look, &contrasts, about);
     let struck = if is_struck { mask_struck(&mut clean, about, fastest.ceil() as usize + 1) } else { 0 };
     monitor.check()?;
-    // As the octaves, the scene's motion in them and the brightness around a candidate need them.
+    // Needed by the octaves, by the scene's motion in them and by the brightness around a candidate.
     let levels = (octaves.end.max(1) as usize + 1).max(5);
     let are_independent = survey.correlations.is_empty();
     // The mean of n bits has longer tails: Bernstein's bound for H standard deviations adds H²·bit/(6n), with H = 6.
@@ -106,6 +107,7 @@ pub fn examine(
     let about = ((about * more).sqrt() + of_bits).powi(2);
     let (reading, mut pattern) = read(&mut clean, &looked, about, are_independent, slopes, levels, monitor)?;
     pattern.struck = struck;
+    // Squares of unchanged frames need not be filtered again.
     let is_changed = is_evened || struck > 0 || !pattern.is_empty();
     let looked_planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     let squares = if is_changed { HighPass::new(&looked_planes) } else { first_look };
@@ -128,6 +130,7 @@ pub fn examine(
     let model = NoiseModel { is_local: true, correlations, shown, ..NoiseModel::default() };
     let mut model = NoiseModel { pattern_share, flattened, warnings, pattern, ..model };
     fit_brightness(&mut model, &squares, looked.len(), (quantisation_step, bit));
+    // The map costs a filter at every square: it is made only where the sparse squares disagree.
     if flattened.is_none() && differ_by_place(&squares.0, &model.transfer, squares.1) {
         let lattice = Lattice::dense(frames[0].size());
         let dense = measured(&HighPass::on_lattice(&looked_planes, lattice));
@@ -139,6 +142,7 @@ pub fn examine(
     model.brightness.relative_variance =
         kept.iter().map(|&t| survey.frames[t].relative_variance).sum::<f32>() / kept.len() as f32;
     model.frames = survey.frames;
+    // The middle frame stands for all in place and brightness.
     let middle = pyramids[pyramids.len() / 2];
     let variance_in = |region: &Region| variance_in(&model, middle, &squares.0, region);
     let sources = Sources {
@@ -149,11 +153,11 @@ pub fn examine(
         are_flattened: flattened.is_some(),
     };
     let levels = measure(sources, space, octaves.clone(), monitor)?;
-    // As the files have them: cleaning moves values away from the ends of the range.
+    // Frames as in the files: cleaning moves values away from the ends of the range.
     let as_read: Vec<&Plane> = looked.iter().map(|&i| &*frames[kept[i]]).collect();
     let (share, cut_off) = cut_off(&as_read, quantisation_step);
     model.warnings.extend(flattened.map(|flattened| flattened.warning()));
-    // All bits lie at an end of the range, and have tails.
+    // All bits lie at an end of the range and have long tails by nature: no reason to warn.
     let is_of_converter = bit.is_none();
     model.warnings.extend(is_of_converter.then(|| of_spectrum(&levels)).into_iter().flatten());
     model.warnings.extend(of_places(model.excess.as_ref()));
@@ -164,8 +168,8 @@ pub fn examine(
     Ok(Some(Examined { model, frames: clean, kept }))
 }
 
-/// Value of a pixel that is set, where every pixel of `frames` is that or 0: those of single-photon cameras. Of files
-/// with finer steps 0 and the next value are those of a camera in the dark, whose noise is cut off.
+/// Value of a set pixel, where every pixel of `frames` is that value or 0, as from single-photon cameras. In files with
+/// finer steps, 0 and the next value are a camera in the dark, whose noise is cut off.
 fn bit_of(frames: &[Arc<Plane>], step: f32) -> Option<f32> {
     let mut bit = None;
     for frame in frames {
@@ -198,12 +202,13 @@ fn read(
     let mut read = reading(clean, true)?;
     let planes: Vec<&Plane> = looked.iter().map(|&i| &*clean[i]).collect();
     let mut pattern = FixedPattern::find(&planes, &read, variance);
-    // Noise that frames have in common may look like stripes.
+    // Noise shared by frames may look like stripes.
     if !are_independent {
         (pattern.columns, pattern.rows) = (None, None);
     }
     if !pattern.is_empty() {
         clean.par_iter_mut().for_each(|frame| pattern.remove_from(Arc::make_mut(frame)));
+        // Read anew: lines that change are sought in the frames without the fixed pattern.
         read = reading(clean, true)?;
     }
     if read.columns.is_empty() {
@@ -214,6 +219,7 @@ fn read(
     let along = |axis: fn(&Slope) -> f32| slopes.iter().map(axis).collect::<Vec<f32>>();
     pattern.changing_columns = ChangingLines::find(&read.columns, brightness, &along(|slope| slope.u));
     pattern.changing_rows = ChangingLines::find(&read.rows, brightness, &along(|slope| slope.v));
+    // `remove_from` measures the lines of each frame again, so the second axis sees the first one removed.
     for (axis, lines) in [pattern.changing_columns, pattern.changing_rows].into_iter().enumerate() {
         if let Some(lines) = lines {
             clean.par_iter_mut().for_each(|frame| lines.remove_from(Arc::make_mut(frame), axis));
@@ -223,14 +229,14 @@ fn read(
     Ok((read, pattern))
 }
 
-/// By its brightness, or, where the variance also depends on place, the mean over the squares inside.
+/// Variance by brightness, or, where it also depends on place, the mean over the squares inside.
 fn variance_in(model: &NoiseModel, middle: &BoxPyramid, squares: &[Square], region: &Region) -> f32 {
     let Region { columns, rows } = region;
     if model.excess.is_some() {
         let within = |x: f32, range: &Range<usize>| x >= range.start as f32 && x < range.end as f32;
         let inside = squares.iter().filter(|s| within(s.place.0, columns) && within(s.place.1, rows));
         let (sum, count) = inside.fold((0.0, 0usize), |(sum, count), s| (sum + s.variance, count + 1));
-        // Few would be inexact.
+        // A mean of few squares would be less exact than the map.
         if count >= SQUARES_INSIDE {
             return sum / count as f32;
         }
@@ -277,7 +283,7 @@ fn prepare(model: &mut NoiseModel, mut pyramids: Vec<(usize, BoxPyramid)>, octav
         let values = pyramids.iter().flat_map(|(_, p)| p.level(level).data().iter().copied());
         values.reduce(f).unwrap_or(0.0)
     };
-    // The noise of bits is least where nearly all are set, too.
+    // The noise of bits is least at either end: where few are set, and where nearly all are.
     let at = |octave, end| model.transfer.variance(fold(NoiseModel::brightness_level(octave), end));
     let min = |octave: i32| at(octave, f32::min).min(at(octave, f32::max)) * min_excess;
     model.brightness.min_variance = octaves.clone().map(min).collect();

@@ -1,10 +1,9 @@
 //! Fixed pattern of a sensor: hot pixels, far brighter or darker than all around them in every frame, or in some if
 //! they flicker; and stripes, columns and rows with an offset of their own.
 //!
-//! It stays while the scene moves, and is sharper than any image through a lens. So it is detected in the mean of the
-//! frames at slope 0, and must be in both halves of the burst. On a tripod the two cannot be told apart, and nothing is
-//! changed. Without this `column-stripes` has 597 false features a megapixel at the strict gate, `hot-pixels` 47, not
-//! 6.
+//! The pattern stays while the scene moves, and is sharper than any image through a lens. So it is detected in the mean
+//! of the frames at slope 0, and must be in both halves of the burst. On a tripod the two cannot be separated, and
+//! nothing is changed. Without this `column-stripes` has 597 false features a megapixel, `hot-pixels` 47, not 6.
 
 use super::changing_lines::{ChangingLines, Extent, offsets};
 use super::contrast::Contrast;
@@ -21,11 +20,11 @@ use std::sync::Arc;
 pub struct FixedPattern {
     /// Columns and rows of pixels far brighter or darker than all around them, in every frame or in some; row by row.
     pub hot_pixels: Vec<(usize, usize)>,
-    /// Offset of each column.
+    /// Offsets of the columns; `None` where they are smooth or not significant.
     pub columns: Option<Stripes>,
-    /// Offset of each row.
+    /// Offsets of the rows, alike.
     pub rows: Option<Stripes>,
-    /// Offsets of columns that change from frame to frame.
+    /// Offsets of columns that change from frame to frame, which are taken off each frame anew.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub changing_columns: Option<ChangingLines>,
     /// Offsets of rows that change from frame to frame.
@@ -34,7 +33,7 @@ pub struct FixedPattern {
     /// Number of pixels that were bright in one frame only, all frames together, and were masked there.
     #[serde(skip_serializing_if = "super::is_zero")]
     pub struck: usize,
-    /// Number of pixels that would be hot, but cannot be told from the scene because it stays in place too.
+    /// Number of pixels that would be hot, but cannot be separated from a scene that stays in place too.
     pub inseparable: usize,
 }
 
@@ -60,6 +59,7 @@ impl FixedPattern {
         let mut hot_pixels = find(&reading.standing_out, frames, variance);
         let mut inseparable = 0;
         let are_texture = hot_pixels.len() as f32 > MAX_HOT * (width * height) as f32;
+        // So many pixels are texture, and on a tripod even few may belong to the scene: nothing is masked then.
         if !hot_pixels.is_empty() && (are_texture || stays(&reading.pyramids, &hot_pixels)) {
             inseparable = hot_pixels.len();
             hot_pixels.clear();
@@ -106,11 +106,13 @@ fn stays(pyramids: &[BoxPyramid], hot: &[(usize, usize)]) -> bool {
             sum.data_mut().iter_mut().zip(pyramid.level(1).data()).for_each(|(sum, x)| *sum += x);
         }
         let (width, height) = sum.size();
+        // The hot pixels themselves must not make the halves alike.
         let halved = hot.iter().map(|&(u, v)| (u / 2, v / 2)).filter(|&(u, v)| u < width && v < height);
         mask(&mut sum, &halved.collect::<Vec<_>>());
         sum
     };
     let squares = HighPass::new(&[&mean(first), &mean(second)]);
+    // The sum of the halves keeps what stays, their difference only noise.
     let of = |sign: f32| quiet_variance(squares.variances(&[(0, 1.0), (1, sign)]), FREE_VALUES);
     !squares.places.is_empty() && of(1.0) > 1.5 * of(-1.0)
 }
@@ -154,9 +156,9 @@ fn neighbours(u: usize, v: usize, (width, height): (usize, usize)) -> [(usize, u
     [(-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1)].map(at)
 }
 
-/// Distance of a pixel that flickers from the pixels around it, in the frames that show it, standard deviations.
+/// Distance of a flickering pixel from its neighbours in the frames that show it, standard deviations.
 const FLICKERS: f32 = 4.0;
-/// Variance of the pixels around it from frame to frame, in the noise's, up to which nothing crosses it.
+/// Variance of the neighbours from frame to frame, relative to the noise's, up to which nothing crosses them.
 const QUIET: f32 = 2.0;
 
 /// Signed distance of a value from the range of `around`; 0 inside it.
@@ -165,7 +167,7 @@ fn beyond(value: f32, around: &[f32; 8]) -> f32 {
     (value - max).max(0.0) + (value - min).min(0.0)
 }
 
-/// Whether the pixel is beyond all its neighbours but those `known`, in the mean and in nearly all or some frames.
+/// Whether the pixel exceeds all its neighbours but the `known` ones, in the mean and in nearly all or some frames.
 fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(usize, usize)]) -> bool {
     let places = neighbours(u, v, frames[0].size());
     let masked = places.map(|at| known.contains(&at));
@@ -203,7 +205,7 @@ fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(us
     if off.abs() <= HOT * error || mean.abs() <= HOT * error {
         return false;
     }
-    // A pixel that flickers is far off in some frames; an object that crosses it shows in the pixels around as well.
+    // A pixel that flickers is far off in some frames; an object that crosses shows in the neighbours as well.
     let far = FLICKERS * around.max(variance).sqrt();
     let flickers = || {
         around <= QUIET * variance && shown.iter().filter(|x| x.signum() == mean.signum() && x.abs() > far).count() >= 2
@@ -211,14 +213,14 @@ fn is_hot(frames: &[&Plane], variance: f32, (u, v): (usize, usize), known: &[(us
     (in_nearly_all && mean.abs() > HOT * 0.5 * (own.max(0.0) / n).sqrt()) || flickers()
 }
 
-/// Variance of a square, in the noise's, above which it was struck in one contrast, and below which it was not.
+/// Variance of a square, relative to the noise's, above which a contrast shows a strike, and below which none.
 const STRUCK: [f32; 2] = [4.0, 2.0];
 const MIN_STRUCK: usize = 3;
-/// Distance from all pixels around in the frames before and after, in deviations: of a struck one, and one beside it.
+/// Distance in deviations from all pixels around in the frames before and after: of a struck pixel, of one beside it.
 const STRIKES: [f32; 2] = [5.0, 2.5];
 const MAX_STRUCK: f32 = 0.005;
 
-/// Whether some squares have far more than `noise` in one contrast only. Structures that move are in all of them.
+/// Whether some squares have far more than `noise` in one contrast only; moving structures are in all contrasts.
 pub fn are_struck(squares: &HighPass, contrasts: &[Contrast], noise: f32) -> bool {
     let all: Vec<Vec<f32>> = contrasts.iter().map(|contrast| squares.variances(contrast)).collect();
     let is_struck = |square: &usize| {
@@ -229,7 +231,7 @@ pub fn are_struck(squares: &HighPass, contrasts: &[Contrast], noise: f32) -> boo
 }
 
 /// Masks the pixels of each frame that are several times the noise of `variance` brighter than all within `reach` of
-/// them in the frames before and after, and gives their number. Whatever moves by up to `reach` px/frame stays.
+/// them in the frames before and after; returns their number. Structures that move by up to `reach` px/frame stay.
 pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> usize {
     if frames.len() < 3 {
         return 0;
@@ -251,11 +253,13 @@ pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> us
             rows.all(|y| [before, after].iter().all(|f| f.row(y)[columns.clone()].iter().all(|x| *x < limit)))
         };
         let candidates = |v: usize| {
+            // Compared in place first: the search within `reach` is costly and rarely needed.
             let rows = own.row(v).iter().zip(before.row(v)).zip(after.row(v)).enumerate();
             rows.filter(|(_, ((x, a), b))| **x > a.max(**b) + STRIKES[0] * deviation).map(move |(u, _)| (u, v))
         };
         let mut struck: Vec<(usize, usize)> = Vec::new();
         for (u, v) in (0..height).flat_map(candidates) {
+            // Strikes are rare: so many candidates are something else, and the frame stays as it is.
             if struck.len() as f32 > MAX_STRUCK * (width * height) as f32 {
                 return Vec::new();
             }
@@ -287,7 +291,7 @@ pub fn mask_struck(frames: &mut [Arc<Plane>], variance: f32, reach: usize) -> us
 pub struct Stripes {
     /// Offset of each column or row, fraction of full scale.
     pub offsets: Vec<f32>,
-    /// Their standard deviation.
+    /// Standard deviation of the offsets, as far as both halves of the burst share them.
     pub deviation: f32,
 }
 
@@ -302,6 +306,7 @@ impl Stripes {
         let power = |x: &[f32]| x.iter().map(|x| x * x).sum::<f32>() / n;
         let common = product(0);
         let error = (power(&first) * power(&second) / n).sqrt();
+        // A scene is correlated from line to line, offsets of a sensor hardly.
         if common <= STRIPES * error || product(1) > 0.4 * common || product(2) > 0.4 * common {
             return None;
         }

@@ -1,5 +1,4 @@
-//! Survey of a burst's frames: copies, and frames that are black, flashed, empty, too noisy or blurred, are left out;
-//! of the others the relative exposure and noise are measured.
+//! Survey: copies and black, flashed, empty, noisy or blurred frames go; exposure and noise of the others are measured.
 //!
 //! A copy brings no new noise, so it does not count; a frame much noisier than the others makes their mean worse.
 //! Without exposures `gain-flicker` has 984 false features a megapixel at the strict gate, not 6; without noise by
@@ -33,9 +32,9 @@ pub enum LeftOut {
 pub struct FrameFacts {
     /// Exposure relative to the others'; 1 where no flicker was found.
     pub gain: f32,
-    /// Variance of the noise relative to that of a usual frame.
+    /// Variance of the noise relative to that of a usual frame; exactly 1 where they differ by under 15 %.
     pub relative_variance: f32,
-    /// Reason why it takes no part; `None` if it does.
+    /// Reason why the frame takes no part; `None` where it does.
     pub left_out: Option<LeftOut>,
 }
 
@@ -48,17 +47,17 @@ pub struct FrameSurvey {
     pub drift: f32,
     /// Correlation of the noise of frames that are 1, 2, … frames apart; empty where none was found.
     pub correlations: Vec<f32>,
-    /// Flat squares and the mean variance of a frame in them, where there are correlations.
+    /// Flat squares and a frame's mean variance in them, where frames are correlated.
     pub(super) flat: (Vec<usize>, f32),
 }
 
 /// Spread of exposures above which frames flicker; moving objects cause a smaller spread.
 const MIN_FLICKER: f32 = 0.015;
-/// Spread of exposures, in standard errors of a frame's mean brightness, up to which it is noise and no flicker.
+/// Spread of exposures, in standard errors of a frame's mean brightness, up to which the spread is noise.
 const SURE_OF_FLICKER: f32 = 4.0;
 /// Range of exposures above which a steady change is noticed, if all places share it.
 const MIN_DRIFT: f32 = 0.005;
-/// Ratio of that range to the spread of the places' own changes above which they share it.
+/// Ratio of that range to the spread between places above which all places share the change.
 const SHARED: f32 = 2.0;
 /// Share of the usual brightness below which a frame is black; above its inverse it is flashed.
 const BLACK: f32 = 0.5;
@@ -95,6 +94,7 @@ impl FrameSurvey {
         if squares.frames() < 2 || squares.places.is_empty() {
             return survey;
         }
+        // Each test relies on those before: copies and flashes would spoil the comparison of noise.
         let looks = Looks::new(squares);
         survey.leave_out_empty(&looks);
         survey.leave_out_copies(squares, &looks);
@@ -116,7 +116,7 @@ impl FrameSurvey {
         (mean / usual).clamp(0.02, 1.0)
     }
 
-    /// Share of the variance that all frames have in common where their mean has more than `noise` everywhere; else 0.
+    /// Share of the variance common to all frames, where their mean exceeds `noise` everywhere; else 0.
     pub fn pattern_share(&self, squares: &HighPass, noise: f32) -> f32 {
         let kept = self.kept();
         if kept.len() < 4 || !self.correlations.is_empty() || squares.are_flattened || squares.are_bits || noise <= 0.0
@@ -128,11 +128,12 @@ impl FrameSurvey {
         let all = squares.noise_in(variances.clone()) / noise - 1.0;
         let of_noise = (2.0 / FREE_VALUES).sqrt();
         let error = of_noise * 1.5 / (variances.len() as f32).sqrt();
+        // A pattern is the same everywhere; what is uneven may be texture that stays in place.
         let is_uneven = spread(&sorted(variances)) > EVEN_PATTERN * of_noise;
         if all < SURE_OF_PATTERN * error || is_uneven { 0.0 } else { all / (kept.len() as f32 + all) }
     }
 
-    /// Does nothing for a frame that is left out already, or where only two are kept.
+    /// Does nothing for a frame that is already left out, or where only two are kept.
     fn leave_out(&mut self, t: usize, why: LeftOut) {
         if self.frames[t].left_out.is_none() && self.kept().len() > 2 {
             self.frames[t].left_out = Some(why);
@@ -167,10 +168,11 @@ impl FrameSurvey {
         let mean = |t: usize| squares.brightness[t].iter().sum::<f32>() / squares.places.len() as f32;
         let mut order = self.kept();
         order.sort_by(|&a, &b| mean(a).total_cmp(&mean(b)));
+        // The frame of median brightness: neither a flash nor a black frame.
         let reference = order[order.len() / 2];
         // Around black, where a black level was subtracted, brightness is only noise.
         let least = BRIGHT * (looks.noise[reference] / SQUARE_PIXELS as f32).sqrt();
-        // Of bits the brightest squares of a frame are those with more photons by chance.
+        // The brightest squares of a frame of bits are those with more photons by chance.
         let ratio = |t: usize| match squares.are_bits {
             true => mean(t) / mean(reference),
             false => bright_ratio(&squares.brightness[t], &squares.brightness[reference], least),
@@ -194,6 +196,7 @@ impl FrameSurvey {
         // The median over the squares of a dark frame differs by its noise alone.
         let pixels = (squares.places.len() * SQUARE_PIXELS) as f32;
         let error = SURE_OF_FLICKER * (looks.noise[reference] / pixels).sqrt() / mean(reference);
+        // The spread is taken around a trend, so a steady drift has a test of its own.
         if flicker > MIN_FLICKER.max(error) || drift > 0.0 {
             if flicker > MIN_FLICKER.max(error) {
                 self.flicker = flicker;
@@ -209,10 +212,11 @@ impl FrameSurvey {
         let kept = self.kept();
         let noise = &looks.noise;
         let pairs = kept.windows(2).map(|w| looks.in_pair(squares, w[0], w[1]));
-        // The power of frames beyond that of their differences is texture, the same in all of them.
+        // The power of frames beyond that of their differences is texture, equal in all frames.
         let own: Vec<f32> = kept.iter().map(|&t| noise[t]).collect();
         let in_pairs = median(pairs.collect());
         let texture = (median(own) - in_pairs).max(0.0);
+        // Noise is what texture leaves, which strong texture makes uncertain.
         if in_pairs <= 0.0 || texture > 3.0 * in_pairs {
             return;
         }
@@ -226,6 +230,7 @@ impl FrameSurvey {
             let relative = variances[t] / usual;
             self.frames[t].relative_variance = if (relative - 1.0).abs() < SAME_VARIANCE { 1.0 } else { relative };
         }
+        // The mean of n frames has Σσ²/n²: leaving out a noisy frame may lower it.
         let mut quietest = kept.clone();
         quietest.sort_by(|&a, &b| variances[a].total_cmp(&variances[b]));
         let sum = |n: usize| quietest[..n].iter().map(|&t| self.frames[t].relative_variance).sum::<f32>();
@@ -255,7 +260,7 @@ impl FrameSurvey {
         let usual = median(powers.clone());
         let beyond_quiet = median(powers.iter().zip(&quiet).map(|(power, quiet)| power - quiet).collect());
         let difference = median(powers.iter().map(|power| (power - usual).abs()).collect());
-        // A blurred frame has only noise, so its power is the noise, or more.
+        // A blurred frame shows noise alone, so the lowest power is the noise, or more.
         let noise = quiet.iter().copied().fold(f32::INFINITY, f32::min);
         let texture = usual - noise;
         if texture <= MIN_TEXTURE * noise || beyond_quiet <= UNEVEN * median(quiet.clone()) {
@@ -274,13 +279,13 @@ impl FrameSurvey {
 
 const MIN_CORRELATION: f32 = 0.15;
 
-/// Variances in the squares of single frames and of differences of neighbours.
+/// Variances in the squares, of single frames and of differences of neighbours.
 struct Looks {
     /// By frame and square.
     frames: Vec<Vec<f32>>,
-    /// Of the quiet squares, by frame.
+    /// By frame, from the quiet squares.
     noise: Vec<f32>,
-    /// Of each frame's difference to the next, by square.
+    /// Of each frame's difference to the next, by frame and square.
     pairs: Vec<Vec<f32>>,
     /// Of the quiet squares of these differences.
     in_pairs: Vec<f32>,
@@ -301,11 +306,12 @@ impl Looks {
     }
 }
 
-/// The median over the squares in which the reference is brighter than `least`, weighted by its brightness.
+/// Median ratio over the squares in which the reference is brighter than `least`, weighted by brightness.
 fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
     let mut ratios: Vec<(f32, f32)> =
         squares.iter().zip(reference).filter(|(_, r)| **r > least).map(|(x, r)| (x / r, *r)).collect();
     ratios.sort_by(|a, b| a.0.total_cmp(&b.0));
+    // A median with half of the brightness on each side: bright squares tell a ratio best.
     let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f32>();
     let mut so_far = 0.0;
     for (ratio, weight) in ratios {
@@ -322,7 +328,7 @@ fn shared_drift(squares: &HighPass, kept: &[usize], gains: &[f32], least: f32) -
     if kept.len() < 3 || squares.are_bits {
         return 0.0;
     }
-    // Three frames together, so that noise counts less.
+    // Means of three frames, so that noise counts less.
     let around = |i: usize| &kept[i.saturating_sub(1)..(i + 2).min(kept.len())];
     let gain = |i: usize| around(i).iter().map(|&t| gains[t]).sum::<f32>() / around(i).len() as f32;
     let mut order: Vec<usize> = (0..kept.len()).collect();
@@ -360,18 +366,17 @@ const SURE_OF_PATTERN: f32 = 6.0;
 /// Spread of the squares, relative to that of noise, up to which the pattern is the same everywhere.
 const EVEN_PATTERN: f32 = 1.25;
 
-/// Ratio of the variances that a fifth of the squares exceeds and a fifth falls below, up to which there is no texture.
+/// Ratio of the squares' upper to lower fifth of variances up to which there is no texture.
 const EVEN: f32 = 1.75;
 const MAX_LAG: usize = 16;
 
-/// Correlations of the noise of frames 1, 2, … apart, from the flattest squares, and these with a frame's mean variance
-/// in them. None where shared texture may explain them.
+/// Correlations of the noise of frames 1, 2, … apart, and the flattest squares with their mean variance.
 fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>, (Vec<usize>, f32)) {
     let none = (Vec::new(), (Vec::new(), 0.0));
     if kept.len() < 5 {
         return none;
     }
-    // The squares are chosen by the first frames and measured in the others, so that the choice has no effect.
+    // Chosen by the first frames and measured in the others, so that the choice has no effect.
     let (choosing, measuring) = kept.split_at(2);
     let mean = |variances: &[&[f32]]| -> Vec<f32> {
         let n = variances.len() as f32;
@@ -388,7 +393,7 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     let chosen_by = own(choosing);
     let mut order: Vec<usize> = (0..squares.places.len()).collect();
     order.sort_by(|&a, &b| chosen_by[a].total_cmp(&chosen_by[b]));
-    // Where frames have noise in common the choice does bias it: without texture all squares are taken.
+    // Where frames share noise the choice does bias the result: without texture all squares are taken.
     let flat = if spread(of_frames.clone()) < EVEN { &order[..] } else { &order[..order.len().div_ceil(3)] };
     let in_flat = |variances: &[f32]| flat.iter().map(|&i| variances[i]).sum::<f32>() / flat.len() as f32;
     let own = in_flat(&of_frames);
@@ -401,7 +406,7 @@ fn correlations(squares: &HighPass, looks: &Looks, kept: &[usize]) -> (Vec<f32>,
     if shared <= MIN_CORRELATION || spread(flat.iter().map(|&i| of_frames[i]).collect()) >= EVEN {
         return none;
     }
-    // From all frames, relative to their mean variance: so the sum over all lags is the variance of the frames' mean.
+    // Relative to the mean variance of all frames, so that the sum over lags is the variance of their mean.
     let alone = |t: usize| in_flat(&looks.frames[t]);
     let usual = kept.iter().map(|&t| alone(t)).sum::<f32>() / kept.len() as f32;
     let at_lag = |lag: usize| {

@@ -19,7 +19,7 @@ pub const SQUARE_PIXELS: usize = 4 * AREA;
 const MAX_SQUARES: usize = 512;
 /// Maximum number of squares of a lattice, about: those of a million pixels.
 const MAX_DENSE: usize = 4096;
-/// Variance of the filtered values for white noise of variance 1: the mask's squares sum to 36, over four pixels.
+/// Variance of the filtered values of white noise of variance 1: the mask's squares sum to 36, over four pixels.
 const GAIN: f32 = 9.0;
 /// Effective number of independent values of a square: Σρ² of the filter's values over it is 3.31.
 pub const FREE_VALUES: f32 = AREA as f32 / 3.31;
@@ -28,7 +28,7 @@ pub const FREE_VALUES: f32 = AREA as f32 / 3.31;
 pub struct HighPass {
     /// Centre of each square, image pixels.
     pub places: Vec<(f32, f32)>,
-    /// First column and row of each square in the image, with the surrounding pixels that the filter needs.
+    /// First column and row of each square in the image, with the border that the filter needs.
     corners: Vec<(usize, usize)>,
     values: Vec<Vec<f32>>,
     /// Mean of each square by frame, fraction of full scale.
@@ -77,7 +77,7 @@ impl HighPass {
         Self { places, corners, values, brightness, ..*self }
     }
 
-    /// Variance of the noise from all squares: of the quiet ones, or, where a codec flattened those, their mean.
+    /// Variance of the noise from the quiet squares, or from all where a codec or bits make quiet squares mean nothing.
     pub fn noise_in(&self, variances: Vec<f32>) -> f32 {
         if self.are_flattened || self.are_bits {
             variances.iter().sum::<f32>() / variances.len().max(1) as f32
@@ -104,7 +104,7 @@ impl HighPass {
     }
 
     /// Variance of one frame's noise in each square: the mean over `contrasts` of `frames`, read where the scene has
-    /// moved unless a mask hides it there. NaN in squares that are hidden themselves.
+    /// moved unless a mask hides it there. NaN in hidden squares.
     pub fn still_variances(
         &self,
         frames: &[&Plane],
@@ -123,12 +123,14 @@ impl HighPass {
                 if contrast.iter().any(|&(t, _)| hides((t, (u, v)))) {
                     return f32::NAN;
                 }
+                // In place, the filtered values are known already.
                 if shifts.iter().all(|&by| by == (0, 0))
                     || contrast.iter().zip(places()).any(|(&(t, _), at)| hides((t, at)))
                 {
                     return self.power(contrast, square);
                 }
                 let mut patch = Patch::default();
+                // Elsewhere the patches are combined before the filter, which is linear: once instead of three times.
                 for (&(t, weight), at) in contrast.iter().zip(places()) {
                     let of_frame = halved_patch(frames[t], at);
                     patch.iter_mut().flatten().zip(of_frame.iter().flatten()).for_each(|(sum, x)| *sum += weight * x);
@@ -185,7 +187,7 @@ fn corners((width, height): (usize, usize)) -> Vec<(usize, usize)> {
     let (columns, rows) = (inner(width), inner(height));
     let total = columns * rows;
     let count = total.min(MAX_SQUARES);
-    // Evenly spaced among all squares; the chosen columns are shifted from row to row.
+    // Evenly spaced among all squares; columns are shifted from row to row, so that no column is preferred.
     (0..count)
         .map(|i| {
             let index = (i as u64 * total as u64 / count as u64) as usize;
@@ -200,7 +202,6 @@ fn corners((width, height): (usize, usize)) -> Vec<(usize, usize)> {
 const PATCH: usize = SIDE + 2;
 type Patch = [[f32; PATCH]; PATCH];
 
-/// Pixels of the square at a corner, with those that its filter needs.
 fn around_square((u, v): (usize, usize)) -> Region {
     Region { columns: u..u + 2 * PATCH, rows: v..v + 2 * PATCH }
 }
@@ -229,9 +230,9 @@ fn filter(patch: &Patch, give: &mut impl FnMut(f32)) {
     }
 }
 
-/// Noise variance from the quieter part of squares' variances, since texture may add to the others: the mean of the
-/// lowest seven tenths over its expected value for noise alone. The variances of `free` independent values spread by
-/// √(2/`free`), and the mean of the lowest seven tenths of that χ² lies 0.51 of it below the mean.
+/// Noise variance from the quieter part of squares' variances, since texture adds to the others: the mean of the lowest
+/// seven tenths over its value expected of noise alone. Variances of `free` independent values spread by √(2/`free`),
+/// and the mean of the lowest seven tenths of that χ² lies 0.51 of the spread below the mean.
 pub fn quiet_variance(mut variances: Vec<f32>, free: f32) -> f32 {
     let count = (variances.len() * 7).div_ceil(10);
     if count == 0 {
@@ -255,7 +256,7 @@ pub fn quantile(sorted: &[f32], part: f32) -> f32 {
     sorted[((sorted.len() - 1) as f32 * part).round() as usize]
 }
 
-/// Relative standard deviation of sorted values, from their quartiles: those of a normal one are 1.35 of it apart.
+/// Relative standard deviation of sorted values, from their quartiles: those of a normal distribution lie 1.35σ apart.
 pub fn spread(sorted: &[f32]) -> f32 {
     let part = |part| quantile(sorted, part);
     (part(0.75) - part(0.25)) / (1.35 * part(0.5).max(f32::MIN_POSITIVE))

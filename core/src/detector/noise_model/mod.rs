@@ -2,8 +2,8 @@
 //!
 //! Real noise is not white noise of one strength: it grows with brightness and differs by place (`variance`), is
 //! correlated and has long tails where files were compressed (`spectrum`); frames repeat others, are black or too noisy
-//! (`frames`), and a sensor has a pattern of its own (`fixed_pattern`). [`examine()`] finds all of it from the burst
-//! alone and gives a [`NoiseModel`], with a [`NoiseWarning`] for each assumption that fails.
+//! (`frames`), and a sensor has a pattern of its own (`fixed_pattern`). [`examine()`] measures all of these from the
+//! burst alone and returns a [`NoiseModel`], with a [`NoiseWarning`] for each assumption that fails.
 
 mod changing_lines;
 mod codec;
@@ -35,21 +35,21 @@ use codec::InBlock;
 use reading::{BoxPyramid, REACH, sample_at};
 use serde::Serialize;
 
-/// Noise of a burst.
+/// Noise of a burst: σ_D for a scale and slope by [`sigma_d`](NoiseModel::sigma_d), by place with `place_factor`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct NoiseModel {
     /// Standard deviation of the noise of one frame at its middle brightness, fraction of full scale.
     pub frame_noise: f32,
     /// Whether the noise may differ from white noise of that one standard deviation.
     pub is_local: bool,
-    /// Variance over brightness.
+    /// Variance of one frame's noise over brightness.
     pub transfer: PhotonTransfer,
     /// Variance relative to that predicted by the brightness, by place; `None` where it is 1 everywhere.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub excess: Option<ExcessMap>,
     /// Noise by octave, from the first one that is searched, and by level.
     pub levels: Vec<Vec<LevelNoise>>,
-    /// Facts on the used frames.
+    /// Exposure and noise of the used frames, and why some take no part.
     pub frames: Vec<FrameFacts>,
     /// Correlation of the noise of frames that are 1, 2, … frames apart; empty where there is none.
     pub correlations: Vec<f32>,
@@ -62,9 +62,9 @@ pub struct NoiseModel {
     /// Flattening of blocks by the codec of the frames' files; `None` where there is none.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub flattened: Option<Flattened>,
-    /// Fixed pattern of the sensor, which has been removed.
+    /// Fixed pattern of the sensor, already removed from the cleaned frames.
     pub pattern: FixedPattern,
-    /// Assumptions that do not hold.
+    /// Assumptions about the noise that do not hold, with remedies.
     pub warnings: Vec<NoiseWarning>,
     #[serde(skip)]
     brightness: Brightness,
@@ -73,7 +73,7 @@ pub struct NoiseModel {
 /// Brightness of the frames by place, and values derived from it for the search.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Brightness {
-    /// Of some of the frames, with their indices among those that take part; empty where the noise is uniform.
+    /// Of some of the frames, with their indices among the kept frames; empty where the noise is uniform.
     pyramids: Vec<(usize, BoxPyramid)>,
     /// Smallest variance of one frame's noise, for each octave from `first_octave` on.
     min_variance: Vec<f32>,
@@ -83,10 +83,10 @@ struct Brightness {
     first_octave: i32,
 }
 
-/// Relative growth of the gate where all noise is cut off on one side: the rest is skewed, and so, a little, is D.
+/// Relative growth of the gate where all noise is cut off on one side: the rest is skewed, and a little so is D.
 const SKEWED: f32 = 0.12;
-/// Relative growth of the gate for each unit by which the logarithm of the noise, relative to white noise, rises over
-/// an octave: correlated noise falls more slowly with scale, so that more of its extremes beat the finer level too.
+/// Relative growth of the gate per unit by which the logarithm of the noise, relative to white noise, rises over an
+/// octave: correlated noise falls more slowly with scale, so that more extrema beat the finer level too.
 const RISING: f32 = 0.12;
 const FRAMES_SAMPLED: usize = 4;
 /// Rounding error of D relative to the brightest value: two steps of `f32`.
@@ -111,6 +111,7 @@ impl NoiseModel {
         (slope, offsets): (Slope, &[FrameOffset]),
         gate: f32,
     ) -> f32 {
+        // White noise first; each way in which noise is not white is a factor on its variance or its gate.
         let white = dog_noise_variance(space, octave, f64::from(level), offsets);
         if !self.is_local {
             return self.frame_noise * white.sqrt() as f32;
@@ -126,15 +127,17 @@ impl NoiseModel {
         let tails = match self.flattened {
             Some(_) => {
                 let in_block = InBlock::of_filter(low, high);
-                // At a place that the block favours in all frames the noise is stronger, not rarer.
+                // At a place that blocks favour in all frames the noise is stronger, not rarer.
                 let of_time = 3.0 * (noise.excess_kurtosis + 3.0) / (in_block.kurtosis() + 3.0) - 3.0;
                 let shifts = offsets.iter().map(|o| (o.whole_u as f32 + o.part_u, o.whole_v as f32 + o.part_v));
                 codec::rare(of_time, offsets.len(), gate) * in_block.largest(shifts).sqrt() - 1.0
             }
             None => noise.excess_kurtosis / offsets.len() as f32 / 24.0 * (gate * gate - 3.0).max(0.0),
         };
+        // The gate itself cannot differ by scale, so growth of the gate is put into σ.
         let sigma = (of_frames + self.stripes_left(space, octave, level)).sqrt()
             * (1.0 + tails + skewed + RISING * self.rise(octave));
+        // Without noise rounding alone makes extrema of D, which must not pass.
         sigma.max(ROUNDING * self.brightness.brightest)
     }
 
@@ -161,6 +164,7 @@ impl NoiseModel {
             sum += self.variance_at(pyramid, Some(octave), at);
             count += 1;
         }
+        // A place outside all sampled frames gets the least noise.
         if count == 0 || min <= 0.0 { 1.0 } else { (sum / (count as f32 * min)).sqrt().max(1.0) }
     }
 
@@ -212,7 +216,7 @@ impl NoiseModel {
         ((octave - self.brightness.first_octave).max(0) as usize).min(last)
     }
 
-    /// Variance that the smooth part of stripes leaves in D: that of white ones after the mean over the columns around.
+    /// Variance that the smooth part of stripes leaves in D: that of white stripes after the mean over REACH columns.
     fn stripes_left(&self, space: &ScaleSpace, octave: i32, level: i32) -> f32 {
         let of = |stripes: &Option<Stripes>| stripes.as_ref().map_or(0.0, |s| s.deviation.powi(2));
         let changing = |lines: &Option<ChangingLines>| match lines {
@@ -228,6 +232,7 @@ impl NoiseModel {
         }
         let [low, high] = [0, 1].map(|up| space.sigma_image(octave, f64::from(level + up)));
         let window = (2 * REACH + 1) as f64;
+        // The midpoint rule over frequencies up to Nyquist; the midpoint avoids 0/0 at frequency 0.
         const STEPS: usize = 512;
         let step = std::f64::consts::PI / STEPS as f64;
         let energy: f64 = (0..STEPS)
@@ -242,8 +247,8 @@ impl NoiseModel {
         variance * energy as f32
     }
 
-    /// Variance in the mean of `frames` frames relative to that of independent ones whose differences show as much
-    /// noise: what stays at `speed` px/frame counts again as far as the filter (variances, pixels²) reaches.
+    /// Variance in the mean of `frames` frames relative to that of independent ones whose differences show as much:
+    /// noise that stays at `speed` px/frame counts again as far as the filter (variances, pixels²) reaches.
     fn repeated_over_time(&self, frames: usize, speed: f32, filter: [f32; 2]) -> f32 {
         if self.correlations.is_empty() && self.pattern_share == 0.0 {
             return 1.0;
@@ -257,6 +262,7 @@ impl NoiseModel {
             (1.0 - lag / frames as f32).max(0.0) * correlation * (overlap(lag * speed) / overlap(0.0)).max(0.0)
         };
         if self.correlations.is_empty() {
+            // A pattern correlates at every lag alike; the measured differences of frames lack it.
             let always = std::iter::repeat_n(self.pattern_share, frames.saturating_sub(1));
             return (1.0 + 2.0 * always.enumerate().map(shared).sum::<f32>()).max(1.0) / (1.0 - self.pattern_share);
         }

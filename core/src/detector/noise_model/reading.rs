@@ -1,5 +1,5 @@
 //! Single pass over the frames that are examined closely, row by row: pyramids of means over squares of 2, 4, 8 …
-//! pixels and, for the sensor's pattern, the means of columns and rows, and pixels that stand out of their row.
+//! pixels and, for the sensor's pattern, the means of lines, and pixels that stand out of their row.
 
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
@@ -33,7 +33,7 @@ pub fn lines_of(frame: &Plane) -> [Lines; 2] {
     [found.columns.swap_remove(0), found.rows.swap_remove(0)]
 }
 
-/// Bands of rows of an image; each begins at an even row.
+/// Bands of rows of an image; each begins at an even row, so that pairs of rows stay together.
 fn cuts(height: usize) -> Vec<Range<usize>> {
     let cut = |i: usize| if i == BANDS { height } else { i * height / BANDS / 2 * 2 };
     (0..BANDS).map(|i| cut(i)..cut(i + 1)).collect()
@@ -47,7 +47,7 @@ struct Band {
 
 impl Reading {
     /// Reads `frames` of one size (at least 2×2 pixels) into pyramids of `levels` levels; with `stands_out`, from at
-    /// least two frames, also the pattern's data, and the pixels whose mean differs by more from those beside.
+    /// least two frames, also the pattern's data and the pixels whose mean differs by more from both beside.
     pub fn new(
         frames: &[&Plane],
         levels: usize,
@@ -58,6 +58,7 @@ impl Reading {
         let bands = cuts(height);
         let mut halved: Vec<Plane> = frames.iter().map(|_| Plane::zeros(width / 2, height / 2)).collect();
         let mut parts: Vec<Vec<&mut [f32]>> = bands.iter().map(|_| Vec::with_capacity(frames.len())).collect();
+        // Bands write disjoint parts of the halved frames, so that threads need no lock.
         for plane in &mut halved {
             let mut rest = plane.data_mut();
             for (part, band) in parts.iter_mut().zip(&bands) {
@@ -144,6 +145,7 @@ fn add(sums: &mut [f32], row: &[f32]) {
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn sum_of(values: &[f32]) -> f32 {
+    // Sixteen partial sums: a single one fixes an order of additions that vector lanes cannot follow.
     let (parts, rest) = values.as_chunks::<16>();
     let mut sums = [0.0f32; 16];
     for part in parts {
@@ -176,7 +178,7 @@ fn note_standing_out(row: &[f32], v: usize, limit: f32, out: &mut Vec<(usize, us
     if n < 3 {
         return;
     }
-    // Pixels at the ends have one neighbour.
+    // A pixel at an end has one neighbour, which stands for both.
     if is_out(row[1], row[0], row[1], limit) {
         out.push((0, v));
     }
@@ -259,7 +261,7 @@ pub fn sample_at(plane: &Plane, square: f32, u: f32, v: f32) -> f32 {
     (1.0 - fy) * along(y) + fy * along(below)
 }
 
-/// Number of columns to each side from whose mean an offset is measured: slower changes may be the scene.
+/// Number of columns to each side in the mean from which an offset is measured: slower changes may be the scene.
 pub const REACH: usize = 16;
 
 pub(super) fn less_local_mean(values: &[f32]) -> Vec<f32> {

@@ -2,9 +2,9 @@
 //!
 //! Correlated noise leaves more at coarse levels than white noise, and noise that files round away less at fine ones.
 //! So contrasts of frames are filtered as in the search, in tiles spread over the image. The tails are measured too:
-//! JPEG files keep few coefficients, so that their noise is rare and strong. Structures that move in several ways at
-//! once do not cancel everywhere, and can only add: where tiles differ more than noise does, their quiet part is taken,
-//! at most what finer levels predict. Without this `correlated` has 12 991 false features a megapixel, not 6.
+//! JPEG files keep few coefficients, whose noise is rare and strong. Structures with several motions do not cancel
+//! everywhere, and can only add: where tiles differ more than noise does, their quiet part is taken, at most what finer
+//! levels predict. Without this `correlated` has 12 991 false features a megapixel, not 6.
 
 use super::contrast::{Contrast, Pixels as Source, SceneMotion, shifts};
 use super::high_pass::{quantile, quiet_variance, sorted, spread};
@@ -24,10 +24,10 @@ use rayon::prelude::*;
 use serde::Serialize;
 use std::ops::Range;
 
-/// Noise of one level.
+/// Noise of one DoG level.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct LevelNoise {
-    /// Variance of D over that of white noise.
+    /// Variance of D over that of white noise; the finer level's where no tile is measured.
     pub over_white: f32,
     /// Excess kurtosis of D in one frame: 0 for a normal distribution.
     pub excess_kurtosis: f32,
@@ -45,7 +45,7 @@ const MIN_OVER_WHITE: f32 = 0.02;
 const MAX_KURTOSIS: f32 = 8.0;
 /// Number of independent values in a tile below which the kurtosis is derived from the finer level's.
 const FREE_FOR_KURTOSIS: f32 = 40.0;
-/// Kurtosis up to which it is not distinguished from 0, and largest standard error at which it is measured.
+/// Kurtosis up to which noise counts as normal, and largest standard error of a measured kurtosis.
 const MIN_KURTOSIS: f32 = 0.3;
 /// Kurtosis of one frame relative to that of a combination of frames with weights 1, −2, 1, or 1, −1.
 const OF_ONE_FRAME: f32 = 2.0;
@@ -124,7 +124,7 @@ fn level_noise(
     Some(LevelNoise { over_white: (1.0 + off * trust).max(MIN_OVER_WHITE), excess_kurtosis: kurtosis })
 }
 
-/// Noise of a level from its tiles, all of them, where a codec made it rare. `None` where there is no tile.
+/// Noise of a level from the mean of all tiles, where a codec made it rare. `None` where there is no tile.
 fn rare_noise(tiles: &[TileMoments], level: usize) -> Option<LevelNoise> {
     let mean = |of: fn((f32, f32)) -> f32| {
         tiles.iter().map(|tile| f64::from(of(tile.levels[level]))).sum::<f64>() / tiles.len() as f64
@@ -142,7 +142,7 @@ fn rare_noise(tiles: &[TileMoments], level: usize) -> Option<LevelNoise> {
 const TILE: usize = 64;
 /// Side of a tile of later octaves, octave pixels. Both are halved in octaves with fewer than [`MIN_TILES`] tiles.
 const COARSE_TILE: usize = 48;
-/// Number of tiles that an octave should have, to tell moving structures from noise.
+/// Number of tiles that an octave should have to separate moving structures from noise.
 const MIN_TILES: usize = 6;
 /// Number of pixels of the first octave that are measured, about, for an error of three percent.
 const PIXELS: usize = 32_768;
@@ -159,12 +159,12 @@ const MIN_SIDE: usize = 16;
 
 #[derive(Clone, Copy)]
 pub struct Sources<'a> {
-    /// Frames that take part, cleaned, in time order; at least two.
+    /// Kept frames, cleaned, in time order; at least two.
     pub frames: &'a [&'a Plane],
     pub contrasts: &'a [Contrast],
     /// Pyramids of the frames, as far as the octaves that are searched, and the scene's motion in them.
     pub motion: SceneMotion<'a>,
-    /// Variance of the white noise of one frame in a region of the image, in (fraction of full scale)².
+    /// Variance of the white noise of one frame in a region of the image, (fraction of full scale)².
     pub variance_in: &'a (dyn Fn(&Region) -> f32 + Sync),
     /// Whether a codec flattened most of the blocks, so that what is left of the noise is rare.
     pub are_flattened: bool,
@@ -187,12 +187,11 @@ pub fn tiles_of_octave(
     monitor.check()?;
     let is_first = octave == space.first_octave;
     let is_skipped = space.skip() > 1;
-    // Where the first octave skips pixels, its noise is white for the octaves after it.
+    // If the first octave skips pixels, its noise is white for the octaves after it.
     if (is_skipped && !is_first) || octave - space.first_octave >= OCTAVES {
         return Ok(Vec::new());
     }
-    // Octaves that are binned or come after the first are made from means over squares; the base kernel accounts for
-    // their blur.
+    // Binned octaves and those after the first read means over squares; the base kernel accounts for their blur.
     let first = is_first && !space.bins();
     let halvings = if is_skipped { 0 } else { octave.max(0) as usize };
     let pyramids = sources.motion.pyramids;
@@ -216,6 +215,7 @@ pub fn tiles_of_octave(
     let motion = sources.motion.for_octave(octave);
     let contrasts = sources.contrasts;
     let pixels: usize = regions.iter().map(|r| r.columns.len() * r.rows.len()).sum();
+    // A small octave uses more contrasts at each tile, to reach as many values.
     let rounds = (wanted / pixels.max(1)).clamp(1, contrasts.len());
     let one_frame = frame_offsets(&Positions::even(1), Slope::default(), Interpolation::Linear);
     let white = |level: f64| {
@@ -228,9 +228,10 @@ pub fn tiles_of_octave(
         let variance = (sources.variance_in)(&in_image);
         let of_region = motion.slope_in(&in_image);
         let of_round = |round: usize| {
+            // The next tile starts with the next contrast, so that all frames take part.
             let contrast = &contrasts[(index + round) % contrasts.len()];
             let is_seen = is_seen_along(frames, contrast, sources.motion.offsets, of_region, &in_image);
-            // Where a mask hides what has moved, frames are compared where they are.
+            // Where a mask hides the moved structure, frames are compared in place.
             let slope = if is_seen { of_region } else { Slope::default() };
             let Scratch { filter, dog, single, input } = &mut *scratch;
             source.contrast((contrast, sources.motion.offsets, slope), &filters.inputs(region), (&mut *input, single));
@@ -247,7 +248,6 @@ pub fn tiles_of_octave(
     Ok(tiles.concat())
 }
 
-/// Whether the frames of a contrast see `region` where it has moved by `slope`.
 fn is_seen_along(
     frames: &[&Plane],
     contrast: &Contrast,
@@ -307,7 +307,7 @@ fn regions((width, height): (usize, usize), tile: usize, pixels: usize) -> Vec<R
         .map(|i| {
             let index = i * all / count;
             let row = index / columns.len();
-            // Shifted from row to row, so that no column of tiles is preferred.
+            // Columns are shifted from row to row, so that no column of tiles is preferred.
             let column = if count < all { (index + 3 * row) % columns.len() } else { index % columns.len() };
             Region { columns: columns[column].clone(), rows: rows[row].clone() }
         })
@@ -347,7 +347,7 @@ fn moments(dog: &DogTile, region: &Region, white: &[f64], frame: f32) -> TileMom
         let (mut second, mut fourth) = (0.0f64, 0.0f64);
         for v in region.rows.clone() {
             let (mut row_second, mut row_fourth) = (0.0f32, 0.0f32);
-            // In units of the expected deviation, so that fourth powers stay within the range of f32.
+            // In units of the expected deviation: fourth powers stay within the range of f32.
             let scale = 1.0 / (f64::from(frame.max(f32::MIN_POSITIVE)) * white).sqrt() as f32;
             for x in dog.levels[index + 1].row(v) {
                 let square = (x * scale) * (x * scale);

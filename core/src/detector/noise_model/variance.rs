@@ -2,11 +2,10 @@
 //!
 //! Photon transfer: variance = a·I + b, since the number of photons varies by its square root; reading out adds b. The
 //! quiet part of each group of equally bright squares gives a point. The line is fitted by the median slope between any
-//! two (Theil–Sen), then by iteratively reweighted least squares, in which groups far from the line do not count.
-//!
-//! By place: the excess is the median, over the nine squares around, of the variance over the predicted one. Squares
-//! that differ from a steady rise by more than noise have texture or lie across a border: they take the largest excess
-//! of trusted neighbours. Without the map `varying-6` has 734 false features a megapixel at the strict gate, not 6.
+//! two (Theil–Sen), then by iteratively reweighted least squares, in which groups far from the line do not count. By
+//! place: the excess is the median, over the nine squares around, of the variance over the predicted one. Squares that
+//! differ from a steady rise by more than noise have texture or lie across a border: they take the largest excess of
+//! trusted neighbours. Without the map `varying-6` has 734 false features a megapixel at the strict gate, not 6.
 
 use super::high_pass::{Lattice, around, median, quiet_variance, sorted, spread};
 use super::reading::sample_at;
@@ -15,7 +14,7 @@ use crate::plane::blur::{GaussianKernel, gaussian_blur};
 use serde::{Serialize, Serializer};
 use std::f64::consts::TAU;
 
-/// Variance over brightness.
+/// Variance of one frame's noise over brightness: a line, or the parabola of bits.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct PhotonTransfer {
     /// a: variance per brightness, fraction of full scale: one over the electrons at full scale. At least 0.
@@ -24,7 +23,7 @@ pub struct PhotonTransfer {
     pub dark: f32,
     /// Lower bound of the variance, in (fraction of full scale)².
     pub min: f32,
-    /// Value of a pixel that is set, where a pixel is that or 0: the variance at I is then I·(value − I).
+    /// Value of a set pixel, where pixels are 0 or that value: the variance at I is then I·(value − I).
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bit: Option<f32>,
     /// Points to which the line was fitted, from dark to bright.
@@ -38,7 +37,7 @@ pub struct TransferPoint {
     pub brightness: f32,
     /// Variance of the noise of one frame, in (fraction of full scale)².
     pub variance: f32,
-    /// Number of squares.
+    /// Number of squares in the group, its weight in the fit.
     pub squares: usize,
 }
 
@@ -46,7 +45,7 @@ pub struct TransferPoint {
 const MIN_SQUARES: usize = 24;
 const MAX_GROUPS: usize = 16;
 const FAR: f64 = 0.4;
-/// Minimum span of the groups, in standard deviations of a square's brightness: those of one brightness differ by four.
+/// Minimum span of the groups, in standard deviations of a square's brightness: equal brightnesses span four.
 const MIN_SPAN: f64 = 7.0;
 const FITS: usize = 12;
 
@@ -72,8 +71,8 @@ impl PhotonTransfer {
         Self { slope, dark, min, bit: None, points }
     }
 
-    /// Curve of pixels that are 0 or `bit`: with a probability I/bit of being set the variance is I·(bit − I), and slope
-    /// and offset those of few photons. Only the darkest groups say how small it becomes.
+    /// Curve of pixels that are 0 or `bit`: a pixel is set with probability I/bit, so the variance is I·(bit − I). Only
+    /// the darkest groups show how small it becomes.
     pub(super) fn of_bits(self, bit: f32) -> Self {
         let of_bits = Self { slope: bit, dark: 0.0, min: 0.0, bit: Some(bit), points: self.points };
         let least = of_bits.points.iter().map(|p| of_bits.variance(p.brightness)).reduce(f32::min);
@@ -87,7 +86,7 @@ impl PhotonTransfer {
 
     /// Relative growth of a gate of `gate` standard deviations by the skewness of the mean of `frames` frames of bits,
     /// in the darkest or brightest group, behind the difference of two Gaussians of `variances`, pixels²: the first
-    /// term of Cornish and Fisher's expansion. 0 for noise that is not of bits.
+    /// term of the Cornish–Fisher expansion. 0 for noise that is not of bits.
     pub(super) fn skewed(&self, [low, high]: [f64; 2], frames: usize, gate: f32) -> f32 {
         let Some(bit) = self.bit else { return 0.0 };
         let of_pixel = |p: &TransferPoint| (bit - 2.0 * p.brightness).abs() / self.variance(p.brightness).sqrt();
@@ -101,7 +100,7 @@ impl PhotonTransfer {
         skewness * left as f32 * (gate * gate - 1.0).max(0.0) / (6.0 * gate.max(1.0))
     }
 
-    /// Variance of the noise of one frame at brightness `brightness`.
+    /// Variance of the noise of one frame at `brightness`, both as fractions of full scale; at least `min`.
     pub fn variance(&self, brightness: f32) -> f32 {
         let variance = match self.bit {
             Some(bit) => brightness * (bit - brightness),
@@ -123,6 +122,7 @@ fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
     if f64::from(span) < MIN_SPAN * (mean / pixels as f64).sqrt() {
         return (0.0, mean as f32);
     }
+    // Started from medians: least squares alone would follow groups of texture and stay there.
     let (mut a, mut b) = median_line(points);
     let mut error = f64::INFINITY;
     for _ in 0..FITS {
@@ -141,12 +141,14 @@ fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
         if n <= 0.0 {
             break;
         }
+        // One brightness alone determines no slope.
         let across = xx - x * x / n;
         if across <= 1e-12 * xx {
             return (0.0, (y / n) as f32);
         }
         a = (xy - x * y / n) / across;
         b = (y - a * x) / n;
+        // More photons never lower the noise: a falling line has no meaning as a slope.
         if a < 0.0 {
             (a, b) = (0.0, y / n);
         }
@@ -154,7 +156,7 @@ fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
             let expected = (a * f64::from(p.brightness) + b).max(floor);
             p.squares as f64 * (f64::from(p.variance) / expected - 1.0).powi(2).min(FAR * FAR)
         };
-        // The residual expected of noise alone, or the actual one if larger.
+        // The residual expected of noise alone, or the measured one if larger.
         let noise = 2.0 / (0.7 * f64::from(free));
         let left = points.iter().map(off).sum::<f64>() / (points.len() as f64 - 2.0).max(1.0);
         error = (noise.max(left) / across).sqrt();
@@ -189,16 +191,15 @@ pub struct Square {
     pub variance: f32,
 }
 
-/// Variance relative to that predicted by the brightness, by place.
+/// Variance relative to the prediction by brightness, by place: for noise that differs by place more than by light.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ExcessMap {
     /// As measured.
     cells: Plane,
-    /// Values as the filters of octaves 0, 1, … collect them, with cells beside a border raised to the larger side.
+    /// Values as the filters of octaves 0, 1, … collect them; cells beside a border are raised to the larger side.
     by_octave: Vec<Plane>,
-    /// Side of a cell, image pixels.
     cell_px: f32,
-    /// First pixel of the first cell: its middle is that of its square.
+    /// First pixel of the first cell, which has its square in the middle.
     first_px: f32,
 }
 
@@ -221,7 +222,7 @@ const MIN_EXCESS: f32 = 0.2;
 const TRUSTED_ROUGHNESS: f32 = 1.8;
 /// Difference from 1, in units of its error, above which an excess is significant.
 const SURE: f32 = 4.0;
-/// Ratio of a neighbour's excess to its own above which a cell is at a border, and takes the neighbour's.
+/// Ratio of a neighbour's excess to its own above which a cell is at a border and takes the neighbour's.
 const BORDER: f32 = 1.4;
 /// Spread of the squares' excess, relative to that of noise, up to which no map is needed.
 const EVEN_SPREAD: f32 = 1.25;
@@ -243,7 +244,7 @@ impl Square {
 }
 
 impl ExcessMap {
-    /// Excess of the squares of a `lattice`, each of `free` independent values; `None` where there is none, or unknown.
+    /// Excess of the squares of a `lattice`, each of `free` independent values; `None` where none is significant.
     pub(super) fn find(squares: &[Square], lattice: Lattice, transfer: &PhotonTransfer, free: f32) -> Option<Self> {
         let Lattice { columns, rows, pitch } = lattice;
         if columns < 4 || rows < 4 {
@@ -268,6 +269,7 @@ impl ExcessMap {
         }
         let error = 1.25 * (2.0 / free).sqrt() / 3.0;
         let differing = known.iter().filter(|e| (**e - 1.0).abs() > MIN_EXCESS.max(SURE * error)).count();
+        // Single cells exceed any limit by chance, so a twentieth of them must.
         if differing * 20 < known.len() {
             return None;
         }
@@ -281,7 +283,7 @@ impl ExcessMap {
         Some(Self { by_octave: (0..OCTAVES).map(collected).collect(), cells, cell_px, first_px: lattice.first_px() })
     }
 
-    /// Excess of the noise that the filters of `octave` collect around the image's place (u, v); `None`: as measured.
+    /// Excess that the filters of `octave` collect around the image's place (u, v); `None`: as measured.
     pub(super) fn at(&self, octave: Option<i32>, u: f32, v: f32) -> f32 {
         let map = octave.map_or(&self.cells, |octave| &self.by_octave[octave.clamp(0, OCTAVES - 1) as usize]);
         sample_at(map, self.cell_px, u - self.first_px, v - self.first_px)

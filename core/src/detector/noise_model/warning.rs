@@ -8,10 +8,10 @@ use super::variance::ExcessMap;
 use crate::plane::Plane;
 use serde::Serialize;
 
-/// An assumption about the noise that does not hold.
+/// Assumption about the noise that does not hold for a burst.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct NoiseWarning {
-    /// Kind of the assumption.
+    /// Kind of the assumption, for programs; `text` is for people.
     pub kind: WarningKind,
     /// Size of the effect: a count, a share, or a factor, as the text says.
     pub number: f32,
@@ -19,11 +19,11 @@ pub struct NoiseWarning {
     pub text: String,
 }
 
-/// Kinds of assumptions.
+/// Kind of an assumption about the noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WarningKind {
-    /// Frames repeat others.
+    /// Frames repeat earlier ones bit by bit, or nearly.
     DuplicateFrames,
     /// Frames are black, flashed, empty, too noisy or blurred.
     OutlierFrames,
@@ -95,6 +95,7 @@ pub(super) fn of_frames(survey: &FrameSurvey, is_evened: bool) -> Vec<NoiseWarni
             warnings.push(NoiseWarning::new(WarningKind::OutlierFrames, count as f32, text));
         }
     }
+    // Flicker and drift are the same fault to the user, but drift hurts only at borders.
     if survey.flicker > 0.0 {
         let done = if is_evened {
             "were brought to the same brightness; fix the exposure, or give --flicker off to search them as they are"
@@ -175,8 +176,8 @@ pub(super) fn of_pattern(pattern: &FixedPattern) -> Vec<NoiseWarning> {
     warnings
 }
 
-/// False features a megapixel that pass the strict gate on white noise merged from eight frames (`evaluate noise --case
-/// white --method merge --noise-gate strict --frames 0..8`).
+/// False features a megapixel that pass the strict gate on white noise merged from eight frames
+/// (`evaluate noise --case white --method merge --noise-gate strict --frames 0..8`).
 const KEPT_BY_MERGE: f32 = 12.0;
 
 pub(in crate::detector) fn of_merge() -> NoiseWarning {
@@ -192,6 +193,7 @@ pub(super) fn of_spectrum(levels: &[Vec<LevelNoise>]) -> Vec<NoiseWarning> {
     let mut warnings = Vec::new();
     let shared = max(|level| level.over_white);
     let finest = levels.first().and_then(|octave| octave.first()).map_or(1.0, |level| level.over_white);
+    // Raised against the finest level, since a codec lowers fine levels rather than raising coarse ones.
     if shared > 1.4 * finest.min(1.0) {
         let text = format!(
             "neighbouring pixels share their noise: at coarse levels it has {shared:.1} times the variance of white noise; the gate is raised there; \
@@ -228,6 +230,7 @@ pub(super) fn cut_off(frames: &[&Plane], step: f32) -> (f32, Option<NoiseWarning
     let (mut black, mut white, mut count) = (0usize, 0usize, 0usize);
     for frame in frames {
         let rows = || (0..frame.height()).step_by(ROWS_APART).map(|v| frame.row(v));
+        // Where a black level was subtracted the range ends at the least value, not at 0.
         let least = rows().flatten().copied().fold(0.0, f32::min);
         for row in rows() {
             black += row.iter().filter(|&&x| x <= least + 0.5 * step * f32::from(u8::from(least < 0.0))).count();

@@ -4,13 +4,13 @@ use super::{DetectorParams, Param, ParamDoc, SearchParams, doc};
 use crate::error::{Error, Result};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 
-/// A parameter and its new value, as the command line takes it.
+/// Parameter and its new value, as the command line takes it; applied by [`Self::applied`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ParamChange {
-    /// Parameter to change.
+    /// Parameter to change, by name in files.
     #[serde(serialize_with = "name_of", deserialize_with = "parameter_named")]
     pub parameter: Param<SearchParams>,
-    /// New value.
+    /// New value, in the syntax of the option.
     pub value: String,
 }
 

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Value with a few names.
+/// Value with a few names, as options, files and menus show them.
 pub trait Word {
     /// Name on the command line and in files.
     fn word(&self) -> &'static str;
@@ -12,7 +12,7 @@ pub trait Word {
     fn set_word(&mut self, word: &str) -> bool;
 }
 
-/// Gives each variant of a type its name on the command line and its name in the window.
+/// Gives the variants of a type their names on the command line and in the window.
 macro_rules! words {
     ($type:ty, $(($variant:ident, $word:literal, $label:literal)),+) => {
         impl $crate::detector::params::Word for $type {
@@ -54,8 +54,7 @@ pub enum Method {
     Buff,
     /// SIFT on the middle frame of those used: the same detector with one frame and slope 0.
     Sift,
-    /// SIFT on the frames used, merged into one image. [`crate::detect::detect`] aligns and merges them; the detector
-    /// alone takes their plain mean, at slope 0.
+    /// SIFT on the frames used, merged by [`crate::detect::detect`] into one image; the detector alone takes the mean.
     Merge,
 }
 
@@ -98,7 +97,7 @@ pub enum DescribeSlope {
 pub enum Distinct {
     /// All keypoints stay.
     Off,
-    /// The stronger one of keypoints nearer than this many σ of it stays; above 0.
+    /// Of keypoints nearer than this many σ of the stronger one, the stronger stays; above 0.
     Radius(f32),
 }
 
@@ -256,8 +255,7 @@ impl std::str::FromStr for NoiseGate {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum NoiseModelKind {
-    /// The noise as measured in the burst: by brightness, place, octave and level; faulty frames and pixels are left
-    /// out (see [`super::super::noise_model`]).
+    /// Noise as measured in the burst, by brightness, place and scale, without faulty frames and pixels.
     #[default]
     Local,
     /// White noise of one standard deviation.

@@ -69,8 +69,7 @@ impl<S: Default> Default for DetectorParams<S> {
             rules: Rules::BURSTSCOPE,
             max_features: 0,
             max_orientations: 2,
-            // Two scales gave 1.15 to 1.5 times the inliers of one in the dark, a third one 1.0 to 1.1 times as many
-            // again (docs/MEASUREMENTS.md).
+            // Inliers in the dark: two scales 1.15–1.5 times those of one, three 1.0–1.1 of two (docs/MEASUREMENTS.md).
             describe_scales: 2,
             slopes: S::default(),
         }

@@ -27,8 +27,7 @@ pub use rules::Rules;
 pub use slope_grid::{AUTO, MAX_SLOPES, Slope, SlopeAxis, SlopeGrid, Slopes, SlopesPart};
 
 impl<S: Clone> DetectorParams<S> {
-    /// Indices into the burst of the frames that take part: the whole range for BuFF and the merge, its middle frame
-    /// for SIFT.
+    /// Indices into the burst of the frames that take part: the whole range, or its middle frame for SIFT.
     pub fn used_frames(&self, frame_count: usize) -> std::ops::Range<usize> {
         let range = self.frames.map_or(0..frame_count, |r| r.start..r.end.min(frame_count));
         match self.method {
@@ -40,8 +39,8 @@ impl<S: Clone> DetectorParams<S> {
         }
     }
 
-    /// These parameters with those of `other` that change neither a stack nor a sample of D, only the judgement of what
-    /// a search left: see [`Trail::rejudged`](crate::detector::Trail::rejudged).
+    /// These parameters with those of `other` that change neither a stack nor a sample of D, only the judgement after a
+    /// search: see [`Trail::rejudged`](crate::detector::Trail::rejudged).
     pub fn judged_as<T>(&self, other: &DetectorParams<T>) -> Self {
         let &DetectorParams {
             noise_gate, peak_threshold, edge_threshold, distinct, distinct_scale, max_features, ..
@@ -51,6 +50,7 @@ impl<S: Clone> DetectorParams<S> {
 
     /// These parameters with other `slopes`.
     pub fn with_slopes<T>(self, slopes: T) -> DetectorParams<T> {
+        // Field by field, since `..self` cannot change the type of `slopes`; a forgotten field does not compile.
         let Self { method, frames, octaves, levels, first_octave, peak_threshold, noise_gate, noise_model, .. } = self;
         let Self { flicker, edge_threshold, search, slope_extrema, distinct, distinct_scale, rules, .. } = self;
         let Self { max_features, max_orientations, describe_scales, .. } = self;
@@ -92,7 +92,7 @@ impl DetectorParams {
         if self.used_slopes().len() == 1 { SlopeExtrema::Each } else { self.slope_extrema }
     }
 
-    /// Texts of the parameters that decide the result of `stage`: those of this stage and of the ones before it.
+    /// Texts of the parameters that decide the result of `stage`, of this stage and earlier ones.
     pub fn deciding(&self, stage: Stage) -> Vec<String> {
         let params = SearchParams::from(self.clone());
         doc::ALL.iter().filter(|record| record.stage <= stage).map(|record| record.text(&params)).collect()

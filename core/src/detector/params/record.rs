@@ -1,7 +1,6 @@
 //! Record of one parameter: all that the program knows about it, in one place.
 //!
-//! The option of the commands, the row in the window, the changes that advice suggests, the checks, the help texts and
-//! the page of reference are made from a [`Param`].
+//! Options, rows of the window, changes by advice, checks, help texts and the page of reference come from a [`Param`].
 
 use super::{Distinct, FrameRange, NoiseGate, SlopeAxis, Slopes, SlopesPart, Word};
 use crate::error::{Error, Result};
@@ -9,20 +8,20 @@ use crate::files::whole_number;
 use std::fmt;
 use std::ops::{Bound, Deref, RangeBounds, RangeInclusive};
 
-/// Description of one parameter, in the words that help pages, tooltips and error messages show.
+/// Description of a parameter, in the words of help pages, tooltips and error messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ParamDoc {
     /// Name on the command line, without dashes in front; the file's field has `_` for `-`.
     pub name: &'static str,
     /// Name in the window, in sentence case.
     pub label: &'static str,
-    /// Unit of its value; empty where it has none.
+    /// Unit of the value; empty where it has none.
     pub unit: &'static str,
-    /// Name of the entry of the program's glossary that explains it.
+    /// Entry of the program's glossary that explains it.
     pub term: &'static str,
     /// Meaning, as a sentence.
     pub meaning: &'static str,
-    /// Effect of raising (or changing) it.
+    /// Effect of raising (or changing) the value.
     pub effect: &'static str,
 }
 
@@ -54,7 +53,7 @@ pub enum Stage {
     Matching,
 }
 
-/// Value of a parameter, in place.
+/// Value of a parameter, in place, by its type.
 #[allow(missing_docs)] // each is described by the type of its value
 pub enum Field<'a> {
     F32(&'a mut f32),
@@ -77,7 +76,7 @@ pub enum Field<'a> {
 
 /// Value that is written and read in a syntax of its own.
 pub trait TextValue {
-    /// Text of the value.
+    /// Text that [`Self::read`] reads back.
     fn text(&self) -> String;
     /// Reads the value.
     ///
@@ -87,7 +86,6 @@ pub trait TextValue {
 }
 
 impl Slopes {
-    /// A part, in place.
     pub(super) fn field(&mut self, part: SlopesPart) -> Field<'_> {
         match (part, self) {
             (SlopesPart::U, Self::Given(grid)) => Field::Axis(&mut grid.u),
@@ -98,7 +96,6 @@ impl Slopes {
     }
 }
 
-/// Text that stands for all frames.
 const ALL_FRAMES: &str = "all";
 
 impl Field<'_> {
@@ -149,7 +146,7 @@ impl Field<'_> {
         Ok(())
     }
 
-    /// The value as a number, for checks of its range.
+    /// Value as a number, for checks of its range; `None` for other kinds.
     fn number(&self) -> Option<f64> {
         match self {
             Self::F32(x) => Some(f64::from(**x)),
@@ -163,7 +160,6 @@ impl Field<'_> {
         }
     }
 
-    /// Fault of the value by itself, with its remedy.
     fn fault(&self, bounds: Option<&Bounds>) -> Result<(), (String, String)> {
         match (self, self.number(), bounds) {
             (Self::Axis(axis), ..) => axis.check(),
@@ -176,16 +172,16 @@ impl Field<'_> {
         }
     }
 
-    /// Names of the values among which it is chosen: those of the command line, and those of the window.
+    /// Names of the values to choose from: on the command line, and in the window; `None` for other kinds.
     pub fn words(&self) -> Option<&'static [(&'static str, &'static str)]> {
         if let Self::Word(word) = self { Some(word.words()) } else { None }
     }
 }
 
-/// Range of the numbers that a parameter takes; they must be finite too.
+/// Range of the numbers that a parameter takes; NaN and infinity are never allowed.
 #[derive(Debug, Clone, Copy)]
 pub struct Bounds {
-    /// Least and greatest number.
+    /// Least and greatest number, each included, excluded or absent.
     pub range: (Bound<f64>, Bound<f64>),
     /// Remedy that the error gives for other numbers.
     pub remedy: &'static str,
@@ -201,10 +197,10 @@ impl Bounds {
         number.is_finite() && self.range.contains(&number)
     }
 
-    /// Checks a number that `parameter` names.
+    /// Checks a number given for `parameter`.
     ///
     /// # Errors
-    /// Its fault, with the remedy.
+    /// Fault of the number, with the remedy.
     pub fn check(&self, parameter: &'static str, number: f64) -> Result<()> {
         if self.allow(number) {
             return Ok(());
@@ -242,7 +238,7 @@ impl fmt::Display for Bounds {
     }
 }
 
-/// Field of the window for a number, which is dragged or typed.
+/// Field of the window for a number, dragged or typed.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drag {
     /// Change for one point of dragging, in the parameter's unit.
@@ -255,23 +251,23 @@ pub struct Drag {
     pub zero: Option<&'static str>,
 }
 
-/// Record of one parameter of `P`. Two records are equal if they describe the same parameter.
+/// Record of one parameter of `P`. Records are equal if they describe the same parameter.
 pub struct Param<P: 'static> {
-    /// Its description.
+    /// Description for people; the record dereferences to it.
     pub doc: ParamDoc,
     /// Name of the value in help pages, such as N.
     pub placeholder: &'static str,
-    /// Stage that it first decides.
+    /// First stage whose result depends on the value.
     pub stage: Stage,
-    /// Its value in the parameters.
+    /// Accessor of the value in the parameters.
     pub field: fn(&mut P) -> Field<'_>,
     /// Default in words, where it depends on what else is given.
     pub default_words: Option<&'static str>,
-    /// Range of its number.
+    /// Range of the number; `None` where any value that can be read is allowed.
     pub bounds: Option<Bounds>,
     /// Field of the window for its number.
     pub drag: Drag,
-    /// Whether it has an effect with the other parameters.
+    /// Whether the value has an effect beside the other parameters.
     pub in_use: fn(&P) -> bool,
 }
 
@@ -313,7 +309,7 @@ impl<P> Param<P> {
         Self { in_use, ..self }
     }
 
-    /// Sets the value in `params` to what `text` says.
+    /// Sets the value in `params` from `text`.
     ///
     /// # Errors
     /// The fault in `text`; the value is not checked otherwise.
@@ -321,12 +317,13 @@ impl<P> Param<P> {
         (self.field)(params).read(text)
     }
 
-    /// Sets the value in `params` to what `text` says, as an option of the command line does.
+    /// Sets the value in `params` from an option of the command line.
     ///
     /// # Errors
     /// The fault in `text`, with a remedy. The value is checked only for whether it can be read.
     pub fn set(&self, params: &mut P, text: &str) -> Result<()> {
         let field = (self.field)(params);
+        // The remedy names what this kind of value takes, since the problem alone does not.
         let remedy = match (field.words(), self.bounds) {
             (Some(words), _) => {
                 let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
@@ -341,15 +338,15 @@ impl<P> Param<P> {
 }
 
 impl<P: Clone> Param<P> {
-    /// Text of the value in `params`.
+    /// Text of the value in `params`, which [`Self::read`] reads back.
     pub fn text(&self, params: &P) -> String {
         (self.field)(&mut params.clone()).text()
     }
 
-    /// Checks the value in `params` by itself.
+    /// Checks the value in `params` by itself, without the other parameters.
     ///
     /// # Errors
-    /// Its fault, with a remedy.
+    /// Fault of the value, with a remedy.
     pub fn check(&self, params: &P) -> Result<()> {
         let fault = (self.field)(&mut params.clone()).fault(self.bounds.as_ref());
         fault.map_err(|(problem, remedy)| Error::param(self.doc.name, problem, remedy))

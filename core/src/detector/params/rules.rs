@@ -1,7 +1,7 @@
 //! Rules in which the published codes differ from this detector.
 //!
-//! A choice of rules is one of whose detector it is: it sets the [details](Rules) that have no parameter of their own,
-//! and the [parameters that go with them](DetectorParams::under), which can then be set one by one.
+//! A choice of rules names a detector: it sets the [details](Rules) that have no parameter of their own, and the
+//! [parameters that go with them](DetectorParams::under), which can then be set one by one.
 
 use super::{
     CoarseStart, DescribeSlope, DetectorParams, Distinct, Flicker, Interpolation, Localisation, NoiseGate,
@@ -9,8 +9,7 @@ use super::{
 };
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-/// Details of the search that nobody sets one by one: users choose one of the [named](Rules::NAMED) sets, and tests of
-/// agreement with other codes set the fields.
+/// Details of the search that users set together, by a [named](Rules::NAMED) set; tests set single fields.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rules {
     /// Slopes that a joint extremum must beat.
@@ -19,8 +18,8 @@ pub struct Rules {
     pub interpolation: Interpolation,
     /// Pixels of a first octave of 1 and above.
     pub coarse_start: CoarseStart,
-    /// End of the kernel of each blur from level to level, in its standard deviations; 1 to 8. At 4 it is exact to a
-    /// thousandth. What a level sums up ends at 4.5 of its own in any case.
+    /// Cut of the kernel of each blur from level to level, in its standard deviations; 1 to 8. At 4 the blur is exact
+    /// to a thousandth. A level's whole kernel is cut at 4.5 of its own in any case.
     pub kernel_cut: f32,
     /// Method for place, scale and slope between the samples.
     pub localisation: Localisation,
@@ -29,7 +28,7 @@ pub struct Rules {
 }
 
 impl Rules {
-    /// Those of this program: the most accurate of each.
+    /// Rules of this program: the most accurate choice of each.
     pub const BURSTSCOPE: Self = Self {
         slope_neighbours: SlopeNeighbours::Adjacent,
         interpolation: Interpolation::Linear,
@@ -38,30 +37,30 @@ impl Rules {
         localisation: Localisation::Continuous,
         describe_slope: DescribeSlope::Refined,
     };
-    /// Those of VLFeat's SIFT.
+    /// Rules of VLFeat's SIFT.
     pub const VLFEAT: Self = Self {
         coarse_start: CoarseStart::Skipped,
         localisation: Localisation::Quadratic,
         describe_slope: DescribeSlope::Grid,
         ..Self::BURSTSCOPE
     };
-    /// Those of LiFF.
+    /// Rules of LiFF: VLFeat's, with frames shifted by truncated places.
     pub const LIFF: Self = Self { interpolation: Interpolation::Truncated, ..Self::VLFEAT };
-    /// Those of the BuFF authors' code, which misses some sizes of blobs by its kernels.
+    /// Rules of the BuFF authors' code, whose short kernels miss some sizes of blobs.
     pub const BUFF: Self = Self {
         slope_neighbours: SlopeNeighbours::All,
         interpolation: Interpolation::Nearest,
         kernel_cut: 2.0,
         ..Self::VLFEAT
     };
-    /// The sets that users choose from, each with its name on the command line and in files.
+    /// Sets that users choose from, each with its name on the command line and in files.
     pub const NAMED: [(Self, &'static str); 4] =
         [(Self::BURSTSCOPE, "burstscope"), (Self::BUFF, "buff"), (Self::LIFF, "liff"), (Self::VLFEAT, "vlfeat")];
 }
 
 impl<S: Clone + Default> DetectorParams<S> {
-    /// These parameters under other `rules`: the tests of candidates, the noise and the description are those of their
-    /// detector. Method, frames, slopes, octaves and the number of features stay.
+    /// These parameters under other `rules`: the tests of candidates, the noise and the description become those of the
+    /// named detector. Method, frames, slopes, octaves and the number of features stay.
     ///
     /// [BuFF](Rules::BUFF) are the joint extrema of the paper (Ravendran et al., §III-C) with its 4 levels and edge
     /// threshold of 10, a peak threshold of 0.0003 of full scale, and one descriptor; the paper knows no noise gate.
@@ -82,6 +81,7 @@ impl<S: Clone + Default> DetectorParams<S> {
             describe_scales: 1,
             ..Self::default()
         };
+        // Rules made up by a test have no detector to take the other parameters from.
         let named = if rules == Rules::BURSTSCOPE {
             Self::default()
         } else if rules == Rules::BUFF {
@@ -92,6 +92,7 @@ impl<S: Clone + Default> DetectorParams<S> {
             self.clone()
         };
         Self {
+            // The choice of data and effort is the user's, not a detector's.
             method: self.method,
             frames: self.frames,
             octaves: self.octaves,
@@ -103,13 +104,12 @@ impl<S: Clone + Default> DetectorParams<S> {
         }
     }
 
-    /// Values that need not be given beside `rules`: those that they bring, and for the rules themselves the default.
+    /// Values that need not be given beside `rules`: those that the rules bring, and the default rules.
     pub fn implied_by(rules: Rules) -> Self {
         Self { rules: Rules::default(), ..Self::default().under(rules) }
     }
 }
 
-/// The choice of the rules, with the parameters that go with them.
 impl Word for SearchParams {
     fn word(&self) -> &'static str {
         self.rules.word()
@@ -120,6 +120,7 @@ impl Word for SearchParams {
     }
 
     fn set_word(&mut self, word: &str) -> bool {
+        // Naming the present rules again must not reset parameters that were set one by one.
         let mut rules = self.rules;
         let is_known = rules.set_word(word);
         if is_known && rules != self.rules {

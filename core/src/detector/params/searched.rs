@@ -1,8 +1,6 @@
-//! The detector's parameters as commands, parameter files, datasets and the window ask for them: their slopes are given,
-//! or to be found from each burst.
+//! Parameters as commands, parameter files, datasets and the window hold them, with slopes given or yet to be found.
 //!
-//! [`crate::detector::slopes::resolve`] makes of [`SearchParams`] the [`DetectorParams`] of one burst, whose slopes are
-//! a grid: the given one, or the one found.
+//! [`crate::detector::slopes::resolve`] turns [`SearchParams`] into the [`DetectorParams`] of one burst.
 
 use super::doc::SearchParams;
 use super::slope_grid::AUTO;
@@ -18,30 +16,28 @@ impl From<DetectorParams> for SearchParams {
 }
 
 impl SearchParams {
-    /// The parameters of a search of the slopes of `grid`.
+    /// Parameters of a search of the slopes of `grid`.
     pub fn at(&self, grid: SlopeGrid) -> DetectorParams {
         self.clone().with_slopes(grid)
     }
 
-    /// The parameters of a search of the given slopes; of slope 0 alone where they are to be found.
+    /// Parameters of a search of the given slopes; of slope 0 alone where slopes are to be found.
     pub fn at_given(&self) -> DetectorParams {
         self.at(self.slopes.given().unwrap_or(SlopeGrid::single(Slope::default())))
     }
 
-    /// These parameters with the `given` values in place of their own, as typed on the command line; checked.
+    /// These parameters with the `given` values, as typed on the command line, in place of their own; checked.
     ///
     /// Slopes are found from each burst unless ranges are given here or in these parameters; a direction alone
-    /// restricts the search to a line in that direction. Rules come first, with the
-    /// [parameters that go with them](DetectorParams::under). An axis of slopes that is missing is that of these
-    /// parameters, or 0 where they have no ranges.
+    /// restricts the search to a line in that direction. Rules come first, with the [parameters that go with
+    /// them](DetectorParams::under). A missing axis is that of these parameters, or 0 without ranges.
     ///
     /// # Errors
     /// The first value that cannot be read, or the first parameter that makes no sense.
     pub fn with_texts<'a>(self, given: impl IntoIterator<Item = (Param<Self>, &'a str)>) -> Result<Self> {
         let mut params = self;
         let mut given: Vec<_> = given.into_iter().collect();
-        // Rules bring other parameters with them, which what is given besides replaces. A direction is that of the
-        // ranges, where there are any.
+        // Rules come first: they bring other parameters, which values given besides replace. A direction turns ranges.
         given.sort_by_key(|(record, _)| (*record != doc::RULES, *record == doc::SLOPE_DIRECTION));
         let ranges = given.iter().find(|(record, _)| [doc::SLOPES_U, doc::SLOPES_V].contains(record));
         if let Some((_, text)) = given.iter().find(|(record, _)| *record == doc::SLOPES) {
@@ -72,7 +68,7 @@ impl SearchParams {
         Ok(params)
     }
 
-    /// Parameters of a file's table. What is missing is that of the rules it chooses.
+    /// Parameters of a file's table; missing fields follow from the rules that the file chooses.
     ///
     /// # Errors
     /// The first value that cannot be read.

@@ -1,4 +1,4 @@
-//! Slopes that the search tries: a grid of them, or that one is found from each burst.
+//! Slopes that the search tries: a grid of slopes, or the request to find one from each burst.
 //!
 //! A slope λ = (λu, λv) is an apparent motion in pixels of the input image per frame. The grid is the product of two
 //! axes, `u` and `v`, turned as a whole by `direction_deg`: with one value on the `v` axis it is a line through the
@@ -10,14 +10,13 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::ops::RangeInclusive;
 use toml::Value;
 
-/// Pixels that a step of an [enclosing](SlopeGrid::enclosing) grid moves a burst by, at most, where that is not too
-/// many.
+/// Largest motion of a burst by one step of an [enclosing](SlopeGrid::enclosing) grid, pixels, where steps suffice.
 const MAX_MOVED_PX: f32 = 13.0;
 
 /// Maximum number of slopes of a grid.
 pub const MAX_SLOPES: usize = 4096;
 
-/// An apparent motion, in pixels of the input image per frame.
+/// Apparent motion λ = (λu, λv), in pixels of the input image per frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Slope {
@@ -28,7 +27,7 @@ pub struct Slope {
 }
 
 impl Slope {
-    /// The slope (u, v), in pixels per frame.
+    /// Slope (u, v), in pixels per frame.
     pub const fn new(u: f32, v: f32) -> Self {
         Self { u, v }
     }
@@ -85,8 +84,8 @@ impl SlopeAxis {
         Self { min: first, max: last, count: self.count + below + above }
     }
 
-    /// Slope at `index` of the axis; fractional indices are allowed. Of axes that share slopes, these have the same
-    /// bits: all are rounded to 0.000 01 px/frame, unless the step is that small.
+    /// Slope at `index` of the axis; fractional indices are allowed. Axes that share slopes give them equal bits:
+    /// values are rounded to 0.000 01 px/frame, unless the step is that small.
     pub fn value(&self, index: f32) -> f32 {
         match self.count {
             0 | 1 => 0.5 * (self.min + self.max),
@@ -120,10 +119,10 @@ impl SlopeAxis {
     }
 }
 
-/// Step, pixels per frame, from which on slopes are rounded.
+/// Step, pixels per frame, from which slopes are rounded.
 const ROUNDED_STEP: f64 = 1e-3;
 
-/// `x` rounded to one part in `parts` of a pixel per frame, where the `step` of an axis is much larger than that.
+/// `x` rounded to one part in `parts` of a pixel per frame, where the `step` of an axis is much larger.
 fn rounded(x: f64, step: f64, parts: f64) -> f32 {
     (if step < ROUNDED_STEP { x } else { (x * parts).round() / parts }) as f32
 }
@@ -196,10 +195,11 @@ impl SlopeGrid {
         Self::plane(slope.u..=slope.u, 1, slope.v..=slope.v, 1)
     }
 
-    /// Coarse grid around zero that encloses this one, the same for all of about the same reach: on each axis with more
-    /// than one slope to 4, 8, 16 … px/frame, in steps by which a burst of `span` frame intervals moves by about a
-    /// dozen pixels at most; in longer ones where the range is very wide.
+    /// Coarse grid around zero that encloses this one, equal for all grids of about the same reach: each axis with more
+    /// than one slope extends to 4, 8, 16 … px/frame, in steps that move a burst of `span` frame intervals by about a
+    /// dozen pixels at most, or more where the range is very wide.
     pub fn enclosing(&self, span: f32) -> Self {
+        // Powers of two, so that a slightly wider range of slopes has the same enclosing grid, and the same noise.
         let widest = [self.u, self.v].map(|axis| axis.min.abs().max(axis.max.abs())).into_iter().fold(4.0, f32::max);
         let reach = widest.log2().ceil().exp2();
         let steps = reach * ((span + 1.0) / MAX_MOVED_PX).max(1.0).log2().ceil().exp2();
@@ -221,8 +221,7 @@ impl SlopeGrid {
         self.len() == 0
     }
 
-    /// Direction of a line of slopes, degrees from +u towards +v, and the slopes along it; `None` for a plane, and for
-    /// a single slope.
+    /// Direction of a line of slopes, degrees from +u towards +v, and the slopes along it; `None` for other grids.
     pub fn as_line(&self) -> Option<(f32, SlopeAxis)> {
         match (self.u.count > 1, self.v.count > 1) {
             (true, false) => Some((self.direction_deg, self.u)),
@@ -255,8 +254,7 @@ impl SlopeGrid {
         self.at(i as f32, j as f32)
     }
 
-    /// Slope (`di`, `dj`) steps from the slope `index`. Of grids that share that slope and the steps, it has the same
-    /// bits.
+    /// Slope (`di`, `dj`) steps from the slope `index`; its bits depend on that slope and the steps alone.
     pub fn beside(&self, index: usize, di: f32, dj: f32) -> Slope {
         let (sin, cos) = f64::from(self.direction_deg).to_radians().sin_cos();
         let (a, b) = (f64::from(di * self.u.step()), f64::from(dj * self.v.step()));
@@ -295,8 +293,7 @@ impl SlopeGrid {
             || (self.v.count > 1 && (j == 0 || j + 1 == self.v.count))
     }
 
-    /// Grid coordinates (along the first axis, along the second) of any slope: the inverse of [`Self::at`]. 0 on an
-    /// axis with one slope.
+    /// Grid coordinates (first, second axis) of any slope: the inverse of [`Self::at`]; 0 on an axis with one slope.
     pub fn position(&self, slope: Slope) -> (f32, f32) {
         let (sin, cos) = f64::from(self.direction_deg).to_radians().sin_cos();
         let (u, v) = (f64::from(slope.u), f64::from(slope.v));
@@ -306,7 +303,7 @@ impl SlopeGrid {
         (along(&self.u, u * cos + v * sin), along(&self.v, v * cos - u * sin))
     }
 
-    /// Coordinate of any slope along the first axis, or the second, pixels per frame.
+    /// Coordinate of any slope along the first or the second axis, pixels per frame.
     pub(crate) fn along(&self, slope: Slope, second: bool) -> f32 {
         let unit = SlopeAxis { min: 0.0, max: 1.0, count: 2 };
         let (first, other) = Self { u: unit, v: unit, ..*self }.position(slope);
@@ -325,7 +322,7 @@ impl SlopeGrid {
         nearest(j, &self.v) * self.u.count + nearest(i, &self.u)
     }
 
-    /// Whether the grid's slope nearest to `slope` is on the rim. For a slope beyond the grid it is.
+    /// Whether the grid's slope nearest to `slope` is on the rim; true for slopes beyond the grid.
     pub fn nearest_on_rim(&self, slope: Slope) -> bool {
         let (i, j) = self.coordinates(self.nearest(slope));
         self.on_rim(i, j)
@@ -337,7 +334,7 @@ impl SlopeGrid {
     }
 }
 
-/// Value for slopes that are found from each burst.
+/// Word for slopes found from each burst, on the command line and in files.
 pub const AUTO: &str = "auto";
 /// Direction of the line in a file, where slopes are found on one.
 const DIRECTION: &str = "direction_deg";
@@ -357,7 +354,7 @@ pub enum Slopes {
 /// Part of [`Slopes`] that a parameter of its own sets.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SlopesPart {
-    /// Whether they are found.
+    /// Whether slopes are found.
     Auto,
     /// First axis of the grid.
     U,
@@ -374,7 +371,7 @@ impl Default for Slopes {
 }
 
 impl Slopes {
-    /// Found from each burst, anywhere in the plane.
+    /// Slopes found from each burst, anywhere in the plane.
     pub const AUTO: Self = Self::Auto { direction_deg: None };
 
     /// Whether slopes are found from each burst.
@@ -382,12 +379,12 @@ impl Slopes {
         matches!(self, Self::Auto { .. })
     }
 
-    /// The grid, where it is given.
+    /// Grid, where it is given; `None` where slopes are to be found.
     pub fn given(self) -> Option<SlopeGrid> {
         if let Self::Given(grid) = self { Some(grid) } else { None }
     }
 
-    /// Text of a part that has no field of its own; empty where it is found.
+    /// Text of a part that has no field of its own; empty where slopes are found.
     pub(super) fn text(self, part: SlopesPart) -> String {
         match (part, self) {
             (SlopesPart::Auto, Self::Auto { .. }) => AUTO.to_owned(),
@@ -396,7 +393,7 @@ impl Slopes {
         }
     }
 
-    /// Reads a part that has no field of its own. A range makes the slopes given ones, 0 along the other axis.
+    /// Reads a part that has no field of its own. A range turns the slopes into given ones, 0 along the other axis.
     pub(super) fn read(&mut self, part: SlopesPart, text: &str) -> Result<(), String> {
         let axis = || text.parse::<SlopeAxis>();
         *self = match part {
@@ -448,6 +445,7 @@ impl<'de> Deserialize<'de> for Slopes {
             None => Ok(None),
             Some(degrees) => degrees.clone().try_into().map(Some),
         };
+        // A wrong direction is a fault of `auto` only here: a given grid reports its own.
         match table.remove(AUTO) {
             None => table.try_into().map(Self::Given).map_err(|e| wrong(e.to_string())),
             Some(Value::Boolean(true)) if table.keys().all(|key| key == DIRECTION) => degrees

@@ -1,4 +1,4 @@
-//! Choice of features among keypoints: of the keypoints on one blob the strongest, and of their features the strongest.
+//! Choice of features: of the keypoints on one blob the strongest, and of their features the strongest.
 //!
 //! Only what can be kept is computed: where the number of features is limited, keypoints are taken from the strongest
 //! to the weakest, as many at a time as features are missing, until the next is weaker than all features. A feature has
@@ -17,14 +17,11 @@ use rayon::prelude::*;
 use std::ops::Range;
 use std::time::Instant;
 
-/// Fate of a keypoint in the choice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Verdict {
-    /// It has at least one feature in the result.
     Kept,
-    /// The stronger keypoint with this index stands for its blob.
     CoveredBy(usize),
-    /// Its features are not among the strongest that are kept; it may not have been compared with others.
+    /// Its features are not among the strongest that are kept; it may never have been compared with others.
     Cut,
 }
 
@@ -35,7 +32,6 @@ pub(super) struct Choice {
     pub(super) ranked: Vec<usize>,
     /// Keypoints known to be the strongest on their blobs.
     pub(super) distinct: Vec<usize>,
-    /// Time for the comparison of keypoints on one blob, seconds.
     pub(super) distinct_secs: f32,
 }
 
@@ -78,6 +74,7 @@ impl Chooser<'_> {
         if max < keypoints.len() {
             order.par_sort_unstable_by(|a, b| strength(b).total_cmp(&strength(a)).then(a.cmp(b)));
         }
+        // The comparison reads D along any motion, up to the coarsest octave of the keypoints.
         if let Some(last) = keypoints.last().filter(|_| deciding.is_some()) {
             self.along.make(last.octave);
         }
@@ -85,7 +82,7 @@ impl Chooser<'_> {
         let (mut found, mut left): (Vec<Described>, &[usize]) = (Vec::new(), &order);
         let mut done = 0.0;
         loop {
-            // Keypoints as strong as the weakest feature may come before it by their place.
+            // A keypoint as strong as the weakest feature may precede it by its place.
             let weakest = found.get(max.saturating_sub(1)).map(|one| one.feature.strength());
             let missing = match weakest {
                 None => max - found.len(),
@@ -94,6 +91,7 @@ impl Chooser<'_> {
             if left.is_empty() || missing == 0 {
                 break;
             }
+            // Each pass decides only as many keypoints as features are missing: describing is the costly step.
             let mut distinct: Vec<usize> = Vec::new();
             while distinct.len() < missing && !left.is_empty() {
                 let (next, after) = left.split_at((missing - distinct.len()).max(FEWEST).min(left.len()));
@@ -111,7 +109,7 @@ impl Chooser<'_> {
                     }
                 }
             }
-            // Where there are enough now, later turns are rare and short.
+            // With enough features now, later turns are rare and short.
             let until = if left.is_empty() { 1.0 } else { done + 0.8 * (1.0 - done) };
             self.append(&mut found, distinct, done..until)?;
             done = until;
@@ -119,7 +117,7 @@ impl Chooser<'_> {
             found.truncate(max);
         }
         if let Some(weakest) = found.get(max.saturating_sub(1)).map(|one| one.feature.strength()) {
-            // Candidates examined beyond are not reported: how many there are depends on the order of the threads.
+            // Candidates examined beyond are not reported: their number depends on the order of the threads.
             let weaker = verdicts.iter_mut().zip(keypoints).filter(|(_, keypoint)| keypoint.strength() < weakest);
             weaker.for_each(|(verdict, _)| *verdict = Verdict::Cut);
         }
@@ -129,11 +127,12 @@ impl Chooser<'_> {
         Ok((found, Choice { verdicts, ranked, distinct, distinct_secs }))
     }
 
-    /// Appends the features of the keypoints `chosen`. `part` is the part of the progress that this takes.
+    /// Appends the features of the keypoints `chosen`. `part` is this step's part of the progress.
     fn append(&self, found: &mut Vec<Described>, mut chosen: Vec<usize>, part: Range<f32>) -> Result<(), Cancelled> {
         let PassingKeypoints { keypoints, numbers, .. } = self.passing;
         let kept = |index: usize| self.outcome.described.get(numbers[index] as usize);
         chosen.sort_unstable();
+        // Features of an earlier choice are reused; only the noise that judges them may differ.
         chosen.retain(|&index| {
             let described = kept(index).and_then(|kept| kept.get());
             found.extend(described.into_iter().flatten().map(|one| {
@@ -154,11 +153,10 @@ impl Chooser<'_> {
         Ok(())
     }
 
-    /// Marks the features at the limit of the slopes, and says how certain their motion is, how their surroundings
-    /// move, and how they move beside these.
+    /// Marks the features at the limit of the slopes, and adds their certainty and the motion of their surroundings.
     pub(super) fn mark(&self, found: &mut [Described]) -> Result<(), Cancelled> {
         let grid = &self.search.grid;
-        // Where nothing is known it is somewhere among the slopes.
+        // Without evidence the slope is somewhere in the grid: the deviation of a uniform distribution.
         let widest = [grid.u, grid.v].map(|axis| axis.max - axis.min + axis.step()).into_iter().fold(0.0, f32::max);
         let least_known = widest / 12f32.sqrt();
         found.par_iter_mut().try_for_each(|one| {
@@ -166,8 +164,9 @@ impl Chooser<'_> {
             let number = self.passing.numbers[one.keypoint] as usize;
             let rises = self.outcome.rises[number].get_or_init(|| self.along.rises(&one.feature));
             one.feature.at_slope_limit = rises.iter().any(|rise| rise.exceeds_noise(one.feature.snr));
-            // Noise moves the peak of a response of that width by the width over the signal-to-noise ratio.
+            // Noise moves the peak of a response by the response's width over the signal-to-noise ratio.
             let by_noise = |width: f32| CHOSEN[usize::from(grid.is_plane())] * width / one.feature.snr;
+            // A round blob of this σ: a wider response is one along an edge, not a matter of noise.
             let round_width = one.feature.sigma / self.search.inputs.times.spread_frames();
             let is_defined_if_round = by_noise(round_width) <= DEFINED_SIGMA;
             one.feature.slope_sigma = by_noise(one.slope_width).min(least_known);
@@ -180,7 +179,7 @@ impl Chooser<'_> {
                 one.feature.layer = field.layer_of((u, v), slope, slope_sigma).into();
             }
             let by_numbers = Moves::by_numbers(&one.feature);
-            // A ghost moves as nothing at its place does: what moves as its place is none, and need not be examined.
+            // A ghost moves like nothing at its place, so a feature that moves like its place need not be examined.
             let may_be_ghost = by_numbers != Moves::WithSurroundings;
             one.feature.moves = if may_be_ghost && self.is_ghost(number, &one.feature)? {
                 Moves::Ghost
@@ -193,7 +192,7 @@ impl Chooser<'_> {
         })
     }
 
-    /// Whether `feature` of keypoint `number` is a ghost. The thresholds that are judged later change nothing of that.
+    /// Whether `feature` of keypoint `number` is a ghost; the answer is kept, as later thresholds do not change it.
     fn is_ghost(&self, number: usize, feature: &Feature) -> Result<bool, Cancelled> {
         let known = &self.outcome.ghosts[number];
         if let Some(is_ghost) = known.get() {
@@ -204,12 +203,11 @@ impl Chooser<'_> {
     }
 }
 
-/// Error of the slopes of features over that of a peak that noise moves, on a line and in a plane: they are chosen
-/// among many slopes, and the noise chooses with. Measured on one scene, door; on another, entry, 68 and 63 % lie
-/// within one standard deviation.
+/// Factor on the error of a noisy peak for the slopes of features, on a line and in a plane: slopes are chosen among
+/// many, and noise chooses with. Measured on the scene door; on entry 68 and 63 % lie within one standard deviation.
 const CHOSEN: [f32; 2] = [2.1, 3.9];
 
-/// Order of features: the strongest first, then by place and sample. Those of one keypoint are equal.
+/// Order of features: strongest first, then by place and sample. Features of one keypoint are equal.
 fn in_order(one: &Described, other: &Described) -> std::cmp::Ordering {
     let (a, b) = (&one.feature, &other.feature);
     let by_place = || a.v.total_cmp(&b.v).then(a.u.total_cmp(&b.u));

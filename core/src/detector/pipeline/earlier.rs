@@ -1,8 +1,8 @@
-//! Searching only what is new: a search of the same frames at other slopes goes on from what an earlier one left.
+//! Searching only new slopes: a search of the same frames goes on from the results of an earlier one.
 //!
-//! Noise, cleaned frames, and [what was found](crate::detector::search::known) at the slopes that both searches have
-//! are taken over, and the features of keypoints whose neighbouring slopes are the same too. The choice of features,
-//! their field of motion and what depends on the ends of the range are computed again.
+//! Noise, cleaned frames and [keypoints](crate::detector::search::known) at slopes that both searches have are taken
+//! over, and features of keypoints whose neighbouring slopes are the same too. The choice of features, their field of
+//! motion and the marks at the ends of the range are computed again.
 
 use super::outcome::{Outcome, are_as_strict, sigma_d};
 use super::trail::{SampleKey, Trail, sample_key};
@@ -16,20 +16,19 @@ use crate::detector::search::slope_window::OtherSlopes;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// An earlier search of the frames of a new one that differs from it in its slopes, and perhaps in what is judged
-/// later.
+/// Earlier search of the same frames, which differs in its slopes and perhaps in parameters judged afterwards.
 pub(super) struct Earlier<'a> {
     trail: &'a Trail,
 }
 
-/// Number of slopes of a search with `params` that need no other search after one of the same frames with `searched`: 0
-/// where nothing can be taken over. (In noise with very light tails a higher gate may still be less strict; then all
-/// are searched.)
+/// Number of slopes of a search with `params` that an earlier search of the same frames with `searched` covers: 0 where
+/// nothing can be taken over. (In noise with very light tails a higher gate may be less strict; all are searched then.)
 pub fn shared_slopes(params: &DetectorParams, searched: &DetectorParams) -> usize {
+    // The noise is measured over the enclosing range of slopes: another range may give another noise.
     let same_slopes = DetectorParams { slopes: searched.slopes, ..params.clone() };
     let same_noise = params.noise_model == NoiseModelKind::White
         || searched.used_slopes().enclosing(0.0) == params.used_slopes().enclosing(0.0);
-    // A strict gate may refuse the noise.
+    // A strict gate may refuse a noise that the earlier gate accepted.
     let may_refuse = params.noise_gate == NoiseGate::Strict && searched.noise_gate != NoiseGate::Strict;
     let is_after = is_sum(params)
         && same_noise
@@ -45,9 +44,8 @@ pub(super) fn is_sum(params: &DetectorParams) -> bool {
     OtherSlopes::of(params) == OtherSlopes::Unseen && params.search == SearchSlopes::All
 }
 
-/// For each slope of `grid` its index among those of `earlier`.
 fn known_slopes(grid: &SlopeGrid, earlier: &SlopeGrid) -> Vec<Option<usize>> {
-    // Of the two zeros one is meant.
+    // 0 and −0 are one slope with different bits.
     let bits = |slope: Slope| [slope.u + 0.0, slope.v + 0.0].map(f32::to_bits);
     let known: HashMap<[u32; 2], usize> = earlier.slopes().map(bits).zip(0..).collect();
     grid.slopes().map(|slope| known.get(&bits(slope)).copied()).collect()
@@ -65,7 +63,7 @@ impl<'a> Earlier<'a> {
         (same_frames && is_after()).then_some(Self { trail })
     }
 
-    /// The search of some slopes of the new one with its own inputs: `trail`.
+    /// Continues `trail`, which searched some slopes of the new search with the same inputs.
     pub(super) fn begun(trail: &'a Trail) -> Self {
         Self { trail }
     }
@@ -74,7 +72,7 @@ impl<'a> Earlier<'a> {
         self.trail.inputs.judged_with(params)
     }
 
-    /// What the earlier search left for `search`; `None` where that might find other keypoints at the same slopes.
+    /// Results of the earlier search for `search`; `None` where it might have missed keypoints at the same slopes.
     pub(super) fn known(&self, search: &Search<'_>) -> Option<Known<'a>> {
         let outcome = &*self.trail.outcome;
         let bases = outcome.bases.as_ref()?;
@@ -85,6 +83,7 @@ impl<'a> Earlier<'a> {
         let mut keypoints = Vec::with_capacity(judged.len());
         for (found, failed) in judged {
             match failed {
+                // It passed before, so that the earlier tally counts no rejection of it.
                 Some(test) => tallies[found.0.slope_index].reject(test, 1),
                 None => keypoints.push(found),
             }
@@ -92,10 +91,10 @@ impl<'a> Earlier<'a> {
         Some(Known { slopes, bases, keypoints, tallies })
     }
 
-    /// Takes over the features of the keypoints of `outcome` that were `known` and have the same neighbours among the
-    /// slopes of `grid`.
+    /// Takes over features of `known` keypoints of `outcome` with the same neighbours among the slopes of `grid`.
     pub(super) fn describe(&self, grid: &SlopeGrid, known: &Known<'_>, outcome: &mut Outcome) {
         let earlier = self.trail.inputs.params.used_slopes();
+        // Features read D at neighbouring slopes: other steps or neighbours make other features.
         let same_steps = [grid.u.step(), grid.v.step(), grid.direction_deg]
             == [earlier.u.step(), earlier.v.step(), earlier.direction_deg]
             && grid.is_plane() == earlier.is_plane();

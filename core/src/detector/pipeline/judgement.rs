@@ -19,7 +19,7 @@ use crate::plane::Plane;
 use crate::plane::tile::{Region, Tile};
 use rayon::prelude::*;
 
-/// A sample of D.
+/// Sample of D by its octave, level, slope and place: the key of a question to a [`Trail`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Sample {
     /// Octave index.
@@ -48,7 +48,7 @@ pub struct Neighbourhood {
     pub octave: i32,
     /// Size (columns, rows) of the octave.
     pub size: (usize, usize),
-    /// Samples that can be judged.
+    /// Samples that can be judged; `tiles` reach farther.
     pub region: Region,
     /// One tile a slope, with the region and the pixels that its refinement may read.
     pub tiles: Vec<DogTile>,
@@ -69,17 +69,17 @@ fn part_of(level: &Plane, region: &Region) -> PartOfLevel {
 pub struct Judgement {
     /// D at the sample.
     pub value: f32,
-    /// The first test of the search that rejects it, if any; those of the whole list come later.
+    /// First test of the search that rejects the sample, if any; duplicates are judged later.
     pub rejected_by: Option<Test>,
-    /// σ_D at its level and slope where the noise is least.
+    /// σ_D at its level and slope at the place of least noise.
     pub sigma_d_min: f32,
     /// σ_D at the sample.
     pub sigma_d: f32,
-    /// Whether a slope beats it by the joint rule.
+    /// Whether a neighbouring slope beats it; only the joint rule asks.
     pub is_beaten: bool,
     /// The quadratic fit; `None` where D has none.
     pub fit: Option<Fit>,
-    /// The keypoint that it would make if it passed all tests; `None` where the fit did not converge inside the octave.
+    /// Keypoint that the sample would make if it passed all tests; `None` where the fit did not converge in the octave.
     pub would_be: Option<Keypoint>,
 }
 
@@ -117,6 +117,7 @@ impl Trail {
                         stack_tiles(&search.planes, &search.offsets[index..=index], octave, &inputs, stacked);
                         Pixels::Stacked(&stacked[0])
                     }
+                    // Slopes that the search did not hold have no kept level, but may still be looked at.
                     Some(_) if !search.inputs.holds(index) => {
                         let level = search.stack(index).first_level(octave, &inputs, monitor)?;
                         return Ok(one(Pixels::Level(&level), scratch));
@@ -131,8 +132,7 @@ impl Trail {
                 let of_slope = |(scratch, stacked): &mut _, index| of_slope(index, scratch, stacked);
                 slopes.into_par_iter().map_init(space, of_slope).collect::<Result<_, Cancelled>>()?
             } else {
-                // First levels that were not kept are computed again, slope by slope: each may take much of the
-                // picture.
+                // Levels that were not kept are made again, one slope at a time: each may take much of the picture.
                 let mut scratch = FilterScratch::default();
                 let mut of_slope = |index| {
                     let level = search.stack(index).first_level(octave, &inputs, monitor)?;
@@ -146,14 +146,12 @@ impl Trail {
         })
     }
 
-    /// Whether the search tries slope `slope_index` at `place` (u, v), input pixels: see
-    /// [`SearchSlopes`](crate::detector::SearchSlopes).
+    /// Whether slope `slope_index` is tried at `place` (u, v), input pixels: `SearchSlopes::Field` leaves some out.
     pub fn searches(&self, place: [f32; 2], slope_index: usize) -> bool {
         self.inputs.searches(place, slope_index)
     }
 
-    /// Judges samples of a neighbourhood; `None` for those that the search does not examine: on the octave's border,
-    /// and at slopes that it leaves out there.
+    /// Judges samples of a neighbourhood; `None` on the octave's border and at slopes that the search leaves out there.
     pub fn judge(&self, around: &Neighbourhood, samples: &[Sample]) -> Vec<Option<Judgement>> {
         let monitor = Monitor::default();
         self.with_search(&monitor, |search| {
@@ -179,7 +177,7 @@ impl Trail {
         let others = OtherSlopes::of(search.params);
         let is_beaten = match others {
             OtherSlopes::Beaten(neighbours) => compared_slopes(&search.grid, slope_index, neighbours)
-                // Of two slopes with the same D the earlier one stays.
+                // Of two slopes with equal D the earlier one stays.
                 .any(|other| !beats_all_27(value, &around.tiles[other], x, y, level_index, other > slope_index)),
             OtherSlopes::Unseen | OtherSlopes::Seen => false,
         };
@@ -195,7 +193,7 @@ impl Trail {
             Ok(_) if is_beaten => Some(Test::SlopeExtremum),
             Ok(_) => refined.err(),
         };
-        // No thresholds: every fit passes.
+        // Open limits: `would_be` shows the keypoint of a sample that only thresholds reject.
         let open = Limits { gate: 0.0, peak_threshold: -1.0, edge_threshold: f32::INFINITY };
         let fit = fit(samples, (x, y), level_index, around.size);
         let settled = fit.filter(|fit| {

@@ -1,8 +1,7 @@
 //! The whole detector: its steps in order, from a burst to features.
 //!
-//! The inputs give the frames that take part and their noise; the [search](crate::detector::search) finds keypoints.
-//! Of those on one blob the strongest stays; those that stay are localised, described and ranked. The data for
-//! explaining the detection is gathered in a [`Trail`], which judges single samples ([`Judgement`]).
+//! The inputs give the kept frames and their noise; the [search](crate::detector::search) finds keypoints. The
+//! strongest on each blob is localised, described and ranked. A [`Trail`] explains the detection, sample by sample.
 
 mod choice;
 mod earlier;
@@ -44,9 +43,8 @@ pub(crate) fn search(burst: &Burst, params: &DetectorParams, monitor: &Monitor) 
     Ok(search_all(burst, params, &OF_PROCESS, memory::budget(), None, monitor)?.detection)
 }
 
-/// Finds the features of a burst and keeps the data that explains them. What an `earlier` search of it left at the same
-/// slopes is taken over; the result is the same to the bit, but in the tally, samples there that are no keypoints are
-/// counted as the earlier search rejected them.
+/// Finds the features of a burst and keeps the data that explains them. Results of an `earlier` search at shared slopes
+/// are taken over; the result is the same to the bit, but its tally counts rejections as the earlier search did.
 pub(crate) fn search_with_trail(
     burst: &Burst,
     params: &DetectorParams,
@@ -56,22 +54,20 @@ pub(crate) fn search_with_trail(
     Ok(search_all(burst, params, &OF_PROCESS, budget_beside_kept(), Some(keeping), monitor)?.ready())
 }
 
-/// Callback for the features of the first slope of a long search.
+/// Callback that shows the features of the first slope while a long search goes on.
 pub type FirstFeatures<'a> = &'a (dyn Fn(Detection) + Sync);
 
 /// Search whose trail is kept: its keypoints can be judged again, and another search can go on from it.
 #[derive(Clone, Copy)]
 pub(crate) struct Keeping<'a> {
-    /// Trail from which this search goes on.
+    /// Trail that this search continues.
     pub earlier: Option<&'a Trail>,
-    /// Is given the features of the slope by which most places move, before the others are searched, if the search is
-    /// long and goes on from no earlier one. They are as a search of that slope alone finds them with
-    /// the gate of all slopes.
+    /// Called with the features of the slope by which most places move, before the others are searched, if the search
+    /// is long and has no `earlier` one. The gate is that of all slopes.
     pub first: FirstFeatures<'a>,
 }
 
 impl Keeping<'_> {
-    /// Keeps a search that begins anew, whose first features nobody waits for.
     #[cfg(test)]
     pub const ANEW: Self = Self { earlier: None, first: &|_| {} };
 }
@@ -81,13 +77,12 @@ const LONG_SEARCH_PX: usize = 5_000_000;
 /// Least number of slopes of a long search: the first one is then a small part of it.
 const LONG_SEARCH_SLOPES: usize = 16;
 
-/// Memory of a search while trails are kept, which already have their part of the budget; bytes.
+/// Memory of a search while trails are kept, which already hold their part of the budget; bytes.
 fn budget_beside_kept() -> Option<u64> {
     memory::budget().map(|bytes| bytes.saturating_sub(memory::kept_bytes()))
 }
 
-/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave. Without `keeping`
-/// the trail cannot be judged again.
+/// Detects with a trail, within the part of `budget` bytes that other searches of `account` leave.
 fn search_all(
     burst: &Burst,
     params: &DetectorParams,
@@ -101,6 +96,7 @@ fn search_all(
     let frames = params.used_frames(burst.len()).len();
     let (plan, _share) = account.plan(Wanted { params, frames, size: burst.size() }, budget)?;
     plan.run(|| {
+        // Noise and cleaned frames of an earlier search are taken over, so that only slopes remain to be searched.
         let mut earlier = keeping.and_then(|keeping| Earlier::of(keeping.earlier?, burst, params));
         let mut inputs = match &earlier {
             Some(earlier) => earlier.inputs(params),
@@ -128,7 +124,6 @@ fn is_long(params: &DetectorParams, size: (usize, usize)) -> bool {
     slopes >= LONG_SEARCH_SLOPES && slopes.saturating_mul(size.0 * size.1) >= LONG_SEARCH_PX && earlier::is_sum(params)
 }
 
-/// Searches the slope by which most places move, and gives its features to `first`.
 fn search_first(
     inputs: &Inputs,
     field: Option<&Arc<MotionField>>,
@@ -148,8 +143,7 @@ fn search_first(
     Ok(trail)
 }
 
-/// Detects in frames whose noise is known, by what an `earlier` search of them left. `times` are those of the steps
-/// before.
+/// Detects in frames whose noise is known, continuing an `earlier` search. `times` holds the steps so far.
 fn search_inputs(
     inputs: Inputs,
     field: Option<Arc<MotionField>>,
@@ -161,6 +155,7 @@ fn search_inputs(
 ) -> Result<Trail> {
     let search = Search::new(&inputs, monitor);
     let started = Instant::now();
+    // Taking over needs all slopes in one group; groups are searched anew.
     let known = earlier.filter(|_| plan.search.len() == 1).and_then(|earlier| earlier.known(&search));
     let mut tallies =
         known.as_ref().map_or_else(|| vec![Tally::default(); search.grid.len()], |known| known.tallies.clone());
@@ -176,7 +171,7 @@ fn search_inputs(
     Ok(Trail::new(inputs, Arc::new(outcome), passing, choice, detection))
 }
 
-/// Chooses the features among the `passing` keypoints of a search. `times` are those of the steps before.
+/// Chooses the features among the `passing` keypoints of a search. `times` holds the steps so far.
 fn choose(
     search: &Search<'_>,
     outcome: &Outcome,
@@ -190,6 +185,7 @@ fn choose(
     let mut tally = passing.tally;
     choice.count(&mut tally);
     chooser.mark(&mut found)?;
+    // Comparing keypoints belongs to the search, although it takes turns with describing.
     times.search_secs += choice.distinct_secs;
     times.describe_secs = started.elapsed().as_secs_f32() - choice.distinct_secs;
     search.monitor.report(Stage::Describe, 1.0);
@@ -213,9 +209,9 @@ fn choose(
 }
 
 impl Trail {
-    /// Trail of a search of the same burst with `params`, without that search; `None` where it needs one: unless they
-    /// [follow](follows). Keypoints, features and descriptors are those of the search to the bit. In the tally, samples
-    /// that are no keypoints are counted as the earlier search rejected them.
+    /// Trail that a search of the same burst with `params` would leave, without the search; `None` unless `params`
+    /// [follow](follows). Keypoints, features and descriptors equal those of the search to the bit; samples that are no
+    /// keypoints are tallied as the earlier search rejected them.
     pub fn rejudged(&self, params: &DetectorParams, monitor: &Monitor) -> Result<Option<Self>, Cancelled> {
         if !follows(params, &self.outcome.params) {
             return Ok(None);
@@ -238,9 +234,8 @@ impl Trail {
         Earlier::of(self, burst, params).map_or(0, |_| shared_slopes(params, &self.outcome.params))
     }
 
-    /// A new search of the same frames in another order: the frame at place i among those that took part gets the
-    /// time of that at place `order[i]`. Noise model, gates, slopes and the field of motion stay, and all features are
-    /// kept.
+    /// Searches the same frames in another order: the frame at place i among the kept ones gets the time of the frame
+    /// at place `order[i]`. Noise model, gates, slopes and field stay, and all features are kept.
     ///
     /// # Panics
     /// If `order` is no permutation of the places of the frames that took part.
@@ -259,8 +254,8 @@ impl Trail {
 }
 
 impl Search<'_> {
-    /// Localises and describes `keypoints`, which are in order of octaves. First levels that were not kept are computed
-    /// again, one group of slopes after the other. `part` is the part of the description's progress that this takes.
+    /// Localises and describes `keypoints`, which are in order of octaves. First levels that were not kept are made
+    /// again, one group of slopes after the other. `part` is this step's part of the description's progress.
     fn describe(
         &self,
         keypoints: &[Keypoint],
@@ -279,6 +274,7 @@ impl Search<'_> {
             return self.describe_with(keypoints, bases, along, &described);
         }
         let mut found = Vec::with_capacity(keypoints.len() + keypoints.len() / 2);
+        // A group's levels serve its own keypoints alone, so that one group is held at a time.
         for group in &outcome.groups {
             let numbers: Vec<usize> =
                 (0..keypoints.len()).filter(|&number| group.own.contains(&keypoints[number].slope_index)).collect();
@@ -313,6 +309,7 @@ impl Search<'_> {
         let mut first = 0;
         for in_octave in keypoints.chunk_by(|a, b| a.octave == b.octave) {
             let octave = in_octave[0].octave;
+            // Made on all threads at once, before keypoints ask for the octave's frames one by one.
             let own_slopes = self.describes_own_slopes(octave).then(|| {
                 along.make(octave);
                 along.of(octave)

@@ -1,5 +1,4 @@
-//! Outcome of a search, for later judgements: its keypoints with the values that its thresholds compared, and the
-//! features of those that have been described since.
+//! Outcome of a search, for later judgements: keypoints with the values that thresholds compared, and known features.
 //!
 //! The result of a stricter threshold, another rule for distinct keypoints or another number of features follows from
 //! the keypoints: those that fail are left out, and the features are chosen again.
@@ -19,14 +18,12 @@ use std::sync::{Arc, OnceLock};
 /// σ_D at the place of least noise, by octave, DoG level index and slope.
 pub(super) type SigmaD = Vec<Vec<Vec<f32>>>;
 
-/// Whether the result of a search with `params` follows from what a search with `searched` left: they differ only in
-/// what is judged later, and `params` are as strict. (In noise with very light tails a higher gate may still be less
-/// strict; then a judgement tells so.)
+/// Whether a search with `params` follows from one with `searched`: they differ only in parameters judged later, and
+/// `params` are as strict. (In noise with very light tails a higher gate may be less strict: the judgement is `None`.)
 pub fn follows(params: &DetectorParams, searched: &DetectorParams) -> bool {
     searched.judged_as(params) == *params && params.validate().is_ok() && are_as_strict(params, searched)
 }
 
-/// Whether no threshold of `params` is lower than that of `searched`.
 pub(super) fn are_as_strict(params: &DetectorParams, searched: &DetectorParams) -> bool {
     params.peak_threshold >= searched.peak_threshold
         && edge_limit(params.edge_threshold) <= edge_limit(searched.edge_threshold)
@@ -36,7 +33,6 @@ pub(super) fn are_as_strict(params: &DetectorParams, searched: &DetectorParams) 
 /// Result of a search before the choice of features, shared by all trails that follow from it.
 #[derive(Debug)]
 pub(super) struct Outcome {
-    /// Parameters of the search.
     pub(super) params: DetectorParams,
     /// First levels of each octave; none for the first octave. `None` where slopes were searched in groups.
     pub(super) bases: Option<Vec<FirstLevels>>,
@@ -50,20 +46,18 @@ pub(super) struct Outcome {
     gate: Option<(f32, SigmaD)>,
     /// Features of each keypoint, once it was described; empty where nothing is kept for later judgements.
     pub(super) described: Vec<OnceLock<Box<[Described]>>>,
-    /// Rises beyond the slopes of the features of each keypoint, once they were asked for.
+    /// Rises beyond the slopes of the features of each keypoint, computed on demand.
     pub(super) rises: Vec<OnceLock<Vec<Rise>>>,
-    /// Whether the features of each keypoint are ghosts, once it was asked for.
     pub(super) ghosts: Vec<OnceLock<bool>>,
     pub(super) means: Means,
     pub(super) field: Option<Arc<MotionField>>,
 }
 
-/// Keypoints that pass thresholds.
 #[derive(Debug)]
 pub(super) struct PassingKeypoints {
     /// In order of octaves.
     pub(super) keypoints: Vec<Keypoint>,
-    /// Their numbers among those of the search.
+    /// Index of each in the list of the search.
     pub(super) numbers: Vec<u32>,
     /// Numbers of samples that the search and the thresholds reject.
     pub(super) tally: Tally,
@@ -95,14 +89,12 @@ impl Outcome {
         }
     }
 
-    /// All keypoints of the search.
     pub(super) fn all(&self) -> PassingKeypoints {
         let numbers = (0..self.keypoints.len() as u32).collect();
         PassingKeypoints { keypoints: self.keypoints.clone(), numbers, tally: total(&self.tallies) }
     }
 
-    /// The keypoints that `search` would find, whose σ_D is `sigma_d` and whose parameters [follow](follows) from this
-    /// one's. `None` where it might find others: where one of its limits is lower.
+    /// Keypoints that `search`, if it [follows](follows), would find; `None` where one of its limits is lower.
     pub(super) fn passing(&self, search: &Search<'_>, sigma_d: &SigmaD) -> Option<PassingKeypoints> {
         let slopes: Vec<Option<usize>> = (0..search.grid.len()).map(Some).collect();
         let judged = self.judged(search, sigma_d, &slopes).filter(|_| follows(search.params, &self.params))?;
@@ -119,9 +111,8 @@ impl Outcome {
         Some(PassingKeypoints { keypoints, numbers, tally })
     }
 
-    /// The keypoints at the slopes that `search` has too, each with the first test that it fails in `search`. For each
-    /// slope of `search` its index here is in `slopes`; keypoints get the index there. `None` where `search` might find
-    /// others at these slopes.
+    /// Keypoints at the slopes that `search` shares, each with the first test that it fails there. `slopes` has the
+    /// index here of each slope of `search`; keypoints get the index there. `None` where `search` might find more.
     pub(super) fn judged(
         &self,
         search: &Search<'_>,
@@ -130,6 +121,7 @@ impl Outcome {
     ) -> Option<Vec<(FoundKeypoint, Option<Test>)>> {
         let (params, factor) = (search.params, search.inputs.gate_factor);
         let (own_factor, own_sigma_d) = self.gate.as_ref()?;
+        // The noise may differ by slope, so the gates are compared one by one: none may be lower than before.
         let has_lower_gate = |(sigma_d, own): (&Vec<f32>, &Vec<f32>)| {
             let mut known = slopes.iter().zip(sigma_d).filter_map(|(own, sigma_d)| Some(((*own)?, sigma_d)));
             known.any(|(index, sigma_d)| factor * sigma_d < own_factor * own[index])
@@ -139,6 +131,7 @@ impl Outcome {
         {
             return None;
         }
+        // Slopes that `search` lacks keep `None`, and their keypoints are dropped.
         let mut new_index = vec![None; self.tallies.len()];
         for (new, own) in slopes.iter().enumerate().filter_map(|(new, own)| Some((new, (*own)?))) {
             new_index[own] = Some(new);
@@ -151,6 +144,7 @@ impl Outcome {
             let sigma_d_min = of_octave[(keypoint.level + 1) as usize][keypoint.slope_index];
             let sigma_d = sigma_d_min * place_factor;
             let sample = sample_value.abs();
+            // Rounded as in the search, which multiplies in this order: the results must agree to the bit.
             let is_above_gate =
                 sample >= first_part * factor * sigma_d_min && sample >= first_part * (factor * sigma_d);
             let of_sample = [(Test::PeakThreshold, sample >= peak), (Test::NoiseGate, is_above_gate)];
@@ -161,7 +155,6 @@ impl Outcome {
         Some(self.keypoints.iter().zip(&self.evidence).filter_map(judged).collect())
     }
 
-    /// Approximate bytes of the keypoints and of their features.
     pub(super) fn bytes(&self) -> usize {
         let described: usize = self.described.iter().filter_map(OnceLock::get).map(|one| size_of_val(&one[..])).sum();
         described
@@ -179,7 +172,6 @@ fn total(tallies: &[Tally]) -> Tally {
     total
 }
 
-/// σ_D of a search at the place of least noise.
 pub(super) fn sigma_d(search: &Search<'_>) -> SigmaD {
     search.inputs.octaves().map(|octave| search.sigma_d(octave)).collect()
 }

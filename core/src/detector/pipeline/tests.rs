@@ -1,5 +1,4 @@
-//! A search in groups of slopes gives bitwise the same results as the whole search, and so do one that is cut first and
-//! one that goes on from another.
+//! Searches in groups of slopes, cut first or continued from another have the bits of the whole search.
 
 use super::*;
 use crate::detector::feature::Feature;
@@ -69,7 +68,6 @@ fn of_features(trail: &Trail, count: usize) -> Vec<usize> {
     (0..count).map(|index| trail.keypoint_of_feature(index)).collect()
 }
 
-/// Checks that later questions to both trails have equal answers.
 fn assert_same_answers(found: &Trail, whole: &Trail) {
     let monitor = Monitor::default();
     for octave in whole.octaves() {

@@ -1,6 +1,5 @@
-//! Data that a detection keeps to explain its result. Nothing here changes the result: the search's own functions are
-//! run again on the few samples in question (see [`Trail::neighbourhood`]); the values are bitwise equal, because those
-//! of a tile do not depend on the tile.
+//! Data that a detection keeps to explain its result. Questions run the search's own functions again on a few samples
+//! (see [`Trail::neighbourhood`]), with bitwise equal values, because a value does not depend on its tile.
 
 use crate::burst::Positions;
 use crate::detector::along::Along;
@@ -33,7 +32,7 @@ pub(super) fn sample_key(keypoint: &Keypoint) -> SampleKey {
     (keypoint.octave, keypoint.level, keypoint.slope_index, keypoint.sample)
 }
 
-/// Radius of the keypoints considered, in links of a chain: keypoints that remove one another form chains.
+/// Radius around a keypoint in links of a chain: keypoints that remove one another form chains.
 const CHAIN_LINKS: f32 = 6.0;
 
 /// A detection and the data from which it was computed.
@@ -49,7 +48,6 @@ pub struct Trail {
     by_sample: HashMap<SampleKey, usize>,
     /// Keypoints that are known to have stayed, sorted by row.
     stayed: Vec<(usize, Blob)>,
-    /// σ_D at the place of least noise, by octave, DoG level index and slope.
     pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
     pub(super) search_secs: f32,
@@ -68,7 +66,7 @@ impl Trail {
         Self { inputs, outcome, passing, choice, uncut, by_sample, stayed, sigma_d, detection, search_secs }
     }
 
-    /// Adds the lookup tables that questions need.
+    /// Adds the lookup tables for questions; a detection without questions need not pay for them.
     pub(super) fn ready(mut self) -> Self {
         self.by_sample = self.keypoints().iter().map(sample_key).zip(0..).collect();
         let blob = |&index: &usize| (index, Blob::of(&self.keypoints()[index], &self.inputs.space));
@@ -89,6 +87,7 @@ impl Trail {
     /// Memory of the trail, bytes, without the frames among `others`. It grows as questions are answered.
     pub fn bytes_beside(&self, others: &[Arc<Plane>]) -> usize {
         let plane = |plane: &Plane| size_of_val(plane.data());
+        // Frames that others hold too are counted there.
         let is_own = |frame: &&Arc<Plane>| !others.iter().any(|other| Arc::ptr_eq(other, frame));
         let frames: usize = self.inputs.frames.iter().filter(is_own).map(|frame| plane(frame)).sum();
         let means = self.outcome.means.iter().filter_map(OnceLock::get).flatten();
@@ -106,28 +105,27 @@ impl Trail {
             + size_of_val(&self.stayed[..])
     }
 
-    /// Whether this trail and `other` go back to the same search: each can be [judged](Trail::rejudged) from the other.
+    /// Whether both trails come from one search: each can then be [judged](Trail::rejudged) from the other.
     pub fn shares_search(&self, other: &Self) -> bool {
         Arc::ptr_eq(&self.outcome, &other.outcome)
     }
 
-    /// The result.
+    /// Detection that this trail explains.
     pub fn detection(&self) -> &Detection {
         &self.detection
     }
 
-    /// Parameters of the detection.
+    /// Parameters of the detection, which may be stricter than those of the [search](Trail::searched_with).
     pub fn params(&self) -> &DetectorParams {
         &self.inputs.params
     }
 
-    /// Time that the search took that this trail goes back to, with the description of its features, seconds.
+    /// Seconds that the search behind this trail took, with the description of its features.
     pub fn search_secs(&self) -> f32 {
         self.search_secs
     }
 
-    /// Parameters of the search that this trail goes back to: those that other parameters must [follow](super::follows)
-    /// from to be judged without a search.
+    /// Parameters of the search behind this trail: parameters that [follow](super::follows) from them need no search.
     pub fn searched_with(&self) -> &DetectorParams {
         &self.outcome.params
     }
@@ -152,7 +150,7 @@ impl Trail {
         &self.inputs.space
     }
 
-    /// Noise model.
+    /// Noise model with which the gate and all σ_D were computed.
     pub fn noise(&self) -> &Arc<NoiseModel> {
         &self.inputs.noise
     }
@@ -167,8 +165,7 @@ impl Trail {
         &self.passing.keypoints
     }
 
-    /// Index of the stronger keypoint that shows the same blob as keypoint `index`, if there is one. `None` for
-    /// keypoints that [are cut](Trail::is_cut).
+    /// Index of the stronger keypoint on the same blob as keypoint `index`; `None` for [cut](Trail::is_cut) ones too.
     pub fn covered_by(&self, index: usize) -> Option<usize> {
         match self.choice.verdicts[index] {
             Verdict::CoveredBy(by) => Some(by),
@@ -200,7 +197,7 @@ impl Trail {
             let chooser = Chooser { search, outcome: &self.outcome, passing: &self.passing, along: &self.along() };
             chooser.choose(0).expect("nobody cancels it").1
         };
-        // On threads of its own: a thread that waited for others here might meanwhile run a job that waits for this.
+        // On own threads: a thread of the pool that waits here might run a job that waits for this result.
         let on_own_threads = || {
             std::thread::scope(|scope| {
                 scope.spawn(|| on_threads(0, choose)).join().unwrap_or_else(|panic| resume_unwind(panic))
@@ -209,8 +206,8 @@ impl Trail {
         self.uncut.get_or_init(on_own_threads)
     }
 
-    /// Whether keypoint `index` would stay among those around it with another `radius` and `scale_ratio` for distinct
-    /// keypoints. All of these are compared again: removed ones may then stay, and remove others.
+    /// Whether keypoint `index` would stay with another `radius` and `scale_ratio` for distinct keypoints. All
+    /// keypoints around are compared again: removed ones may then stay, and remove others.
     pub fn would_stay(&self, index: usize, radius: f32, scale_ratio: f32) -> bool {
         let keypoints = self.keypoints();
         let own = keypoints[index].in_image();
@@ -219,6 +216,7 @@ impl Trail {
             let (u, v, sigma) = k.in_image();
             (u - own.0).hypot(v - own.1) <= CHAIN_LINKS * radius.max(own_radius) * sigma.max(own.2)
         };
+        // Only the chains of keypoints around decide, not the whole picture.
         let around: Vec<usize> = (0..keypoints.len()).filter(|&other| near(&keypoints[other])).collect();
         let blobs: Vec<Blob> = around.iter().map(|&other| Blob::of(&keypoints[other], &self.inputs.space)).collect();
         let along = self.along();
@@ -229,14 +227,14 @@ impl Trail {
         deciding.covered_by(own).is_none()
     }
 
-    /// Index of the keypoint that stayed and would remove `keypoint`, which is none of those found, by the rule for
-    /// distinct keypoints. Keypoints that [are cut](Trail::is_cut) may not be compared.
+    /// Index of the kept keypoint that would remove `keypoint`, one that was not found, by the rule for distinct
+    /// keypoints. Keypoints that [are cut](Trail::is_cut) may not be compared.
     pub fn would_be_covered_by(&self, keypoint: &Keypoint) -> Option<usize> {
         let params = &self.inputs.params;
         let Distinct::Radius(radius) = params.distinct else { return None };
         let rule = Rule { radius, scale_ratio: params.distinct_scale };
         let blob = Blob::of(keypoint, &self.inputs.space);
-        // Reach of a stronger keypoint that covers it: its scale is larger by the ratio at most.
+        // Reach of a stronger keypoint that covers this one: its scale is larger by the ratio at most.
         let reach = radius * params.distinct_scale * blob.sigma;
         let first = self.stayed.partition_point(|(_, other)| other.v < blob.v - reach);
         let last = self.stayed.partition_point(|(_, other)| other.v <= blob.v + reach);
@@ -303,14 +301,12 @@ impl Trail {
         min * ((offsets.len() as f32 / seeing).sqrt() * self.inputs.noise.place_factor(octave, &all, at, size))
     }
 
-    /// Indices, among the frames that took part, of those that show the place (u, v), input pixels, at `slope`: they
-    /// cover it, and no mask hides it.
+    /// Indices, among the kept frames, of those that cover the place (u, v), input pixels, at `slope` without a mask.
     pub fn showing(&self, place: (f32, f32), slope: Slope) -> Vec<usize> {
         self.along().showing(place, slope)
     }
 
-    /// Share (0 … 1) of the samples of a disc of scale `sigma` px at `place` that its frames see at `slope`; `None`
-    /// where nothing is masked.
+    /// Share (0 … 1) of a disc of scale `sigma` px at `place` that its frames see at `slope`; `None` without masks.
     pub fn seen_share(&self, place: (f32, f32), slope: Slope, sigma: f32) -> Option<f32> {
         self.inputs.seen_share(&self.inputs.offsets(slope), place, sigma)
     }
@@ -352,8 +348,7 @@ impl Trail {
         features.par_iter().map(evenness).collect()
     }
 
-    /// The mean of the `chosen` frames (indices among those that took part), shifted by `slope`, in a rectangle of the
-    /// image, less its value in the middle.
+    /// Mean of the `chosen` kept frames, shifted by `slope`, in a rectangle of the image, less its value in the middle.
     pub fn stack_part(&self, region: &Region, slope: Slope, chosen: &[usize]) -> Plane {
         let along = self.along();
         let frames = along.of(0);

@@ -1,10 +1,9 @@
 //! Ascent: the exact maximum of |D| over place and scale, from the pixels of an octave's first level.
 //!
-//! The samples of a coarse octave lie 2^o input pixels apart, and a fit to them depends on where they fall on a blob: a
-//! burst that is cropped by a pixel would keep other keypoints. So in octaves after the first the fit is only the start
-//! of an ascent. D at any place and scale is the difference of two sums of pixels under Gaussians; their jets
-//! (`crate::kernel::gaussian_jet`) give its gradient and its second derivatives, over place and, since ∂G/∂σ = σ∇²G,
-//! over ln σ. Newton's steps lead to the maximum, which one or two evaluations reach.
+//! The samples of a coarse octave lie 2^o input pixels apart, and a fit depends on where they fall on a blob: a burst
+//! cropped by a pixel would keep other keypoints. So in octaves after the first the fit only starts an ascent. D at any
+//! place and scale is the difference of two sums of pixels under Gaussians; their jets (`crate::kernel::gaussian_jet`)
+//! give its derivatives over place and, by ∂G/∂σ = σ∇²G, over ln σ. Newton's steps reach the maximum.
 
 use crate::detector::scale_space::ScaleSpace;
 use crate::kernel::compact_kernel::{PixelView, RIM};
@@ -13,7 +12,7 @@ use nalgebra::{Cholesky, Matrix3, Vector3};
 use std::cell::RefCell;
 use std::ops::Range;
 
-/// Source of exact values of D: an octave's first level, at one slope.
+/// Source of exact values of D: an octave's first level at one slope.
 #[derive(Debug, Clone, Copy)]
 pub struct FirstLevel<'a> {
     pub pixels: PixelView<'a>,
@@ -22,7 +21,6 @@ pub struct FirstLevel<'a> {
     pub space: &'a ScaleSpace,
 }
 
-/// A maximum of |D|.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Peak {
     /// Octave pixels.
@@ -37,13 +35,11 @@ pub struct Peak {
 
 /// Radius at which the Gaussians are cut, in standard deviations of the wider one at the start.
 const CUT: f64 = 3.5;
-/// Smallest variance beyond the first level's, octave pixels²: finer Gaussians show too little of what that one lost.
+/// Smallest variance beyond the first level's, octave pixels²: finer Gaussians show too little of the structure.
 const MIN_VARIANCE: f64 = 0.3;
-/// Maximum number of evaluations.
 const MAX_STEPS: usize = 4;
-/// Length of a step after which no other evaluation is needed: the parabola's peak is exact to a part in a thousand.
+/// Length of a step after which no other evaluation is needed: the parabola's peak is exact to a thousandth.
 const SHORT_PX: f64 = 0.1;
-/// Largest step.
 const LONGEST_PX: f64 = 0.7;
 /// Largest distance from the start, octave pixels.
 pub const FARTHEST_PX: f64 = 2.5;
@@ -53,8 +49,8 @@ thread_local! {
 }
 
 impl FirstLevel<'_> {
-    /// The maximum of sign·D to which the ascent from column `x`, row `y` and DoG level index `level` leads; `None`
-    /// where D is not peaked on the way, leads out of the level indices `within`, or does not converge nearby.
+    /// Maximum of sign·D to which the ascent from column `x`, row `y` and DoG level index `level` leads; `None` where D
+    /// is not peaked on the way, or the ascent leaves the level indices `within` or does not converge nearby.
     pub fn ascend(&self, start: (f64, f64), level: f64, within: Range<f64>, sign: f64) -> Option<Peak> {
         PIXELS.with_borrow_mut(|pixels| {
             let levels = self.space.levels as f64;
@@ -65,7 +61,7 @@ impl FirstLevel<'_> {
             let begin = log_sigma(level).max(finest);
             let unit = begin.exp();
             let radius = (CUT * (k2 * unit * unit - own).sqrt()).ceil() as usize + 1;
-            // The grey level around the place is subtracted, so that cutting the Gaussians off changes nothing.
+            // Without the local mean, cutting the Gaussians off would count as structure.
             let local_mean = self.pixels.local_mean(RIM.on_rim(std::f64::consts::SQRT_2 * unit), start);
             pixels.read(&self.pixels, (start.0.round() as i64, start.1.round() as i64), radius, local_mean);
             let (mut x, mut y, mut log) = (start.0, start.1, begin);
@@ -91,18 +87,20 @@ impl FirstLevel<'_> {
                         d.y_log / unit,
                         d.log_log / (unit * unit),
                     );
+                // Cholesky fails exactly where D is no peak in place and scale: there Newton's step leads nowhere.
                 let step = Cholesky::new(bend)?.solve(&gradient);
                 let level = 1.0 + levels * ((log + step.z / unit).exp() / self.space.sigma_octave(0.0)).log2();
                 if !within.contains(&level) {
                     return None;
                 }
                 let length = step.norm();
-                // Beyond the finest scale that the pixels show the parabola's peak is taken as it is.
+                // Beyond the finest scale that the pixels show, the parabola's peak is taken as it is.
                 let ends_there = log <= finest && step.z < 0.0 && step.xy().norm() < SHORT_PX;
                 if length < SHORT_PX || ends_there {
                     let value = d.value + 0.5 * sign * gradient.dot(&step);
                     return Some(Peak { x: x + step.x, y: y + step.y, level, value, curvature: [d.xx, d.xy, d.yy] });
                 }
+                // Longer steps leave the range of the quadratic, and might end on another blob.
                 let step = step * (LONGEST_PX / length).min(1.0);
                 (x, y, log) = (x + step.x, y + step.y, (log + step.z / unit).max(finest));
                 if (x - start.0).hypot(y - start.1) > FARTHEST_PX {
@@ -129,10 +127,10 @@ struct Derivatives {
 }
 
 impl Derivatives {
-    /// Those of the difference of Gaussians with the jets `fine` and `coarse` and squared scales `fine2` and `coarse2`:
-    /// ∂G/∂ln σ = σ²∇²G.
+    /// Derivatives of a difference of Gaussians by its jets and squared scales, with ∂G/∂ln σ = σ²∇²G.
     fn of(fine: &Jet, fine2: f64, coarse: &Jet, coarse2: f64) -> Self {
         let both = |of: &dyn Fn(&Jet, f64) -> f64| of(coarse, coarse2) - of(fine, fine2);
+        // A Gaussian changes with ln σ by σ² times its Laplacian: derivatives in place give those in scale.
         let laplacian = |j: &Jet, p: usize, q: usize| j[p + 2][q] + j[p][q + 2];
         Self {
             value: both(&|j, _| j[0][0]),

@@ -1,10 +1,9 @@
 //! Refinement of an extremum between the samples, in place and scale, then in slope; and the tests that need it.
 //!
-//! Place and scale: Brown and Lowe's quadratic fit as VLFeat does it: up to four moves of a pixel while the fitted
-//! offset exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. In octaves after the
-//! first that fit only begins an [ascent] to the exact maximum. Slope: D over slope is a mean of shifted blob
-//! responses, close to a Gaussian bump, so a parabola is fitted to log |D| over the neighbouring slopes (to |D| itself
-//! where a neighbour has the other sign), which is exact for such a bump.
+//! Place and scale: Brown and Lowe's quadratic fit as in VLFeat: up to four moves of a pixel while the fitted offset
+//! exceeds 0.6 pixel in u or v (never in scale), accepted when every offset is below 1.5. In octaves after the first
+//! the fit only starts an [ascent] to the exact maximum. Slope: D over slope is nearly a Gaussian bump, so a parabola
+//! is fitted to log |D| over the neighbouring slopes, or to |D| itself where a neighbour has the other sign.
 
 pub mod ascent;
 
@@ -18,7 +17,6 @@ pub fn edge_limit(edge_threshold: f32) -> f64 {
     (edge + 1.0).powi(2) / edge
 }
 
-/// Limits for an accepted extremum.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Limits {
     /// Lower limit of |D| after interpolation due to noise.
@@ -28,8 +26,7 @@ pub struct Limits {
 }
 
 impl Limits {
-    /// Applies the tests of D at an extremum and of its [`Fit::edge_quotient`], each independently, in their order;
-    /// true where it passes.
+    /// Applies the tests of D at an extremum and of its [`Fit::edge_quotient`], each by itself, in their order.
     pub(crate) fn tests(&self, value: f32, edge_quotient: f64) -> [(Test, bool); 3] {
         [
             (Test::NoiseGate, value.abs() >= self.gate),
@@ -40,8 +37,7 @@ impl Limits {
     }
 }
 
-/// Maximum number of fits; the sample moves between them, so at most one time fewer. The tile must hold this many
-/// pixels and one more on each side.
+/// Maximum number of fits, with moves of a pixel between. The tile holds so many pixels and one more around.
 pub const MAX_FITS: usize = 5;
 
 /// Solves the symmetric 3×3 system `a·x = −g` by elimination with pivoting; `None` when it is singular.
@@ -49,6 +45,7 @@ fn solve(mut a: [[f64; 3]; 3], g: [f64; 3]) -> Option<[f64; 3]> {
     let mut b = [-g[0], -g[1], -g[2]];
     for j in 0..3 {
         let pivot = (j..3).max_by(|&p, &q| a[p][j].abs().total_cmp(&a[q][j].abs()))?;
+        // A flat direction: the quadratic has no single extremum.
         if a[pivot][j].abs() < 1e-14 {
             return None;
         }
@@ -81,7 +78,6 @@ pub struct Fit {
     pub level_refined: f64,
     /// Upper limit of an accepted offset in levels.
     pub level_reach: f64,
-    /// Interpolated D.
     pub value: f64,
     /// Second derivatives of D in the image: uu, uv, vv.
     pub curvature: [f64; 3],
@@ -91,8 +87,7 @@ pub struct Fit {
 pub const MAX_OFFSET: f64 = 1.5;
 
 impl Fit {
-    /// Largest offset in magnitude, which must stay below [`MAX_OFFSET`]; that in levels in units in which
-    /// [`Self::level_reach`] is that limit. Infinite where an offset is NaN.
+    /// Largest offset in magnitude, with [`Self::level_reach`] levels as [`MAX_OFFSET`]. Infinite where one is NaN.
     pub fn largest_offset(&self) -> f64 {
         let [x, y, level] = self.offset;
         let offsets = [x, y, level * (MAX_OFFSET / self.level_reach)];
@@ -121,8 +116,7 @@ impl Fit {
         0.5 * (sum + (sum * sum - 4.0).sqrt())
     }
 
-    /// Applies the tests that follow the fit, each independently, in their order; true where it passes. `size` is the
-    /// octave's, `levels` the number of DoG levels.
+    /// Applies the tests that follow the fit, each by itself, in order, in an octave of `size` with `levels` levels.
     pub fn tests(&self, size: (usize, usize), levels: usize, limits: Limits) -> [(Test, bool); 5] {
         let inside = |at: f64, n: usize| (0.0..=(n - 1) as f64).contains(&at);
         let (x, y) = self.place();
@@ -147,7 +141,7 @@ impl Fit {
 }
 
 /// Refines the extremum at (x, y, level index) in place and scale, and applies the tests that follow. `first` is the
-/// octave's first level where the octave is not the first; `size` is the octave's. Fails with the test that rejects it.
+/// octave's first level except in the first octave; `size` is the octave's. Fails with the test that rejects it.
 pub fn refine(
     (dog, first): (&DogTile, Option<&FirstLevel<'_>>),
     place: (usize, usize),
@@ -165,21 +159,20 @@ pub fn refine(
 /// Distance from the sample, in pixels or levels, at which an ascent begins where the quadratic fit leads farther.
 const LONGEST_START: f64 = 0.7;
 
-/// Distance in levels from which on the quadratic fit shows that a sample is not the nearest to a peak.
+/// Distance in levels from which the quadratic fit shows that a sample is not the nearest to a peak.
 const FARTHEST_FIT: f64 = 0.8;
 
-/// Distance in levels up to which an ascent's peak is that of a sample: a little more than half a level, because not
-/// every sample nearest to a peak begins an ascent. What is so found twice, the choice of distinct keypoints drops.
+/// Distance in levels up to which an ascent's peak belongs to a sample: a little more than half a level, as not every
+/// sample nearest to a peak begins an ascent. Peaks found twice fall to the choice of distinct keypoints.
 const NEAREST: f64 = 0.6;
-/// Distance in place of [`NEAREST`] below the octave's first level: farther into the finer octave, so that no peak is
-/// lost between them.
+/// [`NEAREST`] below the octave's first level: farther into the finer octave, so that no peak is lost between them.
 const BELOW_FIRST: f64 = 0.65;
 
-/// Distance in levels beyond those at which a step of an ascent ends it.
+/// Distance in levels beyond those at which an ascent ends.
 const STRAY: f64 = 0.2;
 
-/// Extremum of D around (x, y, level index): that of the quadratic fit, or, with the octave's first level, the exact
-/// one to which the [ascent] from there leads; `None` where there is none. `size` is the octave's.
+/// Extremum of D around (x, y, level index): by the quadratic fit, or, with the octave's first level, the exact one by
+/// the [ascent] from there; `None` where there is none. `size` is the octave's.
 pub fn fit(
     (dog, first): (&DogTile, Option<&FirstLevel<'_>>),
     place: (usize, usize),
@@ -188,11 +181,12 @@ pub fn fit(
 ) -> Option<Fit> {
     let quadratic = quadratic(dog, place, level_index, size)?;
     let Some(first) = first else { return Some(quadratic) };
-    // Most samples that are only nearly as strong as the adjacent level lie on no peak at all, which the fit shows.
+    // Most samples that are only nearly as strong as the adjacent level lie on no peak, as the fit shows cheaply.
     let quadratic = Fit { level_reach: FARTHEST_FIT, ..quadratic };
     if quadratic.largest_offset() >= MAX_OFFSET {
         return Some(quadratic);
     }
+    // The fit may lie far off where the samples are coarse: the ascent starts near the sample.
     let start = |sample: usize, fitted: f64| fitted.clamp(sample as f64 - LONGEST_START, sample as f64 + LONGEST_START);
     let (x, y) = quadratic.place();
     let (x, y) = (start(place.0, x), start(place.1, y));
@@ -237,6 +231,7 @@ fn quadratic(
         let ys = cross(at(0, 1, 1), at(0, -1, -1), at(0, 1, -1), at(0, -1, 1));
         hessian = [[xx, xy, xs], [xy, yy, ys], [xs, ys, ss]];
         offset = solve(hessian, gradient)?;
+        // Moves stay inside: the fit needs a pixel on each side.
         let step = |offset: f64, at: usize, end: usize| -> i32 {
             i32::from(offset > 0.6 && at + 2 < end) - i32::from(offset < -0.6 && at > 1)
         };
@@ -248,6 +243,7 @@ fn quadratic(
         y = (y as i32 + dy) as usize;
         moves += 1;
     }
+    // As in VLFeat, the value follows from the last fit even where it did not settle.
     let here = f64::from(dog.at(level_index, x, y));
     let value = here + 0.5 * (0..3).map(|i| gradient[i] * offset[i]).sum::<f64>();
     let [[xx, xy, _], [_, yy, _], _] = hessian;
@@ -255,12 +251,12 @@ fn quadratic(
     Some(Fit { x, y, offset, level_refined, level_reach: MAX_OFFSET, value, curvature })
 }
 
-/// Offset of the peak of a bump from its middle sample, in steps, from three equally spaced samples of which the middle
-/// one is the largest in magnitude; within ±1. 0 where the samples have no peak.
+/// Offset of the peak of a bump from its middle sample, in steps within ±1, from three equally spaced samples of which
+/// the middle one is the largest in magnitude. 0 where the samples have no peak.
 pub fn peak_offset(before: f32, here: f32, after: f32) -> f32 {
     let sign = here.signum();
     let (a, b, c) = (f64::from(sign * before), f64::from(sign * here), f64::from(sign * after));
-    // The logarithm needs samples well above zero; below a hundredth of the peak it would only amplify noise.
+    // Logarithms need samples well above zero; below a hundredth of the peak they would only amplify noise.
     let floor = 0.01 * b;
     let (a, b, c) = if a > floor && c > floor { (a.ln(), b.ln(), c.ln()) } else { (a, b, c) };
     let curvature = a - 2.0 * b + c;
@@ -270,9 +266,8 @@ pub fn peak_offset(before: f32, here: f32, after: f32) -> f32 {
     (0.5 * (a - c) / curvature).clamp(-1.0, 1.0) as f32
 }
 
-/// Offset of the peak of a two-dimensional bump from the middle of 3×3 equally spaced samples `values[j][i]`, in steps
-/// along (i, j), each within ±1. A quadratic is fitted to the logarithms by least squares; where these are undefined,
-/// or the quadratic has no peak, each axis is fitted alone.
+/// Offset of the peak of a bump from the middle of 3×3 samples `values[j][i]`, in steps along (i, j), each within ±1. A
+/// quadratic is fitted to the logarithms by least squares; where that fails, each axis is fitted alone.
 pub fn peak_offset_2d(values: [[f32; 3]; 3]) -> (f32, f32) {
     let separate = || {
         (peak_offset(values[1][0], values[1][1], values[1][2]), peak_offset(values[0][1], values[1][1], values[2][1]))
@@ -297,6 +292,7 @@ pub fn peak_offset_2d(values: [[f32; 3]; 3]) -> (f32, f32) {
     let hyy = (row(0) + row(2) - 2.0 * row(1)) / 3.0;
     let hxy = (z[0][0] + z[2][2] - z[0][2] - z[2][0]) / 4.0;
     let determinant = hxx * hyy - hxy * hxy;
+    // A saddle or a ridge has no peak in two dimensions; an axis alone may still have one.
     if !(hxx < 0.0 && determinant > 0.0) {
         return separate();
     }

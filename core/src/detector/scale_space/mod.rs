@@ -2,17 +2,16 @@
 //! tiles of D in one octave; `planes` computes whole levels of one slope.
 //!
 //! Octaves and levels are in VLFeat's convention. Octave `o` has pixels of 2^o input pixels; its levels `s = −1 … S+1`
-//! have σ = σ0·2^(o + s/S) input pixels, with σ0 = 1.6·2^(1/S), so that the first level of an octave always has σ = 1.6
-//! octave pixels. The input is taken to have σ = 0.5. Each level is blurred from the one before it by σ0·2^(s/S)·√(1 −
-//! 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, whose σ is twice the first
-//! level's. DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are searched at levels 0 … S−1. Octave −1 is the
-//! image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). A positive first octave o has every 2^o-th
-//! pixel of the mean of *binned* frames: each pixel the mean of those less than 2^o columns and rows away, weighted by
-//! a triangle, beyond the frame the nearest one. Binning commutes with shifts and sums, so each frame is binned once
-//! for all slopes. The codes that skip pixels instead ([`CoarseStart`]) lose their light, and alias.
+//! have σ = σ0·2^(o + s/S) input pixels, with σ0 = 1.6·2^(1/S), so that an octave's first level always has σ = 1.6
+//! octave pixels. The input is taken to have σ = 0.5. Each level is blurred from the level before by
+//! σ0·2^(s/S)·√(1 − 2^(−2/S)) octave pixels; the next octave starts from every second pixel of level S−1, with twice
+//! the first level's σ. DoG level `s` (−1 … S) is `G(s+1) − G(s)`, and extrema are searched at levels 0 … S−1. Octave
+//! −1 is the image doubled by linear interpolation: pixel (2i, 2j) is pixel (i, j). A positive first octave o has every
+//! 2^o-th pixel of the mean of *binned* frames: triangle-weighted means of pixels less than 2^o columns and rows away,
+//! the nearest repeated beyond the frame. Binning commutes with shifts and sums, so each frame is binned once for all
+//! slopes. Codes that skip pixels ([`CoarseStart`]) lose light, and alias.
 //!
-//! Everything is made in tiles; a tile includes the pixels around it that its filters need, so each value is bitwise
-//! independent of the tiles.
+//! Tiles include the pixels around them that their filters need, so each value is bitwise independent of the tiles.
 
 pub(super) mod planes;
 
@@ -32,7 +31,7 @@ pub const SIGMA_INPUT: f64 = 0.5;
 /// σ of the first level (s = −1) of every octave, in octave pixels.
 pub const SIGMA_BASE: f64 = 1.6;
 
-/// Scales and kernels of a scale space with `S` levels per octave.
+/// Scales and kernels of a scale space with `S` levels per octave, in VLFeat's convention.
 #[derive(Debug, Clone)]
 pub struct ScaleSpace {
     /// Number of levels per octave, S.
@@ -50,7 +49,7 @@ pub struct ScaleSpace {
 }
 
 impl ScaleSpace {
-    /// Scale space of a search with `params`.
+    /// Scale space of a search with `params`, by its levels, first octave and rules.
     pub fn of(params: &DetectorParams) -> Self {
         let (levels, cut) = (params.levels as usize, f64::from(params.rules.kernel_cut));
         Self::starting(levels, params.first_octave, params.rules.coarse_start, cut)
@@ -82,7 +81,7 @@ impl ScaleSpace {
         if self.bins() { 1 } else { 1 << self.first_octave.max(0) }
     }
 
-    /// The frames as the first octave reads them if it bins; otherwise none, as it reads `frames` themselves.
+    /// Frames as the first octave reads them if it bins; otherwise none, as it reads `frames` themselves.
     pub fn binned(&self, frames: &[&Plane], monitor: &Monitor) -> Result<Vec<Plane>, Cancelled> {
         let frames = if self.bins() { frames } else { &[] };
         frames.iter().map(|frame| triangle_blur(frame, 1 << self.first_octave, monitor)).collect()
@@ -141,8 +140,7 @@ pub fn octave_pixel(octave: i32) -> f32 {
     2f32.powi(octave)
 }
 
-/// Octaves that a search with `params` visits in an image of `size` = (columns, rows): those requested, as long as
-/// their shorter side has [`MIN_OCTAVE_SIDE`] pixels. At least the first one.
+/// Requested octaves whose shorter side has [`MIN_OCTAVE_SIDE`] pixels in an image of `size`; at least the first one.
 pub fn searched_octaves(params: &DetectorParams, size: (usize, usize)) -> Range<i32> {
     let first = params.first_octave;
     let side = size.0.min(size.1);
@@ -160,7 +158,7 @@ pub enum Base<'a> {
         frames: &'a [&'a Plane],
         /// [`crate::detector::stack::frame_offsets`] of the slope.
         offsets: &'a [FrameOffset],
-        /// Index of the octave, which is the first one.
+        /// Index of the first octave.
         octave: i32,
     },
     /// Finished first level, on the octave's pixels.
@@ -190,6 +188,7 @@ impl Base<'_> {
             }
             -1 => doubled_rows(frames, offsets, rows, columns, (width_image, height_image), stacked, write),
             _ => {
+                // Rows between are never stacked: only every 2^o-th pixel of a binned or skipped octave is read.
                 let step = 1usize << octave;
                 let wide = columns.start * step..(columns.end - 1) * step + 1;
                 stacked.resize(wide.len(), 0.0);
@@ -206,7 +205,7 @@ impl Base<'_> {
     }
 }
 
-/// Filters of an octave.
+/// Filters of an octave, which know its borders.
 #[derive(Debug)]
 pub struct OctaveFilters {
     along_u: Axis,
@@ -216,8 +215,7 @@ pub struct OctaveFilters {
 }
 
 impl OctaveFilters {
-    /// Filters for an octave of `size` of `space`, the first one or another; `bank` makes the Gaussian level indices
-    /// `levels` (0 is level −1), as [`ScaleSpace::bank`] gives it.
+    /// Filters for an octave of `size`; `bank` ([`ScaleSpace::bank`]) makes the level indices `levels` (0 is level −1).
     pub fn new(space: &ScaleSpace, bank: &FilterBank, levels: &Range<usize>, size: (usize, usize)) -> Self {
         let next = levels.contains(&space.levels).then(|| space.levels - levels.start);
         Self { along_u: bank.axis(size.0), along_v: bank.axis(size.1), next }
@@ -253,8 +251,7 @@ pub enum Pixels<'a> {
     Level(&'a Plane),
 }
 
-/// Filters `region` of an octave into `dog`; `batch_done` is called with the rows that are finished. With `next` the
-/// level from which the next octave starts is kept.
+/// Filters `region` of an octave into `dog`, and into `next` the next octave's start; `batch_done` gets finished rows.
 pub fn dog_tile(
     filters: &OctaveFilters,
     pixels: Pixels<'_>,
@@ -273,7 +270,7 @@ pub fn dog_tile(
     }
 }
 
-/// Number of extra columns that a stacked row has room for, so that filters can read it in whole vectors in place.
+/// Number of extra columns in a stacked row, so that filters read whole vectors in place.
 const PADDING: usize = 32;
 
 /// Stacks `slopes` (the frames' offsets) at the resolution of `octave`, in `region`: one tile a slope.
@@ -287,6 +284,7 @@ pub fn stack_tiles(
     tiles.resize_with(slopes.len().max(tiles.len()), Tile::default);
     let stride = (region.columns.len() + PADDING).next_multiple_of(16);
     tiles.iter_mut().take(slopes.len()).for_each(|tile| tile.reset(region, stride));
+    // Without a change of resolution all slopes share each row of the frames while it is cached.
     if octave == 0 {
         let mut stacker = RowStacker::new(frames, slopes.iter().map(AsRef::as_ref).collect());
         for first in region.rows.clone().step_by(STACKED_ROWS) {
@@ -329,6 +327,7 @@ fn doubled_rows(
     };
     let (mut upper, mut lower, mut middle) =
         (vec![0.0; columns.len()], vec![0.0; columns.len()], vec![0.0; columns.len()]);
+    // A doubled row is needed up to three times: as upper, as lower, and for the row between.
     let mut upper_is = None;
     for v in rows {
         let i = v / 2;

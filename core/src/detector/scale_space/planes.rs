@@ -1,7 +1,6 @@
 //! Whole planes of the scale space of one slope: a DoG level, the first level of any octave.
 //!
-//! The search computes all levels of a tile at once and goes on to the next slope; here one level of one slope is
-//! computed for a whole octave or a part of it. The values are bitwise equal.
+//! The search computes all levels of a tile at once; here one level of one slope is made, with bitwise equal values.
 
 use crate::detector::scale_space::{
     Base, DogTile, OctaveFilters, Pixels, ScaleSpace, dog_tile, octave_size, stack_tiles,
@@ -32,13 +31,14 @@ impl<'a> SlopeStack<'a> {
         Base::Frames { frames: self.frames, offsets: self.offsets, octave: self.space.first_octave }
     }
 
-    /// First level of `octave`, which is not the first one: its pixels in `region` at least, and no others than those
-    /// computed together with them. Other pixels are 0, and take no memory on systems that allocate it on first use.
+    /// First level of `octave`, which is not the first one: its pixels in `region` and those of the same tiles. Other
+    /// pixels are 0, and take no memory on systems that allocate it on first use.
     pub fn first_level(&self, octave: i32, region: &Region, monitor: &Monitor) -> Result<Plane, Cancelled> {
         let finer = octave - 1;
         let size = octave_size(self.size_image, finer);
         let doubled = |range: &Range<usize>, n: usize| 2 * range.start..(2 * range.end).min(n);
         let wanted = Region { columns: doubled(&region.columns, size.0), rows: doubled(&region.rows, size.1) };
+        // Recursion down to the frames: each octave needs whole tiles of the finer one, and no more.
         if finer == self.space.first_octave {
             return next_first_level(&self.base(), self.space, size, &wanted, monitor);
         }
@@ -61,17 +61,15 @@ impl<'a> SlopeStack<'a> {
     }
 }
 
-/// Region of the whole of an octave of `size`.
 pub fn whole(size: (usize, usize)) -> Region {
     Region { columns: 0..size.0, rows: 0..size.1 }
 }
 
-/// Indices of the Gaussian levels to compute for the next octave: the one from which it starts.
+/// Index of the Gaussian level from which the next octave starts.
 pub fn next_level(space: &ScaleSpace) -> Range<usize> {
     space.levels..space.levels + 1
 }
 
-/// Indices of the parts of `cuts` that overlap `wanted`.
 fn holding(cuts: &[Range<usize>], wanted: &Range<usize>) -> Range<usize> {
     let first = cuts.partition_point(|part| part.end <= wanted.start);
     let end = cuts.partition_point(|part| part.start < wanted.end);
@@ -90,9 +88,9 @@ fn whole_tiles(wanted: &Region, size: (usize, usize)) -> Region {
     }
 }
 
-/// Computes the Gaussian level indices `levels` of the tiles of an octave of `size` that overlap `wanted`, in parallel:
-/// `write` is called with the differences of each tile (and the last level where the next octave starts from it), its
-/// place and its part of `out`. `out` is `size` divided by `step`.
+/// Computes the Gaussian level indices `levels` of the tiles of an octave of `size` that overlap `wanted`, in parallel.
+/// `write` gets the differences of each tile (and the last level where the next octave starts from it), its place and
+/// its part of `out`, whose size is `size` divided by `step`.
 fn each_tile(
     base: &Base<'_>,
     space: &ScaleSpace,
@@ -112,6 +110,7 @@ fn each_tile(
     let divided = |parts: &[Range<usize>]| -> Vec<Range<usize>> {
         parts.iter().map(|part| part.start / step..part.end / step).collect()
     };
+    // Parts are cut before the tiles are chosen, so that a tile finds its own by place.
     let parts = split_mut(out, &divided(&columns), &divided(&rows));
     let places = (0..rows.len()).flat_map(|row| (0..columns.len()).map(move |column| (row, column)));
     let jobs: Vec<_> = places
@@ -168,6 +167,7 @@ fn next_first_level(
     each_tile(base, space, next_level(space), size, wanted, &mut out, 2, monitor, |_, level, region, part| {
         for (v, row) in part.into_iter().enumerate() {
             let from = level.row(region.rows.start + 2 * v);
+            // Every second pixel, as in the search, so that both agree to the bit.
             row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
         }
     })?;

@@ -1,11 +1,10 @@
 //! Search around the field: which slopes are searched at which place of the picture.
 //!
-//! The picture is cut into blocks, whatever the tiles of an octave, so that threads and memory change nothing. In a
-//! block the slopes are searched that lie within [`STEPS`] steps of the motions of its cells and of the other layers
-//! that occur beside it; where most of its cells have no known motion, as where nothing has structure, around the known
-//! motions of the whole picture. D is the same as in a search of all slopes, since coarser octaves start from the whole
-//! first levels of all slopes that are searched anywhere: a tile in which a slope is not searched makes no more of it
-//! than the pixels from which they come.
+//! The picture is cut into fixed blocks, independent of the tiles, so that threads and memory change nothing. A block
+//! searches the slopes within [`STEPS`] steps of the motions of its cells and of the other layers beside it. A block
+//! whose motion is mostly unknown, as where nothing has structure, searches around all known motions of the picture. D
+//! equals that of a search of all slopes: coarser octaves start from whole first levels of every slope searched
+//! anywhere, and a tile makes of a slope that it does not search only the pixels of the next first level.
 
 use crate::detector::field::MotionField;
 use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
@@ -17,18 +16,16 @@ use std::ops::Range;
 const STEPS: usize = 2;
 /// Side of a block, pixels of the input image.
 const BLOCK_PX: usize = 64;
-/// Part of a block's cells without a known motion from which on its motion is unknown.
+/// Part of a block's cells that must lack a known motion for the block's motion to be unknown.
 const MOSTLY: f32 = 0.5;
-/// Part of the blocks that have a known motion below which all slopes are searched in the others.
+/// Part of the blocks with a known motion below which the other blocks search all slopes.
 const FEW: f32 = 0.2;
 
-/// Slopes that are searched in each block of a picture.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct SlopesAround {
     grid: SlopeGrid,
-    /// Columns and rows of blocks.
     size: (usize, usize),
-    /// Of each block, row by row, whether it searches each slope of the grid.
+    /// `[block][slope]`: whether a block (row by row) searches a slope of the grid.
     searched: Vec<Vec<bool>>,
     /// Slopes searched anywhere, with their neighbours, which localisation in slope needs.
     held: Vec<bool>,
@@ -41,6 +38,7 @@ impl SlopesAround {
         let places = (0..blocks.1).flat_map(|row| (0..blocks.0).map(move |column| (column, row)));
         let near: Vec<Option<Vec<bool>>> = places.map(|block| of_block(field, &grid, block)).collect();
         let known = || near.iter().flatten();
+        // A few known motions do not speak for the rest of the picture.
         let few_known = (known().count() as f32) < FEW * near.len() as f32;
         let all: Vec<bool> = (0..grid.len()).map(|index| few_known || known().any(|block| block[index])).collect();
         let searched: Vec<Vec<bool>> =
@@ -71,7 +69,6 @@ impl SlopesAround {
         if beside { widened(&self.grid, &some, 1) } else { some }
     }
 
-    /// Parts of `region` of `octave` in which slope `index` is searched.
     pub(crate) fn parts(&self, octave: i32, region: &Region, index: usize) -> Vec<Region> {
         let mut parts: Vec<Region> = Vec::new();
         for (columns, rows, _) in self.blocks(octave, region).filter(|(.., block)| block[index]) {
@@ -108,8 +105,7 @@ impl SlopesAround {
     }
 }
 
-/// Slopes nearest to the motions in and beside the block at this column and row of blocks; `None` where most of its
-/// cells have no known one.
+/// Slopes nearest to the motions in and beside a block (column, row); `None` where most of its cells have none known.
 fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Option<Vec<bool>> {
     // Pixels beyond the last whole cell have the motion of the nearest one.
     let cells = |first_px: usize, end_px: usize, count: usize| {

@@ -1,6 +1,5 @@
-//! Extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule,
-//! those at the slopes around it. Thresholds and the eight neighbours in the image reject nearly everything: they are
-//! tested for a whole row at once, in vector lanes.
+//! Extrema: samples of D that beat their neighbours in space and scale at their own slope and, for the joint rule, at
+//! the slopes around. Thresholds and the eight neighbours in the image reject nearly all, so they run in vector lanes.
 
 use crate::detector::feature::{Tally, Test};
 use crate::detector::scale_space::DogTile;
@@ -28,8 +27,8 @@ pub struct Thresholds {
     pub scale_ease: f32,
 }
 
-/// Factor of a sample that is compared with the adjacent levels. In an octave that [ascends](super::ascends) one that
-/// is nearly as strong goes on to the ascent, which finds the exact scale.
+/// Factor of a sample that is compared with the adjacent levels. In an octave that [ascends](super::ascends), a sample
+/// nearly as strong as its neighbours passes too: the ascent finds the exact scale.
 pub fn scale_ease(ascends: bool) -> f32 {
     if ascends { 1.03 } else { 1.0 }
 }
@@ -44,9 +43,8 @@ struct Counts {
     below_any: u32,
 }
 
-/// Appends to `found` the inner columns (0 is the row's second one) of `row` whose value reaches `limit` in magnitude
-/// and is above, or below, all its eight neighbours; counts the samples below the thresholds. `above` and `below` are
-/// the neighbouring rows.
+/// Appends to `found` the inner columns (0 is the second one) of `row` whose value reaches `limit` in magnitude and is
+/// above, or below, its eight neighbours in `above`, `row` and `below`; counts the samples below the thresholds.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
 fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f32, found: &mut Vec<u32>) -> Counts {
     let larger = |x: f32, y: f32| if x > y { x } else { y };
@@ -61,6 +59,7 @@ fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f3
         let (d, e, f) = (&row[start..][..n], &row[start + 1..][..n], &row[start + 2..][..n]);
         let (g, h, i) = (&below[start..][..n], &below[start + 1..][..n], &below[start + 2..][..n]);
         let (mut below_peak, mut below_any) = (0u32, 0u32);
+        // Counted even where the run is skipped: the tally reports the rejections of each test.
         for value in e {
             below_peak += u32::from(value.abs() < peak);
             below_any += u32::from(value.abs() < limit);
@@ -78,6 +77,7 @@ fn space_extrema(above: &[f32], row: &[f32], below: &[f32], peak: f32, limit: f3
                     smaller(smaller(a[u], b[u]), smaller(c[u], d[u])),
                     smaller(smaller(f[u], g[u]), smaller(h[u], i[u])),
                 );
+                // `&` and `|` instead of `&&` and `||`: without branches the loop stays in vector lanes.
                 let high = (e[u] > max) & (e[u] >= limit);
                 let low = (e[u] < min) & (e[u] <= -limit);
                 marks[u] = u8::from(high | low);
@@ -104,9 +104,8 @@ fn append_marked(marks: &[u8], first: u32, found: &mut Vec<u32>) {
     found.extend(rest.iter().zip(end..).filter(|(mark, _)| **mark != 0).map(|(_, at)| at));
 }
 
-/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of `dog`: the test against another slope. With
-/// `or_equals` it also passes when it equals them: of two slopes with equal D, which a motion half-way between them
-/// gives, exactly one must stay.
+/// Whether `value` beats the 3×3×3 samples around (x, y, level index) of another slope's `dog`. With `or_equals` it may
+/// also equal them: of two slopes with equal D, as by a motion half-way between them, exactly one must stay.
 pub fn beats_all_27(value: f32, dog: &DogTile, x: usize, y: usize, level_index: usize, or_equals: bool) -> bool {
     let sign = value.signum();
     let limit = sign * value;
@@ -144,6 +143,7 @@ pub fn own_slope_extrema(
     out: &mut Vec<Candidate>,
 ) {
     let mut found = Vec::with_capacity(region.columns.len() / 2);
+    // The first and the last level have only one neighbour in scale.
     for level_index in 1..levels.len() - 1 {
         level_extrema(levels, level_index, region, size, thresholds, tally, &mut found, out);
     }
@@ -177,6 +177,7 @@ fn level_extrema(
         tally.samples += count as u64;
         tally.reject(Test::PeakThreshold, below_peak);
         tally.reject(Test::NoiseGate, below_any - below_peak);
+        // The adjacent levels are read only for the few samples that are extrema in the image.
         for &column in found.iter() {
             let x = first + column as usize;
             let value = own.at(x, y);
@@ -187,6 +188,7 @@ fn level_extrema(
             }
         }
         let extrema = found.len() as u64;
+        // Each sample is rejected by one test: the rest after the thresholds failed in space.
         tally.reject(Test::SpaceExtremum, count as u64 - below_any - extrema);
     }
 }
@@ -199,6 +201,7 @@ pub fn own_slope_verdict(
     size: (usize, usize),
     thresholds: &Thresholds,
 ) -> Option<Result<Candidate, Test>> {
+    // The search's own code on a region of one sample, so that both agree.
     let sample = Region { columns: x..x + 1, rows: y..y + 1 };
     let (mut tally, mut out) = (Tally::default(), Vec::new());
     level_extrema(levels, level_index, &sample, size, thresholds, &mut tally, &mut Vec::new(), &mut out);

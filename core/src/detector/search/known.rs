@@ -1,8 +1,8 @@
 //! Slopes of a search that an earlier one has searched already.
 //!
-//! Where each slope is searched for itself, a search is the sum of the searches of its slopes. So one whose range was
-//! widened, moved or made finer takes over what an earlier search of the same frames left at the slopes that both have:
-//! keypoints, and the first levels from which octaves start. Only the other slopes are stacked and filtered.
+//! Where each slope is searched for itself, a search is the sum of the searches of its slopes. A search whose range was
+//! widened, moved or made finer takes over the keypoints and the first levels that an earlier search of the same frames
+//! left at the slopes that both have. Only the other slopes are stacked and filtered.
 
 use crate::detector::feature::Tally;
 use crate::detector::search::FoundKeypoint;
@@ -11,7 +11,6 @@ use crate::plane::Plane;
 use std::ops::Range;
 use std::sync::Arc;
 
-/// Responses of an earlier search at slopes of this search.
 pub(crate) struct Known<'a> {
     /// For each slope of the grid its index in the grid of the earlier search; `None` where it is new.
     pub(crate) slopes: Vec<Option<usize>>,
@@ -29,7 +28,7 @@ impl Known<'_> {
         self.slopes[index].map(|earlier| self.bases[later].planes[earlier].clone())
     }
 
-    /// Adds the keypoints of `octave` to those of its `tiles`, in the order in which one search of all finds them.
+    /// Adds the known keypoints of `octave` to its `tiles`, in the order of one search of all slopes.
     pub(super) fn merge_into(
         &self,
         tiles: &mut [Vec<FoundKeypoint>],
@@ -41,6 +40,7 @@ impl Known<'_> {
             let [x, y] = found.0.sample;
             tiles[part(&rows, y) * columns.len() + part(&columns, x)].push(*found);
         }
+        // The sort is stable: keypoints of one slope keep the order in which they were found.
         tiles.iter_mut().for_each(|tile| tile.sort_by_key(|(keypoint, _)| keypoint.slope_index));
     }
 }

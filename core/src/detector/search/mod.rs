@@ -1,10 +1,9 @@
 //! Search: extrema of D over place and scale, at each slope for itself or jointly over slope.
 //!
-//! Octaves come in turn, each starting from planes that the one before has written for every slope. Each is cut into
-//! tiles, which run in parallel. A tile visits the slopes in order, holding only those that its undecided candidates
-//! still need. Tiles return their keypoints in order, so threads cannot change the result. The first levels of all
-//! octaves are kept for the steps after the search; where memory does not allow that for all slopes, groups of slopes
-//! go through all octaves one after the other.
+//! Octaves come in turn, each starting from planes that the one before has written for every slope. Tiles run in
+//! parallel; each visits the slopes in order, holding only those that its undecided candidates still need. Tiles return
+//! their keypoints in order, so threads cannot change the result. The first levels of all octaves are kept for later
+//! steps; where memory does not allow that for all slopes, groups of slopes go through all octaves in turn.
 
 pub(super) mod around_field;
 pub mod extrema;
@@ -60,8 +59,8 @@ pub(crate) struct Evidence {
 pub(crate) type FoundKeypoint = (Keypoint, Evidence);
 
 impl Search<'_> {
-    /// Searches one of the `groups` of slopes after the other; together they own every slope of the grid. Only the
-    /// others are searched of those that are `known`, for which there is one group. `tallies` are those of the slopes.
+    /// Searches the `groups` of slopes in turn; together they own every slope of the grid. With `known` there is one
+    /// group, and known slopes are not searched. `tallies` has one entry per slope.
     pub(crate) fn octaves(
         &self,
         octaves: &Range<i32>,
@@ -89,8 +88,7 @@ impl Search<'_> {
     }
 
     /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` before. Returns
-    /// the first levels of all octaves if it `keeps` them. For the progress, `done` is the finished part of the
-    /// detection, and `share` the group's.
+    /// the first levels of all octaves if it `keeps` them. Of the progress `done` is finished and `share` the group's.
     fn group(
         &self,
         octaves: &Range<i32>,
@@ -109,6 +107,7 @@ impl Search<'_> {
         let all_pixels: f32 = octaves.clone().map(pixels).sum();
         let mut bases = vec![FirstLevels::default()];
         for (octave, found) in octaves.clone().zip(found) {
+            // The time of an octave goes with its number of pixels.
             let share = share * pixels(octave) / all_pixels;
             let progress = |part: f32| self.monitor.report(Stage::Search { octave }, done + share * part);
             let last = bases.last().expect("the first octave's is there");
@@ -116,6 +115,7 @@ impl Search<'_> {
             let (tiles, next) = self.octave(octave, group, known, last, wants_next, tallies, &progress)?;
             found.resize_with(tiles.len(), Vec::new);
             found.iter_mut().zip(tiles).for_each(|(found, tile)| found.extend(tile));
+            // Groups exist because memory is short: only the last octave's levels are held, for the next one.
             if !keeps {
                 bases.clear();
             }
@@ -145,8 +145,7 @@ impl Search<'_> {
         })
     }
 
-    /// Columns and rows of the tiles of an octave of `size`: as high as lets all threads' windows fit into their bound,
-    /// at least eight rows.
+    /// Columns and rows of an octave's tiles: as high as all threads' windows allow, at least eight rows.
     fn tile_cuts(&self, (width, height): (usize, usize)) -> (Vec<Range<usize>>, Vec<Range<usize>>) {
         let slopes = capacity(&self.grid, OtherSlopes::of(self.params));
         let window_bytes = (WINDOWS_BYTES / rayon::current_num_threads().max(1)).min(WINDOW_BYTES);
@@ -171,6 +170,7 @@ impl Search<'_> {
         let size = octave_size(self.inputs.size_image, octave);
         let (columns, rows) = self.tile_cuts(size);
         let bank = if octave == self.space.first_octave { &self.banks.0 } else { &self.banks.1 };
+        // A slope searched only elsewhere needs one level, from which the next octave starts.
         let next_only = self.inputs.around.as_ref().filter(|_| wants_next).map(|_| {
             let levels = next_level(self.space);
             let bank = self.space.bank(octave == self.space.first_octave, levels.clone());
@@ -184,13 +184,14 @@ impl Search<'_> {
         let known_next = |index: usize| {
             known.and_then(|known| known.first_level((octave + 1 - self.space.first_octave) as usize, index))
         };
+        // Planes of known slopes are shared with the earlier search instead of being made.
         let made = of_next.clone().filter(|&index| known_next(index).is_none());
         let mut next: Vec<Plane> = made.map(|_| Plane::zeros(size.0 / 2, size.1 / 2)).collect();
         let regions: Vec<Region> = rows
             .iter()
             .flat_map(|rows| columns.iter().map(|columns| Region { columns: columns.clone(), rows: rows.clone() }))
             .collect();
-        // For each tile, its part of the next octave's planes.
+        // Each tile gets its own parts of the next octave's planes, so that threads write without a lock.
         let mut next_parts: Vec<Vec<Vec<&mut [f32]>>> = regions.iter().map(|_| Vec::new()).collect();
         let halved = |parts: &[Range<usize>]| -> Vec<Range<usize>> {
             parts.iter().map(|part| part.start / 2..part.end / 2).collect()
@@ -217,6 +218,7 @@ impl Search<'_> {
                 Ok(found)
             })
             .collect::<Result<_, Cancelled>>()?;
+        // Made planes fill the gaps between known ones, so that planes and slopes are in step.
         let mut next = next.into_iter().map(Arc::new);
         let planes = of_next.filter_map(|index| known_next(index).or_else(|| next.next())).collect();
         Ok((found, FirstLevels { first_slope: group.visited.start, planes }))
@@ -244,12 +246,11 @@ pub fn ascends(params: &DetectorParams, octave: i32) -> bool {
     octave != params.first_octave && params.rules.localisation == Localisation::Continuous
 }
 
-/// What a tile makes of a slope.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Makes {
-    /// Its samples of D, and the pixels from which the next octave starts.
+    /// Samples of D, and the pixels from which the next octave starts.
     Samples,
-    /// Those pixels alone.
+    /// The pixels from which the next octave starts, alone.
     NextLevel,
     Nothing,
 }
@@ -271,8 +272,7 @@ struct Octave<'a> {
 }
 
 impl Search<'_> {
-    /// `next` holds the tile's parts of the next octave's first level, one for each slope visited that is not known, or
-    /// is empty.
+    /// Searches a tile. `next` holds its parts of the next octave's first level by unknown slope, or is empty.
     fn tile(
         &self,
         job: &Octave<'_>,
@@ -326,6 +326,7 @@ impl Search<'_> {
                 }
             };
             let keep = wants_next.then_some(&mut *level);
+            // The next octave reads whole planes, so a slope held but not searched here still gets its next level.
             match (makes[index], &job.next_only) {
                 (Makes::Nothing, _) => window.leave_out(index),
                 (Makes::NextLevel, Some(filters)) => {
@@ -337,11 +338,13 @@ impl Search<'_> {
                     self.compare(job, window, index, &mut tallies[index]);
                 }
             }
+            // Taken even where nothing is made, so that parts and slopes stay in step.
             let out = if is_known(index) { None } else { next.next() };
             if let Some(mut out) = out.filter(|_| makes[index] != Makes::Nothing) {
                 let left = region.columns.start - level.region().columns.start;
                 for (v, row) in out.iter_mut().enumerate() {
                     let from = &level.row(region.rows.start + 2 * v)[left..];
+                    // As in SIFT, the next octave takes every second pixel without further smoothing.
                     row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
                 }
             }
@@ -350,6 +353,7 @@ impl Search<'_> {
             }
             slope_done();
         }
+        // Samples in blocks that do not search a slope are counted too, so that the tally covers the octave.
         let inner = |range: &Range<usize>, n: usize| range.end.min(n - 1).saturating_sub(range.start.max(1));
         let of_slope = inner(&region.columns, job.size.0) * inner(&region.rows, job.size.1) * self.space.levels;
         let mut of_all = job.tallies.lock().unwrap_or_else(PoisonError::into_inner);
@@ -360,7 +364,6 @@ impl Search<'_> {
         Ok(keypoints)
     }
 
-    /// What a tile makes of each slope of the grid.
     fn makes(&self, job: &Octave<'_>, region: &Region) -> Vec<Makes> {
         let Some(around) = &self.inputs.around else {
             let is_known = |index: usize| job.known.is_some_and(|known| known.slopes[index].is_some());
@@ -368,6 +371,7 @@ impl Search<'_> {
             return (0..self.grid.len()).map(makes).collect();
         };
         let others = OtherSlopes::of(self.params);
+        // If a candidate is compared with every slope, D of all slopes is needed everywhere.
         let all = others == OtherSlopes::Beaten(SlopeNeighbours::All);
         let searched = around.in_region(job.octave, region, others != OtherSlopes::Unseen);
         let makes = |(index, searched): (usize, bool)| match searched || all {
@@ -402,6 +406,7 @@ impl Search<'_> {
 
     pub(crate) fn limits(&self, sigma_d: f32) -> Limits {
         Limits {
+            // With the quadratic fit alone the whole gate was applied to the sample, and the refined value is free.
             gate: if first_gate_part(self.params) < 1.0 { self.inputs.gate_factor * sigma_d } else { 0.0 },
             peak_threshold: self.params.peak_threshold,
             edge_threshold: self.params.edge_threshold,
@@ -421,8 +426,7 @@ impl Search<'_> {
         window.compare(made, passes, refined, tally);
     }
 
-    /// Refines a candidate at slope `slope_index` whose noise is `sigma_d`, in an octave of a size, and applies the
-    /// tests that follow, that of masks last.
+    /// Refines a candidate at slope `slope_index` with noise `sigma_d`, and applies the tests that follow, masks last.
     pub(crate) fn refined(
         &self,
         samples: (&DogTile, Option<&FirstLevel<'_>>),
@@ -433,6 +437,7 @@ impl Search<'_> {
     ) -> Result<Fit, Test> {
         let Candidate { x, y, level_index, .. } = *candidate;
         let fit = refine(samples, (x, y), level_index, size, self.limits(sigma_d))?;
+        // Only place and σ are read here, so any slope does.
         let (u, v, sigma) = self.keypoint(octave, candidate, &fit, (slope_index, Slope::default()), sigma_d).in_image();
         let seen = self.inputs.seen_share(&self.offsets[slope_index], (u, v), sigma);
         if seen.is_some_and(|seen| seen < MIN_SEEN) { Err(Test::Seen) } else { Ok(fit) }
@@ -468,7 +473,6 @@ impl Search<'_> {
         }
     }
 
-    /// Keypoint of a refined candidate whose noise is `sigma_d`.
     pub(crate) fn keypoint(
         &self,
         octave: i32,
@@ -479,6 +483,7 @@ impl Search<'_> {
     ) -> Keypoint {
         let (x, y) = fit.place();
         let (x, y, value, snr) = (x as f32, y as f32, fit.value as f32, f32::INFINITY);
+        // Index 0 is level −1.
         let sigma_octave = self.space.sigma_octave(fit.level_refined - 1.0) as f32;
         let (level, sample) = (candidate.level_index as i32 - 1, [candidate.x as u32, candidate.y as u32]);
         let found = Keypoint { octave, x, y, sigma_octave, level, sample, slope_index, slope, value, snr };

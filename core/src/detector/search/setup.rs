@@ -26,7 +26,7 @@ use std::borrow::Borrow;
 use std::ops::Range;
 use std::sync::{Arc, Mutex};
 
-/// Radius of a feature's disc, of whose samples a part may be masked, σ of the feature.
+/// Radius of the disc around a feature in which masked samples are counted, in σ of the feature.
 const DISC_SIGMAS: f32 = 2.0;
 
 /// Number of pixels held around a tile: enough for the moves of the refinement and for the neighbours that it reads.
@@ -37,19 +37,15 @@ pub(crate) struct Search<'a> {
     pub(crate) inputs: &'a Inputs,
     pub(crate) params: &'a DetectorParams,
     pub(crate) space: &'a ScaleSpace,
-    /// Frames as the first octave reads them.
     pub(crate) planes: Vec<&'a Plane>,
     pub(crate) grid: SlopeGrid,
-    /// Offsets of the frames at each slope.
+    /// Offsets of the frames, `[slope][frame]`.
     pub(crate) offsets: Vec<Vec<FrameOffset>>,
-    /// Filters of the first octave and of the later ones.
     pub(crate) banks: (FilterBank, FilterBank),
     pub(crate) monitor: &'a Monitor,
-    /// Buffers that no thread is using.
     pub(crate) unused: Mutex<Vec<TileScratch>>,
 }
 
-/// Buffers that a thread reuses from tile to tile.
 pub(crate) struct TileScratch {
     pub(crate) stacked: Vec<Tile>,
     pub(crate) filter: FilterScratch,
@@ -73,7 +69,7 @@ impl<'a> Search<'a> {
         SlopeStack { frames, offsets, space: self.space, size_image: self.inputs.size_image }
     }
 
-    /// Source of the first level of an octave at a slope of the grid: the frames, or that of `bases`, by octave.
+    /// Source of an octave's first level at a slope: the frames for the first octave, else its part of `bases`.
     pub(crate) fn base<'s>(&'s self, bases: &'s [FirstLevels], octave: i32, slope_index: usize) -> Base<'s> {
         match (octave - self.space.first_octave) as usize {
             0 => self.stack(slope_index).base(),
@@ -87,7 +83,7 @@ impl<'a> Search<'a> {
 pub(crate) struct Inputs {
     /// Frames that take part, cleaned by the noise model.
     pub(crate) frames: Vec<Arc<Plane>>,
-    /// The frames that are used, as they were read.
+    /// Used frames, as read.
     pub(crate) read: Vec<Arc<Plane>>,
     /// The frames binned for the first octave; none where it reads them unbinned.
     pub(crate) binned: Arc<[Plane]>,
@@ -110,6 +106,7 @@ impl Inputs {
         monitor.report(Stage::Noise, 0.0);
         let space = ScaleSpace::of(params);
         let Examined { model, frames, kept } = known_noise(burst, params, &space, monitor)?;
+        // A strict gate promises a rate of false features, which needs a noise that can be measured.
         if let Some(refused) = model.flattened.filter(|f| params.noise_gate == NoiseGate::Strict && !f.is_measurable())
         {
             return Err(refused.against_strict());
@@ -123,7 +120,7 @@ impl Inputs {
         Ok(Self { frames, read, binned, times, frames_used, size_image, space, params, noise, gate_factor, around })
     }
 
-    /// Inputs with other parameters, of which only those differ that are judged after the search.
+    /// Inputs with other parameters, which may differ only in those judged after the search.
     pub(crate) fn judged_with(&self, params: &DetectorParams) -> Self {
         Self { params: params.clone(), gate_factor: gate_factor(params), ..self.clone() }
     }
@@ -132,17 +129,14 @@ impl Inputs {
         self.frames.iter().map(|frame| &**frame).collect()
     }
 
-    /// The frames as the first octave reads them.
     pub(crate) fn first_planes(&self) -> Vec<&Plane> {
         if self.binned.is_empty() { self.planes() } else { self.binned.iter().collect() }
     }
 
-    /// Whether slope `index` is searched at a place (u, v) of the input image.
     pub(crate) fn searches(&self, place: [f32; 2], index: usize) -> bool {
         self.around.as_ref().is_none_or(|around| around.searches(place, index))
     }
 
-    /// Whether first levels are made for slope `index`.
     pub(crate) fn holds(&self, index: usize) -> bool {
         self.around.as_ref().is_none_or(|around| around.holds(index))
     }
@@ -151,7 +145,6 @@ impl Inputs {
         searched_octaves(&self.params, self.size_image)
     }
 
-    /// Offsets at which the frames that take part are read at `slope`.
     pub(crate) fn offsets(&self, slope: Slope) -> Vec<FrameOffset> {
         self.times.of(frame_offsets(&self.times.positions, slope, self.params.rules.interpolation))
     }
@@ -161,8 +154,7 @@ impl Inputs {
         self.noise.sigma_d(&self.space, (octave, level), (slope, offsets), self.gate_factor)
     }
 
-    /// √(N / number of frames that see the octave pixel (x, y) in the stack whose frames are read at `offsets`),
-    /// times the ratio of the noise there to its smallest value.
+    /// √(N / number of frames at `offsets` that see the octave pixel (x, y)), times the relative noise there.
     pub(crate) fn place_factor(&self, octave: i32, offsets: &[FrameOffset], (x, y): (usize, usize)) -> f32 {
         let (pixel, size) = (octave_pixel(octave), self.size_image);
         let to_image = |at: usize, n: usize| ((at as f32 * pixel) as usize).min(n - 1);
@@ -171,8 +163,7 @@ impl Inputs {
         (offsets.len() as f32 / seeing).sqrt() * self.noise.place_factor(octave, offsets, at, size)
     }
 
-    /// Number of `frames`, read at `offsets`, that see the pixel `at` of the image and what the filters of `octave`
-    /// read around it; at least 1.
+    /// Number (1 or more) of `frames`, read at `offsets`, that see image pixel `at` and all that `octave` reads for it.
     pub(crate) fn seeing(
         &self,
         frames: &[impl Borrow<Plane>],
@@ -183,8 +174,7 @@ impl Inputs {
         coverage(frames, offsets, at, DISC_SIGMAS * self.space.sigma_image(octave, 0.0) as f32).1.max(1.0)
     }
 
-    /// Share (0 … 1) of the samples of a feature's disc that are seen, in the frames that cover its place (u, v), input
-    /// pixels, at `offsets`. `None` where nothing is masked.
+    /// Seen share (0 … 1) of a feature's disc at (u, v), input pixels, in the covering frames; `None` without masks.
     pub(crate) fn seen_share(&self, offsets: &[FrameOffset], (u, v): (f32, f32), sigma: f32) -> Option<f32> {
         if self.frames.iter().all(|frame| frame.mask().is_none()) {
             return None;
@@ -202,9 +192,8 @@ impl Inputs {
 }
 
 /// Noise of the burst by the model in the parameters, and the frames that are searched: with [`NoiseModelKind::White`],
-/// or where there is too little data for a local model, all that are used, unchanged. What the scene may move by is
-/// read off the range that [encloses](SlopeGrid::enclosing) the slopes, so that a search of a few more has the same
-/// noise.
+/// or with too little data for a local model, all used frames, unchanged. The scene's motion is sought in the range
+/// that [encloses](SlopeGrid::enclosing) the slopes, so that a search of a few more has the same noise.
 pub(in crate::detector) fn known_noise(
     burst: &Burst,
     params: &DetectorParams,
@@ -247,13 +236,14 @@ impl SlopeGroup {
         Self { own: 0..count, visited: 0..count }
     }
 
-    /// Divides `count` slopes into as few nearly equal groups as possible that visit at most `max` slopes: each needs
-    /// those up to `reach` steps from its own, all for `None`. `None` where there are no such groups.
+    /// Divides `count` slopes into as few nearly equal groups as visit at most `max` slopes each: their own and those
+    /// up to `reach` steps beside them, or all for `None`. `None` where no such groups exist.
     pub(crate) fn cut(count: usize, reach: Option<usize>, max: usize) -> Option<Vec<Self>> {
         if count <= max {
             return Some(vec![Self::whole(count)]);
         }
         let reach = reach?;
+        // Slopes beside a group are computed again by its neighbours: a group must own some besides.
         let own = max.checked_sub(2 * reach).filter(|own| *own > 0)?;
         let groups = count.div_ceil(own);
         let cut = |i: usize| i * count / groups;
@@ -267,7 +257,7 @@ impl SlopeGroup {
 #[derive(Debug, Default)]
 pub(crate) struct FirstLevels {
     pub(crate) first_slope: usize,
-    /// Shared with the searches that [go on](super::known) from this one.
+    /// Shared with searches that [continue](super::known) this one.
     pub(crate) planes: Vec<Arc<Plane>>,
 }
 

@@ -1,5 +1,4 @@
-//! Window of the slopes that the search holds at once, for one tile of the octave: one, unless candidates are compared
-//! with other slopes or refined over them.
+//! Window of the slopes held at once for one tile: one, unless candidates are compared or refined over slopes.
 //!
 //! Slopes are visited in running order, first axis fastest. A candidate is compared with the slopes before its own as
 //! soon as it is found, and with those after its own as they come; meanwhile it keeps the values that it needs of its
@@ -33,9 +32,9 @@ impl Undecided {
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum OtherSlopes {
     Unseen,
-    /// D around it at the neighbouring slopes, to refine its slope.
+    /// D at the neighbouring slopes refines the candidate's slope.
     Seen,
-    /// D around the sample at the neighbouring slopes; a joint extremum exceeds all of them.
+    /// The candidate must beat the 27 samples at each of these slopes, which then refine its slope.
     Beaten(SlopeNeighbours),
 }
 
@@ -58,7 +57,6 @@ impl OtherSlopes {
     }
 }
 
-/// DoG tiles and undecided candidates of the slopes in reach.
 #[derive(Debug)]
 pub struct SlopeWindow {
     grid: SlopeGrid,
@@ -70,7 +68,6 @@ pub struct SlopeWindow {
     undecided: Vec<Vec<Undecided>>,
 }
 
-/// Number of tiles that a window holds.
 pub fn capacity(grid: &SlopeGrid, others: OtherSlopes) -> usize {
     others.reach(grid).map_or(grid.len(), |reach| (reach + 1).min(grid.len()))
 }
@@ -132,10 +129,11 @@ impl SlopeWindow {
         let slots = self.tiles.len();
         let own = &self.tiles[made % slots];
         let joint = matches!(self.others, OtherSlopes::Beaten(_));
-        // Of two slopes with the same D the earlier one stays.
+        // Of two slopes with equal D the earlier one stays.
         let beats = |candidate: &Candidate, tile: &DogTile, or_equals: bool| {
             !joint || beats_all_27(candidate.value, tile, candidate.x, candidate.y, candidate.level_index, or_equals)
         };
+        // Candidates of earlier slopes have waited for this tile, the last value that they lacked.
         for &(other, (di, dj)) in &earlier {
             let waiting = &mut self.undecided[other % slots];
             let before = waiting.len();
@@ -154,6 +152,7 @@ impl SlopeWindow {
             } else if !earlier.iter().all(|&(other, _)| beats(candidate, self.tile(other), false)) {
                 tally.reject(Test::SlopeExtremum, 1);
             } else {
+                // Refined before the later slopes are known: the slot of this tile is reused by then.
                 let refined = refine(own, candidate);
                 let mut undecided = Undecided { candidate: *candidate, refined, around: [[0.0; 3]; 3] };
                 undecided.look_at(own, (0, 0));
@@ -169,6 +168,7 @@ impl SlopeWindow {
         let Range { start: first, end } = self.visited;
         let last = made + 1 == end;
         match self.others.reach(&self.grid) {
+            // Compared with every slope, none is decided before the last one is made.
             None if last => first..end,
             None => 0..0,
             Some(reach) => {
@@ -189,8 +189,7 @@ impl SlopeWindow {
 }
 
 /// Slope of the extremum between the grid's slopes: `around[dj + 1][di + 1]` is D of the refined sample at the slopes
-/// around slope `index`, 0 beyond the grid. An axis on which `index` is the first or last keeps the grid's slope, and
-/// so do both where other slopes are not used.
+/// around `index`, 0 beyond the grid. Axes on which it is first or last, or all if no others are used, keep its slope.
 pub fn refined_slope(grid: &SlopeGrid, others: OtherSlopes, index: usize, around: &[[f32; 3]; 3]) -> Slope {
     if others == OtherSlopes::Unseen {
         return grid.slope(index);

@@ -1,14 +1,14 @@
-//! Events that happen to the frames of a burst between the camera and the file, and the sentences that tell them.
+//! Events that happen to the frames of a burst between the camera and the file, and the sentences that report them.
 
 use super::{MotionWarning, MotionWarningKind};
 use crate::plane::Plane;
 use serde::Serialize;
 
-/// Least number of frames of which an event is told: three lie on a line at some times or other.
+/// Least number of frames for which an event is reported: any three frames lie on a line at some times.
 pub(super) const MIN_FRAMES: usize = 4;
-/// Largest number of frames of which events are sought, of which there are as many as its square.
+/// Largest number of frames examined for events, whose number grows with its square.
 pub(super) const MAX_FRAMES: usize = 64;
-/// Largest number of frames of which every order is tried; of more only those with one frame moved, or two exchanged.
+/// Largest number of frames of which every order is tried; for more, one frame is moved or two are exchanged.
 pub(super) const MAX_SCRAMBLED: usize = 7;
 /// Largest number of frames missing at one place.
 pub(super) const MAX_MISSING: usize = 3;
@@ -21,19 +21,18 @@ const LIKE: f64 = 0.25;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) enum Event {
     Nothing,
-    /// The frames were taken in this order.
     Order(Vec<usize>),
-    /// So many frames are missing after a frame.
+    /// `count` frames are missing after frame `after`.
     Missing {
         after: usize,
         count: usize,
     },
-    /// A frame was taken so many frame intervals late.
+    /// Frame `frame` was taken `by` frame intervals late.
     Late {
         frame: usize,
         by: f64,
     },
-    /// The frames were taken at any times.
+    /// Times that follow no pattern, frame intervals.
     Free(Vec<f64>),
 }
 
@@ -42,12 +41,12 @@ pub(super) enum Event {
 pub struct UniformTimes {
     /// Frames in their order, counted from the first one used. Copies of others are left out.
     pub frames: Vec<usize>,
-    /// Time of each of these from the first one on, frame intervals.
+    /// Time of each of `frames` from the first one on, frame intervals.
     pub times: Vec<f64>,
 }
 
 impl Event {
-    /// Time of each of so many `frames`, frame intervals.
+    /// Time of each of `frames` frames, frame intervals.
     pub fn times(&self, frames: usize) -> Vec<f64> {
         let mut times: Vec<f64> = (0..frames).map(|t| t as f64).collect();
         match self {
@@ -64,16 +63,14 @@ impl Event {
         matches!(self, Self::Order(_))
     }
 
-    /// Whether it is the same event of another size: of so many `frames` all have nearly the same times. One missing
-    /// after the first frame, or before the last, is like one that is early or late there, and the likelier of both is
-    /// told: as the times are nearly the same, either mends the burst.
+    /// Whether both events give `frames` frames nearly the same times. A gap after the first frame (or before the last)
+    /// is like that frame taken early (or late): either correction mends the burst, and the likelier is reported.
     pub fn is_like(&self, other: &Self, frames: usize) -> bool {
         let apart = self.times(frames).into_iter().zip(other.times(frames)).map(|(a, b)| a - b);
         let (least, most) = apart.fold((f64::MAX, f64::MIN), |(a, b), x| (a.min(x), b.max(x)));
         most - least <= LIKE
     }
 
-    /// All events that may have happened to so many `frames`.
     pub fn all(frames: usize) -> Vec<Self> {
         let orders = if frames <= MAX_SCRAMBLED { permutations(frames) } else { single_moves(frames) };
         let orders = orders.into_iter().map(Self::Order);
@@ -83,7 +80,7 @@ impl Event {
         orders.chain(missing).chain(late).collect()
     }
 
-    /// Warning of the event, which happened to the frames `kept` of all; `None` where nothing did.
+    /// Warning of the event, with its frames `kept` numbered among all; `None` for no event and for free times.
     pub fn warning_of(&self, kept: &[usize]) -> Option<MotionWarning> {
         let (kind, frames, number, text) = match self {
             Self::Nothing | Self::Free(_) => return None,
@@ -115,7 +112,6 @@ impl Event {
 }
 
 impl UniformTimes {
-    /// Times of the frames `kept`, to which `event` happened.
     pub(super) fn of(event: &Event, kept: &[usize]) -> Self {
         let mut taken: Vec<(f64, usize)> = event.times(kept.len()).into_iter().zip(kept.iter().copied()).collect();
         taken.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -141,7 +137,7 @@ fn order_text(wrong: &[usize], order: &[usize]) -> String {
     }
 }
 
-/// Orders in which one of so many `frames` is elsewhere, or two are exchanged, each once.
+/// Orders in which one of `frames` frames is moved, or two are exchanged, each once.
 fn single_moves(frames: usize) -> Vec<Vec<usize>> {
     let all: Vec<usize> = (0..frames).collect();
     let moved = |from: usize, to: usize| {
@@ -156,12 +152,12 @@ fn single_moves(frames: usize) -> Vec<Vec<usize>> {
         order
     };
     let pairs = || all.iter().flat_map(|a| all.iter().map(move |b| (*a, *b)));
-    // To the place before is the same as from there to the one after.
+    // One place back equals moving the neighbour one place forward: one of both is tried.
     let moves = pairs().filter(|(from, to)| from != to && to + 1 != *from).map(|(from, to)| moved(from, to));
     moves.chain(pairs().filter(|(a, b)| a + 1 < *b).map(|(a, b)| exchanged(a, b))).collect()
 }
 
-/// Orders of so many `frames` but their own, of each and its reverse the one in which more frames follow one another.
+/// All orders of `frames` frames but the given one; of an order and its reverse, the one in which more frames ascend.
 fn permutations(frames: usize) -> Vec<Vec<usize>> {
     let mut all = vec![Vec::new()];
     for _ in 0..frames {
@@ -171,6 +167,7 @@ fn permutations(frames: usize) -> Vec<Vec<usize>> {
         };
         all = all.iter().flat_map(longer).collect();
     }
+    // Reversed frames have the same correlations at the opposite slope, so that one way stands for both.
     let is_own_way = |order: &Vec<usize>| {
         let follow = order.windows(2).filter(|two| two[0] < two[1]).count();
         let against = frames - 1 - follow;
@@ -180,8 +177,7 @@ fn permutations(frames: usize) -> Vec<Vec<usize>> {
     all
 }
 
-/// Frames that are copies of the one before, bit by bit, counted from 0; none where so few others are left that all
-/// frames are the same picture.
+/// Frames that are copies of the frame before, bit by bit, counted from 0; none where all frames are the same picture.
 pub(super) fn copies(frames: &[&Plane]) -> Vec<usize> {
     let copies: Vec<usize> = (1..frames.len()).filter(|t| frames[*t].data() == frames[*t - 1].data()).collect();
     if frames.len() < copies.len() + MIN_FRAMES { Vec::new() } else { copies }

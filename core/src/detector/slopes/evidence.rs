@@ -5,7 +5,7 @@
 //! window counts when it is significant, determines its slope, is not ambiguous, and is certain by itself or confirmed
 //! by another. If those that count lie on a line through slope 0, the grid is this line, otherwise a plane, turned if
 //! that makes it much smaller. Its slopes are multiples of the step and end one to two steps beyond the evidence, so
-//! that the grid of a burst and that of a part of it have their points in common.
+//! that grids of a burst and of a part of it share points.
 
 use super::lags::Lags;
 use super::peak::{SearchTable, Track};
@@ -41,7 +41,7 @@ pub(super) struct Seen {
     pub evidence: Vec<SlopeEvidence>,
     /// For each level, the products summed over the whole image.
     pub wholes: Vec<Sum>,
-    /// For each level, the products of the blocks that show anything, and what these show.
+    /// For each level, the products and the evidence of the blocks with any signal.
     pub blocks: Vec<Vec<(Sum, SlopeEvidence)>>,
 }
 
@@ -56,7 +56,7 @@ pub(super) struct Looking<'a> {
     pub lags: &'a Lags,
     pub levels: &'a [Vec<Plane>],
     pub first_level: u32,
-    /// Number of lags, from 1 on, that do not count.
+    /// Number of lags, from 1 on, at which frames share noise and which do not count.
     pub ignored_lags: usize,
 }
 
@@ -89,6 +89,7 @@ impl Looking<'_> {
                 Ok(answer)
             })
             .collect::<Result<_, Cancelled>>()?;
+        // The blocks come level by level: one pass sums them to quarters and to the whole.
         let mut seen = Seen { evidence: Vec::new(), wholes: Vec::new(), blocks: Vec::new() };
         let mut blocks = blocks.into_iter();
         for level in 0..self.levels.len() {
@@ -100,8 +101,10 @@ impl Looking<'_> {
             for (block, (evidence, sum)) in blocks.by_ref().take(BLOCKS * BLOCKS).enumerate() {
                 seen.evidence.extend(&evidence);
                 quarters[block / BLOCKS / 2 * 2 + block % BLOCKS / 2].add(&sum);
+                // A sum shows fainter structure than its windows, which separate depths: both are evidence.
                 let of_sum = self.of_sum(level, &sum, &mut scratch);
                 seen.evidence.extend(of_sum);
+                // A block of one window has no sum; the window's evidence stands for it.
                 shown.extend(of_sum.or(evidence.last().copied()).map(|evidence| (sum, evidence)));
             }
             for quarter in &quarters {
@@ -118,6 +121,7 @@ impl Looking<'_> {
     fn block(&self, level: usize, block: usize, monitor: &Monitor) -> Result<(Vec<SlopeEvidence>, Sum), Cancelled> {
         let frames = &self.levels[level];
         let (width, height) = frames[0].size();
+        // A window belongs to the block that holds its centre.
         let belongs = |start: usize, length: usize, part: usize| (2 * start + SIDE) * BLOCKS / (2 * length) == part;
         let mut scratch = self.fourier.scratch(frames.len());
         let (mut evidence, mut sum) = (Vec::new(), Sum::new(self.lags));
@@ -154,6 +158,7 @@ impl Looking<'_> {
         let peak = self.table.strongest(&planes, &variance)?;
         let level = self.first_level + level as u32;
         let unit = f64::from(1u32 << level);
+        // The centre of the first image pixel is 0, so its edge is at −0.5.
         let centre = |r: &Range<usize>| (0.5 * (r.start + r.end) as f64 * unit - 0.5) as f32;
         let length = |r: &Range<usize>| (r.len() as f64 * unit) as f32;
         let slope = Slope::new((peak.slope[0] * unit) as f32, (peak.slope[1] * unit) as f32);
@@ -170,7 +175,6 @@ fn starts(length: usize) -> Vec<usize> {
     (0..=steps).map(|i| (i * room).checked_div(steps).unwrap_or(0)).collect()
 }
 
-/// Products of one or more windows.
 pub(super) struct Sum {
     pub products: CrossSpectra,
     pub pairs: PairSpectra,
@@ -223,7 +227,7 @@ const COARSEST: f64 = 2.0;
 const COARSER: [f64; 4] = [1.0, 4.0 / 3.0, 5.0 / 3.0, COARSEST];
 /// Angle from an axis below which a direction is taken as the axis: whole pixels are searched faster.
 const SNAP_DEG: f64 = 5.0;
-/// Multiples, in degrees, to which a direction is rounded: the first one that the evidence allows.
+/// Multiples, in degrees, to which a direction is rounded, as coarsely as the evidence allows.
 const ROUND_DEG: [f64; 3] = [15.0, 5.0, 1.0];
 /// Multiples, in degrees, to which the direction of a turned plane is rounded.
 const TURNED_DEG: f64 = 15.0;
@@ -259,7 +263,7 @@ pub(super) fn is_clear(evidence: &SlopeEvidence, steps: Steps) -> bool {
         && evidence.ambiguity < MAX_AMBIGUITY
 }
 
-/// Members of `evidence` that are certain by themselves or that another one confirms.
+/// Members of `evidence` that are certain by themselves or confirmed by another one.
 pub(super) fn confirmed(evidence: &[SlopeEvidence], steps: Steps) -> Vec<SlopeEvidence> {
     let is_sure = |e: &SlopeEvidence| e.significance >= SURE_SIGNIFICANCE && e.ambiguity <= SURE_AMBIGUITY;
     let confirms = |a: &SlopeEvidence, b: &SlopeEvidence| {
@@ -289,6 +293,7 @@ pub(super) fn grid_for(evidence: &[SlopeEvidence], steps: Steps, line_deg: Optio
         let [u, v] = [along, across].map(|range| axis(range, steps.search, PLANE_SLOPES));
         SlopeGrid { u, v, direction_deg: degrees as f32 }
     };
+    // About the mean, not about slope 0: unlike a line, a plane need not pass through 0.
     let mean = |axis: fn(&Slope) -> f32| {
         evidence.iter().map(|e| f64::from(axis(&e.slope))).sum::<f64>() / evidence.len() as f64
     };
@@ -308,11 +313,13 @@ fn line_through(evidence: &[SlopeEvidence], steps: Steps) -> Option<f64> {
     };
     let snapped = [0.0, 90.0].into_iter().filter(|a| near(*a));
     let rounded = ROUND_DEG.map(|round| (degrees / round).round() * round);
+    // Axes first, then ever finer roundings, until the evidence lies on the line.
     snapped.chain(rounded).find(|d| off_line(evidence, *d, steps).len() < MIN_BESIDE)
 }
 
 /// Confirmed evidence for slopes that are not on the line through 0 in direction `degrees`.
 fn off_line(evidence: &[SlopeEvidence], degrees: f64, steps: Steps) -> Vec<SlopeEvidence> {
+    // The less certain a slope, the farther it must lie from the line to speak against it.
     let is_off =
         |e: &&SlopeEvidence| turned(e.slope, degrees)[1].abs() > (0.5 * steps.same).max(2.0 * f64::from(e.uncertainty));
     let off: Vec<SlopeEvidence> = evidence.iter().filter(is_off).copied().collect();
@@ -358,12 +365,14 @@ pub(super) fn ranges(evidence: &[SlopeEvidence], degrees: f64) -> ([f64; 2], [f6
 }
 
 pub(super) fn count([min, max]: [f64; 2], step: f64, slopes: usize) -> usize {
+    // A range hardly longer than a multiple of the step needs no slope more.
     let with_step = |step: f64| ((max - min) / step - 0.05).ceil().max(2.0) as usize + 1;
     with_step(step).min(slopes.max(with_step(COARSEST * step)))
 }
 
 /// Axis of slopes at multiples of the step, which end one to two steps beyond `range`.
 pub(super) fn axis([min, max]: [f64; 2], step: f64, slopes: usize) -> SlopeAxis {
+    // Multiples of a rounded step: the grids of a burst and of a part of it share their points.
     let of = |coarser: f64| {
         let step = readable(coarser * step);
         ((min / step + ON_A_POINT).floor() - 1.0, (max / step - ON_A_POINT).ceil() + 1.0, step)

@@ -1,12 +1,11 @@
-//! Pairs of frames by their lag: the distance of frames in time, in whole frame intervals, or that of views in columns
-//! and rows.
+//! Pairs of frames by their lag: the distance in time, whole frame intervals, or of views in columns and rows.
 
 use crate::burst::{Offset, Positions};
 use std::collections::BTreeMap;
 
 /// Largest lag that is used, and number of lags: pairs of frames further apart add little new information.
 pub(super) const MAX_LAG: usize = 12;
-/// Largest distance in frames of pairs whose products are kept one by one.
+/// Largest distance, frames, of pairs with products of their own.
 const MAX_NEAR: usize = 6;
 
 /// Frames s and t, s before t.
@@ -14,14 +13,12 @@ type Pairs = Vec<(usize, usize)>;
 
 /// Pairs of frames by their lag: the whole number of frame intervals that is nearest to their distance in time.
 pub(super) struct Lags {
-    /// Number of frames.
     pub frames: usize,
-    /// Pairs of lag 1, 2, …; pairs of frames closer than half an interval, and those too far apart, are in none.
+    /// Pairs of lag 1, 2, …, without pairs closer than half an interval or too far apart.
     pub by_lag: Vec<Pairs>,
     /// Mean distance of the pairs of each lag; the lag itself where it has no pair.
     pub distances: Vec<Offset>,
-    /// Pairs of frames that follow one another, t and t + 1, and then those with more and more frames between them;
-    /// none of views, which follow no time.
+    /// Pairs of frames 1, 2, … apart in their order, nearest first; none for views, which follow no time.
     pub near: Pairs,
 }
 
@@ -30,7 +27,7 @@ impl Lags {
         if positions.are_views() { Self::of_views(positions) } else { Self::of_times(positions) }
     }
 
-    /// Pairs of views by their distance in columns and rows: of one row or one column first, and of those the nearest.
+    /// Pairs of views by their distance in columns and rows: those of one row or column first, nearest first.
     fn of_views(positions: &Positions) -> Self {
         let mut by_distance: BTreeMap<[i64; 2], Pairs> = BTreeMap::new();
         for pair in pairs_of(positions.len()) {
@@ -44,6 +41,7 @@ impl Lags {
         let square = |[u, v]: [i64; 2]| u * u + v * v;
         lags.sort_by_key(|([u, v], _)| (u * v != 0, square([*u, *v]), *v));
         lags.truncate(MAX_LAG);
+        // The search of the slope grid reads the first lags alone, so the nearest come first.
         lags.sort_by_key(|(apart, _)| square(*apart));
         let distance = |([u, v], _): &([i64; 2], Pairs)| Offset { u: *u as f64, v: *v as f64 };
         let distances = lags.iter().map(distance).collect();
@@ -63,6 +61,7 @@ impl Lags {
             }
         }
         let distance = |(of, lag): (&Pairs, usize)| match of.len() {
+            // A lag without pairs keeps its place, so that distances and lags stay in step.
             0 => lag as f64,
             n => of.iter().map(|pair| apart(*pair)).sum::<f64>() / n as f64,
         };

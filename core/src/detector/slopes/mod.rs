@@ -1,11 +1,10 @@
 //! Slope finder: finds the slopes that a burst needs from the burst alone. (The paper gives their range by hand.)
 //!
 //! Where the band-passed motion stack at a slope has power there are features. That power is a sum, over pairs of
-//! frames, of their correlation at the shift that the slope gives them; without each frame's product with itself it
-//! lacks the power of its noise. `spectra` computes the correlations of small windows, `peak` finds a window's slope
-//! and the path of the picture, and `evidence` looks at windows of many places and sizes and chooses the slopes to
-//! search. `order` finds what happened to the frames (`event`), `regularity` whether the picture turns or grows. A
-//! histogram of features would not work: in the dark it is flat.
+//! frames, of their correlation at the shift that the slope gives them; without products of frames with themselves it
+//! lacks their noise. `spectra` computes the correlations of small windows, `peak` finds a window's slope and the path
+//! of the picture, and `evidence` chooses the slopes to search by windows of many places and sizes. `order` finds what
+//! happened to the frames (`event`), `regularity` turns and growth. A histogram of features would be flat in the dark.
 
 mod event;
 mod evidence;
@@ -47,18 +46,16 @@ const FILM_PART: f64 = 1.0 / 3.0;
 const STILL_PX: f64 = 0.95;
 /// Slope in standard deviations above which the motion is surely not 0.
 const SURELY: f64 = 2.5;
-/// Confirmed moving windows that turn a mostly still picture into a moving one.
+/// Number of confirmed moving windows from which a mostly still picture counts as moving.
 const MIN_MOVING: usize = 3;
-/// Distance from a uniform motion, in pixels of the level, up to which a picture whose windows stand still does so.
+/// Deviation from a uniform motion, pixels of the level, that is forgiven where the windows stand still.
 const STILL_LEVEL_PX: f64 = 1.25;
 
 /// Finds the slopes that the frames of `burst` used by `params` show, on the line in direction `direction_deg` (degrees
-/// from +u towards +v) or anywhere in the plane. Views of a light field have a disparity: without a direction it is
-/// that of a grid along the picture's axes, 0.
+/// from +u towards +v) or anywhere in the plane; for views of a light field on a grid along the picture's axes.
 ///
-/// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ over the time
-/// from the first to the last frame for the finest σ searched, or coarser where the range is long. Results do not
-/// depend on the number of threads, to the bit.
+/// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ of the finest scale
+/// over the time from first to last frame, or coarser for long ranges. Threads do not change the result, to the bit.
 ///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
@@ -76,6 +73,7 @@ pub fn find_slopes(
         return Ok(SlopeFinding { grid, verdict: SlopeVerdict::Still, ..SlopeFinding::default() });
     }
     let positions = burst.positions.part(params.used_frames(burst.len()));
+    // A copy repeats the noise of the frame before, and would correlate as if nothing moved.
     let copies = event::copies(&all);
     let kept: Vec<usize> = (0..all.len()).filter(|t| !copies.contains(t)).collect();
     let frames: Vec<&Plane> = kept.iter().map(|t| all[*t]).collect();
@@ -93,12 +91,14 @@ pub fn find_slopes(
     let (mut seen, mut table) = look((&frames, &lags), (levels.clone(), 0), track, &fourier, monitor)?;
     let whole = seen.wholes.first().filter(|_| !are_views);
     let shared = whole.map_or(0, |whole| peak::lags_of_shared_noise(&whole.products, &whole.pairs, &lags, &fourier));
+    // Shared noise peaks at shift 0 like a scene that stands still: look again without its lags.
     if shared > 0 {
         (seen, table) = look((&frames, &lags), (levels.clone(), shared), track, &fourier, monitor)?;
     }
     let steps = steps_of(params, &positions);
     let size = Size { gaps: positions.span(), pixels: burst.size() };
     let finding = conclude(&seen, steps, direction_deg, size);
+    // Views follow no time, and shared noise hides the shifts of neighbours: neither has a path.
     let path = if are_views || shared > 0 { None } else { path_of(&seen, &fourier, levels.start) };
     let is_told = is_even && (event::MIN_FRAMES..=event::MAX_FRAMES).contains(&frames.len());
     let blocks = seen.blocks.first().filter(|_| is_told);
@@ -122,12 +122,14 @@ pub fn find_slopes(
     let deviation_of_middle = path.as_ref().filter(|_| is_whole).map(deviation_of_middle).unwrap_or_default();
     let deviation = path.map(|path| (deviation_of(&path, 0..kept.len()), path.limit(still)));
     monitor.report(Stage::Slopes, 1.0);
+    // The grid of a crooked motion is still the best one, but no slope of it aligns all frames.
     let verdict = match finding.verdict {
         SlopeVerdict::Found | SlopeVerdict::Still
             if is_irregular || deviation.is_some_and(|(distance, limit)| distance > limit) =>
         {
             SlopeVerdict::NotStraight
         }
+        // A large disparity between views is no reason to cut them.
         SlopeVerdict::Film if are_views => SlopeVerdict::Found,
         verdict => verdict,
     };
@@ -136,8 +138,7 @@ pub fn find_slopes(
     Ok(SlopeFinding { verdict, deviation_px, deviation_of_middle, spectrum, warnings, uniform, ..finding })
 }
 
-/// Opens a burst as [`Burst::open_with`] does; where the choice of times says so, with its frames in the order and at
-/// the times in which their motion is uniform.
+/// Opens a burst as [`Burst::open_with`] does; [`TimesChoice::Found`]: in the order and at the times of uniform motion.
 ///
 /// # Errors
 /// Those of [`Burst::open_with`].
@@ -157,15 +158,12 @@ pub fn open_burst(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) 
     Ok(burst)
 }
 
-/// `burst` with its frames in the order and at the times that `finding` shows; `None` where it shows none, or where the
-/// frames say then that these are wrong too.
-///
-/// # Errors
-/// [`Cancelled`] once `monitor` was cancelled.
+/// `burst` in the order and at the times that `finding` shows; `None` without any, or where they look no more even.
 pub(crate) fn retimed(burst: &Burst, finding: &SlopeFinding, monitor: &Monitor) -> Result<Option<Burst>, Cancelled> {
     let times = |uniform: &UniformTimes| Some((uniform.frames.clone(), Positions::new(&uniform.times)?));
     let Some((frames, positions)) = finding.uniform.as_ref().and_then(times) else { return Ok(None) };
     let retimed = burst.clone().of_frames(&frames, positions);
+    // The times are inferred: a second look confirms them before frames are exchanged.
     let after = find_slopes(&retimed, &DetectorParams::default(), None, &monitor.silent())?;
     let is_crooked = after.verdict == SlopeVerdict::NotStraight && after.deviation_px >= finding.deviation_px;
     let is_even = after.uniform.is_none() && after.verdict != SlopeVerdict::NothingSeen && !is_crooked;
@@ -196,7 +194,7 @@ impl SlopeFinding {
         agreement(&significant, grid, steps_of(params, positions))
     }
 
-    /// Texts of the warnings.
+    /// Texts of the warnings, joined by semicolons; empty without any.
     pub fn irregularities(&self) -> String {
         self.warnings.iter().map(|warning| &warning.text[..]).collect::<Vec<_>>().join("; ")
     }
@@ -248,8 +246,7 @@ pub(crate) fn slopes_needed(axis: &SlopeAxis, params: &DetectorParams, positions
 /// Parameters with which `burst` is searched, and the finding where slopes are found from it, which baselines do not.
 ///
 /// # Errors
-/// Parameters that make no sense for the burst, and cancellation once `monitor`
-/// was cancelled.
+/// Parameters that make no sense for the burst, and cancellation once `monitor` was cancelled.
 pub fn resolve(
     burst: &Burst,
     params: &SearchParams,
@@ -267,7 +264,6 @@ pub fn resolve(
     Ok((DetectorParams { slopes: finding.grid, ..unmoved }, Some(finding)))
 }
 
-/// Sizes that limit a motion.
 #[derive(Clone, Copy)]
 struct Size {
     /// Time from the first to the last frame, frame intervals.
@@ -280,7 +276,7 @@ fn conclude(seen: &Seen, steps: Steps, line_deg: Option<f32>, size: Size) -> Slo
     let max = significant.iter().map(|e| e.significance).fold(0.0, f32::max);
     let clear: Vec<SlopeEvidence> = significant.iter().filter(|e| is_clear(e, steps)).copied().collect();
     let mut kept = confirmed(&clear, steps);
-    // Of slopes at which a point at mid-burst is still inside the picture at the burst's ends.
+    // Beyond these slopes nearly all that is seen at mid-burst has left the picture at the burst's ends.
     let stays = |slope: f32, pixels: usize| f64::from(slope).abs() * 0.5 * size.gaps < 0.9 * pixels as f64;
     kept.retain(|e| stays(e.slope.u, size.pixels.0) && stays(e.slope.v, size.pixels.1));
     let Some(grid) = grid_for(&kept, steps, line_deg) else {
@@ -322,7 +318,7 @@ fn stands_still(evidence: &[SlopeEvidence], steps: Steps, gaps: f64) -> bool {
     middle <= still && !may_move && confirmed(&surely, steps).len() < MIN_MOVING
 }
 
-/// Median of a value over the evidence, weighted by significance.
+/// Median of a value over the evidence, weighted by significance; 0 without evidence.
 fn typical(evidence: &[SlopeEvidence], value: impl Fn(&SlopeEvidence) -> f64) -> f64 {
     let mut values: Vec<(f64, f64)> = evidence.iter().map(|e| (value(e), f64::from(e.significance))).collect();
     values.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -374,7 +370,7 @@ fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum SlopeVerdict {
-    /// Slopes were found.
+    /// Slopes were found, and `grid` spans them.
     Found,
     /// Nothing moves: a still tripod.
     Still,
@@ -399,9 +395,9 @@ pub struct SlopeSpectrum {
 /// Slopes to search, and the evidence for them. By default nothing is seen.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct SlopeFinding {
-    /// Grid to search.
+    /// Grid to search; the default grid where nothing is seen.
     pub grid: SlopeGrid,
-    /// Kind of motion.
+    /// Kind of motion, and so whether `grid` aligns all frames.
     pub verdict: SlopeVerdict,
     /// Part (0 … 1) of all significant evidence, by its significance, whose slope the grid holds; 0 without any.
     pub confidence: f32,
@@ -421,10 +417,10 @@ pub struct SlopeFinding {
     /// Order and times in which the motion is uniform, where the frames show that those they have are wrong.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub uniform: Option<UniformTimes>,
-    /// Evidence of each window.
+    /// Evidence of every window with any signal; [`Self::confirmed`] selects what `grid` comes from.
     #[serde(skip)]
     pub evidence: Vec<SlopeEvidence>,
-    /// Power over slopes.
+    /// Power over slopes of the whole image; empty for a single frame.
     #[serde(skip)]
     pub spectrum: SlopeSpectrum,
 }

@@ -1,12 +1,11 @@
 //! Times of the frames, from the images alone.
 //!
 //! Each block of the picture has a slope of its own. If the frames were taken at other times than their order says, the
-//! correlation of two of them has its peak not at the slope times their distance in the order, but times that in time.
-//! Read along the slopes of all blocks, the correlation of a pair is thus a function of its time difference alone, and
-//! the sum over pairs one of the times of all frames. It is a logarithm of their likelihood, in nats: half the square
-//! of each block's significance, with the slope that suits it best. Times are sought freely, and as one event that
-//! happens to cameras, such as two frames exchanged or one missing. An event is told only if it explains nearly all
-//! that free times do, and no other one does.
+//! correlation of two of them peaks at the slope times their distance in time, not in the order. Read along the slopes
+//! of all blocks, the correlation of a pair is a function of its time difference alone, and the sum over pairs one of
+//! the times of all frames: a log-likelihood, in nats, half the square of each block's significance, at its best slope.
+//! Times are sought freely, and as one event that happens to cameras, such as two frames exchanged or one missing. An
+//! event is reported if it alone explains nearly all that free times do.
 
 use super::SlopeEvidence;
 use super::event::{Event, MAX_MISSING, MAX_SCRAMBLED};
@@ -18,33 +17,31 @@ use rayon::prelude::*;
 
 /// Least gain of an event over even times, nats: twice ln 400, about what the luckiest of 400 events gains by noise.
 const MIN_NATS: f64 = 12.0;
-/// Least gain of every other block, and of the others, nats.
+/// Least gain of the even-numbered blocks, and of the odd-numbered ones, nats.
 const MIN_HALF_NATS: f64 = 5.0;
-/// Part of what blocks gain that others may lose: 0.3 or more where nothing happened, 0.05 at most where frames are
-/// missing or out of order.
+/// Part of the blocks' gain that others may lose: 0.3 or more where nothing happened, up to 0.05 after an event.
 const MAX_LOST: f64 = 0.2;
-/// Least gain, as a part of what even times have: pictures differ from what they are taken for by up to half of it.
+/// Least gain, as a part of the nats of even times: the model errs on real pictures by up to half of it.
 const MIN_PART: f64 = 0.01;
 /// Part of the gain of free times that an event may leave; a motion that speeds up leaves 0.27 to 0.64.
 const MAX_LEFT: f64 = 0.2;
 /// Gain of free times that an event may leave besides, as a part of what even times have: even frames have it too.
 const MAX_LEFT_PART: f64 = 0.005;
-/// Part of its gain by which an event must be ahead of the next one.
+/// Part of its gain by which an event must lead the next different one.
 const MIN_AHEAD: f64 = 0.1;
-/// Part of its gain that frames beside the line of the motion may gain: up to 0.23 where something happened, and 0.55
-/// or more where a hand moves the camera.
+/// Part of its gain that frames beside the motion's line may gain: up to 0.23 after an event, from 0.55 for a hand.
 const MAX_BESIDE: f64 = 0.35;
-/// Number of events that are compared with slopes of their own, of those that agree best with the slopes of even times.
+/// Number of events that get slopes of their own: those that agree best with the slopes of even times.
 const TRIED: usize = 8;
 /// Factors of the slopes of even times with which events are tried: missing frames make slopes look larger.
 const SLOWER: [f64; 5] = [1.0, 0.95, 0.9, 0.85, 0.78];
 /// Parts of a frame interval to which times are found.
 const PARTS: f64 = 8.0;
-/// Numbers of frame intervals that two frames which follow one another may be apart where nothing is in its place.
+/// Distances, frame intervals, that are tried for frames next to each other in a scrambled burst.
 const APART: [f64; 4] = [1.0, 2.0, 3.0, 4.0];
-/// Distance of slopes that are tried as those of frames out of order, level pixels per frame.
+/// Least distance between slopes that are tried for scrambled frames, level pixels per frame.
 const APART_SLOPES: f64 = 0.1;
-/// Number of orders tried with each of these slopes.
+/// Number of orders tried with each scrambled slope.
 const TRIED_ORDERS: usize = 2;
 /// First step of a climb to the best slope, and the one that ends it, level pixels per frame.
 const CLIMB: [f64; 2] = [0.16, 0.01];
@@ -62,7 +59,6 @@ struct Block {
     least: f64,
 }
 
-/// Blocks of the picture, at one level.
 pub(super) struct Blocks<'a> {
     pairs: &'a [(usize, usize)],
     frames: usize,
@@ -70,12 +66,10 @@ pub(super) struct Blocks<'a> {
     blocks: Vec<Block>,
 }
 
-/// An event and how well it agrees with the frames.
 #[derive(Debug, Clone)]
 pub(super) struct Agreement {
     pub event: Event,
     pub nats: f64,
-    /// Slope of each block.
     slopes: Vec<[f64; 2]>,
     significance: Vec<f64>,
 }
@@ -84,7 +78,7 @@ pub(super) struct Agreement {
 type Readings = Vec<Vec<f64>>;
 
 impl<'a> Blocks<'a> {
-    /// Blocks `seen` at `level`, of frames that have noise in common with so many others after them.
+    /// Blocks `seen` at `level`; pairs up to `ignored_lags` apart share noise and are left out.
     pub fn of(
         seen: &[(Sum, SlopeEvidence)],
         (lags, ignored_lags): (&'a Lags, usize),
@@ -106,15 +100,17 @@ impl<'a> Blocks<'a> {
         Self { pairs: &lags.near[from..], frames: lags.frames, overlap: &fourier.overlap, blocks }
     }
 
-    /// Event that happened to the frames; `None` where nothing did, or the frames do not tell which.
+    /// Event that happened to the frames; `None` where nothing did, or the frames do not show which.
     pub fn event(&self) -> Option<Event> {
         let [even, free, rest @ ..] = &self.compared()[..] else { return None };
         let [first, others @ ..] = rest else { return None };
         let gain = first.nats - even.nats;
+        // Events of nearly the same times mend the burst alike: only a different one competes.
         let other = others
             .iter()
             .find(|other| !other.event.is_like(&first.event, self.frames))
             .map_or(even.nats, |other| other.nats);
+        // A large rest that only free times explain has another cause, such as a hand that speeds up.
         let is_all = gain >= (1.0 - MAX_LEFT) * (free.nats - even.nats) - MAX_LEFT_PART * even.nats;
         let is_ahead = first.nats - other >= MIN_AHEAD * gain;
         let is_told = self.is_clear(first, even) && is_all && is_ahead && self.is_shared(first, even);
@@ -122,8 +118,7 @@ impl<'a> Blocks<'a> {
         is_told.then(|| first.event.clone())
     }
 
-    /// Nats that are gained if frames also lie beside the line along which most moves: those of an event do not, while
-    /// a hand moves them there as far as along it.
+    /// Nats gained if frames also lie beside the line of the motion, where no event but a hand moves them.
     fn gain_beside(&self, one: &Agreement) -> f64 {
         let times = one.event.times(self.frames);
         let weighed = |axis: usize| one.slopes.iter().zip(&one.significance).map(|(s, w)| s[axis] * w * w).sum::<f64>();
@@ -140,10 +135,12 @@ impl<'a> Blocks<'a> {
         let (before, [mut step, last]) = (total(&sums), CLIMB);
         while step > last {
             let mut is_better = false;
+            // Steps are halved when no frame improves: far moves first need few evaluations.
             for frame in 0..self.frames {
                 for by in [step, -step] {
                     let mut other = beside.clone();
                     other[frame] = [0, 1].map(|axis| beside[frame][axis] + by * across[axis]);
+                    // Only the pairs of this frame change: their part of the sums is exchanged.
                     let (own, moved) = (of_blocks(&beside, Some(frame)), of_blocks(&other, Some(frame)));
                     let others = sums.iter().zip(own.iter().zip(&moved));
                     let others: Vec<[f64; 3]> =
@@ -160,8 +157,8 @@ impl<'a> Blocks<'a> {
         total(&sums) - before
     }
 
-    /// Whether a block shows anything, and nearly all blocks agree with `one` rather than with `even` times: of hundreds
-    /// of events chance favours one in some blocks, and as much against it in others.
+    /// Whether a block shows anything, and nearly all blocks prefer `one` to `even` times: of hundreds of events,
+    /// chance favours one in some blocks, and as much against it in others.
     fn is_shared(&self, one: &Agreement, even: &Agreement) -> bool {
         let is_seen = self.blocks.iter().zip(&one.significance).any(|(block, seen)| *seen >= block.least);
         let gains = one.significance.iter().zip(&even.significance).map(|(one, even)| nats(*one) - nats(*even));
@@ -191,6 +188,7 @@ impl<'a> Blocks<'a> {
                 break;
             }
         }
+        // Freed from two starts: from even times alone the ascent may end at a lower maximum.
         let free = [Some(&even), tried.first()].into_iter().flatten().map(|from| self.freed(from));
         let free = free.max_by(|a, b| a.nats.total_cmp(&b.nats));
         [Some(even), free].into_iter().flatten().chain(tried).collect()
@@ -200,7 +198,7 @@ impl<'a> Blocks<'a> {
         one.nats - even.nats >= MIN_NATS.max(MIN_PART * even.nats)
     }
 
-    /// Those of `events` that agree best with the slopes `from` or somewhat lower ones, with slopes of their own.
+    /// Members of `events` that agree best with the slopes `from` or somewhat lower ones, with slopes of their own.
     fn likeliest(&self, from: &Agreement, events: &[Event]) -> Vec<Agreement> {
         let readings = self.readings(&from.slopes, Some(&from.event.times(self.frames)));
         let slower = |event: &Event| {
@@ -210,6 +208,7 @@ impl<'a> Blocks<'a> {
             best.unwrap_or((f64::NEG_INFINITY, 1.0))
         };
         let mut best: Vec<((f64, f64), &Event)> = events.par_iter().map(|event| (slower(event), event)).collect();
+        // Reading tables is cheap, climbing to slopes is not: all events are read, the best alone climb.
         best.sort_by(|a, b| b.0.0.total_cmp(&a.0.0));
         let own = |((_, slower), event): &((f64, f64), &Event)| {
             let slopes: Vec<[f64; 2]> = from.slopes.iter().map(|slope| slope.map(|s| slower * s)).collect();
@@ -218,8 +217,7 @@ impl<'a> Blocks<'a> {
         best[..TRIED.min(best.len())].iter().map(own).collect()
     }
 
-    /// Orders of few frames that agree well with a slope that two of them show: those of even times say nothing where
-    /// no frame is in its place.
+    /// Orders of few frames that agree with a slope that two frames show, since those of even times mean nothing here.
     fn scrambled(&self, events: &[Event]) -> Vec<Agreement> {
         if self.frames > MAX_SCRAMBLED {
             return Vec::new();
@@ -227,6 +225,7 @@ impl<'a> Blocks<'a> {
         let whole = self.whole();
         let mut slopes: Vec<[f64; 2]> = Vec::new();
         for (plane, variance) in whole.blocks[0].pairs.iter().take(self.frames - 1) {
+            // `peak_of` takes correlations before the division by the overlap.
             let biased: Vec<f32> = plane.iter().zip(self.overlap).map(|(value, overlap)| value * overlap).collect();
             let Some((shift, _)) = peak_of(&biased, self.overlap, *variance) else { continue };
             for slope in APART.map(|apart| shift.map(|x| x / apart)) {
@@ -248,7 +247,6 @@ impl<'a> Blocks<'a> {
         tried.map(|(event, slope)| self.agreement(event, &vec![slope; self.blocks.len()])).collect()
     }
 
-    /// The blocks as one.
     fn whole(&self) -> Self {
         let sum = |pair: usize| {
             let mut planes = self.blocks.iter().map(|block| &block.pairs[pair]);
@@ -263,8 +261,8 @@ impl<'a> Blocks<'a> {
         Self { blocks: vec![block], ..*self }
     }
 
-    /// Power of a block with `slope` at `times`, with frames `beside` their places, that of things of amplitude 1, and
-    /// its variance: of the pairs that count.
+    /// Power of a block with `slope` at `times` with frames `beside` their places, that of things of amplitude 1, and
+    /// the variance, over the pairs that `counts` accepts.
     fn power(
         &self,
         block: &Block,
@@ -280,6 +278,7 @@ impl<'a> Blocks<'a> {
             let shift = [0, 1].map(|axis| slope[axis] * (times[*t] - times[*s]) + to[axis] - from[axis]);
             let overlap = f64::from(overlap_at(self.overlap, shift));
             if overlap >= f64::from(MIN_OVERLAP) {
+                // The division by the overlap raised the noise: its square weights pairs by their accuracy.
                 let weight = overlap * overlap;
                 sums = [sums[0] + weight * cubic(plane, shift), sums[1] + weight, sums[2] + weight * variance];
             }
@@ -287,7 +286,7 @@ impl<'a> Blocks<'a> {
         sums
     }
 
-    /// Slope near `from` of which a block has the highest significance at `times`, and that.
+    /// Slope near `from` at which a block is most significant at `times`, and this significance.
     fn climbed(&self, block: &Block, from: [f64; 2], times: &[f64]) -> ([f64; 2], f64) {
         let value = |slope| (slope, significance(self.power(block, slope, times, |_| [0.0; 2], |_, _| true)));
         let (mut best, [mut step, last]) = (value(from), CLIMB);
@@ -310,7 +309,7 @@ impl<'a> Blocks<'a> {
         Agreement { event, nats, slopes, significance }
     }
 
-    /// Readings along `slopes`; the amplitude of each block is that at `times`, and any without them.
+    /// Readings along `slopes`. Each block's amplitude is fixed to its value at `times`; without them it is free.
     fn readings(&self, slopes: &[[f64; 2]], times: Option<&[f64]>) -> Readings {
         let reach = (self.frames + MAX_MISSING + 1) as f64;
         let mut readings = vec![vec![0.0; 2 * (PARTS * reach) as usize + 1]; self.pairs.len()];
@@ -319,7 +318,7 @@ impl<'a> Blocks<'a> {
                 let [power, full, _] = self.power(block, *slope, times, |_| [0.0; 2], |_, _| true);
                 power.max(0.0) / full.max(f64::MIN_POSITIVE)
             });
-            // Of things of a known amplitude a pair without them takes as much away as one with them adds.
+            // With a known amplitude, a pair without correlation counts as much against as one with it counts for.
             let (weight, middle) = amplitude.map_or((1.0, 0.0), |amplitude| (amplitude, 0.5 * amplitude));
             readings.par_iter_mut().zip(&block.pairs).for_each(|(row, (plane, variance))| {
                 for (i, sum) in row.iter_mut().enumerate() {
@@ -338,7 +337,7 @@ impl<'a> Blocks<'a> {
         self.pairs.iter().zip(readings).map(|((s, t), row)| at(row, times[*t] - times[*s])).sum()
     }
 
-    /// Times that agree best, found from those of an agreement on, frame by frame.
+    /// Free times that agree best, by coordinate ascent from the times of an agreement.
     fn freed(&self, from: &Agreement) -> Agreement {
         let mut times = from.event.times(self.frames);
         let readings = self.readings(&from.slopes, Some(&times));
@@ -352,6 +351,7 @@ impl<'a> Blocks<'a> {
                     let apart = |s: usize, t: usize| if t == frame { time - times[s] } else { times[t] - time };
                     of_frame.iter().map(|((s, t), row)| at(row, apart(*s, *t))).sum()
                 };
+                // All times of one frame are tried, so that no local maximum along its time holds the ascent.
                 let all = (ends[0]..=ends[1]).map(|i| i as f64 / PARTS).map(|time| (value(time), time));
                 times[frame] = all.max_by(|a, b| a.0.total_cmp(&b.0)).map_or(times[frame], |best| best.1);
             }
@@ -372,7 +372,6 @@ fn nats(significance: f64) -> f64 {
     0.5 * significance.max(0.0).powi(2)
 }
 
-/// Each event once, best agreement first.
 fn best_first(tried: impl Iterator<Item = Agreement>) -> Vec<Agreement> {
     let mut all: Vec<Agreement> = tried.collect();
     all.sort_by(|a, b| b.nats.total_cmp(&a.nats));

@@ -63,6 +63,7 @@ impl SearchTable {
     pub fn new(distances: &[Offset], track: Track, overlap: &[f32]) -> Self {
         let lag_count = distances.len();
         let lags = lag_count.clamp(1, SEARCH_LAGS);
+        // The farthest lag moves the most by a slope, so it sets the step.
         let step = SEARCH_STEP / lags as f64;
         let radius = REACH / lag_count.clamp(1, 3) as f64;
         let half = (radius / step).floor() as i64;
@@ -92,10 +93,12 @@ impl SearchTable {
         // The width of a peak in the grid's search follows from its lags.
         let apart = 6.0 * self.step;
         let distance = |s: &[f64; 2]| (s[0] - peak.slope[0]).hypot(s[1] - peak.slope[1]);
+        // A second start that climbs back to the first peak is no other slope.
         let other = best(&scores, |i| distance(&self.slopes[i]) > apart);
         let other =
             other.and_then(|i| self.refined(&stack, self.slopes[i], 2)).filter(|o| distance(&o.slope) > 0.5 * apart);
         match other {
+            // Refinement may reverse the grid's order: the stronger peak is the answer.
             Some(other) if other.significance > peak.significance => {
                 let ambiguity = peak.significance / other.significance;
                 let other = self.refined(&stack, other.slope, STEPS).unwrap_or(other);
@@ -124,12 +127,14 @@ impl SearchTable {
     fn refined(&self, stack: &Stack<'_>, slope: [f64; 2], steps: usize) -> Option<Peak> {
         let axes = match self.track {
             Track::Plane => [[1.0, 0.0], [0.0, 1.0]],
+            // On a line the second axis completes the frame, but nothing is varied along it.
             Track::Line([u, v]) => [[u, v], [-v, u]],
         };
         let both = self.track == Track::Plane;
         let (h, mut at) = (0.5 * self.step, slope);
         let mut answer = None;
         for _ in 0..steps {
+            // Nine values of P share one set of weights, which hardly change within half a step.
             let weights = stack.weights(at);
             let p = |i: f64, j: f64| {
                 let moved = |axis: usize| at[axis] + h * (i * axes[0][axis] + j * axes[1][axis]);
@@ -155,9 +160,11 @@ impl SearchTable {
             let mean = 0.5 * (bend_00 + bend_11);
             let min =
                 if both { mean - (0.25 * (bend_00 - bend_11).powi(2) + bend_01 * bend_01).sqrt() } else { bend_00 };
+            // P may fall by texture's part and by 4.5 nats of noise, three standard errors: s²·ΔP/P = 4.5.
             let part = TEXTURE_PART + 4.5 / (significance * significance);
             let uncertainty = if min > 0.0 { (2.0 * part * middle / min).sqrt() } else { f64::INFINITY };
             answer = Some(Peak { slope: at, significance, uncertainty, ambiguity: 0.0 });
+            // At a saddle or a valley Newton's step would lead away from the peak.
             if min <= 0.0 || determinant <= 0.0 {
                 return answer;
             }
@@ -166,6 +173,7 @@ impl SearchTable {
                 (bend_00 * slant_1 - bend_01 * slant_0) / determinant,
             ];
             let length = step[0].hypot(step[1]);
+            // Beyond one step of the grid the quadratic no longer describes P.
             let limit = (self.step / length.max(1e-12)).min(1.0);
             for axis in 0..2 {
                 at[axis] += limit * (step[0] * axes[0][axis] + step[1] * axes[1][axis]);
@@ -301,8 +309,7 @@ impl Path {
 /// Smallest overlap of two frames, 0 … 1, at which their correlation shows whether the shifts between them add up.
 const MIN_SEEN: f32 = 0.2;
 
-/// Path of the picture as a whole, level pixels; `None` where single pairs of frames are too noisy to measure it, or
-/// the picture does not move as a whole.
+/// Path of the picture as a whole, level pixels; `None` where pairs are too noisy or the picture moves in parts.
 pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
     let neighbours = pairs.neighbours();
     let variance = pairs.variance[..neighbours.len()].iter().sum::<f64>() / neighbours.len() as f64;
@@ -317,6 +324,7 @@ pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
         let [x, y] = *way.last()?;
         way.push([x + u, y + v]);
     }
+    // Frames two apart measure the sum of two shifts independently.
     let (next, of_next) = (&pairs.products[neighbours.len()..], &pairs.variance[neighbours.len()..]);
     let next = fourier.correlations(&next[..neighbours.len() - 1], &mut fourier.scratch(0));
     // Of several motions now one and now another is the strongest: their shifts do not add up.
@@ -335,7 +343,7 @@ pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
     Some(Path { way, error, noise: error * (planes.len() as f64).sqrt(), pixel: 1.0 })
 }
 
-/// Part of a correlation that another one of the same scene has at least.
+/// Least ratio of two correlations of the same scene.
 const SAME_SCENE: f64 = 0.5;
 
 /// Index of a correlation's largest value; 0 is shift 0.
@@ -362,6 +370,7 @@ pub(super) fn lags_of_shared_noise(
         let pairs = lags.pairs(lag) as f64;
         (at, f64::from(plane[at]) / pairs, products.variance[lag - 1].sqrt() / pairs)
     };
+    // A scene that stands still correlates as well at the next lag; noise of few frames does not.
     let is_noise = |lag: usize| {
         let ((at, value, error), (_, next, next_error)) = (largest(lag), largest(lag + 1));
         at == 0 && value > MIN_SIGNIFICANCE * error && next + next_error < SAME_SCENE * value
@@ -378,6 +387,7 @@ pub(super) fn peak_of(plane: &[f32], overlap: &[f32], variance: f64) -> Option<(
     }
     let signed = |i: usize| if i > SIDE / 2 { i as f64 - SIDE as f64 } else { i as f64 };
     let mut at = [signed(largest % SIDE), signed(largest / SIDE)];
+    // The overlap falls with the shift and would pull the peak towards 0.
     let unbiased = unbiased(plane, overlap);
     // Hill climbing by steps that are halved at each top.
     let mut step = 0.5;

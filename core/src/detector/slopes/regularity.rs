@@ -1,8 +1,7 @@
-//! Irregularities of a burst that its motion shows: of time ([`super::event`]), and of place.
+//! Irregularities in the motion of a burst: of time ([`super::event`]), and of place.
 //!
 //! Where the picture turns or grows, slopes change linearly with place, so an affine map from place to slope is fitted
-//! robustly. Its antisymmetric part is a turn, the mean of its diagonal growth; the rest is shear, as a plane seen at an
-//! angle makes it, and must be smaller.
+//! robustly. Its antisymmetric part is a turn, its mean diagonal growth; shear, as of slanted planes, must be smaller.
 
 use super::evidence::{Steps, is_clear};
 use super::{Size, SlopeEvidence};
@@ -11,18 +10,17 @@ use serde::Serialize;
 /// Irregularity of the motion.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MotionWarning {
-    /// Kind of irregularity.
+    /// Kind of irregularity, on which the unit of `number` depends.
     pub kind: MotionWarningKind,
-    /// Those out of order, late or copied, or after which frames are missing, counted from the first one used.
+    /// Frames out of order, late, copied or before a gap, counted from the first one used; none for turns and growth.
     pub frames: Vec<usize>,
-    /// Size of the effect: number of frames out of order, missing or copied, frame intervals late, degrees from +u
-    /// towards +v, or percent.
+    /// Size of the effect: number of frames, frame intervals late, degrees from +u towards +v, or percent, by `kind`.
     pub number: f32,
-    /// Finding, in one sentence.
+    /// Finding in one sentence, ready to be shown.
     pub text: String,
 }
 
-/// Kinds of irregularities.
+/// Irregularity of a burst: of the times of its frames, or of the motion over the picture.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MotionWarningKind {
@@ -103,7 +101,7 @@ fn affine(evidence: &[&SlopeEvidence], size: Size, error: f64) -> Option<([[f64;
     let all = vec![true; evidence.len()];
     let (fit, mean) = windows.fits(&all)?;
     let left = windows.left(&fit, &mean, &all);
-    // Several things, each with a motion of its own, may fit a map as well; but it does not foretell the others.
+    // Things with motions of their own may fit a map too, but a map of three quarters then misses the fourth.
     let mut foretold: f64 = 0.0;
     for quarter in 0..4 {
         let is_there = |x: &[f64; 3]| usize::from(x[1] > 0.0) + 2 * usize::from(x[2] > 0.0) == quarter;
@@ -126,7 +124,7 @@ struct Windows {
 }
 
 impl Windows {
-    /// The map that fits those windows that count, and their mean; `None` where these do not determine it.
+    /// Map that fits the windows that `counts` names, and their mean; `None` where they do not determine a map.
     fn fits(&self, counts: &[bool]) -> Option<(Map, Map)> {
         let plain: Vec<f64> =
             self.errors.iter().zip(counts).map(|(e, counts)| if *counts { 1.0 / (e * e) } else { 0.0 }).collect();
@@ -134,7 +132,9 @@ impl Windows {
         for _ in 0..FITS {
             fit = [solve(&self.at, &self.slopes, &weights, 0)?, solve(&self.at, &self.slopes, &weights, 1)?];
             let off: Vec<f64> = self.off(&fit).collect();
+            // A floor keeps an exact fit from rejecting windows for their rounding.
             let typical = median(off.iter().zip(counts).filter(|(_, counts)| **counts).map(|(d, _)| *d)).max(0.2);
+            // Tukey's biweight: a thing that moves by itself ends with no weight at all.
             for ((weight, plain), off) in weights.iter_mut().zip(&plain).zip(off) {
                 *weight = plain * (1.0 - (off / (FAR * typical)).min(1.0).powi(2)).powi(2);
             }
@@ -159,7 +159,7 @@ impl Windows {
     }
 }
 
-/// The upper one of two; of at least one value.
+/// Median of at least one value; of an even number of values, the upper of the middle two.
 fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);

@@ -3,8 +3,7 @@
 //! Frames are reduced to means over squares: level `l` has pixels of 2^l image pixels. A window of [`SIDE`]² level
 //! pixels is cut from every frame at the same place, multiplied by a Hann window, transformed, and band-passed. The
 //! product conj(F_s)·F_t is the spectrum of the cross-correlation of frames s and t; products of the same
-//! [lag](super::lags) are added up. A frame is never multiplied by
-//! itself, so that the frames' own noise adds nothing on average.
+//! [lag](super::lags) are added up. A frame is never multiplied by itself, so that its noise adds nothing on average.
 
 use super::lags::Lags;
 use crate::monitor::{Cancelled, Monitor};
@@ -70,7 +69,7 @@ pub(super) struct CrossSpectra {
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PairSpectra {
     pub products: Vec<Spectrum>,
-    /// For each pair, the variance of a value of its correlation if the frames had nothing in common.
+    /// Variance of a value of each pair's correlation if the frames had nothing in common.
     pub variance: Vec<f64>,
     frames: usize,
 }
@@ -98,9 +97,10 @@ impl CrossSpectra {
         Self { lags: vec![Spectrum::zeros(); lags], variance: vec![0.0; lags] }
     }
 
-    /// Removes the first `count` lags, at which frames have noise in common; at others it then repeats itself.
+    /// Removes the first `count` lags, at which frames share noise; the noise of the others then repeats itself.
     pub fn forget_lags(&mut self, count: usize) {
         self.lags.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
+        // Each product of noise then occurs up to (count + 1)² times, once for each pair that shares it.
         let repeated = ((count + 1) * (count + 1)) as f64;
         for (lag, variance) in self.variance.iter_mut().enumerate() {
             *variance *= if lag < count { 0.0 } else { repeated };
@@ -141,6 +141,7 @@ impl Fourier {
             let i = if i > SIDE / 2 { i as f64 - SIDE as f64 } else { i as f64 };
             std::f64::consts::TAU * i / SIDE as f64
         };
+        // The band is a DoG like those of the search, so that power stands for features.
         let gauss = |w2: f64, sigma: f64| (-0.5 * w2 * sigma * sigma).exp();
         let band = (0..HALF)
             .map(|i| {
@@ -177,6 +178,7 @@ impl Fourier {
             let (a, b) = scratch.frames[first..].split_at_mut(1);
             unpack(&scratch.packed, &self.band, &mut a[0], b.first_mut().filter(|_| second.is_some()));
         }
+        // The energies give the variance of each correlation without a model of the noise.
         for (energy, spectrum) in scratch.energy.iter_mut().zip(&scratch.frames) {
             for (e, (re, im)) in energy.iter_mut().zip(spectrum.re.iter().zip(&spectrum.im)) {
                 *e = re * re + im * im;
@@ -206,6 +208,7 @@ impl Fourier {
     fn pack(&self, a: &Plane, b: Option<&Plane>, (u, v): (usize, usize), packed: &mut [Complex32]) {
         let rows =
             |plane: &Plane| -> f32 { (v..v + SIDE).map(|y| plane.row(y)[u..u + SIDE].iter().sum::<f32>()).sum() };
+        // The mean is taken off first, or the Hann window would make a blob of it.
         let mean_a = rows(a) / AREA as f32;
         let mean_b = b.map_or(0.0, rows) / AREA as f32;
         for y in 0..SIDE {
@@ -224,7 +227,7 @@ impl Fourier {
         let mut out = Vec::with_capacity(spectra.len());
         for two in spectra.chunks(2) {
             merge(&two[0], two.get(1), &mut scratch.packed);
-            // `transform` leaves the frequencies of u first; applying it again restores the order.
+            // `transform` exchanges the axes; applied twice, it restores their order.
             transform(&*self.inverse, &mut scratch.packed, &mut scratch.turned, &mut scratch.fft);
             let scale = 1.0 / AREA as f32;
             out.push(scratch.packed.iter().map(|z| z.re * scale).collect());
@@ -255,6 +258,7 @@ fn opposite(i: usize) -> usize {
 /// Extracts the band-passed half spectra of the two real images that were transformed as one complex image.
 fn unpack(packed: &[Complex32], band: &[f32], a: &mut Spectrum, mut b: Option<&mut Spectrum>) {
     for (i, h) in band.iter().enumerate() {
+        // Spectra of real images are symmetric, so that opposite frequencies part the two.
         let (z, o) = (packed[i], packed[opposite(i)]);
         let h = 0.5 * h;
         (a.re[i], a.im[i]) = (h * (z.re + o.re), h * (z.im - o.im));
@@ -273,7 +277,7 @@ fn merge(a: &Spectrum, b: Option<&Spectrum>, packed: &mut [Complex32]) {
     }
 }
 
-/// Σ a·b over the whole spectrum, from its halves: rows 0 and SIDE/2 have no counterpart in the other half.
+/// Σ a·b over the whole spectrum, from its halves: rows 0 and SIDE/2 occur once, the others twice.
 fn whole_sum_of_products(a: &[f32], b: &[f32]) -> f64 {
     let sum = |range: std::ops::Range<usize>| {
         f64::from(a[range.clone()].iter().zip(&b[range]).map(|(a, b)| a * b).sum::<f32>())
@@ -290,6 +294,7 @@ const LEVELS: u32 = 3;
 /// Levels at which an image of `size` is examined: those whose sides are at least `min_side` level pixels.
 pub(super) fn levels_for((width, height): (usize, usize), min_side: usize) -> Range<u32> {
     let larger_than = |pixels: usize| u32::from(width * height > pixels);
+    // Large images start at coarser levels, which still have many windows and take a quarter of the time each.
     let first = larger_than(SMALL_PIXELS) + larger_than(MEDIUM_PIXELS);
     let fits = |level: &u32| (width.min(height) >> level) >= min_side;
     let first = (0..=first).rev().find(fits).unwrap_or(0);
@@ -309,7 +314,7 @@ pub(super) fn pyramids(frames: &[&Plane], levels: Range<u32>, monitor: &Monitor)
     Ok(by_level)
 }
 
-/// Means over squares of `side` × `side` pixels; left-over pixels at the right and below are dropped.
+/// Means over squares of `side` × `side` pixels; incomplete squares at the right and below are dropped.
 fn means(plane: &Plane, side: usize) -> Plane {
     let (width, height) = (plane.width() / side, plane.height() / side);
     let mut out = Plane::zeros(width, height);
@@ -343,7 +348,6 @@ mod tests {
     use crate::burst::Positions;
     use crate::synth::random::Stream;
 
-    /// Frames of smooth noise that moves by `step` level pixels a frame.
     fn moving(step: (f64, f64), count: usize) -> Vec<Plane> {
         let mut noise = Stream::new(3, 0);
         let waves: Vec<[f64; 4]> = (0..40)
@@ -392,7 +396,7 @@ mod tests {
             let lag_2 = by_hand(&planes[0], &planes[2], shift);
             assert!((correlations[1][index] - lag_2).abs() < 1e-3 * scale, "{shift:?}");
         }
-        // It is largest where the scene has moved to.
+        // The correlation is largest at the motion of the scene.
         let largest = (0..AREA).max_by(|&a, &b| correlations[0][a].total_cmp(&correlations[0][b]));
         assert_eq!(largest, Some((SIDE - 1) * SIDE + 2));
     }

@@ -1,11 +1,10 @@
 //! A bank of Gaussian filters: all levels of an octave straight from its first pixels.
 //!
-//! The scale space is a chain: each level is blurred from the one before it. So every level is also one blur of the
-//! chain's input, by the convolution of the kernels so far, cut at [`LEVEL_CUT`] standard deviations. That way levels
-//! do not wait for one another: one pass along the rows makes all of them with each pixel loaded once, a second one
-//! along the columns finishes them. Near the border the chain repeats the nearest pixel of every level in turn; there
-//! the weights are taken from the chain's own matrix (`weights`). Every value is made by the same operations in the
-//! same order wherever it lies in a tile, so results do not depend on tiles and threads, to the bit.
+//! In the scale space each level is blurred from the one before. So every level is also one blur of the chain's input,
+//! by the convolution of the kernels so far, cut at [`LEVEL_CUT`] standard deviations: one pass along the rows makes
+//! all levels with each pixel loaded once, a second one along the columns finishes them. Near the border, where the
+//! chain repeats the nearest pixel of every level, the weights come from the chain's own matrix (`weights`). Every
+//! value is made by the same operations in the same order, so results do not depend on tiles and threads, to the bit.
 
 mod passes;
 mod weights;
@@ -30,7 +29,7 @@ pub struct FilterBank {
     chain: Vec<GaussianKernel>,
     wanted: Range<usize>,
     kernels: Vec<GaussianKernel>,
-    /// The weights near a border that is far from the opposite one.
+    /// Weights near a border that is far from the opposite one.
     edges: Edges,
 }
 
@@ -73,6 +72,7 @@ pub struct FilterScratch {
     level: Aligned,
 }
 
+/// One tile's work as a value, since `pulp` compiles code for the processor behind a trait, not a closure.
 struct FilterJob<'a, L: Lines + ?Sized> {
     along_u: &'a Axis,
     along_v: &'a Axis,
@@ -88,8 +88,8 @@ struct FilterJob<'a, L: Lines + ?Sized> {
     batch_done: &'a mut dyn FnMut(&[Tile], Range<usize>),
 }
 
-/// `differences` (one fewer than levels) become level `i + 1` minus level `i`. `keep` names a level to store as well,
-/// and its tile. `batch_done` is called with the differences and the range of rows just finished.
+/// Filters a tile: `differences` (one fewer than levels) become level `i + 1` minus level `i`. `keep` names a level to
+/// store as well, and its tile. `batch_done` gets the differences and the range of rows just finished.
 pub fn filter_tile<L: Lines + ?Sized>(
     (along_u, along_v): (&Axis, &Axis),
     lines: &L,
@@ -100,6 +100,7 @@ pub fn filter_tile<L: Lines + ?Sized>(
     batch_done: &mut dyn FnMut(&[Tile], Range<usize>),
 ) {
     assert_eq!(differences.len() + 1, along_u.levels.len(), "one difference fewer than levels");
+    // Rows of whole blocks: no pass needs a case for a shorter end.
     let stride = region.columns.len().next_multiple_of(BLOCK);
     differences.iter_mut().for_each(|tile| tile.reset(region, stride));
     if let Some((_, tile)) = &mut keep {
@@ -135,6 +136,7 @@ impl<L: Lines + ?Sized> WithSimd for FilterJob<'_, L> {
         level.grow(BATCH_ROWS * BLOCK);
         self.held = self.along_v.inputs(&rows);
         self.held.end = self.held.start;
+        // Batches bound the rows between both passes, so that these stay in the cache.
         let mut start = rows.start;
         while start < rows.end {
             let batch = start..(start + BATCH_ROWS).min(rows.end);
@@ -172,7 +174,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         let wide = self.along_u.inputs(columns);
         let offset = reach - (columns.start - wide.start);
         let FilterScratch { line, bands, .. } = &mut *self.scratch;
-        // A row whose memory covers all that the vectors touch is read in place.
+        // A row whose memory covers the reads of all vectors is read in place.
         let there = self.lines.line(v, wide.start);
         let line: &[f32] = if offset == 0 && there.len() >= self.stride + 2 * reach {
             there
@@ -188,6 +190,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
             }
             convolve_row(simd, group, (line, reach), blocks, &mut out[..group.levels.len()]);
         }
+        // The columns near a border were made wrongly, as if inside, and are overwritten.
         if columns.start < reach || columns.end + reach > self.along_u.n {
             for (weights, band) in self.along_u.levels.iter().zip(bands) {
                 edge_columns(simd, weights, columns, (line, reach), blocks, band.row_mut(index));
@@ -199,6 +202,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
     fn finish<S: Simd>(&mut self, simd: S, batch: &Range<usize>) {
         // As many rows as registers allow.
         let max = if S::F32_LANES >= 16 { MAX_LEVEL_ROWS } else { MAX_LEVEL_ROWS / 2 };
+        // One block at a time through all levels: the previous level's block is still in `level`, for the difference.
         for block in (0..self.stride).step_by(BLOCK) {
             for index in 0..self.along_v.levels.len() {
                 for (section, part) in self.along_v.levels[index].sections(batch, self.along_v.n) {
@@ -236,6 +240,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
         let difference = index.checked_sub(1).map(|i| self.differences[i].rows_from_mut(first, ROWS));
         let mut sink = Sink { level: &mut level[(first - batch_start) * BLOCK..][..ROWS * BLOCK], difference };
         match section {
+            // Inner rows share one set of weights; each row at an edge has its own.
             Section::Inner => {
                 let around = first - top - (weights.half.len() - 1);
                 inner_rows::<S, ROWS>(simd, &weights.half, &rows[around..], block, stride, &mut sink);

@@ -30,6 +30,7 @@ pub(crate) struct Packed {
 /// All levels of `axis`, in as few groups of (nearly) equal size as [`MOST`] allows.
 pub(crate) fn packed(axis: &Axis) -> Vec<Packed> {
     let count = axis.levels.len();
+    // Groups of even size: a small rest would load the pixels for few levels.
     let size = count.div_ceil(count.div_ceil(MOST).max(1)).max(1);
     (0..count)
         .step_by(size)
@@ -58,7 +59,7 @@ impl Blocks {
     }
 }
 
-/// `line[reach + i]` is the pixel of output column `i`, with at least the radius to each side.
+/// Makes one row of a group's levels. `line[reach + i]` is the pixel of output column `i`.
 #[inline(always)]
 pub(crate) fn convolve_row<S: Simd>(
     simd: S,
@@ -67,6 +68,7 @@ pub(crate) fn convolve_row<S: Simd>(
     blocks: Blocks,
     out: &mut [&mut [f32]],
 ) {
+    // The number of levels is a constant of each version, so that all sums stay in registers.
     match group.levels.len() {
         1 => convolve::<S, 1>(simd, group, line, blocks, out),
         2 => convolve::<S, 2>(simd, group, line, blocks, out),
@@ -102,8 +104,9 @@ fn convolve<S: Simd, const L: usize>(
         // For each distance, the pixels before and behind and all levels' taps. Iterators need no bounds checks.
         let before = line[at - radius..at + 2 * lanes - 1].windows(2 * lanes).rev();
         let behind = line[at + 1..at + 2 * lanes + radius].windows(2 * lanes);
+        // Levels are sorted by radius: each distance is multiplied only into the levels that reach it.
         let mut distances = before.zip(behind).zip(group.taps[L..].chunks_exact(L));
-        // The levels from `$first` on reach beyond the radius of the one before it.
+        // The levels from `$first` on reach beyond the radius of the level before.
         macro_rules! until_radius_of {
             ($($first:literal)*) => {$(
                 if $first < L {
@@ -160,7 +163,7 @@ pub(crate) fn edge_columns<S: Simd>(
             if part.is_empty() {
                 continue;
             }
-            // Two sums, so that neither waits for the other.
+            // Two sums, so that neither waits for the other's latency.
             let mut acc = [simd.splat_f32s(0.0); 2];
             let (mut row, mut input) = (start, 0);
             while input + 1 < pixels.len() {
@@ -182,9 +185,9 @@ pub(crate) fn edge_columns<S: Simd>(
     }
 }
 
-/// Destination of a few finished rows of a block of columns.
+/// Destination of some finished rows of a block of columns.
 pub(crate) struct Sink<'a> {
-    /// Rows of the level, [`BLOCK`] apart; before they are written, those of the previous level.
+    /// Rows of the level, [`BLOCK`] apart; they hold the previous level's until they are written.
     pub level: &'a mut [f32],
     /// Rows of the difference of the two, `stride` apart; `None` for the first level.
     pub difference: Option<&'a mut [f32]>,
@@ -230,7 +233,7 @@ pub(crate) fn inner_rows<S: Simd, const ROWS: usize>(
         // A macro, since a closure would not be compiled for the processor's features.
         macro_rules! step {
             ($tap:expr, $upper:expr, $lower:expr) => {
-                // One tap farther, the rows needed are those already loaded, shifted by one, and a new one.
+                // One tap farther, the rows are those already loaded, shifted by one, and a new row.
                 let tap = simd.splat_f32s($tap);
                 for i in (1..ROWS).rev() {
                     above[i] = above[i - 1];
@@ -272,6 +275,7 @@ pub(crate) fn edge_rows<S: Simd, const ROWS: usize>(
     stride: usize,
     sink: &mut Sink<'_>,
 ) {
+    // Weights differ from row to row here, so that rows share loads but no sums.
     let inputs = dense.inputs(&(first..first + ROWS));
     let out = first - dense.outs.start;
     for part in 0..BLOCK / S::F32_LANES {
@@ -296,7 +300,6 @@ pub(crate) type Row = [f32; BLOCK];
 pub(crate) struct Band {
     data: Aligned,
     blocks: usize,
-    /// Capacity in rows.
     room: usize,
 }
 

@@ -1,15 +1,14 @@
 //! Weights of the levels of a chain of blurs: their kernels inside an image, and the chain's own weights near a border.
 //!
 //! Inside, a level's kernel is the convolution of the chain's kernels. Near a border each blur of the chain repeats the
-//! nearest pixel of its own input. As a matrix that is a clamped convolution, and the chain is the product of its
-//! matrices; the rows of that product for places near the border are the weights with which the input's pixels enter.
+//! nearest pixel of its input: a clamped convolution, a matrix. Rows of the product of these matrices are the weights.
 
 use crate::kernel::gaussian_bank::FilterBank;
 use crate::kernel::machine::WIDEST_VECTOR as VECTOR;
 use crate::plane::blur::GaussianKernel;
 use std::ops::Range;
 
-/// The weights of one level for outputs near a border: `weights[(input − ins.start)·stride + output − outs.start]`.
+/// Weights of one level for outputs near a border: `weights[(input − ins.start)·stride + output − outs.start]`.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct Dense {
     pub outs: Range<usize>,
@@ -47,7 +46,7 @@ impl Dense {
     }
 }
 
-/// The weights of all levels near the first border of a line: up to the level's radius from it.
+/// Weights of all levels near the first border of a line: up to the level's radius from it.
 #[derive(Debug, Clone)]
 pub(crate) struct Edges {
     levels: Vec<Dense>,
@@ -62,7 +61,7 @@ impl Edges {
         Self::of_line(chain, wanted, kernels, 2 * radius + chain_radius + 1)
     }
 
-    /// Weights for a line of `n` pixels; for a level that reaches from border to border, those of all its outputs.
+    /// Weights for a line of `n` pixels; a level that reaches from border to border gets those of all its outputs.
     fn of_line(chain: &[GaussianKernel], wanted: &Range<usize>, kernels: &[GaussianKernel], n: usize) -> Self {
         let mut levels: Vec<Dense> = kernels
             .iter()
@@ -75,6 +74,7 @@ impl Edges {
             .collect();
         let inputs = levels.iter().map(|level| level.ins.end).max().unwrap_or(0);
         let steps: Vec<Vec<f64>> = chain[..wanted.end].iter().map(|step| all_taps(step.half())).collect();
+        // The response of the chain to one pixel is that pixel's column of the matrix.
         for input in 0..inputs {
             let mut signal = vec![0.0; n];
             signal[input] = 1.0;
@@ -93,6 +93,7 @@ impl Edges {
                 }
             }
         }
+        // The cut at the radius loses a little weight; flat areas must stay flat.
         for level in &mut levels {
             for output in level.outs.clone() {
                 let column = || (0..level.ins.end).map(|input| input * level.stride + output);
@@ -141,7 +142,7 @@ pub(crate) struct Weights {
 }
 
 impl Weights {
-    /// The parts of `range` of a line of `n` pixels, with the weights that apply to each.
+    /// Parts of `range` of a line of `n` pixels, by the weights that apply to each.
     pub fn sections(&self, range: &Range<usize>, n: usize) -> [(Section, Range<usize>); 3] {
         let inner = self.head.outs.end..n - self.tail.outs.len();
         let part = |section: Range<usize>| {
@@ -175,6 +176,7 @@ pub(crate) enum Section {
 impl FilterBank {
     pub fn axis(&self, n: usize) -> Axis {
         let own;
+        // In a short line both borders reach the same pixels, so that the weights depend on its length.
         let edges = if n < self.edges.far {
             own = Edges::of_line(&self.chain, &self.wanted, &self.kernels, n);
             &own
@@ -191,7 +193,7 @@ impl FilterBank {
 }
 
 impl Axis {
-    /// `range` widened by the pixels that it depends on.
+    /// `range` widened by the radius, inside the line.
     pub fn inputs(&self, range: &Range<usize>) -> Range<usize> {
         range.start.saturating_sub(self.radius)..(range.end + self.radius).min(self.n)
     }
@@ -201,7 +203,7 @@ pub(crate) fn all_taps(half: &[f32]) -> Vec<f64> {
     half.iter().skip(1).rev().chain(half).map(|&tap| f64::from(tap)).collect()
 }
 
-/// The kernels of all levels of `chain`, each cut at `cut` of its own standard deviations. Radii never decrease.
+/// Kernels of all levels of `chain`, each cut at `cut` of its standard deviations. Radii never decrease.
 pub(crate) fn composed(chain: &[GaussianKernel], cut: f64) -> Vec<GaussianKernel> {
     let mut taps = vec![1.0f64];
     let mut radius = 0;
@@ -211,6 +213,7 @@ pub(crate) fn composed(chain: &[GaussianKernel], cut: f64) -> Vec<GaussianKernel
             taps = convolved(&taps, &all_taps(step.half()));
             let middle = taps.len() / 2;
             let variance: f64 = taps.iter().enumerate().map(|(i, tap)| tap * (i as f64 - middle as f64).powi(2)).sum();
+            // Never below the radius before: passes rely on radii that rise with the level.
             radius = ((cut * variance.sqrt()).ceil() as usize).clamp(radius, middle.max(radius));
             let half = &taps[middle..=(middle + radius).min(taps.len() - 1)];
             let sum = half[0] + 2.0 * half[1..].iter().sum::<f64>();
