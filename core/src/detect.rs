@@ -106,7 +106,8 @@ impl PreparedSearch {
         self.widened += 1;
         finding.grid = beyond.grid;
         (self.params.slopes, self.asked.slopes) = (beyond.grid, beyond.grid);
-        finding.confidence = finding.agreement(&beyond.grid, &self.params, &self.burst.positions);
+        let used = self.burst.positions.part(detection.frames_used.clone());
+        finding.confidence = finding.agreement(&beyond.grid, &self.params, &used);
         Ok(true)
     }
 }
