@@ -218,6 +218,10 @@ impl BurstscopeApp {
             Purpose::OpenMask | Purpose::OpenMasks => {
                 self.overlays.calibration_draft(&model.document.calibration).mask = Some(first.clone());
             }
+            Purpose::OpenTimes => {
+                let list = crate::burst::TimesChoice::List(first.clone());
+                self.overlays.calibration_draft(&model.document.calibration).times = Some(list);
+            }
             Purpose::OpenLessons => model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => studies::make_figures(model, first.clone(), engine),
             #[cfg(feature = "colmap")]

@@ -18,6 +18,7 @@ mod structure;
 mod support;
 
 mod arranging;
+mod at_hand;
 mod begun;
 mod calibrating;
 mod canvas;

@@ -270,6 +270,7 @@ actions! {
     ZoomIn, View 2, "Zoom in", [NONE Plus], "Enlarge around the centre" => Set(|document| document.change_views(|view| view.zoom_by(1.25))), when when::has_burst;
     ZoomOut, View 2, "Zoom out", [NONE Minus], "Reduce around the centre" => Set(|document| document.change_views(|view| view.zoom_by(0.8))), when when::has_burst;
     ToggleOverlay, View 3, "Features over the picture", [NONE O], "Draw the features of this slope, all features, or none" => Set(|document| (document.workspace.record().toggle_features)(document)), on when::draws_features;
+    DrawAll, View 3, "All circles", [SHIFT L], "Draw the circle of every feature, however close they lie, or of the strongest of each part of the view" => Switch(look.draws_all);
     ToggleMotion, View 3, "Motion vectors", [NONE M], "Show or hide each feature's motion over the burst" => Switch(look.motion_vectors);
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation" => Switch(look.orientations);
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours" => Switch(look.legend);

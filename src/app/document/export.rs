@@ -138,6 +138,7 @@ pub enum Purpose {
     OpenFlat,
     OpenMask,
     OpenMasks,
+    OpenTimes,
     OpenLessons,
     RestoreSession,
     SaveSession,
@@ -221,6 +222,7 @@ impl Purpose {
             Self::OpenFlat => "Choose a flat frame",
             Self::OpenMask => "Choose a mask",
             Self::OpenMasks => "Choose a folder of masks",
+            Self::OpenTimes => "Choose a list of times",
             Self::OpenLessons => "Open lessons",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
@@ -246,6 +248,7 @@ impl Purpose {
             Self::PaperFigures => "A new or an empty folder, or one with figures: finished ones are kept",
             Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
             Self::OpenMasks => "A folder with a mask for each file of frames: NAME.EXT.png, or the frame's own name",
+            Self::OpenTimes => "A time a line, in the order of the frames, or lines with a name and a time",
             Self::OpenFeatures(_) => "A table of features (CSV), or the text that COLMAP imports",
             Self::OpenLessons => "A folder of lessons (TOML files), or one of them",
             Self::RestoreSession | Self::SaveSession => "A session file, such as night.burstscope.toml",
@@ -262,7 +265,7 @@ impl Purpose {
                 crate::burst::supported_extensions()
             }
             Self::RestoreSession | Self::SaveSession | Self::LoadParams | Self::SaveParams => vec!["toml"],
-            Self::OpenFeatures(_) => vec!["csv", "txt"],
+            Self::OpenFeatures(_) | Self::OpenTimes => vec!["csv", "txt"],
             Self::Export(kind) => kind.extensions().to_vec(),
             _ => Vec::new(),
         }

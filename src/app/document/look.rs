@@ -168,6 +168,8 @@ pub struct Look {
     #[serde(flatten)]
     pub ranges: Ranges,
     pub overlay: FeaturesShown,
+    /// Whether all features are drawn in full, however close they lie.
+    pub draws_all: bool,
     pub motion_vectors: bool,
     pub orientations: bool,
     pub legend: bool,
@@ -185,6 +187,14 @@ impl Look {
 impl Default for Look {
     fn default() -> Self {
         let (ranges, overlay) = Default::default();
-        Self { ranges, overlay, motion_vectors: true, orientations: true, legend: true, smoothing_px: 0.0 }
+        Self {
+            ranges,
+            overlay,
+            draws_all: false,
+            motion_vectors: true,
+            orientations: true,
+            legend: true,
+            smoothing_px: 0.0,
+        }
     }
 }

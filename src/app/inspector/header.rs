@@ -119,9 +119,15 @@ fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> 
 
 /// Draws how many features are drawn in full of those in view, and where there is room the switch of features.
 fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, has_switch: bool, queue: &mut Queue) {
-    if let Some((drawn, in_view)) = widgets.of(id).picture.drawn_of.filter(|(drawn, in_view)| drawn < in_view) {
-        ui.weak(format!("{drawn} of {in_view} drawn"))
-            .on_hover_text("The strongest features of each part of the view; the others are dots. Zoom in for more");
+    let all = model.document.look.draws_all;
+    if let Some((drawn, in_view)) = widgets.of(id).picture.drawn_of.filter(|(drawn, in_view)| all || drawn < in_view) {
+        let text = if all { format!("all {in_view} drawn") } else { format!("{drawn} of {in_view} drawn") };
+        let chip = ui.add(Button::selectable(all, RichText::new(text).small()).min_size(vec2(16.0, 16.0)));
+        let tip = "The strongest features of each part of the view are drawn in full, the others as dots. Zoom in for \
+                   more; a click draws all, or no longer";
+        if chip.on_hover_text(tip).clicked() {
+            queue.push(ActionId::DrawAll);
+        }
     }
     if has_switch && model.document.workspace.inspects() {
         // From the right end of the line the buttons are drawn in reverse.
@@ -164,10 +170,9 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
     let mut display = model.display_of(id);
     let before = display;
     let of = model.document.panes.number(id).map_or_else(String::new, |number| format!(" of pane {number}"));
-    let menu = ui.add(Button::new(RichText::new("◐").small()).min_size(vec2(16.0, 16.0)));
-    named(&menu, egui::Role::Button, &format!("Contrast{of}"));
     let tip = "Contrast and brightness: values that are black and white; colours and gamma are in the panel Display";
-    egui::Popup::menu(&menu.on_hover_text(tip)).show(|ui| {
+    let menu = icon_button_ui(ui, Icon::Contrast, &format!("Contrast{of}"), tip, true);
+    egui::Popup::menu(&menu).show(|ui| {
         for choice in RangeOf::ALL {
             let range = picture.and_then(|picture| choice.range(picture, visible_image));
             let button = ui.add_enabled(range.is_some(), Button::new(choice.label())).on_hover_text(choice.help());
@@ -275,6 +280,7 @@ fn grip_sense(many: bool) -> Sense {
 pub enum Icon {
     SplitRight,
     SplitDown,
+    Contrast,
     Menu,
     Close,
 }
@@ -306,6 +312,13 @@ fn draw(ui: &Ui, icon: Icon, rect: Rect, stroke: Stroke) {
         Icon::SplitDown => {
             painter.rect_stroke(frame, 2.0, stroke, StrokeKind::Inside);
             line(pos2(frame.left(), frame.center().y), pos2(frame.right(), frame.center().y));
+        }
+        Icon::Contrast => {
+            let (centre, radius) = (rect.center(), 5.5);
+            painter.circle_stroke(centre, radius, stroke);
+            let half =
+                (-6..=6).map(|step| centre + radius * egui::Vec2::angled(step as f32 * std::f32::consts::PI / 12.0));
+            painter.add(egui::Shape::convex_polygon(half.collect(), stroke.color, Stroke::NONE));
         }
         Icon::Menu => {
             for dy in [-3.5, 0.0, 3.5] {

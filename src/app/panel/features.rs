@@ -44,6 +44,8 @@ pub struct FeatureLayer {
     pub method: Option<MethodId>,
     /// Whether only features at `slope` are drawn, if there is one.
     pub only_slope: bool,
+    /// Whether all that is shown is drawn in full.
+    draws_all: bool,
 }
 
 impl FeatureLayer {
@@ -79,6 +81,7 @@ impl FeatureLayer {
             is_listed,
             method: pane.method,
             only_slope: model.document.look.overlay == FeaturesShown::ThisSlope,
+            draws_all: model.document.look.draws_all && inspected,
             detection,
         };
         if layer.slope.is_some() && layer.only_slope {
@@ -108,7 +111,7 @@ impl FeatureLayer {
         let group = |i: usize| {
             self.shown[i].then(|| if self.is_faint(i) { overlay::Group::Faint } else { overlay::Group::Own })
         };
-        let always = |i: usize| self.selected == Some(i) || self.hovered == Some(i);
+        let always = |i: usize| self.draws_all || self.selected == Some(i) || self.hovered == Some(i);
         overlay::drawn(self.placed(), group, ui_from_image, view_image, always)
     }
 

@@ -36,9 +36,9 @@ const TIMES: [(TimesChoice, &str, &str); 4] = [
     ),
 ];
 
-fn times_ui(ui: &mut Ui, times: &mut Option<TimesChoice>) {
-    let name =
-        ui.label("Times").on_hover_text("When the frames were taken; a list of times is given with --times FILE");
+/// Returns whether a list of times is to be chosen.
+fn times_ui(ui: &mut Ui, times: &mut Option<TimesChoice>) -> bool {
+    let (name, mut asks) = (ui.label("Times").on_hover_text("When the frames were taken"), false);
     ui.horizontal(|ui| {
         let chosen = times.clone().unwrap_or_default();
         for (choice, label, tip) in TIMES {
@@ -50,10 +50,12 @@ fn times_ui(ui: &mut Ui, times: &mut Option<TimesChoice>) {
             let label = path.file_name().unwrap_or_default().to_string_lossy();
             ui.radio(true, label).on_hover_text(path.display().to_string());
         }
+        asks = ui.button("List…").on_hover_text(Purpose::OpenTimes.hint()).clicked();
     })
     .response
     .labelled_by(name.id);
     ui.end_row();
+    asks
 }
 
 fn take_ui(ui: &mut Ui, take: &mut Option<FrameRange>) {
@@ -163,7 +165,9 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             .labelled_by(name.id);
             ui.end_row();
             take_ui(ui, &mut options.take);
-            times_ui(ui, &mut options.times);
+            if times_ui(ui, &mut options.times) {
+                choice = Some(CalibrationChoice::Choose(Purpose::OpenTimes));
+            }
             views_ui(ui, &mut options.views);
             topic_ui(ui, &mut options.topic);
         });

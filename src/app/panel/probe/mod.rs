@@ -80,8 +80,10 @@ fn probe_ui(ui: &mut Ui, model: Read<'_>, panel: &mut ProbePanel, queue: &mut Qu
         }
         return;
     };
-    ScrollArea::vertical().id_salt("probe").auto_shrink(false).show(ui, |ui| {
-        let [u, v] = answer.probe.pos_image;
+    let [u, v] = answer.probe.pos_image;
+    // The explanation of another place begins at its top.
+    let place = ("probe", u.to_bits(), v.to_bits());
+    ScrollArea::vertical().id_salt(place).auto_shrink(false).show(ui, |ui| {
         let burst = if model.document.workspace.shows_pair() {
             format!(" of {}", model.document.probe.side.name())
         } else {

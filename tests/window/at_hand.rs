@@ -1,0 +1,203 @@
+//! What the hand finds where it looks: contrast, playing, the wheel, focus under the pointer, only real features.
+
+use crate::support::{Start, Window};
+use burstscope::app::document::cursor::ViewKind;
+use burstscope::app::document::panes::{Hidden, MaskShape};
+use burstscope::app::pane::PaneId;
+use burstscope::detector::Slope;
+use burstscope::inspect::verdict::Verdict;
+use egui::accesskit::Role;
+use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, pos2, vec2};
+use egui_kittest::kittest::Queryable;
+
+/// Turns the wheel up by a notch, with the pointer at a place of the window.
+fn wheel_at(window: &mut Window, pos: Pos2, modifiers: Modifiers) {
+    window.harness.hover_at(pos);
+    window.harness.run_steps(1);
+    let (unit, phase, source) = (MouseWheelUnit::Line, egui::TouchPhase::Move, MouseWheelSource::Unknown);
+    let event = Event::MouseWheel { unit, delta: vec2(0.0, 1.0), phase, source, modifiers };
+    window.harness.event_modifiers(event, modifiers);
+    window.harness.run_steps(3);
+}
+
+fn centre_of(window: &Window, role: Role, name: &str) -> Pos2 {
+    window.harness.get_by_role_and_label(role, name).rect().center()
+}
+
+#[test]
+fn contrast_is_set_in_the_header_of_a_pane() {
+    let mut window = Start { size: [1400.0, 900.0], ..Start::without_auto_detect() }.open();
+    let display = |window: &Window| window.app().read().display_of(window.app().model.document.focus());
+    let before = display(&window);
+    window.click("Contrast");
+    window.click("0 – 1");
+    assert_eq!((display(&window).min, display(&window).max), (0.0, 1.0));
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::A);
+    window.harness.run_steps(3);
+    assert_eq!((display(&window).min, display(&window).max), (before.min, before.max), "the percentiles again");
+    // An end of the range is a field that is dragged.
+    let white = centre_of(&window, Role::SpinButton, "White");
+    window.drag(white, white + vec2(40.0, 0.0));
+    assert!(display(&window).max > before.max && display(&window).min == before.min);
+    window.run_action("contrast");
+    assert_eq!(display(&window).max, before.max, "it is found by its name");
+}
+
+#[test]
+fn playing_steps_through_what_the_picture_shows() {
+    let mut window = Start::without_auto_detect().open();
+    window.key(Key::Num1);
+    window.settle();
+    let start = *window.app().model.document.cursor();
+    window.key(Key::Space);
+    window.wait("another frame", |app| app.model.document.cursor().frame != start.frame);
+    window.key(Key::Space);
+    let cursor = *window.app().model.document.cursor();
+    assert_eq!((cursor.kind, cursor.slope), (ViewKind::Frame, start.slope), "frames are played, and nothing else");
+    assert!(!window.app().model.document.playing);
+    window.click("frames ⏷");
+    window.harness.get_by_role_and_label(Role::RadioButton, "scales").click();
+    window.harness.run_steps(3);
+    window.key(Key::Escape);
+    window.click("▶ Play");
+    window.wait("another scale", |app| app.model.document.cursor().level != start.level);
+    window.click("⏸ Pause");
+    assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
+}
+
+#[test]
+fn the_wheel_moves_a_slider_the_plane_and_with_alt_what_a_picture_shows() {
+    let mut window = Start::without_auto_detect().open();
+    let cursor = |window: &Window| *window.app().model.document.cursor();
+    let (frame, zoom) = (cursor(&window).frame, window.app().model.document.focused().view);
+    let slider = centre_of(&window, Role::Slider, "Frame");
+    wheel_at(&mut window, slider, Modifiers::NONE);
+    assert_eq!((cursor(&window).frame, cursor(&window).kind), (frame + 1, ViewKind::Frame));
+    let picture = window.app().ui_from_image(pos2(200.0, 150.0)).expect("drawn");
+    wheel_at(&mut window, picture, Modifiers::ALT);
+    assert_eq!(cursor(&window).frame, frame + 2);
+    window.key(Key::Num2);
+    window.settle();
+    let before = cursor(&window).slope;
+    wheel_at(&mut window, picture, Modifiers::ALT);
+    let grid = window.app().read().cursor_params().slopes;
+    assert_eq!(cursor(&window).slope, burstscope::app::document::cursor::stepped(&grid, before, false, true));
+    assert!(window.app().model.document.focused().view.is_drawn_as(&zoom), "with Alt nothing is zoomed");
+    wheel_at(&mut window, picture, Modifiers::NONE);
+    assert!(!window.app().model.document.focused().view.is_drawn_as(&zoom), "without it the wheel zooms");
+}
+
+#[test]
+fn a_frame_beside_a_stack_moves_alone() {
+    let mut window = Start::without_auto_detect().open();
+    window.key(Key::Num6);
+    window.settle();
+    let kinds = |window: &Window| {
+        let panes = &window.app().model.document.panes;
+        panes.shown().into_iter().filter_map(|id| panes.get(id)?.shown()).collect::<Vec<ViewKind>>()
+    };
+    let before = kinds(&window);
+    assert!(before.contains(&ViewKind::Frame) && before.contains(&ViewKind::Stack), "{before:?}");
+    for id in window.app().model.document.panes.shown() {
+        window.app_mut().model.document.panes.set_focus(id);
+        window.slide("Frame", if id == PaneId(0) { 7.0 } else { 3.0 });
+        window.settle();
+        assert_eq!(kinds(&window), before, "with {id:?} in focus");
+    }
+}
+
+#[test]
+fn the_place_under_the_pointer_comes_into_focus_and_goes_back() {
+    let mut window = Start::automatic().open();
+    let found = window.app().model.results.slots.a.found.as_ref().expect("detected").detection.clone();
+    let field = found.field.clone().expect("the demo moves");
+    // A place whose motion is not what is shown.
+    let before = *window.app().model.document.cursor();
+    let other = |slope: Slope| (slope.u - before.slope.u).hypot(slope.v - before.slope.v) > 0.5;
+    let places = (0..400).map(|k| [20.0 + 22.0 * (k % 20) as f32, 20.0 + 16.0 * (k / 20) as f32]);
+    let motion = |[u, v]: [f32; 2]| field.known_at(u, v).map(|motion| motion.slope);
+    let mut seen = places.filter_map(|place| Some((place, motion(place).filter(|slope| other(*slope))?)));
+    let (place, slope) = seen.next().expect("the demo has layers");
+    let at = window.app().ui_from_image(place.into()).expect("drawn");
+    window.harness.hover_at(at + vec2(3.0, 0.0));
+    window.harness.run_steps(2);
+    let steps = window.app().model.document.cursor().slope;
+    assert_eq!(steps, before.slope, "nothing is led without the key");
+    // Ctrl is held, and the pointer moves.
+    window.harness.event_modifiers(Event::PointerMoved(at), Modifiers::COMMAND);
+    window.harness.run_steps(1);
+    let led = window.app().model.document.cursor().slope;
+    assert!((led.u - slope.u).hypot(led.v - slope.v) < 1e-6 || window.shows("Sharp at "), "{led:?} {slope:?}");
+    window.harness.event_modifiers(Event::PointerMoved(at + vec2(1.0, 0.0)), Modifiers::NONE);
+    window.harness.run_steps(3);
+    assert_eq!(window.app().model.document.cursor().slope, before.slope, "as before once it is let go");
+    // The switch leads without a key, and what it led through is one step to undo.
+    window.run_action("focus under");
+    window.harness.hover_at(at);
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.document.cursor().slope, slope);
+    assert!(window.shows("Sharp at "));
+    window.run_action("focus under");
+    assert!(!window.app().model.document.follows_focus);
+}
+
+#[test]
+fn a_mask_is_drawn_by_rectangle_polygon_and_brush() {
+    let mut window = Start::without_auto_detect().open();
+    window.run_action("draw mask");
+    let pos = |window: &Window, u: f32, v: f32| window.app().ui_from_image(pos2(u, v)).expect("drawn");
+    let hidden = |window: &Window| window.app().model.document.measure.hidden.clone();
+    // A stroke that is straight hides nothing.
+    let (from, to) = (pos(&window, 100.0, 100.0), pos(&window, 300.0, 250.0));
+    window.drag(from, to);
+    assert_eq!(hidden(&window), []);
+    window.click("rectangle");
+    window.drag(from, to);
+    let [Hidden::Outline(corners)] = &hidden(&window)[..] else { panic!("{:?}", hidden(&window)) };
+    assert!(corners.len() == 4 && corners[0].distance(pos2(100.0, 100.0)) < 2.0, "{corners:?}");
+    window.click("polygon");
+    for (u, v) in [(50.0, 50.0), (90.0, 50.0), (90.0, 90.0), (50.0, 50.0)] {
+        let at = pos(&window, u, v);
+        window.click_at(at);
+    }
+    let [_, Hidden::Outline(corners)] = &hidden(&window)[..] else { panic!("{:?}", hidden(&window)) };
+    assert_eq!((corners.len(), window.app().model.document.measure.is_open), (3, false));
+    assert_eq!(window.app().model.document.selected, None, "a corner selects no feature");
+    window.click("brush");
+    window.drag(from, to);
+    let [.., Hidden::Stroke { path, radius_px }] = &hidden(&window)[..] else { panic!("{:?}", hidden(&window)) };
+    assert!(path.len() > 2 && *radius_px == 8.0);
+    window.click("Take back");
+    assert_eq!((hidden(&window).len(), window.app().model.document.measure.shape), (2, MaskShape::Brush));
+}
+
+#[test]
+fn the_title_names_what_is_open() {
+    assert_eq!(Start::nothing_open().open().app().read().title(), "Burstscope");
+    let mut window = Start::without_auto_detect().open();
+    assert_eq!(window.app().read().title(), "Demo burst – Burstscope");
+    window.run_action("example: low contrast");
+    window.settle();
+    assert_eq!(window.app().read().title(), "Example: low contrast – Burstscope");
+}
+
+#[test]
+fn only_real_features_are_shown_and_written() {
+    let home = tempfile::tempdir().unwrap();
+    let mut window = Start::automatic().open();
+    let all = window.app().read().features().len();
+    window.run_action("only real");
+    window.settle();
+    assert_eq!(window.app().model.document.filter.verdict, Some(Verdict::Real));
+    let shown = window.app().model.results.listed.len();
+    assert!(0 < shown && shown < all, "{shown} of {all}");
+    let file = home.path().join("real.csv");
+    window.dialogs.will_choose(&file);
+    window.run_action("export features as csv");
+    window.settle();
+    let text = std::fs::read_to_string(&file).expect("written");
+    assert_eq!(text.lines().count(), 1 + shown);
+    assert!(text.starts_with(&(burstscope::export::feature_header() + ",verdict,coherence\n")));
+    assert!(text.lines().skip(1).all(|line| line.contains(",real,")));
+    assert_eq!(burstscope::export::read_features_csv(&file).expect("read again").len(), shown);
+}
