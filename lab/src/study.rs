@@ -12,7 +12,7 @@ use crate::synth::{ChartParams, Truth};
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, Result};
-use burstscope_core::inspect::score::{Curve, Judged};
+use burstscope_core::inspect::result::{Curve, Judged};
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
 use serde::{Deserialize, Serialize};

@@ -13,7 +13,7 @@ use crate::app::document::export::{ExportKind, Purpose};
 use crate::app::document::side::Side;
 use crate::app::results::{Effect, Read};
 use crate::engine::Ended;
-use crate::inspect::probe::Wanted as Subject;
+use crate::inspect::place::Wanted as Subject;
 use crate::requests::{OpenRequest, ProbeQuestion};
 use crate::teach::Lesson;
 use std::path::PathBuf;

@@ -12,7 +12,7 @@ use crate::detector::{Detection, Method, SearchParams, explain, find_slopes};
 use crate::export::{ExportFormat, OutputRules, detection_files, write_detection};
 use crate::files::lock::FolderLock;
 use crate::files::path_text;
-use crate::inspect::spectrum::judgement;
+use crate::inspect::slopes::judgement;
 use crate::matching::Camera;
 use crate::monitor::Stage;
 use std::path::{Path, PathBuf};

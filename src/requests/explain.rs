@@ -7,14 +7,14 @@ use super::open::BurstId;
 use super::request::{Caches, Request, Urgency, Work};
 use super::trail::{DetectionSource, trail_and_rest};
 use crate::detector::{Detection, ParamChange, Slope, Test};
-use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions, survey};
-use crate::inspect::decoys::{DecoyReport, DecoyStudy, decoys};
-use crate::inspect::price::{Price, price_at_once};
-use crate::inspect::probe::Wanted;
-use crate::inspect::spectrum::{Spectrum, spectrum};
-use crate::inspect::unmatched::{ComparedPair, Losses, Lost, NearestOfBoth};
-use crate::inspect::verdict::{Judged, judged};
-use crate::inspect::{Probe, ProbeCache, ProbeOptions, probe};
+use crate::inspect::ProbeCache;
+use crate::inspect::pair::{ComparedPair, Losses, Lost, NearestOfBoth};
+use crate::inspect::place::{
+    CandidateMark, Judged, Price, Probe, ProbeOptions, Survey, SurveyOptions, Wanted, judged, price_at_once, probe,
+    survey,
+};
+use crate::inspect::result::{DecoyReport, DecoyStudy, decoys};
+use crate::inspect::slopes::{Spectrum, spectrum};
 use crate::matching::MatchResult;
 use crate::monitor::Monitor;
 use serde::{Deserialize, Serialize};
@@ -239,8 +239,7 @@ impl Request for CoherenceRequest {
 mod tests {
     use super::*;
     use crate::detector::{DetectorParams, SlopeGrid};
-    use crate::inspect::probe::Wanted;
-    use crate::inspect::{ProbeOptions, probe};
+    use crate::inspect::place::{ProbeOptions, Wanted, probe};
     use crate::monitor::Monitor;
     use crate::requests::{BurstSource, DetectRequest, OpenBurst};
     use crate::synth::Example;

@@ -12,7 +12,7 @@ use crate::export::{
     Cells, ColourBar, Drawing, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, IN_A_CELL,
     LegendEntry, lay_out,
 };
-use crate::inspect::spectrum::is_at_slope;
+use crate::inspect::slopes::is_at_slope;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;

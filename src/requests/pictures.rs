@@ -13,7 +13,7 @@ use crate::detector::stack::motion_stack;
 use crate::detector::view::{
     combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_view,
 };
-use crate::inspect::candidates::winning_slopes;
+use crate::inspect::place::winning_slopes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Mask, Plane};
 use std::convert::Infallible;

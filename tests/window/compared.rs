@@ -4,7 +4,7 @@ use crate::support::Start;
 use burstscope::app::document::comparison::{Kind, Reference};
 use burstscope::app::document::side::Side;
 use burstscope::export::{write_colmap, write_csv};
-use burstscope::inspect::changes::{Spot, compare};
+use burstscope::inspect::result::{Spot, compare};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;

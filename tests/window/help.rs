@@ -7,7 +7,7 @@ use crate::steps_back::copied;
 use crate::support::{Start, Window};
 use burstscope::detector::{NoiseGate, Test};
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
-use burstscope::inspect::suspicion::Kind;
+use burstscope::inspect::place::Kind;
 use burstscope::requests::BurstSource;
 use burstscope::synth::Example;
 use burstscope::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD};

@@ -7,7 +7,7 @@ use burstscope::app::document::side::Side;
 use burstscope::app::measure::Tool;
 use burstscope::app::results::Read;
 use burstscope::inspect::ProbeCache;
-use burstscope::inspect::truth::{against_truth, truth_of};
+use burstscope::inspect::result::{against_truth, truth_of};
 use burstscope::plane::sample::{profile, region_statistics};
 use burstscope::plane::statistics::Region;
 use burstscope::teach::BottomTab;

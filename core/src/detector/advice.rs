@@ -1,6 +1,6 @@
 //! Advice on a detection with few or no features: the reason, and a setting to change. A good detection rejects nearly
 //! every sample too, so each test's share of rejected candidates is compared with its usual one; the test that exceeds
-//! it most is to blame. (Whether the slopes fit is judged in `inspect::spectrum`.)
+//! it most is to blame. (Whether the slopes fit is judged in `inspect::slopes`.)
 
 use super::feature::{Detection, Tally, Test};
 use super::params::{DetectorParams, Method, Param, SearchParams, Word, doc};

@@ -1,10 +1,10 @@
 //! Tests that a sample of D goes through until it is a feature, in order: one record each.
 //!
 //! The search decides (`search`, then `refine`, then `distinct`). Whatever else the program
-//! knows of a test it reads here; the value and the limit of one candidate come from [`crate::inspect::telling`].
+//! knows of a test it reads here; the value and the limit of one candidate come from [`crate::inspect::place`].
 //!
-//! Words in braces stand for numbers of the candidate: `crate::inspect::fate::TestReport::word` has those of all
-//! sentences, `crate::inspect::remedy` those of verdicts and remedies.
+//! Words in braces stand for numbers of the candidate: `crate::inspect::place::TestReport::word` has those of all
+//! sentences, `remedy` those of verdicts and remedies.
 
 use super::params::slope_grid::{SlopeAxis, SlopeGrid};
 use super::params::{DetectorParams, Distinct, Param, SearchParams, doc};

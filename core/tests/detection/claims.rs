@@ -10,8 +10,9 @@ use burstscope_core::detector::slopes::MotionWarningKind;
 use burstscope_core::detector::{
     DetectorParams, ParamChange, SearchParams, SlopeAxis, SlopeFinding, SlopeVerdict, Slopes, find_slopes,
 };
-use burstscope_core::inspect::spectrum::{SlopeJudgement, Subject, judgement};
-use burstscope_core::inspect::{ProbeCache, ProbeOptions, ReasonKind, probe};
+use burstscope_core::inspect::ProbeCache;
+use burstscope_core::inspect::place::{ProbeOptions, ReasonKind, probe};
+use burstscope_core::inspect::slopes::{SlopeJudgement, Subject, judgement};
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{ChartParams, Motion, demo_burst, synth_chart};
 use burstscope_core::{Monitor, Plane, SlopeGrid};

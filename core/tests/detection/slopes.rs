@@ -7,7 +7,7 @@ use burstscope_core::detector::slopes::MotionWarningKind;
 use burstscope_core::detector::{
     DetectorParams, ParamChange, SearchParams, Slope, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes,
 };
-use burstscope_core::inspect::spectrum::{Subject, judgement};
+use burstscope_core::inspect::slopes::{Subject, judgement};
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{Motion, NoiseCase, SceneParams, synth_scene};
 use burstscope_core::{Monitor, Plane, SlopeGrid};

@@ -10,7 +10,7 @@ use burstscope_core::export::{
     feature_header, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz,
     write_png, write_tiff,
 };
-use burstscope_core::inspect::changes::read_features;
+use burstscope_core::inspect::result::read_features;
 use burstscope_core::{Burst, Plane};
 use ndarray::Array2;
 use ndarray_npy::NpzReader;

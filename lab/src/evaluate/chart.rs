@@ -13,7 +13,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::Detection;
 use burstscope_core::error::{Error, Result};
-use burstscope_core::inspect::score::{Curve, Judged, Ranking, judge, mean_curve};
+use burstscope_core::inspect::result::{Curve, Judged, Ranking, judge, mean_curve};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 

@@ -1,7 +1,7 @@
 //! Detection over the number of frames of a given burst: its middle n frames as a burst, for n = 2 … all.
 //!
 //! The search of all frames is the reference: a feature of fewer frames is *confirmed* when that search found it too,
-//! by the rule of [`burstscope_core::inspect::score`] (each of its features taken as a disc of radius √2·σ, and both
+//! as [`finds`](burstscope_core::inspect::result::finds) decides (each of its features a disc of radius √2·σ, and both
 //! bright or both dark). The middle n frames have a mid-burst of their own, half a frame before the whole burst's where
 //! n is odd and the number of all frames even or the other way round; positions are moved there along their slopes.
 //! Where the truth is known, discs found and false features are counted as well, and with a second burst the matches
@@ -14,7 +14,7 @@ use burstscope_core::detect::detect;
 use burstscope_core::detector::slopes::resolve;
 use burstscope_core::detector::{Detection, DetectorParams, Feature, FrameRange, SearchParams, SlopeGrid};
 use burstscope_core::error::{Error, Result};
-use burstscope_core::inspect::score::{Ranking, judge_by_discs};
+use burstscope_core::inspect::result::{Ranking, judge_by_discs};
 use burstscope_core::matching::{MatchCounts, MatchParams};
 use burstscope_core::monitor::{Monitor, Stage};
 use serde::Serialize;

@@ -16,10 +16,9 @@
 //! the true one.
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
-//! over them and returns a report that can be written as JSON. [`score`](burstscope_core::inspect::score) decides which
-//! discs count as found,
-//! [`curves`] draws the curves. The same study gives the same report for any number of threads, and
-//! memory holds at most one burst for each thread.
+//! over them and returns a report that can be written as JSON. [`finds`](burstscope_core::inspect::result::finds)
+//! decides which discs count as found, [`curves`] draws the curves. The same study gives the same report for any number
+//! of threads, and memory holds at most one burst for each thread.
 
 pub mod accuracy;
 pub mod chart;
@@ -33,7 +32,7 @@ pub mod pure_noise;
 pub mod statistics;
 
 pub use accuracy::{AccuracyReport, AccuracyStudy};
-pub use burstscope_core::inspect::score::{Curve, Ranking};
+pub use burstscope_core::inspect::result::{Curve, Ranking};
 pub use chart::{ChartReport, ChartStudy, LookedChart};
 pub use frames::{FramesReport, FramesStudy};
 pub use frames_of_burst::{BurstFramesReport, BurstFramesStudy};

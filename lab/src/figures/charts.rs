@@ -12,7 +12,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detector::{Detection, DetectorParams, NoiseGate, SlopeGrid};
 use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Sheet, stacked};
-use burstscope_core::inspect::score::{Curve, Judged, judge};
+use burstscope_core::inspect::result::{Curve, Judged, judge};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::display::Display;

@@ -2,9 +2,9 @@
 //!
 //! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise that their
 //! light would have. The search that is set runs on every copy, and each thing is found, by the rule of
-//! [`burstscope_core::inspect::score`], or has a fate in the words of the [probe](burstscope_core::inspect::probe()).
-//! From these follow the shares found over SNR, slope and size, the SNR at which half are found, and how faint a thing
-//! is seen at each place ([`report`]). Beside each share stands the one that the burst's noise and the gate let expect.
+//! [`finds`](burstscope_core::inspect::result::finds), or has a [`Fate`](burstscope_core::inspect::place::Fate). From
+//! these follow the shares found over SNR, slope and size, the SNR at which half are found, and how faint a thing is
+//! seen at each place ([`report`]). Beside each share stands the one that the burst's noise and the gate let expect.
 //!
 //! Slopes are found once, in the burst itself, where they are to be found. The same study gives the same report for any
 //! number of threads, except for its times.
@@ -27,8 +27,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detector::{SearchParams, Slope, SlopeAxis, Test};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::ProbeCache;
-use burstscope_core::inspect::score::{Ranking, judge_by_discs};
-use burstscope_core::inspect::truth::miss;
+use burstscope_core::inspect::result::{Ranking, judge_by_discs, miss};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
 #[cfg(feature = "cli")]

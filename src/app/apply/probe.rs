@@ -7,8 +7,7 @@ use crate::app::results::probe::ProbeResults;
 use crate::app::results::{Model, Read};
 use crate::detector::{Slope, SlopeGrid, Slopes};
 use crate::engine::Ended;
-use crate::inspect::probe::Wanted as Subject;
-use crate::inspect::remedy::nearest_slope;
+use crate::inspect::place::{Wanted as Subject, nearest_slope};
 use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Traced};
 use crate::synth::Example;
 
@@ -190,7 +189,7 @@ mod tests {
     use crate::app::apply::{explained, pair};
     use crate::detector::params::doc;
     use crate::detector::{NoiseGate, ParamChange};
-    use crate::inspect::{ProbeOptions, probe};
+    use crate::inspect::place::{ProbeOptions, probe};
     use crate::monitor::Monitor;
     use crate::requests::ViewKind;
     use crate::teach::Workspace;

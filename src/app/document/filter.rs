@@ -3,8 +3,8 @@
 use crate::app::view::{Known, number, quantity_value};
 use crate::detector::quantity::Form;
 use crate::detector::{Detection, Feature, Moves, Quantity, Slope, SlopeGrid};
-use crate::inspect::spectrum::is_at_slope;
-use crate::inspect::verdict::{Judged, Verdict};
+use crate::inspect::place::{Judged, Verdict};
+use crate::inspect::slopes::is_at_slope;
 use crate::inspect::words::counted;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};

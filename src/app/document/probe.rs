@@ -3,8 +3,8 @@
 use crate::app::document::side::Side;
 use crate::app::view::Known;
 use crate::detector::{Feature, Slope};
-use crate::inspect::set_up::SetUp;
-use crate::inspect::verdict::Judged;
+use crate::inspect::place::Judged;
+use crate::inspect::slopes::SetUp;
 use crate::requests::ProbeQuestion;
 use serde::{Deserialize, Serialize};
 

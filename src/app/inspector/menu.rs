@@ -15,7 +15,7 @@ use crate::app::pane::{Content, Direction, Link, Over, PaneId, SliceAxis};
 use crate::app::results::Read;
 use crate::app::results::pair::MatchRow;
 use crate::app::words::explained;
-use crate::inspect::probe::Wanted;
+use crate::inspect::place::Wanted;
 use crate::requests::ProbeQuestion;
 use crate::teach::glossary::glossary;
 use egui::{Button, RichText, ScrollArea, Ui};

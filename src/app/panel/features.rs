@@ -17,7 +17,7 @@ use crate::app::results::comparison::Row;
 use crate::app::results::explained::{coherence_words, verdict_words};
 use crate::app::view::{Known, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Quantity, Slope};
-use crate::inspect::spectrum::is_at_slope;
+use crate::inspect::slopes::is_at_slope;
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 

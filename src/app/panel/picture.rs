@@ -11,7 +11,7 @@ use crate::app::view::fixed;
 use crate::app::{canvas, style};
 use crate::burst::Offset;
 use crate::detector::{Detection, Feature, MotionField, Slope, SlopeAxis};
-use crate::inspect::verdict::Judged;
+use crate::inspect::place::Judged;
 use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest, line_of};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;

@@ -8,7 +8,7 @@ use crate::app::results::Read;
 use crate::app::results::explained::verdict_words;
 use crate::app::view::{Known, depth_text, fixed, layer_text, motion_text, quantity_text};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
-use crate::inspect::verdict::{Judged, Verdict};
+use crate::inspect::place::{Judged, Verdict};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::sample_patch;

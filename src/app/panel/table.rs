@@ -13,7 +13,7 @@ use crate::app::view::{Known, layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
 use crate::detector::quantity::Record;
 use crate::detector::{Moves, Quantity};
-use crate::inspect::verdict::Verdict;
+use crate::inspect::place::Verdict;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align, Label, Layout, Response, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};

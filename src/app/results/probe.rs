@@ -10,9 +10,7 @@ use crate::app::results::Read;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope};
 use crate::engine::Wanted;
-use crate::inspect::Fate;
-use crate::inspect::price::time_factor;
-use crate::inspect::probe::{AT_PLACE_PX, Wanted as Subject};
+use crate::inspect::place::{AT_PLACE_PX, Fate, Wanted as Subject, time_factor};
 use crate::inspect::words::capitalised;
 use crate::requests::{DetectionSource, ProbeQuestion, ProbeRequest, Probed, Traced};
 

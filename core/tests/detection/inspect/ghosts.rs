@@ -2,10 +2,8 @@
 
 use super::probing::{blobs, cache, slopes_of};
 use burstscope_core::detector::{DetectorParams, Distinct, Moves, Slope, SlopeGrid, Test};
-use burstscope_core::inspect::probe::{Wanted, fate_of};
-use burstscope_core::inspect::suspicion::Kind;
-use burstscope_core::inspect::verdict::{Judged, Verdict, judged};
-use burstscope_core::inspect::{ProbeCache, ProbeOptions, probe};
+use burstscope_core::inspect::ProbeCache;
+use burstscope_core::inspect::place::{Judged, Kind, ProbeOptions, Verdict, Wanted, fate_of, judged, probe};
 use burstscope_core::synth::Example;
 use burstscope_core::{Burst, Feature, Monitor};
 

@@ -4,7 +4,7 @@
 use super::slopes::{about, applied, asked, uniform};
 use burstscope_core::detector::{Detection, DetectorParams, Method, NoiseGate, Slope, SlopeGrid, find_slopes};
 use burstscope_core::inspect::report::spectrum_text;
-use burstscope_core::inspect::spectrum::{SlopeJudgement, Spectrum, Subject, judgement};
+use burstscope_core::inspect::slopes::{SlopeJudgement, Spectrum, Subject, judgement};
 use burstscope_core::synth::demo_burst;
 use burstscope_core::synth::random::Stream;
 use burstscope_core::{Burst, Monitor, Plane, detect};

@@ -4,9 +4,9 @@
 use super::probing::{blobs, cache};
 use burstscope_core::detector::coherence::Shape;
 use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, Slope, SlopeGrid, Test};
-use burstscope_core::inspect::probe::Wanted;
-use burstscope_core::inspect::truth::{against_truth, truth_of};
-use burstscope_core::inspect::{PlaceMotion, Probe, ProbeCache, ProbeOptions, Reason, ReasonKind, probe};
+use burstscope_core::inspect::ProbeCache;
+use burstscope_core::inspect::place::{PlaceMotion, Probe, ProbeOptions, Reason, ReasonKind, Wanted, probe};
+use burstscope_core::inspect::result::{against_truth, truth_of};
 use burstscope_core::synth::chart::draw_disc;
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{Camera, demo_burst};
@@ -154,12 +154,13 @@ fn candidates_come_by_the_slope_in_view_then_the_motion_given_then_others() {
     let probe = probed(&cache, [60.0, 48.0], options);
     assert_eq!((probe.motion, probe.own_slope), (Some(motion), Some(motion.slope)));
     // A step of the grid, or what the burst smears over one σ.
-    let class = |fate: &burstscope_core::inspect::Fate| {
+    let class = |fate: &burstscope_core::inspect::place::Fate| {
         let is_near = |slope: Slope| apart(fate.slope, slope) < 0.5 || apart(fate.slope, slope) <= fate.sigma / 7.0;
         if is_near(in_view) { 0 } else { 2 - u8::from(is_near(motion.slope)) }
     };
-    let here =
-        |fate: &&burstscope_core::inspect::Fate| (fate.pos_image[0] - 60.0).hypot(fate.pos_image[1] - 48.0) <= 3.0;
+    let here = |fate: &&burstscope_core::inspect::place::Fate| {
+        (fate.pos_image[0] - 60.0).hypot(fate.pos_image[1] - 48.0) <= 3.0
+    };
     let classes: Vec<u8> = probe.near_fates().iter().filter(here).map(class).collect();
     assert!(classes.is_sorted() && classes.contains(&2) && classes.contains(&1), "{classes:?}");
     // Of the blob's own slope nothing is said but that it was found there.

@@ -3,9 +3,8 @@
 use super::probing::{cache, slopes_of};
 use burstscope_core::burst::Positions;
 use burstscope_core::detector::{DetectorParams, ParamChange, Slope, SlopeAxis, SlopeGrid};
-use burstscope_core::inspect::figure::spectrum_svg;
-use burstscope_core::inspect::report::spectrum_text;
-use burstscope_core::inspect::spectrum::{SlopeAdvice, Spectrum, Subject, spectrum};
+use burstscope_core::inspect::report::{spectrum_svg, spectrum_text};
+use burstscope_core::inspect::slopes::{SlopeAdvice, Spectrum, Subject, spectrum};
 use burstscope_core::synth::examples::{ALIASING_SLOPE, Example, GARLAND_PERIOD};
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{Motion, SceneParams, synth_scene};
@@ -228,7 +227,7 @@ fn slopes_searched_for_nothing_are_said_to_be() {
 
 #[test]
 fn coverage_is_the_part_of_the_picture_that_all_frames_show() {
-    use burstscope_core::inspect::spectrum::coverage_share;
+    use burstscope_core::inspect::slopes::coverage_share;
     assert_eq!(coverage_share(Slope::default(), &Positions::even(10), (100, 50)), 1.0);
     assert!((coverage_share(Slope::new(-1.0, 2.0), &Positions::even(11), (100, 50)) - 0.9 * 0.6).abs() < 1e-6);
     assert_eq!(coverage_share(Slope::new(50.0, 0.0), &Positions::even(11), (100, 50)), 0.0);

@@ -2,7 +2,7 @@
 
 mod changes {
     use burstscope_core::detector::*;
-    use burstscope_core::inspect::changes::*;
+    use burstscope_core::inspect::result::*;
     use proptest::prelude::*;
 
     fn spot(u: f32, v: f32, sigma: f32) -> Spot {
@@ -56,7 +56,7 @@ mod decoys {
     use burstscope_core::detector::{DetectorParams, NoiseGate, Slope, SlopeGrid};
     use burstscope_core::error::Error;
     use burstscope_core::inspect::ProbeCache;
-    use burstscope_core::inspect::decoys::*;
+    use burstscope_core::inspect::result::*;
     use burstscope_core::monitor::*;
     use burstscope_core::plane::Plane;
     use burstscope_core::synth::random::*;
@@ -192,9 +192,7 @@ mod fate {
 mod outlook {
     use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, SlopeGrid};
     use burstscope_core::inspect::ProbeCache;
-    use burstscope_core::inspect::fate::*;
-    use burstscope_core::inspect::outlook::*;
-    use burstscope_core::inspect::probe::{ProbeOptions, probe};
+    use burstscope_core::inspect::place::*;
     use burstscope_core::monitor::Monitor;
     use burstscope_core::synth::{ChartParams, synth_chart};
 
@@ -248,8 +246,8 @@ mod price {
     use burstscope_core::detector::params::doc;
     use burstscope_core::detector::*;
     use burstscope_core::detector::{NoiseGate, SlopeGrid};
-    use burstscope_core::inspect::price::*;
-    use burstscope_core::inspect::*;
+    use burstscope_core::inspect::ProbeCache;
+    use burstscope_core::inspect::place::*;
     use burstscope_core::monitor::*;
     use burstscope_core::synth::{ChartParams, synth_chart};
 
@@ -316,7 +314,7 @@ mod price {
 mod set_up {
     use burstscope_core::burst::*;
     use burstscope_core::detector::*;
-    use burstscope_core::inspect::set_up::*;
+    use burstscope_core::inspect::slopes::*;
     use proptest::prelude::*;
 
     #[test]
@@ -376,7 +374,7 @@ mod set_up {
 }
 
 mod spot {
-    use burstscope_core::inspect::spot::*;
+    use burstscope_core::inspect::place::*;
     use burstscope_core::plane::*;
     use burstscope_core::synth::random::Stream;
 
@@ -405,7 +403,7 @@ mod spot {
 }
 
 mod texture {
-    use burstscope_core::inspect::texture::*;
+    use burstscope_core::inspect::place::*;
     use burstscope_core::plane::*;
     use burstscope_core::synth::random::Stream;
 

@@ -3,8 +3,8 @@
 use crate::app::view::{ColourBy, Known, quantity_value};
 use crate::detector::quantity::{Colours, Span};
 use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
-use crate::inspect::set_up::SetUp;
-use crate::inspect::verdict::Judged;
+use crate::inspect::place::Judged;
+use crate::inspect::slopes::SetUp;
 use crate::plane::display::direction_colour;
 use crate::requests::line_of;
 use egui::{Color32, Label, Mesh, Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
@@ -303,7 +303,7 @@ mod tests {
     }
 
     fn judged(coherence: Option<f32>) -> Judged {
-        Judged { verdict: crate::inspect::verdict::Verdict::Unclear, coherence, why: String::new() }
+        Judged { verdict: crate::inspect::place::Verdict::Unclear, coherence, why: String::new() }
     }
 
     #[test]

@@ -6,7 +6,7 @@ use crate::app::document::lab::{Lab, LabSet};
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
 use crate::app::results::Read;
-use crate::inspect::score::Judged;
+use crate::inspect::result::Judged;
 use crate::inspect::words::number;
 use crate::plane::display::Display;
 use crate::study::{ShownChart, StudyPoint};

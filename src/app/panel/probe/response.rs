@@ -9,10 +9,8 @@ use crate::app::document::panes::Destination;
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use crate::detector::Slope;
-use crate::inspect::probe::Wanted;
-use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane, outline};
+use crate::inspect::place::{Fate, FineAxis, PlaceMotion, ResponseMap, Scale, SlopePlane, Wanted, outline};
 use crate::inspect::words::{number, slope_text};
-use crate::inspect::{Fate, PlaceMotion};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::Probed;
@@ -311,7 +309,8 @@ mod tests {
     use super::*;
     use crate::app::apply::bench::open;
     use crate::detector::{DetectorParams, SlopeGrid};
-    use crate::inspect::{ProbeCache, ProbeOptions, probe};
+    use crate::inspect::ProbeCache;
+    use crate::inspect::place::{ProbeOptions, probe};
     use crate::monitor::Monitor;
 
     fn map(slopes: SlopeGrid) -> ResponseMap {

@@ -14,7 +14,7 @@ use crate::app::style;
 use crate::burst::OpenOptions;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
-use crate::inspect::spectrum::{SlopeAdvice, SlopeJudgement, Spectrum, Subject};
+use crate::inspect::slopes::{SlopeAdvice, SlopeJudgement, Spectrum, Subject};
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 

@@ -11,7 +11,7 @@ use crate::app::document::side::Side;
 use crate::app::results::Read;
 use crate::detector::{Detection, SearchParams};
 use crate::engine::Wanted;
-use crate::inspect::changes::ForeignFeature;
+use crate::inspect::result::ForeignFeature;
 use crate::requests::{BurstId, ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
 use std::path::PathBuf;
 use std::sync::Arc;

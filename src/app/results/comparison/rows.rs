@@ -2,9 +2,8 @@
 
 use crate::app::document::comparison::{Kind, Reference};
 use crate::detector::{Detection, Feature, Sample, Slope};
-use crate::inspect::changes::{Changes, Spot};
-use crate::inspect::probe::Wanted;
-use crate::inspect::truth::AgainstTruth;
+use crate::inspect::place::Wanted;
+use crate::inspect::result::{AgainstTruth, Changes, Spot};
 use crate::inspect::words::slope_text;
 use crate::requests::{Differences, ProbeQuestion};
 use crate::synth::Truth;
@@ -111,7 +110,7 @@ fn rows_of_truth(against: &AgainstTruth, truth: &Truth, features: &[Feature]) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::inspect::changes::compare;
+    use crate::inspect::result::compare;
     use crate::monitor::Monitor;
     use crate::requests::OthersSource;
     use crate::synth::demo_burst;

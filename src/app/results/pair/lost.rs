@@ -5,7 +5,7 @@ use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches};
 use crate::detector::Feature;
 use crate::engine::Wanted;
-use crate::inspect::unmatched::{Lost, Unmatched};
+use crate::inspect::pair::{Lost, Unmatched};
 use crate::inspect::words::counted;
 use crate::matching::MatchParams;
 use crate::requests::{

@@ -1,8 +1,7 @@
 //! The rule by which a feature finds a disc: features of a chart against its truth, and the curve over the threshold.
 //!
-//! A feature finds a disc when, at mid-burst, it lies within half the disc's radius plus 1.5 px of the disc's centre
-//! and its scale σ is within a factor of 2 of r/√2. A feature that finds none, or one that is found already, is false.
-//! The orientations of one keypoint count as one feature. Each threshold on a [`Ranking`] gives one point of the curve.
+//! A feature that [`finds`] no disc, or one that is found already, is false. The orientations of one keypoint
+//! count as one feature. Each threshold on a [`Ranking`] gives one point of the curve.
 
 use crate::detector::Feature;
 use crate::synth::{FeatureTruth, Truth};
@@ -41,7 +40,8 @@ impl Ranking {
     }
 }
 
-/// Whether `feature` lies where `disc` is and has its scale, by the rule of this module.
+/// Whether `feature` finds `disc`: at mid-burst it lies within half the disc's radius plus 1.5 px of the disc's centre,
+/// and its scale σ is within a factor of 2 of r/√2.
 pub fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
     is_of_disc([feature.u, feature.v], feature.sigma, disc)
 }
@@ -50,16 +50,6 @@ pub(super) fn is_of_disc([u, v]: [f32; 2], sigma: f32, disc: &FeatureTruth) -> b
     let distance = (f64::from(u) - disc.u).hypot(f64::from(v) - disc.v);
     let ratio = f64::from(sigma) / disc.sigma;
     distance <= REACH_IN_RADII * disc.radius + REACH_PIXELS && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
-}
-
-/// Largest difference, pixels per frame, of a feature's slope from a disc's that counts as the same motion.
-pub const MOTION_PX: f32 = 0.35;
-
-/// Largest difference of slopes, pixels per frame, that counts as the same motion for a blob of scale `sigma` (pixels)
-/// in a burst of `span` frame intervals from its first to its last frame: [`MOTION_PX`], or that by which the burst
-/// smears it over one σ, if this is more.
-pub fn motion_limit(sigma: f32, span: f64) -> f32 {
-    MOTION_PX.max(sigma / span.max(1.0) as f32)
 }
 
 /// Judgement of a feature.

@@ -1,22 +1,22 @@
 //! The probe: all explanations of one place of a burst, with the fates of the candidates near it.
 
-use super::ProbeCache;
+use super::candidate_tests::fate;
 use super::candidates::open_candidates;
 use super::fate::Fate;
-pub use super::order::{AT_PLACE_PX, PlaceMotion};
-use super::order::{LARGE_PX, Nearness, is_like_scale, is_same_motion, strength};
-use super::outlook::{Outlook, outlook};
-use super::reason::{Clear, Peak, Reason, ReasonKind, at_another_slope, at_slope, clearest, ghost, peaks, too_small};
+use super::hidden_cause::{
+    Clear, Peak, Reason, ReasonKind, at_another_slope, at_slope, clearest, ghost, peaks, too_small,
+};
+use super::needed::{Outlook, outlook};
+use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, PlaceMotion, is_like_scale, is_same_motion, strength};
 use super::remedy::{duplicate_remedy, nearest_slope};
 use super::response::{ResponseMap, response_map};
 use super::shares::{Shares, Slice, across, direction_of, shares, slice};
-use super::suspicion::{Suspicion, suspicions};
-use super::verdict::Judged;
+use super::suspicion::{Judged, Suspicion, suspicions};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{Sample, Slope, Test, Trail};
 use crate::error::{Error, Result};
-use crate::inspect::telling::fate;
+use crate::inspect::ProbeCache;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::tile::Region;
@@ -344,7 +344,7 @@ const TELLING_PART: f32 = 0.5;
 const SAME_PART: f32 = 0.95;
 
 /// Candidates that passed most tests first, then the strongest.
-pub(super) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
+pub(crate) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
     fates.sort_by(|a, b| {
         let stage = |fate: &Fate| fate.first_failed.map_or(Test::ALL.len(), |test| test as usize);
         stage(b).cmp(&stage(a)).then(strength(b).total_cmp(&strength(a)))
@@ -358,7 +358,7 @@ fn searched_slopes(trail: &Trail, place: [f32; 2]) -> usize {
 
 /// Samples near a place.
 #[derive(Debug, Default)]
-pub(super) struct Near {
+pub(crate) struct Near {
     /// Candidates.
     pub fates: Vec<Fate>,
     /// Number of samples examined.
@@ -368,7 +368,7 @@ pub(super) struct Near {
 }
 
 /// Examines the samples within `reach_sigmas` of their σ of a place (u, v), input pixels.
-pub(super) fn near(trail: &Trail, place: [f32; 2], reach_sigmas: f32, monitor: &Monitor) -> Result<Near, Cancelled> {
+pub(crate) fn near(trail: &Trail, place: [f32; 2], reach_sigmas: f32, monitor: &Monitor) -> Result<Near, Cancelled> {
     let mut out = Near::default();
     trail.octaves().try_for_each(|octave| add_octave(trail, place, octave, reach_sigmas, monitor, &mut out))?;
     Ok(out)

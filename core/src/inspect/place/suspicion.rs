@@ -1,19 +1,21 @@
-//! Kept features that look wrong, with the evidence in numbers; people decide whether a suspicion is right.
+//! Kept features that look wrong, with the evidence in numbers (people decide whether a suspicion is right), and the
+//! likely nature of each feature, from its suspicions and the evenness of the frames' responses.
 
-use super::fate::apart_sigmas;
+use super::fate::{Fate, apart_sigmas};
+use super::pixels::{Period, dirichlet, period_along};
 use super::remedy::{nearest_slope, widened_towards};
 use super::response::{beyond_the_rim, covering, snr_at};
 use super::shares::directions;
-use super::texture::{Period, dirichlet, period_along};
-use super::words::{number, rounded_up, slope_text};
-use crate::detector::coherence::{Evenness, Shape};
+use crate::detector::coherence::{BUMP_COHERENCE, Evenness, Shape};
 use crate::detector::params::doc;
 use crate::detector::{Distinct, Feature, ParamChange, Slope, Trail};
-use crate::inspect::Fate;
-use crate::monitor::{Cancelled, Monitor};
+use crate::inspect::words::{number, rounded_up, slope_text};
+use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::Region;
-use serde::Serialize;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Possible fault of a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -230,9 +232,7 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
             best = Some((slope, ratio));
         }
     }
-    let Some((slope, ratio)) = best.filter(|(_, ratio)| *ratio > ALIAS_RESPONSE) else {
-        return Ok(None);
-    };
+    let Some((slope, ratio)) = best.filter(|(_, ratio)| *ratio > ALIAS_RESPONSE) else { return Ok(None) };
     let (_, kept, _) = trail.frames();
     let lobe = dirichlet(kept.len(), 1.0, 1.5 / kept.len() as f64);
     let px = number(period.px, 1);
@@ -261,7 +261,7 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
 }
 
 /// The motion stack at `slope` around a place, less its value in the middle, and the place's position in it.
-pub(super) fn stack_around(
+pub(crate) fn stack_around(
     trail: &Trail,
     [u, v]: [f32; 2],
     slope: Slope,
@@ -279,6 +279,109 @@ pub(super) fn stack_around(
     let place = [u - columns.start as f32, v - rows.start as f32];
     Ok((trail.stack_part(&Region { columns, rows }, slope, &shown), place))
 }
+
+/// Likely nature of a feature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, strum::IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum Verdict {
+    /// Every frame shows it, and no stronger feature explains it.
+    Real,
+    /// A blob of another motion, which shows in this slope's stack.
+    Ghost,
+    /// A periodic texture, which another slope shows as well.
+    Alias,
+    /// A blob that has a stronger feature.
+    Duplicate,
+    /// The evidence does not suffice.
+    Unclear,
+}
+
+impl Verdict {
+    /// All verdicts.
+    pub const ALL: [Self; 5] = [Self::Real, Self::Ghost, Self::Alias, Self::Duplicate, Self::Unclear];
+
+    /// Verdict as a word.
+    pub fn word(self) -> &'static str {
+        self.into()
+    }
+
+    /// Verdict as a clause.
+    pub fn clause(self) -> &'static str {
+        match self {
+            Self::Real => "likely a real blob",
+            Self::Ghost => "likely a ghost",
+            Self::Alias => "likely an alias",
+            Self::Duplicate => "likely a duplicate",
+            Self::Unclear => "cannot be told",
+        }
+    }
+
+    /// A ghost comes first: a ghost beside its source is no duplicate of it.
+    pub fn of(evenness: &Evenness, suspected: &[Kind]) -> Self {
+        let is_suspected = |kind: Kind| suspected.contains(&kind);
+        match evenness.shape {
+            _ if is_suspected(Kind::Ghost) => Self::Ghost,
+            _ if is_suspected(Kind::Duplicate) => Self::Duplicate,
+            _ if is_suspected(Kind::Alias) => Self::Alias,
+            Shape::Level | Shape::Uneven if evenness.coherence.is_some_and(|c| c >= BUMP_COHERENCE) => Self::Real,
+            _ => Self::Unclear,
+        }
+    }
+}
+
+/// Verdict about a feature, with its reason.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Judged {
+    /// Verdict.
+    pub verdict: Verdict,
+    /// See [`Evenness::coherence`].
+    pub coherence: Option<f32>,
+    /// Reason, a clause without a full stop. Features are counted from 0.
+    pub why: String,
+}
+
+impl Judged {
+    /// The verdict that follows from `evenness` and `suspicions`.
+    pub fn of(evenness: &Evenness, suspicions: &[Suspicion]) -> Self {
+        let kinds: Vec<Kind> = suspicions.iter().map(|suspicion| suspicion.kind).collect();
+        let verdict = Verdict::of(evenness, &kinds);
+        let because = |kind: Kind| {
+            let suspicion = suspicions.iter().find(|suspicion| suspicion.kind == kind);
+            suspicion.map_or_else(String::new, |suspicion| suspicion.evidence.clone())
+        };
+        let coherence = evenness.coherence;
+        let why = match (verdict, coherence) {
+            (Verdict::Ghost, _) => because(Kind::Ghost),
+            (Verdict::Alias, _) => because(Kind::Alias),
+            (Verdict::Duplicate, _) => because(Kind::Duplicate),
+            (_, None) => "single frames are too noisy to compare".to_owned(),
+            (Verdict::Real, Some(c)) => {
+                format!("the frames respond alike (coherence {c:.2}), and no stronger feature explains it")
+            }
+            (Verdict::Unclear, Some(c)) => {
+                format!("the frames respond differently (coherence {c:.2}), but not as to a ghost")
+            }
+        };
+        Self { verdict, coherence, why }
+    }
+}
+
+/// Judges every feature of the detection of `trail`, in their order.
+pub fn judged(trail: &Trail, monitor: &Monitor) -> Result<Vec<Judged>, Cancelled> {
+    let evenness = trail.evenness_of(&trail.detection().features, &monitor.part(0.0, EVENNESS_SHARE))?;
+    let rest = monitor.part(EVENNESS_SHARE, 1.0 - EVENNESS_SHARE);
+    let done = AtomicUsize::new(0);
+    let judge = |(index, of): (usize, &Evenness)| {
+        let suspicions = suspicions_of_feature(trail, index, of, &rest)?;
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        rest.report(Stage::Frames, done as f32 / evenness.len() as f32);
+        Ok(Judged::of(of, &suspicions))
+    };
+    evenness.par_iter().enumerate().map(judge).collect()
+}
+
+const EVENNESS_SHARE: f32 = 0.5;
 
 #[cfg(test)]
 mod tests {

@@ -5,8 +5,8 @@
 //! allows an exposure e times as long with as much motion in a frame.
 
 use super::fate::{Fate, Outcome};
-use super::words::{counted, number};
 use crate::detector::{Test, Trail};
+use crate::inspect::words::{counted, number};
 use crate::plane::sample::bilinear;
 use serde::Serialize;
 

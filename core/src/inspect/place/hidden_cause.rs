@@ -2,12 +2,10 @@
 //! found at another slope, and a setting that would only keep a ghost. They come from the extrema of D in space at each
 //! slope, candidates or not.
 
-use super::Fate;
+use super::fate::Fate;
 use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, is_like_scale, is_same_motion};
-use super::price::time_factor;
-use super::remedy::nearest_slope;
+use super::remedy::{nearest_slope, time_factor};
 use super::response::covering;
-use super::words::{number, slope_text};
 use crate::burst::Burst;
 use crate::detector::coherence::{Shape, evenness_of};
 use crate::detector::noise::gate_factor;
@@ -16,6 +14,7 @@ use crate::detector::pipeline::search;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::LOWEST_GATE;
 use crate::detector::{DetectorParams, Feature, Neighbourhood, NoiseGate, ParamChange, Sample, Slope, Trail};
+use crate::inspect::words::{number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Mask, Plane};
 use serde::Serialize;
@@ -58,7 +57,7 @@ impl Reason {
 
 /// Extremum of D in space at its own slope and level, near a place.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Peak {
+pub(crate) struct Peak {
     pub sample: Sample,
     /// D.
     pub value: f32,
@@ -139,7 +138,7 @@ fn noise_at(trail: &Trail, scale: (i32, i32), [u, v]: [f32; 2], slope: Slope) ->
 }
 
 /// The reason why a thing at the place that moves by one of `slopes` is too small, if one is: the clearest of several.
-pub(super) fn too_small(
+pub(crate) fn too_small(
     trail: &Trail,
     peaks: &[Peak],
     slopes: &[Slope],
@@ -147,16 +146,14 @@ pub(super) fn too_small(
 ) -> Result<Option<Reason>, Cancelled> {
     let grid = trail.params().used_slopes();
     let sigma = trail.space().sigma_image(trail.space().first_octave, 0.0) as f32;
-    let mut best: Option<(f32, Reason)> = None;
+    let mut best: Option<((bool, f32), Reason)> = None;
     for &slope in slopes {
         let moves = |peak: &&Peak| is_same_motion(trail, grid.slope(peak.sample.slope_index), slope, sigma);
         let Some(clear) = clearest(trail, peaks.iter().filter(|peak| peak.rises).filter(moves)) else { continue };
-        if let Some(reason) = finer(trail, &clear, monitor)?
-            && best
-                .as_ref()
-                .is_none_or(|(snr, other)| (reason.change.is_some(), clear.snr) > (other.change.is_some(), *snr))
-        {
-            best = Some((clear.snr, reason));
+        let Some(reason) = finer(trail, &clear, monitor)? else { continue };
+        let rank = (reason.change.is_some(), clear.snr);
+        if best.as_ref().is_none_or(|(best, _)| rank > *best) {
+            best = Some((rank, reason));
         }
     }
     Ok(best.map(|(_, reason)| reason))

@@ -19,11 +19,8 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
     // Rejections of the search come before decisions over the whole list of keypoints.
     let fails = |test: &Test| tests[*test as usize].outcome == Outcome::Fails;
     let first_failed = judgement.rejected_by.or_else(|| [Test::Duplicate, Test::MaxFeatures].into_iter().find(fails));
-    let pixel = octave_pixel(sample.octave);
     let grid = trail.params().used_slopes();
-    let own_sigma = trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
-    let own = (sample.x as f32 * pixel, sample.y as f32 * pixel, own_sigma);
-    let (u, v, sigma) = judgement.would_be.as_ref().map_or(own, Keypoint::in_image);
+    let (u, v, sigma) = telling.in_image();
     let (i, j) = grid.coordinates(sample.slope_index);
     let found = &trail.detection().features;
     let features: Vec<usize> =
@@ -100,14 +97,18 @@ impl<'a> Telling<'a> {
         }
     }
 
-    /// Where the fit did not settle, around the sample.
-    fn seen(&self) -> TestReport {
-        let (trail, sample) = (self.trail, self.sample);
-        let (pixel, slope) = (octave_pixel(sample.octave), trail.params().used_slopes().slope(sample.slope_index));
-        let sigma = trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
+    /// Place (u, v) and scale σ of the fit, or of the sample where the fit did not settle; input pixels.
+    fn in_image(&self) -> (f32, f32, f32) {
+        let (sample, pixel) = (self.sample, octave_pixel(self.sample.octave));
+        let sigma = self.trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
         let own = (sample.x as f32 * pixel, sample.y as f32 * pixel, sigma);
-        let (u, v, sigma) = self.judgement.would_be.as_ref().map_or(own, Keypoint::in_image);
-        let seen = trail.seen_share((u, v), slope, sigma);
+        self.judgement.would_be.as_ref().map_or(own, Keypoint::in_image)
+    }
+
+    fn seen(&self) -> TestReport {
+        let (u, v, sigma) = self.in_image();
+        let slope = self.trail.params().used_slopes().slope(self.sample.slope_index);
+        let seen = self.trail.seen_share((u, v), slope, sigma);
         let outcome = outcome(seen.is_some(), seen.is_none_or(|seen| seen >= MIN_SEEN));
         TestReport::new(Test::Seen, outcome, seen.map(f64::from), seen.map(|_| f64::from(MIN_SEEN)))
     }

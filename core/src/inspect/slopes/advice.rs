@@ -2,7 +2,7 @@
 //! that add nothing, and on frames that much of the picture has left. It is tried before it is offered: the advice that
 //! would be given after its changes is computed, from the frames and their field of motion over the changed slopes.
 
-use super::judgement::Judging;
+use super::fit::Judging;
 use super::{Alias, Spectrum, coverage_share};
 use crate::burst::TimesChoice;
 use crate::detect::search;
