@@ -12,7 +12,7 @@ use crate::synth::{ChartParams, Truth};
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, Result};
-use burstscope_core::inspect::result::{Curve, Judged};
+use burstscope_core::inspect::result::{Curve, Scored};
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
 use serde::{Deserialize, Serialize};
@@ -122,7 +122,7 @@ pub struct ShownChart {
 impl ShownChart {
     /// The judged features at the threshold where the share of false ones is that of the study's curves; all features
     /// if `all` is set, or where the study has no such share.
-    pub fn judged(&self, all: bool) -> Vec<Judged> {
+    pub fn judged(&self, all: bool) -> Vec<Scored> {
         let fraction = match &self.of.study {
             Study::Chart(study) => Some(study.false_fraction),
             Study::Frames(study) => Some(study.charts.false_fraction),

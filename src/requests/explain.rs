@@ -10,8 +10,8 @@ use crate::detector::{Detection, ParamChange, Slope, Test};
 use crate::inspect::ProbeCache;
 use crate::inspect::pair::{ComparedPair, Losses, Lost, NearestOfBoth};
 use crate::inspect::place::{
-    CandidateMark, Judged, Price, Probe, ProbeOptions, Survey, SurveyOptions, Wanted, judged, price_at_once, probe,
-    survey,
+    CandidateMark, Judged, Price, Probe, ProbeOptions, ProbeSubject, Survey, SurveyOptions, judged, price_at_once,
+    probe, survey,
 };
 use crate::inspect::result::{DecoyReport, DecoyStudy, decoys};
 use crate::inspect::slopes::{Spectrum, spectrum};
@@ -139,7 +139,7 @@ pub enum ProbeQuestion {
     At {
         /// (u, v) at mid-burst, input pixels.
         place: [f32; 2],
-        wanted: Wanted,
+        wanted: ProbeSubject,
     },
     Strongest,
 }
@@ -168,7 +168,7 @@ impl Request for ProbeRequest {
             ProbeQuestion::At { place, wanted } => (place, wanted),
             ProbeQuestion::Strongest => {
                 let mark = strongest(cache, monitor)?;
-                (mark.pos_image, Wanted::Candidate(mark.sample))
+                (mark.pos_image, ProbeSubject::Candidate(mark.sample))
             }
         };
         let (near_sigma, in_view) = (self.near_sigma, self.in_view);
@@ -239,7 +239,7 @@ impl Request for CoherenceRequest {
 mod tests {
     use super::*;
     use crate::detector::{DetectorParams, SlopeGrid};
-    use crate::inspect::place::{ProbeOptions, Wanted, probe};
+    use crate::inspect::place::{ProbeOptions, ProbeSubject, probe};
     use crate::monitor::Monitor;
     use crate::requests::{BurstSource, DetectRequest, OpenBurst};
     use crate::synth::Example;
@@ -260,7 +260,7 @@ mod tests {
         let cache = of.trail(&monitor).expect("valid");
         let (mut told, step) = (0, (values.len() / 25).max(1));
         for index in (0..values.len()).step_by(step) {
-            let options = ProbeOptions { wanted: Wanted::Feature(index), ..ProbeOptions::default() };
+            let options = ProbeOptions { wanted: ProbeSubject::Feature(index), ..ProbeOptions::default() };
             let probed = probe(&cache, [0.0, 0.0], &options, &monitor).expect("a feature");
             assert_eq!(probed.judged.as_ref(), Some(&values[index]), "feature {index}");
             told += usize::from(values[index].coherence.is_some());

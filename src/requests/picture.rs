@@ -123,7 +123,7 @@ impl PictureRequest {
 }
 
 #[derive(Debug, Clone)]
-pub struct Picture {
+pub struct PictureAnswer {
     pub request: PictureRequest,
     /// Its pixels; fraction of full scale.
     pub plane: Arc<Plane>,
@@ -133,7 +133,7 @@ pub struct Picture {
     pub motion: Option<Arc<MotionMap>>,
 }
 
-impl Picture {
+impl PictureAnswer {
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());
         // The plane and the motions.

@@ -3,7 +3,7 @@
 use super::error::JobError;
 use super::kind::{PictureKind, ViewKind};
 use super::map::MotionMap;
-use super::picture::{Picture, PictureRequest};
+use super::picture::{PictureAnswer, PictureRequest};
 use super::request::{Caches, Request, Urgency, Work};
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
@@ -20,7 +20,7 @@ use std::convert::Infallible;
 use std::sync::Arc;
 
 /// Computes a picture that is not a difference.
-fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
+fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<PictureAnswer, JobError> {
     let (trails, monitor) = (work.caches.trails, work.monitor);
     let mut motion = None;
     let burst = &request.burst.burst;
@@ -75,7 +75,7 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
         }
     };
     let plane = with_unseen(plane, &request, monitor)?;
-    Ok(Picture { request, drawn: plane.clone(), plane, motion })
+    Ok(PictureAnswer { request, drawn: plane.clone(), plane, motion })
 }
 
 /// `plane` of frames that are added up, with a mask over what none of them shows there: its values are made up.
@@ -98,7 +98,7 @@ fn with_unseen(plane: Arc<Plane>, request: &PictureRequest, monitor: &Monitor) -
 }
 
 impl Request for PictureRequest {
-    type Answer = Picture;
+    type Answer = PictureAnswer;
     type Partial = Infallible;
 
     fn urgency(&self) -> Urgency {
@@ -106,11 +106,11 @@ impl Request for PictureRequest {
         self.minus().map_or(own, |minus| own.max(minus.urgency()))
     }
 
-    fn cached(&self, caches: &Caches<'_>) -> Option<Picture> {
+    fn cached(&self, caches: &Caches<'_>) -> Option<PictureAnswer> {
         caches.pictures.get(self)
     }
 
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<PictureAnswer, JobError> {
         if let Some(picture) = self.cached(&work.caches) {
             return Ok(picture);
         }
@@ -134,14 +134,14 @@ impl Request for PictureRequest {
 pub struct PicturesRequest(pub Vec<PictureRequest>);
 
 impl Request for PicturesRequest {
-    type Answer = Vec<Picture>;
+    type Answer = Vec<PictureAnswer>;
     type Partial = Infallible;
 
     fn urgency(&self) -> Urgency {
         self.0.iter().map(PictureRequest::urgency).max().unwrap_or(Urgency::Picture)
     }
 
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<Picture>, JobError> {
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<PictureAnswer>, JobError> {
         self.0.into_iter().map(|request| request.compute(work)).collect()
     }
 }

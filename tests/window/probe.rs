@@ -13,7 +13,7 @@ use burstscope::app::settings::Settings;
 use burstscope::app::{Startup, apply};
 use burstscope::detector::{DetectorParams, FrameRange, Slope, SlopeGrid, Test};
 use burstscope::inspect::ProbeCache;
-use burstscope::inspect::place::{ProbeOptions, ReasonKind, SurveyOptions, Wanted, probe, survey};
+use burstscope::inspect::place::{CauseKind, ProbeOptions, ProbeSubject, SurveyOptions, probe, survey};
 use burstscope::inspect::result::{DecoyStudy, decoys};
 use burstscope::inspect::words::number;
 use burstscope::requests::{BurstSource, Probed};
@@ -147,7 +147,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
         let burst = &Read::of(model).burst_of(side).unwrap().burst;
         let cache = ProbeCache::new(burst, &Read::of(model).asked_of(side), &Monitor::default()).unwrap();
         let in_view = answer.request.in_view;
-        let options = ProbeOptions { wanted: Wanted::Best, in_view, ..ProbeOptions::default() };
+        let options = ProbeOptions { wanted: ProbeSubject::Best, in_view, ..ProbeOptions::default() };
         assert_eq!(answer.probe.fates, probe(&cache, place, &options, &Monitor::default()).unwrap().fates);
         let title = format!("Place ({}, {}) of {}", number(place[0], 1), number(place[1], 1), side.name());
         assert!(window.shows(&title) && window.shows(&answer.probe.summary), "{title}");
@@ -216,7 +216,7 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
     window.settle();
     probe(&mut window, 238.0, 36.0);
     let reasons = answer(&window).probe.reasons.clone();
-    let other = reasons.iter().find(|reason| reason.kind == ReasonKind::AtAnotherSlope).expect("it was found");
+    let other = reasons.iter().find(|reason| reason.kind == CauseKind::AtAnotherSlope).expect("it was found");
     assert!(window.shows(&other.sentence["found ".len()..]), "{}", other.sentence);
     assert!(!window.shows("It is shown under All"), "no features are shown at all");
     window.app_mut().model.document.look.overlay = FeaturesShown::ThisSlope;
@@ -237,7 +237,7 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
     window.app_mut().model.document.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
     window.settle();
     probe(&mut window, 159.9, 23.6);
-    let small = answer(&window).probe.reasons.iter().find(|r| r.kind == ReasonKind::TooSmall).expect("it is").clone();
+    let small = answer(&window).probe.reasons.iter().find(|r| r.kind == CauseKind::TooSmall).expect("it is").clone();
     assert!(window.shows("oo small for the smallest scale") && window.shows("first octave −1 finds it"));
     window.click(&format!("Apply {}", small.change.expect("a setting").label()));
     window.settle();

@@ -275,7 +275,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     assert_eq!(spectrum.grid.u, wider, "the slopes are those of the new detection");
     assert!((spectrum.most_features().unwrap().u - 2.5).abs() < 0.6);
     let told = |spectrum: &burstscope::inspect::slopes::Spectrum| {
-        spectrum.advice.iter().any(|a| a.subject == burstscope::inspect::slopes::Subject::Range)
+        spectrum.advice.iter().any(|a| a.subject == burstscope::inspect::slopes::AdviceSubject::Range)
     };
     assert!(!told(&spectrum), "{:?}", spectrum.advice);
     window.key(Key::B);

@@ -74,13 +74,13 @@ pub struct BurstFramesRow {
     pub matches: Option<MatchCounts>,
 }
 
-struct Searched<'a> {
+struct SearchedBurst<'a> {
     burst: &'a Burst,
     params: DetectorParams,
     frames: Range<usize>,
 }
 
-impl<'a> Searched<'a> {
+impl<'a> SearchedBurst<'a> {
     fn new(burst: &'a Burst, search: &SearchParams, monitor: &Monitor) -> Result<Self> {
         let (params, _) = resolve(burst, search, monitor)?;
         params.validate_for(&burst.positions, burst.size())?;
@@ -142,8 +142,8 @@ impl BurstFramesStudy {
         }
         let silent = monitor.silent();
         monitor.report(Stage::Evaluate, 0.0);
-        let first = Searched::new(burst, &self.search, &silent)?;
-        let second = second.map(|burst| Searched::new(burst, &self.search, &silent)).transpose()?;
+        let first = SearchedBurst::new(burst, &self.search, &silent)?;
+        let second = second.map(|burst| SearchedBurst::new(burst, &self.search, &silent)).transpose()?;
         let counts = self.counts(first.frames.len())?;
         let of_second = |count: usize| second.as_ref().filter(|second| second.frames.len() >= count);
         // One search of all frames, and those of the rows.
@@ -198,7 +198,7 @@ impl BurstFramesStudy {
 }
 
 fn row(
-    searched: &Searched<'_>,
+    searched: &SearchedBurst<'_>,
     count: usize,
     (found, all): (&Detection, &Detection),
     truth: Option<&Truth>,

@@ -3,7 +3,7 @@
 
 use crate::app::actions::registry::ActionId;
 use crate::app::document::Document;
-use crate::app::document::comparison::{Kind, Reference};
+use crate::app::document::comparison::{Compared, Reference};
 use crate::app::document::datasets::{BurstPair, PairChoice, PairColumn, Which};
 use crate::app::document::export::{FigureChoice, FilmChoice};
 use crate::app::document::filter::{Filter, Order, SavedMatch, SavedSelection};
@@ -22,7 +22,7 @@ use crate::dataset::DatasetSource;
 use crate::detector::{ParamChange, Quantity, SearchParams, Slope, Test};
 use crate::evaluate::poses::{PoseStudy, Projection};
 use crate::inspect::pair::Lost;
-use crate::inspect::place::Wanted as ProbeSubject;
+use crate::inspect::place::ProbeSubject;
 use crate::matching::MatchParams;
 use crate::plane::display::Display;
 use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
@@ -173,7 +173,7 @@ others {
     StopFollowing,
 
     CompareWith(Side, #[serde(with = "or_none")] Option<Reference>),
-    ShowKind(Side, Kind, bool),
+    ShowKind(Side, Compared, bool),
     SelectRow(Side, #[serde(with = "or_none")] Option<usize>),
 
     SetPairLinks(PaneLinks),

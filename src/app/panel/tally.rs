@@ -15,7 +15,7 @@ use crate::burst::Offset;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
-use crate::inspect::place::{CandidateMark, Survey, Wanted};
+use crate::inspect::place::{CandidateMark, ProbeSubject, Survey};
 use crate::inspect::result::DecoyStudy;
 use crate::inspect::words::{capitalised, sentence};
 use crate::plane::display::ColourMap;
@@ -295,7 +295,7 @@ pub fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             }
             let tip = "Show its tests in order, and the setting that would keep it";
             if ui.button("Probe candidate").on_hover_text(tip).clicked() {
-                let wanted = Wanted::Candidate(mark.sample);
+                let wanted = ProbeSubject::Candidate(mark.sample);
                 queue.push(Action::Probe(Side::A, ProbeQuestion::At { place: mark.pos_image, wanted }));
             }
             if ui.button("Clear").on_hover_text("Clear the selection").clicked() {

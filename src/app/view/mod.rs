@@ -82,7 +82,7 @@ impl ColourBy {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Known<'a> {
+pub struct KnownOfFeature<'a> {
     /// Coherence and verdict, once they were computed.
     pub judged: Option<&'a Judged>,
     /// Depth that its motion means and the standard deviation, metres; `None` without a set-up, and where no depth
@@ -96,7 +96,7 @@ pub fn shown_quantities(with_depths: bool) -> impl Iterator<Item = Quantity> {
 }
 
 /// The value of `quantity` of the feature at `index`, by which tables sort; `None` while it is not known.
-pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> Option<f32> {
+pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known: KnownOfFeature<'_>) -> Option<f32> {
     match quantity {
         Quantity::Rank => Some(index as f32),
         Quantity::Depth => known.depth_m.map(|[metres, _]| metres as f32),
@@ -108,7 +108,7 @@ pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known
 }
 
 /// The value of [`quantity_value`] as tables show it.
-pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> String {
+pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known: KnownOfFeature<'_>) -> String {
     match (quantity, known.judged) {
         (Quantity::Coherence | Quantity::Verdict, None) => return "…".to_owned(),
         (Quantity::Verdict, Some(judged)) => return judged.verdict.word().to_owned(),
@@ -223,7 +223,7 @@ mod tests {
     fn an_unknown_field_and_no_layer_are_not_nought() {
         let known = Feature { field: Slope::new(-0.5, 0.0), field_sigma: 0.1, layer: 2, ..Feature::default() };
         let unknown = Feature { field_sigma: f32::INFINITY, layer: 0, ..known };
-        let text = |quantity, feature| quantity_text(quantity, 0, feature, Known::default());
+        let text = |quantity, feature| quantity_text(quantity, 0, feature, KnownOfFeature::default());
         for (quantity, value) in [(Quantity::FieldU, "-0.50"), (Quantity::FieldV, "0.00"), (Quantity::Layer, "2")] {
             assert_eq!([&known, &unknown].map(|feature| text(quantity, feature)), [value, "–"], "{quantity:?}");
         }

@@ -10,7 +10,7 @@ use crate::burst::Burst;
 use crate::detector::describe::Described;
 use crate::detector::feature::{Feature, Tally};
 use crate::detector::params::{DetectorParams, NoiseGate, NoiseModelKind, SearchSlopes, Slope, SlopeGrid};
-use crate::detector::search::known::Known;
+use crate::detector::search::known::KnownSlopes;
 use crate::detector::search::setup::{Inputs, Search};
 use crate::detector::search::slope_window::OtherSlopes;
 use std::collections::HashMap;
@@ -75,7 +75,7 @@ impl<'a> Earlier<'a> {
     }
 
     /// What the earlier search left for `search`; `None` where that might find other keypoints at the same slopes.
-    pub(super) fn known(&self, search: &Search<'_>) -> Option<Known<'a>> {
+    pub(super) fn known(&self, search: &Search<'_>) -> Option<KnownSlopes<'a>> {
         let outcome = &*self.trail.outcome;
         let bases = outcome.bases.as_ref()?;
         let slopes = known_slopes(&search.grid, &outcome.params.used_slopes());
@@ -89,12 +89,12 @@ impl<'a> Earlier<'a> {
                 None => keypoints.push(found),
             }
         }
-        Some(Known { slopes, bases, keypoints, tallies })
+        Some(KnownSlopes { slopes, bases, keypoints, tallies })
     }
 
     /// Takes over the features of the keypoints of `outcome` that were `known` and have the same neighbours among the
     /// slopes of `grid`.
-    pub(super) fn describe(&self, grid: &SlopeGrid, known: &Known<'_>, outcome: &mut Outcome) {
+    pub(super) fn describe(&self, grid: &SlopeGrid, known: &KnownSlopes<'_>, outcome: &mut Outcome) {
         let earlier = self.trail.inputs.params.used_slopes();
         let same_steps = [grid.u.step(), grid.v.step(), grid.direction_deg]
             == [earlier.u.step(), earlier.v.step(), earlier.direction_deg]

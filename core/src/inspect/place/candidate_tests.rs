@@ -13,14 +13,14 @@ use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, Slope, SlopeEx
 
 /// The fate of a judged sample; `around` holds it.
 pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &Judgement) -> Fate {
-    let telling = Telling::new(trail, around, sample, judgement);
-    let keypoint = telling.keypoint;
-    let tests: Vec<TestReport> = Test::ALL.into_iter().map(|test| telling.report(test)).collect();
+    let tested = CandidateTests::new(trail, around, sample, judgement);
+    let keypoint = tested.keypoint;
+    let tests: Vec<TestReport> = Test::ALL.into_iter().map(|test| tested.report(test)).collect();
     // Rejections of the search come before decisions over the whole list of keypoints.
     let fails = |test: &Test| tests[*test as usize].outcome == Outcome::Fails;
     let first_failed = judgement.rejected_by.or_else(|| [Test::Duplicate, Test::MaxFeatures].into_iter().find(fails));
     let grid = trail.params().used_slopes();
-    let (u, v, sigma) = telling.in_image();
+    let (u, v, sigma) = tested.in_image();
     let (i, j) = grid.coordinates(sample.slope_index);
     let found = &trail.detection().features;
     let features: Vec<usize> =
@@ -37,7 +37,7 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
         sigma: refined.map_or(sigma, |f| f.sigma),
         slope,
         would_move: judgement.would_be.filter(|_| refined.is_none()).map_or(slope, |keypoint| keypoint.slope),
-        edge: if asks_for_edge { telling.edge(slope) } else { None },
+        edge: if asks_for_edge { tested.edge(slope) } else { None },
         value: judgement.value,
         snr: over(judgement.value.abs(), judgement.sigma_d),
         sigma_d: judgement.sigma_d,
@@ -68,7 +68,7 @@ fn outcome(is_asked: bool, passes: bool) -> Outcome {
     }
 }
 
-pub(super) struct Telling<'a> {
+pub(super) struct CandidateTests<'a> {
     trail: &'a Trail,
     around: &'a Neighbourhood,
     sample: &'a Sample,
@@ -76,7 +76,7 @@ pub(super) struct Telling<'a> {
     keypoint: Option<usize>,
 }
 
-impl<'a> Telling<'a> {
+impl<'a> CandidateTests<'a> {
     pub fn new(trail: &'a Trail, around: &'a Neighbourhood, sample: &'a Sample, judgement: &'a Judgement) -> Self {
         Self { trail, around, sample, judgement, keypoint: keypoint_of(trail, judgement) }
     }

@@ -3,7 +3,7 @@
 //! A candidate is a sample that is an extremum in place and scale at its own slope; most are noise. The detection's
 //! tally counts all samples.
 
-use super::candidate_tests::{Telling, keypoint_of, over};
+use super::candidate_tests::{CandidateTests, keypoint_of, over};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
@@ -151,8 +151,8 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
             let is_duplicate = trail.covered_by(keypoint).is_some().then_some(Test::Duplicate);
             is_duplicate.or_else(|| trail.is_cut(keypoint).then_some(Test::MaxFeatures))
         });
-        let telling = Telling::new(trail, around, sample, &judgement);
-        let margin = first_failed.and_then(|test| telling.report(test).margin()).map(|margin| margin as f32);
+        let tested = CandidateTests::new(trail, around, sample, &judgement);
+        let margin = first_failed.and_then(|test| tested.report(test).margin()).map(|margin| margin as f32);
         let pos_image = [sample.x as f32 * pixel, sample.y as f32 * pixel];
         let sigma = trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
         let (value, snr) = (judgement.value, over(judgement.value.abs(), judgement.sigma_d));

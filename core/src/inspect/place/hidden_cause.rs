@@ -1,4 +1,4 @@
-//! Reasons of a place that no single candidate tells: a thing too small for the scales that are searched, one that was
+//! Causes at a place that no single candidate shows: a thing too small for the scales that are searched, one that was
 //! found at another slope, and a setting that would only keep a ghost. They come from the extrema of D in space at each
 //! slope, candidates or not.
 
@@ -20,10 +20,10 @@ use crate::plane::{Mask, Plane};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Kind of a reason.
+/// Kind of a hidden cause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ReasonKind {
+pub enum CauseKind {
     /// The response still rises towards the smallest scale that is searched.
     TooSmall,
     /// A feature was kept at the place, at another slope than the one looked at.
@@ -32,11 +32,11 @@ pub enum ReasonKind {
     Ghost,
 }
 
-/// Reason of a place.
+/// Cause that acts at a place and that no single candidate there shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Reason {
+pub struct Cause {
     /// Its kind.
-    pub kind: ReasonKind,
+    pub kind: CauseKind,
     /// Slope that it is about, px/frame.
     pub slope: Slope,
     /// A sentence without a capital at its start or a full stop at its end. Features are counted from 0.
@@ -49,8 +49,8 @@ pub struct Reason {
     pub change: Option<ParamChange>,
 }
 
-impl Reason {
-    fn new(kind: ReasonKind, slope: Slope, sentence: String) -> Self {
+impl Cause {
+    fn new(kind: CauseKind, slope: Slope, sentence: String) -> Self {
         Self { kind, slope, sentence, sigma_and_snr: None, feature: None, change: None }
     }
 }
@@ -143,10 +143,10 @@ pub(crate) fn too_small(
     peaks: &[Peak],
     slopes: &[Slope],
     monitor: &Monitor,
-) -> Result<Option<Reason>, Cancelled> {
+) -> Result<Option<Cause>, Cancelled> {
     let grid = trail.params().used_slopes();
     let sigma = trail.space().sigma_image(trail.space().first_octave, 0.0) as f32;
-    let mut best: Option<((bool, f32), Reason)> = None;
+    let mut best: Option<((bool, f32), Cause)> = None;
     for &slope in slopes {
         let moves = |peak: &&Peak| is_same_motion(trail, grid.slope(peak.sample.slope_index), slope, sigma);
         let Some(clear) = clearest(trail, peaks.iter().filter(|peak| peak.rises).filter(moves)) else { continue };
@@ -161,7 +161,7 @@ pub(crate) fn too_small(
 
 /// Scale, slope and strength of what rises beyond the smallest scale, in the octaves below, as a reason. `None` where
 /// it falls again, or does not reach the gate of a search from there.
-fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reason>, Cancelled> {
+fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Cause>, Cancelled> {
     let (params, first) = (trail.params(), trail.space().first_octave);
     let smallest = number(trail.space().sigma_image(first, 0.0) as f32, 1);
     let rises = |slope: Slope| {
@@ -170,7 +170,7 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
     };
     if first <= FINEST_OCTAVE {
         let reaches = clear.snr >= trail.detection().noise_gate_factor;
-        return Ok(reaches.then(|| Reason::new(ReasonKind::TooSmall, clear.slope, rises(clear.slope))));
+        return Ok(reaches.then(|| Cause::new(CauseKind::TooSmall, clear.slope, rises(clear.slope))));
     }
     let next = number((first - 1) as f32, 0);
     let peak = climbed(trail, clear, first - 1, monitor)?;
@@ -186,7 +186,7 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
         // At its own slope it may still rise, and yet be kept at one of the grid.
         let Some(kept) = kept_there(trail, &changed, (clear.pos_image, peak.slope), monitor)? else {
             let sentence = format!("{}, and a first octave of {next} keeps nothing here either", rises(peak.slope));
-            return Ok(Some(Reason::new(ReasonKind::TooSmall, peak.slope, sentence)));
+            return Ok(Some(Cause::new(CauseKind::TooSmall, peak.slope, sentence)));
         };
         sigma_and_snr = kept;
     }
@@ -198,8 +198,8 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
         number(sigma_and_snr.1, 1)
     );
     let change = Some(ParamChange::new(doc::FIRST_OCTAVE, first - 1));
-    let reason = Reason::new(ReasonKind::TooSmall, peak.slope, sentence);
-    Ok(Some(Reason { sigma_and_snr: Some(sigma_and_snr), change, ..reason }))
+    let reason = Cause::new(CauseKind::TooSmall, peak.slope, sentence);
+    Ok(Some(Cause { sigma_and_snr: Some(sigma_and_snr), change, ..reason }))
 }
 
 /// Pixels beyond the motion of a place that decide whether a small thing is kept there.
@@ -315,7 +315,7 @@ const THIRDS: i32 = 3;
 const THIRD: f32 = 1.0 / 3.0;
 
 /// Features at the place that move by another slope than the first one in order, if none there moves by that.
-pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate], own: Option<Slope>) -> Vec<Reason> {
+pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate], own: Option<Slope>) -> Vec<Cause> {
     let is_small =
         |fate: &&Fate| fate.sigma <= LARGE_PX || nearness.sigma.is_some_and(|s| is_like_scale(fate.sigma, s));
     let kept = || fates.iter().filter(|fate| fate.is_kept() && nearness.is_here(fate)).filter(is_small);
@@ -328,8 +328,8 @@ pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate
         let most =
             other.map_or_else(String::new, |own| format!(", while the place's own motion is {}", slope_text(own)));
         let sentence = format!("found at another slope: feature {feature} at slope {}{most}", slope_text(fate.slope));
-        let reason = Reason::new(ReasonKind::AtAnotherSlope, fate.slope, sentence);
-        Some(Reason { feature: Some(feature), ..reason })
+        let reason = Cause::new(CauseKind::AtAnotherSlope, fate.slope, sentence);
+        Some(Cause { feature: Some(feature), ..reason })
     };
     kept().filter_map(reason).take(MOST_OTHERS).collect()
 }
@@ -338,11 +338,11 @@ const MOST_OTHERS: usize = 2;
 
 /// The reason why the setting that would keep `fate` is not proposed, if only some of the frames respond along its
 /// motion: it would be judged a ghost.
-pub(super) fn ghost(trail: &Trail, fate: &Fate, monitor: &Monitor) -> Result<Option<Reason>, Cancelled> {
+pub(super) fn ghost(trail: &Trail, fate: &Fate, monitor: &Monitor) -> Result<Option<Cause>, Cancelled> {
     let frames = trail.frame_responses((fate.octave, fate.level), fate.pos_image, fate.would_move, monitor)?;
     let is_ghost = !fate.is_kept() && evenness_of(&frames).shape == Shape::Bump;
     let sentence = "no setting is proposed: only some of the frames respond along its motion, as for a ghost";
-    Ok(is_ghost.then(|| Reason::new(ReasonKind::Ghost, fate.would_move, sentence.to_owned())))
+    Ok(is_ghost.then(|| Cause::new(CauseKind::Ghost, fate.would_move, sentence.to_owned())))
 }
 
 /// Index of the grid's slope nearest to `slope`, and the strongest of the `peaks` there, or of those around it.

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// One scale of the search.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Scale {
+pub struct MapScale {
     /// Octave.
     pub octave: i32,
     /// DoG level, 0 … S−1.
@@ -61,7 +61,7 @@ pub struct ResponseMap {
     /// Place, input pixels at mid-burst.
     pub pos_image: [f32; 2],
     /// Scales, from fine to coarse: the rows.
-    pub scales: Vec<Scale>,
+    pub scales: Vec<MapScale>,
     /// Slopes: the columns, along the first axis with several slopes, through the subject's slope on the other.
     pub slopes: FineAxis,
     /// Whether the columns are slopes of the second axis, v.
@@ -83,7 +83,7 @@ pub struct ResponseMap {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlopePlane {
     /// The scale.
-    pub scale: Scale,
+    pub scale: MapScale,
     /// Slopes of the first axis: the columns.
     pub u: FineAxis,
     /// Slopes of the second axis: the rows.
@@ -206,8 +206,8 @@ pub fn response_map(
     Ok(ResponseMap { pos_image, scales, slopes, along_v, columns, snr, plane, gate, is_noiseless })
 }
 
-fn scale_of(trail: &Trail, (octave, level): (i32, i32)) -> Scale {
-    Scale { octave, level, sigma: trail.space().sigma_image(octave, f64::from(level)) as f32 }
+fn scale_of(trail: &Trail, (octave, level): (i32, i32)) -> MapScale {
+    MapScale { octave, level, sigma: trail.space().sigma_image(octave, f64::from(level)) as f32 }
 }
 
 fn slope_plane(

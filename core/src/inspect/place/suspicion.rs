@@ -20,7 +20,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// Possible fault of a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum SuspicionKind {
     /// Another feature lies on the same blob, just beyond the radius of distinct keypoints.
     Duplicate,
     /// A blob of another motion that shows in this slope's stack.
@@ -35,7 +35,7 @@ pub enum Kind {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Suspicion {
     /// Possible fault.
-    pub kind: Kind,
+    pub kind: SuspicionKind,
     /// Evidence, as a sentence.
     pub evidence: String,
     /// σ apart, coherence, rise beyond the rim, or the other slope's response over this one's.
@@ -49,7 +49,7 @@ pub struct Suspicion {
 }
 
 impl Suspicion {
-    fn new(kind: Kind, number: f32, evidence: String) -> Self {
+    fn new(kind: SuspicionKind, number: f32, evidence: String) -> Self {
         Self { kind, evidence, number, other: None, other_slope: None, change: None }
     }
 }
@@ -81,7 +81,7 @@ pub fn suspicions(
 ) -> Result<Vec<Suspicion>, Cancelled> {
     let Some(&index) = fate.features.first() else { return Ok(Vec::new()) };
     let mut found = suspicions_of_feature(trail, index, evenness, monitor)?;
-    for suspicion in found.iter_mut().filter(|suspicion| suspicion.kind == Kind::Duplicate) {
+    for suspicion in found.iter_mut().filter(|suspicion| suspicion.kind == SuspicionKind::Duplicate) {
         suspicion.change = suspicion.other.and_then(|other| wider_distinct(trail, index, other));
     }
     found.extend(at_limit(trail, fate, &trail.detection().features[index]));
@@ -146,7 +146,7 @@ fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion
         })
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let stronger = &features[other];
-    let suspicion = Suspicion::new(Kind::Duplicate, apart, same_blob(other, stronger, feature, apart));
+    let suspicion = Suspicion::new(SuspicionKind::Duplicate, apart, same_blob(other, stronger, feature, apart));
     Some(Suspicion { other: Some(other), other_slope: Some(stronger.slope), ..suspicion })
 }
 
@@ -191,7 +191,7 @@ fn ghost(trail: &Trail, index: usize, feature: &Feature, evenness: &Evenness) ->
     );
     let evidence = format!("only some of the frames respond (coherence {coherence:.2}); {of_what}");
     let other_slope = of.map(|other| features[other].slope);
-    Some(Suspicion { other: of, other_slope, ..Suspicion::new(Kind::Ghost, coherence, evidence) })
+    Some(Suspicion { other: of, other_slope, ..Suspicion::new(SuspicionKind::Ghost, coherence, evidence) })
 }
 
 fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> {
@@ -206,7 +206,7 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
         number(rise, 2),
         change.value
     );
-    (rise > RISES).then(|| Suspicion { change: Some(change), ..Suspicion::new(Kind::AtLimit, rise, evidence) })
+    (rise > RISES).then(|| Suspicion { change: Some(change), ..Suspicion::new(SuspicionKind::AtLimit, rise, evidence) })
 }
 
 fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<Suspicion>, Cancelled> {
@@ -241,7 +241,7 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
     let evidence = format!(
         "the texture repeats every {px} px (correlation {correlation:.2}), so slopes {px} px/frame apart look alike: slope {at} responds {times} times as strongly, and the side lobes between reach {lobe:.0} %"
     );
-    Ok(Some(Suspicion { other_slope: Some(slope), ..Suspicion::new(Kind::Alias, ratio, evidence) }))
+    Ok(Some(Suspicion { other_slope: Some(slope), ..Suspicion::new(SuspicionKind::Alias, ratio, evidence) }))
 }
 
 /// The clearest period around a feature, in the stack at its own slope, and the direction of the grid that has it.
@@ -318,12 +318,12 @@ impl Verdict {
     }
 
     /// A ghost comes first: a ghost beside its source is no duplicate of it.
-    pub fn of(evenness: &Evenness, suspected: &[Kind]) -> Self {
-        let is_suspected = |kind: Kind| suspected.contains(&kind);
+    pub fn of(evenness: &Evenness, suspected: &[SuspicionKind]) -> Self {
+        let is_suspected = |kind: SuspicionKind| suspected.contains(&kind);
         match evenness.shape {
-            _ if is_suspected(Kind::Ghost) => Self::Ghost,
-            _ if is_suspected(Kind::Duplicate) => Self::Duplicate,
-            _ if is_suspected(Kind::Alias) => Self::Alias,
+            _ if is_suspected(SuspicionKind::Ghost) => Self::Ghost,
+            _ if is_suspected(SuspicionKind::Duplicate) => Self::Duplicate,
+            _ if is_suspected(SuspicionKind::Alias) => Self::Alias,
             Shape::Level | Shape::Uneven if evenness.coherence.is_some_and(|c| c >= BUMP_COHERENCE) => Self::Real,
             _ => Self::Unclear,
         }
@@ -344,17 +344,17 @@ pub struct Judged {
 impl Judged {
     /// The verdict that follows from `evenness` and `suspicions`.
     pub fn of(evenness: &Evenness, suspicions: &[Suspicion]) -> Self {
-        let kinds: Vec<Kind> = suspicions.iter().map(|suspicion| suspicion.kind).collect();
+        let kinds: Vec<SuspicionKind> = suspicions.iter().map(|suspicion| suspicion.kind).collect();
         let verdict = Verdict::of(evenness, &kinds);
-        let because = |kind: Kind| {
+        let because = |kind: SuspicionKind| {
             let suspicion = suspicions.iter().find(|suspicion| suspicion.kind == kind);
             suspicion.map_or_else(String::new, |suspicion| suspicion.evidence.clone())
         };
         let coherence = evenness.coherence;
         let why = match (verdict, coherence) {
-            (Verdict::Ghost, _) => because(Kind::Ghost),
-            (Verdict::Alias, _) => because(Kind::Alias),
-            (Verdict::Duplicate, _) => because(Kind::Duplicate),
+            (Verdict::Ghost, _) => because(SuspicionKind::Ghost),
+            (Verdict::Alias, _) => because(SuspicionKind::Alias),
+            (Verdict::Duplicate, _) => because(SuspicionKind::Duplicate),
             (_, None) => "single frames are too noisy to compare".to_owned(),
             (Verdict::Real, Some(c)) => {
                 format!("the frames respond alike (coherence {c:.2}), and no stronger feature explains it")

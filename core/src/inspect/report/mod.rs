@@ -4,7 +4,7 @@ mod figure;
 
 pub use figure::{probe_svg, spectrum_svg};
 
-use super::place::{Fate, Kind, Outcome, Probe, Rival, Shares, TestReport};
+use super::place::{Fate, Outcome, Probe, Rival, Shares, SuspicionKind, TestReport};
 use super::result::DecoyReport;
 use super::slopes::{SlopeBar, Spectrum};
 use super::words::{counted, number, sentence, slope_text, snr_text, value_text};
@@ -47,10 +47,10 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
     }
     for suspicion in &probe.suspicions {
         let what = match suspicion.kind {
-            Kind::Duplicate => "duplicate",
-            Kind::Ghost => "ghost",
-            Kind::AtLimit => "at the limit of the slopes",
-            Kind::Alias => "alias",
+            SuspicionKind::Duplicate => "duplicate",
+            SuspicionKind::Ghost => "ghost",
+            SuspicionKind::AtLimit => "at the limit of the slopes",
+            SuspicionKind::Alias => "alias",
         };
         if probe.judged.as_ref().is_none_or(|judged| judged.why != suspicion.evidence) {
             writeln!(out, "  {what}? {}", suspicion.evidence)?;

@@ -11,5 +11,5 @@ mod truth;
 
 pub use changes::{Changes, ForeignFeature, Same, Spot, compare, read_features};
 pub use decoys::{DecoyReport, DecoyStudy, FalseRate, SNRS, decoys};
-pub use score::{Curve, CurvePoint, Judged, Ranking, finds, judge, judge_by_discs, mean_curve};
+pub use score::{Curve, CurvePoint, Ranking, Scored, finds, judge, judge_by_discs, mean_curve};
 pub use truth::{AgainstTruth, Miss, against_truth, has_truth, miss, read_truth, truth_of};

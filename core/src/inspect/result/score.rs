@@ -54,7 +54,7 @@ pub(super) fn is_of_disc([u, v]: [f32; 2], sigma: f32, disc: &FeatureTruth) -> b
 
 /// Judgement of a feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Judged {
+pub struct Scored {
     /// Index among the given features.
     pub feature: usize,
     /// Value compared with a threshold.
@@ -64,12 +64,12 @@ pub struct Judged {
 }
 
 /// Judges `features` against `truth`, strongest first by `ranking` (equal ones in their given order).
-pub fn judge(features: &[Feature], truth: &Truth, ranking: Ranking) -> Vec<Judged> {
+pub fn judge(features: &[Feature], truth: &Truth, ranking: Ranking) -> Vec<Scored> {
     judge_by_discs(features, &truth.features, ranking)
 }
 
 /// Judges `features` against `discs`, strongest first by `ranking` (equal ones in their given order).
-pub fn judge_by_discs(features: &[Feature], discs: &[FeatureTruth], ranking: Ranking) -> Vec<Judged> {
+pub fn judge_by_discs(features: &[Feature], discs: &[FeatureTruth], ranking: Ranking) -> Vec<Scored> {
     let mut order: Vec<(usize, f32)> = features.iter().map(|f| ranking.worth(f)).enumerate().collect();
     order.sort_by(|a, b| b.1.total_cmp(&a.1));
     // Features of one keypoint differ only in their orientation.
@@ -91,7 +91,7 @@ pub fn judge_by_discs(features: &[Feature], discs: &[FeatureTruth], ranking: Ran
             if let Some(disc) = disc {
                 free[disc] = false;
             }
-            Judged { feature: index, worth, disc }
+            Scored { feature: index, worth, disc }
         })
         .collect()
 }
@@ -116,7 +116,7 @@ pub struct Curve {
 
 impl Curve {
     /// The curve of judged features, strongest first. Features of equal value are kept or dropped together.
-    pub fn of(judged: &[Judged]) -> Self {
+    pub fn of(judged: &[Scored]) -> Self {
         let mut point = CurvePoint { threshold: f32::INFINITY, false_features: 0, true_positives: 0 };
         let mut points = vec![point];
         for (i, one) in judged.iter().enumerate() {

@@ -8,7 +8,7 @@ mod advice;
 mod fit;
 mod set_up;
 
-pub use advice::{SlopeAdvice, Subject};
+pub use advice::{AdviceSubject, SlopeAdvice};
 pub use fit::{SlopeJudgement, judgement};
 pub use set_up::{SetUp, SetUpSlopes, set_up_bounds};
 

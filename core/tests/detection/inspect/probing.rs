@@ -155,13 +155,13 @@ fn a_place_outside_and_a_feature_that_is_not_there_are_refused() {
         let options = ProbeOptions { wanted, ..ProbeOptions::default() };
         probe(&cache, place, &options, &Monitor::default()).expect_err("refused")
     };
-    use burstscope_core::inspect::place::Wanted;
+    use burstscope_core::inspect::place::ProbeSubject;
     for place in [[-3.0, 5.0], [128.0, 5.0], [5.0, 96.0], [f32::NAN, 5.0]] {
-        assert_eq!(asked(place, Wanted::Best).subject, "at");
+        assert_eq!(asked(place, ProbeSubject::Best).subject, "at");
     }
-    assert!(asked([200.0, 5.0], Wanted::Best).to_string().contains("128×96"));
-    assert_eq!(asked([5.0, 5.0], Wanted::Feature(9999)).subject, "feature");
-    let scale = Wanted::Scale { octave: 9, level: 0, slope_index: 0 };
+    assert!(asked([200.0, 5.0], ProbeSubject::Best).to_string().contains("128×96"));
+    assert_eq!(asked([5.0, 5.0], ProbeSubject::Feature(9999)).subject, "feature");
+    let scale = ProbeSubject::Scale { octave: 9, level: 0, slope_index: 0 };
     assert!(asked([5.0, 5.0], scale).problem.contains("no octave 9"));
     // Every corner can be probed.
     for place in [[0.0, 0.0], [127.0, 95.0], [0.0, 95.0], [127.4, -0.4]] {

@@ -1,4 +1,4 @@
-//! Tests of the public functions of `inspect`, a module for each of its files.
+//! Tests of the public functions of `inspect`, a module for each subject.
 
 mod changes {
     use burstscope_core::detector::*;
@@ -189,7 +189,7 @@ mod fate {
     }
 }
 
-mod outlook {
+mod needed {
     use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, SlopeGrid};
     use burstscope_core::inspect::ProbeCache;
     use burstscope_core::inspect::place::*;
@@ -221,7 +221,7 @@ mod outlook {
             let options = ProbeOptions { reach_sigmas: 1.0, ..ProbeOptions::default() };
             let fates = probe(&before.0, before.1, &options, &Monitor::default()).expect("not cancelled").fates;
             let is_disc = |fate: &&Fate| fate.value < 0.0 && (2.0..7.0).contains(&fate.sigma) && fate.snr > 3.0;
-            let outlook = fates.iter().find(is_disc).and_then(|fate| outlook(&before.0.trail, fate));
+            let outlook = fates.iter().find(is_disc).and_then(|fate| needed(&before.0.trail, fate));
             let Some(outlook) = outlook else { continue };
             asked += 1;
             let frames = outlook.frames.expect("it stays for long");

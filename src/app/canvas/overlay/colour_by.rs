@@ -1,6 +1,6 @@
 //! Colours of features, and their legend. All features get their colours here.
 
-use crate::app::view::{ColourBy, Known, quantity_value};
+use crate::app::view::{ColourBy, KnownOfFeature, quantity_value};
 use crate::detector::quantity::{Colours, Span};
 use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 use crate::inspect::place::Judged;
@@ -35,7 +35,7 @@ impl ColourScale {
         if by == ColourBy::SlopeDirection && line_of(grid, features).is_some() {
             return Self::of_slopes(grid, features);
         }
-        let stored = |feature: &Feature| by.quantity().and_then(|by| quantity_value(by, 0, feature, Known::default()));
+        let stored = |f: &Feature| by.quantity().and_then(|by| quantity_value(by, 0, f, KnownOfFeature::default()));
         let of = |value: &dyn Fn(&Feature) -> f32| {
             let values = features.iter().map(value).filter(|x| x.is_finite());
             values.fold(None, |range: Option<(f32, f32)>, x| {
@@ -120,7 +120,7 @@ impl ColourScale {
         let Some(quantity) = self.by.quantity() else { return self.of_slope(motion) };
         let judged = self.coherences.as_ref().and_then(|values| values.get(index));
         let depth_m = self.set_up.as_ref().and_then(|set_up| set_up.depth_with_error(motion, sigma));
-        let value = quantity_value(quantity, index, feature, Known { judged, depth_m });
+        let value = quantity_value(quantity, index, feature, KnownOfFeature { judged, depth_m });
         value.filter(|value| value.is_finite()).map_or(UNKNOWN, |value| self.along(value))
     }
 

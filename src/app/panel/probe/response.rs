@@ -9,7 +9,7 @@ use crate::app::document::panes::Destination;
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use crate::detector::Slope;
-use crate::inspect::place::{Fate, FineAxis, PlaceMotion, ResponseMap, Scale, SlopePlane, Wanted, outline};
+use crate::inspect::place::{Fate, FineAxis, MapScale, PlaceMotion, ProbeSubject, ResponseMap, SlopePlane, outline};
 use crate::inspect::words::{number, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
@@ -89,7 +89,7 @@ fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneT
         queue.push(go_to(model, slope, &scale));
         if map.plane.is_some() {
             let slope_index = answer.probe.subject.slope_index;
-            let subject = Wanted::Scale { octave: scale.octave, level: scale.level, slope_index };
+            let subject = ProbeSubject::Scale { octave: scale.octave, level: scale.level, slope_index };
             queue.push(Action::ProbeSubject(subject));
         }
     }
@@ -163,13 +163,13 @@ fn slopes_ui(
     }
 }
 
-fn go_to(model: Read<'_>, slope: Slope, scale: &Scale) -> Action {
+fn go_to(model: Read<'_>, slope: Slope, scale: &MapScale) -> Action {
     let scale = Some((scale.octave, scale.level));
     let kind = Some(ViewKind::Dog);
     Action::GoTo(model.document.probe.side, Destination { slope: Some(slope), scale, kind, ..Destination::default() })
 }
 
-fn reading(slope: Slope, scale: &Scale, value: &str) -> String {
+fn reading(slope: Slope, scale: &MapScale, value: &str) -> String {
     format!(
         "{value}\nslope {} px/frame\nσ {} px (octave {}, level {})\nClick to go there",
         slope_text(slope),
