@@ -5,7 +5,7 @@ use super::kind::{PictureKind, RangeClass, ViewKind};
 use super::map::MotionMap;
 use super::open::{BurstId, OpenBurst};
 use crate::detector::params::Stage;
-use crate::detector::{DetectorParams, Feature, FrameRange, Method};
+use crate::detector::{DetectorParams, Feature, FrameRange, Method, Scale};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
@@ -49,7 +49,7 @@ struct KindKey {
     frame: Option<usize>,
     map: Option<ViewKind>,
     slope_bits: Option<(u32, u32)>,
-    scale: Option<(i32, i32)>,
+    scale: Option<Scale>,
     /// Hash of the parameters that decide the picture.
     params: u64,
 }

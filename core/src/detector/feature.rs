@@ -9,7 +9,7 @@ use super::field::MotionField;
 use super::noise_model::NoiseModel;
 use super::params::{DetectorParams, Slope, SlopeExtrema, SlopeGrid};
 use crate::burst::{Burst, Positions};
-use crate::detector::scale_space::octave_pixel;
+use crate::detector::scale_space::{Scale, octave_pixel};
 use std::sync::Arc;
 
 /// A burst feature: a place at mid-burst, a scale, an orientation and an apparent motion.
@@ -118,6 +118,11 @@ pub(super) const DEFINED_SIGMA: f32 = 0.75;
 const BY_ITSELF_SIGMAS: f32 = 3.0;
 
 impl Feature {
+    /// Scale at which it was found.
+    pub fn scale(&self) -> Scale {
+        Scale { octave: self.octave, level: self.level }
+    }
+
     /// Motion to be said of it, and its standard deviation, pixels per frame: its own where it moves by itself, where
     /// the motion of its place is unknown, and where it is surer and within one standard deviation of that; else that
     /// of its place, on which more of the picture decides.

@@ -10,7 +10,7 @@ use crate::app::results::{Read, Stale};
 use crate::app::view::fixed;
 use crate::app::{canvas, style};
 use crate::burst::Offset;
-use crate::detector::{Detection, Feature, MotionField, Slope, SlopeAxis};
+use crate::detector::{Detection, Feature, MotionField, Scale, Slope, SlopeAxis};
 use crate::inspect::place::Judged;
 use crate::requests::{MotionMap, PictureAnswer, PictureKind, PictureRequest, line_of};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
@@ -133,7 +133,7 @@ impl PictureState {
 pub(in crate::app) fn canvas_picture(picture: &PictureAnswer) -> canvas::Picture {
     let (plane, label) = (picture.plane.clone(), describe(picture));
     let on_canvas = match picture.request.kind.scale() {
-        Some((octave, _)) => canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label),
+        Some(scale) => canvas::Picture::of_octave(plane, scale.octave, picture.request.burst.burst.size(), label),
         None => canvas::Picture::new(plane, label),
     };
     canvas::Picture { drawn: picture.drawn.clone(), ..on_canvas }
@@ -193,7 +193,7 @@ fn describe_request(request: &PictureRequest) -> String {
         }
         kind => kind.about().label,
     };
-    let at = request.kind.scale().map(|(octave, level)| format!("  ·  octave {octave}, level {level}"));
+    let at = request.kind.scale().map(|Scale { octave, level }| format!("  ·  octave {octave}, level {level}"));
     let of =
         request.kind.slope().map(|Slope { u, v }| format!("  ·  slope ({}, {}) px/frame", fixed(u, 2), fixed(v, 2)));
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())

@@ -7,7 +7,7 @@ use super::candidate_tests::{CandidateTests, keypoint_of, over};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
-use crate::detector::{Judgement, Neighbourhood, Sample, Tally, Test, Trail};
+use crate::detector::{Judgement, Neighbourhood, Sample, Scale, Tally, Test, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, cuts};
@@ -185,7 +185,7 @@ pub fn winning_slopes(trail: &Trail, octave: i32, level: i32, monitor: &Monitor)
     let mut out = WinningSlopes { octave, level, slope_index: zeros(), snr: zeros(), confidence: zeros() };
     let parts = parts(trail, octave);
     let index = (level + 1) as usize;
-    let sigma_d: Vec<f32> = (0..grid.len()).map(|slope| trail.sigma_d_min((octave, level), slope)).collect();
+    let sigma_d: Vec<f32> = (0..grid.len()).map(|slope| trail.sigma_d_min(Scale { octave, level }, slope)).collect();
     for (part, region) in parts.iter().enumerate() {
         let around = trail.neighbourhood(octave, region, monitor)?;
         for y in region.rows.clone() {

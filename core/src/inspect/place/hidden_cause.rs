@@ -13,7 +13,7 @@ use crate::detector::params::doc;
 use crate::detector::pipeline::search;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::LOWEST_GATE;
-use crate::detector::{DetectorParams, Feature, Neighbourhood, NoiseGate, ParamChange, Sample, Slope, Trail};
+use crate::detector::{DetectorParams, Feature, Neighbourhood, NoiseGate, ParamChange, Sample, Scale, Slope, Trail};
 use crate::inspect::words::{number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Mask, Plane};
@@ -111,7 +111,7 @@ pub(super) struct Clear {
 pub(super) fn clearest<'p>(trail: &Trail, peaks: impl Iterator<Item = &'p Peak>) -> Option<Clear> {
     let over_least = |peak: &Peak| {
         let Sample { octave, level, slope_index, .. } = peak.sample;
-        peak.value.abs() / trail.sigma_d_min((octave, level), slope_index)
+        peak.value.abs() / trail.sigma_d_min(Scale { octave, level }, slope_index)
     };
     // The noise of a place costs some time: it is computed for the strongest of each slope.
     let mut of_slopes: Vec<Option<(&Peak, f32)>> = vec![None; trail.params().used_slopes().len()];
@@ -125,7 +125,7 @@ pub(super) fn clearest<'p>(trail: &Trail, peaks: impl Iterator<Item = &'p Peak>)
         let Sample { octave, level, slope_index, x, y } = peak.sample;
         let (pixel, slope) = (octave_pixel(octave), trail.params().used_slopes().slope(slope_index));
         let pos_image = [x as f32 * pixel, y as f32 * pixel];
-        let snr = peak.value.abs() / noise_at(trail, (octave, level), pos_image, slope);
+        let snr = peak.value.abs() / noise_at(trail, Scale { octave, level }, pos_image, slope);
         Clear { peak: *peak, pos_image, slope, snr }
     };
     let strongest = of_slopes.into_iter().flatten().map(clear).max_by(|a, b| a.snr.total_cmp(&b.snr));
@@ -133,7 +133,7 @@ pub(super) fn clearest<'p>(trail: &Trail, peaks: impl Iterator<Item = &'p Peak>)
 }
 
 /// σ of D at any scale, place and slope, over the frames that show it.
-fn noise_at(trail: &Trail, scale: (i32, i32), [u, v]: [f32; 2], slope: Slope) -> f32 {
+fn noise_at(trail: &Trail, scale: Scale, [u, v]: [f32; 2], slope: Slope) -> f32 {
     trail.sigma_d_at(scale, ((u, v), slope), &covering(trail, [u, v], slope))
 }
 
@@ -304,7 +304,7 @@ fn climbed(trail: &Trail, clear: &Clear, octave: i32, monitor: &Monitor) -> Resu
         (index, top) = (index - 1, below);
     }
     let level = index as i32 - 1;
-    let snr = top.1 / noise_at(trail, (octave, level.max(0)), top.0, slope);
+    let snr = top.1 / noise_at(trail, Scale { octave, level: level.max(0) }, top.0, slope);
     Ok(Climbed { height: top.1, level, slope, snr })
 }
 
@@ -339,7 +339,8 @@ const MOST_OTHERS: usize = 2;
 /// The reason why the setting that would keep `fate` is not proposed, if only some of the frames respond along its
 /// motion: it would be judged a ghost.
 pub(super) fn ghost(trail: &Trail, fate: &Fate, monitor: &Monitor) -> Result<Option<Cause>, Cancelled> {
-    let frames = trail.frame_responses((fate.octave, fate.level), fate.pos_image, fate.would_move, monitor)?;
+    let scale = Scale { octave: fate.octave, level: fate.level };
+    let frames = trail.frame_responses(scale, fate.pos_image, fate.would_move, monitor)?;
     let is_ghost = !fate.is_kept() && evenness_of(&frames).shape == Shape::Bump;
     let sentence = "no setting is proposed: only some of the frames respond along its motion, as for a ghost";
     Ok(is_ghost.then(|| Cause::new(CauseKind::Ghost, fate.would_move, sentence.to_owned())))

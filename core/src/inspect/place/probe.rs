@@ -12,7 +12,7 @@ use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Judged, Suspicion, suspicions};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::NOT_SEARCHED;
-use crate::detector::{Sample, Slope, Test, Trail};
+use crate::detector::{Sample, Scale, Slope, Test, Trail};
 use crate::error::{Error, Result};
 use crate::inspect::ProbeCache;
 use crate::inspect::words::{counted, number, slope_text};
@@ -203,7 +203,7 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
         }
     }
     let grid = trail.params().used_slopes();
-    let scale = (subject.octave, subject.level);
+    let scale = Scale { octave: subject.octave, level: subject.level };
     let response = response_map(trail, subject.pos_image, grid.coordinates(subject.slope_index), scale, monitor)?;
     let shares = shares(trail, scale, subject.pos_image, subject.slope, monitor)?;
     let suspicions = match subject.fate {

@@ -6,7 +6,7 @@
 
 use crate::burst::Offset;
 use crate::detector::coherence::{Evenness, FrameResponse, Shape, evenness_of, responding};
-use crate::detector::{Slope, SlopeGrid, Trail};
+use crate::detector::{Scale, Slope, SlopeGrid, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::sample::{bilinear, sample_patch};
@@ -46,15 +46,15 @@ const PATCH_SIGMAS: f32 = 4.0;
 /// Shares of all frames along the motion through `place` (input pixels, at mid-burst) at `slope`.
 pub fn shares(
     trail: &Trail,
-    (octave, level): (i32, i32),
+    scale: Scale,
     place: [f32; 2],
     slope: Slope,
     monitor: &Monitor,
 ) -> Result<Shares, Cancelled> {
-    let (planes, ..) = trail.frames();
+    let ((planes, ..), Scale { octave, level }) = (trail.frames(), scale);
     let sigma = trail.space().sigma_image(octave, f64::from(level)) as f32;
     let half_px = PATCH_SIGMAS * sigma;
-    let frames = trail.frame_responses((octave, level), place, slope, monitor)?;
+    let frames = trail.frame_responses(scale, place, slope, monitor)?;
     let patch = |(plane, response): (&Arc<Plane>, &FrameResponse)| {
         sample_patch(plane, response.pos_frame.into(), half_px, 0.0, PATCH_SIDE)
     };

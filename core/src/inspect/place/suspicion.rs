@@ -199,7 +199,7 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
         return None;
     }
     let rim = nearest_slope(&trail.params().used_slopes(), feature.slope);
-    let rise = beyond_the_rim(trail, [feature.u, feature.v], (feature.octave, feature.level), rim)?;
+    let rise = beyond_the_rim(trail, [feature.u, feature.v], feature.scale(), rim)?;
     let change = widened_towards(&trail.params().used_slopes(), fate)?;
     let evidence = format!(
         "it lies at the limit of the slopes, and beyond it the response is {} times as strong: widen them to {}",
