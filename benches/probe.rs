@@ -3,7 +3,8 @@
 
 use burstscope::Monitor;
 use burstscope::detector::{DetectorParams, Distinct, NoiseGate, SearchParams, SlopeGrid};
-use burstscope::inspect::{ProbeCache, ProbeOptions, probe};
+use burstscope::inspect::ProbeCache;
+use burstscope::inspect::place::{ProbeOptions, probe};
 use burstscope::synth::{Motion, SceneParams, demo_burst, synth_scene};
 use criterion::{Criterion, criterion_group, criterion_main};
 use std::hint::black_box;

@@ -12,7 +12,7 @@ use crate::synth::{ChartParams, Truth};
 use burstscope_core::baseline::plain_mean;
 use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, Result};
-use burstscope_core::inspect::score::{Curve, Judged};
+use burstscope_core::inspect::result::{Curve, Scored};
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
 use serde::{Deserialize, Serialize};
@@ -120,7 +120,7 @@ pub struct ShownChart {
 
 impl ShownChart {
     /// Judged features at the threshold of the study's share of false ones; all of them for `all`, or without a share.
-    pub fn judged(&self, all: bool) -> Vec<Judged> {
+    pub fn judged(&self, all: bool) -> Vec<Scored> {
         let fraction = match &self.of.study {
             Study::Chart(study) => Some(study.false_fraction),
             Study::Frames(study) => Some(study.charts.false_fraction),

@@ -8,7 +8,7 @@ use burstscope::baseline::merge_burst;
 use burstscope::burst::Positions;
 use burstscope::cli::{Failure, burst_document};
 use burstscope::detect::{Searched, prepare, search};
-use burstscope::detector::quantity::Place;
+use burstscope::detector::quantity::FeatureField;
 use burstscope::detector::slopes::resolve;
 use burstscope::detector::view::{coverage_view, dog_view, field_view, noise_map, stack_view};
 use burstscope::detector::{
@@ -66,11 +66,11 @@ impl RawDetection {
         let quantity = quantity.ok_or_else(|| PyValueError::new_err(format!("there is no column '{key}'")))?;
         let features = self.features().iter().copied();
         Ok(match quantity.record().place {
-            Place::Real(_) => PyArray1::from_iter(py, features.filter_map(|f| quantity.of(&f))).into_any(),
-            Place::Whole(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
-            Place::Flag(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
-            Place::Moves(at) => PyList::new(py, features.map(|mut f| at(&mut f).key()))?.into_any(),
-            Place::Beside => return Err(PyValueError::new_err(format!("no feature holds '{key}'"))),
+            FeatureField::Real(_) => PyArray1::from_iter(py, features.filter_map(|f| quantity.of(&f))).into_any(),
+            FeatureField::Whole(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
+            FeatureField::Flag(at) => PyArray1::from_iter(py, features.map(|mut f| *at(&mut f))).into_any(),
+            FeatureField::Moves(at) => PyList::new(py, features.map(|mut f| at(&mut f).key()))?.into_any(),
+            FeatureField::Beside => return Err(PyValueError::new_err(format!("no feature holds '{key}'"))),
         })
     }
 
@@ -117,11 +117,13 @@ impl RawDetection {
             let mut feature = Feature { field_sigma: f32::INFINITY, slope_index, ..Feature::default() };
             for (quantity, &value) in Quantity::STORED.into_iter().zip(row) {
                 match quantity.record().place {
-                    Place::Real(at) => *at(&mut feature) = value,
-                    Place::Whole(at) => *at(&mut feature) = value as i32,
-                    Place::Flag(at) => *at(&mut feature) = value != 0.0,
-                    Place::Moves(at) => *at(&mut feature) = Moves::ALL.get(value as usize).copied().unwrap_or_default(),
-                    Place::Beside => {}
+                    FeatureField::Real(at) => *at(&mut feature) = value,
+                    FeatureField::Whole(at) => *at(&mut feature) = value as i32,
+                    FeatureField::Flag(at) => *at(&mut feature) = value != 0.0,
+                    FeatureField::Moves(at) => {
+                        *at(&mut feature) = Moves::ALL.get(value as usize).copied().unwrap_or_default()
+                    }
+                    FeatureField::Beside => {}
                 }
             }
             if feature.field_sigma.is_infinite() {

@@ -5,12 +5,10 @@ use crate::parameters::{Given, search_params};
 use crate::work::run;
 use burstscope::Burst;
 use burstscope::cli::Failure;
-use burstscope::inspect::figure::{probe_svg, spectrum_svg};
-use burstscope::inspect::price::price;
-use burstscope::inspect::probe::{Wanted, check_place};
-use burstscope::inspect::report::{probe_text, spectrum_text};
-use burstscope::inspect::spectrum::spectrum;
-use burstscope::inspect::{ProbeCache, ProbeOptions, probe};
+use burstscope::inspect::ProbeCache;
+use burstscope::inspect::place::{ProbeOptions, ProbeSubject, check_place, price, probe};
+use burstscope::inspect::report::{probe_svg, probe_text, spectrum_svg, spectrum_text};
+use burstscope::inspect::slopes::spectrum;
 use pyo3::prelude::*;
 use serde_json::json;
 use std::path::PathBuf;
@@ -54,7 +52,7 @@ impl RawInspection {
             if let Some((u, v)) = at {
                 check_place([u, v], self.burst.size())?;
             }
-            let wanted = feature.map_or(Wanted::Best, Wanted::Feature);
+            let wanted = feature.map_or(ProbeSubject::Best, ProbeSubject::Feature);
             let options = ProbeOptions { wanted, ..ProbeOptions::default() };
             let place = at.map_or([0.0; 2], |(u, v)| [u, v]);
             let answer = probe(&self.cache, place, &options, monitor)?;

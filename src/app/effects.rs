@@ -13,7 +13,7 @@ use crate::app::document::export::{ExportKind, Purpose};
 use crate::app::document::side::Side;
 use crate::app::results::{Effect, Read};
 use crate::engine::Ended;
-use crate::inspect::probe::Wanted as Subject;
+use crate::inspect::place::ProbeSubject;
 use crate::requests::{OpenRequest, ProbeQuestion};
 use crate::teach::Lesson;
 use std::path::PathBuf;
@@ -137,7 +137,7 @@ impl BurstscopeApp {
             ActionId::ProbePlace => {
                 if let Some((side, place)) = actions::when::place_to_probe(Read::of(model), widgets) {
                     self.change(Action::StopFollowing);
-                    self.change(Action::Probe(side, ProbeQuestion::At { place, wanted: Subject::Best }));
+                    self.change(Action::Probe(side, ProbeQuestion::At { place, wanted: ProbeSubject::Best }));
                 }
             }
             ActionId::CopyActions => {

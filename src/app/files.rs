@@ -23,9 +23,9 @@ use crate::evaluate::curves::{curves_csv, curves_svg};
 use crate::export;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::export::{ExportFormat, OpenedFiles, OutputRules, Overwrite};
-use crate::files::mark::Kind;
+use crate::files::mark::OutputKind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
-use crate::inspect::verdict::{Verdict, kept_of};
+use crate::inspect::place::{Verdict, kept_of};
 use crate::monitor::Monitor;
 use crate::requests::BurstSource;
 use crate::teach::{Lesson, Workspace, sheet};
@@ -230,7 +230,7 @@ fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<W
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
         Purpose::Export(ExportKind::CurvesCsv) => Ok(whole_work(curves_csv(&shown_plots(model)))),
         Purpose::Export(ExportKind::Sheet) => Err("no lesson is open; open one first".to_owned()),
-        Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(Kind::Drawing, curves_svg(&shown_plots(model)))),
+        Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(OutputKind::Drawing, curves_svg(&shown_plots(model)))),
         Purpose::Export(ExportKind::Mask) => mask_work(model),
         Purpose::Export(ExportKind::Case) => case_work(model),
         Purpose::Export(ExportKind::FilmGif) => {
@@ -252,12 +252,12 @@ fn whole_work(text: String) -> Work {
     work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())))
 }
 
-fn text_work(kind: Kind, text: String) -> Work {
+fn text_work(kind: OutputKind, text: String) -> Work {
     work(move |path| export::write_text(path, kind, text))
 }
 
 fn settings_work(toml: String) -> Work {
-    text_work(Kind::Settings, written_by() + &toml)
+    text_work(OutputKind::Settings, written_by() + &toml)
 }
 
 fn case_work(model: Read<'_>) -> Result<Work, String> {
@@ -324,7 +324,7 @@ fn mask_work(model: Read<'_>) -> Result<Work, String> {
     Ok(work(move |path| {
         let greys = mask_of(&open.burst, &outlines);
         let ((width, height), pixels) = (open.burst.size(), greys.iter().flat_map(|grey| [*grey; 3]));
-        export::write_png(path, export::Picture::rgb(width, height, &pixels.collect::<Vec<u8>>()))
+        export::write_png(path, export::Bitmap::rgb(width, height, &pixels.collect::<Vec<u8>>()))
     }))
 }
 
@@ -360,9 +360,9 @@ fn ending_of(path: &Path, kind: ExportKind) -> Result<&'static str, String> {
     })
 }
 
-fn picture_of(rgba: &RgbaImage) -> export::Picture<'_> {
+fn picture_of(rgba: &RgbaImage) -> export::Bitmap<'_> {
     let (width, height) = rgba.dimensions();
-    export::Picture::rgba(width as usize, height as usize, rgba.as_raw())
+    export::Bitmap::rgba(width as usize, height as usize, rgba.as_raw())
 }
 
 #[cfg(test)]

@@ -11,7 +11,7 @@ use crate::burst::Burst;
 use crate::detector::view::check_level;
 use crate::detector::{Slope, SlopeGrid};
 use crate::error::{Error, ErrorKind};
-use crate::export::{OutputRules, Picture, write_png};
+use crate::export::{Bitmap, OutputRules, write_png};
 use crate::monitor::Monitor;
 use std::cell::RefCell;
 use std::path::Path;
@@ -135,7 +135,7 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
     }
     options.rules.clone().and_opened(opened).check(path)?;
     let (width, height) = rendered.image.dimensions();
-    write_png(path, Picture::rgba(width as usize, height as usize, rendered.image.as_raw()))?;
+    write_png(path, Bitmap::rgba(width as usize, height as usize, rendered.image.as_raw()))?;
     Ok(())
 }
 

@@ -5,7 +5,7 @@ use crate::burst::{FrameRange, OpenOptions};
 use crate::detector::params::doc;
 use crate::detector::{Combine, Slope, memory};
 use crate::export::ExportFormat;
-use crate::inspect::verdict::Verdict;
+use crate::inspect::place::Verdict;
 use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;

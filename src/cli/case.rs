@@ -6,7 +6,7 @@ use super::inputs::{OneBurst, check_ending};
 use super::probe::{check_inside, parse_place};
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::files::path_text;
-use crate::inspect::truth::truth_of;
+use crate::inspect::result::truth_of;
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;

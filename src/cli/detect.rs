@@ -13,8 +13,8 @@ use crate::export::{ExportFormat, OutputRules, detection_files, write_detection}
 use crate::files::lock::FolderLock;
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
-use crate::inspect::spectrum::judgement;
-use crate::inspect::verdict::{Verdict, kept};
+use crate::inspect::place::{Verdict, kept};
+use crate::inspect::slopes::judgement;
 use crate::matching::Camera;
 use crate::monitor::Stage;
 use std::path::{Path, PathBuf};

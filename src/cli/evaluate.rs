@@ -4,7 +4,7 @@ use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
-use super::study::{Searched, chart_study, check_plot, searched, write_plot};
+use super::study::{StudySearch, chart_study, check_plot, searched, write_plot};
 use super::{evaluate_frames, evaluate_matches, evaluate_poses};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
@@ -43,7 +43,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
 }
 
 fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
-    let Searched { detector, slopes, .. } = searched(&args.search)?;
+    let StudySearch { detector, slopes, .. } = searched(&args.search)?;
     let default = AccuracyStudy::with_motion(args.charts.motion);
     let study = AccuracyStudy {
         chart: args.charts.params(args.max_slope),
@@ -72,7 +72,7 @@ struct AccuracyDocument {
 }
 
 fn noise(args: &NoiseArgs) -> Result<(), Failure> {
-    let Searched { detector, slopes, .. } = searched(&args.search)?;
+    let StudySearch { detector, slopes, .. } = searched(&args.search)?;
     let one = |label: &str| {
         let detector = DetectorParams { slopes: slopes.unwrap_or(detector.slopes), ..detector.clone() };
         vec![NoiseSearch { label: label.to_owned(), detector }]

@@ -13,7 +13,7 @@ use crate::evaluate::curves::{burst_frames_svg, frames_svg};
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{BurstFramesStudy, FramesStudy};
 use crate::export::OutputRules;
-use crate::inspect::truth::truth_of;
+use crate::inspect::result::truth_of;
 use clap::Args;
 use std::path::{Path, PathBuf};
 

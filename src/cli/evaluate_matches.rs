@@ -6,7 +6,7 @@ use super::evaluate_tables::{or_dash, table};
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
-use super::study::{Searched, once_each, searched_by};
+use super::study::{StudySearch, once_each, searched_by};
 use super::synth::levels_of;
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
@@ -104,7 +104,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     }
     let has_gold = args.gold.is_some() || args.snr.is_some();
     let methods = methods(args, has_gold)?;
-    let Searched { detector, slopes, direction_deg } = searched_by(&args.run.search, &methods)?;
+    let StudySearch { detector, slopes, direction_deg } = searched_by(&args.run.search, &methods)?;
     let (slopes_1d, slopes_2d) = slopes_of(slopes.unwrap_or(detector.slopes));
     let study = MatchStudy {
         methods,

@@ -8,14 +8,12 @@ use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use crate::burst::Positions;
 use crate::error::Error;
 use crate::export::write_text;
-use crate::files::mark::Kind;
+use crate::files::mark::OutputKind;
 use crate::files::path_text;
-use crate::inspect::figure::{probe_svg, spectrum_svg};
-use crate::inspect::price::price;
-use crate::inspect::probe::{Wanted, check_place, outside};
-use crate::inspect::report::{probe_text, spectrum_text};
-use crate::inspect::spectrum::spectrum;
-use crate::inspect::{ProbeCache, ProbeOptions, probe};
+use crate::inspect::ProbeCache;
+use crate::inspect::place::{ProbeOptions, ProbeSubject, check_place, outside, price, probe};
+use crate::inspect::report::{probe_svg, probe_text, spectrum_svg, spectrum_text};
+use crate::inspect::slopes::spectrum;
 use crate::monitor::Stage;
 use clap::Args;
 use serde_json::json;
@@ -34,7 +32,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
         check_place(place, burst.size())?;
     }
     let cache = ProbeCache::new(&burst, &params, &console.monitor)?;
-    let wanted = args.feature.map_or(Wanted::Best, Wanted::Feature);
+    let wanted = args.feature.map_or(ProbeSubject::Best, ProbeSubject::Feature);
     let asked = ProbeOptions { wanted, ..ProbeOptions::default() };
     let answer = probe(&cache, args.at.unwrap_or_default(), &asked, &console.monitor)?;
     console.monitor.check()?;
@@ -42,7 +40,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
         rules.check(path)?;
-        write_text(path, Kind::Drawing, probe_svg(&answer, &input.name))?;
+        write_text(path, OutputKind::Drawing, probe_svg(&answer, &input.name))?;
     }
     let remedy = answer.subject_fate().and_then(|fate| Some((fate.of_sample(), &fate.remedy.as_ref()?.change)));
     let price = match remedy.filter(|_| args.price) {
@@ -123,7 +121,7 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
         rules.check(path)?;
-        write_text(path, Kind::Drawing, spectrum_svg(&answer, &input.name))?;
+        write_text(path, OutputKind::Drawing, spectrum_svg(&answer, &input.name))?;
         text += &format!("wrote {}\n", path.display());
     }
     console.say(&text)?;

@@ -9,7 +9,7 @@ use crate::detector::{
     Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test, explain,
 };
 use crate::files::path_text;
-use crate::inspect::spectrum::{SlopeJudgement, features_at_slopes};
+use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::sync::Arc;

@@ -9,10 +9,10 @@ use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SlopeGrid, Slopes};
 use crate::evaluate::{BurstMethod, ChartStudy, Searches};
 use crate::export::{OutputRules, write_text};
-use crate::files::mark::Kind;
+use crate::files::mark::OutputKind;
 use std::path::Path;
 
-pub(super) struct Searched {
+pub(super) struct StudySearch {
     pub detector: DetectorParams,
     pub slopes: Option<SlopeGrid>,
     /// Direction in which slopes are found, degrees from +u towards +v.
@@ -20,17 +20,17 @@ pub(super) struct Searched {
 }
 
 /// Search parameters of a study that compares searches over given ranges of slopes.
-pub(super) fn searched(search: &SearchArgs) -> Result<Searched, Failure> {
+pub(super) fn searched(search: &SearchArgs) -> Result<StudySearch, Failure> {
     let remedy = "this command compares searches of known ranges; give them with --slopes-u and --slopes-v";
     checked_slopes(search, false, remedy)
 }
 
-pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Result<Searched, Failure> {
+pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Result<StudySearch, Failure> {
     let remedy = "of the methods only buff-auto finds slopes; add it to --methods, or give a range with --slopes-u and --slopes-v";
     checked_slopes(search, methods.contains(&BurstMethod::BuffAuto), remedy)
 }
 
-fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<Searched, Failure> {
+fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<StudySearch, Failure> {
     let params = search.params()?;
     // Either option asks for slopes to be found, which only some commands and methods do.
     let asked = [doc::SLOPES, doc::SLOPE_DIRECTION];
@@ -41,7 +41,7 @@ fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<S
         Slopes::Given(grid) => (Some(grid), None),
         Slopes::Auto { direction_deg } => (None, direction_deg),
     };
-    Ok(Searched { detector: params.at(slopes.unwrap_or_default()), slopes, direction_deg })
+    Ok(StudySearch { detector: params.at(slopes.unwrap_or_default()), slopes, direction_deg })
 }
 
 pub(super) fn once_each<T: Copy + PartialEq>(list: &[T]) -> Vec<T> {
@@ -63,7 +63,7 @@ pub(super) fn chart_study(
     if search.gives(&doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
-    let Searched { detector, slopes, direction_deg } = searched_by(search, &compared.methods)?;
+    let StudySearch { detector, slopes, direction_deg } = searched_by(search, &compared.methods)?;
     Ok(ChartStudy {
         chart: charts.params(compared.max_slope),
         snrs,
@@ -84,7 +84,7 @@ pub(super) fn write_plot(
 ) -> Result<(), Failure> {
     let Some(path) = path else { return Ok(()) };
     rules.check(path)?;
-    write_text(path, Kind::Drawing, svg())?;
+    write_text(path, OutputKind::Drawing, svg())?;
     console.say(&format!("\nwrote {}\n", path.display()))
 }
 

@@ -2,7 +2,7 @@
 
 use super::Engine;
 use super::trails::Trails;
-use crate::requests::{Caches, Picture, PictureKey, PictureRequest, PictureStore};
+use crate::requests::{Caches, PictureAnswer, PictureKey, PictureRequest, PictureStore};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -34,11 +34,11 @@ impl Pictures {
 }
 
 impl PictureStore for Pictures {
-    fn get(&self, request: &PictureRequest) -> Option<Picture> {
+    fn get(&self, request: &PictureRequest) -> Option<PictureAnswer> {
         self.lock().get(request)
     }
 
-    fn put(&self, picture: &Picture) {
+    fn put(&self, picture: &PictureAnswer) {
         self.lock().insert(picture);
     }
 }
@@ -69,7 +69,7 @@ pub struct PictureCache {
     budget_bytes: usize,
     bytes: usize,
     clock: u64,
-    entries: HashMap<PictureKey, (Picture, u64)>,
+    entries: HashMap<PictureKey, (PictureAnswer, u64)>,
 }
 
 impl PictureCache {
@@ -89,7 +89,7 @@ impl PictureCache {
         self.entries.is_empty()
     }
 
-    pub fn get(&mut self, request: &PictureRequest) -> Option<Picture> {
+    pub fn get(&mut self, request: &PictureRequest) -> Option<PictureAnswer> {
         self.clock += 1;
         let (picture, used) = self.entries.get_mut(&request.key())?;
         *used = self.clock;
@@ -97,7 +97,7 @@ impl PictureCache {
     }
 
     /// Frames are not kept: the burst holds them. Nor is a picture that exceeds the budget.
-    pub fn insert(&mut self, picture: &Picture) {
+    pub fn insert(&mut self, picture: &PictureAnswer) {
         let size = picture.bytes();
         if picture.is_frame() || size > self.budget_bytes {
             return;

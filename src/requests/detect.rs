@@ -14,7 +14,7 @@ use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeAxis
 use crate::error::Error;
 use crate::files::shell_word;
 use crate::inspect::ProbeCache;
-use crate::inspect::spectrum::{SlopeJudgement, judgement};
+use crate::inspect::slopes::{SlopeJudgement, judgement};
 use crate::matching::{MatchParams, MatchResult};
 use crate::monitor::Monitor;
 use std::convert::Infallible;

@@ -7,14 +7,14 @@ use super::open::BurstId;
 use super::request::{Caches, Request, Urgency, Work};
 use super::trail::{DetectionSource, trail_and_rest};
 use crate::detector::{Detection, ParamChange, Slope, Test};
-use crate::inspect::candidates::{CandidateMark, Survey, SurveyOptions, survey};
-use crate::inspect::decoys::{DecoyReport, DecoyStudy, decoys};
-use crate::inspect::price::{Price, price_at_once};
-use crate::inspect::probe::Wanted;
-use crate::inspect::spectrum::{Spectrum, spectrum};
-use crate::inspect::unmatched::{ComparedPair, Losses, Lost, NearestOfBoth};
-use crate::inspect::verdict::{Judged, judged};
-use crate::inspect::{Probe, ProbeCache, ProbeOptions, probe};
+use crate::inspect::ProbeCache;
+use crate::inspect::pair::{ComparedPair, Losses, Lost, NearestOfBoth};
+use crate::inspect::place::{
+    CandidateMark, Judged, Price, Probe, ProbeOptions, ProbeSubject, Survey, SurveyOptions, judged, price_at_once,
+    probe, survey,
+};
+use crate::inspect::result::{DecoyReport, DecoyStudy, decoys};
+use crate::inspect::slopes::{Spectrum, spectrum};
 use crate::matching::MatchResult;
 use crate::monitor::Monitor;
 use serde::{Deserialize, Serialize};
@@ -139,7 +139,7 @@ pub enum ProbeQuestion {
     At {
         /// (u, v) at mid-burst, input pixels.
         place: [f32; 2],
-        wanted: Wanted,
+        wanted: ProbeSubject,
     },
     Strongest,
 }
@@ -168,7 +168,7 @@ impl Request for ProbeRequest {
             ProbeQuestion::At { place, wanted } => (place, wanted),
             ProbeQuestion::Strongest => {
                 let mark = strongest(cache, monitor)?;
-                (mark.pos_image, Wanted::Candidate(mark.sample))
+                (mark.pos_image, ProbeSubject::Candidate(mark.sample))
             }
         };
         let (near_sigma, in_view) = (self.near_sigma, self.in_view);

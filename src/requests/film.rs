@@ -5,14 +5,14 @@ use super::map::SlopeColours;
 use super::open::OpenBurst;
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{dog_view, stack_view};
-use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Slope, SlopeGrid, memory};
+use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Scale, Slope, SlopeGrid, memory};
 use crate::error::{Error, ErrorKind};
 use crate::export::film::write_film;
 use crate::export::{
     Cells, ColourBar, Drawing, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, IN_A_CELL,
     LegendEntry, lay_out,
 };
-use crate::inspect::spectrum::is_at_slope;
+use crate::inspect::slopes::is_at_slope;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Monitor, Stage};
 use crate::plane::Plane;
@@ -68,8 +68,8 @@ impl FromStr for Sweep {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FilmStep {
     pub slope: Slope,
-    /// Octave and level of the DoG that is shown; `None` for the motion stack.
-    pub scale: Option<(i32, i32)>,
+    /// Scale of the DoG that is shown; `None` for the motion stack.
+    pub scale: Option<Scale>,
     /// Number of frames around the middle; `None` for all.
     pub frames: Option<usize>,
 }
@@ -128,7 +128,7 @@ impl Film {
             Sweep::Scale => {
                 let octaves = searched_octaves(&self.params, self.burst.burst.size());
                 let levels = self.params.levels as i32;
-                let scales = octaves.flat_map(|octave| (0..levels).map(move |level| (octave, level)));
+                let scales = octaves.flat_map(|octave| (0..levels).map(move |level| Scale { octave, level }));
                 scales.map(|scale| FilmStep { scale: Some(scale), ..still }).collect()
             }
             Sweep::Frames => {
@@ -280,7 +280,7 @@ impl Film {
         let params = self.params_of(step);
         let (plane, per_pixel) = match step.scale {
             None => (stack_view(burst, &params, step.slope, monitor)?, 1.0),
-            Some((octave, level)) => {
+            Some(Scale { octave, level }) => {
                 (dog_view(burst, &params, step.slope, octave, level, monitor)?, 2f32.powi(-octave))
             }
         };
@@ -350,17 +350,13 @@ impl Film {
         let slope = format!("slope {} px/frame", slope_text(step.slope));
         let what = match step.scale {
             None => format!("mean of {frames}, {slope}"),
-            Some((octave, level)) => {
-                let sigma = self.sigma_px(octave, level);
+            Some(Scale { octave, level }) => {
+                let sigma = ScaleSpace::of(&self.params).sigma_image(octave, f64::from(level)) as f32;
                 format!("σ {} px (octave {octave}, level {level}), {slope}", number(sigma, 1))
             }
         };
         let of = if drawn < features { format!("{drawn} of ") } else { String::new() };
         if self.detection.is_some() { format!("{what}: {of}{}", counted(features, "feature")) } else { what }
-    }
-
-    fn sigma_px(&self, octave: i32, level: i32) -> f32 {
-        ScaleSpace::of(&self.params).sigma_image(octave, f64::from(level)) as f32
     }
 
     /// The features of a step: of its scale, or moving as its slope.
@@ -369,7 +365,7 @@ impl Film {
         let all = self.detection.iter().flat_map(|detection| &detection.features);
         let (scale, slope) = (step.scale, step.slope);
         all.filter(move |feature| match scale {
-            Some(scale) => (feature.octave, feature.level) == scale,
+            Some(scale) => feature.scale() == scale,
             None => is_at_slope(&grid, feature, slope),
         })
     }

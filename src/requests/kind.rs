@@ -1,7 +1,7 @@
 //! The kinds of picture: one record each, which the window, lessons, the glossary and files read.
 
 use crate::detector::params::Stage;
-use crate::detector::{Combine, Slope};
+use crate::detector::{Combine, Scale, Slope};
 use serde::{Deserialize, Serialize};
 use strum::{EnumCount, VariantArray};
 
@@ -277,17 +277,17 @@ impl PictureKind {
     }
 
     /// Octave and level of a picture with the octave's pixels.
-    pub fn scale(self) -> Option<(i32, i32)> {
+    pub fn scale(self) -> Option<Scale> {
         match self {
-            Self::Dog { octave, level, .. } => Some((octave, level)),
-            Self::Map { map, octave, level, .. } => map.about().of_scale.then_some((octave, level)),
+            Self::Dog { octave, level, .. } => Some(Scale { octave, level }),
+            Self::Map { map, octave, level, .. } => map.about().of_scale.then_some(Scale { octave, level }),
             Self::Frame(_) | Self::Stack { .. } | Self::Merge => None,
         }
     }
 
     /// Input pixels for one pixel of this picture: 2^octave for a picture of an octave, else 1.
     pub fn input_px_per_pixel(self) -> f32 {
-        self.scale().map_or(1.0, |(octave, _)| (octave as f32).exp2())
+        self.scale().map_or(1.0, |scale| (scale.octave as f32).exp2())
     }
 }
 

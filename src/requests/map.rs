@@ -2,7 +2,7 @@
 
 use crate::detector::quantity::BRIGHT;
 use crate::detector::{Feature, MotionField, Slope, SlopeAxis, SlopeGrid};
-use crate::inspect::candidates::WinningSlopes;
+use crate::inspect::place::WinningSlopes;
 use crate::plane::display::{Rgb, direction_colour};
 use image::{Rgba, RgbaImage};
 

@@ -9,7 +9,7 @@ use crate::export::{
     ColourBar, Drawing, FigureAmount, FigureLink, FigureMatches, FigureOptions, FigurePanel, FigureWidth, MatchKind,
     lay_out,
 };
-use crate::inspect::spectrum::{features_at_slopes, slope_with_most_features};
+use crate::inspect::slopes::{features_at_slopes, slope_with_most_features};
 use crate::inspect::words::{number, slope_text};
 use crate::matching::MatchResult;
 use crate::monitor::Monitor;

@@ -37,7 +37,7 @@ pub use map::{MotionMap, SlopeColours, line_of};
 pub use match_figure::{MatchFigure, MatchPictures, are_stacked, titled};
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
-pub use picture::{Picture, PictureRequest};
+pub use picture::{PictureAnswer, PictureRequest};
 pub use pictures::PicturesRequest;
 pub use request::{Caches, JobId, PictureStore, Request, Running, Urgency, Work};
 pub use source::BurstSource;

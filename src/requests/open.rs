@@ -5,7 +5,7 @@ use super::source::BurstSource;
 use crate::burst::{Burst, LikelyShape, OpenOptions, find_bursts, likely_shapes};
 use crate::dataset::BurstPicture;
 use crate::error::{Error, ErrorKind};
-use crate::inspect::truth::{is_known, truth_of};
+use crate::inspect::result::{has_truth, truth_of};
 use crate::inspect::words::counted;
 use crate::monitor::Monitor;
 use crate::synth::{Truth, synth_chart};
@@ -50,7 +50,7 @@ impl OpenBurst {
 
     /// Whether the burst may have a truth: a cheap check that reads no file.
     pub fn has_truth(&self) -> bool {
-        self.planted.is_some() || matches!(self.source, BurstSource::Chart(_)) || is_known(&self.burst)
+        self.planted.is_some() || matches!(self.source, BurstSource::Chart(_)) || has_truth(&self.burst)
     }
 
     pub fn describe(&self) -> String {

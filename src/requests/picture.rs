@@ -4,7 +4,7 @@ use super::kind::{PictureKind, RangeClass, ViewKind};
 use super::map::MotionMap;
 use super::open::{BurstId, OpenBurst};
 use crate::detector::params::Stage;
-use crate::detector::{DetectorParams, Feature, FrameRange, Method};
+use crate::detector::{DetectorParams, Feature, FrameRange, Method, Scale};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
@@ -47,7 +47,7 @@ struct KindKey {
     frame: Option<usize>,
     map: Option<ViewKind>,
     slope_bits: Option<(u32, u32)>,
-    scale: Option<(i32, i32)>,
+    scale: Option<Scale>,
     params: u64,
 }
 
@@ -120,7 +120,7 @@ impl PictureRequest {
 }
 
 #[derive(Debug, Clone)]
-pub struct Picture {
+pub struct PictureAnswer {
     pub request: PictureRequest,
     /// Pixels, fraction of full scale.
     pub plane: Arc<Plane>,
@@ -129,7 +129,7 @@ pub struct Picture {
     pub motion: Option<Arc<MotionMap>>,
 }
 
-impl Picture {
+impl PictureAnswer {
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());
         // Motions take three times as much as the plane: slope and certainty are three floats.

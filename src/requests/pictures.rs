@@ -3,7 +3,7 @@
 use super::error::JobError;
 use super::kind::{PictureKind, ViewKind};
 use super::map::MotionMap;
-use super::picture::{Picture, PictureRequest};
+use super::picture::{PictureAnswer, PictureRequest};
 use super::request::{Caches, Request, Urgency, Work};
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
@@ -13,14 +13,14 @@ use crate::detector::stack::motion_stack;
 use crate::detector::view::{
     combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_view,
 };
-use crate::inspect::candidates::winning_slopes;
+use crate::inspect::place::winning_slopes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Mask, Plane};
 use std::convert::Infallible;
 use std::sync::Arc;
 
 /// Computes a picture that is not a difference.
-fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
+fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<PictureAnswer, JobError> {
     let (trails, monitor) = (work.caches.trails, work.monitor);
     let mut motion = None;
     let burst = &request.burst.burst;
@@ -77,7 +77,7 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
         }
     };
     let plane = with_unseen(plane, &request, monitor)?;
-    Ok(Picture { request, drawn: plane.clone(), plane, motion })
+    Ok(PictureAnswer { request, drawn: plane.clone(), plane, motion })
 }
 
 /// `plane` with a mask over the pixels that no frame shows at the slope: their values come from filled pixels.
@@ -102,7 +102,7 @@ fn with_unseen(plane: Arc<Plane>, request: &PictureRequest, monitor: &Monitor) -
 }
 
 impl Request for PictureRequest {
-    type Answer = Picture;
+    type Answer = PictureAnswer;
     type Partial = Infallible;
 
     fn urgency(&self) -> Urgency {
@@ -110,11 +110,11 @@ impl Request for PictureRequest {
         self.minus().map_or(own, |minus| own.max(minus.urgency()))
     }
 
-    fn cached(&self, caches: &Caches<'_>) -> Option<Picture> {
+    fn cached(&self, caches: &Caches<'_>) -> Option<PictureAnswer> {
         caches.pictures.get(self)
     }
 
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Picture, JobError> {
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<PictureAnswer, JobError> {
         if let Some(picture) = self.cached(&work.caches) {
             return Ok(picture);
         }
@@ -138,14 +138,14 @@ impl Request for PictureRequest {
 pub struct PicturesRequest(pub Vec<PictureRequest>);
 
 impl Request for PicturesRequest {
-    type Answer = Vec<Picture>;
+    type Answer = Vec<PictureAnswer>;
     type Partial = Infallible;
 
     fn urgency(&self) -> Urgency {
         self.0.iter().map(PictureRequest::urgency).max().unwrap_or(Urgency::Picture)
     }
 
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<Picture>, JobError> {
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<PictureAnswer>, JobError> {
         self.0.into_iter().map(|request| request.compute(work)).collect()
     }
 }

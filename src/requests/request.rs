@@ -1,7 +1,7 @@
 //! Trait of all requests (an answer, an urgency, equality of two requests), and the progress of one that runs.
 
 use super::error::JobError;
-use super::picture::{Picture, PictureRequest};
+use super::picture::{PictureAnswer, PictureRequest};
 use super::trail::{NothingKept, TrailStore};
 use crate::monitor::{Monitor, Progress};
 use std::time::{Duration, Instant};
@@ -43,11 +43,11 @@ pub struct Caches<'a> {
 }
 
 pub trait PictureStore {
-    fn get(&self, _: &PictureRequest) -> Option<Picture> {
+    fn get(&self, _: &PictureRequest) -> Option<PictureAnswer> {
         None
     }
 
-    fn put(&self, _: &Picture) {}
+    fn put(&self, _: &PictureAnswer) {}
 }
 
 impl PictureStore for NothingKept {}

@@ -26,7 +26,7 @@ pub struct Goal {
     pub selected: Option<bool>,
     pub probe: Option<Near>,
     /// Required parameter values or ranges, by parameter name.
-    pub params: BTreeMap<ParamName, Wanted>,
+    pub params: BTreeMap<ParamName, GoalValue>,
     /// Range of slopes u that the searched range must contain.
     pub searches_u: Option<Between>,
     pub slopes: Option<Between>,
@@ -66,8 +66,8 @@ impl TryFrom<String> for ParamName {
 }
 
 #[derive(Debug, Clone, PartialEq, Deserialize)]
-#[serde(untagged)]
-pub enum Wanted {
+#[serde(untagged, expecting = "data did not match any variant of untagged enum Wanted")]
+pub enum GoalValue {
     Between(Between),
     Number(f64),
     Switch(bool),
@@ -153,7 +153,7 @@ impl Goal {
     }
 }
 
-impl Wanted {
+impl GoalValue {
     fn is_met(&self, value: &toml::Value) -> bool {
         let number = value.as_float().or_else(|| value.as_integer().map(|x| x as f64));
         match self {

@@ -4,7 +4,7 @@ use super::part::field_of;
 use super::values::{Near, finite};
 use crate::detector::{SearchParams, Slope};
 use crate::error::Error;
-use crate::inspect::set_up::SetUp;
+use crate::inspect::slopes::SetUp;
 use crate::matching::MatchParams;
 use crate::requests::{BurstSource, ViewKind};
 use serde::{Deserialize, Deserializer, Serialize, de};

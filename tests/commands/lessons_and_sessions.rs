@@ -9,7 +9,7 @@ use burstscope::app::document::action::Reselect;
 use burstscope::app::results::{Model, Read};
 use burstscope::app::session::Session;
 use burstscope::detector::{SearchParams, SlopeAxis, SlopeGrid};
-use burstscope::inspect::set_up::SetUp;
+use burstscope::inspect::slopes::SetUp;
 use burstscope::recover::RecoverStudy;
 use burstscope::requests::{BurstSource, OpenBurst};
 use burstscope::synth::{ChartParams, NoisyParams};

@@ -119,10 +119,10 @@ pub fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
 
 /// Leaves a hidden folder in `folder` as a run does that is killed while it writes.
 pub fn leave_unfinished(folder: &Path) {
-    use burstscope::files::mark::{Kind, claiming};
+    use burstscope::files::mark::{OutputKind, claiming};
     let hidden = folder.join(".burstscope-abc.tmp");
     std::fs::create_dir(&hidden).expect("made");
-    let mark = claiming(Kind::Unfinished, &serde_json::json!({ "target": "x.tiff" }));
-    std::fs::write(hidden.join(Kind::Unfinished.file()), mark).expect("written");
+    let mark = claiming(OutputKind::Unfinished, &serde_json::json!({ "target": "x.tiff" }));
+    std::fs::write(hidden.join(OutputKind::Unfinished.file()), mark).expect("written");
     std::fs::write(hidden.join("new"), "half").expect("written");
 }

@@ -3,7 +3,7 @@
 use burstscope::app::canvas::Zoom;
 use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::document::side::Side;
-use burstscope::app::pane::{Content, Direction, MAX_PANES, Over, PaneId, Panes, Place, Preset};
+use burstscope::app::pane::{Content, Direction, MAX_PANES, Over, PaneGroup, PaneId, Panes, Preset};
 use burstscope::detector::{DetectorParams, Slope};
 use burstscope::teach::Workspace;
 
@@ -111,7 +111,7 @@ fn each_workspace_has_its_own_panes_and_what_is_in_two_is_the_same() {
     assert!(panes.get(below).is_some(), "the other workspace has it");
     // Closing a burst removes its panes from all workspaces.
     panes.close_side(Side::B);
-    assert_eq!((panes.shown_in(Place::Pair), panes.get(below).is_none()), (vec![A, B], true));
+    assert_eq!((panes.shown_in(PaneGroup::Pair), panes.get(below).is_none()), (vec![A, B], true));
 }
 
 #[test]

@@ -5,7 +5,7 @@ use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::document::panes::{Hidden, MaskShape};
 use burstscope::app::pane::PaneId;
 use burstscope::detector::Slope;
-use burstscope::inspect::verdict::Verdict;
+use burstscope::inspect::place::Verdict;
 use egui::accesskit::Role;
 use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;

@@ -6,7 +6,7 @@ use burstscope::app::document::side::Side;
 use burstscope::app::results::Read;
 use burstscope::burst::TimesChoice;
 use burstscope::detector::{FrameRange, SearchParams, SlopeGrid, Slopes};
-use burstscope::inspect::verdict::Verdict;
+use burstscope::inspect::place::Verdict;
 use burstscope::requests::BurstSource;
 use egui::Key;
 use egui::accesskit::Role;

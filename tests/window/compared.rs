@@ -1,10 +1,10 @@
 //! Comparison with earlier features and with those of others, and the command that finds the present ones.
 
 use crate::support::Start;
-use burstscope::app::document::comparison::{Kind, Reference};
+use burstscope::app::document::comparison::{Compared, Reference};
 use burstscope::app::document::side::Side;
 use burstscope::export::{write_colmap, write_csv};
-use burstscope::inspect::changes::{Spot, compare};
+use burstscope::inspect::result::{Spot, compare};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -22,8 +22,11 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     let expected = compare(&before, &after);
     assert!(!expected.lost.is_empty() && !expected.same.is_empty());
     let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
-    assert_eq!((shown.with, shown.count(Kind::Theirs)), (Reference::Pinned, expected.lost.len()));
-    assert_eq!((shown.count(Kind::Ours), shown.count(Kind::Moved)), (expected.gained.len(), expected.moved().count()));
+    assert_eq!((shown.with, shown.count(Compared::Theirs)), (Reference::Pinned, expected.lost.len()));
+    assert_eq!(
+        (shown.count(Compared::Ours), shown.count(Compared::Moved)),
+        (expected.gained.len(), expected.moved().count())
+    );
     assert!(window.shows(&expected.summary()), "the counts in a line");
     window.harness.get_by_role_and_label(Role::Row, "Lost 0").click();
     window.settle();
@@ -44,9 +47,9 @@ fn pinning_a_result_and_changing_nothing_shows_no_change() {
     window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::D);
     window.settle();
     let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
-    assert!([Kind::Theirs, Kind::Ours, Kind::Moved].into_iter().all(|kind| shown.count(kind) == 0));
+    assert!([Compared::Theirs, Compared::Ours, Compared::Moved].into_iter().all(|kind| shown.count(kind) == 0));
     // All orientations of one keypoint count as one.
-    assert!(shown.count(Kind::Same) > 0 && shown.count(Kind::Same) <= count);
+    assert!(shown.count(Compared::Same) > 0 && shown.count(Compared::Same) <= count);
 }
 
 #[test]
@@ -68,7 +71,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
         window.run_action("open features");
         window.settle();
         let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
-        assert_eq!((shown.with, shown.count(Kind::Theirs)), (Reference::File, 1), "{}", path.display());
+        assert_eq!((shown.with, shown.count(Compared::Theirs)), (Reference::File, 1), "{}", path.display());
         let row = &shown.rows[0];
         assert!((row.pos_image[0] - 5.0).abs() < 0.01 && row.feature.is_none(), "{row:?}");
         assert!(window.shows("1 only theirs"));
@@ -101,7 +104,7 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0);
     window.settle();
     let pinned = window.app().read().shown_comparison(Side::A).expect("a comparison").clone();
-    assert!(pinned.count(Kind::Theirs) > 0);
+    assert!(pinned.count(Compared::Theirs) > 0);
     window.dialogs.will_choose(&theirs);
     window.run_action("open features");
     window.settle();

@@ -7,7 +7,7 @@ use burstscope::app::document::filter::Order;
 use burstscope::app::document::panes::Visibility;
 use burstscope::app::document::side::Side;
 use burstscope::detector::{NoiseGate, Quantity, Test};
-use burstscope::inspect::verdict::Verdict;
+use burstscope::inspect::place::Verdict;
 use burstscope::requests::BurstSource;
 use burstscope::synth::Example;
 use burstscope::teach::BottomTab;

@@ -7,7 +7,7 @@ use crate::steps_back::copied;
 use crate::support::{Start, Window};
 use burstscope::detector::{NoiseGate, Test};
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
-use burstscope::inspect::suspicion::Kind;
+use burstscope::inspect::place::SuspicionKind;
 use burstscope::requests::BurstSource;
 use burstscope::synth::Example;
 use burstscope::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD};
@@ -73,7 +73,7 @@ fn the_garlands_open_on_an_alias_with_its_evidence() {
     assert_eq!(probed.pos_image, Example::Aliasing.place());
     let fate = probed.subject_fate().expect("a candidate").clone();
     assert!(fate.is_kept() && (fate.slope.u - Example::Aliasing.slope_u()).abs() < 0.5, "{fate:?}");
-    let alias = probed.suspicions.iter().find(|s| s.kind == Kind::Alias).expect("an alias").clone();
+    let alias = probed.suspicions.iter().find(|s| s.kind == SuspicionKind::Alias).expect("an alias").clone();
     // The object that really moves there responds more strongly, one period of the texture away.
     let other = alias.other_slope.expect("another slope");
     assert!((other.u - ALIASING_SLOPE).abs() < 0.2 && alias.number > 1.0, "{alias:?}");

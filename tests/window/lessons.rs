@@ -1,7 +1,7 @@
 //! Lessons: every step of each, played by its own data; leaving and coming back; lessons from files.
 
 use crate::support::{Memory, Start, Window};
-use burstscope::app::document::comparison::Kind;
+use burstscope::app::document::comparison::Compared;
 use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::document::export::Purpose;
 use burstscope::app::document::look::FeaturesShown;
@@ -13,7 +13,7 @@ use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::requests::BurstSource;
 use burstscope::teach::{
-    Between, BottomTab, Goal, InView, Layout, Lesson, Near, Part, Step, Wanted, Workspace, built_in, sheet,
+    Between, BottomTab, Goal, GoalValue, InView, Layout, Lesson, Near, Part, Step, Workspace, built_in, sheet,
 };
 use egui::accesskit::Role;
 use egui::{Key, Modifiers, pos2};
@@ -175,7 +175,7 @@ fn set(window: &mut Window, field: egui::accesskit::NodeId, value: f64) {
     window.harness.run_steps(2);
 }
 
-fn set_parameter(window: &mut Window, name: &str, wanted: &Wanted) {
+fn set_parameter(window: &mut Window, name: &str, wanted: &GoalValue) {
     let doc = burstscope::detector::params::doc::ALL
         .map(|record| record.doc)
         .into_iter()
@@ -183,18 +183,18 @@ fn set_parameter(window: &mut Window, name: &str, wanted: &Wanted) {
         .find(|doc| doc.name.replace('-', "_") == name)
         .expect("a parameter");
     match wanted {
-        Wanted::Between(between) => {
+        GoalValue::Between(between) => {
             if name == "noise_gate" && fields(window, doc.label).is_empty() {
                 choose(window, doc.label, "Factor");
             }
             let field = fields(window, doc.label)[0];
             set(window, field, f64::from(between.middle()));
         }
-        Wanted::Number(number) => {
+        GoalValue::Number(number) => {
             let field = fields(window, doc.label)[0];
             set(window, field, *number);
         }
-        Wanted::Word(word) => {
+        GoalValue::Word(word) => {
             let entry = match word.as_str() {
                 "sift" => "SIFT",
                 "merge" => "Merge + SIFT",
@@ -202,7 +202,7 @@ fn set_parameter(window: &mut Window, name: &str, wanted: &Wanted) {
             };
             choose(window, doc.label, entry);
         }
-        Wanted::Switch(_) => {
+        GoalValue::Switch(_) => {
             window.harness.get_by_role_and_label(Role::CheckBox, doc.label).click();
             window.harness.run_steps(2);
         }
@@ -654,7 +654,7 @@ fn the_joint_rule_finds_as_many_landmarks_of_the_street_and_less_elsewhere() {
     window.settle();
     let counts = |window: &Window| {
         let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
-        [Kind::Same, Kind::Ours].map(|kind| shown.count(kind))
+        [Compared::Same, Compared::Ours].map(|kind| shown.count(kind))
     };
     let [found, elsewhere] = counts(&window);
     choose(&mut window, "Slope extrema", "Joint");

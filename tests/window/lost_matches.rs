@@ -5,7 +5,7 @@ use burstscope::Monitor;
 use burstscope::app::document::side::Side;
 use burstscope::app::results::Read;
 use burstscope::app::{Startup, apply};
-use burstscope::inspect::unmatched::{Losses, Lost};
+use burstscope::inspect::pair::{Losses, Lost};
 use burstscope::requests::BurstSource;
 use burstscope::teach::Workspace;
 use egui::Key;

@@ -2,12 +2,12 @@
 //! truth is known.
 
 use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::document::comparison::{Kind, Reference};
+use burstscope::app::document::comparison::{Compared, Reference};
 use burstscope::app::document::side::Side;
 use burstscope::app::measure::Tool;
 use burstscope::app::results::Read;
 use burstscope::inspect::ProbeCache;
-use burstscope::inspect::truth::{against_truth, truth_of};
+use burstscope::inspect::result::{against_truth, truth_of};
 use burstscope::plane::sample::{profile, region_statistics};
 use burstscope::plane::statistics::Region;
 use burstscope::teach::BottomTab;
@@ -128,18 +128,18 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     assert_eq!(cache.detection().features, detection.features, "the truth is held against the features on show");
     let shown = Read::of(model).shown_comparison(Side::A).expect("a comparison");
     assert_eq!(shown.with, Reference::Truth);
-    let kinds = [Kind::Same, Kind::Theirs, Kind::Repeated, Kind::Ours, Kind::WrongMotion];
+    let kinds = [Compared::Same, Compared::Theirs, Compared::Repeated, Compared::Ours, Compared::WrongMotion];
     let counts = kinds.map(|kind| shown.count(kind));
     let sizes = [expected.found.len(), expected.missed.len(), expected.repeated.len(), expected.elsewhere.len()];
     assert_eq!(counts[..4], sizes);
     assert_eq!(counts[4], expected.at_wrong_motion.len());
     assert!(counts[0] > 0 && counts[1] > 0 && counts[4] > 0, "{counts:?}");
     assert!(window.shows(" at a wrong motion, "));
-    let mut otherwise = shown.rows.iter().filter(|row| row.kind == Kind::WrongMotion);
+    let mut otherwise = shown.rows.iter().filter(|row| row.kind == Compared::WrongMotion);
     assert!(otherwise.all(|row| row.note.starts_with("slope ") && row.note.contains(" instead of ")));
     // The truth of a scene lists only some of its features.
     assert!(expected.summary().ends_with("elsewhere") && window.shows(&expected.summary()));
-    assert!(!shown.is_whole_truth && !window.app().model.document.comparisons.a.shows(Kind::Ours));
+    assert!(!shown.is_whole_truth && !window.app().model.document.comparisons.a.shows(Compared::Ours));
     // A miss tells its reason.
     assert_eq!(shown.rows[0].note, expected.missed[0].why);
     // The row stays in its place when it is selected, and selected when it is clicked again.

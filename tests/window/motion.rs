@@ -8,7 +8,7 @@ use burstscope::app::results::Read;
 use burstscope::app::session::Session;
 use burstscope::app::view::{View, Zoom, layer_text, motion_text};
 use burstscope::detector::{Moves, Slope};
-use burstscope::inspect::verdict::{Judged, Verdict};
+use burstscope::inspect::place::{Judged, Verdict};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;

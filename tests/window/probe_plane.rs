@@ -6,7 +6,7 @@ use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::pane::{Content, SliceAxis};
 use burstscope::app::results::Read;
 use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
-use burstscope::inspect::candidates::winning_slopes;
+use burstscope::inspect::place::winning_slopes;
 use burstscope::synth::random::Stream;
 use burstscope::{Feature, Monitor};
 use egui::accesskit::Role;

@@ -8,7 +8,7 @@ use burstscope::app::session::Session;
 use burstscope::app::view::ColourBy;
 use burstscope::detector::{DetectorParams, NoiseGate, Quantity, SlopeGrid};
 use burstscope::export::case::{Case, Enclosed, read_session, read_truth, write_case};
-use burstscope::inspect::set_up::SetUp;
+use burstscope::inspect::slopes::SetUp;
 use burstscope::requests::BurstSource;
 use burstscope::study::StudyReport;
 use burstscope::synth::{ChartParams, synth_chart};

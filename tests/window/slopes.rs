@@ -11,7 +11,7 @@ use burstscope::app::results::Read;
 use burstscope::app::session::Session;
 use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid, SlopeVerdict, Slopes};
 use burstscope::inspect::ProbeCache;
-use burstscope::inspect::verdict::judged;
+use burstscope::inspect::place::judged;
 use burstscope::synth::random::Stream;
 use burstscope::teach::BottomTab;
 use egui::accesskit::Role;
@@ -274,8 +274,8 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     let spectrum = window.app().read().spectrum().unwrap().clone();
     assert_eq!(spectrum.grid.u, wider, "the slopes are those of the new detection");
     assert!((spectrum.most_features().unwrap().u - 2.5).abs() < 0.6);
-    let told = |spectrum: &burstscope::inspect::spectrum::Spectrum| {
-        spectrum.advice.iter().any(|a| a.subject == burstscope::inspect::spectrum::Subject::Range)
+    let told = |spectrum: &burstscope::inspect::slopes::Spectrum| {
+        spectrum.advice.iter().any(|a| a.subject == burstscope::inspect::slopes::AdviceSubject::Range)
     };
     assert!(!told(&spectrum), "{:?}", spectrum.advice);
     window.key(Key::B);

@@ -190,7 +190,7 @@ mod listed {
     use burstscope::app::document::filter::{Filter, Interval, Order, near_slope};
     use burstscope::app::document::probe::SetUpState;
     use burstscope::app::results::slot::listed;
-    use burstscope::app::view::{Known, quantity_text};
+    use burstscope::app::view::{KnownOfFeature, quantity_text};
     use burstscope::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 
     fn feature(u: f32, sigma: f32, slope_u: f32) -> Feature {
@@ -274,7 +274,7 @@ mod listed {
     #[test]
     fn a_response_of_a_dark_burst_is_not_nought() {
         let dark = Feature { response: -0.000_021_7, ..feature(5.0, 2.0, 3.0) };
-        assert_eq!(quantity_text(Quantity::Response, 0, &dark, Known::default()), "−2.17e−5");
+        assert_eq!(quantity_text(Quantity::Response, 0, &dark, KnownOfFeature::default()), "−2.17e−5");
     }
 
     #[test]
@@ -288,7 +288,7 @@ mod listed {
                 Some(format!("\"{}\"", record.key)),
                 "as sessions name it"
             );
-            assert!(!quantity_text(quantity, 0, &feature, Known::default()).is_empty(), "{quantity:?}");
+            assert!(!quantity_text(quantity, 0, &feature, KnownOfFeature::default()).is_empty(), "{quantity:?}");
             assert!(record.term.is_none_or(|term| burstscope::teach::glossary::glossary().find(term).is_some()));
         }
     }

@@ -16,7 +16,7 @@ use crate::export::{
     parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
 };
 use crate::files::lock::FolderLock;
-use crate::files::mark::{Checksum, Kind};
+use crate::files::mark::{Checksum, OutputKind};
 use crate::files::read_bytes;
 use crate::files::unfinished::remove_abandoned;
 use crate::matching::Blob;
@@ -149,7 +149,7 @@ impl FeatureStore {
     }
 
     fn at(folder: &Path, job: &FeatureJob, settings: Value) -> Result<Self> {
-        if !may_begin(folder, Kind::Dataset, &[IMAGES_FOLDER, MASKS_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])? {
+        if !may_begin(folder, OutputKind::Dataset, &[IMAGES_FOLDER, MASKS_FOLDER, FEATURES_FOLDER, RECORDS_FOLDER])? {
             let problem = "this folder holds files, but no dataset that was begun by this command";
             return Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder));
         }
@@ -201,7 +201,7 @@ impl FeatureStore {
                 self.check_output(&file)?;
             }
         }
-        self.check_output(&self.folder.join(Kind::Dataset.file()))
+        self.check_output(&self.folder.join(OutputKind::Dataset.file()))
     }
 
     /// Checks whether `file` of the dataset's folder may be written; errors as of [`Self::protect`].

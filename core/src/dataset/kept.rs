@@ -9,7 +9,7 @@ use super::blobs::StoredBlobs;
 use super::stamp::FileStamp;
 use crate::error::{Error, Result};
 use crate::export::{MadeFrom, Record, write_whole};
-use crate::files::mark::{Checksum, Kind, claiming, claims};
+use crate::files::mark::{Checksum, OutputKind, claiming, claims};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 use std::io::Write;
@@ -58,16 +58,16 @@ pub enum NotKept {
 }
 
 pub(super) fn write_manifest(folder: &Path, manifest: &MadeFrom) -> Result<()> {
-    if claims(folder, Kind::Dataset).as_ref() == Some(manifest) {
+    if claims(folder, OutputKind::Dataset).as_ref() == Some(manifest) {
         return Ok(());
     }
-    let text = claiming(Kind::Dataset, manifest);
-    write_whole(&folder.join(Kind::Dataset.file()), |out| out.write_all(text.as_bytes()))
+    let text = claiming(OutputKind::Dataset, manifest);
+    write_whole(&folder.join(OutputKind::Dataset.file()), |out| out.write_all(text.as_bytes()))
 }
 
 /// The detector's parameters, as text, with which this program, and no other, found the features in `folder`.
 pub(super) fn detector_text(folder: &Path) -> Option<String> {
-    let manifest = claims(folder, Kind::Dataset).filter(MadeFrom::is_of_this_program)?;
+    let manifest = claims(folder, OutputKind::Dataset).filter(MadeFrom::is_of_this_program)?;
     manifest.settings().get(DETECTOR_KEY)?.as_str().map(str::to_owned)
 }
 
@@ -102,7 +102,8 @@ mod tests {
         let manifest = MadeFrom::new(json!({ DETECTOR_KEY: "levels = 4" }));
         let mut value = serde_json::to_value(&manifest).expect("plain values");
         change(&mut value);
-        std::fs::write(home.path().join(Kind::Dataset.file()), claiming(Kind::Dataset, &value)).expect("written");
+        std::fs::write(home.path().join(OutputKind::Dataset.file()), claiming(OutputKind::Dataset, &value))
+            .expect("written");
         home
     }
 

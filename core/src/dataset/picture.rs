@@ -4,7 +4,7 @@ use crate::burst::{Burst, BurstFiles, OpenOptions, ViewsChoice};
 use crate::detect::prepare;
 use crate::detector::{DetectorParams, Method};
 use crate::error::{Error, Result};
-use crate::export::Picture;
+use crate::export::Bitmap;
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
@@ -34,8 +34,8 @@ pub struct BurstPicture {
 
 impl BurstPicture {
     /// The picture in the form for writing.
-    pub fn picture(&self) -> Picture<'_> {
-        Picture::rgb(self.size.0, self.size.1, &self.rgb)
+    pub fn picture(&self) -> Bitmap<'_> {
+        Bitmap::rgb(self.size.0, self.size.1, &self.rgb)
     }
 
     /// A picture of `plane`, reduced by a whole factor so that no side is longer than `max_side_px` (1 or more).

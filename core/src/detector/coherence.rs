@@ -7,6 +7,7 @@ use crate::burst::Offset;
 use crate::detector::along::Along;
 use crate::detector::feature::Feature;
 use crate::detector::params::Slope;
+use crate::detector::scale_space::Scale;
 use crate::detector::search::setup::Inputs;
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
@@ -30,7 +31,7 @@ impl Along<'_> {
     /// See [`crate::detector::Trail::frame_responses`].
     pub(super) fn each_frame(
         &self,
-        (octave, level): (i32, i32),
+        Scale { octave, level }: Scale,
         place: [f32; 2],
         slope: Slope,
         monitor: &Monitor,
@@ -62,7 +63,7 @@ impl Along<'_> {
     }
 
     pub(super) fn evenness(&self, feature: &Feature, monitor: &Monitor) -> Result<Evenness, Cancelled> {
-        let (scale, place) = ((feature.octave, feature.level), [feature.u, feature.v]);
+        let (scale, place) = (feature.scale(), [feature.u, feature.v]);
         Ok(evenness_of(&self.each_frame(scale, place, feature.slope, monitor)?))
     }
 }

@@ -9,7 +9,7 @@ use super::field::MotionField;
 use super::noise_model::NoiseModel;
 use super::params::{DetectorParams, Slope, SlopeExtrema, SlopeGrid};
 use crate::burst::{Burst, Positions};
-use crate::detector::scale_space::octave_pixel;
+use crate::detector::scale_space::{Scale, octave_pixel};
 use std::sync::Arc;
 
 /// A burst feature: a place at mid-burst, a scale, an orientation and an apparent motion.
@@ -114,6 +114,11 @@ pub(super) const DEFINED_SIGMA: f32 = 0.75;
 const BY_ITSELF_SIGMAS: f32 = 3.0;
 
 impl Feature {
+    /// Scale at which it was found.
+    pub fn scale(&self) -> Scale {
+        Scale { octave: self.octave, level: self.level }
+    }
+
     /// Motion to report, and its standard deviation, pixels per frame: the feature's own where it moves by itself,
     /// where the motion of the place is unknown, and where it is more certain and within one standard deviation of the
     /// place's; else that of the place, which more of the picture supports.

@@ -59,23 +59,23 @@ pub fn check_before_opening(params: &SearchParams, frames: usize, size: (usize, 
     let detector = params.at_given();
     // A merge is a single image when it is searched.
     let frames = if detector.method == Method::Merge { 1 } else { detector.used_frames(frames).len() };
-    Plan::new(Wanted { params: &detector, frames, size }, budget()).map(|_| ())
+    Plan::new(SearchSize { params: &detector, frames, size }, budget()).map(|_| ())
 }
 
 /// Estimate of the bytes that a search of all slopes at once needs besides a burst of `frames` frames of `size`.
 pub fn estimate(params: &DetectorParams, frames: usize, size: (usize, usize)) -> u64 {
-    Wanted { params, frames, size }.bytes_on(rayon::current_num_threads())
+    SearchSize { params, frames, size }.bytes_on(rayon::current_num_threads())
 }
 
 /// A search with `params` in which `frames` frames of `size` (columns, rows) take part.
 #[derive(Clone, Copy)]
-pub(crate) struct Wanted<'a> {
+pub(crate) struct SearchSize<'a> {
     pub(crate) params: &'a DetectorParams,
     pub(crate) frames: usize,
     pub(crate) size: (usize, usize),
 }
 
-impl Wanted<'_> {
+impl SearchSize<'_> {
     fn bytes_on(self, threads: usize) -> u64 {
         let slopes = self.params.used_slopes().len() as u64;
         slopes.saturating_mul(self.bytes_of_slope()).saturating_add(self.bytes_beside_slopes(threads))
@@ -131,7 +131,7 @@ impl Account {
     }
 
     /// Plans as [`Plan::new`], within the part of `budget` that the other searches of this account leave.
-    pub(crate) fn plan(&self, wanted: Wanted<'_>, budget: Option<u64>) -> Result<(Plan, Share<'_>)> {
+    pub(crate) fn plan(&self, wanted: SearchSize<'_>, budget: Option<u64>) -> Result<(Plan, Share<'_>)> {
         // The lock is held while planning, so that two searches cannot take the same room.
         let mut taken = self.taken();
         let left = budget.map(|budget| budget.saturating_sub(*taken));
@@ -159,7 +159,7 @@ pub(crate) struct Plan {
 impl Plan {
     /// Plans the `wanted` search within `budget` bytes, or without a bound, on as many threads as have room. Where even
     /// the smallest form needs more, the error gives its least memory.
-    pub(crate) fn new(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
+    pub(crate) fn new(wanted: SearchSize<'_>, budget: Option<u64>) -> Result<Self> {
         // Each thread holds a window of its own: as many threads are taken as have room.
         let several = (2..=rayon::current_num_threads()).rev();
         let fitting = several.map(|threads| Self::on(threads, wanted, budget)).find_map(Result::ok);
@@ -168,13 +168,13 @@ impl Plan {
     }
 
     /// Plan with the least memory, within `budget` bytes: one thread, and groups of the fewest slopes.
-    pub(crate) fn smallest(wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
+    pub(crate) fn smallest(wanted: SearchSize<'_>, budget: Option<u64>) -> Result<Self> {
         let of_slopes = wanted.bytes_of_slope().saturating_mul(min_slopes(wanted.params) as u64);
         let min = wanted.bytes_beside_slopes(1).saturating_add(of_slopes);
         Self::on(1, wanted, Some(budget.map_or(min, |budget| budget.min(min))))
     }
 
-    fn on(threads: usize, wanted: Wanted<'_>, budget: Option<u64>) -> Result<Self> {
+    fn on(threads: usize, wanted: SearchSize<'_>, budget: Option<u64>) -> Result<Self> {
         let params = wanted.params;
         let grid = params.used_slopes();
         let (count, of_slope, needed) = (grid.len(), wanted.bytes_of_slope(), wanted.bytes_on(threads));
@@ -218,7 +218,7 @@ fn min_slopes(params: &DetectorParams) -> usize {
 }
 
 /// Error for a search that needs at least `min` bytes where `budget` bytes hold `fitting` slopes.
-fn refusal(Wanted { params, frames, size }: Wanted<'_>, min: u64, budget: u64, fitting: usize) -> Error {
+fn refusal(SearchSize { params, frames, size }: SearchSize<'_>, min: u64, budget: u64, fitting: usize) -> Error {
     let (grid, min_slopes) = (params.used_slopes(), min_slopes(params));
     let less = match fitting {
         0 => "a larger first octave, fewer frames or a smaller picture would take less".to_owned(),
@@ -263,8 +263,8 @@ mod tests {
         DetectorParams { slopes, ..DetectorParams::default() }
     }
 
-    fn wanted(params: &DetectorParams) -> Wanted<'_> {
-        Wanted { params, frames: 10, size: SIZE }
+    fn wanted(params: &DetectorParams) -> SearchSize<'_> {
+        SearchSize { params, frames: 10, size: SIZE }
     }
 
     fn plan(params: &DetectorParams, budget: Option<u64>) -> Result<Plan> {
@@ -311,7 +311,7 @@ mod tests {
     #[test]
     fn a_small_budget_takes_fewer_threads_before_it_refuses() {
         let params = plane(49);
-        let small = Wanted { size: (480, 360), ..wanted(&params) };
+        let small = SearchSize { size: (480, 360), ..wanted(&params) };
         let of = |threads, budget| Plan::on(threads, small, Some(budget));
         let one = (1..).map(|step| step * 1_000_000).find(|budget| of(1, *budget).is_ok()).expect("one is enough");
         let many = rayon::ThreadPoolBuilder::new().num_threads(8).build().expect("a pool");

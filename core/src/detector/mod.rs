@@ -50,4 +50,5 @@ pub use params::{
 };
 pub use pipeline::{FirstFeatures, Judgement, Neighbourhood, Sample, Trail, follows, shared_slopes};
 pub use quantity::Quantity;
+pub use scale_space::Scale;
 pub use slopes::{SlopeFinding, SlopeVerdict, find_slopes, open_burst};

@@ -40,7 +40,7 @@ pub enum Quantity {
 
 /// Place of a quantity in a feature, as an accessor by type.
 #[derive(Debug, Clone, Copy)]
-pub enum Place {
+pub enum FeatureField {
     /// Real number, in the unit of the record.
     Real(fn(&mut Feature) -> &mut f32),
     /// Whole number.
@@ -118,7 +118,7 @@ pub struct Record {
     /// Width of the column in tables, points.
     pub width: f32,
     /// Accessor of the value in a feature.
-    pub place: Place,
+    pub place: FeatureField,
     /// Colours, if features can be coloured by the quantity.
     pub colours: Option<Colours>,
 }
@@ -134,7 +134,7 @@ const REVERSED: Colours =
     Colours { map: ColourMap::Viridis, part: [1.0, 0.35], is_log: false, span: Span::Always(0.0, 1.0) };
 
 fn named(key: &'static str, heading: &'static str, unit: &'static str, help: &'static str) -> Record {
-    let (form, place, term, unknown, width, colours) = (Form::Whole, Place::Beside, None, "", 46.0, None);
+    let (form, place, term, unknown, width, colours) = (Form::Whole, FeatureField::Beside, None, "", 46.0, None);
     Record { key, title: heading, heading, unit, help, term, form, unknown, width, place, colours }
 }
 
@@ -186,17 +186,17 @@ impl Quantity {
                 Record { width: 34.0, ..named("rank", "#", "", "Number in the order of strength, from 0, as in files") }
             }
             Self::U => Record {
-                place: Place::Real(|f| &mut f.u),
+                place: FeatureField::Real(|f| &mut f.u),
                 form: Form::Fixed(2),
                 ..named("u", "u", "px", "Column at mid-burst, in pixels; the centre of the first pixel is 0")
             },
             Self::V => Record {
-                place: Place::Real(|f| &mut f.v),
+                place: FeatureField::Real(|f| &mut f.v),
                 form: Form::Fixed(2),
                 ..named("v", "v", "px", "Row at mid-burst, in pixels; the centre of the first pixel is 0")
             },
             Self::Sigma => Record {
-                place: Place::Real(|f| &mut f.sigma),
+                place: FeatureField::Real(|f| &mut f.sigma),
                 form: Form::Fixed(2),
                 title: "Scale",
                 term: Some("scale"),
@@ -205,7 +205,7 @@ impl Quantity {
                 ..named("sigma", "σ", "px", "Scale σ, in input pixels")
             },
             Self::Orientation => Record {
-                place: Place::Real(|f| &mut f.orientation),
+                place: FeatureField::Real(|f| &mut f.orientation),
                 form: Form::Degrees,
                 title: "Orientation",
                 term: Some("orientation"),
@@ -213,15 +213,15 @@ impl Quantity {
                 ..named("orientation", "Orient.", "rad", "Orientation, in degrees from +u towards +v")
             },
             Self::SlopeU => Record {
-                place: Place::Real(|f| &mut f.slope.u),
+                place: FeatureField::Real(|f| &mut f.slope.u),
                 ..motion("slope_u", "Slope u", "slope", "Apparent motion to the right, in pixels per frame")
             },
             Self::SlopeV => Record {
-                place: Place::Real(|f| &mut f.slope.v),
+                place: FeatureField::Real(|f| &mut f.slope.v),
                 ..motion("slope_v", "Slope v", "slope", "Apparent motion downwards, in pixels per frame")
             },
             Self::Response => Record {
-                place: Place::Real(|f| &mut f.response),
+                place: FeatureField::Real(|f| &mut f.response),
                 form: Form::SignedDigits(3),
                 term: Some("response"),
                 width: 64.0,
@@ -234,7 +234,7 @@ impl Quantity {
                 )
             },
             Self::Snr => Record {
-                place: Place::Real(|f| &mut f.snr),
+                place: FeatureField::Real(|f| &mut f.snr),
                 form: Form::Fixed(1),
                 term: Some("snr"),
                 width: 40.0,
@@ -242,20 +242,20 @@ impl Quantity {
                 ..named("snr", "SNR", "σ", "|response| over the σ of the noise of the DoG")
             },
             Self::Octave => Record {
-                place: Place::Whole(|f| &mut f.octave),
+                place: FeatureField::Whole(|f| &mut f.octave),
                 title: "Octave",
                 term: Some("octave"),
                 width: 34.0,
                 ..named("octave", "Oct.", "", "Octave in which it was found; −1 is the doubled image")
             },
             Self::Level => Record {
-                place: Place::Whole(|f| &mut f.level),
+                place: FeatureField::Whole(|f| &mut f.level),
                 term: Some("level"),
                 width: 36.0,
                 ..named("level", "Level", "", "Level within the octave")
             },
             Self::AtSlopeLimit => Record {
-                place: Place::Flag(|f| &mut f.at_slope_limit),
+                place: FeatureField::Flag(|f| &mut f.at_slope_limit),
                 form: Form::Flag,
                 title: "Slope limit",
                 term: Some("slope-limit"),
@@ -269,22 +269,22 @@ impl Quantity {
                 )
             },
             Self::SlopeSigma => Record {
-                place: Place::Real(|f| &mut f.slope_sigma),
+                place: FeatureField::Real(|f| &mut f.slope_sigma),
                 title: "Slope ±",
                 ..uncertainty("slope_sigma", "Standard deviation of its slope along its least certain direction")
             },
             Self::FieldU => Record {
-                place: Place::Real(|f| &mut f.field.u),
+                place: FeatureField::Real(|f| &mut f.field.u),
                 unknown: "–",
                 ..motion("field_u", "Field u", "field", "Motion of its place to the right, from the field of motion")
             },
             Self::FieldV => Record {
-                place: Place::Real(|f| &mut f.field.v),
+                place: FeatureField::Real(|f| &mut f.field.v),
                 unknown: "–",
                 ..motion("field_v", "Field v", "field", "Motion of its place downwards, from the field of motion")
             },
             Self::FieldSigma => Record {
-                place: Place::Real(|f| &mut f.field_sigma),
+                place: FeatureField::Real(|f| &mut f.field_sigma),
                 title: "Field ±",
                 term: Some("field"),
                 ..uncertainty(
@@ -293,7 +293,7 @@ impl Quantity {
                 )
             },
             Self::Layer => Record {
-                place: Place::Whole(|f| &mut f.layer),
+                place: FeatureField::Whole(|f| &mut f.layer),
                 unknown: "–",
                 term: Some("layer"),
                 width: 36.0,
@@ -301,7 +301,7 @@ impl Quantity {
                 ..named("layer", "Layer", "", "Motion layer that it moves with, from 1, the nearest; 0 for none")
             },
             Self::Moves => Record {
-                place: Place::Moves(|f| &mut f.moves),
+                place: FeatureField::Moves(|f| &mut f.moves),
                 term: Some("field"),
                 width: 150.0,
                 colours: Some(Colours { span: Span::Always(0.0, 4.0), ..BRIGHT }),
@@ -366,11 +366,11 @@ impl Quantity {
             return Some(f32::NAN);
         }
         match self.record().place {
-            Place::Real(at) => Some(*at(&mut feature)),
-            Place::Whole(at) => Some(*at(&mut feature) as f32),
-            Place::Flag(at) => Some(f32::from(u8::from(*at(&mut feature)))),
-            Place::Moves(at) => Some(f32::from(*at(&mut feature) as u8)),
-            Place::Beside => None,
+            FeatureField::Real(at) => Some(*at(&mut feature)),
+            FeatureField::Whole(at) => Some(*at(&mut feature) as f32),
+            FeatureField::Flag(at) => Some(f32::from(u8::from(*at(&mut feature)))),
+            FeatureField::Moves(at) => Some(f32::from(*at(&mut feature) as u8)),
+            FeatureField::Beside => None,
         }
     }
 
@@ -380,11 +380,11 @@ impl Quantity {
         let mut feature = *feature;
         match self.record().place {
             _ if self.is_empty(&feature) => String::new(),
-            Place::Real(at) => at(&mut feature).to_string(),
-            Place::Whole(at) => at(&mut feature).to_string(),
-            Place::Flag(at) => u8::from(*at(&mut feature)).to_string(),
-            Place::Moves(at) => at(&mut feature).key().to_owned(),
-            Place::Beside => String::new(),
+            FeatureField::Real(at) => at(&mut feature).to_string(),
+            FeatureField::Whole(at) => at(&mut feature).to_string(),
+            FeatureField::Flag(at) => u8::from(*at(&mut feature)).to_string(),
+            FeatureField::Moves(at) => at(&mut feature).key().to_owned(),
+            FeatureField::Beside => String::new(),
         }
     }
 
@@ -399,20 +399,20 @@ impl Quantity {
     pub fn read(self, feature: &mut Feature, cell: &str) -> Result<(), &'static str> {
         match self.record().place {
             _ if cell.is_empty() && self.may_be_empty() => {}
-            Place::Real(at) => *at(feature) = cell.parse().map_err(|_| "a number")?,
-            Place::Whole(at) => *at(feature) = cell.parse().map_err(|_| "a whole number")?,
-            Place::Flag(at) => {
+            FeatureField::Real(at) => *at(feature) = cell.parse().map_err(|_| "a number")?,
+            FeatureField::Whole(at) => *at(feature) = cell.parse().map_err(|_| "a whole number")?,
+            FeatureField::Flag(at) => {
                 *at(feature) = match cell {
                     "0" => false,
                     "1" => true,
                     _ => return Err("0 or 1"),
                 }
             }
-            Place::Moves(at) => {
+            FeatureField::Moves(at) => {
                 let moves = Moves::ALL.into_iter().find(|moves| moves.key() == cell);
                 *at(feature) = moves.ok_or("unknown, surroundings, own, edge or ghost")?;
             }
-            Place::Beside => return Err("in no file"),
+            FeatureField::Beside => return Err("in no file"),
         }
         Ok(())
     }

@@ -1,10 +1,10 @@
 //! Tests that a sample of D passes on its way to a feature, in order: one record each.
 //!
 //! The search decides (`search`, then `refine`, then `distinct`). The rest of the program reads what it knows of a test
-//! here; the value and the limit of one candidate come from [`crate::inspect::telling`].
+//! here; the value and the limit of one candidate come from [`crate::inspect::place`].
 //!
-//! Words in braces stand for numbers of the candidate: `crate::inspect::fate::TestReport::word` has those of all
-//! sentences, `crate::inspect::remedy` those of verdicts and remedies.
+//! Words in braces stand for numbers of the candidate: `crate::inspect::place::TestReport::word` has those of all
+//! sentences, `remedy` those of verdicts and remedies.
 
 use super::params::slope_grid::{SlopeAxis, SlopeGrid};
 use super::params::{DetectorParams, Distinct, Param, SearchParams, doc};

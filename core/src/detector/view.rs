@@ -193,7 +193,7 @@ const NOISE_CELL_PX: f32 = 8.0;
 #[cfg(test)]
 mod tests {
     use super::super::pipeline::{Keeping, search_with_trail};
-    use super::super::{SlopeExtrema, SlopeGrid};
+    use super::super::{Scale, SlopeExtrema, SlopeGrid};
     use super::*;
     use crate::synth::NoiseCase;
 
@@ -211,7 +211,8 @@ mod tests {
                 assert_eq!(map.size(), octave_size(burst.size(), octave));
                 for (x, y) in [(1, 30), (20, 5), (40, 55), (map.width() - 1, map.height() - 1)] {
                     let place = ((x << octave) as f32, (y << octave) as f32);
-                    assert_eq!(map.at(x, y), trail.sigma_d_at((octave, level), (place, slope), &all), "({x}, {y})");
+                    let scale = Scale { octave, level };
+                    assert_eq!(map.at(x, y), trail.sigma_d_at(scale, (place, slope), &all), "({x}, {y})");
                 }
             }
             let slope = Slope::new(2.0, 0.0);

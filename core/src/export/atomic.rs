@@ -1,7 +1,7 @@
 //! Files that are written completely or not at all: in a hidden folder beside the target ([`Unfinished`]), then moved.
 
 use crate::error::{Error, Result};
-use crate::files::mark::{Kind, seal, sealed};
+use crate::files::mark::{OutputKind, seal, sealed};
 use crate::files::unfinished::Unfinished;
 use std::fs::{File, OpenOptions};
 use std::io::{self, BufWriter, Write};
@@ -21,7 +21,11 @@ pub fn write_whole(path: &Path, write: impl FnOnce(&mut FileWriter<'_>) -> io::R
 }
 
 /// Writes the file `path` as [`write_whole`] does, with the mark of this kind.
-pub fn write_marked(path: &Path, kind: Kind, write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>) -> Result<()> {
+pub fn write_marked(
+    path: &Path,
+    kind: OutputKind,
+    write: impl FnOnce(&mut FileWriter<'_>) -> io::Result<()>,
+) -> Result<()> {
     replace(path, |new| {
         let mut file = written(new, write)?;
         seal(&mut file, kind)?;
@@ -30,7 +34,7 @@ pub fn write_marked(path: &Path, kind: Kind, write: impl FnOnce(&mut FileWriter<
 }
 
 /// Writes the text of an XML document or of settings, with the mark of this kind, as [`write_whole`] does.
-pub fn write_text(path: &Path, kind: Kind, text: String) -> Result<()> {
+pub fn write_text(path: &Path, kind: OutputKind, text: String) -> Result<()> {
     write_whole(path, |out| out.write_all(sealed(text, kind).as_bytes()))
 }
 

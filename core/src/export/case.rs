@@ -9,7 +9,7 @@ use super::atomic::write_marked;
 use crate::burst::{Burst, Encoding, Limits, Positions};
 use crate::detector::SearchParams;
 use crate::error::{Error, ErrorKind, Result};
-use crate::files::mark::Kind;
+use crate::files::mark::OutputKind;
 use crate::files::{self, MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::{Mask, Plane, memory};
@@ -269,7 +269,7 @@ pub fn write_case(path: &Path, (case, burst): (&Case, &Burst), enclosed: &Enclos
     // Masks may be soft: their weights are stored as words over the whole range, whatever scale the values have.
     let masks = burst.frames.iter().enumerate().filter_map(|(t, frame)| Some((t, frame.mask()?)));
     let masks = masks.map(|(t, mask)| Ok((mask_name(t), encoded(mask.weights(), &weights, monitor)?)));
-    write_marked(path, Kind::Case, |out| out.write_all(&zipped(texts.chain(frames).chain(masks))?))
+    write_marked(path, OutputKind::Case, |out| out.write_all(&zipped(texts.chain(frames).chain(masks))?))
 }
 
 /// A ZIP of entries, each with its name. In memory, because an entry's size and sum come before its bytes.

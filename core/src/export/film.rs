@@ -2,7 +2,7 @@
 
 use super::atomic::write_marked;
 use crate::error::Result;
-use crate::files::mark::Kind;
+use crate::files::mark::OutputKind;
 use crate::monitor::{Monitor, Stage};
 use image::RgbaImage;
 use std::io::{self, Write};
@@ -69,5 +69,5 @@ pub fn write_film(
     per_second: u16,
     monitor: &Monitor,
 ) -> Result<()> {
-    write_marked(path, Kind::Film, |mut out| encode_film(&mut out, pictures, per_second, monitor))
+    write_marked(path, OutputKind::Film, |mut out| encode_film(&mut out, pictures, per_second, monitor))
 }

@@ -4,7 +4,7 @@
 use super::atomic::write_whole;
 use crate::detector::MotionField;
 use crate::error::{Error, Result};
-use crate::files::mark::{Checksum, Kind, Mark, SOFTWARE};
+use crate::files::mark::{Checksum, Mark, OutputKind, SOFTWARE};
 use crate::plane::Plane;
 use std::io;
 use std::io::{Seek, Write};
@@ -71,7 +71,7 @@ fn write_page<C: ColorType<Inner = f32>, K: TiffKind>(
     samples: &[f32],
 ) -> TiffResult<()> {
     let mut page = encoder.new_image::<C>(columns, rows)?;
-    let mark = Mark::new(Kind::Picture, Checksum::of(bytemuck::cast_slice(samples)));
+    let mark = Mark::new(OutputKind::Picture, Checksum::of(bytemuck::cast_slice(samples)));
     page.encoder().write_tag(Tag::Software, format!("{SOFTWARE} {}", mark.text()).as_str())?;
     page.write_data(samples)
 }

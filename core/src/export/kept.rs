@@ -8,7 +8,7 @@
 use super::atomic::write_whole;
 use crate::detector::REVISION;
 use crate::error::{Error, Result};
-use crate::files::mark::{Kind, claims};
+use crate::files::mark::{OutputKind, claims};
 use crate::files::unfinished::{is_free, remove_abandoned};
 use crate::files::{MAX_SESSION_BYTES, read_text};
 use serde::de::DeserializeOwned;
@@ -128,7 +128,7 @@ impl Records {
 ///
 /// # Errors
 /// One of its `parts` is a link, which leads out of the folder.
-pub fn may_begin(folder: &Path, kind: Kind, parts: &[&str]) -> Result<bool> {
+pub fn may_begin(folder: &Path, kind: OutputKind, parts: &[&str]) -> Result<bool> {
     match parts.iter().map(|part| folder.join(part)).find(|part| part.is_symlink()) {
         Some(path) => Err(Error::link(&path)),
         None => Ok(claims::<Value>(folder, kind).is_some() || is_free(folder).unwrap_or(true)),

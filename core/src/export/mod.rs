@@ -44,5 +44,5 @@ pub use kept::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin};
 pub use npz::{write_field_npz, write_npz};
 pub use outputs::{OpenedFiles, OutputRules, Overwrite, is_ours};
 pub use plot::{Plot, Series, SeriesPoint, range_from_zero};
-pub use png::{Picture, write_png};
+pub use png::{Bitmap, write_png};
 pub use svg::Escaped;

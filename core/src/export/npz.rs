@@ -6,7 +6,7 @@ use super::atomic::write_marked;
 use super::csv::FeatureVerdict;
 use crate::detector::{Descriptor, Feature, Motion, MotionField, Quantity};
 use crate::error::Result;
-use crate::files::mark::Kind;
+use crate::files::mark::OutputKind;
 use ndarray::{Array1, Array2, Array3, ArrayView2};
 use ndarray_npy::NpzWriter;
 use std::io;
@@ -26,7 +26,7 @@ pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<()> {
     let layers = Array2::from_shape_vec((field.layers.len(), 4), layers.collect()).expect("four numbers a layer");
     // The motion of a cell may be uncertain along an edge: readers must be able to leave it out.
     let known = field.motions.iter().map(|motion| u8::from(field.is_known(motion))).collect();
-    write_marked(path, Kind::Features, |out| {
+    write_marked(path, OutputKind::Features, |out| {
         let mut npz = NpzWriter::new(out);
         let motion = floats(2, &|motion| vec![motion.slope.u, motion.slope.v]);
         npz.add_array("motion", &motion).map_err(io::Error::other)?;
@@ -55,7 +55,7 @@ pub fn write_npz(
     let count = features.len();
     let rows = ArrayView2::from_shape((count, Quantity::STORED.len()), &rows).expect("one row for each");
     let descriptors = ArrayView2::from_shape((count, 128), descriptors.as_flattened()).expect("128 bytes each");
-    write_marked(path, Kind::Features, |out| {
+    write_marked(path, OutputKind::Features, |out| {
         let mut npz = NpzWriter::new(out);
         npz.add_array("features", &rows).map_err(io::Error::other)?;
         npz.add_array("descriptors", &descriptors).map_err(io::Error::other)?;

@@ -2,7 +2,7 @@
 
 use super::atomic::write_marked;
 use crate::error::{Error, Result};
-use crate::files::mark::{Kind, SOFTWARE};
+use crate::files::mark::{OutputKind, SOFTWARE};
 use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
 use std::borrow::Cow;
 use std::io::{self, Write};
@@ -10,14 +10,14 @@ use std::path::Path;
 
 /// 8-bit pixels in memory, row by row.
 #[derive(Debug, Clone, Copy)]
-pub struct Picture<'a> {
+pub struct Bitmap<'a> {
     width: usize,
     height: usize,
     has_alpha: bool,
     pixels: &'a [u8],
 }
 
-impl<'a> Picture<'a> {
+impl<'a> Bitmap<'a> {
     /// A picture of three bytes for each pixel: red, green, blue. Panics if there are not as many.
     pub fn rgb(width: usize, height: usize, pixels: &'a [u8]) -> Self {
         assert_eq!(pixels.len(), width * height * 3, "three bytes for each pixel");
@@ -91,7 +91,7 @@ impl<'a> Picture<'a> {
 }
 
 /// Writes the picture as PNG.
-pub fn write_png(path: &Path, picture: Picture<'_>) -> Result<()> {
+pub fn write_png(path: &Path, picture: Bitmap<'_>) -> Result<()> {
     picture.check_size(path)?;
-    write_marked(path, Kind::Picture, |out| picture.encode_png(out))
+    write_marked(path, OutputKind::Picture, |out| picture.encode_png(out))
 }

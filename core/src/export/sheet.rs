@@ -1,6 +1,6 @@
 //! The sheet on which a figure is drawn: lines, text, pictures, and axes with round ticks.
 
-use super::png::Picture;
+use super::png::Bitmap;
 use super::svg::{Attribute, Number, PathData, SvgWriter, rectangle};
 use crate::plane::Plane;
 use crate::plane::display::Display;
@@ -156,7 +156,7 @@ impl Sheet {
     pub fn picture(&mut self, area: Area, plane: &Plane, display: &Display) {
         let colours = display.colours();
         let pixels: Vec<u8> = plane.data().iter().flat_map(|&x| colours.colour(x)).collect();
-        let picture = Picture::rgb(plane.width(), plane.height(), &pixels);
+        let picture = Bitmap::rgb(plane.width(), plane.height(), &pixels);
         self.body
             .picture(&rectangle(&area.numbers()), &picture, true)
             .expect("a picture with pixels is encoded in memory");

@@ -1,6 +1,6 @@
 //! Writer of SVG 1.1, for everything that is drawn as SVG: elements, one a line, escaped text, short numbers.
 
-use super::png::Picture;
+use super::png::Bitmap;
 use base64::display::Base64Display;
 use base64::engine::general_purpose::STANDARD;
 use std::fmt::{self, Display, Write as _};
@@ -74,7 +74,7 @@ impl<W: Write> SvgWriter<W> {
     }
 
     /// Writes a picture into `rect`; if it is `sharp`, its pixels stay squares when magnified.
-    pub fn picture(&mut self, rect: &[Attribute<'_>], picture: &Picture<'_>, sharp: bool) -> io::Result<()> {
+    pub fn picture(&mut self, rect: &[Attribute<'_>], picture: &Bitmap<'_>, sharp: bool) -> io::Result<()> {
         let mut png = Vec::new();
         picture.encode_png(&mut png)?;
         let rendering = if sharp { "image-rendering:pixelated" } else { "image-rendering:auto" };

@@ -2,7 +2,7 @@
 //!
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
 //! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML and PDF, or a comment line, at the end of a
-//! file, and claims all bytes before; in `Software` of a TIFF, for the samples; in a file of a folder ([`Kind::file`]).
+//! file, and claims all bytes before; in `Software` of TIFF, for samples; in a [file](OutputKind::file) of a folder.
 //! COLMAP's database has a number in its header alone, and tables have none, see [`is_ours`](crate::export::is_ours).
 
 use super::{MAX_TABLE_BYTES, path_text, read_text};
@@ -29,7 +29,7 @@ const TAIL: u64 = 1024;
 /// Kind of an output.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum OutputKind {
     /// Folder of a synthetic burst: a chart or a scene.
     Burst,
     /// Folder of noisy copies.
@@ -58,7 +58,7 @@ pub enum Kind {
     Settings,
 }
 
-impl Kind {
+impl OutputKind {
     /// File with the mark of a folder of this kind.
     pub fn file(self) -> &'static str {
         match self {
@@ -80,7 +80,7 @@ enum Program {
 pub struct Mark {
     program: Program,
     version: String,
-    kind: Kind,
+    kind: OutputKind,
     format: u32,
     #[serde(flatten)]
     content: Checksum,
@@ -88,7 +88,7 @@ pub struct Mark {
 
 impl Mark {
     /// The mark of an output of this program that claims `content`.
-    pub fn new(kind: Kind, content: Checksum) -> Self {
+    pub fn new(kind: OutputKind, content: Checksum) -> Self {
         let version = env!("CARGO_PKG_VERSION").to_owned();
         Self { program: Program::Burstscope, version, kind, format: FORMAT, content }
     }
@@ -149,7 +149,7 @@ impl Checksum {
 
 /// Place of the mark in a file that has it at its end.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum MarkPlace {
     Png,
     Gif,
     Zip,
@@ -158,7 +158,7 @@ enum Place {
     Line,
 }
 
-impl Place {
+impl MarkPlace {
     fn of(head: &[u8]) -> Self {
         let starts: [(&[u8], Self); 5] = [
             (b"\x89PNG\r\n\x1a\n", Self::Png),
@@ -202,8 +202,8 @@ impl Place {
 }
 
 /// Puts the mark into a complete PNG, GIF, ZIP, XML or PDF file, or as a last comment line; an error for a cut file.
-pub fn seal(file: &mut File, kind: Kind) -> io::Result<()> {
-    let place = Place::of(&part_of(file, 0, HEAD)?);
+pub fn seal(file: &mut File, kind: OutputKind) -> io::Result<()> {
+    let place = MarkPlace::of(&part_of(file, 0, HEAD)?);
     let length = file.seek(SeekFrom::End(0))?;
     let before = length.saturating_sub(place.end().len() as u64);
     if part_of(file, before, TAIL)? != place.end() {
@@ -216,9 +216,9 @@ pub fn seal(file: &mut File, kind: Kind) -> io::Result<()> {
 }
 
 /// Returns the text of an XML document or of settings, with their mark.
-pub fn sealed(mut text: String, kind: Kind) -> String {
+pub fn sealed(mut text: String, kind: OutputKind) -> String {
     let mark = Mark::new(kind, Checksum::of(text.as_bytes())).text();
-    let place = if text.starts_with('<') { Place::Xml } else { Place::Line };
+    let place = if text.starts_with('<') { MarkPlace::Xml } else { MarkPlace::Line };
     text.push_str(std::str::from_utf8(&place.marked_end(mark.as_bytes())).expect("a mark is ASCII"));
     text
 }
@@ -248,7 +248,7 @@ fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
         return Ok(claims_in::<Value>(path, None).is_some());
     }
     let is_tiff = [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|start| starts(*start));
-    let found = if is_tiff { mark_in_tiff(&mut file) } else { mark_at_end(&mut file, Place::of(&head))? };
+    let found = if is_tiff { mark_in_tiff(&mut file) } else { mark_at_end(&mut file, MarkPlace::of(&head))? };
     match found {
         Some((mark, parts)) => Ok(!is_whole || Checksum::of_parts(&mut file, &parts)? == mark.content),
         None => {
@@ -261,7 +261,7 @@ fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
 
 type MarkWithParts = (Mark, Vec<(u64, u64)>);
 
-fn mark_at_end(file: &mut File, place: Place) -> io::Result<Option<MarkWithParts>> {
+fn mark_at_end(file: &mut File, place: MarkPlace) -> io::Result<Option<MarkWithParts>> {
     let length = file.seek(SeekFrom::End(0))?;
     let tail = part_of(file, length.saturating_sub(TAIL), TAIL)?;
     let begin = tail.windows(12).rposition(|window| window == b"{\"program\":\"").unwrap_or(tail.len());
@@ -290,7 +290,7 @@ struct Claiming<T> {
 }
 
 /// Returns the text of a file of JSON that claims `claims`, which are plain values.
-pub fn claiming(kind: Kind, claims: &impl Serialize) -> String {
+pub fn claiming(kind: OutputKind, claims: &impl Serialize) -> String {
     let claims = serde_json::to_value(claims).expect("claims are plain values");
     // As they are read back, because a number may lose its last digit on the way.
     let read: Value = serde_json::from_str(&claims.to_string()).expect("it was written just now");
@@ -299,7 +299,7 @@ pub fn claiming(kind: Kind, claims: &impl Serialize) -> String {
 }
 
 /// The claims in a file that [`claiming`] gave, if its mark is of `kind` (any, for `None`) and whole.
-fn claims_in<T: DeserializeOwned>(file: &Path, kind: Option<Kind>) -> Option<T> {
+fn claims_in<T: DeserializeOwned>(file: &Path, kind: Option<OutputKind>) -> Option<T> {
     let text = read_text(file, MAX_TABLE_BYTES).ok()?;
     let Claiming { mark, claims }: Claiming<Value> = serde_json::from_str(&text).ok()?;
     let is_whole = mark.format == FORMAT && mark.content == Checksum::of(claims.to_string().as_bytes());
@@ -307,7 +307,7 @@ fn claims_in<T: DeserializeOwned>(file: &Path, kind: Option<Kind>) -> Option<T> 
 }
 
 /// The claims of the mark of `folder`, if it is a folder of this kind and they are as they were written.
-pub fn claims<T: DeserializeOwned>(folder: &Path, kind: Kind) -> Option<T> {
+pub fn claims<T: DeserializeOwned>(folder: &Path, kind: OutputKind) -> Option<T> {
     claims_in(&folder.join(kind.file()), Some(kind))
 }
 
@@ -332,14 +332,14 @@ fn list(folder: &Path, below: &str, listing: &mut Listing) -> io::Result<()> {
 }
 
 /// Writes the mark of a complete folder, which claims all that is in it.
-pub fn seal_folder(folder: &Path, kind: Kind) -> io::Result<()> {
+pub fn seal_folder(folder: &Path, kind: OutputKind) -> io::Result<()> {
     let mut listing = Listing::new();
     list(folder, "", &mut listing)?;
     std::fs::write(folder.join(kind.file()), claiming(kind, &listing))
 }
 
 /// Whether all that is in `folder`, which [`seal_folder`] marked, is as it was then. Missing files do not count.
-pub fn is_unchanged(folder: &Path, kind: Kind) -> io::Result<bool> {
+pub fn is_unchanged(folder: &Path, kind: OutputKind) -> io::Result<bool> {
     let Some(claimed) = claims::<Listing>(folder, kind) else { return Ok(false) };
     let mut listing = Listing::new();
     list(folder, "", &mut listing)?;

@@ -4,7 +4,7 @@
 //! it; a system lock on that file, which ends with its process, shows that it is in use. Nothing else is removed.
 
 use super::lock::{HIDDEN_PREFIX, is_lock};
-use super::mark::{Kind, claiming, claims};
+use super::mark::{OutputKind, claiming, claims};
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
 use std::ffi::OsStr;
@@ -45,11 +45,11 @@ impl Unfinished {
             remove_abandoned(parent);
         }
         let target = target.file_name().and_then(OsStr::to_str).map(str::to_owned);
-        let mark = claiming(Kind::Unfinished, &Making { target });
+        let mark = claiming(OutputKind::Unfinished, &Making { target });
         for _ in 0..TRIES {
             let folder =
                 tempfile::Builder::new().prefix(&format!("{HIDDEN_PREFIX}-")).suffix(SUFFIX).tempdir_in(parent)?;
-            let path = folder.path().join(Kind::Unfinished.file());
+            let path = folder.path().join(OutputKind::Unfinished.file());
             let mut in_use = match File::create_new(&path) {
                 Err(error) if error.kind() == io::ErrorKind::NotFound => continue,
                 created => created?,
@@ -108,7 +108,7 @@ fn is_unfinished(folder: &Path) -> bool {
     name.starts_with(HIDDEN_PREFIX)
         && name.ends_with(SUFFIX)
         && std::fs::symlink_metadata(folder).is_ok_and(|found| found.is_dir())
-        && claims::<Making>(folder, Kind::Unfinished).is_some()
+        && claims::<Making>(folder, OutputKind::Unfinished).is_some()
 }
 
 /// Removes the unfinished work of killed runs from `parent`. A folder that one was replacing is put back.
@@ -119,12 +119,12 @@ pub fn remove_abandoned(parent: &Path) {
             remove_unmarked(&hidden);
             continue;
         }
-        let in_use = hidden.join(Kind::Unfinished.file());
+        let in_use = hidden.join(OutputKind::Unfinished.file());
         let Ok(lock) = super::open_as(&in_use, OpenOptions::new().write(true)) else { continue };
         if lock.try_lock().is_err() {
             continue;
         }
-        let (old, claimed) = (hidden.join(OLD), claims::<Making>(&hidden, Kind::Unfinished));
+        let (old, claimed) = (hidden.join(OLD), claims::<Making>(&hidden, OutputKind::Unfinished));
         if old.exists() {
             let Some(target) = claimed.and_then(|claimed| claimed.target) else { continue };
             let target = parent.join(target);
@@ -150,7 +150,7 @@ fn remove_unmarked(hidden: &Path) {
     if !(name.starts_with(HIDDEN_PREFIX) && name.ends_with(SUFFIX) && is_folder) {
         return;
     }
-    let path = hidden.join(Kind::Unfinished.file());
+    let path = hidden.join(OutputKind::Unfinished.file());
     let mark = super::open_as(&path, OpenOptions::new().write(true)).ok();
     if mark.as_ref().is_some_and(|mark| mark.try_lock().is_ok() && mark.metadata().is_ok_and(|found| found.len() == 0))
     {
@@ -188,7 +188,7 @@ mod tests {
         std::fs::write(at(".burstscope-notes.tmp"), "mine").expect("written");
         let unmarked = [at(".burstscope-empty.tmp"), at(".burstscope-unmarked.tmp")];
         unmarked.iter().for_each(|folder| std::fs::create_dir(folder).expect("made"));
-        std::fs::write(unmarked[1].join(Kind::Unfinished.file()), "").expect("written");
+        std::fs::write(unmarked[1].join(OutputKind::Unfinished.file()), "").expect("written");
         remove_abandoned(home.path());
         assert!(unmarked.iter().all(|folder| !folder.exists()), "killed before they were marked");
         assert!(!begun.exists() && !replaced.exists() && used.folder.path().exists());

@@ -1,42 +1,20 @@
-//! Explanations of a detection.
+//! Explanations of a detection, a folder or file for each question.
 //!
-//! What happened at this place ([`probe()`])? Which slopes does this burst need ([`spectrum`])? Which test rejected the
-//! candidates ([`candidates`])? What did my change of a parameter do ([`changes`])? Why is this feature not matched
-//! ([`unmatched`])? Which true discs were missed ([`truth`])? How much of all this would be found if nothing moved as
-//! it does ([`decoys`])? Nothing is decided here: a verdict about a sample is the search's own
-//! ([`crate::detector::Trail`]). Where one setting would help, an explanation ends with it.
+//! - [`place`]: What happened at this place, and what would keep a feature there?
+//! - [`slopes`]: Which slopes does this burst need?
+//! - [`pair`]: Why is this feature of a pair not matched?
+//! - [`result`]: How good is the result as a whole: false rate, truth, the effect of a change?
+//! - [`report`]: How is an answer written down? [`words`] has its numbers.
+//!
+//! Nothing is decided here: a verdict about a sample is the search's own ([`crate::detector::Trail`]). Where a setting
+//! would help, an explanation ends with it. `slopes` and `result` use `place`, and `report` uses all of them.
 
-pub mod candidates;
-pub mod changes;
-pub mod decoys;
-pub mod fate;
-pub mod figure;
-mod order;
-pub mod outlook;
-pub mod price;
-pub mod probe;
-pub mod reason;
-pub mod remedy;
+pub mod pair;
+pub mod place;
 pub mod report;
-pub mod response;
-pub mod score;
-pub mod set_up;
-pub mod shares;
-pub mod spectrum;
-pub mod spot;
-pub mod suspicion;
-pub mod telling;
-pub mod texture;
-pub mod truth;
-pub mod unmatched;
-pub mod verdict;
+pub mod result;
+pub mod slopes;
 pub mod words;
-
-pub use fate::{Fate, Outcome, TestReport};
-pub use order::PlaceMotion;
-pub use outlook::Outlook;
-pub use probe::{Probe, ProbeOptions, Subject, probe};
-pub use reason::{Reason, ReasonKind};
 
 use crate::burst::Burst;
 use crate::detect::PreparedSearch;

@@ -151,7 +151,7 @@ struct OneWay {
 }
 
 #[derive(Clone, Copy)]
-struct Known {
+struct SureMatch {
     x: Vector2<f64>,
     there: Vector2<f64>,
     /// Inverse depth, and the place as in [`OneWay::numbers`].
@@ -176,18 +176,18 @@ impl OneWay {
         let known = |(index, there): (usize, [f64; 2])| {
             let depth = depths.get(index).copied().flatten()?;
             let (x, there) = (straight[index], parallax.straight(there));
-            Some(Known { x, there, terms: terms(x, depth.value), kappa: parallax.parallax(x, there)? })
+            Some(SureMatch { x, there, terms: terms(x, depth.value), kappa: parallax.parallax(x, there)? })
         };
-        let all: Vec<Known> = inliers.filter_map(known).collect();
+        let all: Vec<SureMatch> = inliers.filter_map(known).collect();
         if all.len() < FEWEST_KNOWN {
             return None;
         }
         // Evenly thinned out, so that all parts of the image decide.
-        let mut known: Vec<Known> = all.iter().copied().step_by(all.len().div_ceil(MOST_KNOWN)).collect();
-        let agreeing = |known: &[Known], numbers: &Vector4<f64>| {
+        let mut known: Vec<SureMatch> = all.iter().copied().step_by(all.len().div_ceil(MOST_KNOWN)).collect();
+        let agreeing = |known: &[SureMatch], numbers: &Vector4<f64>| {
             known.iter().filter(|known| miss(&parallax, known, numbers) < AGREEING_PX).count()
         };
-        let numbers_of = |known: &[Known]| numbers(&parallax, known, seed);
+        let numbers_of = |known: &[SureMatch]| numbers(&parallax, known, seed);
         let numbers = numbers_of(&known)?;
         let mut agreement = Agreement { known: known.len(), agreeing: agreeing(&known, &numbers), by_chance: 0.0 };
         let mut random = Stream::new(seed, 1);
@@ -218,13 +218,13 @@ impl OneWay {
     }
 }
 
-fn miss(parallax: &Parallax, known: &Known, numbers: &Vector4<f64>) -> f64 {
+fn miss(parallax: &Parallax, known: &SureMatch, numbers: &Vector4<f64>) -> f64 {
     let there = parallax.transferred(known.x, numbers.dot(&known.terms));
     there.map_or(f64::INFINITY, |there| (there.place - known.there).norm())
 }
 
-fn numbers(parallax: &Parallax, known: &[Known], seed: u64) -> Option<Vector4<f64>> {
-    let weight = |numbers: &Vector4<f64>, known: &Known| {
+fn numbers(parallax: &Parallax, known: &[SureMatch], seed: u64) -> Option<Vector4<f64>> {
+    let weight = |numbers: &Vector4<f64>, known: &SureMatch| {
         1.0 / (1.0 + (miss(parallax, known, numbers) / (0.5 * AGREEING_PX)).powi(2))
     };
     let score = |numbers: &Vector4<f64>| known.iter().map(|known| weight(numbers, known)).sum::<f64>();
@@ -258,17 +258,17 @@ fn numbers(parallax: &Parallax, known: &[Known], seed: u64) -> Option<Vector4<f6
     Some(best.1)
 }
 
-fn samples(is_calibrated: bool, known: &[Known], seed: u64) -> Vec<Vector4<f64>> {
+fn samples(is_calibrated: bool, known: &[SureMatch], seed: u64) -> Vec<Vector4<f64>> {
     if is_calibrated {
         // What is before both cameras has a positive parallax for a positive depth.
-        let of_one = |known: &Known| known.kappa / known.terms[0];
+        let of_one = |known: &SureMatch| known.kappa / known.terms[0];
         let step = known.len().div_ceil(MOST_SAMPLES);
         let factors = known.iter().step_by(step).map(of_one).filter(|factor| *factor > 0.0 && factor.is_finite());
         return factors.map(|factor| Vector4::new(factor, 0.0, 0.0, 0.0)).collect();
     }
     let mut random = Stream::new(seed, 0);
     let sample = |_| {
-        let chosen: [&Known; 4] = std::array::from_fn(|_| &known[random.below(known.len())]);
+        let chosen: [&SureMatch; 4] = std::array::from_fn(|_| &known[random.below(known.len())]);
         let matrix = Matrix4::from_rows(&chosen.map(|known| known.terms.transpose()));
         let kappas = Vector4::from(chosen.map(|known| known.kappa));
         matrix.lu().solve(&kappas).filter(|numbers| numbers.iter().all(|x| x.is_finite()))

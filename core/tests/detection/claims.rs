@@ -10,8 +10,9 @@ use burstscope_core::detector::slopes::MotionWarningKind;
 use burstscope_core::detector::{
     DetectorParams, ParamChange, SearchParams, SlopeAxis, SlopeFinding, SlopeVerdict, Slopes, find_slopes,
 };
-use burstscope_core::inspect::spectrum::{SlopeJudgement, Subject, judgement};
-use burstscope_core::inspect::{ProbeCache, ProbeOptions, ReasonKind, probe};
+use burstscope_core::inspect::ProbeCache;
+use burstscope_core::inspect::place::{CauseKind, ProbeOptions, probe};
+use burstscope_core::inspect::slopes::{AdviceSubject, SlopeJudgement, judgement};
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{ChartParams, Motion, demo_burst, synth_chart};
 use burstscope_core::{Monitor, Plane, SlopeGrid};
@@ -260,7 +261,7 @@ fn the_order_of_frames_is_judged_whatever_slopes_are_searched() {
         let slopes = SlopeGrid { u: axis, ..SlopeGrid::default() };
         let (judged, ..) = judged(&burst, &DetectorParams { slopes, ..coarse() }.into());
         let advice = judged.advice.expect("the frames are out of order");
-        assert!(advice.subject == Subject::Frames && advice.times == Some(TimesChoice::Found), "{advice:?}");
+        assert!(advice.subject == AdviceSubject::Frames && advice.times == Some(TimesChoice::Found), "{advice:?}");
         assert!(judged.sentence.contains("in the order 2, 3, 1, 0, 4"), "{}", judged.sentence);
     }
 }
@@ -302,7 +303,7 @@ fn a_finer_octave_is_offered_where_it_keeps_what_rises_beyond_the_smallest_scale
     // A lamp whose response still rises at the smallest scale of that octave, at its own slope.
     let place = [257.4, 150.5];
     let probe = probe(&cache, place, &ProbeOptions::default(), &Monitor::default()).expect("inside");
-    let small = probe.reasons.iter().find(|reason| reason.kind == ReasonKind::TooSmall).expect("too small");
+    let small = probe.reasons.iter().find(|reason| reason.kind == CauseKind::TooSmall).expect("too small");
     let change = small.change.as_ref().expect("a first octave of -1");
     let finer = found(change.applied(&cache.made_with()).expect("valid").into());
     let is_it = |feature: &&burstscope_core::Feature| {

@@ -1,7 +1,7 @@
 //! Features compared with discs: which finds which, and the curves of true against false.
 
 use burstscope_core::detector::Feature;
-use burstscope_core::inspect::score::*;
+use burstscope_core::inspect::result::*;
 use burstscope_core::synth::FeatureTruth;
 use burstscope_core::synth::truth::disc_sigma;
 use proptest::prelude::*;
@@ -16,7 +16,7 @@ fn disc(u: f64, v: f64, radius: f64) -> FeatureTruth {
     FeatureTruth { id: 0, layer: None, u, v, radius, sigma, slope_u: 0.0, slope_v: 0.0, contrast_sign: 1 }
 }
 
-fn discs_of(judged: &[Judged]) -> Vec<(usize, Option<usize>)> {
+fn discs_of(judged: &[Scored]) -> Vec<(usize, Option<usize>)> {
     judged.iter().map(|j| (j.feature, j.disc)).collect()
 }
 
@@ -74,7 +74,7 @@ fn each_ranking_has_its_own_order() {
 /// The curve of features of falling worth, true or false.
 fn ranked(pattern: &str) -> Curve {
     let judged = pattern.chars().enumerate();
-    let judged = judged.map(|(i, c)| Judged { feature: i, worth: -(i as f32), disc: (c == 't').then_some(i) });
+    let judged = judged.map(|(i, c)| Scored { feature: i, worth: -(i as f32), disc: (c == 't').then_some(i) });
     Curve::of(&judged.collect::<Vec<_>>())
 }
 
@@ -96,9 +96,9 @@ proptest! {
     #[test]
     fn curves_rise_and_end_at_everything(found in proptest::collection::vec((0u8..20, any::<bool>()), 0..60)) {
         let judged = |(i, &(worth, hit)): (usize, &(u8, bool))| {
-            Judged { feature: i, worth: f32::from(worth), disc: hit.then_some(i) }
+            Scored { feature: i, worth: f32::from(worth), disc: hit.then_some(i) }
         };
-        let mut judged: Vec<Judged> = found.iter().enumerate().map(judged).collect();
+        let mut judged: Vec<Scored> = found.iter().enumerate().map(judged).collect();
         judged.sort_by(|a, b| b.worth.total_cmp(&a.worth));
         let curve = Curve::of(&judged);
         for pair in curve.points.windows(2) {

@@ -7,7 +7,7 @@ use burstscope_core::detector::slopes::MotionWarningKind;
 use burstscope_core::detector::{
     DetectorParams, ParamChange, SearchParams, Slope, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes,
 };
-use burstscope_core::inspect::spectrum::{Subject, judgement};
+use burstscope_core::inspect::slopes::{AdviceSubject, judgement};
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{Motion, NoiseCase, SceneParams, synth_scene};
 use burstscope_core::{Monitor, Plane, SlopeGrid};
@@ -129,7 +129,7 @@ fn a_floor_that_is_sharpest_beyond_the_range_found_widens_it() {
     assert!(params.slopes.u.max > 6.5 && params.slopes.u.min < 0.9, "{:?}", params.slopes);
     assert_eq!(finding.as_ref().map(|finding| finding.grid), Some(params.slopes));
     let judged = judgement(&detection, &params, finding.as_ref(), &burst, &monitor).expect("not cancelled");
-    assert_eq!(judged.expect("it has slopes").advice.filter(|advice| advice.subject == Subject::Range), None);
+    assert_eq!(judged.expect("it has slopes").advice.filter(|advice| advice.subject == AdviceSubject::Range), None);
 }
 
 #[needs::shared("data/light-field-shop")]
@@ -146,7 +146,7 @@ fn a_coarse_range_that_is_far_too_wide_gets_that_of_the_motion() {
     let after = ParamChange::all_applied(&advice.changes, &params).expect("possible");
     let SlopeAxis { min, max, .. } = after.slopes.u;
     // The floor's own motion included, which only a search over the motion's range finds.
-    assert!(advice.subject == Subject::Step && min > 0.0 && (6.5..8.0).contains(&max), "{advice:?}");
+    assert!(advice.subject == AdviceSubject::Step && min > 0.0 && (6.5..8.0).contains(&max), "{advice:?}");
     let Searched { detection, params, .. } = search(&burst, &after.into(), &monitor).expect("valid");
     let judged = judgement(&detection, &params, Some(&find(&burst)), &burst, &monitor).expect("not cancelled");
     assert_eq!(judged.expect("it has slopes").advice, None);

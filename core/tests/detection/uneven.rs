@@ -4,7 +4,7 @@
 use burstscope_core::burst::{Offset, Positions};
 use burstscope_core::detect::search;
 use burstscope_core::detector::{SearchParams, SlopeVerdict, find_slopes};
-use burstscope_core::inspect::score::finds;
+use burstscope_core::inspect::result::finds;
 use burstscope_core::synth::{ChartParams, Motion, Truth, Uneven, synth_chart};
 use burstscope_core::{Burst, Detection, DetectorParams, Monitor};
 use proptest::prelude::*;

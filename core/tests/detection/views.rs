@@ -4,7 +4,7 @@
 use burstscope_core::burst::{Positions, ViewGrid};
 use burstscope_core::detect::search;
 use burstscope_core::detector::{SearchParams, SlopeExtrema, SlopeVerdict, find_slopes};
-use burstscope_core::inspect::score::finds;
+use burstscope_core::inspect::result::finds;
 use burstscope_core::plane::Plane;
 use burstscope_core::synth::{ChartParams, SceneParams, Truth, Uneven, synth_chart, synth_scene};
 use burstscope_core::{Burst, Detection, DetectorParams, Feature, Monitor, SlopeGrid};

@@ -6,11 +6,11 @@ use burstscope_core::detector::{
 };
 use burstscope_core::error::ErrorKind;
 use burstscope_core::export::{
-    ColourBar, ExportFormat, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, LegendEntry, Picture,
+    Bitmap, ColourBar, ExportFormat, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, LegendEntry,
     feature_header, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz,
     write_png, write_tiff,
 };
-use burstscope_core::inspect::changes::read_features;
+use burstscope_core::inspect::result::read_features;
 use burstscope_core::{Burst, Plane};
 use ndarray::Array2;
 use ndarray_npy::NpzReader;
@@ -246,11 +246,11 @@ fn png_keeps_every_byte() {
     let folder = folder();
     let path = folder.path().join("view.png");
     let pixels: Vec<u8> = (0..5 * 3 * 4).map(|i| (i * 11) as u8).collect();
-    write_png(&path, Picture::rgba(5, 3, &pixels)).expect("written");
+    write_png(&path, Bitmap::rgba(5, 3, &pixels)).expect("written");
     assert_eq!(image::open(&path).expect("opens").into_rgba8().into_raw(), pixels);
-    write_png(&path, Picture::rgb(5, 4, &pixels)).expect("written");
+    write_png(&path, Bitmap::rgb(5, 4, &pixels)).expect("written");
     assert_eq!(image::open(&path).expect("opens").into_rgb8().into_raw(), pixels);
-    assert!(write_png(&path, Picture::rgb(0, 0, &[])).is_err_and(|error| error.problem.contains("0×0")));
+    assert!(write_png(&path, Bitmap::rgb(0, 0, &[])).is_err_and(|error| error.problem.contains("0×0")));
 }
 
 /// The attribute as a number.

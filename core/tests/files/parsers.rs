@@ -9,8 +9,7 @@ use crate::damage::{absurd_tomls, damage, damaged, damaged_text, says_something}
 use burstscope_core::dataset::camera::read_camera;
 use burstscope_core::detector::{SearchParams, Slopes};
 use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
-use burstscope_core::inspect::changes::read_features;
-use burstscope_core::inspect::truth::read_truth;
+use burstscope_core::inspect::result::{read_features, read_truth};
 use burstscope_core::{DetectorParams, Monitor, SlopeGrid, detect};
 use burstscope_lab::evaluate::accuracy::stands_apart;
 use burstscope_lab::evaluate::poses::{read_sparse_model, read_trajectory};

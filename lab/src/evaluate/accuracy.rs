@@ -1,7 +1,7 @@
 //! Accuracy in enough light: errors of positions, scales and motions of the discs found.
 //!
 //! Charts whose slopes are drawn from a continuum are searched with a grid of slopes. For every disc found (by the rule
-//! of [`burstscope_core::inspect::score`]) the strongest feature is compared with the truth at mid-burst. Discs may
+//! of [`burstscope_core::inspect::result`]) the strongest feature is compared with the truth at mid-burst. Discs may
 //! move faster than the grid reaches; features on the rim of the grid are counted, and left out of the errors.
 //!
 //! # Two kinds of charts
@@ -23,7 +23,7 @@ use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{DetectorParams, Feature, SlopeGrid};
 use burstscope_core::error::Result;
-use burstscope_core::inspect::score::{Ranking, judge};
+use burstscope_core::inspect::result::{Ranking, judge};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 

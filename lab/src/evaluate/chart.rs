@@ -12,7 +12,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::Detection;
 use burstscope_core::error::{Error, Result};
-use burstscope_core::inspect::score::{Curve, Judged, Ranking, judge, mean_curve};
+use burstscope_core::inspect::result::{Curve, Ranking, Scored, judge, mean_curve};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 
@@ -63,7 +63,7 @@ pub struct LookedChart {
     /// Detection of the method.
     pub detection: Detection,
     /// Judgements of the features, strongest first.
-    pub judged: Vec<Judged>,
+    pub judged: Vec<Scored>,
 }
 
 impl ChartStudy {

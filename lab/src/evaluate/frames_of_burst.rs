@@ -1,7 +1,7 @@
 //! Detection over the number of frames of a given burst: its middle n frames as a burst, for n = 2 … all.
 //!
 //! The search of all frames is the reference: a feature of fewer frames is *confirmed* when that search found it too,
-//! by the rule of [`burstscope_core::inspect::score`] (its features as discs of radius √2·σ, both bright or both dark).
+//! by the rule of [`burstscope_core::inspect::result`] (its features as discs of radius √2·σ, both bright or both dark).
 //! The middle n frames have a mid-burst of their own, half a frame before the whole burst's where n is odd and the
 //! number of all frames even or the other way round; positions are moved there along their slopes. With a truth, discs
 //! found and false features are counted as well, and with a second burst the matches between the two.
@@ -13,7 +13,7 @@ use burstscope_core::detect::detect;
 use burstscope_core::detector::slopes::resolve;
 use burstscope_core::detector::{Detection, DetectorParams, Feature, FrameRange, SearchParams, SlopeGrid};
 use burstscope_core::error::{Error, Result};
-use burstscope_core::inspect::score::{Ranking, judge_by_discs};
+use burstscope_core::inspect::result::{Ranking, judge_by_discs};
 use burstscope_core::matching::{MatchCounts, MatchParams};
 use burstscope_core::monitor::{Monitor, Stage};
 use serde::Serialize;
@@ -71,13 +71,13 @@ pub struct BurstFramesRow {
     pub matches: Option<MatchCounts>,
 }
 
-struct Searched<'a> {
+struct SearchedBurst<'a> {
     burst: &'a Burst,
     params: DetectorParams,
     frames: Range<usize>,
 }
 
-impl<'a> Searched<'a> {
+impl<'a> SearchedBurst<'a> {
     fn new(burst: &'a Burst, search: &SearchParams, monitor: &Monitor) -> Result<Self> {
         let (params, _) = resolve(burst, search, monitor)?;
         params.validate_for(&burst.positions, burst.size())?;
@@ -134,8 +134,8 @@ impl BurstFramesStudy {
         }
         let silent = monitor.silent();
         monitor.report(Stage::Evaluate, 0.0);
-        let first = Searched::new(burst, &self.search, &silent)?;
-        let second = second.map(|burst| Searched::new(burst, &self.search, &silent)).transpose()?;
+        let first = SearchedBurst::new(burst, &self.search, &silent)?;
+        let second = second.map(|burst| SearchedBurst::new(burst, &self.search, &silent)).transpose()?;
         let counts = self.counts(first.frames.len())?;
         let of_second = |count: usize| second.as_ref().filter(|second| second.frames.len() >= count);
         // One search of all frames, and those of the rows.
@@ -190,7 +190,7 @@ impl BurstFramesStudy {
 }
 
 fn row(
-    searched: &Searched<'_>,
+    searched: &SearchedBurst<'_>,
     count: usize,
     (found, all): (&Detection, &Detection),
     truth: Option<&Truth>,

@@ -13,7 +13,7 @@
 //! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far a trajectory is from the true one.
 //!
 //! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
-//! over them and returns a report that can be written as JSON. [`score`](burstscope_core::inspect::score) decides which
+//! over them and returns a report that can be written as JSON. [`result`](burstscope_core::inspect::result) decides which
 //! discs count as found, [`curves`] draws the curves. The same study gives the same report for any number of threads,
 //! and memory holds at most one burst for each thread.
 
@@ -29,7 +29,7 @@ pub mod pure_noise;
 pub mod statistics;
 
 pub use accuracy::{AccuracyReport, AccuracyStudy};
-pub use burstscope_core::inspect::score::{Curve, Ranking};
+pub use burstscope_core::inspect::result::{Curve, Ranking};
 pub use chart::{ChartReport, ChartStudy, LookedChart};
 pub use frames::{FramesReport, FramesStudy};
 pub use frames_of_burst::{BurstFramesReport, BurstFramesStudy};

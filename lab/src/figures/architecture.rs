@@ -7,7 +7,7 @@ use crate::evaluate::curves::lettered;
 use crate::synth::demo_burst;
 use burstscope_core::detect::detect;
 use burstscope_core::detector::view::{dog_view, stack_view};
-use burstscope_core::detector::{DetectorParams, Feature, Slope, SlopeGrid};
+use burstscope_core::detector::{DetectorParams, Feature, Scale, Slope, SlopeGrid};
 use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Anchor, Area, INK, RED, Sheet, short};
 use burstscope_core::monitor::{Monitor, Stage};
@@ -47,7 +47,7 @@ impl Architecture {
 struct Response {
     /// Slopes, px/frame.
     slopes: Vec<f32>,
-    scales: Vec<(i32, i32)>,
+    scales: Vec<Scale>,
     values: Plane,
 }
 
@@ -172,11 +172,11 @@ impl Architecture {
         let grid = self.detector.slopes;
         let slopes: Vec<f32> = (0..grid.u.count).map(|index| grid.u.value(index as f32)).collect();
         let levels = self.detector.levels as i32;
-        let scales: Vec<(i32, i32)> =
-            (0..=self.octave + 1).flat_map(|octave| (0..levels).map(move |level| (octave, level))).collect();
+        let scales: Vec<Scale> =
+            (0..=self.octave + 1).flat_map(|octave| (0..levels).map(move |level| Scale { octave, level })).collect();
         let mut values = Plane::zeros(slopes.len(), scales.len());
         for (column, &slope) in slopes.iter().enumerate() {
-            for (row, &(octave, level)) in scales.iter().enumerate() {
+            for (row, &Scale { octave, level }) in scales.iter().enumerate() {
                 let dog = dog_view(burst, &self.detector, Slope::new(slope, 0.0), octave, level, monitor)?;
                 let pixel = 2f32.powi(octave);
                 values.row_mut(row)[column] = bilinear(&dog, feature.u / pixel, feature.v / pixel).unwrap_or(0.0);
@@ -189,7 +189,7 @@ impl Architecture {
 impl Response {
     fn csv(&self) -> String {
         let mut csv = String::from("slope_u,octave,level,response\n");
-        for (row, (octave, level)) in self.scales.iter().enumerate() {
+        for (row, Scale { octave, level }) in self.scales.iter().enumerate() {
             for (column, slope) in self.slopes.iter().enumerate() {
                 csv += &format!("{slope},{octave},{level},{}\n", self.values.at(column, row));
             }
@@ -204,7 +204,7 @@ fn draw_response(sheet: &mut Sheet, x: f64, response: &Response, subject: &Featu
     let area = Area { x, y: TOP + 16.0, width: SMALL - 44.0, height: 250.0 };
     sheet.picture(area, values, &Display::symmetric(limit));
     let cell = (area.width / values.width() as f64, area.height / values.height() as f64);
-    let row = response.scales.iter().position(|&scale| scale == (subject.octave, subject.level)).unwrap_or(0);
+    let row = response.scales.iter().position(|scale| *scale == subject.scale()).unwrap_or(0);
     let marked = Area {
         x: area.x + subject.slope_index as f64 * cell.0,
         y: area.y + row as f64 * cell.1,
@@ -216,7 +216,7 @@ fn draw_response(sheet: &mut Sheet, x: f64, response: &Response, subject: &Featu
     let step = response.slopes.get(1).map_or(1.0, |s| s - response.slopes[0]);
     let range = (response.slopes[0] - 0.5 * step, response.slopes[response.slopes.len() - 1] + 0.5 * step);
     sheet.axis_below(area, (f64::from(range.0), f64::from(range.1)), "slope, px/frame");
-    for (row, (octave, level)) in response.scales.iter().enumerate() {
+    for (row, Scale { octave, level }) in response.scales.iter().enumerate() {
         let y = area.y + (row as f64 + 0.5) * cell.1 + 4.0;
         sheet.text((area.x - 5.0, y), 9.5, Anchor::End, &format!("{octave}/{level}"));
     }

@@ -11,7 +11,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detector::{Detection, DetectorParams, NoiseGate, SlopeGrid};
 use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Sheet, stacked};
-use burstscope_core::inspect::score::{Curve, Judged, judge};
+use burstscope_core::inspect::result::{Curve, Scored, judge};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::display::Display;
@@ -164,7 +164,7 @@ struct FoundOnTarget {
     label: String,
     word: String,
     /// Features at the threshold, strongest first.
-    kept: Vec<Judged>,
+    kept: Vec<Scored>,
     /// Whether there is a threshold with so few false features; otherwise all features that pass the gate are kept.
     has_threshold: bool,
     detection: Detection,

@@ -5,7 +5,7 @@ use super::{FigureSize, Made, PaperFigure};
 use burstscope_core::error::Result;
 use burstscope_core::export::{Escaped, MadeFrom, OutputRules, Record, Records, write_text, write_whole};
 use burstscope_core::files::lock::FolderLock;
-use burstscope_core::files::mark::{Checksum, Kind, sealed};
+use burstscope_core::files::mark::{Checksum, OutputKind, sealed};
 use burstscope_core::monitor::Monitor;
 use serde::Serialize;
 use std::io::Write;
@@ -137,7 +137,7 @@ impl FiguresJob {
         let mut earlier = earlier.map_or_else(Vec::new, |of| [of.files, of.earlier].concat());
         earlier.retain(|(name, content)| content.is_of(&self.out.join(name)));
         let name = |ending: &str| format!("{}.{ending}", figure.name());
-        let texts = [(name("svg"), sealed(made.svg, Kind::Drawing)), (name("csv"), made.csv)];
+        let texts = [(name("svg"), sealed(made.svg, OutputKind::Drawing)), (name("csv"), made.csv)];
         // A file that no run wrote, or that was changed since, is the user's and is not overwritten.
         for (name, _) in &texts {
             let known = earlier.iter().filter(|(of, _)| of == name).map(|(_, content)| *content).collect::<Vec<_>>();
@@ -160,7 +160,7 @@ pub(super) fn write_page(folder: &Path, size: FigureSize) -> Result<PathBuf> {
         PaperFigure::ALL.into_iter().filter_map(|f| Some(read_record(folder, f)?.of)).collect();
     let path = folder.join("index.html");
     OutputRules::default().check_own(&path, &[])?;
-    write_text(&path, Kind::Page, page(&records, size))?;
+    write_text(&path, OutputKind::Page, page(&records, size))?;
     Ok(path)
 }
 

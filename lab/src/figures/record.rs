@@ -6,7 +6,7 @@
 use super::PaperFigure;
 use burstscope_core::error::{Error, ErrorKind, Result};
 use burstscope_core::export::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin, write_whole};
-use burstscope_core::files::mark::{Checksum, Kind, claiming};
+use burstscope_core::files::mark::{Checksum, OutputKind, claiming};
 use burstscope_core::files::unfinished::{Unfinished, remove_abandoned};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
@@ -39,7 +39,7 @@ pub(super) fn read_record(folder: &Path, figure: PaperFigure) -> Option<FigureRe
 /// Checks that `folder` is free or holds figures that this program began, and that no folder of records is a link.
 pub(super) fn check_folder(folder: &Path) -> Result<()> {
     let parts = [RECORDS_FOLDER, &format!("{RECORDS_FOLDER}/{PIECES_FOLDER}")];
-    if may_begin(folder, Kind::Figures, &parts)? {
+    if may_begin(folder, OutputKind::Figures, &parts)? {
         return Ok(());
     }
     let problem = "this folder holds files, but no figures that this program began";
@@ -49,7 +49,8 @@ pub(super) fn check_folder(folder: &Path) -> Result<()> {
 /// Writes the folder's mark, creates the folders of records, and removes files that killed runs have left.
 pub(super) fn begin(folder: &Path) -> Result<()> {
     remove_abandoned(folder);
-    write_whole(&folder.join(Kind::Figures.file()), |out| out.write_all(claiming(Kind::Figures, &()).as_bytes()))?;
+    let mark = claiming(OutputKind::Figures, &());
+    write_whole(&folder.join(OutputKind::Figures.file()), |out| out.write_all(mark.as_bytes()))?;
     Records::of(folder).begin()?;
     Pieces::of(folder).records.begin()
 }

@@ -7,7 +7,7 @@
 use super::thing::Shape;
 use burstscope_core::detector::scale_space::SIGMA_INPUT;
 use burstscope_core::detector::stack::interpolation_blur;
-use burstscope_core::detector::{Slope, Trail};
+use burstscope_core::detector::{Scale, Slope, Trail};
 
 /// Expected response of a thing of amplitude 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -53,7 +53,7 @@ pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slo
     // The filter starts from an assumed blur; a pixel is a square, and shifted frames are interpolated.
     let more = 1.0 / 12.0 + 0.5 * (blur_u + blur_v) - SIGMA_INPUT * SIGMA_INPUT;
     let (space, own_sigma) = (trail.space(), shape.sigma(radius));
-    let mut best: Option<(f64, (i32, i32))> = None;
+    let mut best: Option<(f64, Scale)> = None;
     for octave in trail.octaves() {
         let sigma = |step: i32| space.sigma_image(octave, f64::from(step));
         let suits = |level: &i32| (own_sigma / SCALE_REACH..=own_sigma * SCALE_REACH).contains(&sigma(*level));
@@ -71,7 +71,7 @@ pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slo
             let response = (low - high).abs();
             // A candidate is an extremum of D, not of its ratio to the noise.
             if best.is_none_or(|(best, _)| response > best) {
-                best = Some((response, (octave, level)));
+                best = Some((response, Scale { octave, level }));
             }
         }
     }

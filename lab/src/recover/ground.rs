@@ -9,7 +9,7 @@ use burstscope_core::detector::scale_space::{ScaleSpace, searched_octaves};
 use burstscope_core::detector::{Feature, Method, SearchParams, Slope};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::ProbeCache;
-use burstscope_core::inspect::score::finds;
+use burstscope_core::inspect::result::finds;
 use burstscope_core::monitor::{Cancelled, Monitor};
 use burstscope_core::plane::Plane;
 use burstscope_core::plane::blur::smoothed;

@@ -1,7 +1,7 @@
 //! Things planted in a burst and searched for, to measure what the search as it is set would find.
 //!
 //! Discs or blobs of known SNR, size and slope are added to copies of the burst's own frames, with the noise of their
-//! light. The search runs on every copy, and each thing is found, by the rule of [`burstscope_core::inspect::score`],
+//! light. The search runs on every copy, and each thing is found, by the rule of [`burstscope_core::inspect::result`],
 //! or has a fate in the words of the [probe](burstscope_core::inspect::probe()). The [`report`] has the shares found
 //! over SNR, slope and size beside those expected, the SNR at which half are found, and a map of faintness.
 //!
@@ -25,8 +25,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detector::{SearchParams, Slope, SlopeAxis, Test};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::ProbeCache;
-use burstscope_core::inspect::score::{Ranking, judge_by_discs};
-use burstscope_core::inspect::truth::miss;
+use burstscope_core::inspect::result::{Ranking, judge_by_discs, miss};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
 #[cfg(feature = "cli")]

@@ -11,7 +11,7 @@
 use super::write::{io, write_folder, write_frame};
 use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, Result};
-use burstscope_core::files::mark::Kind;
+use burstscope_core::files::mark::OutputKind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::synth::noise::Camera;
@@ -205,7 +205,7 @@ pub fn write_noisy<E: From<Error>>(
     };
     // `write_folder` takes errors of the core only: one of `open` waits here, and cancelling leaves `dir` unchanged.
     let mut failure = None;
-    let written = write_folder(dir, Kind::NoisyCopies, |fresh| {
+    let written = write_folder(dir, OutputKind::NoisyCopies, |fresh| {
         for (k, name) in names.iter().enumerate() {
             let part = subfolders.then_some(name.as_str());
             let burst = match open(k) {

@@ -10,7 +10,7 @@
 use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, ErrorKind, Result};
 use burstscope_core::files::lock::FolderLock;
-use burstscope_core::files::mark::{Kind, is_unchanged, seal_folder};
+use burstscope_core::files::mark::{OutputKind, is_unchanged, seal_folder};
 use burstscope_core::files::unfinished::{Unfinished, is_free};
 use burstscope_core::files::write_problem;
 use burstscope_core::monitor::{Monitor, Stage};
@@ -28,7 +28,7 @@ use std::path::Path;
 /// # Errors
 /// The folder is a link, holds other files or cannot be written; it is then unchanged.
 pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) -> Result<()> {
-    write_folder(dir, Kind::Burst, |fresh| {
+    write_folder(dir, OutputKind::Burst, |fresh| {
         for (t, frame) in burst.frames.iter().enumerate() {
             monitor.check()?;
             write_frame(&fresh.join(view_name(burst, t)), frame)?;
@@ -92,7 +92,7 @@ pub(super) fn occupied(dir: &Path) -> Error {
 ///
 /// # Errors
 /// The folder is a link, holds other files or cannot be written, or an error of `fill`; it is then unchanged.
-pub(super) fn write_folder(dir: &Path, kind: Kind, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
+pub(super) fn write_folder(dir: &Path, kind: OutputKind, fill: impl FnOnce(&Path) -> Result<()>) -> Result<()> {
     if std::fs::symlink_metadata(dir).is_ok_and(|metadata| metadata.is_symlink()) {
         let problem = "this is a link, and links are not followed";
         return Err(Error::new(ErrorKind::Refused, problem, "name the folder itself").about(dir));
@@ -128,7 +128,7 @@ mod tests {
             std::fs::write(late.join("thesis.txt"), "precious").expect("written");
             Ok(())
         };
-        assert_eq!(write_folder(&late, Kind::Burst, added), Err(occupied(&late)));
+        assert_eq!(write_folder(&late, OutputKind::Burst, added), Err(occupied(&late)));
         assert_eq!(std::fs::read_to_string(late.join("thesis.txt")).expect("there"), "precious");
     }
 }

@@ -15,7 +15,7 @@ use crate::app::results::{Effect, Model, Read};
 use crate::app::view::View;
 use crate::detector::{Method, SearchParams, Slope, SlopeGrid};
 use crate::engine::Engine;
-use crate::inspect::verdict::Verdict;
+use crate::inspect::place::Verdict;
 use crate::matching::MatchParams;
 use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
 use crate::synth::Example;

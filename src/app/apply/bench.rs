@@ -13,7 +13,7 @@ use crate::detector::{Detection, DetectorParams, Feature, SearchParams, Slope, S
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
-use crate::requests::{BurstSource, Detected, OpenBurst, Picture, PictureKind, PictureRequest, Request, Work};
+use crate::requests::{BurstSource, Detected, OpenBurst, PictureAnswer, PictureKind, PictureRequest, Request, Work};
 use crate::synth::ChartParams;
 use crate::teach::Workspace;
 use std::sync::Arc;
@@ -233,7 +233,7 @@ fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it
     let mut ranges = model.document.look.ranges;
     assert_ne!(ranges.frame, ranges.intensity);
     // The first slope with features is shown: its stack may set the range, the frame's stays.
-    let brighter = Picture { drawn: Arc::new(Plane::from_fn(8, 8, |u, v| (8 * v + u) as f32)), ..stack.clone() };
+    let brighter = PictureAnswer { drawn: Arc::new(Plane::from_fn(8, 8, |u, v| (8 * v + u) as f32)), ..stack.clone() };
     ranges.forget_that_of(stack);
     ranges.fix_once(&brighter);
     assert!(ranges.intensity.max > 60.0 && ranges.frame == model.document.look.ranges.frame);

@@ -1,6 +1,6 @@
 //! Comparisons with a reference: which one is on show, what is pinned, and the answers.
 
-use crate::app::document::comparison::{Comparison, Kind, Reference};
+use crate::app::document::comparison::{Compared, Comparison, Reference};
 use crate::app::document::look::FeaturesShown;
 use crate::app::document::pair::PairTab;
 use crate::app::document::side::Side;
@@ -14,7 +14,7 @@ pub(super) fn compare_with(model: &mut Model, side: Side, with: Option<Reference
     let (set, results) = (&mut model.document.comparisons[side], &mut model.results.slots[side].comparison);
     if set.with != with {
         // Unchanged features are hidden, so that the changes stand out.
-        let hidden = if with == Some(Reference::Pinned) { vec![Kind::Same] } else { Vec::new() };
+        let hidden = if with == Some(Reference::Pinned) { vec![Compared::Same] } else { Vec::new() };
         (set.with, set.selected, set.hidden) = (with, None, hidden);
         (results.shown, results.hovered, results.problem) = (None, None, None);
         results.wanted.forget();
@@ -140,10 +140,10 @@ mod tests {
             );
             assert!(Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
             // All discs of the side's own chart are found or missed.
-            let discs = shown.count(Kind::Same) + shown.count(Kind::Theirs);
+            let discs = shown.count(Compared::Same) + shown.count(Compared::Theirs);
             let truth = slot.burst.as_ref().expect("open").truth(&crate::Monitor::default()).expect("valid");
             assert_eq!(discs, truth.expect("a chart").features.len());
-            assert!(shown.count(Kind::Same) > 0, "{}", shown.summary);
+            assert!(shown.count(Compared::Same) > 0, "{}", shown.summary);
         }
         let before = summaries(Read::of(&bench.model));
         pair::swap_sides(&mut bench.model);

@@ -7,7 +7,7 @@ use crate::app::pane::PaneId;
 use crate::app::results::{FoundFeatures, Model, Read};
 use crate::app::view::fixed;
 use crate::engine::{Ended, Engine};
-use crate::inspect::spectrum::{features_at_slopes, slope_with_most_features};
+use crate::inspect::slopes::{features_at_slopes, slope_with_most_features};
 use crate::requests::{DetectRequest, Detected};
 use std::time::Duration;
 

@@ -3,7 +3,7 @@
 
 use crate::app::document::method::MethodId;
 use crate::app::document::side::Side;
-use crate::app::pane::{MethodsPreset, Place};
+use crate::app::pane::{MethodsPreset, PaneGroup};
 use crate::app::results::compare::MethodFound;
 use crate::app::results::{Effect, Model, Read};
 use crate::burst::OpenOptions;
@@ -68,7 +68,7 @@ pub fn refresh_workspace(model: &mut Model) {
 }
 
 pub fn keep_methods_arranged(model: &mut Model) {
-    let shown = model.document.panes.shown_in(Place::Methods);
+    let shown = model.document.panes.shown_in(PaneGroup::Methods);
     let is_laid_out = shown.iter().filter_map(|id| model.document.panes.get(*id)).any(|pane| pane.method.is_some());
     model.results.compare.arranged = if is_laid_out { Read::of(model).methods_shown() } else { Vec::new() };
 }

@@ -10,7 +10,7 @@ use crate::app::results::pair::lost::{CANDIDATES, LostFeatures, Why};
 use crate::app::results::slot::Slot;
 use crate::app::results::{Model, Read};
 use crate::engine::{Ended, Engine};
-use crate::inspect::unmatched::Losses;
+use crate::inspect::pair::Losses;
 use crate::requests::{LossesRequest, MatchRequest, OpenBurst, PicturesRequest, are_stacked};
 use std::sync::Arc;
 

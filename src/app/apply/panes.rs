@@ -12,7 +12,7 @@ use crate::app::results::{Model, Read};
 use crate::app::view::View;
 use crate::detector::{Feature, FrameRange};
 use crate::engine::Ended;
-use crate::requests::{Picture, PictureRequest};
+use crate::requests::{PictureAnswer, PictureRequest};
 use std::time::{Duration, Instant};
 
 pub fn change_panes(model: &mut Model, change: Change) {
@@ -94,7 +94,7 @@ pub(in crate::app) fn forget_asked_pictures(model: &mut Model) {
 }
 
 /// Takes the picture of a pane, unless it is of another burst than the one that the pane shows now.
-pub fn take_picture(model: &mut Model, id: PaneId, picture: Picture) {
+pub fn take_picture(model: &mut Model, id: PaneId, picture: PictureAnswer) {
     let Some(pane) = model.document.panes.get(id) else { return };
     if !Read::of(model).fits(pane, &picture) {
         return;

@@ -7,8 +7,7 @@ use crate::app::results::probe::ProbeResults;
 use crate::app::results::{Model, Read};
 use crate::detector::{Slope, SlopeGrid, Slopes};
 use crate::engine::Ended;
-use crate::inspect::probe::Wanted as Subject;
-use crate::inspect::remedy::nearest_slope;
+use crate::inspect::place::{ProbeSubject, nearest_slope};
 use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Traced};
 use crate::synth::Example;
 
@@ -35,8 +34,8 @@ fn take_trail(model: &mut Model, traced: Traced) {
         look_at(
             model,
             match wanted {
-                Subject::Candidate(sample) if same_grid => Subject::Candidate(sample),
-                _ => Subject::Best,
+                ProbeSubject::Candidate(sample) if same_grid => ProbeSubject::Candidate(sample),
+                _ => ProbeSubject::Best,
             },
         );
     }
@@ -47,7 +46,7 @@ fn take_trail(model: &mut Model, traced: Traced) {
 fn take_probe(model: &mut Model, mut answer: Probed) {
     let is_asked = model.document.probe.question == Some(answer.request.question);
     if answer.request.question == ProbeQuestion::Strongest {
-        let wanted = answer.probe.subject_fate().map_or(Subject::Best, |f| Subject::Candidate(f.of_sample()));
+        let wanted = answer.probe.subject_fate().map_or(ProbeSubject::Best, |f| ProbeSubject::Candidate(f.of_sample()));
         answer.request.question = ProbeQuestion::At { place: answer.probe.pos_image, wanted };
         if is_asked {
             model.document.probe.question = Some(answer.request.question);
@@ -56,7 +55,7 @@ fn take_probe(model: &mut Model, mut answer: Probed) {
     (model.results.probed.answer, model.results.probed.problem) = (Some(answer), None);
 }
 
-pub fn look_at(model: &mut Model, wanted: Subject) {
+pub fn look_at(model: &mut Model, wanted: ProbeSubject) {
     if let Some(place) = Read::of(model).probed_place() {
         model.document.probe.question = Some(ProbeQuestion::At { place, wanted });
     }
@@ -86,7 +85,7 @@ pub(super) fn take_probed(model: &mut Model, ended: Ended<ProbeRequest>) {
 
 pub(super) fn follow_pointer(model: &mut Model) {
     if let Some((side, place)) = model.results.probed.pointer.filter(|_| model.document.probe.follows) {
-        set_question(model, side, ProbeQuestion::At { place, wanted: Subject::Best });
+        set_question(model, side, ProbeQuestion::At { place, wanted: ProbeSubject::Best });
     }
 }
 
@@ -120,7 +119,7 @@ pub fn ask_probe(model: &mut Model, side: Side, question: ProbeQuestion) {
 fn set_question(model: &mut Model, side: Side, question: ProbeQuestion) {
     turn_probe_to(model, side);
     model.document.probe.question = Some(question);
-    let has_scale = matches!(question, ProbeQuestion::At { wanted: Subject::Feature(_), .. });
+    let has_scale = matches!(question, ProbeQuestion::At { wanted: ProbeSubject::Feature(_), .. });
     model.document.probe.near_sigma = if has_scale { None } else { Read::of(model).sigma_in_view() };
     model.document.probe.in_view = if has_scale { None } else { Read::of(model).slope_in_view() };
 }
@@ -131,7 +130,7 @@ pub fn probe_feature(model: &mut Model, side: Side, index: usize) {
         if side == Side::A {
             model.document.selected = Some(index);
         }
-        ask_probe(model, side, ProbeQuestion::At { place, wanted: Subject::Feature(index) });
+        ask_probe(model, side, ProbeQuestion::At { place, wanted: ProbeSubject::Feature(index) });
     }
 }
 
@@ -169,9 +168,9 @@ pub fn start_probe(model: &mut Model, before: Option<&BurstSource>) {
             let wanted = match example.scale() {
                 Some((octave, level)) if has_its_slopes && model.document.params.first_octave <= octave => {
                     let slope_index = nearest_slope(&grid, Slope::new(example.slope_u(), 0.0));
-                    Subject::Scale { octave, level, slope_index }
+                    ProbeSubject::Scale { octave, level, slope_index }
                 }
-                _ => Subject::Best,
+                _ => ProbeSubject::Best,
             };
             ask_probe(model, Side::A, ProbeQuestion::At { place: example.place(), wanted });
         }
@@ -180,7 +179,7 @@ pub fn start_probe(model: &mut Model, before: Option<&BurstSource>) {
 }
 
 pub fn probe_place(model: &mut Model, side: Side, place: [f32; 2]) {
-    ask_probe(model, side, ProbeQuestion::At { place, wanted: Subject::Best });
+    ask_probe(model, side, ProbeQuestion::At { place, wanted: ProbeSubject::Best });
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 
 use crate::app::actions::registry::ActionId;
 use crate::app::document::Document;
-use crate::app::document::comparison::{Kind, Reference};
+use crate::app::document::comparison::{Compared, Reference};
 use crate::app::document::cursor::Playing;
 use crate::app::document::datasets::{BurstPair, PairChoice, PairColumn, Which};
 use crate::app::document::export::{FigureChoice, FilmChoice};
@@ -22,8 +22,8 @@ use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::{ParamChange, Quantity, SearchParams, Slope, Test};
 use crate::evaluate::poses::{PoseStudy, Projection};
-use crate::inspect::probe::Wanted as ProbeSubject;
-use crate::inspect::unmatched::Lost;
+use crate::inspect::pair::Lost;
+use crate::inspect::place::ProbeSubject;
 use crate::matching::MatchParams;
 use crate::plane::display::Display;
 use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
@@ -177,7 +177,7 @@ others {
     StopFollowing,
 
     CompareWith(Side, #[serde(with = "or_none")] Option<Reference>),
-    ShowKind(Side, Kind, bool),
+    ShowKind(Side, Compared, bool),
     SelectRow(Side, #[serde(with = "or_none")] Option<usize>),
 
     SetPairLinks(PaneLinks),

@@ -45,12 +45,12 @@ pub struct Comparison {
     /// Parameters of the pinned result: where that is not kept, the detection is repeated, which gives the same bits.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub pinned: Option<SearchParams>,
-    pub hidden: Vec<Kind>,
+    pub hidden: Vec<Compared>,
     pub selected: Option<usize>,
 }
 
 impl Comparison {
-    pub fn shows(&self, kind: Kind) -> bool {
+    pub fn shows(&self, kind: Compared) -> bool {
         !self.hidden.contains(&kind)
     }
 
@@ -64,7 +64,7 @@ impl Comparison {
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Kind {
+pub enum Compared {
     /// Theirs alone: lost, only in the file, missed.
     Theirs,
     /// Ours, on an object that moves otherwise.
@@ -79,7 +79,7 @@ pub enum Kind {
     Same,
 }
 
-impl Kind {
+impl Compared {
     pub fn of(with: Reference) -> &'static [Self] {
         match with {
             Reference::Pinned | Reference::File => &[Self::Theirs, Self::Ours, Self::Moved, Self::Same],

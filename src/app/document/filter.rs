@@ -1,10 +1,10 @@
 //! Filter and sort order of the features, and the selected one, by which it is found again.
 
-use crate::app::view::{Known, number, quantity_value};
+use crate::app::view::{KnownOfFeature, number, quantity_value};
 use crate::detector::quantity::Form;
 use crate::detector::{Detection, Feature, Moves, Quantity, Slope, SlopeGrid};
-use crate::inspect::spectrum::is_at_slope;
-use crate::inspect::verdict::{Judged, Verdict};
+use crate::inspect::place::{Judged, Verdict};
+use crate::inspect::slopes::is_at_slope;
 use crate::inspect::words::counted;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -80,7 +80,7 @@ pub fn range_name(quantity: Quantity) -> &'static str {
 }
 
 /// Value that has to lie in the range of a quantity; `None` where there is none, or it is not known yet.
-pub fn ranged(quantity: Quantity, feature: &Feature, known: Known<'_>) -> Option<f32> {
+pub fn ranged(quantity: Quantity, feature: &Feature, known: KnownOfFeature<'_>) -> Option<f32> {
     let value = quantity_value(quantity, 0, feature, known);
     value.map(|value| if quantity == Quantity::Response { value.abs() } else { value })
 }
@@ -119,7 +119,7 @@ impl Filter {
 
     /// When the slope on show, of `grid`, is `slope`; before `judged` is known, the feature passes.
     pub fn passes(&self, feature: &Feature, judged: Option<&Judged>, grid: &SlopeGrid, slope: Slope) -> bool {
-        let known = Known { judged, depth_m: None };
+        let known = KnownOfFeature { judged, depth_m: None };
         self.ranges
             .iter()
             .all(|(quantity, range)| ranged(*quantity, feature, known).is_none_or(|value| range.holds(value)))

@@ -5,7 +5,7 @@
 use crate::detector::params::Bounds;
 use crate::error::Error;
 use crate::plane::display::{ColourMap, Display};
-use crate::requests::Picture;
+use crate::requests::PictureAnswer;
 pub use crate::requests::RangeClass;
 use serde::{Deserialize, Serialize};
 use std::ops::Bound;
@@ -71,7 +71,7 @@ impl Ranges {
     }
 
     /// Sets the range of the picture's class from its percentiles, unless it was set since the burst was opened.
-    pub fn fix_once(&mut self, picture: &Picture) {
+    pub fn fix_once(&mut self, picture: &PictureAnswer) {
         self.propose(picture);
         if let Some(fixed) = self.fixed_mut(RangeClass::of(&picture.request)) {
             *fixed = true;
@@ -79,7 +79,7 @@ impl Ranges {
     }
 
     /// Sets the range of the picture's class from its percentiles, but lets another picture set it again.
-    pub fn propose(&mut self, picture: &Picture) {
+    pub fn propose(&mut self, picture: &PictureAnswer) {
         let class = RangeClass::of(&picture.request);
         if self.fixed_mut(class).is_none_or(|fixed| *fixed) {
             return;
@@ -89,7 +89,7 @@ impl Ranges {
     }
 
     /// Lets another picture set the range if this one did: not where the user chose another.
-    pub fn forget_that_of(&mut self, picture: &Picture) {
+    pub fn forget_that_of(&mut self, picture: &PictureAnswer) {
         let class = RangeClass::of(&picture.request);
         let display = self.display(class);
         if display == display.over_percentiles(&picture.drawn, PERCENTILES)

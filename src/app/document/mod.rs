@@ -38,7 +38,7 @@ use crate::burst::OpenOptions;
 use crate::detector::params::doc;
 use crate::detector::{ParamChange, Quantity, SearchParams, Test};
 use crate::evaluate::poses::is_built_in;
-use crate::inspect::unmatched::Lost;
+use crate::inspect::pair::Lost;
 use crate::matching::MatchParams;
 use crate::requests::BurstSource;
 use crate::teach::{BottomTab, Workspace};

@@ -4,7 +4,7 @@ use crate::app::document::Document;
 use crate::app::document::cursor::Cursor;
 use crate::app::document::look::Ranges;
 use crate::app::document::side::Side;
-use crate::app::pane::{Link, PaneId, PaneLinks, Place};
+use crate::app::pane::{Link, PaneGroup, PaneId, PaneLinks};
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -131,7 +131,7 @@ impl Document {
     /// The pane that stands for the burst of `side` in *Two bursts*: its own, or where that was closed the first one.
     pub fn pane_for(&self, side: Side) -> PaneId {
         let own = PaneId::of(side);
-        let shown = self.panes.shown_in(Place::Pair);
+        let shown = self.panes.shown_in(PaneGroup::Pair);
         let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
         if shown.contains(&own) { own } else { shown.into_iter().find(is_on).unwrap_or(own) }
     }
@@ -142,14 +142,14 @@ impl Document {
 
     /// Links that all panes of *Two bursts* have.
     pub fn pair_links(&self) -> PaneLinks {
-        let shown = self.panes.shown_in(Place::Pair);
+        let shown = self.panes.shown_in(PaneGroup::Pair);
         let all = |link| shown.iter().filter_map(|id| self.panes.get(*id)).all(|pane| pane.links.has(link));
         let (view, cursor, display) = (all(Link::View), all(Link::Cursor), all(Link::Display));
         PaneLinks { view, cursor, display, ..PaneLinks::default() }
     }
 
     pub fn link_pair(&mut self, link: Link, on: bool) {
-        for id in self.panes.shown_in(Place::Pair) {
+        for id in self.panes.shown_in(PaneGroup::Pair) {
             if on || self.panes.get(id).is_some_and(|pane| pane.side == Side::B) {
                 self.set_link(id, link, on);
             }

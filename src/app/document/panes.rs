@@ -4,7 +4,7 @@ use crate::app::document::Document;
 use crate::app::document::cursor::{Cursor, ViewKind};
 use crate::app::document::look::Ranges;
 use crate::app::document::side::Side;
-use crate::app::pane::{Direction, Link, MethodsPreset, Pane, PaneId, Place, Preset, SidesPreset};
+use crate::app::pane::{Direction, Link, MethodsPreset, Pane, PaneGroup, PaneId, Preset, SidesPreset};
 use crate::app::view::View;
 use crate::detector::Slope;
 use crate::teach::{BottomTab, Workspace};
@@ -111,7 +111,7 @@ impl Document {
     /// Shows panes of several methods in *One burst*, with the table of their numbers.
     pub fn compare_methods(&mut self) {
         (self.workspace, self.bottom_tab) = (Workspace::Inspect, BottomTab::Methods);
-        self.panes.open = Place::Methods;
+        self.panes.open = PaneGroup::Methods;
     }
 
     pub fn open_workspace(&mut self, workspace: Workspace) {

@@ -1,10 +1,10 @@
 //! The probe as it is set, and the set-up of camera and scene as the user typed it.
 
 use crate::app::document::side::Side;
-use crate::app::view::Known;
+use crate::app::view::KnownOfFeature;
 use crate::detector::{Feature, Slope};
-use crate::inspect::set_up::SetUp;
-use crate::inspect::verdict::Judged;
+use crate::inspect::place::Judged;
+use crate::inspect::slopes::SetUp;
 use crate::requests::ProbeQuestion;
 use serde::{Deserialize, Serialize};
 
@@ -40,9 +40,9 @@ impl SetUpState {
         (self.reads_depths && self.values.check().is_ok()).then_some(&self.values)
     }
 
-    pub fn known<'a>(&self, feature: &Feature, judged: Option<&'a Judged>) -> Known<'a> {
+    pub fn known<'a>(&self, feature: &Feature, judged: Option<&'a Judged>) -> KnownOfFeature<'a> {
         let (motion, sigma) = feature.motion();
-        Known { judged, depth_m: self.depths_by().and_then(|values| values.depth_with_error(motion, sigma)) }
+        KnownOfFeature { judged, depth_m: self.depths_by().and_then(|values| values.depth_with_error(motion, sigma)) }
     }
 }
 

@@ -4,7 +4,7 @@ use super::Document;
 use crate::app::document::look::FeaturesShown;
 use crate::app::document::panes::{Change, Tool};
 use crate::app::document::side::Side;
-use crate::app::pane::{PaneId, Place, Preset, SidesPreset};
+use crate::app::pane::{PaneGroup, PaneId, Preset, SidesPreset};
 use crate::teach::Workspace;
 
 /// Settings of a workspace; `app::workspace` draws it.
@@ -99,7 +99,7 @@ impl Workspace {
 impl Document {
     /// Whether panes of several methods are on show, in *One burst*.
     pub fn compares_methods(&self) -> bool {
-        self.workspace.inspects() && self.panes.open == Place::Methods
+        self.workspace.inspects() && self.panes.open == PaneGroup::Methods
     }
 
     /// Index of the selected feature, or of the selected match where two bursts are on show.

@@ -31,7 +31,7 @@ use crate::export::{
 };
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
-use crate::requests::{Picture, slope_legend, titled};
+use crate::requests::{PictureAnswer, slope_legend, titled};
 use egui::{DragValue, Ui};
 use pdf::write_drawing_pdf;
 use std::collections::BTreeMap;
@@ -48,7 +48,7 @@ pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), String> {
         Some(FigureFormat::Png) => {
             let picture = rasterise(drawing)?;
             let (width, height) = picture.dimensions();
-            export::write_png(path, export::Picture::rgba(width as usize, height as usize, picture.as_raw()))
+            export::write_png(path, export::Bitmap::rgba(width as usize, height as usize, picture.as_raw()))
         }
         None => {
             return Err(format!("{}: figures are PDF, SVG or PNG; end the name in .pdf, .svg or .png", path.display()));
@@ -196,7 +196,7 @@ fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureC
 
 /// Title of a picture: where methods are compared the method with the count of its inliers, in *Two bursts* the burst,
 /// then what is shown.
-fn title_of(model: Read<'_>, id: PaneId, picture: &Picture) -> String {
+fn title_of(model: Read<'_>, id: PaneId, picture: &PictureAnswer) -> String {
     let shown = describe(picture);
     let Some(pane) = model.document.panes.get(id) else { return shown };
     match (pane.method, model.burst_of(pane.side)) {
@@ -427,14 +427,14 @@ fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, are_features: bool, label: 
 mod tests {
     use super::*;
     use crate::app::apply::bench::open;
-    use crate::requests::{Picture, PictureKind, PictureRequest};
+    use crate::requests::{PictureAnswer, PictureKind, PictureRequest};
     use egui::{Rect, pos2, vec2};
 
     #[test]
     fn a_squeezed_pane_is_drawn_with_its_whole_picture() {
         let plane = Arc::new(Plane::from_fn(200, 100, |u, _| u as f32));
         let request = PictureRequest::new(open((200, 100), 3), PictureKind::Frame(0), Default::default());
-        let picture = Picture { request, drawn: plane.clone(), plane, motion: None };
+        let picture = PictureAnswer { request, drawn: plane.clone(), plane, motion: None };
         let mut state = PictureState::default();
         state.refresh(Some(&picture));
         assert_eq!(part_in_view(&state), None, "never drawn");

@@ -2,8 +2,8 @@
 //! images. `krilla` writes the file; this module maps the shapes of a drawing to it.
 
 use crate::error::Error;
-use crate::export::{Colour, DASH, Drawing, FigureRect, FigureShape, FigureStroke, FigureUnit, Picture, write_marked};
-use crate::files::mark::Kind;
+use crate::export::{Bitmap, Colour, DASH, Drawing, FigureRect, FigureShape, FigureStroke, FigureUnit, write_marked};
+use crate::files::mark::OutputKind;
 use egui::{FontDefinitions, FontFamily};
 use krilla::color::rgb;
 use krilla::geom::{Path as Way, PathBuilder, Point, Rect, Size, Transform};
@@ -25,7 +25,7 @@ const QUARTER: f32 = 0.552_284_8;
 
 /// Writes the drawing on a page of its own size.
 pub fn write_drawing_pdf(path: &Path, drawing: &Drawing) -> Result<(), Error> {
-    write_marked(path, Kind::Drawing, |out| out.write_all(&encoded(drawing)?))
+    write_marked(path, OutputKind::Drawing, |out| out.write_all(&encoded(drawing)?))
 }
 
 fn encoded(drawing: &Drawing) -> io::Result<Vec<u8>> {
@@ -63,7 +63,7 @@ struct Pixels {
 
 impl Pixels {
     fn of(size: (usize, usize), rgba: &[u8]) -> Self {
-        let (space, values) = match Picture::rgba(size.0, size.1, rgba).greys() {
+        let (space, values) = match Bitmap::rgba(size.0, size.1, rgba).greys() {
             Some(greys) => (ImageColorspace::Luma, greys),
             None => (ImageColorspace::Rgb, rgba.chunks_exact(4).flat_map(|pixel| &pixel[..3]).copied().collect()),
         };

@@ -14,7 +14,7 @@ use crate::app::panel::widgets::dashed_circle;
 use crate::app::results::Read;
 use crate::burst::Positions;
 use crate::detector::{Feature, Slope};
-use crate::inspect::probe::{AT_PLACE_PX, Wanted};
+use crate::inspect::place::{AT_PLACE_PX, ProbeSubject};
 use crate::inspect::words::slope_text;
 use crate::requests::{PictureKind, ProbeQuestion};
 use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
@@ -129,7 +129,7 @@ pub(super) fn probe_ui(
     });
     queue.push(match feature {
         Some(feature) => Action::ProbeFeature(Side::A, feature),
-        None => Action::Probe(side, ProbeQuestion::At { place, wanted: Wanted::Best }),
+        None => Action::Probe(side, ProbeQuestion::At { place, wanted: ProbeSubject::Best }),
     });
 }
 

@@ -15,7 +15,7 @@ use crate::app::pane::{Content, Direction, Link, Over, PaneId, SliceAxis};
 use crate::app::results::Read;
 use crate::app::results::pair::MatchRow;
 use crate::app::words::explained;
-use crate::inspect::probe::Wanted;
+use crate::inspect::place::ProbeSubject;
 use crate::requests::ProbeQuestion;
 use crate::teach::glossary::glossary;
 use egui::{Button, RichText, ScrollArea, Ui};
@@ -202,7 +202,7 @@ pub(super) fn picture_menu_ui(
             if let Some((side, place)) = place.mid_burst
                 && ui.button("Probe this place").on_hover_text(ActionId::ProbePlace.action().help).clicked()
             {
-                queue.push(Action::Probe(side, ProbeQuestion::At { place, wanted: Wanted::Best }));
+                queue.push(Action::Probe(side, ProbeQuestion::At { place, wanted: ProbeSubject::Best }));
             }
             if let Some(readout) = &place.readout {
                 let value = format!("Copy value {}", number(readout.value, 4));

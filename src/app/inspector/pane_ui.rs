@@ -18,7 +18,7 @@ use crate::app::panel::widgets::{named, wheel_over};
 use crate::app::results::Read;
 use crate::app::{canvas, style};
 use crate::detector::Slope;
-use crate::inspect::shares::Slice;
+use crate::inspect::place::Slice;
 use crate::inspect::words::{counted, number};
 use crate::plane::Plane;
 use crate::requests::Probed;

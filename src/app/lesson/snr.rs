@@ -8,7 +8,7 @@ use crate::app::panel::widgets::{CursorRow, still_plot};
 use crate::app::parts;
 use crate::app::results::Read;
 use crate::detector::Slope;
-use crate::inspect::spot::{SpotSnr, spot_snr};
+use crate::inspect::place::{SpotSnr, spot_snr};
 use crate::requests::PictureKind;
 use crate::teach::{Part, Spot};
 use egui::{Color32, RichText, Ui};

@@ -19,7 +19,7 @@ use std::collections::HashMap;
 const BINS: usize = 64;
 
 #[derive(Debug, Clone)]
-struct Known {
+struct RegionValues {
     picture: PictureId,
     region: Region,
     statistics: Option<RegionStatistics>,
@@ -27,18 +27,18 @@ struct Known {
 }
 
 #[derive(Debug, Default)]
-pub struct RegionCache(HashMap<PaneId, Known>);
+pub struct RegionCache(HashMap<PaneId, RegionValues>);
 
 impl RegionCache {
-    fn of(&mut self, of: &PaneRegion) -> &Known {
-        let fits = |known: &Known| known.picture == of.picture.id && known.region == of.region;
+    fn of(&mut self, of: &PaneRegion) -> &RegionValues {
+        let fits = |known: &RegionValues| known.picture == of.picture.id && known.region == of.region;
         if !self.0.get(&of.id).is_some_and(fits) {
             let plane = &of.picture.plane;
             let statistics = region_statistics(plane, &of.region);
             // A region of one value has no histogram.
             let range = statistics.map(|s| (s.min, s.max)).filter(|(min, max)| min < max);
             let histogram = range.map(|(min, max)| histogram(plane, &of.region, min, max, BINS));
-            let known = Known { picture: of.picture.id, region: of.region.clone(), statistics, histogram };
+            let known = RegionValues { picture: of.picture.id, region: of.region.clone(), statistics, histogram };
             self.0.insert(of.id, known);
         }
         &self.0[&of.id]

@@ -1,7 +1,7 @@
 //! Changes of the set of panes: splitting, closing, new layouts, sessions, and following the open bursts.
 
 use super::preset::Laid;
-use super::set::Place;
+use super::set::PaneGroup;
 use super::{Arrangement, Content, Direction, MAX_PANES, Pane, PaneId, Panes, Preset};
 use crate::app::document::side::Side;
 use crate::detector::DetectorParams;
@@ -56,7 +56,7 @@ impl Panes {
         self.close_in(self.open, id);
     }
 
-    pub(super) fn close_in(&mut self, place: Place, id: PaneId) {
+    pub(super) fn close_in(&mut self, place: PaneGroup, id: PaneId) {
         let placed = &mut self.placed[place as usize];
         let shown = placed.arrangement.panes();
         let Some(at) = shown.iter().position(|shown| *shown == id).filter(|_| shown.len() > 1) else { return };
@@ -86,14 +86,14 @@ impl Panes {
 
     pub fn show_alone(&mut self, id: PaneId) {
         if let Some(pane) = self.get(id).cloned() {
-            self.replace(Place::Inspect, Arrangement::Pane(id), BTreeMap::from([(id, pane)]), id);
+            self.replace(PaneGroup::Inspect, Arrangement::Pane(id), BTreeMap::from([(id, pane)]), id);
         }
     }
 
     /// Invalid parts of what a session holds are left out.
     pub(super) fn restore(
         &mut self,
-        place: Place,
+        place: PaneGroup,
         arrangement: Arrangement,
         panes: BTreeMap<PaneId, Pane>,
         focus: PaneId,
@@ -102,7 +102,7 @@ impl Panes {
         self.replace(place, arrangement, panes, focus);
     }
 
-    pub fn take_placed(&mut self, place: Place, from: &Self) {
+    pub fn take_placed(&mut self, place: PaneGroup, from: &Self) {
         let panes = from.iter().map(|(id, pane)| (id, pane.clone())).collect();
         let (arrangement, focus) = from.placed_in(place);
         self.restore(place, arrangement.clone(), panes, focus);
@@ -110,7 +110,7 @@ impl Panes {
 
     pub(super) fn replace(
         &mut self,
-        place: Place,
+        place: PaneGroup,
         arrangement: Arrangement,
         panes: BTreeMap<PaneId, Pane>,
         focus: PaneId,
@@ -154,8 +154,8 @@ impl Panes {
 
     /// A pane that is left alone goes to the other burst; *Two bursts* goes back to one pane for each.
     pub fn close_side(&mut self, side: Side) {
-        for place in Place::ALL {
-            if place == Place::Pair {
+        for place in PaneGroup::ALL {
+            if place == PaneGroup::Pair {
                 self.replace(place, Arrangement::sides(), BTreeMap::new(), PaneId::of(side.other()));
                 continue;
             }
@@ -177,7 +177,7 @@ impl Panes {
         for (pane, side) in self.sides.iter_mut().zip(Side::BOTH) {
             pane.side = side;
         }
-        let inspected = self.shown_in(Place::Inspect);
+        let inspected = self.shown_in(PaneGroup::Inspect);
         for (id, pane) in &mut self.more {
             if inspected.contains(id) {
                 pane.side = pane.side.other();

@@ -16,7 +16,7 @@ pub use arrangement::{Arrangement, Direction, MAX_PANES, Part};
 pub use links::{Link, PaneLinks};
 pub use place::place_in;
 pub use preset::{MethodsPreset, Preset, SidesPreset};
-pub use set::{Panes, Place};
+pub use set::{PaneGroup, Panes};
 pub use tiles::{arrangement_of, tree_of};
 
 use crate::app::document::cursor::{Cursor, ViewKind};

@@ -1,6 +1,6 @@
 //! Presets of *One burst*, of its methods, and of *Two bursts*; panes of methods come and go as these are switched.
 
-use super::set::Place;
+use super::set::PaneGroup;
 use super::{Arrangement, Content, Link, MAX_PANES, Over, Pane, PaneId, Panes, SliceAxis};
 use crate::app::document::cursor::{Cursor, ViewKind, level_range, nearest_on_grid, stepped};
 use crate::app::document::look::Ranges;
@@ -202,8 +202,8 @@ impl Panes {
                 vec![own.to_vec(), vec![new]]
             }
         };
-        let focus = self.placed_in(Place::Pair).1;
-        self.replace(Place::Pair, Arrangement::rows(&rows), made, focus);
+        let focus = self.placed_in(PaneGroup::Pair).1;
+        self.replace(PaneGroup::Pair, Arrangement::rows(&rows), made, focus);
     }
 }
 
@@ -260,12 +260,12 @@ impl Panes {
             _ => Arrangement::rows(&in_rows(methods.iter().map(|method| make(self, *method, Side::A)).collect())),
         };
         let Some(focus) = arrangement.panes().first().copied() else { return };
-        self.replace(Place::Methods, arrangement, made, focus);
+        self.replace(PaneGroup::Methods, arrangement, made, focus);
     }
 
     /// Adds a pane of A, and a row with B where the other methods have rows, unless there is one.
     pub fn add_method(&mut self, method: MethodId, both: bool) {
-        let shown = self.shown_in(Place::Methods);
+        let shown = self.shown_in(PaneGroup::Methods);
         let panes = || shown.iter().filter_map(|id| self.get(*id));
         if panes().any(|pane| pane.method == Some(method)) || shown.len() + 2 > MAX_PANES {
             return;
@@ -279,19 +279,19 @@ impl Panes {
             self.more.insert(id, pane);
             ids.push(id);
         }
-        self.placed[Place::Methods as usize].arrangement.append(&ids);
+        self.placed[PaneGroup::Methods as usize].arrangement.append(&ids);
     }
 
     pub fn remove_method(&mut self, method: MethodId) {
-        for id in self.shown_in(Place::Methods) {
+        for id in self.shown_in(PaneGroup::Methods) {
             if self.get(id).is_some_and(|pane| pane.method == Some(method)) {
-                self.close_in(Place::Methods, id);
+                self.close_in(PaneGroup::Methods, id);
             }
         }
     }
 
     fn of_method(&self, method: MethodId, side: Side) -> Pane {
-        let shown = self.shown_in(Place::Methods);
+        let shown = self.shown_in(PaneGroup::Methods);
         // As the panes of other methods, so that all show one place; a gold standard has a view of its own.
         let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(MethodId::Gold) && pane.side == side;
         let base = shown.iter().filter_map(|id| self.get(*id)).find(alike).unwrap_or_else(|| self.of(side));

@@ -10,14 +10,14 @@ use std::collections::BTreeMap;
 /// Place of an arrangement: *One burst* has two, one where methods are compared and one for all else.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Place {
+pub enum PaneGroup {
     #[default]
     Inspect,
     Pair,
     Methods,
 }
 
-impl Place {
+impl PaneGroup {
     pub(super) const ALL: [Self; 3] = [Self::Inspect, Self::Pair, Self::Methods];
 
     /// Workspaces without own panes use the panes of *One burst*.
@@ -39,8 +39,8 @@ pub(super) struct Placed {
 pub struct Panes {
     pub(super) sides: [Pane; 2],
     pub(super) more: BTreeMap<PaneId, Pane>,
-    pub(super) placed: [Placed; Place::ALL.len()],
-    pub open: Place,
+    pub(super) placed: [Placed; PaneGroup::ALL.len()],
+    pub open: PaneGroup,
     pub(super) next: u32,
 }
 
@@ -50,14 +50,14 @@ impl Default for Panes {
         let mut sides = Side::BOTH.map(Pane::new);
         // A pixel position in another burst is not the same place of the scene.
         sides[Side::B as usize].links.place = false;
-        let placed = Place::ALL.map(|place| {
+        let placed = PaneGroup::ALL.map(|place| {
             let arrangement = match place {
-                Place::Pair => Arrangement::sides(),
+                PaneGroup::Pair => Arrangement::sides(),
                 _ => Arrangement::Pane(focus),
             };
             Placed { arrangement, focus }
         });
-        Self { sides, more: BTreeMap::new(), placed, open: Place::Inspect, next: 2 }
+        Self { sides, more: BTreeMap::new(), placed, open: PaneGroup::Inspect, next: 2 }
     }
 }
 
@@ -73,12 +73,12 @@ impl Arrangement {
 
 impl Panes {
     pub fn turn_to(&mut self, workspace: Workspace) {
-        self.open = Place::of(workspace);
+        self.open = PaneGroup::of(workspace);
     }
 
     /// Follows the workspace that is on show, where methods may be compared.
     pub fn follow(&mut self, workspace: Workspace) {
-        if !(self.open == Place::Methods && workspace.inspects()) {
+        if !(self.open == PaneGroup::Methods && workspace.inspects()) {
             self.turn_to(workspace);
         }
     }
@@ -121,7 +121,7 @@ impl Panes {
         &self.here().arrangement
     }
 
-    pub fn placed_in(&self, place: Place) -> (&Arrangement, PaneId) {
+    pub fn placed_in(&self, place: PaneGroup) -> (&Arrangement, PaneId) {
         let placed = &self.placed[place as usize];
         (&placed.arrangement, placed.focus)
     }
@@ -137,7 +137,7 @@ impl Panes {
 
     /// Places A and B one above the other or side by side, unless panes were added or moved.
     pub fn place_by_shape(&mut self, stacked: bool) {
-        let arrangement = &mut self.placed[Place::Pair as usize].arrangement;
+        let arrangement = &mut self.placed[PaneGroup::Pair as usize].arrangement;
         if [Arrangement::sides(), Arrangement::stacked_sides()].contains(arrangement) {
             *arrangement = if stacked { Arrangement::stacked_sides() } else { Arrangement::sides() };
         }
@@ -147,7 +147,7 @@ impl Panes {
         self.arrangement().panes()
     }
 
-    pub fn shown_in(&self, place: Place) -> Vec<PaneId> {
+    pub fn shown_in(&self, place: PaneGroup) -> Vec<PaneId> {
         self.placed[place as usize].arrangement.panes()
     }
 
@@ -211,7 +211,7 @@ impl Panes {
 #[derive(Clone, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 struct PanesFile {
-    open: Place,
+    open: PaneGroup,
     next: u32,
     inspect: Placed,
     pair: Placed,
@@ -250,7 +250,7 @@ impl TryFrom<PanesFile> for Panes {
                 *own = Pane { side, method: None, ..pane.clone() };
             }
         }
-        for (place, placed) in Place::ALL.into_iter().zip([file.inspect, file.pair, file.methods]) {
+        for (place, placed) in PaneGroup::ALL.into_iter().zip([file.inspect, file.pair, file.methods]) {
             panes.restore(place, placed.arrangement, all.clone(), placed.focus);
         }
         // Ids are not used again, even those of panes that were left out.

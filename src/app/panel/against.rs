@@ -3,7 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
-use crate::app::document::comparison::{Kind, Reference};
+use crate::app::document::comparison::{Compared, Reference};
 use crate::app::document::panes::Destination;
 use crate::app::document::side::Side;
 use crate::app::document::{Action, Pointed};
@@ -20,16 +20,16 @@ use egui::{Align, Button, Color32, Label, Layout, RichText, Sense, Ui, pos2, vec
 use egui_extras::{Column, TableBuilder};
 
 /// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.
-pub fn colour(with: Reference, kind: Kind) -> Color32 {
+pub fn colour(with: Reference, kind: Compared) -> Color32 {
     match (with, kind) {
-        (_, Kind::Theirs) => Color32::from_rgb(0xff, 0x6b, 0xb5),
-        (_, Kind::WrongMotion) => Color32::from_rgb(0x4d, 0xd0, 0xe1),
-        (Reference::Truth, Kind::Ours) => Color32::from_rgb(0xff, 0x8a, 0x3d),
-        (_, Kind::Ours) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
-        (_, Kind::Moved) => Color32::from_rgb(0xff, 0xd2, 0x4a),
-        (_, Kind::Repeated) => Color32::from_rgb(0xc4, 0xa2, 0xff),
-        (Reference::Truth, Kind::Same) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
-        (_, Kind::Same) => Color32::from_rgb(0x86, 0xb7, 0xee),
+        (_, Compared::Theirs) => Color32::from_rgb(0xff, 0x6b, 0xb5),
+        (_, Compared::WrongMotion) => Color32::from_rgb(0x4d, 0xd0, 0xe1),
+        (Reference::Truth, Compared::Ours) => Color32::from_rgb(0xff, 0x8a, 0x3d),
+        (_, Compared::Ours) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
+        (_, Compared::Moved) => Color32::from_rgb(0xff, 0xd2, 0x4a),
+        (_, Compared::Repeated) => Color32::from_rgb(0xc4, 0xa2, 0xff),
+        (Reference::Truth, Compared::Same) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
+        (_, Compared::Same) => Color32::from_rgb(0x86, 0xb7, 0xee),
     }
 }
 
@@ -85,7 +85,7 @@ pub fn against_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
             queue.push(Action::Probe(side, row.question()));
         }
         ui.separator();
-        for &kind in Kind::of(shown.with) {
+        for &kind in Compared::of(shown.with) {
             let mut on = model.document.comparisons[side].shows(kind);
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
             key_ui(ui, shown, kind);
@@ -233,7 +233,7 @@ fn marks_of(model: Read<'_>, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, 
                 sigma: row.sigma,
                 from_image: row.from_image.map(at),
                 colour: colour(shown.with, row.kind),
-                dashed: row.kind == Kind::Theirs,
+                dashed: row.kind == Compared::Theirs,
             };
             (index, mark)
         })
@@ -293,9 +293,9 @@ pub fn legend_ui(
     queue: &mut Queue,
 ) {
     let side = in_pane.side;
-    let kinds: Vec<Kind> =
-        Kind::of(shown.with).iter().copied().filter(|kind| model.document.comparisons[side].shows(*kind)).collect();
-    let place = legend::Place { rect_ui: output.response.rect, has_colour_bar: false };
+    let kinds: Vec<Compared> =
+        Compared::of(shown.with).iter().copied().filter(|kind| model.document.comparisons[side].shows(*kind)).collect();
+    let place = legend::LegendCorner { rect_ui: output.response.rect, has_colour_bar: false };
     let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
     legend::legend_ui(ui, model, size, place, queue, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
@@ -312,12 +312,12 @@ pub fn legend_ui(
     });
 }
 
-fn key_ui(ui: &mut Ui, shown: &Shown, kind: Kind) {
+fn key_ui(ui: &mut Ui, shown: &Shown, kind: Compared) {
     let (rect, _) = ui.allocate_exact_size(vec2(14.0, 14.0), Sense::hover());
     // Dark as the pictures, so that the colours can be told apart in the light theme too.
     ui.painter().rect_filled(rect, 3.0, egui::Color32::from_gray(40));
     let stroke = egui::Stroke::new(1.6, colour(shown.with, kind));
-    if kind == Kind::Theirs {
+    if kind == Compared::Theirs {
         dashed_circle(ui.painter(), rect.center(), 4.5, stroke, (3.0, 2.0));
     } else {
         ui.painter().circle_stroke(rect.center(), 4.5, stroke);

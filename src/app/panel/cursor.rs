@@ -11,7 +11,7 @@ use crate::app::results::Read;
 use crate::detector::localise::rim_radius;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{SearchParams, Slope, SlopeAxis, SlopeGrid};
-use crate::inspect::spectrum::features_at_slopes;
+use crate::inspect::slopes::features_at_slopes;
 use egui::{CursorIcon, Id, Rect, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
 
 pub fn cursor_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
@@ -301,7 +301,7 @@ fn bars_ui(ui: &Ui, model: Read<'_>, second: bool, rect: Rect, x_of: &dyn Fn(f32
         }
     }
     let nearest = response.hover_pos().and_then(|pos| {
-        let distance = |bar: &&&crate::inspect::spectrum::SlopeBar| (x_of(component(bar.slope)) - pos.x).abs();
+        let distance = |bar: &&&crate::inspect::slopes::SlopeBar| (x_of(component(bar.slope)) - pos.x).abs();
         bars.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))
     });
     if let Some(bar) = nearest {

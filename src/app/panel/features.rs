@@ -17,9 +17,9 @@ use crate::app::panel::{against, legend};
 use crate::app::results::Read;
 use crate::app::results::comparison::Row;
 use crate::app::results::explained::{coherence_words, verdict_words};
-use crate::app::view::{Known, depth_text, motion_text};
+use crate::app::view::{KnownOfFeature, depth_text, motion_text};
 use crate::detector::{Detection, Feature, Quantity, Slope};
-use crate::inspect::spectrum::is_at_slope;
+use crate::inspect::slopes::is_at_slope;
 use egui::{Label, Pos2, RichText, Ui, vec2};
 use std::sync::Arc;
 
@@ -220,7 +220,7 @@ pub fn features_ui(
         let notes = [has_faint.then(|| "Faint: found at other slopes".to_owned()), grey_text(model, &layer, &scale)];
         let notes: Vec<String> = notes.into_iter().flatten().collect();
         let rect_ui = output.response.rect;
-        let place = legend::Place { rect_ui, has_colour_bar: model.has_colour_bar(id) };
+        let place = legend::LegendCorner { rect_ui, has_colour_bar: model.has_colour_bar(id) };
         let key = legend::motion_key(model, id, rect_ui);
         let says_the_same = |key: &overlay::ColourScale| scale.has_wheel() && scale.limit_text() == key.limit_text();
         // One is enough where the colours of the picture and of the features mean the same.
@@ -269,8 +269,8 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
     overlay::draw_features(output, layer.placed(), &overlay::OverlayStyle { shown: Some(&full), ..style });
 }
 
-fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: Known<'_>) {
-    let Known { judged, depth_m } = known;
+fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: KnownOfFeature<'_>) {
+    let KnownOfFeature { judged, depth_m } = known;
     let depth = depth_m.map_or_else(String::new, |depth| format!("  depth {}", depth_text(depth)));
     let coherence = judged.map_or_else(String::new, |j| format!("\ncoherence {}", coherence_words(j.coherence)));
     let layer = if f.layer > 0 { format!(", layer {}", f.layer) } else { String::new() };
@@ -324,7 +324,7 @@ fn features_legend_ui(
     model: Read<'_>,
     scale: &overlay::ColourScale,
     notes: &[String],
-    place: legend::Place,
+    place: legend::LegendCorner,
     is_beside_key: bool,
     queue: &mut Queue,
 ) {

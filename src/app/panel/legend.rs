@@ -8,13 +8,13 @@ use crate::app::results::Read;
 use egui::{Align2, Color32, Frame, Margin, Rect, Sense, TextStyle, Ui, UiBuilder, Vec2, vec2};
 
 #[derive(Debug, Clone, Copy)]
-pub struct Place {
+pub struct LegendCorner {
     pub rect_ui: Rect,
     /// Whether the colour bar of a map lies in the lower right corner, so that the legend takes the left one.
     pub has_colour_bar: bool,
 }
 
-impl Place {
+impl LegendCorner {
     fn corner(self, size: Vec2) -> Rect {
         let (align, inwards) = if self.has_colour_bar {
             (Align2::LEFT_BOTTOM, vec2(10.0, -10.0))
@@ -46,7 +46,7 @@ pub fn legend_ui(
     ui: &mut Ui,
     model: Read<'_>,
     size: Vec2,
-    place: Place,
+    place: LegendCorner,
     queue: &mut Queue,
     add_contents: impl FnOnce(&mut Ui),
 ) {

@@ -10,9 +10,9 @@ use crate::app::results::{Read, Stale};
 use crate::app::view::fixed;
 use crate::app::{canvas, style};
 use crate::burst::Offset;
-use crate::detector::{Detection, Feature, MotionField, Slope, SlopeAxis};
-use crate::inspect::verdict::Judged;
-use crate::requests::{MotionMap, Picture, PictureKind, PictureRequest, line_of};
+use crate::detector::{Detection, Feature, MotionField, Scale, Slope, SlopeAxis};
+use crate::inspect::place::Judged;
+use crate::requests::{MotionMap, PictureAnswer, PictureKind, PictureRequest, line_of};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
@@ -45,7 +45,7 @@ pub struct PictureState {
 
 impl PictureState {
     /// Updates the picture on the canvas. Unchanged pixels keep their id, so that they are uploaded once.
-    pub(in crate::app) fn refresh(&mut self, picture: Option<&Picture>) {
+    pub(in crate::app) fn refresh(&mut self, picture: Option<&PictureAnswer>) {
         let Some(picture) = picture else {
             self.shown = None;
             return;
@@ -65,7 +65,7 @@ impl PictureState {
     pub(in crate::app) fn paint_colours(
         &mut self,
         ui: &Ui,
-        picture: Option<&Picture>,
+        picture: Option<&PictureAnswer>,
         features: &[Feature],
         filter: Option<&Filter>,
         output: &canvas::CanvasOutput,
@@ -130,10 +130,10 @@ impl PictureState {
     }
 }
 
-pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
+pub(in crate::app) fn canvas_picture(picture: &PictureAnswer) -> canvas::Picture {
     let (plane, label) = (picture.plane.clone(), describe(picture));
     let on_canvas = match picture.request.kind.scale() {
-        Some((octave, _)) => canvas::Picture::of_octave(plane, octave, picture.request.burst.burst.size(), label),
+        Some(scale) => canvas::Picture::of_octave(plane, scale.octave, picture.request.burst.burst.size(), label),
         None => canvas::Picture::new(plane, label),
     };
     canvas::Picture { drawn: picture.drawn.clone(), ..on_canvas }
@@ -141,7 +141,7 @@ pub(in crate::app) fn canvas_picture(picture: &Picture) -> canvas::Picture {
 
 /// Value and its quantity at `pos_image` in `shown`, the canvas picture of `picture`; `None` outside it.
 pub(in crate::app) fn readout_of(
-    picture: &Picture,
+    picture: &PictureAnswer,
     shown: &canvas::Picture,
     pos_image: egui::Pos2,
     full_scale: f32,
@@ -166,7 +166,7 @@ pub(in crate::app) fn readout_of(
     Some(Readout { quantity, smoothing_px: picture.request.smoothing_px, ..readout })
 }
 
-pub fn describe(picture: &Picture) -> String {
+pub fn describe(picture: &PictureAnswer) -> String {
     let first = describe_request(&picture.request);
     match picture.request.minus() {
         Some(minus) => format!("{first}  −  {}", describe_request(minus)),
@@ -193,14 +193,17 @@ fn describe_request(request: &PictureRequest) -> String {
         }
         kind => kind.about().label,
     };
-    let at = request.kind.scale().map(|(octave, level)| format!("  ·  octave {octave}, level {level}"));
+    let at = request.kind.scale().map(|Scale { octave, level }| format!("  ·  octave {octave}, level {level}"));
     let of =
         request.kind.slope().map(|Slope { u, v }| format!("  ·  slope ({}, {}) px/frame", fixed(u, 2), fixed(v, 2)));
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
 }
 
 /// Position of the frame in `picture` from the mean of the searched ones; `None` when it is no frame.
-pub(in crate::app) fn frames_from_middle(picture: Option<&Picture>, detection: &Detection) -> Option<Offset<f32>> {
+pub(in crate::app) fn frames_from_middle(
+    picture: Option<&PictureAnswer>,
+    detection: &Detection,
+) -> Option<Offset<f32>> {
     let request = &picture?.request;
     let PictureKind::Frame(t) = request.kind else { return None };
     Some(request.burst.burst.positions.offset_from(detection.frames_used.clone(), t).to_f32())

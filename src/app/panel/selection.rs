@@ -6,9 +6,9 @@ use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
 use crate::app::results::Read;
 use crate::app::results::explained::verdict_words;
-use crate::app::view::{Known, depth_text, fixed, layer_text, motion_text, quantity_text};
+use crate::app::view::{KnownOfFeature, depth_text, fixed, layer_text, motion_text, quantity_text};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
-use crate::inspect::verdict::{Judged, Verdict};
+use crate::inspect::place::{Judged, Verdict};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::sample_patch;
@@ -86,7 +86,7 @@ fn stands_with_others(quantity: Quantity) -> bool {
     is_motion || matches!(quantity, Q::Rank | Q::U | Q::V | Q::Layer | Q::Depth | Q::Verdict)
 }
 
-fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: Known<'_>, layers: &[MotionLayer]) {
+fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: KnownOfFeature<'_>, layers: &[MotionLayer]) {
     let grid = egui::Grid::new("numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0);
     grid.show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);

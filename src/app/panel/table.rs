@@ -9,11 +9,11 @@ use crate::app::document::{Action, Pointed};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
 use crate::app::results::Read;
-use crate::app::view::{Known, layer_text, quantity_text, shown_quantities};
+use crate::app::view::{KnownOfFeature, layer_text, quantity_text, shown_quantities};
 use crate::app::words::{explained, word};
 use crate::detector::quantity::Record;
 use crate::detector::{Moves, Quantity};
-use crate::inspect::verdict::Verdict;
+use crate::inspect::place::Verdict;
 use egui::containers::menu::{MenuButton, MenuConfig};
 use egui::{Align, Label, Layout, Response, RichText, Sense, Ui};
 use egui_extras::{Column as TableColumn, TableBuilder};
@@ -280,7 +280,7 @@ const AT_SLOPE_HELP: &str = "Show only features that move by the shown slope, as
 
 fn ranges_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
     let mut row = |ui: &mut Ui, quantity: Quantity| {
-        let values = model.features().iter().filter_map(|feature| ranged(quantity, feature, Known::default()));
+        let values = model.features().iter().filter_map(|feature| ranged(quantity, feature, KnownOfFeature::default()));
         // Coherences are known later.
         let ends = if quantity == Quantity::Coherence { (0.0, 1.0) } else { ends(values) };
         let mut interval = filter.ranges.get(&quantity).copied();

@@ -15,9 +15,8 @@ use crate::burst::Offset;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
-use crate::inspect::candidates::{CandidateMark, Survey};
-use crate::inspect::decoys::DecoyStudy;
-use crate::inspect::probe::Wanted;
+use crate::inspect::place::{CandidateMark, ProbeSubject, Survey};
+use crate::inspect::result::DecoyStudy;
 use crate::inspect::words::{capitalised, sentence};
 use crate::plane::display::ColourMap;
 use crate::requests::{ProbeQuestion, ViewKind};
@@ -215,7 +214,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     draw_marks(output, marks);
     let more =
         if survey.marks.len() > shown.len() { format!(" (the {} strongest)", shown.len()) } else { String::new() };
-    let min_snr = crate::inspect::candidates::SurveyOptions::default().min_snr;
+    let min_snr = crate::inspect::place::SurveyOptions::default().min_snr;
     let text = format!("{} candidates{more}: {}; SNR ≥ {min_snr}", survey.marks.len(), test.reason());
     note_ui(ui, output, &text);
     let clip = output.painter.clip_rect();
@@ -296,7 +295,7 @@ pub fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             }
             let tip = "Show its tests in order, and the setting that would keep it";
             if ui.button("Probe candidate").on_hover_text(tip).clicked() {
-                let wanted = Wanted::Candidate(mark.sample);
+                let wanted = ProbeSubject::Candidate(mark.sample);
                 queue.push(Action::Probe(Side::A, ProbeQuestion::At { place: mark.pos_image, wanted }));
             }
             if ui.button("Clear").on_hover_text("Clear the selection").clicked() {
@@ -330,7 +329,7 @@ mod tests {
     use crate::app::apply::bench::open;
     use crate::detector::{Sample, SearchParams, SlopeGrid};
     use crate::inspect::ProbeCache;
-    use crate::inspect::candidates::{SurveyOptions, survey};
+    use crate::inspect::place::{SurveyOptions, survey};
     use crate::monitor::Monitor;
 
     #[test]

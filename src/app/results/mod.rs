@@ -16,7 +16,7 @@ use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
 use crate::engine::{Ended, Wanted};
 use crate::figures::FiguresJob;
-use crate::requests::{BurstSource, OpenRequest, Picture, PictureRequest, PossibleShape};
+use crate::requests::{BurstSource, OpenRequest, PictureAnswer, PictureRequest, PossibleShape};
 use crate::teach::Lesson;
 use compare::Compare;
 use datasets::Datasets;
@@ -74,7 +74,7 @@ pub struct Read<'a> {
 pub struct Results {
     pub slots: Sides<Slot>,
     pub pictures: HashMap<PaneId, PanePicture>,
-    pub patch: Option<Picture>,
+    pub patch: Option<PictureAnswer>,
     pub wanted_patch: Wanted<PictureRequest>,
     pub hovered: Option<usize>,
     pub reselect: Option<SavedSelection>,
@@ -106,7 +106,7 @@ impl Results {
 /// Picture of a pane: the last one of its burst, why the last request failed, and the request.
 #[derive(Debug, Default)]
 pub struct PanePicture {
-    pub picture: Option<Picture>,
+    pub picture: Option<PictureAnswer>,
     pub problem: Option<(PictureRequest, String)>,
     pub wanted: Wanted<PictureRequest>,
 }

@@ -11,7 +11,7 @@ use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeAxis};
 use crate::plane::display::Display;
-use crate::requests::{Film, MAX_FILM_PICTURES, OpenBurst, Picture, PictureKind, PictureRequest, Sweep};
+use crate::requests::{Film, MAX_FILM_PICTURES, OpenBurst, PictureAnswer, PictureKind, PictureRequest, Sweep};
 use std::borrow::Cow;
 use std::sync::Arc;
 
@@ -47,12 +47,12 @@ impl<'a> Read<'a> {
         }
     }
 
-    pub fn picture(self) -> Option<&'a Picture> {
+    pub fn picture(self) -> Option<&'a PictureAnswer> {
         self.picture_in(self.document.focus())
     }
 
     /// The last picture of pane `id`, if it is of a burst that the pane shows now.
-    pub fn picture_in(self, id: PaneId) -> Option<&'a Picture> {
+    pub fn picture_in(self, id: PaneId) -> Option<&'a PictureAnswer> {
         let pane = self.document.panes.get(id)?;
         self.results.pictures.get(&id)?.picture.as_ref().filter(|picture| self.fits(pane, picture))
     }
@@ -65,7 +65,7 @@ impl<'a> Read<'a> {
     }
 
     /// Whether `picture` is of the burst that `pane` shows; the difference of two panes may be of any open burst.
-    pub fn fits(self, pane: &Pane, picture: &Picture) -> bool {
+    pub fn fits(self, pane: &Pane, picture: &PictureAnswer) -> bool {
         let is_open = |burst: &OpenBurst| {
             self.document.panes.iter().any(|(_, pane)| self.burst_in(pane).is_some_and(|open| open.id == burst.id))
         };

@@ -10,9 +10,7 @@ use crate::app::results::Read;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope};
 use crate::engine::Wanted;
-use crate::inspect::Fate;
-use crate::inspect::price::time_factor;
-use crate::inspect::probe::{AT_PLACE_PX, Wanted as Subject};
+use crate::inspect::place::{AT_PLACE_PX, Fate, ProbeSubject, time_factor};
 use crate::inspect::words::capitalised;
 use crate::requests::{DetectionSource, ProbeQuestion, ProbeRequest, Probed, Traced};
 
@@ -48,7 +46,7 @@ impl<'a> Read<'a> {
     /// The place that is probed, pixels at mid-burst: that of the question, or of the answer while that is not known.
     pub fn probed_place(self) -> Option<[f32; 2]> {
         match self.document.probe.question? {
-            ProbeQuestion::At { place, wanted: Subject::Feature(_) } => Some(match &self.results.probed.answer {
+            ProbeQuestion::At { place, wanted: ProbeSubject::Feature(_) } => Some(match &self.results.probed.answer {
                 Some(answer) if self.probe_is_current() => answer.probe.pos_image,
                 _ => place,
             }),

@@ -9,7 +9,7 @@ use crate::app::document::comparison::{Comparison, Reference};
 use crate::app::document::filter::{SavedMatch, SavedSelection};
 use crate::app::document::probe::Probe;
 use crate::app::document::side::Side;
-use crate::app::pane::{Panes, Place};
+use crate::app::pane::{PaneGroup, Panes};
 use crate::app::results::Read;
 use crate::detector::Slopes;
 use crate::detector::params::AUTO;
@@ -190,7 +190,7 @@ impl Session {
             // No second burst will come, for which panes of B could wait.
             document.panes.close_side(Side::B);
             if self.has_panes() {
-                document.panes.take_placed(Place::Pair, &self.document.panes);
+                document.panes.take_placed(PaneGroup::Pair, &self.document.panes);
             }
         }
         document.comparisons.b = self.document.comparisons.b.clone();

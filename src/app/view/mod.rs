@@ -6,7 +6,7 @@ pub use pan_zoom::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
 
 use crate::detector::quantity::{BRIGHT, Colours, Form, WARM};
 use crate::detector::{Feature, MotionLayer, Quantity, Slope};
-use crate::inspect::verdict::Judged;
+use crate::inspect::place::Judged;
 use serde::{Deserialize, Serialize};
 
 /// Motion or quantity that the colours of features show: each quantity whose record has colours.
@@ -79,7 +79,7 @@ impl ColourBy {
 }
 
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Known<'a> {
+pub struct KnownOfFeature<'a> {
     /// Coherence and verdict, once they were computed.
     pub judged: Option<&'a Judged>,
     /// Depth and its standard deviation, metres; `None` without a set-up, or where no depth explains the motion.
@@ -92,7 +92,7 @@ pub fn shown_quantities(with_depths: bool) -> impl Iterator<Item = Quantity> {
 }
 
 /// The value of `quantity` of the feature at `index`, by which tables sort; `None` while it is not known.
-pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> Option<f32> {
+pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known: KnownOfFeature<'_>) -> Option<f32> {
     match quantity {
         Quantity::Rank => Some(index as f32),
         Quantity::Depth => known.depth_m.map(|[metres, _]| metres as f32),
@@ -103,7 +103,7 @@ pub fn quantity_value(quantity: Quantity, index: usize, feature: &Feature, known
     }
 }
 
-pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known: Known<'_>) -> String {
+pub fn quantity_text(quantity: Quantity, index: usize, feature: &Feature, known: KnownOfFeature<'_>) -> String {
     match (quantity, known.judged) {
         // Not computed yet, unlike a value that a feature does not have.
         (Quantity::Coherence | Quantity::Verdict, None) => return "…".to_owned(),
@@ -220,7 +220,7 @@ mod tests {
     fn an_unknown_field_and_no_layer_are_not_nought() {
         let known = Feature { field: Slope::new(-0.5, 0.0), field_sigma: 0.1, layer: 2, ..Feature::default() };
         let unknown = Feature { field_sigma: f32::INFINITY, layer: 0, ..known };
-        let text = |quantity, feature| quantity_text(quantity, 0, feature, Known::default());
+        let text = |quantity, feature| quantity_text(quantity, 0, feature, KnownOfFeature::default());
         for (quantity, value) in [(Quantity::FieldU, "-0.50"), (Quantity::FieldV, "0.00"), (Quantity::Layer, "2")] {
             assert_eq!([&known, &unknown].map(|feature| text(quantity, feature)), [value, "–"], "{quantity:?}");
         }

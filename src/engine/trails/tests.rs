@@ -6,7 +6,7 @@ use crate::detector::{DetectorParams, Distinct, Method, NoiseGate, SearchParams,
 use crate::engine::tests::answer_of;
 use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
 use crate::inspect::ProbeCache;
-use crate::inspect::candidates::SurveyOptions;
+use crate::inspect::place::SurveyOptions;
 use crate::monitor::Monitor;
 use crate::requests::{
     BurstSource, ComparisonRequest, DetectRequest, Detected, ExplainQuestion, ExplainRequest, OpenBurst, PictureKind,

@@ -3,7 +3,7 @@
 use super::{answer, open, params};
 use burstscope::detector::{Detection, DetectorParams, Slope, SlopeGrid};
 use burstscope::export::{Drawing, FigureShape};
-use burstscope::inspect::spectrum::is_at_slope;
+use burstscope::inspect::slopes::is_at_slope;
 use burstscope::inspect::words::slope_text;
 use burstscope::monitor::Monitor;
 use burstscope::requests::{DetectRequest, Detected, Film, Sweep};

@@ -28,7 +28,7 @@ pub use warning::{NoiseWarning, WarningKind};
 
 use crate::detector::noise::dog_noise_variance;
 use crate::detector::params::Slope;
-use crate::detector::scale_space::{SIGMA_INPUT, ScaleSpace};
+use crate::detector::scale_space::{SIGMA_INPUT, Scale, ScaleSpace};
 use crate::kernel::stack::FrameOffset;
 use crate::plane::Plane;
 use codec::InBlock;
@@ -104,13 +104,8 @@ impl NoiseModel {
 
     /// σ of D at `octave` and `level` (0 … S−1) for the slope whose frames are read at `offsets`, at the place of least
     /// noise. Noise with long tails counts as the normal noise that exceeds `gate` times it as rarely.
-    pub fn sigma_d(
-        &self,
-        space: &ScaleSpace,
-        (octave, level): (i32, i32),
-        (slope, offsets): (Slope, &[FrameOffset]),
-        gate: f32,
-    ) -> f32 {
+    pub fn sigma_d(&self, space: &ScaleSpace, scale: Scale, frames: (Slope, &[FrameOffset]), gate: f32) -> f32 {
+        let (Scale { octave, level }, (slope, offsets)) = (scale, frames);
         // White noise first; each way in which noise is not white is a factor on its variance or its gate.
         let white = dog_noise_variance(space, octave, f64::from(level), offsets);
         if !self.is_local {

@@ -10,7 +10,7 @@ use crate::burst::Burst;
 use crate::detector::describe::Described;
 use crate::detector::feature::{Feature, Tally};
 use crate::detector::params::{DetectorParams, NoiseGate, NoiseModelKind, SearchSlopes, Slope, SlopeGrid};
-use crate::detector::search::known::Known;
+use crate::detector::search::known::KnownSlopes;
 use crate::detector::search::setup::{Inputs, Search};
 use crate::detector::search::slope_window::OtherSlopes;
 use std::collections::HashMap;
@@ -73,7 +73,7 @@ impl<'a> Earlier<'a> {
     }
 
     /// Results of the earlier search for `search`; `None` where it might have missed keypoints at the same slopes.
-    pub(super) fn known(&self, search: &Search<'_>) -> Option<Known<'a>> {
+    pub(super) fn known(&self, search: &Search<'_>) -> Option<KnownSlopes<'a>> {
         let outcome = &*self.trail.outcome;
         let bases = outcome.bases.as_ref()?;
         let slopes = known_slopes(&search.grid, &outcome.params.used_slopes());
@@ -88,11 +88,11 @@ impl<'a> Earlier<'a> {
                 None => keypoints.push(found),
             }
         }
-        Some(Known { slopes, bases, keypoints, tallies })
+        Some(KnownSlopes { slopes, bases, keypoints, tallies })
     }
 
     /// Takes over features of `known` keypoints of `outcome` with the same neighbours among the slopes of `grid`.
-    pub(super) fn describe(&self, grid: &SlopeGrid, known: &Known<'_>, outcome: &mut Outcome) {
+    pub(super) fn describe(&self, grid: &SlopeGrid, known: &KnownSlopes<'_>, outcome: &mut Outcome) {
         let earlier = self.trail.inputs.params.used_slopes();
         // Features read D at neighbouring slopes: other steps or neighbours make other features.
         let same_steps = [grid.u.step(), grid.v.step(), grid.direction_deg]

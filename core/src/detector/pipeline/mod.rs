@@ -18,7 +18,7 @@ pub use outcome::follows;
 pub use trail::Trail;
 
 use super::feature::{Detection, Keypoint, StageTimes, Tally};
-use super::memory::{self, Account, OF_PROCESS, Plan, Wanted};
+use super::memory::{self, Account, OF_PROCESS, Plan, SearchSize};
 use super::params::{DescribeSlope, DetectorParams, NoiseGate, SearchSlopes, SlopeGrid};
 use crate::burst::Burst;
 use crate::detector::along::Along;
@@ -94,7 +94,7 @@ fn search_all(
     let started = Instant::now();
     params.validate_for(&burst.positions, burst.size())?;
     let frames = params.used_frames(burst.len()).len();
-    let (plan, _share) = account.plan(Wanted { params, frames, size: burst.size() }, budget)?;
+    let (plan, _share) = account.plan(SearchSize { params, frames, size: burst.size() }, budget)?;
     plan.run(|| {
         // Noise and cleaned frames of an earlier search are taken over, so that only slopes remain to be searched.
         let mut earlier = keeping.and_then(|keeping| Earlier::of(keeping.earlier?, burst, params));
@@ -244,7 +244,7 @@ impl Trail {
         inputs.params.max_features = 0;
         inputs.times = inputs.times.reordered(order);
         let params = inputs.params.clone();
-        let wanted = Wanted { params: &params, frames: inputs.times.positions.len(), size: inputs.size_image };
+        let wanted = SearchSize { params: &params, frames: inputs.times.positions.len(), size: inputs.size_image };
         let (plan, _share) = OF_PROCESS.plan(wanted, budget_beside_kept())?;
         plan.run(|| {
             Ok(search_inputs(inputs, self.outcome.field.clone(), &plan, false, None, StageTimes::default(), monitor)?

@@ -12,7 +12,7 @@ use crate::detector::noise::gate_factor;
 use crate::detector::params::DetectorParams;
 use crate::detector::refine::edge_limit;
 use crate::detector::search::setup::{FirstLevels, Search, SlopeGroup};
-use crate::detector::search::{Evidence, FIRST_PEAK_PART, FoundKeypoint, Searched, first_gate_part};
+use crate::detector::search::{Evidence, FIRST_PEAK_PART, FoundKeypoint, SearchedSlopes, first_gate_part};
 use std::sync::{Arc, OnceLock};
 
 /// σ_D at the place of least noise, by octave, DoG level index and slope.
@@ -67,7 +67,7 @@ impl Outcome {
     /// Takes the result of `search`. If it `keeps` what is computed later, judgements can follow.
     pub(super) fn new(
         search: &Search<'_>,
-        Searched { keypoints, evidence, bases }: Searched,
+        SearchedSlopes { keypoints, evidence, bases }: SearchedSlopes,
         groups: &[SlopeGroup],
         tallies: Vec<Tally>,
         keeps: bool,

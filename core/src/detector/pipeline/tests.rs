@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::detector::feature::Feature;
-use crate::detector::memory::{Plan, Wanted, estimate, on_threads};
+use crate::detector::memory::{Plan, SearchSize, estimate, on_threads};
 use crate::detector::params::{
     Distinct, FrameRange, Localisation, Method, NoiseGate, NoiseModelKind, Rules, SlopeAxis, SlopeExtrema,
     SlopeNeighbours,
@@ -42,7 +42,7 @@ fn assert_same_in_groups(burst: &Burst, params: &DetectorParams) -> Vec<usize> {
     let mut counts = Vec::new();
     for slopes in 1..count {
         let budget = budget_for(burst, params, slopes);
-        let wanted = Wanted { params, frames: burst.len(), size: burst.size() };
+        let wanted = SearchSize { params, frames: burst.len(), size: burst.size() };
         let Ok(plan) = Plan::new(wanted, Some(budget)) else { continue };
         // With fewer threads the whole may fit, so that nothing is divided.
         if plan.threads < rayon::current_num_threads() || counts.contains(&plan.describe.len()) {

@@ -11,7 +11,7 @@ use crate::detector::noise_model::NoiseModel;
 use crate::detector::params::{DetectorParams, Distinct, Slope};
 use crate::detector::pipeline::choice::{Choice, Chooser, Verdict};
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, SigmaD, sigma_d};
-use crate::detector::scale_space::{ScaleSpace, octave_size};
+use crate::detector::scale_space::{Scale, ScaleSpace, octave_size};
 use crate::detector::search::setup::{Inputs, Search};
 use crate::kernel::patch::{Patch, PatchScratch};
 use crate::kernel::stack::FrameOffset;
@@ -279,18 +279,14 @@ impl Trail {
     }
 
     /// σ_D at `octave` and `level` (−1 … S) for slope `slope_index` of the grid, at the place of least noise.
-    pub fn sigma_d_min(&self, (octave, level): (i32, i32), slope_index: usize) -> f32 {
+    pub fn sigma_d_min(&self, Scale { octave, level }: Scale, slope_index: usize) -> f32 {
         self.sigma_d[(octave - self.octaves().start) as usize][(level + 1) as usize][slope_index]
     }
 
     /// σ_D at `octave` and `level` (0 … S−1) for any slope, at the image's place (u, v): the noise of the mean over the
     /// `chosen` frames (indices among those that took part) that see it.
-    pub fn sigma_d_at(
-        &self,
-        (octave, level): (i32, i32),
-        (place, slope): ((f32, f32), Slope),
-        chosen: &[usize],
-    ) -> f32 {
+    pub fn sigma_d_at(&self, scale: Scale, (place, slope): ((f32, f32), Slope), chosen: &[usize]) -> f32 {
+        let Scale { octave, level } = scale;
         let (all, size) = (self.inputs.offsets(slope), self.inputs.size_image);
         let chosen = chosen.iter().map(|&index| (&*self.inputs.frames[index], all[index]));
         let (frames, offsets): (Vec<&Plane>, Vec<_>) = chosen.unzip();
@@ -323,10 +319,10 @@ impl Trail {
         self.along().response(octave, levels, place, slope, chosen)
     }
 
-    /// The response of each frame at the scale (octave, DoG level) along a motion (input pixels), in time order.
+    /// The response of each frame at a scale along a motion (input pixels), in time order.
     pub fn frame_responses(
         &self,
-        scale: (i32, i32),
+        scale: Scale,
         place: [f32; 2],
         slope: Slope,
         monitor: &Monitor,

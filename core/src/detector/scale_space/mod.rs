@@ -31,6 +31,15 @@ pub const SIGMA_INPUT: f64 = 0.5;
 /// σ of the first level (s = −1) of every octave, in octave pixels.
 pub const SIGMA_BASE: f64 = 1.6;
 
+/// Scale of D.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Scale {
+    /// Octave.
+    pub octave: i32,
+    /// DoG level.
+    pub level: i32,
+}
+
 /// Scales and kernels of a scale space with `S` levels per octave, in VLFeat's convention.
 #[derive(Debug, Clone)]
 pub struct ScaleSpace {

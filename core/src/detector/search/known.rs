@@ -11,7 +11,7 @@ use crate::plane::Plane;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub(crate) struct Known<'a> {
+pub(crate) struct KnownSlopes<'a> {
     /// For each slope of the grid its index in the grid of the earlier search; `None` where it is new.
     pub(crate) slopes: Vec<Option<usize>>,
     /// First levels of each octave at the slopes of the earlier search.
@@ -22,7 +22,7 @@ pub(crate) struct Known<'a> {
     pub(crate) tallies: Vec<Tally>,
 }
 
-impl Known<'_> {
+impl KnownSlopes<'_> {
     /// First level of the octave `later` octaves after the first at slope `index`, if it is known.
     pub(super) fn first_level(&self, later: usize, index: usize) -> Option<Arc<Plane>> {
         self.slopes[index].map(|earlier| self.bases[later].planes[earlier].clone())

@@ -18,7 +18,7 @@ use crate::detector::refine::{Fit, Limits, refine};
 use crate::detector::scale_space::planes::next_level;
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
-use crate::detector::search::known::Known;
+use crate::detector::search::known::KnownSlopes;
 use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
 use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
 use crate::kernel::compact_kernel::PixelView;
@@ -35,7 +35,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 /// Rows of a tile at most where not all slopes are searched everywhere: smaller tiles need fewer slopes.
 const TILE_ROWS_AROUND: usize = 100;
 
-pub(crate) struct Searched {
+pub(crate) struct SearchedSlopes {
     /// In order of octaves, and within them of tiles and slopes.
     pub(crate) keypoints: Vec<Keypoint>,
     pub(crate) evidence: Vec<Evidence>,
@@ -65,9 +65,9 @@ impl Search<'_> {
         &self,
         octaves: &Range<i32>,
         groups: &[SlopeGroup],
-        known: Option<&Known<'_>>,
+        known: Option<&KnownSlopes<'_>>,
         tallies: &mut [Tally],
-    ) -> Result<Searched, Cancelled> {
+    ) -> Result<SearchedSlopes, Cancelled> {
         // By octave and tile.
         let mut found: Vec<Vec<Vec<FoundKeypoint>>> = octaves.clone().map(|_| Vec::new()).collect();
         let visited: usize = groups.iter().map(|group| group.visited.len()).sum();
@@ -84,7 +84,7 @@ impl Search<'_> {
             }
         }
         let (keypoints, evidence) = found.into_iter().flatten().flatten().unzip();
-        Ok(Searched { keypoints, evidence, bases })
+        Ok(SearchedSlopes { keypoints, evidence, bases })
     }
 
     /// Searches all octaves for the keypoints of one group of slopes, and appends them to those `found` before. Returns
@@ -93,7 +93,7 @@ impl Search<'_> {
         &self,
         octaves: &Range<i32>,
         group: &SlopeGroup,
-        known: Option<&Known<'_>>,
+        known: Option<&KnownSlopes<'_>>,
         keeps: bool,
         found: &mut [Vec<Vec<FoundKeypoint>>],
         tallies: &mut [Tally],
@@ -161,7 +161,7 @@ impl Search<'_> {
         &self,
         octave: i32,
         group: &SlopeGroup,
-        known: Option<&Known<'_>>,
+        known: Option<&KnownSlopes<'_>>,
         bases: &FirstLevels,
         wants_next: bool,
         tallies: &mut [Tally],
@@ -259,7 +259,7 @@ struct Octave<'a> {
     octave: i32,
     size: (usize, usize),
     group: &'a SlopeGroup,
-    known: Option<&'a Known<'a>>,
+    known: Option<&'a KnownSlopes<'a>>,
     /// Numbers of samples by slope of the grid, to which each tile adds its own.
     tallies: &'a Mutex<&'a mut [Tally]>,
     /// First level of the octave at the slopes that are visited; none for the first octave.

@@ -12,7 +12,7 @@ use crate::detector::noise_model::{Examined, ForSearch, NoiseModel, examine};
 use crate::detector::params::{DetectorParams, Method, NoiseGate, NoiseModelKind, Slope, SlopeGrid};
 use crate::detector::refine::MAX_FITS;
 use crate::detector::scale_space::planes::SlopeStack;
-use crate::detector::scale_space::{Base, ScaleSpace, octave_pixel, searched_octaves};
+use crate::detector::scale_space::{Base, Scale, ScaleSpace, octave_pixel, searched_octaves};
 use crate::detector::search::around_field::SlopesAround;
 use crate::detector::search::slope_window::SlopeWindow;
 use crate::detector::stack::{FrameTimes, coverage, frame_offsets};
@@ -151,7 +151,7 @@ impl Inputs {
 
     /// σ_D at `octave` and `level` (−1 … S) of the mean over the frames at `offsets`, at the place of least noise.
     pub(crate) fn sigma_d(&self, octave: i32, level: i32, slope: Slope, offsets: &[FrameOffset]) -> f32 {
-        self.noise.sigma_d(&self.space, (octave, level), (slope, offsets), self.gate_factor)
+        self.noise.sigma_d(&self.space, Scale { octave, level }, (slope, offsets), self.gate_factor)
     }
 
     /// √(N / number of frames at `offsets` that see the octave pixel (x, y)), times the relative noise there.

@@ -3,9 +3,9 @@
 use super::{Colour, DASH, Drawing, FigureRect, FigureShape, FigureStroke, FigureUnit};
 use crate::error::Result;
 use crate::export::atomic::write_marked;
-use crate::export::png::Picture;
+use crate::export::png::Bitmap;
 use crate::export::svg::{Attribute, Number, PathData, SvgWriter, rectangle};
-use crate::files::mark::Kind;
+use crate::files::mark::OutputKind;
 use std::io::{self, Write};
 use std::path::Path;
 
@@ -14,10 +14,10 @@ pub fn write_drawing_svg(path: &Path, drawing: &Drawing) -> Result<()> {
     // Checked first: while the file is written, a failure is reported as one of writing.
     for shape in &drawing.shapes {
         if let FigureShape::Picture { size, rgba, .. } = shape {
-            Picture::rgba(size.0, size.1, rgba).check_size(path)?;
+            Bitmap::rgba(size.0, size.1, rgba).check_size(path)?;
         }
     }
-    write_marked(path, Kind::Drawing, |out| {
+    write_marked(path, OutputKind::Drawing, |out| {
         writeln!(out, r#"<?xml version="1.0" encoding="UTF-8"?>"#)?;
         let unit = if drawing.unit == FigureUnit::Point { "pt" } else { "" };
         let size = (f64::from(drawing.size[0]), f64::from(drawing.size[1]), unit);
@@ -32,7 +32,7 @@ fn write_shape(svg: &mut SvgWriter<impl Write>, shape: &FigureShape) -> io::Resu
         FigureShape::Picture { rect, size, rgba } => {
             // Small pixels are blended by the reader; squares are shown where they can be seen.
             let sharp = rect.size[0] >= size.0 as f32;
-            svg.picture(&rectangle(&place(rect)), &Picture::rgba(size.0, size.1, rgba), sharp)
+            svg.picture(&rectangle(&place(rect)), &Bitmap::rgba(size.0, size.1, rgba), sharp)
         }
         FigureShape::Fill { rect, color } => {
             let fill: [Attribute<'_>; 1] = [("fill", &Hex(*color))];

@@ -2,10 +2,10 @@
 
 use super::probing::{blobs, cache, slopes_of};
 use burstscope_core::detector::{DetectorParams, Distinct, Moves, Slope, SlopeGrid, Test};
-use burstscope_core::inspect::probe::{Wanted, fate_of};
-use burstscope_core::inspect::suspicion::Kind;
-use burstscope_core::inspect::verdict::{Judged, Verdict, judged};
-use burstscope_core::inspect::{ProbeCache, ProbeOptions, probe};
+use burstscope_core::inspect::ProbeCache;
+use burstscope_core::inspect::place::{
+    Judged, ProbeOptions, ProbeSubject, SuspicionKind, Verdict, fate_of, judged, probe,
+};
 use burstscope_core::synth::Example;
 use burstscope_core::{Burst, Feature, Monitor};
 
@@ -82,10 +82,10 @@ fn the_probe_suspects_a_ghost_as_the_table_does() {
     let open = cache(&burst, &params());
     let judged = judge(&open);
     let index = judged.iter().position(|judged| judged.verdict == Verdict::Ghost).expect("one");
-    let options = ProbeOptions { wanted: Wanted::Feature(index), ..ProbeOptions::default() };
+    let options = ProbeOptions { wanted: ProbeSubject::Feature(index), ..ProbeOptions::default() };
     let probed = probe(&open, [0.0, 0.0], &options, &Monitor::default()).expect("a feature");
     assert_eq!(probed.judged.as_ref(), Some(&judged[index]));
-    let ghost = probed.suspicions.iter().find(|suspicion| suspicion.kind == Kind::Ghost).expect("suspected");
+    let ghost = probed.suspicions.iter().find(|suspicion| suspicion.kind == SuspicionKind::Ghost).expect("suspected");
     assert_eq!(Some(ghost.number), judged[index].coherence);
     assert!(ghost.evidence.contains("crosses its path") && ghost.change.is_none(), "{ghost:?}");
 }
@@ -114,9 +114,9 @@ fn a_blob_that_is_kept_twice_has_a_duplicate() {
     // One of them can be removed by the change that its suspicion proposes.
     let mut removed = 0;
     for index in (0..judged.len()).filter(|&index| judged[index].verdict == Verdict::Duplicate).take(6) {
-        let options = ProbeOptions { wanted: Wanted::Feature(index), ..ProbeOptions::default() };
+        let options = ProbeOptions { wanted: ProbeSubject::Feature(index), ..ProbeOptions::default() };
         let probed = probe(&cache, [0.0, 0.0], &options, &Monitor::default()).expect("a feature");
-        let suspicion = probed.suspicions.iter().find(|s| s.kind == Kind::Duplicate).expect("suspected");
+        let suspicion = probed.suspicions.iter().find(|s| s.kind == SuspicionKind::Duplicate).expect("suspected");
         let Some(change) = &suspicion.change else { continue };
         let sample = probed.subject_fate().expect("a feature").of_sample();
         let after = super::probing::cache(&burst, &change.applied(&params).expect("valid"));

@@ -8,11 +8,10 @@ use burstscope_core::detector::{
     CoarseStart, DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample,
     SearchSlopes, SlopeExtrema, SlopeGrid, SlopeNeighbours, Tally, Test, Trail,
 };
-use burstscope_core::inspect::changes::{Spot, compare};
-use burstscope_core::inspect::telling::fate;
-use burstscope_core::inspect::truth::{AgainstTruth, against_truth, read_truth, truth_of};
-use burstscope_core::inspect::unmatched::{ComparedPair, Losses, Lost};
-use burstscope_core::inspect::{Fate, Outcome, ProbeCache};
+use burstscope_core::inspect::ProbeCache;
+use burstscope_core::inspect::pair::{ComparedPair, Losses, Lost};
+use burstscope_core::inspect::place::{Fate, Outcome, fate};
+use burstscope_core::inspect::result::{AgainstTruth, Spot, against_truth, compare, read_truth, truth_of};
 use burstscope_core::matching::{Geometry, MatchParams, Prediction, match_pair};
 use burstscope_core::plane::statistics::Region;
 use burstscope_core::synth::examples::{Example, disc_place};
@@ -269,10 +268,12 @@ fn the_faint_discs_of_the_example_are_lost_to_the_gate() {
     };
     assert!((0..3).all(found), "the bright ones are found");
     assert!(!found(7) && !found(8), "the faint ones are not");
-    let probe = burstscope_core::inspect::probe(&cache, example.place(), &Default::default(), &Monitor::default())
-        .expect("inside");
+    let probe =
+        burstscope_core::inspect::place::probe(&cache, example.place(), &Default::default(), &Monitor::default())
+            .expect("inside");
     assert!(!probe.fates.is_empty());
-    let gated = |f: &&burstscope_core::inspect::Fate| f.first_failed == Some(Test::NoiseGate) && f.remedy.is_some();
+    let gated =
+        |f: &&burstscope_core::inspect::place::Fate| f.first_failed == Some(Test::NoiseGate) && f.remedy.is_some();
     assert!(probe.fates.iter().any(|f| gated(&f)), "{}", probe.summary);
 }
 

@@ -4,7 +4,7 @@
 use super::slopes::{about, applied, asked, uniform};
 use burstscope_core::detector::{Detection, DetectorParams, Method, NoiseGate, Slope, SlopeGrid, find_slopes};
 use burstscope_core::inspect::report::spectrum_text;
-use burstscope_core::inspect::spectrum::{SlopeJudgement, Spectrum, Subject, judgement};
+use burstscope_core::inspect::slopes::{AdviceSubject, SlopeJudgement, Spectrum, judgement};
 use burstscope_core::synth::demo_burst;
 use burstscope_core::synth::random::Stream;
 use burstscope_core::{Burst, Monitor, Plane, detect};
@@ -95,12 +95,12 @@ fn judged(spectrum: &Spectrum) -> (&SlopeJudgement, SlopeGrid) {
 #[test]
 fn one_set_of_changes_mends_both_axes_direction_range_and_step() {
     for (slope, grid, says, subject) in [
-        (Slope::new(1.9, -2.0), plane(), "beyond the range u −1 to 1", Subject::Range),
-        (Slope::new(2.6, 0.0), line(), "beyond the range u −1 to 1", Subject::Range),
-        (Slope::new(0.0, 2.2), SlopeGrid::line(-3.0..=3.0, 3), "a line at 90°", Subject::Direction),
-        (Slope::new(-1.6, 0.0), SlopeGrid::line(0.3..=2.7, 7), "moves the other way than", Subject::Range),
-        (Slope::new(1.6, 0.0), SlopeGrid::line(-2.7..=-0.3, 7), "moves the other way than", Subject::Range),
-        (Slope::new(1.5, 0.0), SlopeGrid::single(Slope::new(-1.0, 0.0)), "at the one slope", Subject::Direction),
+        (Slope::new(1.9, -2.0), plane(), "beyond the range u −1 to 1", AdviceSubject::Range),
+        (Slope::new(2.6, 0.0), line(), "beyond the range u −1 to 1", AdviceSubject::Range),
+        (Slope::new(0.0, 2.2), SlopeGrid::line(-3.0..=3.0, 3), "a line at 90°", AdviceSubject::Direction),
+        (Slope::new(-1.6, 0.0), SlopeGrid::line(0.3..=2.7, 7), "moves the other way than", AdviceSubject::Range),
+        (Slope::new(1.6, 0.0), SlopeGrid::line(-2.7..=-0.3, 7), "moves the other way than", AdviceSubject::Range),
+        (Slope::new(1.5, 0.0), SlopeGrid::single(Slope::new(-1.0, 0.0)), "at the one slope", AdviceSubject::Direction),
     ] {
         let spectrum = asked(&uniform(slope, FRAMES), grid);
         let (judgement, mended) = judged(&spectrum);

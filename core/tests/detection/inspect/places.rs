@@ -4,9 +4,9 @@
 use super::probing::{blobs, cache};
 use burstscope_core::detector::coherence::Shape;
 use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, Slope, SlopeGrid, Test};
-use burstscope_core::inspect::probe::Wanted;
-use burstscope_core::inspect::truth::{against_truth, truth_of};
-use burstscope_core::inspect::{PlaceMotion, Probe, ProbeCache, ProbeOptions, Reason, ReasonKind, probe};
+use burstscope_core::inspect::ProbeCache;
+use burstscope_core::inspect::place::{Cause, CauseKind, PlaceMotion, Probe, ProbeOptions, ProbeSubject, probe};
+use burstscope_core::inspect::result::{against_truth, truth_of};
 use burstscope_core::synth::chart::draw_disc;
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{Camera, demo_burst};
@@ -43,8 +43,8 @@ fn probed(cache: &ProbeCache, place: [f32; 2], options: ProbeOptions) -> Probe {
     probe(cache, place, &options, &Monitor::default()).expect("inside")
 }
 
-fn too_small(probe: &Probe) -> Option<&Reason> {
-    probe.reasons.iter().find(|reason| reason.kind == ReasonKind::TooSmall)
+fn too_small(probe: &Probe) -> Option<&Cause> {
+    probe.reasons.iter().find(|reason| reason.kind == CauseKind::TooSmall)
 }
 
 fn apart(a: Slope, b: Slope) -> f32 {
@@ -103,7 +103,7 @@ fn the_stars_of_the_demo_are_too_small_for_the_smallest_scale() {
     }
     // A star that was kept at slopes with which it does not move is told to be found there.
     let probe = probed(&cache, STARS[1], ProbeOptions { in_view: Some(SKY), ..ProbeOptions::default() });
-    let others: Vec<_> = probe.reasons.iter().filter(|r| r.kind == ReasonKind::AtAnotherSlope).collect();
+    let others: Vec<_> = probe.reasons.iter().filter(|r| r.kind == CauseKind::AtAnotherSlope).collect();
     assert!(!others.is_empty(), "{:?}", probe.reasons);
     for other in others {
         let feature = cache.detection().features[other.feature.expect("a feature")];
@@ -154,16 +154,17 @@ fn candidates_come_by_the_slope_in_view_then_the_motion_given_then_others() {
     let probe = probed(&cache, [60.0, 48.0], options);
     assert_eq!((probe.motion, probe.own_slope), (Some(motion), Some(motion.slope)));
     // A step of the grid, or what the burst smears over one σ.
-    let class = |fate: &burstscope_core::inspect::Fate| {
+    let class = |fate: &burstscope_core::inspect::place::Fate| {
         let is_near = |slope: Slope| apart(fate.slope, slope) < 0.5 || apart(fate.slope, slope) <= fate.sigma / 7.0;
         if is_near(in_view) { 0 } else { 2 - u8::from(is_near(motion.slope)) }
     };
-    let here =
-        |fate: &&burstscope_core::inspect::Fate| (fate.pos_image[0] - 60.0).hypot(fate.pos_image[1] - 48.0) <= 3.0;
+    let here = |fate: &&burstscope_core::inspect::place::Fate| {
+        (fate.pos_image[0] - 60.0).hypot(fate.pos_image[1] - 48.0) <= 3.0
+    };
     let classes: Vec<u8> = probe.near_fates().iter().filter(here).map(class).collect();
     assert!(classes.is_sorted() && classes.contains(&2) && classes.contains(&1), "{classes:?}");
     // Of the blob's own slope nothing is said but that it was found there.
-    let other = probe.reasons.iter().find(|reason| reason.kind == ReasonKind::AtAnotherSlope).expect("it was found");
+    let other = probe.reasons.iter().find(|reason| reason.kind == CauseKind::AtAnotherSlope).expect("it was found");
     assert!(apart(other.slope, Slope::new(1.0, 0.0)) < 0.1, "{other:?}");
     let own = ProbeOptions { in_view: Some(Slope::new(1.0, 0.0)), ..ProbeOptions::default() };
     let own = probed(&cache, [60.0, 48.0], own);
@@ -186,10 +187,10 @@ fn no_setting_is_proposed_that_keeps_a_ghost() {
     for u in (52..=76).step_by(4) {
         let place = [u as f32, 48.0];
         for fate in probed(&cache, place, ProbeOptions::default()).fates {
-            let wanted = Wanted::Candidate(fate.of_sample());
+            let wanted = ProbeSubject::Candidate(fate.of_sample());
             let probe = probed(&cache, place, ProbeOptions { wanted, ..ProbeOptions::default() });
             let own = probe.subject_fate().expect("it is listed");
-            let is_ghost = probe.reasons.iter().any(|reason| reason.kind == ReasonKind::Ghost);
+            let is_ghost = probe.reasons.iter().any(|reason| reason.kind == CauseKind::Ghost);
             if is_ghost {
                 assert!(!own.is_kept() && own.remedy.is_none() && probe.outlook.is_none(), "{own:?}");
                 assert!(apart(own.would_move, way) > 0.3, "{own:?}");

@@ -5,10 +5,10 @@ use burstscope_core::detector::coherence::Shape;
 use burstscope_core::detector::{
     DetectorParams, NoiseGate, ParamChange, SearchParams, Slope, SlopeExtrema, SlopeGrid, Test,
 };
-use burstscope_core::inspect::candidates::{SurveyOptions, survey, winning_slopes};
-use burstscope_core::inspect::probe::fate_of;
-use burstscope_core::inspect::remedy::duplicate_remedy;
-use burstscope_core::inspect::{Fate, Outcome, Probe, ProbeCache, ProbeOptions, probe};
+use burstscope_core::inspect::ProbeCache;
+use burstscope_core::inspect::place::{
+    Fate, Outcome, Probe, ProbeOptions, SurveyOptions, duplicate_remedy, fate_of, probe, survey, winning_slopes,
+};
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{Example, demo_burst};
 use burstscope_core::{Burst, Monitor, Plane};
@@ -137,7 +137,7 @@ fn every_remedy_does_what_it_says() {
                 *tried.entry(test).or_insert(0) += 1;
                 let after = cache(&burst, &remedy.change.applied(&params).expect("valid"));
                 let again =
-                    burstscope_core::inspect::probe::fate_of(&after.trail, &fate.of_sample(), &Monitor::default());
+                    burstscope_core::inspect::place::fate_of(&after.trail, &fate.of_sample(), &Monitor::default());
                 let again = again.expect("not cancelled").expect("examined");
                 assert_ne!(again.report(test).outcome, Outcome::Fails, "{test:?}: {:?}\n{again:#?}", remedy);
             }
@@ -155,13 +155,13 @@ fn a_place_outside_and_a_feature_that_is_not_there_are_refused() {
         let options = ProbeOptions { wanted, ..ProbeOptions::default() };
         probe(&cache, place, &options, &Monitor::default()).expect_err("refused")
     };
-    use burstscope_core::inspect::probe::Wanted;
+    use burstscope_core::inspect::place::ProbeSubject;
     for place in [[-3.0, 5.0], [128.0, 5.0], [5.0, 96.0], [f32::NAN, 5.0]] {
-        assert_eq!(asked(place, Wanted::Best).subject, "at");
+        assert_eq!(asked(place, ProbeSubject::Best).subject, "at");
     }
-    assert!(asked([200.0, 5.0], Wanted::Best).to_string().contains("128×96"));
-    assert_eq!(asked([5.0, 5.0], Wanted::Feature(9999)).subject, "feature");
-    let scale = Wanted::Scale { octave: 9, level: 0, slope_index: 0 };
+    assert!(asked([200.0, 5.0], ProbeSubject::Best).to_string().contains("128×96"));
+    assert_eq!(asked([5.0, 5.0], ProbeSubject::Feature(9999)).subject, "feature");
+    let scale = ProbeSubject::Scale { octave: 9, level: 0, slope_index: 0 };
     assert!(asked([5.0, 5.0], scale).problem.contains("no octave 9"));
     // Every corner can be probed.
     for place in [[0.0, 0.0], [127.0, 95.0], [0.0, 95.0], [127.4, -0.4]] {
@@ -221,8 +221,7 @@ fn candidates_account_for_everything_that_was_an_extremum() {
             assert!(mark.margin.is_none_or(|m| m <= 0.0), "{mark:?}");
         }
         let gated = SurveyOptions { min_snr: 2.5, test: Some(Test::NoiseGate) };
-        let gated =
-            burstscope_core::inspect::candidates::survey(&cache.trail, &gated, &Monitor::default()).expect("done");
+        let gated = burstscope_core::inspect::place::survey(&cache.trail, &gated, &Monitor::default()).expect("done");
         assert!(!gated.marks.is_empty());
         assert!(gated.marks.iter().all(|m| m.first_failed == Some(Test::NoiseGate) && (2.5..=3.0).contains(&m.snr)));
         assert_eq!(gated.counts, survey.counts, "all are counted, whatever is listed");

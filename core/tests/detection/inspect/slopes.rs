@@ -3,9 +3,8 @@
 use super::probing::{cache, slopes_of};
 use burstscope_core::burst::Positions;
 use burstscope_core::detector::{DetectorParams, ParamChange, Slope, SlopeAxis, SlopeGrid};
-use burstscope_core::inspect::figure::spectrum_svg;
-use burstscope_core::inspect::report::spectrum_text;
-use burstscope_core::inspect::spectrum::{SlopeAdvice, Spectrum, Subject, spectrum};
+use burstscope_core::inspect::report::{spectrum_svg, spectrum_text};
+use burstscope_core::inspect::slopes::{AdviceSubject, SlopeAdvice, Spectrum, spectrum};
 use burstscope_core::synth::examples::{ALIASING_SLOPE, Example, GARLAND_PERIOD};
 use burstscope_core::synth::random::Stream;
 use burstscope_core::synth::{Motion, SceneParams, synth_scene};
@@ -58,7 +57,7 @@ pub fn asked(burst: &Burst, slopes: SlopeGrid) -> Spectrum {
     spectrum(&cache(burst, &params), &Monitor::default()).expect("not cancelled")
 }
 
-pub fn about(spectrum: &Spectrum, subject: Subject) -> Option<&SlopeAdvice> {
+pub fn about(spectrum: &Spectrum, subject: AdviceSubject) -> Option<&SlopeAdvice> {
     spectrum.advice.iter().find(|advice| advice.subject == subject)
 }
 
@@ -84,7 +83,7 @@ fn a_range_that_is_too_narrow_is_widened_to_the_motion() {
     let burst = uniform(Slope::new(4.2, 0.0), 8);
     let grid = SlopeGrid::line(-3.0..=3.0, 13);
     let spectrum = asked(&burst, grid);
-    let advice = about(&spectrum, Subject::Range).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
+    let advice = about(&spectrum, AdviceSubject::Range).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
     assert!(advice.number > 0.5, "{advice:?}");
     let wider = applied(grid, &advice.changes).slopes;
     assert!(wider.u.max > 4.2 && wider.u.min < 4.2 && wider.u.count < 9, "straight to what was found: {wider:?}");
@@ -92,14 +91,14 @@ fn a_range_that_is_too_narrow_is_widened_to_the_motion() {
     assert!(spectrum.bars.iter().any(|bar| !bar.is_searched && bar.evidence > 0.1 && (bar.slope.u - 4.2).abs() < 0.6));
     // After the change the advice is gone.
     let again = asked(&burst, wider);
-    assert!(about(&again, Subject::Range).is_none(), "{:#?}", again.advice);
+    assert!(about(&again, AdviceSubject::Range).is_none(), "{:#?}", again.advice);
 }
 
 #[test]
 fn a_range_that_nearly_fits_keeps_its_slopes_when_widened() {
     let burst = uniform(Slope::new(4.2, 0.0), 8);
     let grid = SlopeGrid::line(2.4..=3.6, 4);
-    let advice = about(&asked(&burst, grid), Subject::Range).cloned().expect("the motion is beyond the range");
+    let advice = about(&asked(&burst, grid), AdviceSubject::Range).cloned().expect("the motion is beyond the range");
     let wider = applied(grid, &advice.changes).slopes;
     assert!(wider.u.max > 4.2 && wider.u.count < 9, "{wider:?}");
     assert!(grid.slopes().all(|slope| wider.slopes().any(|other| other == slope)), "{wider:?}");
@@ -109,7 +108,7 @@ fn a_range_that_nearly_fits_keeps_its_slopes_when_widened() {
 fn a_step_that_is_too_coarse_is_refined() {
     let burst = uniform(Slope::new(1.0, 0.0), 10);
     let grid = SlopeGrid::line(-1.5..=3.0, 4);
-    let advice = about(&asked(&burst, grid), Subject::Step).cloned().expect("a step of 1.5 px/frame smears");
+    let advice = about(&asked(&burst, grid), AdviceSubject::Step).cloned().expect("a step of 1.5 px/frame smears");
     assert!(advice.number > 0.3 && advice.sentence.contains('%'), "{advice:?}");
     let finer = applied(grid, &advice.changes).slopes;
     assert!(finer.u.step() < 0.5 && finer.u.min < 1.0 && finer.u.max > 1.0, "{finer:?}");
@@ -153,12 +152,12 @@ fn motion_across_the_line_asks_for_another_direction() {
     let burst = uniform(Slope::new(0.0, 1.8), 8);
     let grid = SlopeGrid::line(-2.0..=2.0, 9);
     let spectrum = asked(&burst, grid);
-    let advice = about(&spectrum, Subject::Direction).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
+    let advice = about(&spectrum, AdviceSubject::Direction).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
     assert!(advice.sentence.contains("90°"), "{}", advice.sentence);
     let turned = applied(grid, &advice.changes).slopes;
     let holds = |slope: Slope| turned.slopes().any(|s| (s.u - slope.u).hypot(s.v - slope.v) < 0.5);
     assert!(holds(Slope::new(0.0, 1.8)), "{turned:?}");
-    assert!(about(&asked(&burst, turned), Subject::Direction).is_none());
+    assert!(about(&asked(&burst, turned), AdviceSubject::Direction).is_none());
 }
 
 #[test]
@@ -173,7 +172,7 @@ fn a_garland_answers_again_a_period_away() {
         alias.places.iter().all(|[_, v]| (100.0..165.0).contains(v)),
         "only the garlands repeat themselves: {alias:?}"
     );
-    let advice = about(&spectrum, Subject::Aliases).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
+    let advice = about(&spectrum, AdviceSubject::Aliases).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
     assert!((advice.number - f64::from(GARLAND_PERIOD)).abs() < 0.4);
     // There are features at the alias, as the paper says; and none once the range contains no alias.
     let near = |spectrum: &Spectrum, slope: f32| {
@@ -187,7 +186,7 @@ fn a_garland_answers_again_a_period_away() {
             && narrow.u.max - narrow.u.min < GARLAND_PERIOD,
         "{narrow:?}"
     );
-    assert!(about(&asked(&burst, narrow), Subject::Aliases).is_none());
+    assert!(about(&asked(&burst, narrow), AdviceSubject::Aliases).is_none());
     let svg = spectrum_svg(&spectrum, "garlands");
     assert!(roxmltree::Document::parse(&svg).is_ok());
 }
@@ -197,8 +196,8 @@ fn fast_motion_that_leaves_the_picture_asks_for_fewer_frames() {
     let burst = moving((160, 160), 14, |dt| (4.0 * dt, 0.0));
     let grid = SlopeGrid::line(3.0..=5.0, 9);
     let spectrum = asked(&burst, grid);
-    let advice = about(&spectrum, Subject::Coverage)
-        .or_else(|| about(&spectrum, Subject::Frames))
+    let advice = about(&spectrum, AdviceSubject::Coverage)
+        .or_else(|| about(&spectrum, AdviceSubject::Frames))
         .unwrap_or_else(|| panic!("{:?} {:#?}", spectrum.finding.verdict, spectrum.advice));
     let fewer = applied(grid, &advice.changes).frames.expect("a range of frames");
     assert!(fewer.end - fewer.start < 14 && fewer.start > 0, "{fewer}");
@@ -210,7 +209,7 @@ fn motion_that_is_not_straight_asks_for_fewer_frames() {
     let burst = moving((200, 160), 11, |dt| (1.0 * dt + 0.32 * dt * dt, 0.0));
     let grid = SlopeGrid::line(-2.0..=4.0, 19);
     let spectrum = asked(&burst, grid);
-    let advice = about(&spectrum, Subject::Frames)
+    let advice = about(&spectrum, AdviceSubject::Frames)
         .unwrap_or_else(|| panic!("{:?} {:#?}", spectrum.finding.verdict, spectrum.advice));
     assert!(advice.number >= 2.0, "{advice:?}");
     let fewer = applied(grid, &advice.changes).frames.expect("a range of frames");
@@ -221,14 +220,14 @@ fn motion_that_is_not_straight_asks_for_fewer_frames() {
 fn slopes_searched_for_nothing_are_said_to_be() {
     let burst = uniform(Slope::new(1.0, 0.0), 8);
     let spectrum = asked(&burst, SlopeGrid::plane(-2.0..=2.0, 9, -2.0..=2.0, 9));
-    let advice = about(&spectrum, Subject::Cost).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
+    let advice = about(&spectrum, AdviceSubject::Cost).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
     assert!(advice.number < 0.4 && advice.sentence.contains("81"), "{advice:?}");
     assert!(roxmltree::Document::parse(&spectrum_svg(&spectrum, "a & b")).is_ok());
 }
 
 #[test]
 fn coverage_is_the_part_of_the_picture_that_all_frames_show() {
-    use burstscope_core::inspect::spectrum::coverage_share;
+    use burstscope_core::inspect::slopes::coverage_share;
     assert_eq!(coverage_share(Slope::default(), &Positions::even(10), (100, 50)), 1.0);
     assert!((coverage_share(Slope::new(-1.0, 2.0), &Positions::even(11), (100, 50)) - 0.9 * 0.6).abs() < 1e-6);
     assert_eq!(coverage_share(Slope::new(50.0, 0.0), &Positions::even(11), (100, 50)), 0.0);

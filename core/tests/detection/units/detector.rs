@@ -237,7 +237,7 @@ mod noise_model {
         let model = NoiseModel::white(0.0123);
         for (octave, level) in [(0, 0), (2, 3)] {
             let expected = 0.0123 * dog_noise_variance(&space, octave, f64::from(level), &offsets).sqrt() as f32;
-            assert_eq!(model.sigma_d(&space, (octave, level), (slope, &offsets), 5.0), expected);
+            assert_eq!(model.sigma_d(&space, Scale { octave, level }, (slope, &offsets), 5.0), expected);
         }
         assert_eq!(model.place_factor(0, &offsets, (3, 4), (100, 80)), 1.0);
     }

@@ -168,10 +168,10 @@ mod outputs {
     use burstscope_core::export::film::write_film;
     use burstscope_core::export::*;
     use burstscope_core::export::{
-        CURVE_COLUMNS, ColmapKeypoint, Drawing, Picture, PictureProfile, sheet, write_colmap_keypoints, write_csv,
+        Bitmap, CURVE_COLUMNS, ColmapKeypoint, Drawing, PictureProfile, sheet, write_colmap_keypoints, write_csv,
         write_drawing_svg, write_matches_csv, write_npz, write_png, write_profiles_csv, write_tiff,
     };
-    use burstscope_core::files::mark::Kind;
+    use burstscope_core::files::mark::OutputKind;
     use burstscope_core::monitor::Monitor;
     use burstscope_core::plane::Plane;
 
@@ -179,7 +179,7 @@ mod outputs {
     fn every_file_that_is_written_is_known_until_somebody_changes_it() {
         let home = tempfile::tempdir().expect("a folder");
         let at = |name: &str| home.path().join(name);
-        write_png(&at("a.png"), Picture::rgb(2, 1, &[9; 6])).expect("written");
+        write_png(&at("a.png"), Bitmap::rgb(2, 1, &[9; 6])).expect("written");
         write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
         let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
         write_film(&at("a.gif"), pictures, 10, &Monitor::default()).expect("written");
@@ -187,8 +187,8 @@ mod outputs {
         let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], unit, shapes: Vec::new() };
         write_drawing_svg(&at("a.svg"), &drawing).expect("written");
         let parts = vec![sheet::Sheet::new(80.0, "b").finish(40.0); 2];
-        write_text(&at("b.svg"), Kind::Drawing, sheet::stacked("both", &parts)).expect("written");
-        write_text(&at("p.toml"), Kind::Settings, burstscope_core::files::written_by() + "levels = 4\n")
+        write_text(&at("b.svg"), OutputKind::Drawing, sheet::stacked("both", &parts)).expect("written");
+        write_text(&at("p.toml"), OutputKind::Settings, burstscope_core::files::written_by() + "levels = 4\n")
             .expect("written");
         let burst = burstscope_core::burst::Burst::from_planes("a", vec![Plane::zeros(9, 9)]);
         let (case, part) =

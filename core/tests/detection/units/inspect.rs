@@ -1,8 +1,8 @@
-//! Tests of the public functions of `inspect`, a module for each of its files.
+//! Tests of the public functions of `inspect`, a module for each subject.
 
 mod changes {
     use burstscope_core::detector::*;
-    use burstscope_core::inspect::changes::*;
+    use burstscope_core::inspect::result::*;
     use proptest::prelude::*;
 
     fn spot(u: f32, v: f32, sigma: f32) -> Spot {
@@ -56,7 +56,7 @@ mod decoys {
     use burstscope_core::detector::{DetectorParams, NoiseGate, Slope, SlopeGrid};
     use burstscope_core::error::Error;
     use burstscope_core::inspect::ProbeCache;
-    use burstscope_core::inspect::decoys::*;
+    use burstscope_core::inspect::result::*;
     use burstscope_core::monitor::*;
     use burstscope_core::plane::Plane;
     use burstscope_core::synth::random::*;
@@ -189,12 +189,10 @@ mod fate {
     }
 }
 
-mod outlook {
+mod needed {
     use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, SlopeGrid};
     use burstscope_core::inspect::ProbeCache;
-    use burstscope_core::inspect::fate::*;
-    use burstscope_core::inspect::outlook::*;
-    use burstscope_core::inspect::probe::{ProbeOptions, probe};
+    use burstscope_core::inspect::place::*;
     use burstscope_core::monitor::Monitor;
     use burstscope_core::synth::{ChartParams, synth_chart};
 
@@ -223,7 +221,7 @@ mod outlook {
             let options = ProbeOptions { reach_sigmas: 1.0, ..ProbeOptions::default() };
             let fates = probe(&before.0, before.1, &options, &Monitor::default()).expect("not cancelled").fates;
             let is_disc = |fate: &&Fate| fate.value < 0.0 && (2.0..7.0).contains(&fate.sigma) && fate.snr > 3.0;
-            let outlook = fates.iter().find(is_disc).and_then(|fate| outlook(&before.0.trail, fate));
+            let outlook = fates.iter().find(is_disc).and_then(|fate| needed(&before.0.trail, fate));
             let Some(outlook) = outlook else { continue };
             asked += 1;
             let frames = outlook.frames.expect("it stays for long");
@@ -248,8 +246,8 @@ mod price {
     use burstscope_core::detector::params::doc;
     use burstscope_core::detector::*;
     use burstscope_core::detector::{NoiseGate, SlopeGrid};
-    use burstscope_core::inspect::price::*;
-    use burstscope_core::inspect::*;
+    use burstscope_core::inspect::ProbeCache;
+    use burstscope_core::inspect::place::*;
     use burstscope_core::monitor::*;
     use burstscope_core::synth::{ChartParams, synth_chart};
 
@@ -316,7 +314,7 @@ mod price {
 mod set_up {
     use burstscope_core::burst::*;
     use burstscope_core::detector::*;
-    use burstscope_core::inspect::set_up::*;
+    use burstscope_core::inspect::slopes::*;
     use proptest::prelude::*;
 
     #[test]
@@ -376,7 +374,7 @@ mod set_up {
 }
 
 mod spot {
-    use burstscope_core::inspect::spot::*;
+    use burstscope_core::inspect::place::*;
     use burstscope_core::plane::*;
     use burstscope_core::synth::random::Stream;
 
@@ -405,7 +403,7 @@ mod spot {
 }
 
 mod texture {
-    use burstscope_core::inspect::texture::*;
+    use burstscope_core::inspect::place::*;
     use burstscope_core::plane::*;
     use burstscope_core::synth::random::Stream;
 

@@ -342,13 +342,13 @@ fn a_film_that_is_cut_within_its_times_says_so() {
 /// Bytes behind a mark, as those of a checksum, may be any: all pictures of this program are known as its own.
 #[test]
 fn every_picture_of_this_program_is_known_as_its_own() {
-    use burstscope_core::export::{Picture, is_ours, write_png};
+    use burstscope_core::export::{Bitmap, is_ours, write_png};
     let folder = folder();
     let path = folder.path().join("a.png");
     let mut braces = 0;
     for seed in 0..400u32 {
         let pixels: Vec<u8> = (0..48u32).map(|i| (i * 31 + seed * 77) as u8 ^ (seed >> 2) as u8).collect();
-        write_png(&path, Picture::rgb(4, 4, &pixels)).expect("written");
+        write_png(&path, Bitmap::rgb(4, 4, &pixels)).expect("written");
         let bytes = fs::read(&path).expect("read");
         let checksum = &bytes[bytes.len() - 16..bytes.len() - 12];
         braces += u32::from(checksum.contains(&b'}'));

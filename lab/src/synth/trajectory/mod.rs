@@ -19,7 +19,7 @@ use super::noisy::{FrameLevels, NoisyExposure};
 use crate::synth::write::{frame_name, io, write_folder, write_frame};
 use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, Result};
-use burstscope_core::files::mark::Kind;
+use burstscope_core::files::mark::OutputKind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
 use burstscope_core::plane::Plane;
 use burstscope_core::synth::noise::{Camera, quantisation_step};
@@ -368,7 +368,7 @@ const TRUTH_FILE: &str = "trajectory.json";
 /// # Errors
 /// The folder is a link, holds other files or cannot be written, or cancellation; it is then unchanged.
 pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) -> Result<()> {
-    write_folder(dir, Kind::Trajectory, |fresh| {
+    write_folder(dir, OutputKind::Trajectory, |fresh| {
         let make = |folder: &Path| std::fs::create_dir(folder).map_err(io(folder));
         let (bursts, gold) = (fresh.join("bursts"), fresh.join("gold"));
         make(&bursts)?;

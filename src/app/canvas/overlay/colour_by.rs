@@ -1,10 +1,10 @@
 //! Colours of features, and their legend. All features get their colours here.
 
-use crate::app::view::{ColourBy, Known, quantity_value};
+use crate::app::view::{ColourBy, KnownOfFeature, quantity_value};
 use crate::detector::quantity::{Colours, Span};
 use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
-use crate::inspect::set_up::SetUp;
-use crate::inspect::verdict::Judged;
+use crate::inspect::place::Judged;
+use crate::inspect::slopes::SetUp;
 use crate::plane::display::direction_colour;
 use crate::requests::line_of;
 use egui::{Color32, Label, Mesh, Rect, Response, RichText, Sense, Shape, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
@@ -34,7 +34,7 @@ impl ColourScale {
         if by == ColourBy::SlopeDirection && line_of(grid, features).is_some() {
             return Self::of_slopes(grid, features);
         }
-        let stored = |feature: &Feature| by.quantity().and_then(|by| quantity_value(by, 0, feature, Known::default()));
+        let stored = |f: &Feature| by.quantity().and_then(|by| quantity_value(by, 0, f, KnownOfFeature::default()));
         let of = |value: &dyn Fn(&Feature) -> f32| {
             let values = features.iter().map(value).filter(|x| x.is_finite());
             values.fold(None, |range: Option<(f32, f32)>, x| {
@@ -122,7 +122,7 @@ impl ColourScale {
         let Some(quantity) = self.by.quantity() else { return self.of_slope(motion) };
         let judged = self.coherences.as_ref().and_then(|values| values.get(index));
         let depth_m = self.set_up.as_ref().and_then(|set_up| set_up.depth_with_error(motion, sigma));
-        let value = quantity_value(quantity, index, feature, Known { judged, depth_m });
+        let value = quantity_value(quantity, index, feature, KnownOfFeature { judged, depth_m });
         value.filter(|value| value.is_finite()).map_or(UNKNOWN, |value| self.along(value))
     }
 

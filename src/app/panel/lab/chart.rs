@@ -6,7 +6,7 @@ use crate::app::document::lab::{Lab, LabSet};
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
 use crate::app::results::Read;
-use crate::inspect::score::Judged;
+use crate::inspect::result::Scored;
 use crate::inspect::words::number;
 use crate::plane::display::Display;
 use crate::study::{ShownChart, StudyPoint};
@@ -104,7 +104,7 @@ fn choice_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab) {
     lab.selected = chosen.map(|point| (chosen_set, point));
 }
 
-fn key_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged]) {
+fn key_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Scored]) {
     let found = judged.iter().filter(|judged| judged.disc.is_some()).count();
     let counts = [
         (FOUND, format!("{found} found")),
@@ -114,7 +114,7 @@ fn key_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged]) {
     dots_ui(ui, counts);
 }
 
-fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Judged], texture: &mut PlaneTexture) {
+fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Scored], texture: &mut PlaneTexture) {
     let (width, height) = shown.mean.size();
     let scale = ui.available_width() / width as f32;
     let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::hover());

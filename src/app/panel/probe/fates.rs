@@ -7,10 +7,8 @@ use crate::app::panel::widgets::{named, weak_ui};
 use crate::app::results::Read;
 use crate::app::style;
 use crate::detector::Test;
-use crate::inspect::fate::{Outcome, TestReport};
-use crate::inspect::probe::Wanted;
+use crate::inspect::place::{Fate, Needed, Outcome, Probe, ProbeSubject, TestReport};
 use crate::inspect::words::{number, sentence, slope_text, snr_text, value_text};
-use crate::inspect::{Fate, Outlook, Probe};
 use crate::requests::{ProbeQuestion, Probed};
 use egui::{Align2, FontId, Label, RichText, ScrollArea, Sense, TextStyle, Ui, vec2};
 use std::ops::Range;
@@ -45,7 +43,7 @@ pub(super) fn fates_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mu
         Some(fate) => fate_ui(ui, model, fate, answer.probe.outlook.as_ref(), queue),
         None => {
             let hint = match answer.request.question {
-                ProbeQuestion::At { wanted: Wanted::Scale { .. }, .. } => "No candidate at this slope and scale.",
+                ProbeQuestion::At { wanted: ProbeSubject::Scale { .. }, .. } => "No candidate at this slope and scale.",
                 _ => "Click a candidate to see its tests.",
             };
             weak_ui(ui, hint);
@@ -78,7 +76,7 @@ fn list_ui(ui: &mut Ui, answer: &Probed, listed: Range<usize>, queue: &mut Queue
         for row in rows {
             let (index, fate) = (first + row, &fates[row]);
             if row_ui(ui, &answer.probe, index, answer.probe.subject.fate == Some(index)) {
-                queue.push(Action::ProbeSubject(Wanted::Candidate(fate.of_sample())));
+                queue.push(Action::ProbeSubject(ProbeSubject::Candidate(fate.of_sample())));
             }
         }
     });
@@ -141,7 +139,7 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     clicked
 }
 
-fn fate_ui(ui: &mut Ui, model: Read<'_>, fate: &Fate, outlook: Option<&Outlook>, queue: &mut Queue) {
+fn fate_ui(ui: &mut Ui, model: Read<'_>, fate: &Fate, outlook: Option<&Needed>, queue: &mut Queue) {
     let verdict = &fate.verdict;
     ui.add(Label::new(RichText::new(sentence(verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {

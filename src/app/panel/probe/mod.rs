@@ -18,9 +18,7 @@ use crate::app::results::explained::verdict_words;
 use crate::app::style;
 use crate::app::view::signed;
 use crate::detector::{ParamChange, Slope};
-use crate::inspect::ReasonKind;
-use crate::inspect::suspicion::{Kind, Suspicion};
-use crate::inspect::verdict::{Judged, Verdict};
+use crate::inspect::place::{CauseKind, Judged, Suspicion, SuspicionKind, Verdict};
 use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
@@ -155,9 +153,9 @@ fn stale_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 fn reasons_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     for reason in &answer.probe.reasons {
         let help = match reason.kind {
-            ReasonKind::TooSmall => "Measured at this place, at the slope named, beyond the scales that are searched",
-            ReasonKind::AtAnotherSlope => "Switch the features shown to All to see those of other slopes, or go there",
-            ReasonKind::Ghost => "A blob with another motion crosses here: see the responses of the frames below",
+            CauseKind::TooSmall => "Measured at this place, at the slope named, beyond the scales that are searched",
+            CauseKind::AtAnotherSlope => "Switch the features shown to All to see those of other slopes, or go there",
+            CauseKind::Ghost => "A blob with another motion crosses here: see the responses of the frames below",
         };
         ui.add(Label::new(sentence(&reason.sentence)).wrap()).on_hover_text(help);
         if reason.change.is_some() || reason.feature.is_some() {
@@ -170,7 +168,7 @@ fn reasons_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) 
                 }
             });
         }
-        if reason.kind == ReasonKind::AtAnotherSlope && model.document.look.overlay == FeaturesShown::ThisSlope {
+        if reason.kind == CauseKind::AtAnotherSlope && model.document.look.overlay == FeaturesShown::ThisSlope {
             weak_ui(ui, "It is shown under All, not under This slope.");
         }
     }
@@ -284,12 +282,12 @@ fn suspicions_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queu
 
 fn suspicion_ui(ui: &mut Ui, model: Read<'_>, suspicion: &Suspicion, queue: &mut Queue) {
     let (name, help) = match suspicion.kind {
-        Kind::Duplicate => ("A duplicate?", "Another feature lies on the same blob"),
-        Kind::Ghost => ("A ghost?", "A blob with another motion shows in this slope's motion stack"),
-        Kind::AtLimit => {
+        SuspicionKind::Duplicate => ("A duplicate?", "Another feature lies on the same blob"),
+        SuspicionKind::Ghost => ("A ghost?", "A blob with another motion shows in this slope's motion stack"),
+        SuspicionKind::AtLimit => {
             ("At the limit?", "Its slope is at the end of the searched range, and its response rises beyond")
         }
-        Kind::Alias => ("An alias?", "The texture repeats, and another slope shows it as well"),
+        SuspicionKind::Alias => ("An alias?", "The texture repeats, and another slope shows it as well"),
     };
     ui.label(RichText::new(name).strong().color(style::warning(ui))).on_hover_text(help);
     ui.add(Label::new(sentence(&suspicion.evidence)).wrap());

@@ -9,10 +9,8 @@ use crate::app::document::panes::Destination;
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use crate::detector::Slope;
-use crate::inspect::probe::Wanted;
-use crate::inspect::response::{FineAxis, ResponseMap, Scale, SlopePlane, outline};
+use crate::inspect::place::{Fate, FineAxis, MapScale, PlaceMotion, ProbeSubject, ResponseMap, SlopePlane, outline};
 use crate::inspect::words::{number, slope_text};
-use crate::inspect::{Fate, PlaceMotion};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::Probed;
@@ -91,7 +89,7 @@ fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneT
         queue.push(go_to(model, slope, &scale));
         if map.plane.is_some() {
             let slope_index = answer.probe.subject.slope_index;
-            let subject = Wanted::Scale { octave: scale.octave, level: scale.level, slope_index };
+            let subject = ProbeSubject::Scale { octave: scale.octave, level: scale.level, slope_index };
             queue.push(Action::ProbeSubject(subject));
         }
     }
@@ -165,13 +163,13 @@ fn slopes_ui(
     }
 }
 
-fn go_to(model: Read<'_>, slope: Slope, scale: &Scale) -> Action {
+fn go_to(model: Read<'_>, slope: Slope, scale: &MapScale) -> Action {
     let scale = Some((scale.octave, scale.level));
     let kind = Some(ViewKind::Dog);
     Action::GoTo(model.document.probe.side, Destination { slope: Some(slope), scale, kind, ..Destination::default() })
 }
 
-fn reading(slope: Slope, scale: &Scale, value: &str) -> String {
+fn reading(slope: Slope, scale: &MapScale, value: &str) -> String {
     format!(
         "{value}\nslope {} px/frame\nσ {} px (octave {}, level {})\nClick to go there",
         slope_text(slope),
@@ -311,7 +309,8 @@ mod tests {
     use super::*;
     use crate::app::apply::bench::open;
     use crate::detector::{DetectorParams, SlopeGrid};
-    use crate::inspect::{ProbeCache, ProbeOptions, probe};
+    use crate::inspect::ProbeCache;
+    use crate::inspect::place::{ProbeOptions, probe};
     use crate::monitor::Monitor;
 
     fn map(slopes: SlopeGrid) -> ResponseMap {

@@ -9,7 +9,7 @@ use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::Read;
 use crate::app::style::ACCENT;
 use crate::detector::coherence::{FrameResponse, Shape};
-use crate::inspect::shares::Shares;
+use crate::inspect::place::Shares;
 use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::requests::Probed;

@@ -4,8 +4,8 @@ use crate::app::canvas::number;
 use crate::app::panel::widgets::{dot_ui, named};
 use crate::app::style;
 use crate::detector::Slope;
-use crate::inspect::spectrum::{Alias, SlopeBar, Spectrum};
-use crate::inspect::texture::dirichlet;
+use crate::inspect::place::dirichlet;
+use crate::inspect::slopes::{Alias, SlopeBar, Spectrum};
 use crate::plane::display::ColourMap;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 

@@ -14,7 +14,7 @@ use crate::app::style;
 use crate::burst::OpenOptions;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
-use crate::inspect::spectrum::{SlopeAdvice, SlopeJudgement, Spectrum, Subject};
+use crate::inspect::slopes::{AdviceSubject, SlopeAdvice, SlopeJudgement, Spectrum};
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
@@ -99,7 +99,7 @@ fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue:
 /// Draws the judgement of the slopes and a button that applies its advice, unless the slopes suffice: above the table.
 pub fn judgement_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let advice = model.slope_judgement().and_then(|judgement| judgement.advice.as_ref());
-    let Some(advice) = advice.filter(|advice| advice.subject != Subject::Cost) else { return };
+    let Some(advice) = advice.filter(|advice| advice.subject != AdviceSubject::Cost) else { return };
     ui.horizontal(|ui| {
         if !advice.options().is_empty() {
             apply_ui(ui, model, "Apply slopes", advice, queue);

@@ -7,7 +7,7 @@ use crate::app::panel::widgets::error_ui;
 use crate::app::results::Read;
 use crate::app::view::{number, signed_slope};
 use crate::detector::Slope;
-use crate::inspect::set_up::{SetUp, bounds};
+use crate::inspect::slopes::{SetUp, set_up_bounds};
 use egui::{Button, CollapsingHeader, DragValue, Grid, Label, Role, Ui, WidgetInfo};
 
 /// Slopes of the nearest and the farthest things, while the set-up is in use: unfolded, or read for depths.
@@ -39,19 +39,19 @@ fn fields_ui(ui: &mut Ui, values: &mut SetUp) {
     };
     Grid::new("set-up").num_columns(3).show(ui, |ui| {
         ui.label("Motion");
-        let speed = DragValue::new(speed_m_s).range(bounds::SPEED.span()).speed(0.01).suffix(" m/s");
+        let speed = DragValue::new(speed_m_s).range(set_up_bounds::SPEED.span()).speed(0.01).suffix(" m/s");
         field(ui, "Speed", "Speed of the camera parallel to its picture", speed);
-        let direction = DragValue::new(direction_deg).range(bounds::DIRECTION.span()).suffix("°");
+        let direction = DragValue::new(direction_deg).range(set_up_bounds::DIRECTION.span()).suffix("°");
         field(ui, "Direction of motion", "Direction of that motion, from right towards down", direction);
         ui.end_row();
         ui.label("Turning");
-        let turn = DragValue::new(turn_deg_s).range(bounds::TURN.span()).speed(0.05).suffix("°/s");
+        let turn = DragValue::new(turn_deg_s).range(set_up_bounds::TURN.span()).speed(0.05).suffix("°/s");
         field(ui, "Turning", "Turning of the camera to the right", turn);
         ui.end_row();
         ui.label("Camera");
-        let rate = DragValue::new(frames_per_second).range(bounds::RATE.span()).suffix(" /s");
+        let rate = DragValue::new(frames_per_second).range(set_up_bounds::RATE.span()).suffix(" /s");
         field(ui, "Frame rate", "Frames per second", rate);
-        let focal = DragValue::new(focal_px).range(bounds::FOCAL.span()).suffix(" px");
+        let focal = DragValue::new(focal_px).range(set_up_bounds::FOCAL.span()).suffix(" px");
         field(ui, "Focal length", "Focal length in pixels", focal);
         ui.end_row();
         ui.label("Depths");
@@ -62,7 +62,7 @@ fn fields_ui(ui: &mut Ui, values: &mut SetUp) {
 }
 
 fn depth_field(metres: &mut f64) -> DragValue<'_> {
-    DragValue::new(metres).range(bounds::DEPTH.span()).speed(0.02).suffix(" m")
+    DragValue::new(metres).range(set_up_bounds::DEPTH.span()).speed(0.02).suffix(" m")
 }
 
 fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {

@@ -6,12 +6,12 @@ mod rows;
 
 pub use rows::Row;
 
-use crate::app::document::comparison::{Comparison, Kind, Reference};
+use crate::app::document::comparison::{Compared, Comparison, Reference};
 use crate::app::document::side::Side;
 use crate::app::results::Read;
 use crate::detector::{Detection, SearchParams};
 use crate::engine::Wanted;
-use crate::inspect::changes::ForeignFeature;
+use crate::inspect::result::ForeignFeature;
 use crate::requests::{BurstId, ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -28,11 +28,11 @@ pub struct Shown {
 }
 
 impl Shown {
-    pub fn label(&self, kind: Kind) -> &'static str {
-        if kind == Kind::Ours { self.ours } else { kind.label(self.with) }
+    pub fn label(&self, kind: Compared) -> &'static str {
+        if kind == Compared::Ours { self.ours } else { kind.label(self.with) }
     }
 
-    pub fn count(&self, kind: Kind) -> usize {
+    pub fn count(&self, kind: Compared) -> usize {
         self.rows.iter().filter(|row| row.kind == kind).count()
     }
 }
@@ -110,11 +110,11 @@ impl ComparisonResults {
                     }
                     _ => {}
                 }
-                (true, Kind::Ours.label(with))
+                (true, Compared::Ours.label(with))
             }
         };
         if self.shown.is_none() && !is_whole_truth {
-            set.hidden = vec![Kind::Ours];
+            set.hidden = vec![Compared::Ours];
         }
         let (rows, summary) = rows::of(with, &request.detection, &differences);
         self.shown = Some(Arc::new(Shown { with, detection: request.detection, rows, summary, is_whole_truth, ours }));

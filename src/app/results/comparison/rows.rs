@@ -1,17 +1,16 @@
 //! Rows of a comparison: one for each feature of ours or theirs, with its kind.
 
-use crate::app::document::comparison::{Kind, Reference};
+use crate::app::document::comparison::{Compared, Reference};
 use crate::detector::{Detection, Feature, Sample, Slope};
-use crate::inspect::changes::{Changes, Spot};
-use crate::inspect::probe::Wanted;
-use crate::inspect::truth::AgainstTruth;
+use crate::inspect::place::ProbeSubject;
+use crate::inspect::result::{AgainstTruth, Changes, Spot};
 use crate::inspect::words::slope_text;
 use crate::requests::{Differences, ProbeQuestion};
 use crate::synth::Truth;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    pub kind: Kind,
+    pub kind: Compared,
     /// Place (u, v) at mid-burst, input pixels: ours where both have it.
     pub pos_image: [f32; 2],
     /// Scale σ, input pixels.
@@ -27,9 +26,9 @@ pub struct Row {
 impl Row {
     pub fn question(&self) -> ProbeQuestion {
         let wanted = match (self.feature, self.candidate) {
-            (Some(index), _) => Wanted::Feature(index),
-            (None, Some(sample)) => Wanted::Candidate(sample),
-            (None, None) => Wanted::Best,
+            (Some(index), _) => ProbeSubject::Feature(index),
+            (None, Some(sample)) => ProbeSubject::Candidate(sample),
+            (None, None) => ProbeSubject::Best,
         };
         ProbeQuestion::At { place: self.pos_image, wanted }
     }
@@ -56,10 +55,10 @@ pub(super) fn of(with: Reference, detection: &Detection, differences: &Differenc
 }
 
 fn theirs(pos_image: [f32; 2], sigma: f32, slope: Option<Slope>, note: String) -> Row {
-    Row { kind: Kind::Theirs, pos_image, sigma, slope, from_image: None, feature: None, candidate: None, note }
+    Row { kind: Compared::Theirs, pos_image, sigma, slope, from_image: None, feature: None, candidate: None, note }
 }
 
-fn ours(kind: Kind, index: usize, f: &Feature) -> Row {
+fn ours(kind: Compared, index: usize, f: &Feature) -> Row {
     Row { kind, feature: Some(index), ..theirs([f.u, f.v], f.sigma, Some(f.slope), String::new()) }
 }
 
@@ -78,10 +77,10 @@ fn rows_of_changes(with: Reference, changes: &Changes, before: &[Spot], features
         Row {
             from_image: moved.then_some(was.pos_image),
             note: if moved { note } else { String::new() },
-            ..ours(if moved { Kind::Moved } else { Kind::Same }, same.after, &features[same.after])
+            ..ours(if moved { Compared::Moved } else { Compared::Same }, same.after, &features[same.after])
         }
     });
-    let gained = changes.gained.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
+    let gained = changes.gained.iter().map(|&index| ours(Compared::Ours, index, &features[index]));
     lost.chain(gained).chain(same).collect()
 }
 
@@ -95,15 +94,15 @@ fn rows_of_truth(against: &AgainstTruth, truth: &Truth, features: &[Feature]) ->
     let found = against.found.iter().map(|&(index, disc)| {
         let (f, disc) = (&features[index], &truth.features[disc]);
         let off = (f64::from(f.u) - disc.u).hypot(f64::from(f.v) - disc.v);
-        Row { note: format!("{off:.2} px off"), ..ours(Kind::Same, index, f) }
+        Row { note: format!("{off:.2} px off"), ..ours(Compared::Same, index, f) }
     });
     let otherwise = against.at_wrong_motion.iter().map(|&(index, disc)| {
         let (f, disc) = (&features[index], &truth.features[disc]);
         let true_slope = Slope::new(disc.slope_u as f32, disc.slope_v as f32);
         let note = format!("slope {} instead of {}", slope_text(f.slope), slope_text(true_slope));
-        Row { note, ..ours(Kind::WrongMotion, index, f) }
+        Row { note, ..ours(Compared::WrongMotion, index, f) }
     });
-    let repeated = against.repeated.iter().map(|&index| ours(Kind::Repeated, index, &features[index]));
-    let wrong = against.elsewhere.iter().map(|&index| ours(Kind::Ours, index, &features[index]));
+    let repeated = against.repeated.iter().map(|&index| ours(Compared::Repeated, index, &features[index]));
+    let wrong = against.elsewhere.iter().map(|&index| ours(Compared::Ours, index, &features[index]));
     missed.chain(otherwise).chain(wrong).chain(repeated).chain(found).collect()
 }

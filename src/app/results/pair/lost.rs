@@ -5,11 +5,11 @@ use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches};
 use crate::detector::Feature;
 use crate::engine::Wanted;
-use crate::inspect::unmatched::{Lost, Unmatched};
+use crate::inspect::pair::{Lost, Unmatched};
 use crate::inspect::words::counted;
 use crate::matching::MatchParams;
 use crate::requests::{
-    FoundLosses, LossesRequest, MatchRequest, Matched, Picture, PictureKind, PictureRequest, PicturesRequest,
+    FoundLosses, LossesRequest, MatchRequest, Matched, PictureAnswer, PictureKind, PictureRequest, PicturesRequest,
 };
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -24,7 +24,7 @@ const MOST_FACTOR: f32 = 8.0;
 pub struct LostFeatures {
     pub found: Option<Arc<FoundLosses>>,
     pub why: Option<Why>,
-    pub pictures: Vec<Picture>,
+    pub pictures: Vec<PictureAnswer>,
     pub wanted: Wanted<LossesRequest>,
     pub wanted_pictures: Wanted<PicturesRequest>,
     /// Matches with the parameters of the remedy.

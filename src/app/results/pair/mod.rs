@@ -16,7 +16,7 @@ use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::Wanted;
 use crate::error::Error;
-use crate::requests::{MatchRequest, Picture, PictureKind, PictureRequest, PicturesRequest};
+use crate::requests::{MatchRequest, PictureAnswer, PictureKind, PictureRequest, PicturesRequest};
 
 #[derive(Debug, Default)]
 pub struct PairState {
@@ -29,7 +29,7 @@ pub struct PairState {
     pub lines_drawn: (usize, usize),
     pub reselect: Option<SavedMatch>,
     pub matching: Wanted<MatchRequest>,
-    pub patches: Vec<Picture>,
+    pub patches: Vec<PictureAnswer>,
     pub wanted_patches: Wanted<PicturesRequest>,
     pub listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
 }
@@ -163,7 +163,7 @@ impl<'a> Read<'a> {
         if both { self.document.focused().side } else { Side::A }
     }
 
-    pub fn picture_of(self, side: Side) -> Option<&'a Picture> {
+    pub fn picture_of(self, side: Side) -> Option<&'a PictureAnswer> {
         self.picture_in(self.document.pane_for(side))
     }
 }

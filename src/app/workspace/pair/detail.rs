@@ -12,7 +12,7 @@ use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
 use crate::export::MatchKind;
-use crate::inspect::unmatched::{Lost, Rivalry, Unmatched};
+use crate::inspect::pair::{Lost, Rivalry, Unmatched};
 use crate::inspect::words::sentence;
 use crate::matching::TwoViewModel;
 use crate::requests::{FoundLosses, MatchRequest, PictureKind};

@@ -10,7 +10,7 @@ use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::results::Read;
 use crate::app::results::pair::{Matches, lost_label};
 use crate::app::view::{fixed, signed_slope};
-use crate::inspect::unmatched::Lost;
+use crate::inspect::pair::Lost;
 use crate::matching::{Geometry, MatchCounts};
 use egui::{Label, RichText, Ui};
 

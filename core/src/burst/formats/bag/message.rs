@@ -113,7 +113,7 @@ pub(super) fn stamp_ns(message: &[u8], wire: Wire) -> Result<u64, String> {
 }
 
 #[derive(Debug, PartialEq)]
-pub(super) struct Picture<'a> {
+pub(super) struct PictureMessage<'a> {
     pub stamp_ns: u64,
     /// Encoding, or the format of a compressed picture.
     pub encoding: String,
@@ -122,7 +122,7 @@ pub(super) struct Picture<'a> {
     shape: Option<([u32; 2], u32, bool)>,
 }
 
-impl<'a> Picture<'a> {
+impl<'a> PictureMessage<'a> {
     pub(super) fn read(message: &'a [u8], wire: Wire, is_compressed: bool) -> Result<Self, String> {
         let (mut fields, stamp_ns) = Fields::after_header(message, wire)?;
         if is_compressed {

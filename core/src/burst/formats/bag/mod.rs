@@ -18,7 +18,7 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::files::{self, path_text, read_bytes};
 use crate::monitor::Monitor;
 use ::image::ImageFormat::{self, Jpeg, Png};
-use message::{Picture, STAMP_BYTES, stamp_ns};
+use message::{PictureMessage, STAMP_BYTES, stamp_ns};
 use records::{Channel, Message, Wire, Work};
 use segment::{Segment, UNCHECKED, WHOLE};
 use std::collections::{BTreeMap, HashSet};
@@ -287,12 +287,12 @@ impl<'a> Topic<'a> {
         Ok(header?.remove(0))
     }
 
-    fn picture<'b>(&self, segment: &Segment, message: &'b [u8]) -> Result<Picture<'b>> {
-        Picture::read(message, self.wire, self.channel.is_compressed()).map_err(|reason| segment.wrong(reason))
+    fn picture<'b>(&self, segment: &Segment, message: &'b [u8]) -> Result<PictureMessage<'b>> {
+        PictureMessage::read(message, self.wire, self.channel.is_compressed()).map_err(|reason| segment.wrong(reason))
     }
 
     /// Format of a compressed picture; `None` for one of plain numbers.
-    fn format(&self, segment: &Segment, picture: &Picture<'_>) -> Result<Option<ImageFormat>> {
+    fn format(&self, segment: &Segment, picture: &PictureMessage<'_>) -> Result<Option<ImageFormat>> {
         if !self.channel.is_compressed() {
             return Ok(None);
         }

@@ -31,13 +31,13 @@ const BESIDES_BYTES: u64 = 1 << 26;
 /// Largest number of pixels of a byte of a file: of one bit each, in deflated data of the largest ratio, about.
 const PIXELS_A_BYTE: u64 = 8 * 1040;
 
-pub(super) struct Picture {
+pub(super) struct PictureFormat {
     format: ImageFormat,
     extensions: &'static [&'static str],
     opens: &'static str,
 }
 
-impl Picture {
+impl PictureFormat {
     fn delays_s(&self, input: &Input, path: &Path) -> Result<Vec<f64>> {
         let mut reader = BufReader::with_capacity(64, &input.file);
         let found = delays_of(&mut reader, self.format, input.length);
@@ -53,13 +53,13 @@ impl Picture {
 const ONE: &str = "each file is a frame of 8 or 16 bits; luma of colours; photographs as their EXIF orientation says";
 /// What is opened of formats with animations.
 const SEVERAL: &str = "each file is a frame; the frames of an animation as they are shown, with their times";
-pub(super) static PNG: Picture = Picture::new(ImageFormat::Png, &["png"], SEVERAL);
-pub(super) static JPEG: Picture = Picture::new(ImageFormat::Jpeg, &["jpg", "jpeg", "mpo"], ONE);
-pub(super) static PNM: Picture = Picture::new(ImageFormat::Pnm, &["pgm", "ppm", "pnm", "pbm", "pam"], ONE);
-pub(super) static WEBP: Picture = Picture::new(ImageFormat::WebP, &["webp"], SEVERAL);
-pub(super) static BMP: Picture = Picture::new(ImageFormat::Bmp, &["bmp"], ONE);
+pub(super) static PNG: PictureFormat = PictureFormat::new(ImageFormat::Png, &["png"], SEVERAL);
+pub(super) static JPEG: PictureFormat = PictureFormat::new(ImageFormat::Jpeg, &["jpg", "jpeg", "mpo"], ONE);
+pub(super) static PNM: PictureFormat = PictureFormat::new(ImageFormat::Pnm, &["pgm", "ppm", "pnm", "pbm", "pam"], ONE);
+pub(super) static WEBP: PictureFormat = PictureFormat::new(ImageFormat::WebP, &["webp"], SEVERAL);
+pub(super) static BMP: PictureFormat = PictureFormat::new(ImageFormat::Bmp, &["bmp"], ONE);
 
-impl Format for Picture {
+impl Format for PictureFormat {
     fn record(&self) -> Record {
         let Self { format, extensions, opens } = *self;
         Record {

@@ -39,11 +39,11 @@ fn open(path: &Path) -> Result<(BufReader<File>, u64)> {
 }
 
 pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparseImage>> {
-    let mut fields = Fields { stream, left: bytes, path, place: Place::Count("images") };
+    let mut fields = Fields { stream, left: bytes, path, place: FilePart::Count("images") };
     let count = fields.count(IMAGE_BYTES)?;
     let mut images = Vec::new();
     for index in 0..count {
-        fields.place = Place::Entry("image", index + 1, count);
+        fields.place = FilePart::Entry("image", index + 1, count);
         let id = fields.u32()?;
         let quaternion = fields.floats::<4>()?;
         let translation = fields.floats::<3>()?;
@@ -63,11 +63,11 @@ pub(super) fn images(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<S
 }
 
 pub(super) fn points(stream: impl Read, bytes: u64, path: &Path) -> Result<Vec<SparsePoint>> {
-    let mut fields = Fields { stream, left: bytes, path, place: Place::Count("points") };
+    let mut fields = Fields { stream, left: bytes, path, place: FilePart::Count("points") };
     let count = fields.count(POINT_BYTES)?;
     let mut points = Vec::new();
     for index in 0..count {
-        fields.place = Place::Entry("point", index + 1, count);
+        fields.place = FilePart::Entry("point", index + 1, count);
         points.push(point(&mut fields)?);
     }
     Ok(points)
@@ -89,12 +89,12 @@ struct Fields<'a, R> {
     stream: R,
     left: u64,
     path: &'a Path,
-    place: Place,
+    place: FilePart,
 }
 
 /// Place for messages: a number of things, or one thing with its number, from 1, of how many.
 #[derive(Debug, Clone, Copy)]
-enum Place {
+enum FilePart {
     Count(&'static str),
     Entry(&'static str, u64, u64),
 }
@@ -102,8 +102,8 @@ enum Place {
 impl<R: Read> Fields<'_, R> {
     fn fail(&self, problem: impl Display) -> Error {
         let place = match self.place {
-            Place::Count(things) => format!("the number of {things}"),
-            Place::Entry(thing, number, count) => format!("{thing} {number} of {count}"),
+            FilePart::Count(things) => format!("the number of {things}"),
+            FilePart::Entry(thing, number, count) => format!("{thing} {number} of {count}"),
         };
         corrupt(self.path, &place, problem)
     }

@@ -1,13 +1,11 @@
-//! Reasons of a place that no single candidate tells: a thing too small for the scales that are searched, one that was
+//! Causes at a place that no single candidate shows: a thing too small for the scales that are searched, one that was
 //! found at another slope, and a setting that would only keep a ghost. They come from the extrema of D in space at each
 //! slope, candidates or not.
 
-use super::Fate;
+use super::fate::Fate;
 use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, is_like_scale, is_same_motion};
-use super::price::time_factor;
-use super::remedy::nearest_slope;
+use super::remedy::{nearest_slope, time_factor};
 use super::response::covering;
-use super::words::{number, slope_text};
 use crate::burst::Burst;
 use crate::detector::coherence::{Shape, evenness_of};
 use crate::detector::noise::gate_factor;
@@ -15,16 +13,17 @@ use crate::detector::params::doc;
 use crate::detector::pipeline::search;
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::LOWEST_GATE;
-use crate::detector::{DetectorParams, Feature, Neighbourhood, NoiseGate, ParamChange, Sample, Slope, Trail};
+use crate::detector::{DetectorParams, Feature, Neighbourhood, NoiseGate, ParamChange, Sample, Scale, Slope, Trail};
+use crate::inspect::words::{number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Mask, Plane};
 use serde::Serialize;
 use std::sync::Arc;
 
-/// Kind of a reason.
+/// Kind of a hidden cause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum ReasonKind {
+pub enum CauseKind {
     /// The response still rises towards the smallest scale that is searched.
     TooSmall,
     /// A feature was kept at the place, at another slope than the one looked at.
@@ -33,11 +32,11 @@ pub enum ReasonKind {
     Ghost,
 }
 
-/// Reason of a place.
+/// Cause that acts at a place and that no single candidate there shows.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Reason {
+pub struct Cause {
     /// Its kind.
-    pub kind: ReasonKind,
+    pub kind: CauseKind,
     /// Slope that it is about, px/frame.
     pub slope: Slope,
     /// A sentence without a capital at its start or a full stop at its end. Features are counted from 0.
@@ -50,15 +49,15 @@ pub struct Reason {
     pub change: Option<ParamChange>,
 }
 
-impl Reason {
-    fn new(kind: ReasonKind, slope: Slope, sentence: String) -> Self {
+impl Cause {
+    fn new(kind: CauseKind, slope: Slope, sentence: String) -> Self {
         Self { kind, slope, sentence, sigma_and_snr: None, feature: None, change: None }
     }
 }
 
 /// Extremum of D in space at its own slope and level, near a place.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Peak {
+pub(crate) struct Peak {
     pub sample: Sample,
     /// D.
     pub value: f32,
@@ -112,7 +111,7 @@ pub(super) struct Clear {
 pub(super) fn clearest<'p>(trail: &Trail, peaks: impl Iterator<Item = &'p Peak>) -> Option<Clear> {
     let over_least = |peak: &Peak| {
         let Sample { octave, level, slope_index, .. } = peak.sample;
-        peak.value.abs() / trail.sigma_d_min((octave, level), slope_index)
+        peak.value.abs() / trail.sigma_d_min(Scale { octave, level }, slope_index)
     };
     // The noise of a place costs some time: it is computed for the strongest of each slope.
     let mut of_slopes: Vec<Option<(&Peak, f32)>> = vec![None; trail.params().used_slopes().len()];
@@ -126,7 +125,7 @@ pub(super) fn clearest<'p>(trail: &Trail, peaks: impl Iterator<Item = &'p Peak>)
         let Sample { octave, level, slope_index, x, y } = peak.sample;
         let (pixel, slope) = (octave_pixel(octave), trail.params().used_slopes().slope(slope_index));
         let pos_image = [x as f32 * pixel, y as f32 * pixel];
-        let snr = peak.value.abs() / noise_at(trail, (octave, level), pos_image, slope);
+        let snr = peak.value.abs() / noise_at(trail, Scale { octave, level }, pos_image, slope);
         Clear { peak: *peak, pos_image, slope, snr }
     };
     let strongest = of_slopes.into_iter().flatten().map(clear).max_by(|a, b| a.snr.total_cmp(&b.snr));
@@ -134,29 +133,27 @@ pub(super) fn clearest<'p>(trail: &Trail, peaks: impl Iterator<Item = &'p Peak>)
 }
 
 /// σ of D at any scale, place and slope, over the frames that show it.
-fn noise_at(trail: &Trail, scale: (i32, i32), [u, v]: [f32; 2], slope: Slope) -> f32 {
+fn noise_at(trail: &Trail, scale: Scale, [u, v]: [f32; 2], slope: Slope) -> f32 {
     trail.sigma_d_at(scale, ((u, v), slope), &covering(trail, [u, v], slope))
 }
 
 /// The reason why a thing at the place that moves by one of `slopes` is too small, if one is: the clearest of several.
-pub(super) fn too_small(
+pub(crate) fn too_small(
     trail: &Trail,
     peaks: &[Peak],
     slopes: &[Slope],
     monitor: &Monitor,
-) -> Result<Option<Reason>, Cancelled> {
+) -> Result<Option<Cause>, Cancelled> {
     let grid = trail.params().used_slopes();
     let sigma = trail.space().sigma_image(trail.space().first_octave, 0.0) as f32;
-    let mut best: Option<(f32, Reason)> = None;
+    let mut best: Option<((bool, f32), Cause)> = None;
     for &slope in slopes {
         let moves = |peak: &&Peak| is_same_motion(trail, grid.slope(peak.sample.slope_index), slope, sigma);
         let Some(clear) = clearest(trail, peaks.iter().filter(|peak| peak.rises).filter(moves)) else { continue };
-        if let Some(reason) = finer(trail, &clear, monitor)?
-            && best
-                .as_ref()
-                .is_none_or(|(snr, other)| (reason.change.is_some(), clear.snr) > (other.change.is_some(), *snr))
-        {
-            best = Some((clear.snr, reason));
+        let Some(reason) = finer(trail, &clear, monitor)? else { continue };
+        let rank = (reason.change.is_some(), clear.snr);
+        if best.as_ref().is_none_or(|(best, _)| rank > *best) {
+            best = Some((rank, reason));
         }
     }
     Ok(best.map(|(_, reason)| reason))
@@ -164,7 +161,7 @@ pub(super) fn too_small(
 
 /// Scale, slope and strength of what rises beyond the smallest scale, in the octaves below, as a reason. `None` where
 /// it falls again, or does not reach the gate of a search from there.
-fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reason>, Cancelled> {
+fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Cause>, Cancelled> {
     let (params, first) = (trail.params(), trail.space().first_octave);
     let smallest = number(trail.space().sigma_image(first, 0.0) as f32, 1);
     let rises = |slope: Slope| {
@@ -173,7 +170,7 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
     };
     if first <= FINEST_OCTAVE {
         let reaches = clear.snr >= trail.detection().noise_gate_factor;
-        return Ok(reaches.then(|| Reason::new(ReasonKind::TooSmall, clear.slope, rises(clear.slope))));
+        return Ok(reaches.then(|| Cause::new(CauseKind::TooSmall, clear.slope, rises(clear.slope))));
     }
     let next = number((first - 1) as f32, 0);
     let peak = climbed(trail, clear, first - 1, monitor)?;
@@ -189,7 +186,7 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
         // At its own slope it may still rise, and yet be kept at one of the grid.
         let Some(kept) = kept_there(trail, &changed, (clear.pos_image, peak.slope), monitor)? else {
             let sentence = format!("{}, and a first octave of {next} keeps nothing here either", rises(peak.slope));
-            return Ok(Some(Reason::new(ReasonKind::TooSmall, peak.slope, sentence)));
+            return Ok(Some(Cause::new(CauseKind::TooSmall, peak.slope, sentence)));
         };
         sigma_and_snr = kept;
     }
@@ -201,8 +198,8 @@ fn finer(trail: &Trail, clear: &Clear, monitor: &Monitor) -> Result<Option<Reaso
         number(sigma_and_snr.1, 1)
     );
     let change = Some(ParamChange::new(doc::FIRST_OCTAVE, first - 1));
-    let reason = Reason::new(ReasonKind::TooSmall, peak.slope, sentence);
-    Ok(Some(Reason { sigma_and_snr: Some(sigma_and_snr), change, ..reason }))
+    let reason = Cause::new(CauseKind::TooSmall, peak.slope, sentence);
+    Ok(Some(Cause { sigma_and_snr: Some(sigma_and_snr), change, ..reason }))
 }
 
 /// Pixels beyond the motion of a place that decide whether a small thing is kept there.
@@ -307,7 +304,7 @@ fn climbed(trail: &Trail, clear: &Clear, octave: i32, monitor: &Monitor) -> Resu
         (index, top) = (index - 1, below);
     }
     let level = index as i32 - 1;
-    let snr = top.1 / noise_at(trail, (octave, level.max(0)), top.0, slope);
+    let snr = top.1 / noise_at(trail, Scale { octave, level: level.max(0) }, top.0, slope);
     Ok(Climbed { height: top.1, level, slope, snr })
 }
 
@@ -318,7 +315,7 @@ const THIRDS: i32 = 3;
 const THIRD: f32 = 1.0 / 3.0;
 
 /// Features at the place that move by another slope than the first one in order, if none there moves by that.
-pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate], own: Option<Slope>) -> Vec<Reason> {
+pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate], own: Option<Slope>) -> Vec<Cause> {
     let is_small =
         |fate: &&Fate| fate.sigma <= LARGE_PX || nearness.sigma.is_some_and(|s| is_like_scale(fate.sigma, s));
     let kept = || fates.iter().filter(|fate| fate.is_kept() && nearness.is_here(fate)).filter(is_small);
@@ -331,8 +328,8 @@ pub(super) fn at_another_slope(trail: &Trail, nearness: &Nearness, fates: &[Fate
         let most =
             other.map_or_else(String::new, |own| format!(", while the place's own motion is {}", slope_text(own)));
         let sentence = format!("found at another slope: feature {feature} at slope {}{most}", slope_text(fate.slope));
-        let reason = Reason::new(ReasonKind::AtAnotherSlope, fate.slope, sentence);
-        Some(Reason { feature: Some(feature), ..reason })
+        let reason = Cause::new(CauseKind::AtAnotherSlope, fate.slope, sentence);
+        Some(Cause { feature: Some(feature), ..reason })
     };
     kept().filter_map(reason).take(MOST_OTHERS).collect()
 }
@@ -341,11 +338,12 @@ const MOST_OTHERS: usize = 2;
 
 /// The reason why the setting that would keep `fate` is not proposed, if only some of the frames respond along its
 /// motion: it would be judged a ghost.
-pub(super) fn ghost(trail: &Trail, fate: &Fate, monitor: &Monitor) -> Result<Option<Reason>, Cancelled> {
-    let frames = trail.frame_responses((fate.octave, fate.level), fate.pos_image, fate.would_move, monitor)?;
+pub(super) fn ghost(trail: &Trail, fate: &Fate, monitor: &Monitor) -> Result<Option<Cause>, Cancelled> {
+    let scale = Scale { octave: fate.octave, level: fate.level };
+    let frames = trail.frame_responses(scale, fate.pos_image, fate.would_move, monitor)?;
     let is_ghost = !fate.is_kept() && evenness_of(&frames).shape == Shape::Bump;
     let sentence = "no setting is proposed: only some of the frames respond along its motion, as for a ghost";
-    Ok(is_ghost.then(|| Reason::new(ReasonKind::Ghost, fate.would_move, sentence.to_owned())))
+    Ok(is_ghost.then(|| Cause::new(CauseKind::Ghost, fate.would_move, sentence.to_owned())))
 }
 
 /// Index of the grid's slope nearest to `slope`, and the strongest of the `peaks` there, or of those around it.

@@ -2,7 +2,7 @@
 //! computed from the frames ([`Trail::point_response`]), and equals the search's up to interpolation.
 
 use super::order::PlaceMotion;
-use crate::detector::{Slope, SlopeAxis, Trail};
+use crate::detector::{Scale, Slope, SlopeAxis, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// One scale of the search.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct Scale {
+pub struct MapScale {
     /// Octave.
     pub octave: i32,
     /// DoG level, 0 … S−1.
@@ -61,7 +61,7 @@ pub struct ResponseMap {
     /// Place, input pixels at mid-burst.
     pub pos_image: [f32; 2],
     /// Scales, from fine to coarse: the rows.
-    pub scales: Vec<Scale>,
+    pub scales: Vec<MapScale>,
     /// Slopes: the columns, along the first axis with several slopes, through the subject's slope on the other.
     pub slopes: FineAxis,
     /// Whether the columns are slopes of the second axis, v.
@@ -83,7 +83,7 @@ pub struct ResponseMap {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlopePlane {
     /// The scale.
-    pub scale: Scale,
+    pub scale: MapScale,
     /// Slopes of the first axis: the columns.
     pub u: FineAxis,
     /// Slopes of the second axis: the rows.
@@ -172,7 +172,7 @@ pub fn response_map(
     trail: &Trail,
     place: [f32; 2],
     through: (usize, usize),
-    scale: (i32, i32),
+    scale: Scale,
     monitor: &Monitor,
 ) -> Result<ResponseMap, Cancelled> {
     let grid = trail.params().used_slopes();
@@ -186,7 +186,8 @@ pub fn response_map(
         .map(|k| if along_v { grid.at(i, coordinate(k)) } else { grid.at(coordinate(k), j) })
         .collect();
     let levels = trail.space().levels as i32;
-    let scales = trail.octaves().flat_map(|octave| (0..levels).map(move |level| scale_of(trail, (octave, level))));
+    let scales =
+        trail.octaves().flat_map(|octave| (0..levels).map(move |level| scale_of(trail, Scale { octave, level })));
     let octaves: Vec<i32> = trail.octaves().collect();
     // One patch is used for all levels of an octave.
     let jobs: Vec<(usize, i32)> =
@@ -206,16 +207,11 @@ pub fn response_map(
     Ok(ResponseMap { pos_image, scales, slopes, along_v, columns, snr, plane, gate, is_noiseless })
 }
 
-fn scale_of(trail: &Trail, (octave, level): (i32, i32)) -> Scale {
-    Scale { octave, level, sigma: trail.space().sigma_image(octave, f64::from(level)) as f32 }
+fn scale_of(trail: &Trail, Scale { octave, level }: Scale) -> MapScale {
+    MapScale { octave, level, sigma: trail.space().sigma_image(octave, f64::from(level)) as f32 }
 }
 
-fn slope_plane(
-    trail: &Trail,
-    place: [f32; 2],
-    (octave, level): (i32, i32),
-    monitor: &Monitor,
-) -> Result<SlopePlane, Cancelled> {
+fn slope_plane(trail: &Trail, place: [f32; 2], scale: Scale, monitor: &Monitor) -> Result<SlopePlane, Cancelled> {
     let grid = trail.params().used_slopes();
     let steps = [grid.u, grid.v].map(|axis| FineAxis::per_step(&axis, FINER_IN_PLANE));
     let (u, v) = (FineAxis::of(&grid.u, steps[0]), FineAxis::of(&grid.v, steps[1]));
@@ -227,13 +223,13 @@ fn slope_plane(
                 .map(|column| {
                     monitor.check()?;
                     let slope = grid.at(at(column, steps[0]), at(row, steps[1]));
-                    Ok(snr_at(trail, (octave, level..level + 1), place, slope)[0])
+                    Ok(snr_at(trail, (scale.octave, scale.level..scale.level + 1), place, slope)[0])
                 })
                 .collect()
         })
         .collect::<Result<_, Cancelled>>()?;
     let snr = Plane::from_vec(u.values.len(), v.values.len(), rows.concat());
-    Ok(SlopePlane { scale: scale_of(trail, (octave, level)), u, v, snr })
+    Ok(SlopePlane { scale: scale_of(trail, scale), u, v, snr })
 }
 
 /// D over its noise at each of the levels; D itself where there is no noise.
@@ -241,7 +237,7 @@ pub(super) fn snr_at(trail: &Trail, (octave, levels): (i32, Range<i32>), [u, v]:
     let covering = covering(trail, [u, v], slope);
     let values = trail.point_response((octave, levels.clone()), ((u, v), slope), &covering);
     let of_noise = |(level, value): (i32, f32)| {
-        let sigma_d = trail.sigma_d_at((octave, level), ((u, v), slope), &covering);
+        let sigma_d = trail.sigma_d_at(Scale { octave, level }, ((u, v), slope), &covering);
         if sigma_d > 0.0 { value / sigma_d } else { value }
     };
     levels.zip(values).map(of_noise).collect()
@@ -254,12 +250,7 @@ pub(super) fn covering(trail: &Trail, place: [f32; 2], slope: Slope) -> Vec<usiz
 }
 
 /// The largest response at `scale` up to a step beyond the grid's rim over that at a slope on it; `None` for another.
-pub(super) fn beyond_the_rim(
-    trail: &Trail,
-    place: [f32; 2],
-    (octave, level): (i32, i32),
-    slope_index: usize,
-) -> Option<f32> {
+pub(super) fn beyond_the_rim(trail: &Trail, place: [f32; 2], scale: Scale, slope_index: usize) -> Option<f32> {
     let grid = trail.params().used_slopes();
     let (i, j) = grid.coordinates(slope_index);
     if !grid.on_rim(i, j) {
@@ -276,7 +267,8 @@ pub(super) fn beyond_the_rim(
         steps
     };
     let (i, j) = (i as f32, j as f32);
-    let at = |di: f32, dj: f32| snr_at(trail, (octave, level..level + 1), place, grid.at(i + di, j + dj))[0];
+    let of_scale = (scale.octave, scale.level..scale.level + 1);
+    let at = |di: f32, dj: f32| snr_at(trail, of_scale.clone(), place, grid.at(i + di, j + dj))[0];
     let here = at(0.0, 0.0);
     let sign = here.signum();
     let (along_u, along_v) = (steps(i as usize, grid.u.count), steps(j as usize, grid.v.count));

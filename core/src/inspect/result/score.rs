@@ -1,8 +1,7 @@
 //! The rule by which a feature finds a disc: features of a chart against its truth, and the curve over the threshold.
 //!
-//! A feature finds a disc when, at mid-burst, it lies within half the disc's radius plus 1.5 px of the disc's centre
-//! and its scale σ is within a factor of 2 of r/√2. A feature that finds none, or one that is found already, is false.
-//! The orientations of one keypoint count as one feature. Each threshold on a [`Ranking`] gives one point of the curve.
+//! A feature that [`finds`] no disc, or one that is found already, is false. The orientations of one keypoint
+//! count as one feature. Each threshold on a [`Ranking`] gives one point of the curve.
 
 use crate::detector::Feature;
 use crate::synth::{FeatureTruth, Truth};
@@ -41,7 +40,8 @@ impl Ranking {
     }
 }
 
-/// Whether `feature` lies where `disc` is and has its scale, by the rule of this module.
+/// Whether `feature` finds `disc`: at mid-burst it lies within half the disc's radius plus 1.5 px of the disc's centre,
+/// and its scale σ is within a factor of 2 of r/√2.
 pub fn finds(feature: &Feature, disc: &FeatureTruth) -> bool {
     is_of_disc([feature.u, feature.v], feature.sigma, disc)
 }
@@ -52,19 +52,9 @@ pub(super) fn is_of_disc([u, v]: [f32; 2], sigma: f32, disc: &FeatureTruth) -> b
     distance <= REACH_IN_RADII * disc.radius + REACH_PIXELS && (1.0 / SCALE_FACTOR..=SCALE_FACTOR).contains(&ratio)
 }
 
-/// Largest difference, pixels per frame, of a feature's slope from a disc's that counts as the same motion.
-pub const MOTION_PX: f32 = 0.35;
-
-/// Largest difference of slopes, pixels per frame, that counts as the same motion for a blob of scale `sigma` (pixels)
-/// in a burst of `span` frame intervals from its first to its last frame: [`MOTION_PX`], or that by which the burst
-/// smears it over one σ, if this is more.
-pub fn motion_limit(sigma: f32, span: f64) -> f32 {
-    MOTION_PX.max(sigma / span.max(1.0) as f32)
-}
-
 /// Judgement of a feature.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Judged {
+pub struct Scored {
     /// Index among the given features.
     pub feature: usize,
     /// Value compared with a threshold.
@@ -74,12 +64,12 @@ pub struct Judged {
 }
 
 /// Judges `features` against `truth`, strongest first by `ranking` (equal ones in their given order).
-pub fn judge(features: &[Feature], truth: &Truth, ranking: Ranking) -> Vec<Judged> {
+pub fn judge(features: &[Feature], truth: &Truth, ranking: Ranking) -> Vec<Scored> {
     judge_by_discs(features, &truth.features, ranking)
 }
 
 /// Judges `features` against `discs`, strongest first by `ranking` (equal ones in their given order).
-pub fn judge_by_discs(features: &[Feature], discs: &[FeatureTruth], ranking: Ranking) -> Vec<Judged> {
+pub fn judge_by_discs(features: &[Feature], discs: &[FeatureTruth], ranking: Ranking) -> Vec<Scored> {
     let mut order: Vec<(usize, f32)> = features.iter().map(|f| ranking.worth(f)).enumerate().collect();
     order.sort_by(|a, b| b.1.total_cmp(&a.1));
     // Features of one keypoint differ only in their orientation.
@@ -101,7 +91,7 @@ pub fn judge_by_discs(features: &[Feature], discs: &[FeatureTruth], ranking: Ran
             if let Some(disc) = disc {
                 free[disc] = false;
             }
-            Judged { feature: index, worth, disc }
+            Scored { feature: index, worth, disc }
         })
         .collect()
 }
@@ -126,7 +116,7 @@ pub struct Curve {
 
 impl Curve {
     /// The curve of judged features, strongest first. Features of equal value are kept or dropped together.
-    pub fn of(judged: &[Judged]) -> Self {
+    pub fn of(judged: &[Scored]) -> Self {
         let mut point = CurvePoint { threshold: f32::INFINITY, false_features: 0, true_positives: 0 };
         let mut points = vec![point];
         for (i, one) in judged.iter().enumerate() {

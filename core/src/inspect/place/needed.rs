@@ -5,8 +5,8 @@
 //! allows an exposure e times as long with as much motion in a frame.
 
 use super::fate::{Fate, Outcome};
-use super::words::{counted, number};
 use crate::detector::{Test, Trail};
+use crate::inspect::words::{counted, number};
 use crate::plane::sample::bilinear;
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ const MAX_FACTOR: f64 = 1000.0;
 
 /// Changes in the world that would keep a candidate that fails the noise gate.
 #[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Outlook {
+pub struct Needed {
     /// Factor by which its SNR in D must grow.
     pub factor: f64,
     /// Number of frames that show it now.
@@ -37,8 +37,8 @@ pub struct Outlook {
     pub sentence: String,
 }
 
-/// The outlook of a candidate; `None` unless the noise gate is the first test that it fails.
-pub fn outlook(trail: &Trail, fate: &Fate) -> Option<Outlook> {
+/// The changes that a candidate needs; `None` unless the noise gate is the first test that it fails.
+pub fn needed(trail: &Trail, fate: &Fate) -> Option<Needed> {
     if fate.first_failed != Some(Test::NoiseGate) {
         return None;
     }
@@ -62,7 +62,7 @@ pub fn outlook(trail: &Trail, fate: &Fate) -> Option<Outlook> {
     let exposure = Some(exposure).filter(|exposure| *exposure <= MAX_FACTOR && brightness * exposure <= 1.0);
     let speed = exposure.filter(|_| fate.slope.magnitude() > 1e-3).map(|exposure| 1.0 / exposure);
     let mut out =
-        Outlook { factor, frames_now, frames, frames_inside, exposure, shot_part, speed, sentence: String::new() };
+        Needed { factor, frames_now, frames, frames_inside, exposure, shot_part, speed, sentence: String::new() };
     out.sentence = sentence(&out, needed);
     Some(out)
 }
@@ -114,7 +114,7 @@ fn brightness(trail: &Trail, fate: &Fate) -> f64 {
     values.iter().map(|&x| f64::from(x)).sum::<f64>() / values.len().max(1) as f64
 }
 
-fn sentence(outlook: &Outlook, needed: Option<usize>) -> String {
+fn sentence(outlook: &Needed, needed: Option<usize>) -> String {
     let mut ways = Vec::new();
     let inside = outlook.frames_inside;
     let mut not = String::new();

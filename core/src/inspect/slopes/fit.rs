@@ -2,7 +2,7 @@
 //! range and step of both axes at once. The *evidence* of the frames decides; the features *at the limit*
 //! (`limit`) only where the frames show nothing clear.
 
-use super::{SlopeAdvice, Subject};
+use super::{AdviceSubject, SlopeAdvice};
 use crate::burst::{Burst, Positions, TimesChoice};
 use crate::detector::advice::grouped;
 use crate::detector::field::Beyond;
@@ -192,7 +192,7 @@ impl<'a> Judging<'a> {
         let one = SlopeGrid::single(Slope::default());
         let sentence = format!("nothing moves, so one slope, 0, is enough: {} were searched", counted(slopes, "slope"));
         let changes = self.changes_to(SlopeGrid { direction_deg: self.grid.direction_deg, ..one });
-        SlopeAdvice::new(Subject::Cost, 1.0 / slopes as f64, sentence, changes)
+        SlopeAdvice::new(AdviceSubject::Cost, 1.0 / slopes as f64, sentence, changes)
     }
 
     /// The times found, where those of the frames are wrong.
@@ -200,7 +200,7 @@ impl<'a> Judging<'a> {
         let finding = self.finding.filter(|finding| finding.uniform.is_some())?;
         let number = finding.warnings.iter().map(|warning| warning.frames.len()).sum::<usize>() as f64;
         let (sentence, times) = (finding.irregularities(), Some(TimesChoice::Found));
-        Some(SlopeAdvice { subject: Subject::Frames, number, sentence, changes: Vec::new(), times })
+        Some(SlopeAdvice { subject: AdviceSubject::Frames, number, sentence, changes: Vec::new(), times })
     }
 
     /// Frames too many, where the motion is not straight or carries the picture away: `fewer` of them, or the reason
@@ -228,12 +228,12 @@ impl<'a> Judging<'a> {
             _ => return None,
         };
         let Some(left) = left.filter(|_| fewer).map(|left| left.clamp(2, frames)) else {
-            return Some(SlopeAdvice::new(Subject::Frames, frames as f64, why, Vec::new()));
+            return Some(SlopeAdvice::new(AdviceSubject::Frames, frames as f64, why, Vec::new()));
         };
         let (blur, add) = (frames - left, if frames - left == 1 { "adds" } else { "add" });
         let sentence = format!("{why}; {blur} of the {frames} frames {add} nothing but blur");
         let changes = vec![self.middle_frames(left)];
-        (blur > 0).then(|| SlopeAdvice::new(Subject::Frames, blur as f64, sentence, changes))
+        (blur > 0).then(|| SlopeAdvice::new(AdviceSubject::Frames, blur as f64, sentence, changes))
     }
 
     pub fn middle_frames(&self, count: usize) -> ParamChange {
@@ -278,7 +278,7 @@ impl<'a> Judging<'a> {
             )
         };
         let changes = self.changes_to(found);
-        Some(SlopeAdvice::new(Subject::Direction, f64::from(part), sentence, changes))
+        Some(SlopeAdvice::new(AdviceSubject::Direction, f64::from(part), sentence, changes))
     }
 
     fn range(&self) -> Option<SlopeAdvice> {
@@ -313,7 +313,7 @@ impl<'a> Judging<'a> {
             _ => SlopeGrid { u: widened(&grid.u, finding.grid.u), v: widened(&grid.v, finding.grid.v), ..grid },
         };
         let changes = self.changes_to(wanted);
-        Some(SlopeAdvice::new(Subject::Range, f64::from(part), sentence, changes))
+        Some(SlopeAdvice::new(AdviceSubject::Range, f64::from(part), sentence, changes))
     }
 
     /// The range of the evidence along an axis of the grid.
@@ -363,7 +363,7 @@ impl<'a> Judging<'a> {
         let sentence = format!(
             "{percent:.0} % of the picture moves beyond {ends} px/frame by its field of motion, or is sharpest there"
         );
-        Some(SlopeAdvice::new(Subject::Range, f64::from(share), sentence, self.changes_to(grid)))
+        Some(SlopeAdvice::new(AdviceSubject::Range, f64::from(share), sentence, self.changes_to(grid)))
     }
 
     /// Where the frames show nothing clear.
@@ -400,7 +400,7 @@ impl<'a> Judging<'a> {
             ends.join(" and ")
         );
         let changes = self.changes_to(wanted);
-        (!changes.is_empty()).then(|| SlopeAdvice::new(Subject::Range, part, sentence, changes))
+        (!changes.is_empty()).then(|| SlopeAdvice::new(AdviceSubject::Range, part, sentence, changes))
     }
 
     /// Axes between whose slopes the finest features lose too much, the number of slopes with which they do not, and
@@ -436,7 +436,7 @@ impl<'a> Judging<'a> {
             "a step of {step} px/frame moves the outermost of {frames} frames by {moved} px between two slopes: half-way the finest features (σ {sigma} px) lose {lost:.0} % of their response; a step of {finer_step} loses {lost_then:.0} %"
         );
         let changes = self.changes_to(wanted);
-        Some(SlopeAdvice::new(Subject::Step, f64::from(self.loss(&axis)), sentence, changes))
+        Some(SlopeAdvice::new(AdviceSubject::Step, f64::from(self.loss(&axis)), sentence, changes))
     }
 
     /// The slopes found, where they are so few of the grid's that the others are searched for nothing.
@@ -453,7 +453,7 @@ impl<'a> Judging<'a> {
         let (searched, enough) = (counted(self.grid.len(), "slope"), found.len());
         let sentence =
             format!("{searched} were searched, and {enough} are enough: nothing in the frames has other motions");
-        Some(SlopeAdvice::new(Subject::Cost, part, sentence, self.changes_to(found)))
+        Some(SlopeAdvice::new(AdviceSubject::Cost, part, sentence, self.changes_to(found)))
     }
 }
 

@@ -1,22 +1,20 @@
 //! The probe: all explanations of one place of a burst, with the fates of the candidates near it.
 
-use super::ProbeCache;
+use super::candidate_tests::fate;
 use super::candidates::open_candidates;
 use super::fate::Fate;
-pub use super::order::{AT_PLACE_PX, PlaceMotion};
-use super::order::{LARGE_PX, Nearness, is_like_scale, is_same_motion, strength};
-use super::outlook::{Outlook, outlook};
-use super::reason::{Clear, Peak, Reason, ReasonKind, at_another_slope, at_slope, clearest, ghost, peaks, too_small};
+use super::hidden_cause::{self, Cause, CauseKind, Clear, Peak, at_slope, clearest};
+use super::needed::{Needed, needed};
+use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, PlaceMotion, is_like_scale, is_same_motion, strength};
 use super::remedy::{duplicate_remedy, nearest_slope};
 use super::response::{ResponseMap, response_map};
 use super::shares::{Shares, Slice, across, direction_of, shares, slice};
-use super::suspicion::{Suspicion, suspicions};
-use super::verdict::Judged;
+use super::suspicion::{Judged, Suspicion, suspicions};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::test::NOT_SEARCHED;
-use crate::detector::{Sample, Slope, Test, Trail};
+use crate::detector::{Sample, Scale, Slope, Test, Trail};
 use crate::error::{Error, Result};
-use crate::inspect::telling::fate;
+use crate::inspect::ProbeCache;
 use crate::inspect::words::{counted, number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::tile::Region;
@@ -25,7 +23,7 @@ use serde::{Deserialize, Serialize};
 /// Subject that the probe examines more closely.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum Wanted {
+pub enum ProbeSubject {
     /// The first candidate of the list that lies within [`AT_PLACE_PX`] of the place. The place itself, at the slope
     /// looked at or its own motion, where it responds there and no candidate tells why; and where there is none.
     #[default]
@@ -41,7 +39,7 @@ pub enum Wanted {
         /// Index of the slope in the grid.
         slope_index: usize,
     },
-    /// A candidate near the place, by its sample; as [`Wanted::Best`] where there is none.
+    /// A candidate near the place, by its sample; as [`ProbeSubject::Best`] where there is none.
     Candidate(Sample),
 }
 
@@ -51,11 +49,11 @@ pub struct ProbeOptions {
     /// Maximum distance of candidates near the place, in their σ; at least two pixels of their octave.
     pub reach_sigmas: f32,
     /// Subject to examine more closely.
-    pub wanted: Wanted,
-    /// Scale σ near which candidates come first, input pixels. For [`Wanted::Feature`] without one, the feature's.
+    pub wanted: ProbeSubject,
+    /// Scale σ near which candidates come first, input pixels. Without one, that of a [`ProbeSubject::Feature`].
     pub near_sigma: Option<f32>,
     /// Slope that is looked at, px/frame: candidates at the place that move by it come first. For
-    /// [`Wanted::Feature`] without one, the feature's.
+    /// [`ProbeSubject::Feature`] without one, the feature's.
     pub in_view: Option<Slope>,
     /// Motion of the place: candidates that move by it come next. Without one, the slope at which the place responds
     /// most.
@@ -66,7 +64,7 @@ pub struct ProbeOptions {
 
 impl Default for ProbeOptions {
     fn default() -> Self {
-        let (wanted, near_sigma, in_view, motion) = (Wanted::Best, None, None, None);
+        let (wanted, near_sigma, in_view, motion) = (ProbeSubject::Best, None, None, None);
         Self { reach_sigmas: 2.0, wanted, near_sigma, in_view, motion, slice_half_px: 60 }
     }
 }
@@ -104,8 +102,8 @@ pub struct Probe {
     pub samples: usize,
     /// Subject that is examined more closely.
     pub subject: Subject,
-    /// Reasons of the place that no single candidate tells.
-    pub reasons: Vec<Reason>,
+    /// Causes at the place that no single candidate shows.
+    pub reasons: Vec<Cause>,
     /// Motion of the place as given.
     pub motion: Option<PlaceMotion>,
     /// Slope of that motion; without one that at which the place responds most, px/frame. `None` where no response is
@@ -116,7 +114,7 @@ pub struct Probe {
     /// Response of each frame along the subject's motion.
     pub shares: Shares,
     /// Changes in the world by which the subject would pass the noise gate, if it fails that.
-    pub outlook: Option<Outlook>,
+    pub outlook: Option<Needed>,
     /// Likely nature of the subject, if it was kept.
     pub judged: Option<Judged>,
     /// Reasons to doubt the subject, if it was kept.
@@ -172,7 +170,7 @@ pub fn outside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Error {
 pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monitor: &Monitor) -> Result<Probe> {
     let trail = &cache.trail;
     let mut nearness = Nearness { place, sigma: options.near_sigma, slopes: options.in_view.into_iter().collect() };
-    if let Wanted::Feature(index) = options.wanted {
+    if let ProbeSubject::Feature(index) = options.wanted {
         let features = &trail.detection().features;
         let feature = features.get(index).ok_or_else(|| {
             let problem = format!("there is no feature {index}: the detection has {}", features.len());
@@ -185,7 +183,7 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
     let place = nearness.place;
     check_place(place, trail.size_image())?;
     let Near { mut fates, samples, peaks } = near(trail, place, options.reach_sigmas, monitor)?;
-    if let Wanted::Feature(index) = options.wanted {
+    if let ProbeSubject::Feature(index) = options.wanted {
         add_feature(trail, index, monitor, &mut fates)?;
     }
     let motion = options.motion.or_else(|| motion_of(trail, place));
@@ -198,22 +196,22 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
     if let Some(fate) = subject.fate.map(|index| &mut fates[index]) {
         fate.remedy = fate.remedy.take().or_else(|| duplicate_remedy(trail, fate));
         if fate.remedy.is_some()
-            && let Some(reason) = ghost(trail, fate, monitor)?
+            && let Some(reason) = hidden_cause::ghost(trail, fate, monitor)?
         {
             fate.remedy = None;
             reasons.push(reason);
         }
     }
     let grid = trail.params().used_slopes();
-    let scale = (subject.octave, subject.level);
+    let scale = Scale { octave: subject.octave, level: subject.level };
     let response = response_map(trail, subject.pos_image, grid.coordinates(subject.slope_index), scale, monitor)?;
     let shares = shares(trail, scale, subject.pos_image, subject.slope, monitor)?;
     let suspicions = match subject.fate {
         Some(index) => suspicions(trail, &fates[index], &shares.evenness, monitor)?,
         None => Vec::new(),
     };
-    let is_no_ghost = reasons.iter().all(|reason| reason.kind != ReasonKind::Ghost);
-    let outlook = subject.fate.filter(|_| is_no_ghost).and_then(|index| outlook(trail, &fates[index]));
+    let is_no_ghost = reasons.iter().all(|reason| reason.kind != CauseKind::Ghost);
+    let outlook = subject.fate.filter(|_| is_no_ghost).and_then(|index| needed(trail, &fates[index]));
     let is_feature = subject.fate.is_some_and(|index| !fates[index].features.is_empty());
     let judged = is_feature.then(|| Judged::of(&shares.evenness, &suspicions));
     let direction = direction_of(subject.slope);
@@ -257,27 +255,32 @@ fn motion_of(trail: &Trail, [u, v]: [f32; 2]) -> Option<PlaceMotion> {
     (field.certainty(&motion) > CERTAIN).then(|| PlaceMotion { slope: motion.slope, sigma: motion.ellipse().0[0] })
 }
 
-/// Reasons of the place: of a thing that is too small, unless one like it was kept, and of features at other slopes.
+/// Causes at the place: of a thing that is too small, unless one like it was kept, and of features at other slopes.
 fn reasons(
     trail: &Trail,
     nearness: &Nearness,
     (fates, peaks): (&[Fate], &[Peak]),
     own_slope: Option<Slope>,
     monitor: &Monitor,
-) -> Result<Vec<Reason>, Cancelled> {
-    let small = too_small(trail, peaks, &nearness.slopes, monitor)?;
+) -> Result<Vec<Cause>, Cancelled> {
+    let small = hidden_cause::too_small(trail, peaks, &nearness.slopes, monitor)?;
     let is_kept = |fate: &Fate| fate.is_kept() && nearness.is_here(fate);
     let smallest = trail.space().sigma_image(trail.space().first_octave, 0.0) as f32;
-    let is_it = |small: &Reason, fate: &Fate| {
+    let is_it = |small: &Cause, fate: &Fate| {
         is_like_scale(fate.sigma, smallest) && is_same_motion(trail, fate.slope, small.slope, smallest)
     };
     let small = small.filter(|small| !fates.iter().any(|fate| is_kept(fate) && is_it(small, fate)));
-    Ok(small.into_iter().chain(at_another_slope(trail, nearness, fates, own_slope)).collect())
+    Ok(small.into_iter().chain(hidden_cause::at_another_slope(trail, nearness, fates, own_slope)).collect())
 }
 
-fn subject(trail: &Trail, nearness: &Nearness, (fates, peaks): (&[Fate], &[Peak]), wanted: Wanted) -> Result<Subject> {
+fn subject(
+    trail: &Trail,
+    nearness: &Nearness,
+    (fates, peaks): (&[Fate], &[Peak]),
+    wanted: ProbeSubject,
+) -> Result<Subject> {
     let (grid, place) = (trail.params().used_slopes(), nearness.place);
-    if let Wanted::Scale { octave, level, slope_index } = wanted {
+    if let ProbeSubject::Scale { octave, level, slope_index } = wanted {
         let levels = 0..trail.space().levels as i32;
         if !trail.octaves().contains(&octave) || !levels.contains(&level) || slope_index >= grid.len() {
             let problem =
@@ -292,8 +295,8 @@ fn subject(trail: &Trail, nearness: &Nearness, (fates, peaks): (&[Fate], &[Peak]
         Subject { fate: Some(index), pos_image, slope, slope_index, octave, level }
     };
     let chosen = match wanted {
-        Wanted::Candidate(sample) => fates.iter().position(|fate| fate.of_sample() == sample),
-        Wanted::Feature(feature) => fates.iter().position(|fate| fate.features.contains(&feature)),
+        ProbeSubject::Candidate(sample) => fates.iter().position(|fate| fate.of_sample() == sample),
+        ProbeSubject::Feature(feature) => fates.iter().position(|fate| fate.features.contains(&feature)),
         _ => None,
     };
     if let Some(index) = chosen {
@@ -344,7 +347,7 @@ const TELLING_PART: f32 = 0.5;
 const SAME_PART: f32 = 0.95;
 
 /// Candidates that passed most tests first, then the strongest.
-pub(super) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
+pub(crate) fn sorted_by_stage(mut fates: Vec<Fate>) -> Vec<Fate> {
     fates.sort_by(|a, b| {
         let stage = |fate: &Fate| fate.first_failed.map_or(Test::ALL.len(), |test| test as usize);
         stage(b).cmp(&stage(a)).then(strength(b).total_cmp(&strength(a)))
@@ -358,7 +361,7 @@ fn searched_slopes(trail: &Trail, place: [f32; 2]) -> usize {
 
 /// Samples near a place.
 #[derive(Debug, Default)]
-pub(super) struct Near {
+pub(crate) struct Near {
     /// Candidates.
     pub fates: Vec<Fate>,
     /// Number of samples examined.
@@ -368,7 +371,7 @@ pub(super) struct Near {
 }
 
 /// Examines the samples within `reach_sigmas` of their σ of a place (u, v), input pixels.
-pub(super) fn near(trail: &Trail, place: [f32; 2], reach_sigmas: f32, monitor: &Monitor) -> Result<Near, Cancelled> {
+pub(crate) fn near(trail: &Trail, place: [f32; 2], reach_sigmas: f32, monitor: &Monitor) -> Result<Near, Cancelled> {
     let mut out = Near::default();
     trail.octaves().try_for_each(|octave| add_octave(trail, place, octave, reach_sigmas, monitor, &mut out))?;
     Ok(out)
@@ -397,7 +400,7 @@ fn add_octave(
     let judged = trail.judge(&around, &samples);
     out.fates.extend(samples.iter().zip(judged).filter_map(|(sample, j)| Some(fate(trail, &around, sample, &j?))));
     out.samples += region.columns.len() * region.rows.len() * levels * searched_slopes(trail, place);
-    out.peaks.extend(peaks(trail, &around, place));
+    out.peaks.extend(hidden_cause::peaks(trail, &around, place));
     Ok(())
 }
 
@@ -425,10 +428,10 @@ pub fn fate_of(trail: &Trail, sample: &Sample, monitor: &Monitor) -> Result<Opti
     }))
 }
 
-fn summary_of(nearness: &Nearness, (fates, near): (&[Fate], usize), reasons: &[Reason], map: &ResponseMap) -> String {
+fn summary_of(nearness: &Nearness, (fates, near): (&[Fate], usize), reasons: &[Cause], map: &ResponseMap) -> String {
     let here: Vec<&Fate> = fates.iter().filter(|fate| nearness.is_here(fate)).collect();
     let kept = here.iter().filter(|f| f.is_kept()).count();
-    if let Some(small) = reasons.iter().find(|reason| reason.kind == ReasonKind::TooSmall) {
+    if let Some(small) = reasons.iter().find(|reason| reason.kind == CauseKind::TooSmall) {
         let others = match kept {
             0 => String::new(),
             1 => "; one candidate here was kept, another thing or at another slope".to_owned(),
@@ -528,7 +531,7 @@ mod tests {
         let slope = Slope::new(-0.8, 0.0);
         let looked_at = Nearness { slopes: vec![slope], ..nearness.clone() };
         for (nearness, slope) in [(nearness, Slope::default()), (looked_at, slope)] {
-            let subject = subject(trail, &nearness, (&fates, &[]), Wanted::Best).expect("valid");
+            let subject = subject(trail, &nearness, (&fates, &[]), ProbeSubject::Best).expect("valid");
             assert_eq!((subject.fate, subject.pos_image, subject.level), (None, place, fates[0].level));
             assert_eq!(subject.slope, slope);
         }
@@ -549,7 +552,7 @@ mod tests {
             assert!(large.snr > first.snr && apart(large) > AT_PLACE_PX, "{large:?}");
             assert!(probe.near_fates().iter().all(|fate| fate.sigma < 10.0 || apart(fate) <= AT_PLACE_PX));
             // Chosen candidates are examined wherever they are.
-            let wanted = Wanted::Candidate(large.of_sample());
+            let wanted = ProbeSubject::Candidate(large.of_sample());
             let chosen = at(&cache, place, ProbeOptions { wanted, ..ProbeOptions::default() });
             assert_eq!(chosen.subject_fate().map(Fate::of_sample), Some(large.of_sample()));
             let beyond = probe.near_fates().iter().map(|fate| apart(fate).max(AT_PLACE_PX));

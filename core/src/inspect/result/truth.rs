@@ -1,17 +1,15 @@
-//! The features of a burst compared with its truth by the rule of [`crate::inspect::score`], with the reason of each
+//! The features of a burst compared with its truth by the rule of [`finds`], with the reason of each
 //! miss. A disc of which all features move otherwise than it does ([`motion_limit`]) is not found, but found at a wrong
 //! motion.
 
-use super::order::is_same_motion;
-use super::probe::{Near, near, sorted_by_stage};
-use super::reason::too_small;
-use super::{Fate, ProbeCache};
+use super::score::{Ranking, finds, is_of_disc, judge};
 use crate::burst::Burst;
 use crate::detector::{Feature, Slope};
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::case::{self, is_case};
 use crate::files::{MAX_TABLE_BYTES, read_text};
-use crate::inspect::score::{Ranking, finds, is_of_disc, judge, motion_limit};
+use crate::inspect::ProbeCache;
+use crate::inspect::place::{Fate, Near, is_same_motion, motion_limit, near, sorted_by_stage, too_small};
 use crate::monitor::{Cancelled, Monitor};
 use crate::synth::{Example, FeatureTruth, Truth, TruthKind, demo_truth};
 use serde::Serialize;
@@ -62,7 +60,7 @@ pub fn truth_of(burst: &Burst) -> Result<Option<Truth>> {
 }
 
 /// Whether a burst has a truth, without reading it.
-pub fn is_known(burst: &Burst) -> bool {
+pub fn has_truth(burst: &Burst) -> bool {
     match &burst.sources[..] {
         [source] if is_case(source) => case::has_truth(source),
         [source] => source.join("truth.json").is_file(),

@@ -6,10 +6,10 @@
 //! exceed 1: in a copy no true feature stands where a false one would be. A feature that stays within its own size over
 //! the burst is in every copy too, whether true or not: of such features decoys say nothing.
 
-use super::words::{counted, number};
 use crate::detector::stack::FrameTimes;
 use crate::detector::{Feature, Method, SearchParams, Trail};
 use crate::error::{Error, Result};
+use crate::inspect::words::{counted, number};
 use crate::monitor::Monitor;
 use crate::synth::random::Stream;
 use serde::Serialize;

@@ -3,11 +3,11 @@
 //! A candidate is a sample that is an extremum in place and scale at its own slope; most are noise. The detection's
 //! tally counts all samples.
 
-use super::telling::{Telling, keypoint_of, over};
+use super::candidate_tests::{CandidateTests, keypoint_of, over};
 use crate::detector::scale_space::octave_pixel;
 use crate::detector::search::ascends;
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
-use crate::detector::{Judgement, Neighbourhood, Sample, Tally, Test, Trail};
+use crate::detector::{Judgement, Neighbourhood, Sample, Scale, Tally, Test, Trail};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::{Region, cuts};
@@ -151,12 +151,11 @@ fn marks(trail: &Trail, around: &Neighbourhood) -> Vec<CandidateMark> {
             let is_duplicate = trail.covered_by(keypoint).is_some().then_some(Test::Duplicate);
             is_duplicate.or_else(|| trail.is_cut(keypoint).then_some(Test::MaxFeatures))
         });
-        let telling = Telling::new(trail, around, sample, &judgement);
-        let margin = first_failed.and_then(|test| telling.report(test).margin());
+        let tested = CandidateTests::new(trail, around, sample, &judgement);
+        let margin = first_failed.and_then(|test| tested.report(test).margin()).map(|margin| margin as f32);
         let pos_image = [sample.x as f32 * pixel, sample.y as f32 * pixel];
         let sigma = trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
         let (value, snr) = (judgement.value, over(judgement.value.abs(), judgement.sigma_d));
-        let margin = margin.map(|m| m as f32);
         Some(CandidateMark { pos_image, sigma, sample: *sample, value, snr, first_failed, margin })
     };
     samples.iter().zip(judged).filter_map(mark).collect()
@@ -186,7 +185,7 @@ pub fn winning_slopes(trail: &Trail, octave: i32, level: i32, monitor: &Monitor)
     let mut out = WinningSlopes { octave, level, slope_index: zeros(), snr: zeros(), confidence: zeros() };
     let parts = parts(trail, octave);
     let index = (level + 1) as usize;
-    let sigma_d: Vec<f32> = (0..grid.len()).map(|slope| trail.sigma_d_min((octave, level), slope)).collect();
+    let sigma_d: Vec<f32> = (0..grid.len()).map(|slope| trail.sigma_d_min(Scale { octave, level }, slope)).collect();
     for (part, region) in parts.iter().enumerate() {
         let around = trail.neighbourhood(octave, region, monitor)?;
         for y in region.rows.clone() {

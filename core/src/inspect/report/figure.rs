@@ -1,13 +1,9 @@
 //! Figures of a probe and of a burst's slopes as self-contained SVG, for light and dark pages, readable without colour.
 
 use crate::export::sheet::{Anchor, Area, BLUE, FAINT, GREEN, GRID, INK, RED, Sheet};
-use crate::inspect::fate::Outcome;
-use crate::inspect::response::outline;
-use crate::inspect::shares::{Shares, Slice};
-use crate::inspect::spectrum::{SlopeBar, Spectrum};
-use crate::inspect::texture::dirichlet;
+use crate::inspect::place::{Fate, Outcome, Probe, Shares, Slice, dirichlet, outline};
+use crate::inspect::slopes::{SlopeBar, Spectrum};
 use crate::inspect::words::{capitalised, counted, number, sentence, slope_text, value_text};
-use crate::inspect::{Fate, Probe};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 

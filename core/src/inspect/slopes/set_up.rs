@@ -11,11 +11,11 @@
 //! pixels per frame at r frames per second, near the middle of the picture. Motion towards the scene moves points away
 //! from the middle, each by its own slope, and has no such line.
 
-use super::words::number;
 use crate::burst::Positions;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid};
 use crate::error::{Error, Result};
+use crate::inspect::words::number;
 use serde::{Deserialize, Serialize};
 
 /// Camera and scene.
@@ -58,7 +58,7 @@ pub struct SetUpSlopes {
 }
 
 /// Ranges of the numbers, for options, files and fields of the window.
-pub mod bounds {
+pub mod set_up_bounds {
     use crate::detector::params::Bounds;
     use std::ops::Bound::Included;
 
@@ -83,12 +83,12 @@ const MAX_COUNT: usize = 1024;
 impl SetUp {
     /// Checks the numbers.
     pub fn check(&self) -> Result<()> {
-        bounds::SPEED.check("speed", self.speed_m_s)?;
-        bounds::DIRECTION.check("direction", self.direction_deg)?;
-        bounds::TURN.check("turn-deg-s", self.turn_deg_s)?;
-        bounds::RATE.check("fps", self.frames_per_second)?;
-        bounds::FOCAL.check("focal-px", self.focal_px)?;
-        self.depth_m.iter().try_for_each(|&depth| bounds::DEPTH.check("depth", depth))?;
+        set_up_bounds::SPEED.check("speed", self.speed_m_s)?;
+        set_up_bounds::DIRECTION.check("direction", self.direction_deg)?;
+        set_up_bounds::TURN.check("turn-deg-s", self.turn_deg_s)?;
+        set_up_bounds::RATE.check("fps", self.frames_per_second)?;
+        set_up_bounds::FOCAL.check("focal-px", self.focal_px)?;
+        self.depth_m.iter().try_for_each(|&depth| set_up_bounds::DEPTH.check("depth", depth))?;
         let [near, far] = self.depth_m;
         if near > far {
             let remedy = "give NEAR:FAR in metres, such as 1:8".to_owned();

@@ -1,24 +1,27 @@
-//! Kept features that look wrong, with the evidence in numbers; people decide whether a suspicion is right.
+//! Kept features that look wrong, with the evidence in numbers (people decide whether a suspicion is right), and the
+//! likely nature of each feature, from its suspicions and the evenness of the frames' responses.
 
-use super::fate::apart_sigmas;
+use super::fate::{Fate, apart_sigmas};
+use super::pixels::{Period, dirichlet, period_along};
 use super::remedy::{nearest_slope, widened_towards};
 use super::response::{beyond_the_rim, covering, snr_at};
 use super::shares::directions;
-use super::texture::{Period, dirichlet, period_along};
-use super::words::{number, rounded_up, slope_text};
-use crate::detector::coherence::{Evenness, Shape};
+use crate::detector::coherence::{BUMP_COHERENCE, Evenness, Shape};
 use crate::detector::params::doc;
-use crate::detector::{Distinct, Feature, ParamChange, Slope, Trail};
-use crate::inspect::Fate;
-use crate::monitor::{Cancelled, Monitor};
+use crate::detector::{Detection, Distinct, Feature, ParamChange, Slope, Trail};
+use crate::export::FeatureVerdict;
+use crate::inspect::words::{number, rounded_up, slope_text};
+use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
 use crate::plane::tile::Region;
-use serde::Serialize;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// Possible fault of a feature.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Kind {
+pub enum SuspicionKind {
     /// Another feature lies on the same blob, just beyond the radius of distinct keypoints.
     Duplicate,
     /// A blob of another motion that shows in this slope's stack.
@@ -33,7 +36,7 @@ pub enum Kind {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Suspicion {
     /// Possible fault.
-    pub kind: Kind,
+    pub kind: SuspicionKind,
     /// Evidence, as a sentence.
     pub evidence: String,
     /// σ apart, coherence, rise beyond the rim, or the other slope's response over this one's.
@@ -47,7 +50,7 @@ pub struct Suspicion {
 }
 
 impl Suspicion {
-    fn new(kind: Kind, number: f32, evidence: String) -> Self {
+    fn new(kind: SuspicionKind, number: f32, evidence: String) -> Self {
         Self { kind, evidence, number, other: None, other_slope: None, change: None }
     }
 }
@@ -79,7 +82,7 @@ pub fn suspicions(
 ) -> Result<Vec<Suspicion>, Cancelled> {
     let Some(&index) = fate.features.first() else { return Ok(Vec::new()) };
     let mut found = suspicions_of_feature(trail, index, evenness, monitor)?;
-    for suspicion in found.iter_mut().filter(|suspicion| suspicion.kind == Kind::Duplicate) {
+    for suspicion in found.iter_mut().filter(|suspicion| suspicion.kind == SuspicionKind::Duplicate) {
         suspicion.change = suspicion.other.and_then(|other| wider_distinct(trail, index, other));
     }
     found.extend(at_limit(trail, fate, &trail.detection().features[index]));
@@ -144,7 +147,7 @@ fn duplicate(trail: &Trail, index: usize, feature: &Feature) -> Option<Suspicion
         })
         .min_by(|a, b| a.1.total_cmp(&b.1))?;
     let stronger = &features[other];
-    let suspicion = Suspicion::new(Kind::Duplicate, apart, same_blob(other, stronger, feature, apart));
+    let suspicion = Suspicion::new(SuspicionKind::Duplicate, apart, same_blob(other, stronger, feature, apart));
     Some(Suspicion { other: Some(other), other_slope: Some(stronger.slope), ..suspicion })
 }
 
@@ -189,7 +192,7 @@ fn ghost(trail: &Trail, index: usize, feature: &Feature, evenness: &Evenness) ->
     );
     let evidence = format!("only some of the frames respond (coherence {coherence:.2}); {of_what}");
     let other_slope = of.map(|other| features[other].slope);
-    Some(Suspicion { other: of, other_slope, ..Suspicion::new(Kind::Ghost, coherence, evidence) })
+    Some(Suspicion { other: of, other_slope, ..Suspicion::new(SuspicionKind::Ghost, coherence, evidence) })
 }
 
 fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> {
@@ -197,14 +200,14 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
         return None;
     }
     let rim = nearest_slope(&trail.params().used_slopes(), feature.slope);
-    let rise = beyond_the_rim(trail, [feature.u, feature.v], (feature.octave, feature.level), rim)?;
+    let rise = beyond_the_rim(trail, [feature.u, feature.v], feature.scale(), rim)?;
     let change = widened_towards(&trail.params().used_slopes(), fate)?;
     let evidence = format!(
         "it lies at the limit of the slopes, and beyond it the response is {} times as strong: widen them to {}",
         number(rise, 2),
         change.value
     );
-    (rise > RISES).then(|| Suspicion { change: Some(change), ..Suspicion::new(Kind::AtLimit, rise, evidence) })
+    (rise > RISES).then(|| Suspicion { change: Some(change), ..Suspicion::new(SuspicionKind::AtLimit, rise, evidence) })
 }
 
 fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<Suspicion>, Cancelled> {
@@ -230,9 +233,7 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
             best = Some((slope, ratio));
         }
     }
-    let Some((slope, ratio)) = best.filter(|(_, ratio)| *ratio > ALIAS_RESPONSE) else {
-        return Ok(None);
-    };
+    let Some((slope, ratio)) = best.filter(|(_, ratio)| *ratio > ALIAS_RESPONSE) else { return Ok(None) };
     let (_, kept, _) = trail.frames();
     let lobe = dirichlet(kept.len(), 1.0, 1.5 / kept.len() as f64);
     let px = number(period.px, 1);
@@ -241,7 +242,7 @@ fn alias(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Option<S
     let evidence = format!(
         "the texture repeats every {px} px (correlation {correlation:.2}), so slopes {px} px/frame apart look alike: slope {at} responds {times} times as strongly, and the side lobes between reach {lobe:.0} %"
     );
-    Ok(Some(Suspicion { other_slope: Some(slope), ..Suspicion::new(Kind::Alias, ratio, evidence) }))
+    Ok(Some(Suspicion { other_slope: Some(slope), ..Suspicion::new(SuspicionKind::Alias, ratio, evidence) }))
 }
 
 /// The clearest period around a feature, in the stack at its own slope, and the direction of the grid that has it.
@@ -261,7 +262,7 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
 }
 
 /// The motion stack at `slope` around a place, less its value in the middle, and the place's position in it.
-pub(super) fn stack_around(
+pub(crate) fn stack_around(
     trail: &Trail,
     [u, v]: [f32; 2],
     slope: Slope,
@@ -279,6 +280,130 @@ pub(super) fn stack_around(
     let place = [u - columns.start as f32, v - rows.start as f32];
     Ok((trail.stack_part(&Region { columns, rows }, slope, &shown), place))
 }
+
+/// Likely nature of a feature.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize, strum::IntoStaticStr)]
+#[serde(rename_all = "kebab-case")]
+#[strum(serialize_all = "kebab-case")]
+pub enum Verdict {
+    /// Every frame shows it, and no stronger feature explains it.
+    Real,
+    /// A blob of another motion, which shows in this slope's stack.
+    Ghost,
+    /// A periodic texture, which another slope shows as well.
+    Alias,
+    /// A blob that has a stronger feature.
+    Duplicate,
+    /// The evidence does not suffice.
+    Unclear,
+}
+
+impl Verdict {
+    /// All verdicts.
+    pub const ALL: [Self; 5] = [Self::Real, Self::Ghost, Self::Alias, Self::Duplicate, Self::Unclear];
+
+    /// Verdict as a word.
+    pub fn word(self) -> &'static str {
+        self.into()
+    }
+
+    /// Verdict as a clause.
+    pub fn clause(self) -> &'static str {
+        match self {
+            Self::Real => "likely a real blob",
+            Self::Ghost => "likely a ghost",
+            Self::Alias => "likely an alias",
+            Self::Duplicate => "likely a duplicate",
+            Self::Unclear => "cannot be told",
+        }
+    }
+
+    /// A ghost comes first: a ghost beside its source is no duplicate of it.
+    pub fn of(evenness: &Evenness, suspected: &[SuspicionKind]) -> Self {
+        let is_suspected = |kind: SuspicionKind| suspected.contains(&kind);
+        match evenness.shape {
+            _ if is_suspected(SuspicionKind::Ghost) => Self::Ghost,
+            _ if is_suspected(SuspicionKind::Duplicate) => Self::Duplicate,
+            _ if is_suspected(SuspicionKind::Alias) => Self::Alias,
+            Shape::Level | Shape::Uneven if evenness.coherence.is_some_and(|c| c >= BUMP_COHERENCE) => Self::Real,
+            _ => Self::Unclear,
+        }
+    }
+}
+
+/// Verdict about a feature, with its reason.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Judged {
+    /// Verdict.
+    pub verdict: Verdict,
+    /// See [`Evenness::coherence`].
+    pub coherence: Option<f32>,
+    /// Reason, a clause without a full stop. Features are counted from 0.
+    pub why: String,
+}
+
+impl Judged {
+    /// The verdict that follows from `evenness` and `suspicions`.
+    pub fn of(evenness: &Evenness, suspicions: &[Suspicion]) -> Self {
+        let kinds: Vec<SuspicionKind> = suspicions.iter().map(|suspicion| suspicion.kind).collect();
+        let verdict = Verdict::of(evenness, &kinds);
+        let because = |kind: SuspicionKind| {
+            let suspicion = suspicions.iter().find(|suspicion| suspicion.kind == kind);
+            suspicion.map_or_else(String::new, |suspicion| suspicion.evidence.clone())
+        };
+        let coherence = evenness.coherence;
+        let why = match (verdict, coherence) {
+            (Verdict::Ghost, _) => because(SuspicionKind::Ghost),
+            (Verdict::Alias, _) => because(SuspicionKind::Alias),
+            (Verdict::Duplicate, _) => because(SuspicionKind::Duplicate),
+            (_, None) => "single frames are too noisy to compare".to_owned(),
+            (Verdict::Real, Some(c)) => {
+                format!("the frames respond alike (coherence {c:.2}), and no stronger feature explains it")
+            }
+            (Verdict::Unclear, Some(c)) => {
+                format!("the frames respond differently (coherence {c:.2}), but not as to a ghost")
+            }
+        };
+        Self { verdict, coherence, why }
+    }
+}
+
+/// Detection of the features of `trail` on which the verdict is one of `kept`, with their verdicts as files have them.
+///
+/// # Errors
+/// [`Cancelled`] once `monitor` was cancelled.
+pub fn kept(trail: &Trail, kept: &[Verdict], monitor: &Monitor) -> Result<(Detection, Vec<FeatureVerdict>), Cancelled> {
+    Ok(kept_of(trail.detection(), &judged(trail, monitor)?, kept))
+}
+
+/// As [`kept`], of features that were judged already.
+pub fn kept_of(detection: &Detection, judged: &[Judged], kept: &[Verdict]) -> (Detection, Vec<FeatureVerdict>) {
+    let is_kept = |index: &usize| kept.contains(&judged[*index].verdict);
+    let indices: Vec<usize> = (0..judged.len()).filter(is_kept).collect();
+    let features = indices.iter().map(|index| detection.features[*index]).collect();
+    let descriptors = indices.iter().map(|index| detection.descriptors[*index]).collect();
+    let verdict = |index: &usize| {
+        let Judged { verdict, coherence, .. } = judged[*index];
+        FeatureVerdict { word: verdict.word(), code: verdict as u8, coherence }
+    };
+    (Detection { features, descriptors, ..detection.clone() }, indices.iter().map(verdict).collect())
+}
+
+/// Judges every feature of the detection of `trail`, in their order.
+pub fn judged(trail: &Trail, monitor: &Monitor) -> Result<Vec<Judged>, Cancelled> {
+    let evenness = trail.evenness_of(&trail.detection().features, &monitor.part(0.0, EVENNESS_SHARE))?;
+    let rest = monitor.part(EVENNESS_SHARE, 1.0 - EVENNESS_SHARE);
+    let done = AtomicUsize::new(0);
+    let judge = |(index, of): (usize, &Evenness)| {
+        let suspicions = suspicions_of_feature(trail, index, of, &rest)?;
+        let done = done.fetch_add(1, Ordering::Relaxed) + 1;
+        rest.report(Stage::Frames, done as f32 / evenness.len() as f32);
+        Ok(Judged::of(of, &suspicions))
+    };
+    evenness.par_iter().enumerate().map(judge).collect()
+}
+
+const EVENNESS_SHARE: f32 = 0.5;
 
 #[cfg(test)]
 mod tests {

@@ -1,21 +1,22 @@
-//! The slopes that a burst needs: features at each slope, evidence of the frames before any threshold, and advice.
+//! Which slopes does this burst need? The [`spectrum`] answers with the features at each slope, and with *evidence*.
 //!
-//! The *evidence* ([`crate::detector::SlopeFinding`]) shows where the motion stack has power that single frames do not
-//! have, also beyond the slopes that were searched. Aliases of periodic textures are found here too.
+//! The evidence ([`crate::detector::SlopeFinding`]) shows where the motion stack has power that single frames do not
+//! have, before any threshold and also beyond the slopes that were searched. `fit` judges whether the searched slopes
+//! suit it, `advice` says what to change, and `set_up` computes slopes from the speed and the distances of the camera.
 
 mod advice;
-mod judgement;
+mod fit;
+mod set_up;
 
-pub use advice::{SlopeAdvice, Subject};
-pub use judgement::{SlopeJudgement, judgement};
+pub use advice::{AdviceSubject, SlopeAdvice};
+pub use fit::{SlopeJudgement, judgement};
+pub use set_up::{SetUp, SetUpSlopes, set_up_bounds};
 
 use super::ProbeCache;
+use super::place::{directions, dirichlet, period_along, stack_around};
 use crate::burst::Positions;
 use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Detection, Feature, Slope, SlopeFinding, SlopeGrid};
-use crate::inspect::shares::directions;
-use crate::inspect::suspicion::stack_around;
-use crate::inspect::texture::{dirichlet, period_along};
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 
@@ -100,7 +101,7 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
     let detection = trail.detection();
     let bars = bars(cache, &grid, &evidence);
     let aliases = aliases(cache, &evidence, &finding.evidence, monitor)?;
-    let judging = judgement::Judging::new(detection, params, Some(&finding), &evidence, &cache.burst);
+    let judging = fit::Judging::new(detection, params, Some(&finding), &evidence, &cache.burst);
     let judgement = judging.map(|judging| judging.judgement(monitor)).transpose()?;
     let spectrum = Spectrum {
         grid,
@@ -131,8 +132,7 @@ pub fn coverage_share(slope: Slope, positions: &Positions, size: (usize, usize))
 
 /// Coordinates in the grid, or in its continuation beyond the rim.
 fn nearest(grid: &SlopeGrid, slope: Slope) -> [i64; 2] {
-    let (i, j) = grid.position(slope);
-    [i, j].map(rounded)
+    <[f32; 2]>::from(grid.position(slope)).map(rounded)
 }
 
 /// The nearest whole number; of two the larger one, so that each place belongs to one.

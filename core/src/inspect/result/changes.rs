@@ -1,16 +1,16 @@
 //! Comparison of two lists of features of one burst, before and after a change. The second list may come from another
 //! program: a [`ForeignFeature`], read from our own CSV table or COLMAP's text.
 //!
-//! Two features are the same when one finds the other by the rule of [`crate::inspect::score`], taken as a disc of
+//! Two features are the same when one finds the other by the rule of [`finds`](super::finds), taken as a disc of
 //! radius √2·σ, and neither is known to be bright where the other is dark. Those of the later list choose in order of
 //! strength, each the nearest free one; the features of one keypoint, which differ in their orientation, choose
 //! together.
 
+use super::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use crate::detector::{Feature, Slope};
 use crate::error::{Error, Result};
 use crate::export::{feature_header, read_colmap, read_features_csv};
 use crate::files;
-use crate::inspect::score::{REACH_IN_RADII, REACH_PIXELS, SCALE_FACTOR};
 use serde::Serialize;
 use std::collections::{BTreeMap, HashMap};
 use std::io::Read;

@@ -1,12 +1,13 @@
-//! Explanations as text, for commands and messages.
+//! How is an answer written down? As text here, for commands and messages; as a figure in `figure`.
 
-use super::decoys::DecoyReport;
-use super::fate::{Outcome, TestReport};
-use super::shares::Shares;
-use super::spectrum::{SlopeBar, Spectrum};
-use super::suspicion::Kind;
+mod figure;
+
+pub use figure::{probe_svg, spectrum_svg};
+
+use super::place::{Fate, Outcome, Probe, Rival, Shares, SuspicionKind, TestReport};
+use super::result::DecoyReport;
+use super::slopes::{SlopeBar, Spectrum};
 use super::words::{counted, number, sentence, slope_text, snr_text, value_text};
-use super::{Fate, Probe};
 use crate::detector::Test;
 use std::fmt::Write;
 
@@ -46,10 +47,10 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
     }
     for suspicion in &probe.suspicions {
         let what = match suspicion.kind {
-            Kind::Duplicate => "duplicate",
-            Kind::Ghost => "ghost",
-            Kind::AtLimit => "at the limit of the slopes",
-            Kind::Alias => "alias",
+            SuspicionKind::Duplicate => "duplicate",
+            SuspicionKind::Ghost => "ghost",
+            SuspicionKind::AtLimit => "at the limit of the slopes",
+            SuspicionKind::Alias => "alias",
         };
         if probe.judged.as_ref().is_none_or(|judged| judged.why != suspicion.evidence) {
             writeln!(out, "  {what}? {}", suspicion.evidence)?;
@@ -81,7 +82,7 @@ fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
         }
     }
     // Grouped by the keypoint that covers them, in order of the strongest covered.
-    let mut groups: Vec<(super::fate::Rival, Vec<&Fate>)> = Vec::new();
+    let mut groups: Vec<(Rival, Vec<&Fate>)> = Vec::new();
     for fate in same {
         let Some(rival) = fate.report(Test::Duplicate).rival else { continue };
         match groups.iter_mut().find(|(other, _)| *other == rival) {
@@ -112,8 +113,7 @@ fn write_larger(out: &mut String, probe: &Probe) -> std::fmt::Result {
 }
 
 fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
-    let [u, v] = fate.pos_image;
-    let [u, v] = [u, v].map(|x| number(x, 1));
+    let [u, v] = fate.pos_image.map(|x| number(x, 1));
     let (sigma, slope) = (number(fate.sigma, 1), slope_text(fate.slope));
     let Fate { octave, level, value, sigma_d, .. } = fate;
     writeln!(
@@ -183,10 +183,7 @@ pub fn decoys_text(report: &DecoyReport, name: &str) -> String {
 }
 
 fn write_decoys(out: &mut String, report: &DecoyReport, name: &str) -> std::fmt::Result {
-    let copies = match report.copies {
-        1 => "1 copy".to_owned(),
-        copies => format!("{copies} copies"),
-    };
+    let copies = if report.copies == 1 { "1 copy".to_owned() } else { format!("{} copies", report.copies) };
     writeln!(out, "{name}: {} frames, {copies} in other orders (seed {})", report.frames, report.seed)?;
     writeln!(out, "  SNR from  found here  in a copy  there for each here")?;
     for rate in &report.rates {

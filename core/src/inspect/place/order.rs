@@ -1,7 +1,6 @@
 //! Order of the candidates near a place.
 
-use super::Fate;
-use super::score::motion_limit;
+use super::fate::Fate;
 use crate::detector::{Slope, Trail};
 use serde::Serialize;
 
@@ -98,9 +97,19 @@ fn ratio(a: f32, b: f32) -> f32 {
 
 /// Whether two slopes are less than a step of the grid apart on each axis, or a blob of scale `sigma` (input pixels)
 /// cannot tell them.
-pub(super) fn is_same_motion(trail: &Trail, a: Slope, b: Slope, sigma: f32) -> bool {
+pub(crate) fn is_same_motion(trail: &Trail, a: Slope, b: Slope, sigma: f32) -> bool {
     let grid = trail.params().used_slopes();
     let ((i, j), (k, l)) = (grid.position(a), grid.position(b));
     let is_near = (i - k).abs() < 1.0 && (j - l).abs() < 1.0;
     is_near || (a.u - b.u).hypot(a.v - b.v) <= motion_limit(sigma, trail.frames().2.span())
+}
+
+/// Largest difference, pixels per frame, of a feature's slope from a disc's that counts as the same motion.
+pub const MOTION_PX: f32 = 0.35;
+
+/// Largest difference of slopes, pixels per frame, that counts as the same motion for a blob of scale `sigma` (pixels)
+/// in a burst of `span` frame intervals from its first to its last frame: [`MOTION_PX`], or that by which the burst
+/// smears it over one σ, if this is more.
+pub fn motion_limit(sigma: f32, span: f64) -> f32 {
+    MOTION_PX.max(sigma / span.max(1.0) as f32)
 }

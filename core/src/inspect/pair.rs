@@ -1,4 +1,4 @@
-//! Reason why a feature is not matched, or is matched as it is.
+//! Why is this feature of a pair not matched, or matched as it is?
 //!
 //! A feature of A passes three steps: ratio test, mutual check, and geometry. This module reports the step at which it
 //! was lost, and, where a geometry is known, whether B has a keypoint there, and why matching by motion left it.
@@ -268,9 +268,7 @@ fn sentence(
     preferred: Option<usize>,
     there: &[(usize, usize)],
 ) -> String {
-    let Some(best) = candidates.first() else {
-        return "the other picture has no feature to compare with".to_owned();
-    };
+    let Some(best) = candidates.first() else { return "the other picture has no feature to compare with".to_owned() };
     let where_it_is = there.first().map_or_else(String::new, |&(feature, rank)| {
         let who = rank_name(feature);
         match rank {
@@ -315,15 +313,10 @@ fn sentence(
                 let why = pictures_of(pair, index).unwrap_or(error);
                 format!("geometry: its match, {}, does not fit{why}", rank_name(matched.b))
             }
-            None => {
-                let other = pair.result.matches.iter().find(|m| m.b == best.feature);
-                match other {
-                    Some(m) => {
-                        format!("motion: its match, {nearest}, goes with {} where its motion is", rank_name(m.a))
-                    }
-                    None => format!("motion: its match, {nearest}, lies elsewhere than its motion puts it"),
-                }
-            }
+            None => match pair.result.matches.iter().find(|m| m.b == best.feature) {
+                Some(m) => format!("motion: its match, {nearest}, goes with {} where its motion is", rank_name(m.a)),
+                None => format!("motion: its match, {nearest}, lies elsewhere than its motion puts it"),
+            },
         },
     }
 }

@@ -6,7 +6,7 @@
 
 use crate::burst::Offset;
 use crate::detector::coherence::{Evenness, FrameResponse, Shape, evenness_of, responding};
-use crate::detector::{Slope, SlopeGrid, Trail};
+use crate::detector::{Scale, Slope, SlopeGrid, Trail};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::sample::{bilinear, sample_patch};
@@ -46,15 +46,15 @@ const PATCH_SIGMAS: f32 = 4.0;
 /// Shares of all frames along the motion through `place` (input pixels, at mid-burst) at `slope`.
 pub fn shares(
     trail: &Trail,
-    (octave, level): (i32, i32),
+    scale: Scale,
     place: [f32; 2],
     slope: Slope,
     monitor: &Monitor,
 ) -> Result<Shares, Cancelled> {
-    let (planes, ..) = trail.frames();
+    let ((planes, ..), Scale { octave, level }) = (trail.frames(), scale);
     let sigma = trail.space().sigma_image(octave, f64::from(level)) as f32;
     let half_px = PATCH_SIGMAS * sigma;
-    let frames = trail.frame_responses((octave, level), place, slope, monitor)?;
+    let frames = trail.frame_responses(scale, place, slope, monitor)?;
     let patch = |(plane, response): (&Arc<Plane>, &FrameResponse)| {
         sample_patch(plane, response.pos_frame.into(), half_px, 0.0, PATCH_SIDE)
     };
@@ -159,7 +159,7 @@ pub fn direction_of(slope: Slope) -> [f32; 2] {
 }
 
 /// The directions, of length 1, of the axes of `grid` that have several slopes.
-pub(super) fn directions(grid: &SlopeGrid) -> impl Iterator<Item = [f32; 2]> {
+pub(crate) fn directions(grid: &SlopeGrid) -> impl Iterator<Item = [f32; 2]> {
     let origin = grid.at(0.0, 0.0);
     let axes = [(grid.u.count, grid.at(1.0, 0.0)), (grid.v.count, grid.at(0.0, 1.0))];
     let towards = move |to: Slope| direction_of(Slope::new(to.u - origin.u, to.v - origin.v));

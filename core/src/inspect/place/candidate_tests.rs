@@ -13,17 +13,14 @@ use crate::detector::{Distinct, Judgement, Neighbourhood, Sample, Slope, SlopeEx
 
 /// The fate of a judged sample; `around` holds it.
 pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &Judgement) -> Fate {
-    let telling = Telling::new(trail, around, sample, judgement);
-    let keypoint = telling.keypoint;
-    let tests: Vec<TestReport> = Test::ALL.into_iter().map(|test| telling.report(test)).collect();
+    let tested = CandidateTests::new(trail, around, sample, judgement);
+    let keypoint = tested.keypoint;
+    let tests: Vec<TestReport> = Test::ALL.into_iter().map(|test| tested.report(test)).collect();
     // Rejections of the search come before decisions over the whole list of keypoints.
     let fails = |test: &Test| tests[*test as usize].outcome == Outcome::Fails;
     let first_failed = judgement.rejected_by.or_else(|| [Test::Duplicate, Test::MaxFeatures].into_iter().find(fails));
-    let pixel = octave_pixel(sample.octave);
     let grid = trail.params().used_slopes();
-    let own_sigma = trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
-    let own = (sample.x as f32 * pixel, sample.y as f32 * pixel, own_sigma);
-    let (u, v, sigma) = judgement.would_be.as_ref().map_or(own, Keypoint::in_image);
+    let (u, v, sigma) = tested.in_image();
     let (i, j) = grid.coordinates(sample.slope_index);
     let found = &trail.detection().features;
     let features: Vec<usize> =
@@ -40,7 +37,7 @@ pub fn fate(trail: &Trail, around: &Neighbourhood, sample: &Sample, judgement: &
         sigma: refined.map_or(sigma, |f| f.sigma),
         slope,
         would_move: judgement.would_be.filter(|_| refined.is_none()).map_or(slope, |keypoint| keypoint.slope),
-        edge: if asks_for_edge { telling.edge(slope) } else { None },
+        edge: if asks_for_edge { tested.edge(slope) } else { None },
         value: judgement.value,
         snr: over(judgement.value.abs(), judgement.sigma_d),
         sigma_d: judgement.sigma_d,
@@ -71,7 +68,7 @@ fn outcome(is_asked: bool, passes: bool) -> Outcome {
     }
 }
 
-pub(super) struct Telling<'a> {
+pub(super) struct CandidateTests<'a> {
     trail: &'a Trail,
     around: &'a Neighbourhood,
     sample: &'a Sample,
@@ -79,7 +76,7 @@ pub(super) struct Telling<'a> {
     keypoint: Option<usize>,
 }
 
-impl<'a> Telling<'a> {
+impl<'a> CandidateTests<'a> {
     pub fn new(trail: &'a Trail, around: &'a Neighbourhood, sample: &'a Sample, judgement: &'a Judgement) -> Self {
         Self { trail, around, sample, judgement, keypoint: keypoint_of(trail, judgement) }
     }
@@ -100,14 +97,18 @@ impl<'a> Telling<'a> {
         }
     }
 
-    /// Where the fit did not settle, around the sample.
-    fn seen(&self) -> TestReport {
-        let (trail, sample) = (self.trail, self.sample);
-        let (pixel, slope) = (octave_pixel(sample.octave), trail.params().used_slopes().slope(sample.slope_index));
-        let sigma = trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
+    /// Place (u, v) and scale σ of the fit, or of the sample where the fit did not settle; input pixels.
+    fn in_image(&self) -> (f32, f32, f32) {
+        let (sample, pixel) = (self.sample, octave_pixel(self.sample.octave));
+        let sigma = self.trail.space().sigma_image(sample.octave, f64::from(sample.level)) as f32;
         let own = (sample.x as f32 * pixel, sample.y as f32 * pixel, sigma);
-        let (u, v, sigma) = self.judgement.would_be.as_ref().map_or(own, Keypoint::in_image);
-        let seen = trail.seen_share((u, v), slope, sigma);
+        self.judgement.would_be.as_ref().map_or(own, Keypoint::in_image)
+    }
+
+    fn seen(&self) -> TestReport {
+        let (u, v, sigma) = self.in_image();
+        let slope = self.trail.params().used_slopes().slope(self.sample.slope_index);
+        let seen = self.trail.seen_share((u, v), slope, sigma);
         let outcome = outcome(seen.is_some(), seen.is_none_or(|seen| seen >= MIN_SEEN));
         TestReport::new(Test::Seen, outcome, seen.map(f64::from), seen.map(|_| f64::from(MIN_SEEN)))
     }

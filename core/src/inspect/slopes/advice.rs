@@ -2,7 +2,7 @@
 //! that add nothing, and on frames that much of the picture has left. It is tried before it is offered: the advice that
 //! would be given after its changes is computed, from the frames and their field of motion over the changed slopes.
 
-use super::judgement::Judging;
+use super::fit::Judging;
 use super::{Alias, Spectrum, coverage_share};
 use crate::burst::TimesChoice;
 use crate::detect::search;
@@ -20,7 +20,7 @@ use serde::Serialize;
 /// Subject of a piece of advice.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Subject {
+pub enum AdviceSubject {
     /// The range is too narrow.
     Range,
     /// The step is too coarse.
@@ -41,7 +41,7 @@ pub enum Subject {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct SlopeAdvice {
     /// Subject of the advice.
-    pub subject: Subject,
+    pub subject: AdviceSubject,
     /// Number that the advice is based on: the part of the evidence beyond the range; the loss at half a step; the part
     /// of the evidence off the line; the number of frames that add nothing; the period in px; the share covered; the
     /// part of the slopes that is needed.
@@ -56,7 +56,7 @@ pub struct SlopeAdvice {
 }
 
 impl SlopeAdvice {
-    pub(super) fn new(subject: Subject, number: f64, sentence: String, changes: Vec<ParamChange>) -> Self {
+    pub(super) fn new(subject: AdviceSubject, number: f64, sentence: String, changes: Vec<ParamChange>) -> Self {
         Self { subject, number, sentence, changes, times: None }
     }
 
@@ -78,7 +78,7 @@ pub(super) fn advice(
     let telling = Telling { cache, spectrum, judging };
     let judged = spectrum.judgement.as_ref().and_then(|judgement| judgement.advice.clone());
     // Missing slopes come before superfluous ones, and those of frames that do not move straight after these.
-    let is_superfluous = judged.as_ref().is_some_and(|one| one.subject == Subject::Cost);
+    let is_superfluous = judged.as_ref().is_some_and(|one| one.subject == AdviceSubject::Cost);
     let (missing, superfluous) = if is_superfluous { (None, judged) } else { (judged, None) };
     let tried = |advice: Option<SlopeAdvice>| advice.map(|advice| judging.tried(advice, monitor)).transpose();
     let (coverage, aliases) = (tried(telling.coverage())?.flatten(), tried(telling.aliases())?.flatten());
@@ -107,7 +107,7 @@ impl Telling<'_> {
             "the texture around ({u}, {v}) and at {more} repeats every {period} px, so it responds again at slopes {period} px/frame apart, {times} within the range, with side lobes of {lobe:.0} % between them"
         );
         let changes = self.within_a_period(alias).into_iter().collect();
-        Some(SlopeAdvice::new(Subject::Aliases, f64::from(alias.period_px), sentence, changes))
+        Some(SlopeAdvice::new(AdviceSubject::Aliases, f64::from(alias.period_px), sentence, changes))
     }
 
     /// The part of the range around the evidence that contains no alias; `None` where the evidence itself needs more.
@@ -161,7 +161,7 @@ impl Telling<'_> {
             "at the typical slope {slope} px/frame all {frames} frames show only {percent:.0} % of the picture; the middle {enough} show {of_middle:.0} %"
         );
         let changes = vec![self.judging.middle_frames(enough)];
-        Some(SlopeAdvice::new(Subject::Coverage, f64::from(share), sentence, changes))
+        Some(SlopeAdvice::new(AdviceSubject::Coverage, f64::from(share), sentence, changes))
     }
 }
 
@@ -189,7 +189,7 @@ impl Judging<'_> {
             return Ok(is_held.then_some(advice));
         }
         let own = match advice.subject {
-            Subject::Aliases | Subject::Cost => None,
+            AdviceSubject::Aliases | AdviceSubject::Cost => None,
             _ => self.own_slopes(monitor)?,
         };
         // Where all of a range would cost more than twice what the motion's own does, that is tried first.
@@ -200,7 +200,7 @@ impl Judging<'_> {
                 return Ok(Some(SlopeAdvice { changes: self.changes_to(grid), ..advice }));
             }
         }
-        Ok((advice.subject != Subject::Cost).then_some(unmended))
+        Ok((advice.subject != AdviceSubject::Cost).then_some(unmended))
     }
 
     /// The slopes found, as a search that is to find them widens them. `None` where the frames do not show any.
@@ -232,7 +232,7 @@ impl Judging<'_> {
         &self,
         grid: SlopeGrid,
         own: Option<SlopeGrid>,
-        subject: Subject,
+        subject: AdviceSubject,
         monitor: &Monitor,
     ) -> Result<bool, Cancelled> {
         let found = self.finding.filter(|finding| is_of_frames(finding)).map(|finding| finding.grid);
@@ -261,7 +261,7 @@ impl Judging<'_> {
         let after = Judging { grid, field: field.as_ref(), features: &features, ..*self };
         let (now, then) = (self.fault_of_slopes(), after.fault_of_slopes());
         // A range without aliases may hold more than is found.
-        let then = then.filter(|then| (subject, then.subject) != (Subject::Aliases, Subject::Cost));
+        let then = then.filter(|then| (subject, then.subject) != (AdviceSubject::Aliases, AdviceSubject::Cost));
         let is_less =
             |now: SlopeAdvice, then: &SlopeAdvice| now.subject == then.subject && then.number < 0.5 * now.number;
         Ok(then.is_none_or(|then| now.is_some_and(|now| is_less(now, &then))))

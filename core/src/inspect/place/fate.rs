@@ -1,10 +1,10 @@
 //! The fate of one candidate: every test of the search with its value, its limit and its rival, in the order of the
 //! search. The first test that it fails is the search's own verdict; the later ones decide what to change next.
 
-use super::words::{filled, number, slope_text, value_text};
 use crate::detector::feature::Keypoint;
-pub use crate::detector::test::Side;
+use crate::detector::test::Side;
 use crate::detector::{ParamChange, Sample, Slope, Test};
+use crate::inspect::words::{filled, number, slope_text, value_text};
 use serde::Serialize;
 
 /// Outcome of a test of a candidate.
