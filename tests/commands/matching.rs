@@ -339,12 +339,16 @@ fn noise_that_is_added_is_that_of_written_copies_for_each_method() {
     }
     let noise = ["--snr", "2"];
     run_well(home.path(), &[&["synth", "noisy", "night", "--out", "dark", "--seed", "3"], &noise[..]].concat());
-    let counted = |more: &[&str]| {
-        let methods = ["--methods", "sift-frame,sift-merge,buff-1d", "--slopes-u", "-2:2:9", "--json"];
-        let text = run_well(home.path(), &[&["evaluate", "matches"], more, &methods[..]].concat());
+    let counted = |methods: &str, more: &[&str]| {
+        let line = [&["evaluate", "matches", "--slopes-u", "-2:2:9", "--json", "--methods", methods], more].concat();
+        let text = run_well(home.path(), &line);
         serde_json::from_str::<serde_json::Value>(&text).expect("one JSON document")["methods"].clone()
     };
-    let added = counted(&[&["night", "--noise-seed", "3"], &noise[..]].concat());
-    assert_eq!(added, counted(&["dark", "--gold", "night"]));
-    assert_eq!(added.as_array().map(Vec::len), Some(3));
+    let added = [&["night", "--noise-seed", "3"], &noise[..]].concat();
+    let methods = ["sift-frame", "sift-merge", "buff-1d"];
+    let together = counted(&methods.join(","), &added);
+    for (index, method) in methods.into_iter().enumerate() {
+        assert_eq!(together[index], counted(method, &added)[0], "{method} alone, and after others");
+    }
+    assert_eq!(together[0], counted(methods[0], &["dark", "--gold", "night"])[0]);
 }

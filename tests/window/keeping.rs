@@ -214,6 +214,7 @@ fn features_pictures_and_figures_are_exported() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::default().open();
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
+    window.app_mut().model.document.figure.features = burstscope::export::FigureAmount::All;
     let count = window.app().read().features().len();
     let exports = [
         ("features as csv", "f.csv"),
@@ -267,11 +268,19 @@ fn figures_show_what_the_panes_show() {
     window.settle();
     let text = std::fs::read_to_string(&svg).unwrap();
     assert_eq!(text.matches("<image").count(), 2);
-    assert_eq!(text.matches("<circle").count(), 2 * listed, "the filter holds in both pictures");
+    let all = text.matches("<circle").count();
+    assert!(0 < all && all < 2 * listed, "{all} are drawn in full of twice {listed}");
     assert!(text.contains("(a) Frame 5") && text.contains("(b) Motion stack") && !text.contains("of full scale"));
     window.dialogs.will_choose(&png);
     window.run_action("figure as before");
     window.settle();
+    window.app_mut().model.document.figure.features = burstscope::export::FigureAmount::All;
+    let of_all = folder.path().join("all.svg");
+    window.dialogs.will_choose(&of_all);
+    window.run_action("figure as before");
+    window.settle();
+    let text = std::fs::read_to_string(&of_all).unwrap();
+    assert_eq!(text.matches("<circle").count(), 2 * listed, "the filter holds in both pictures");
     let image = image::open(&png).unwrap().to_rgb8();
     let model = &window.app().model;
     let seen = window.app().widgets.get(model.document.focus()).unwrap().picture.visible_image.unwrap();

@@ -198,11 +198,15 @@ pub fn navigate(ui: &Ui, response: &Response, rect: Rect, view: &mut View, prima
     {
         /// Points of scrolling that zoom by a factor of e; a wheel's notch gives about 40 to 50 points.
         const POINTS_PER_E_FOLD: f32 = 220.0;
-        // With Alt the wheel goes through frames and slopes.
-        let (scroll, zoom) = ui.input(|i| match i.modifiers.alt {
-            true => (Vec2::ZERO, 1.0),
-            false => (i.smooth_scroll_delta(), i.zoom_delta()),
-        });
+        let (scroll, zoom) = ui.input(|i| (i.smooth_scroll_delta(), i.zoom_delta()));
+        // With Alt the wheel goes through frames and slopes; what is left of its turn when Alt is let go zooms nothing.
+        let id = response.id.with("wheel with Alt");
+        let is_left = scroll != Vec2::ZERO && ui.data(|data| data.get_temp(id)).unwrap_or(false);
+        let is_with_alt = is_left || ui.input(|i| i.modifiers.alt);
+        ui.data_mut(|data| data.insert_temp(id, is_with_alt));
+        if is_with_alt {
+            return;
+        }
         view.zoom_at(pointer, zoom * (scroll.y / POINTS_PER_E_FOLD).exp(), rect);
         // A second axis, or the wheel with Shift, moves sideways.
         view.pan(Vec2::new(scroll.x, 0.0));

@@ -48,7 +48,7 @@ pub enum RangeOf {
 }
 
 impl RangeOf {
-    pub const ALL: [Self; 3] = [Self::Percentiles, Self::All, Self::Visible];
+    pub const ALL: [Self; 3] = [Self::All, Self::Percentiles, Self::Visible];
 
     pub fn label(self) -> &'static str {
         match self {
@@ -93,7 +93,7 @@ impl HistogramPanel {
             response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Image, false, "Histogram"));
             ui.painter().rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
         }
-        if range_ui(ui, display) {
+        if ends_ui(ui, display) {
             self.axis = None;
         }
         self.buttons_ui(ui, picture, visible, display);
@@ -195,7 +195,7 @@ fn bin_text(histogram: &Histogram, value: f32) -> String {
 }
 
 /// Draws the numbers of the range; returns whether its button was pressed.
-fn range_ui(ui: &mut Ui, display: &mut Display) -> bool {
+pub fn ends_ui(ui: &mut Ui, display: &mut Display) -> bool {
     let mut full_scale = false;
     let speed = f64::from((display.max - display.min) * 0.004);
     ui.horizontal(|ui| {
@@ -225,17 +225,15 @@ fn range_ui(ui: &mut Ui, display: &mut Display) -> bool {
     full_scale
 }
 
-/// Field of an end of a range, with so many significant digits.
-pub fn range_field(value: &mut f32, speed: f64, digits: usize) -> DragValue<'_> {
-    let field = DragValue::new(value).speed(speed).update_while_editing(false);
-    field.custom_formatter(move |x, _| number(x as f32, digits)).custom_parser(|text| {
-        text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
-    })
-}
-
 fn value_ui(ui: &mut Ui, value: &mut f32, speed: f64) -> Response {
-    ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), range_field(value, speed, 4))
-        .on_hover_text("As a fraction of full scale.")
+    let drag = DragValue::new(value)
+        .speed(speed)
+        .update_while_editing(false)
+        .custom_formatter(|x, _| number(x as f32, 4))
+        .custom_parser(|text| {
+            text.trim().replace('−', "-").replace(',', ".").parse().ok().filter(|x: &f64| x.is_finite())
+        });
+    ui.add_sized(vec2(66.0, ui.spacing().interact_size.y), drag).on_hover_text("As a fraction of full scale.")
 }
 
 fn colours_ui(ui: &mut Ui, display: &mut Display) {

@@ -7,14 +7,13 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
 use crate::app::document::look::{FeaturesShown, RangeClass};
 use crate::app::document::panes::{Change, Panels, Visibility};
-use crate::app::histogram::{RangeOf, range_field};
+use crate::app::histogram::{RangeOf, ends_ui};
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
 use crate::app::panel::picture::PictureState;
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
-use crate::app::style;
-use crate::plane::display::Display;
+use crate::app::{canvas, style};
 use egui::{
     Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
     Ui, pos2, vec2,
@@ -119,15 +118,19 @@ fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> 
 
 /// Draws how many features are drawn in full of those in view, and where there is room the switch of features.
 fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, has_switch: bool, queue: &mut Queue) {
-    let all = model.document.look.draws_all;
-    if let Some((drawn, in_view)) = widgets.of(id).picture.drawn_of.filter(|(drawn, in_view)| all || drawn < in_view) {
-        let text = if all { format!("all {in_view} drawn") } else { format!("{drawn} of {in_view} drawn") };
-        let chip = ui.add(Button::selectable(all, RichText::new(text).small()).min_size(vec2(16.0, 16.0)));
-        let tip = "The strongest features of each part of the view are drawn in full, the others as dots. Zoom in for \
-                   more; a click draws all, or no longer";
-        if chip.on_hover_text(tip).clicked() {
-            queue.push(ActionId::DrawAll);
+    let tip = "The strongest features of each part of the view are drawn in full, the others as dots. Zoom in for more, \
+               or choose View > All circles";
+    match widgets.of(id).picture.drawn_of {
+        Some((_, in_view)) if model.document.look.draws_all => {
+            let chip = ui.add(Button::new(RichText::new(format!("all {in_view} drawn ✖")).small()));
+            if chip.on_hover_text("All circles are drawn; a click draws the strongest alone").clicked() {
+                queue.push(ActionId::DrawAll);
+            }
         }
+        Some((drawn, in_view)) if drawn < in_view => {
+            ui.weak(format!("{drawn} of {in_view} drawn")).on_hover_text(tip);
+        }
+        _ => {}
     }
     if has_switch && model.document.workspace.inspects() {
         // From the right end of the line the buttons are drawn in reverse.
@@ -156,7 +159,8 @@ fn filter_chip_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &
     }
 }
 
-/// Draws the zoom, and the value range where there is room, as fields to drag or to type in, with a menu of ranges.
+/// Draws the zoom and the value range, as an icon where there is less room. Dragged sideways the range moves, up and
+/// down it widens; a click opens its ends and the values that it can be set from.
 fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, has_range: bool, queue: &mut Queue) {
     let Some(pane) = model.document.panes.get(id) else { return };
     let percent = 100.0 * pane.view.points_per_pixel() * ui.ctx().pixels_per_point();
@@ -165,61 +169,51 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
     if class == RangeClass::Motion {
         return;
     }
+    let number = model.document.panes.number(id).filter(|_| model.document.panes.are_many());
+    let name = number.map_or_else(|| "Contrast".to_owned(), |number| format!("Contrast of pane {number}"));
+    let tip = "Values that are black and white, as fractions of full scale. Drag sideways to make the picture darker or \
+               brighter, up and down for less or more contrast; click for numbers and percentiles";
+    let before = model.display_of(id);
+    let mut display = before;
+    let range = match has_range {
+        true => {
+            let [min, max] = [display.min, display.max].map(|end| canvas::number(end, 3));
+            let text = RichText::new(format!("{min} … {max}")).weak();
+            let button = Button::new(text).frame_when_inactive(false).sense(Sense::click_and_drag());
+            ui.scope(|ui| {
+                ui.spacing_mut().button_padding = vec2(2.0, 0.0);
+                ui.add(button).on_hover_text(tip)
+            })
+            .inner
+        }
+        false => icon_button_ui(ui, Icon::Contrast, &name, tip, true),
+    };
+    named(&range, egui::Role::Button, &name);
+    if range.dragged() {
+        let [dx, dy] = (range.drag_delta() * 0.005).into();
+        let (middle, half) = (0.5 * (display.min + display.max), 0.5 * (display.max - display.min) * (2.0 * dy).exp());
+        let middle = if display.symmetric { 0.0 } else { middle - 2.0 * half * dx };
+        display = display.with_range(middle - half, middle + half);
+    }
     let PictureState { visible_image, .. } = widgets.of(id).picture;
     let picture = widgets.of(id).picture.shown();
-    let mut display = model.display_of(id);
-    let before = display;
-    let of = model.document.panes.number(id).map_or_else(String::new, |number| format!(" of pane {number}"));
-    let tip = "Contrast and brightness: values that are black and white; colours and gamma are in the panel Display";
-    let menu = icon_button_ui(ui, Icon::Contrast, &format!("Contrast{of}"), tip, true);
-    egui::Popup::menu(&menu).show(|ui| {
+    egui::Popup::menu(&range).close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside).show(|ui| {
+        ends_ui(ui, &mut display);
         for choice in RangeOf::ALL {
-            let range = picture.and_then(|picture| choice.range(picture, visible_image));
-            let button = ui.add_enabled(range.is_some(), Button::new(choice.label())).on_hover_text(choice.help());
-            if let Some((min, max)) = range.filter(|_| button.clicked()) {
+            let of = picture.and_then(|picture| choice.range(picture, visible_image));
+            let button = ui.add_enabled(of.is_some(), Button::new(choice.label())).on_hover_text(choice.help());
+            if let Some((min, max)) = of.filter(|_| button.clicked()) {
                 display = display.with_range(min, max);
             }
         }
-        if ui.button("0 – 1").on_hover_text("The full scale of the file: from black to saturated").clicked() {
-            display = display.with_range(0.0, 1.0);
-        }
-        ui.separator();
         if ui.button("Histogram, colours…").on_hover_text("Open the panel Display").clicked() {
             queue.push(Action::SetPanels(Panels { right: Visibility::Open, ..model.document.panels }));
         }
     });
-    if has_range {
-        // From the right end of the line the fields are drawn in reverse.
-        let (mut min, mut max) = (display.min, display.max);
-        if value_ui(ui, &display, &mut max, &format!("White{of}")) {
-            display =
-                if display.symmetric { display.with_range(-max, max) } else { display.with_range(min.min(max), max) };
-        }
-        ui.weak("…");
-        if value_ui(ui, &display, &mut min, &format!("Black{of}")) {
-            display =
-                if display.symmetric { display.with_range(min, -min) } else { display.with_range(min, max.max(min)) };
-        }
-    }
     if display != before {
         queue.push(Action::Focus(id));
         queue.push(Action::SetDisplay(class, display));
     }
-}
-
-/// Draws an end of the value range; returns whether it changed.
-fn value_ui(ui: &mut Ui, display: &Display, value: &mut f32, name: &str) -> bool {
-    ui.scope(|ui| {
-        ui.spacing_mut().button_padding = vec2(2.0, 0.0);
-        ui.spacing_mut().interact_size = vec2(30.0, 16.0);
-        let field = range_field(value, f64::from(0.004 * (display.max - display.min)), 3);
-        let response = ui.add(field);
-        named(&response, egui::Role::SpinButton, name);
-        response
-            .on_hover_text("End of the value range, as a fraction of full scale: drag it, or click and type")
-            .changed()
-    })
-    .inner
 }
 
 /// Draws a switch for each link. From the right end of a line they are drawn in reverse, so that their order stays.

@@ -17,7 +17,7 @@ use crate::detector::{Feature, Slope};
 use crate::inspect::place::{AT_PLACE_PX, ProbeSubject};
 use crate::inspect::words::slope_text;
 use crate::requests::{PictureKind, ProbeQuestion};
-use egui::{Align2, Color32, FontId, Pos2, Stroke, pos2, vec2};
+use egui::{Align2, Color32, FontId, Key, Pos2, Stroke, pos2, vec2};
 use std::ops::Range;
 
 pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
@@ -148,7 +148,9 @@ pub fn is_led(ctx: &egui::Context) -> bool {
 /// at that slope; without one the pane goes back to what it showed.
 pub(super) fn focus_ui(ui: &egui::Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)], queue: &mut Queue) {
     let (flag, kept) = (egui::Id::unique(FOCUS), egui::Id::unique((FOCUS, "before")));
-    let is_held = ui.input(|i| i.modifiers.command_only() && i.keys_down.is_empty());
+    // Ctrl alone: the key itself may be among those that are down.
+    let is_ctrl = |key: &Key| matches!(key, Key::ControlLeft | Key::ControlRight | Key::SuperLeft | Key::SuperRight);
+    let is_held = ui.input(|i| i.modifiers.command_only() && i.keys_down.iter().all(is_ctrl));
     let before: Option<Before> = ui.data(|data| data.get_temp(kept));
     if let Some(Before(id, content, cursor)) = before.filter(|_| !is_held) {
         ui.data_mut(|data| data.remove::<Before>(kept));

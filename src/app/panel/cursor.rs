@@ -112,8 +112,11 @@ fn buttons_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.spacing_mut().item_spacing.x = 4.0;
         let play = if model.document.playing { "⏸ Pause" } else { "▶ Play" };
         button_ui(ui, model, queue, ActionId::Play, Some(play));
-        button_ui(ui, model, queue, ActionId::FocusUnderPointer, Some("Focus"));
         let mut playing = model.document.play;
+        // The choice comes with the playing, and stays where something else than what is shown was chosen.
+        if !model.document.playing && playing.over == PlayOver::Shown {
+            return;
+        }
         let choices = [(PlayOver::Frames, "frames"), (PlayOver::Slopes, "slopes"), (PlayOver::Scales, "scales")];
         let name = choices.iter().find(|(over, _)| *over == model.played()).map_or("", |(_, name)| name);
         let menu = ui.button(format!("{name} ⏷"));

@@ -71,7 +71,8 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     }
     let mut auto = checked(ActionId::AutoDetect, model).unwrap_or(false);
     let tip = tooltip(ui.ctx(), ActionId::AutoDetect.action());
-    if ui.checkbox(&mut auto, "Auto").on_hover_text(tip).clicked() {
+    // As long as it is on, as it is at first, the menu alone switches it off.
+    if !auto && ui.checkbox(&mut auto, "Auto").on_hover_text(tip).clicked() {
         queue.push(ActionId::AutoDetect);
     }
     if in_pair {
