@@ -85,9 +85,7 @@ def film(
     burst: Burst,
     out: str | os.PathLike[str],
     *,
-    at: tuple[float, float] | None = None,
     slope: tuple[float, float] | None = None,
-    scale: tuple[int, int] | None = None,
     force: bool = False,
     **keywords: Unpack[FilmKeywords],
 ) -> Path:
@@ -100,12 +98,8 @@ def film(
     burst : Burst
     out : path
         The file, named ``.gif``.
-    at : (u, v), optional
-        A place, pixels, whose response is drawn beside the pictures.
     slope : (u, v), optional
         Slope of a sweep over scale or frames, pixels per frame.
-    scale : (octave, level), optional
-        Scale of the response at the place.
     force : bool
         Replace a file that is there and that Burstscope did not write.
     **keywords
@@ -117,8 +111,7 @@ def film(
         The file.
     """
     target = path("out", out)
-    given: dict[str, Any] = {"at": at, "slope": slope, "scale": scale}
-    given = {name: list(pair(name, value)) for name, value in given.items() if value is not None}
+    given: dict[str, Any] = {} if slope is None else {"slope": list(pair("slope", slope))}
     with _handed_over(burst) as (file, full_scale):
         command("film", file, out=target, force=force, **given, **full_scale, **keywords)
     return target

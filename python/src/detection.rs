@@ -121,7 +121,7 @@ impl RawDetection {
                     FeatureField::Whole(at) => *at(&mut feature) = value as i32,
                     FeatureField::Flag(at) => *at(&mut feature) = value != 0.0,
                     FeatureField::Moves(at) => {
-                        *at(&mut feature) = Moves::ALL.get(value as usize).copied().unwrap_or_default()
+                        *at(&mut feature) = Moves::ALL.get(value as usize).copied().unwrap_or_default();
                     }
                     FeatureField::Beside => {}
                 }

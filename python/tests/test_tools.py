@@ -103,7 +103,7 @@ def test_commands_on_a_burst_in_memory_are_those_on_its_file(kind: type, stack_f
 
 
 def test_films_and_cases_are_written(chart: bs.Burst, tmp_path: Path) -> None:
-    film = bs.film(chart, tmp_path / "f.gif", sweep="slope-u=-1:1:3", at=(60, 50), max_side=120, no_features=True)
+    film = bs.film(chart, tmp_path / "f.gif", sweep="slope-u=-1:1:3", max_side=120, no_features=True)
     assert film.read_bytes().startswith(b"GIF8")
     case = bs.case(chart, tmp_path / "c.burstcase", at=(60, 50), around=20, note="why?", slopes_u=(-1, 1, 5))
     again = bs.open(case)
