@@ -159,7 +159,7 @@ pub fn outside([u, v]: [f32; 2], (width, height): (usize, usize)) -> Error {
 /// Explains what happened at `place` (u, v), input pixels of the mid-burst picture.
 ///
 /// ```
-/// use burstscope_core::inspect::{ProbeCache, ProbeOptions, probe};
+/// use burstscope_core::inspect::{ProbeCache, place::{ProbeOptions, probe}};
 /// use burstscope_core::{Monitor, detector::SearchParams, synth::demo_burst};
 /// let (burst, monitor) = (demo_burst(), Monitor::default());
 /// let cache = ProbeCache::new(&burst, &SearchParams::default(), &monitor)?;
