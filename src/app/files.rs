@@ -25,7 +25,7 @@ use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::export::{ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::OutputKind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
-use crate::inspect::place::{Verdict, kept_of};
+use crate::inspect::place::kept_of;
 use crate::monitor::Monitor;
 use crate::requests::BurstSource;
 use crate::teach::{Lesson, Workspace, sheet};
@@ -283,15 +283,15 @@ fn case_work(model: Read<'_>) -> Result<Work, String> {
 fn features_work(model: Read<'_>, format: ExportFormat) -> Result<Work, String> {
     let found = model.found_of(model.active_side()).ok_or("there are no features; press Detect first")?;
     let detection = found.detection.clone();
-    let judged = model.results.coherence.of(&detection).cloned();
     // What a verdict hides in the window is not written either; other filters are for looking.
-    let shown = model.document.filter.verdict.map_or(Verdict::ALL.to_vec(), |verdict| vec![verdict]);
-    Ok(work(move |path| match judged {
-        Some(judged) => {
-            let (detection, verdicts) = kept_of(&detection, &judged, &shown);
-            format.write(path, &detection, Some(&verdicts))
-        }
-        None => format.write(path, &detection, None),
+    let Some(verdict) = model.document.filter.verdict else {
+        return Ok(work(move |path| format.write(path, &detection, None)));
+    };
+    let judged = model.results.coherence.of(&detection).cloned();
+    let judged = judged.ok_or("the features are still being judged; export them when the table has their verdicts")?;
+    Ok(work(move |path| {
+        let (detection, verdicts) = kept_of(&detection, &judged, &[verdict]);
+        format.write(path, &detection, Some(&verdicts))
     }))
 }
 

@@ -1,4 +1,4 @@
-//! What the user says of a file: its shape without a header, mosaic, axis of the frames, and source of times or views.
+//! Options that describe a file: its shape without a header, mosaic, axis of the frames, and source of times or views.
 
 use super::number::Number;
 use crate::files::whole_number;

@@ -106,7 +106,7 @@ impl Masks {
         (plane.masked(Mask::new(weights)), masked)
     }
 
-    /// Notes on what is `masked` in frames of `pixels` pixels; an error for a frame of which nothing is seen.
+    /// Notes on what is `masked` in frames of `pixels` pixels; an error for a frame that is masked whole.
     pub fn told(
         &self,
         origins: &[(PathBuf, usize)],
@@ -114,7 +114,7 @@ impl Masks {
         masked: &[Masked],
         options: &OpenOptions,
     ) -> Result<Vec<String>> {
-        // A frame of which nothing is seen has no mean: an error, not a note.
+        // A frame that is masked whole has no mean: an error, not a note.
         let blind = |masked: &Masked| masked.by_files + masked.undefined + masked.saturated >= pixels;
         if let Some(t) = masked.iter().position(blind) {
             let (path, frame) = &origins[t];

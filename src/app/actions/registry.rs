@@ -310,7 +310,7 @@ actions! {
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames" => Slope(|_, _| Slope::default()), when when::has_burst;
     SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope" => Slope(snapped), when when::has_burst;
     BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting the ends of the range" => Run(change::go_to_busiest_slope), when |model| when::active(model).found.is_some();
-    Play, Cursor 0, "Play", [NONE Space], "Step through what the picture shows: its frames, the slopes of its row, or scales" => Run(|model, _| panes::toggle_play(model)), when |model| when::has_burst(model) && model.sweep().0.len() > 1, on |model| model.document.playing;
+    Play, Cursor 0, "Play", [NONE Space], "Step through what the picture shows: its frames, the slopes of its row, or scales" => Run(|model, _| panes::toggle_play(model)), when |model| when::has_burst(model) && model.sweep().0 > 1, on |model| model.document.playing;
     FramePrevious, Cursor 1, "Previous frame", [NONE Comma], "Go one frame back" => Frame(|cursor| cursor.frame = cursor.frame.saturating_sub(1)), when |model| when::has_burst(model) && model.focused_frame_count() > 1;
     FrameNext, Cursor 1, "Next frame", [NONE Period], "Go one frame on" => Frame(|cursor| cursor.frame += 1), when |model| when::has_burst(model) && model.focused_frame_count() > 1;
     OctaveFiner, Cursor 2, "Finer octave", [NONE OpenBracket], "Halve the scale of the DoG" => Scale(|cursor| cursor.octave -= 1), when when::has_burst;

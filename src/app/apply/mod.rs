@@ -31,7 +31,6 @@ use crate::app::pane::Content;
 use crate::app::results::{Effect, Model, Read};
 use crate::app::view::View;
 use crate::engine::Engine;
-use crate::requests::ViewKind;
 use crate::teach::BottomTab;
 
 /// Applies an action. It is a step to undo, or a part of one, where it changes settings that undo covers.
@@ -139,17 +138,18 @@ fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
         Some(Does::Switch { turn: set, .. } | Does::Set(set)) => set(&mut model.document),
         Some(Does::Slope(of)) => {
             let slope = of(&Read::of(model).cursor_params().slopes, model.document.cursor().slope);
-            model.document.playing = false;
-            model.document.show_slope(focus, slope);
+            set_pane(Action::SetSlope(focus, slope), &mut model.document);
         }
-        Some(Does::Frame(go)) => model.document.lead(focus, |pane| {
-            go(&mut pane.cursor);
-            pane.show(ViewKind::Frame);
-        }),
-        Some(Does::Scale(go)) => model.document.lead(focus, |pane| {
-            go(&mut pane.cursor);
-            pane.show_scale();
-        }),
+        Some(Does::Frame(go)) => {
+            let mut cursor = *model.document.cursor();
+            go(&mut cursor);
+            set_pane(Action::SetFrame(focus, cursor.frame), &mut model.document);
+        }
+        Some(Does::Scale(go)) => {
+            let mut cursor = *model.document.cursor();
+            go(&mut cursor);
+            set_pane(Action::SetScale(focus, cursor.octave, cursor.level), &mut model.document);
+        }
         Some(Does::Show(kind)) => model.document.lead(focus, |pane| pane.show(kind)),
         Some(Does::Run(run)) => run(model, engine),
         Some(Does::Change(change)) => return change(model, engine),
@@ -199,21 +199,14 @@ fn show<T: PartialEq>(hidden: &mut Vec<T>, kind: T, shown: bool) {
 
 fn set_pane(action: Action, document: &mut Document) {
     use Action as A;
+    document.playing &= !matches!(action, A::SetFrame(..) | A::SetSlope(..) | A::SetScale(..));
     match action {
         A::Focus(id) => document.panes.set_focus(id),
         A::Rearrange(arrangement) => document.panes.rearrange(arrangement),
         A::MoveView { pane, before, after } => document.move_view(pane, &before, after),
         A::GoTo(side, destination) => document.go_to(side, &destination),
-        A::SetFrame(id, frame) => {
-            document.playing = false;
-            document.show_frame(id, frame);
-        }
-        A::PlayFrame(id, frame) => document.show_frame(id, frame),
-        A::SetSlope(id, slope) => {
-            document.playing = false;
-            document.show_slope(id, slope);
-        }
-        A::PlaySlope(id, slope) => document.show_slope(id, slope),
+        A::SetFrame(id, frame) | A::PlayFrame(id, frame) => document.show_frame(id, frame),
+        A::SetSlope(id, slope) | A::PlaySlope(id, slope) => document.show_slope(id, slope),
         A::SetScale(id, octave, level) | A::PlayScale(id, octave, level) => document.lead(id, |pane| {
             (pane.cursor.octave, pane.cursor.level) = (octave, level);
             pane.show_scale();

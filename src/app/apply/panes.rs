@@ -1,7 +1,7 @@
 //! Panes and their pictures: the arrangement, playing through the slopes, pictures that come, and their value ranges.
 
 use crate::app::apply::{methods, params};
-use crate::app::document::cursor::{Cursor, ViewKind, back_and_forth};
+use crate::app::document::cursor::{Cursor, PlayOver, ViewKind, back_and_forth};
 use crate::app::document::look::RangeClass;
 use crate::app::document::panes::{Change, Destination, Visibility};
 use crate::app::document::side::Side;
@@ -38,14 +38,13 @@ pub fn go_to_selected(model: &mut Model) {
 
 pub fn auto_contrast(model: &mut Model) {
     let Some(picture) = Read::of(model).picture().cloned() else { return };
-    let ranges = model.document.focused_ranges_mut();
-    ranges.forget();
-    ranges.fix_once(&picture);
+    model.document.focused_ranges_mut().take_percentiles(&picture);
 }
 
 pub fn toggle_play(model: &mut Model) {
     model.document.playing = !model.document.playing;
-    model.shell.play = Play { step: Read::of(model).sweep().1, due: None };
+    let (_, step, _) = Read::of(model).sweep();
+    model.shell.play = Play { step, due: None };
 }
 
 /// The action that shows the next picture, if it is due, while pictures are played, and the time after which to ask again.
@@ -57,13 +56,12 @@ pub(in crate::app) fn step_play(model: &mut Model) -> Option<(Option<Action>, Du
     let due = model.shell.play.due.is_none_or(|due| now >= due);
     // The next picture waits for this one, so that a slow machine plays slowly and skips none.
     let next = (due && Read::of(model).pictures_are_current()).then(|| {
-        let (mut sweep, _) = Read::of(model).sweep();
         let step = model.shell.play.step + 1;
         model.shell.play = Play { step, due: Some(now + every) };
-        let count = sweep.len();
+        let (count, _, action) = Read::of(model).sweep();
         // Frames begin again, as a film does; slopes and scales go back, so that the picture never jumps.
-        let is_film = matches!(sweep.first(), Some(Action::PlayFrame(..)));
-        (count > 0).then(|| sweep.swap_remove(if is_film { step % count } else { back_and_forth(step, count) }))
+        let is_film = Read::of(model).played() == PlayOver::Frames;
+        (count > 0).then(|| action(if is_film { step % count } else { back_and_forth(step, count) }))
     });
     Some((next.flatten(), every / 4))
 }

@@ -107,11 +107,11 @@ pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool
     }
 }
 
-/// What is played.
+/// Pictures that playing steps through.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlayOver {
-    /// What the pane in focus shows: frames if it shows one, else slopes.
+    /// Frames if the pane in focus shows one, else slopes.
     #[default]
     Shown,
     Frames,

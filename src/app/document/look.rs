@@ -80,11 +80,14 @@ impl Ranges {
 
     /// Sets the range of the picture's class from its percentiles, but lets another picture set it again.
     pub fn propose(&mut self, picture: &PictureAnswer) {
-        let class = RangeClass::of(&picture.request);
-        if self.fixed_mut(class).is_none_or(|fixed| *fixed) {
-            return;
+        if self.fixed_mut(RangeClass::of(&picture.request)).is_some_and(|fixed| !*fixed) {
+            self.take_percentiles(picture);
         }
-        let display = self.display_mut(class);
+    }
+
+    /// Sets the range of the picture's class from its percentiles, also where the user chose another.
+    pub fn take_percentiles(&mut self, picture: &PictureAnswer) {
+        let display = self.display_mut(RangeClass::of(&picture.request));
         *display = display.over_percentiles(&picture.drawn, PERCENTILES);
     }
 

@@ -268,9 +268,9 @@ pub enum MaskShape {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum Hidden {
-    /// What a closed outline goes around.
+    /// The inside of a closed outline.
     Outline(Vec<Pos2>),
-    /// What is no farther from a path than its radius.
+    /// All pixels no farther from a path than its radius.
     Stroke { path: Vec<Pos2>, radius_px: f32 },
 }
 
@@ -294,7 +294,7 @@ pub struct Measure {
     pub line: Option<MeasuredLine>,
     pub region: Option<MeasuredRegion>,
     pub drag: Option<(PaneId, Pos2)>,
-    /// What the frames do not show; the last one is being drawn during a drag.
+    /// Parts of the mask, in the order drawn; during a drag the last one is being drawn.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hidden: Vec<Hidden>,
 }

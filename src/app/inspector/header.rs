@@ -172,7 +172,7 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
     let number = model.document.panes.number(id).filter(|_| model.document.panes.are_many());
     let name = number.map_or_else(|| "Contrast".to_owned(), |number| format!("Contrast of pane {number}"));
     let tip = "Values that are black and white, as fractions of full scale. Drag sideways to make the picture darker or \
-               brighter, up and down for less or more contrast; click for numbers and percentiles";
+               brighter, up and down for more or less contrast; click for numbers and percentiles";
     let before = model.display_of(id);
     let mut display = before;
     let range = match has_range {
@@ -208,6 +208,7 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
         }
         if ui.button("Histogram, colours…").on_hover_text("Open the panel Display").clicked() {
             queue.push(Action::SetPanels(Panels { right: Visibility::Open, ..model.document.panels }));
+            ui.close();
         }
     });
     if display != before {

@@ -16,12 +16,12 @@ use std::borrow::Cow;
 use std::sync::Arc;
 
 impl<'a> Read<'a> {
-    /// What is played of the pane in focus: the actions that show its pictures in order, and the place of that on show.
-    pub fn sweep(self) -> (Vec<Action>, usize) {
+    /// Pictures that are played in the pane in focus: how many, the place of that on show, and the action for a place.
+    pub fn sweep(self) -> (usize, usize, Box<dyn Fn(usize) -> Action + 'a>) {
         let (id, cursor, params) = (self.document.focus(), *self.document.cursor(), self.cursor_params());
         match self.played() {
             PlayOver::Frames => {
-                ((0..self.focused_frame_count()).map(|frame| Action::PlayFrame(id, frame)).collect(), cursor.frame)
+                (self.focused_frame_count(), cursor.frame, Box::new(move |frame| Action::PlayFrame(id, frame)))
             }
             PlayOver::Scales => {
                 let levels = 0..params.levels as i32;
@@ -29,11 +29,11 @@ impl<'a> Read<'a> {
                     .flat_map(|octave| levels.clone().map(move |level| (octave, level)))
                     .collect();
                 let here = scales.iter().position(|scale| *scale == (cursor.octave, cursor.level)).unwrap_or(0);
-                (scales.into_iter().map(|(octave, level)| Action::PlayScale(id, octave, level)).collect(), here)
+                (scales.len(), here, Box::new(move |place| Action::PlayScale(id, scales[place].0, scales[place].1)))
             }
             PlayOver::Slopes | PlayOver::Shown => {
                 let (slopes, here) = row_of(&params.slopes, cursor.slope);
-                (slopes.into_iter().map(|slope| Action::PlaySlope(id, slope)).collect(), here)
+                (slopes.len(), here, Box::new(move |place| Action::PlaySlope(id, slopes[place])))
             }
         }
     }
