@@ -207,9 +207,9 @@ Files in DIR:
   records/NAME.png.json      what is finished: its frames with their lengths, times and checksums
 
 Camera file: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each. One camera is shared by all images;
-without one, COLMAP's guess is taken. Models: SIMPLE_PINHOLE f,cx,cy;
-PINHOLE fx,fy,cx,cy; SIMPLE_RADIAL f,cx,cy,k; OPENCV fx,fy,cx,cy,k1,k2,p1,p2. The centre of the first pixel is at (0.5, 0.5). With a known camera matches are
-verified by the essential matrix, otherwise by the fundamental matrix.
+without one, COLMAP's guess is taken. Models: all of COLMAP's up to
+RAD_TAN_THIN_PRISM_FISHEYE, with its parameters in its order: SIMPLE_PINHOLE f,cx,cy; PINHOLE fx,fy,cx,cy; SIMPLE_RADIAL f,cx,cy,k; OPENCV fx,fy,cx,cy,k1,k2,p1,p2;
+OPENCV_FISHEYE fx,fy,cx,cy,k1,k2,k3,k4; …. The centre of the first pixel is at (0.5, 0.5). With a known camera matches are verified by the essential matrix, otherwise by the fundamental matrix.
 
 JSON (--json):
   {\"version\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",

@@ -104,7 +104,8 @@ fn nothing_found_says_which_setting_to_change() {
 fn a_detection_is_cancelled_and_the_window_goes_on() {
     let folder = tempfile::tempdir().unwrap();
     let mut start = Start::of(&noisy_stack(folder.path(), 12, 700, 900));
-    start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 17, -4.0..=4.0, 17).into();
+    // Many slopes, of which a cancelled search takes only the first.
+    start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 49, -4.0..=4.0, 49).into();
     let mut window = start.open();
     window.click("Detect");
     window.wait("the detection runs", |app| app.model.results.slots.a.detecting.is_pending());
@@ -119,6 +120,12 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     window.wait("the detection ends", |app| !app.model.results.slots.a.detecting.is_pending());
     assert!(window.app().model.results.slots.a.found.is_none());
     assert!(window.shows("Detection cancelled"));
+    window.settle();
+    window.click("Detect");
+    window.wait("it runs again", |app| app.model.results.slots.a.detecting.is_pending());
+    window.harness.key_press(Key::Escape);
+    window.wait("the key ends it", |app| !app.model.results.slots.a.detecting.is_pending());
+    assert!(window.app().model.results.slots.a.found.is_none());
     window.settle();
 }
 

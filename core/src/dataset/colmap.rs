@@ -18,8 +18,8 @@ use crate::files::serialize_path;
 use crate::matching::align::Measured;
 use crate::matching::aligned::{Alignment, Inlier, Moved, Seen};
 use crate::matching::{
-    Blob, Camera, CameraModel, Geometry, MatchCounts, MatchParams, PairSelection, Pictures, Refusal, TwoViewModel,
-    Unaligned, Verification,
+    Blob, Camera, Geometry, MatchCounts, MatchParams, PairSelection, Pictures, Refusal, TwoViewModel, Unaligned,
+    Verification,
 };
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
@@ -243,7 +243,7 @@ fn add_burst(
         Some(index) => index as u32 + 1,
         None => {
             let Camera { model, width, height, params } = camera.clone();
-            let (model_id, prior_focal_length) = (model_id(model), report.known_camera);
+            let (model_id, prior_focal_length) = (model.id(), report.known_camera);
             let id = database.add_camera(&DatabaseCamera { model_id, width, height, params, prior_focal_length })?;
             report.cameras.push(camera);
             id
@@ -397,15 +397,6 @@ impl ColmapJob {
             ));
         }
         Ok(matching)
-    }
-}
-
-fn model_id(model: CameraModel) -> u32 {
-    match model {
-        CameraModel::SimplePinhole => 0,
-        CameraModel::Pinhole => 1,
-        CameraModel::SimpleRadial => 2,
-        CameraModel::OpenCv => 4,
     }
 }
 

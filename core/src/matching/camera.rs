@@ -24,22 +24,71 @@ pub enum CameraModel {
     Pinhole,
     /// f, cx, cy, k: radial distortion by 1 + k·r².
     SimpleRadial,
+    /// f, cx, cy, k1, k2: radial distortion by 1 + k1·r² + k2·r⁴.
+    Radial,
     /// fx, fy, cx, cy, k1, k2, p1, p2: radial distortion by 1 + k1·r² + k2·r⁴, and tangential distortion, as in OpenCV.
     #[serde(rename = "OPENCV")]
     #[cfg_attr(feature = "cli", value(name = "OPENCV"))]
     OpenCv,
+    /// fx, fy, cx, cy, k1, k2, k3, k4: an equidistant fisheye, whose angle θ is distorted by 1 + k1·θ² + … + k4·θ⁸.
+    #[serde(rename = "OPENCV_FISHEYE")]
+    #[cfg_attr(feature = "cli", value(name = "OPENCV_FISHEYE"))]
+    OpenCvFisheye,
+    /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, k5, k6: as `OPENCV`, with a radial distortion that is a ratio of two
+    /// polynomials: 1 + k1·r² + k2·r⁴ + k3·r⁶ over 1 + k4·r² + k5·r⁴ + k6·r⁶.
+    #[serde(rename = "FULL_OPENCV")]
+    #[cfg_attr(feature = "cli", value(name = "FULL_OPENCV"))]
+    FullOpenCv,
+    /// fx, fy, cx, cy, omega: field of view ω in radians (Devernay and Faugeras 2001).
+    Fov,
+    /// f, cx, cy, k: an equidistant fisheye, whose angle θ is distorted by 1 + k·θ².
+    SimpleRadialFisheye,
+    /// f, cx, cy, k1, k2: an equidistant fisheye, whose angle θ is distorted by 1 + k1·θ² + k2·θ⁴.
+    RadialFisheye,
+    /// fx, fy, cx, cy, k1, k2, p1, p2, k3, k4, sx1, sy1: a fisheye with tangential and thin-prism distortion.
+    ThinPrismFisheye,
+    /// fx, fy, cx, cy, k0 … k5, p0, p1, s0 … s3: a fisheye whose tangential and thin-prism distortion follow the radial.
+    RadTanThinPrismFisheye,
 }
 
 impl CameraModel {
-    /// All models.
-    pub const ALL: [Self; 4] = [Self::SimplePinhole, Self::Pinhole, Self::SimpleRadial, Self::OpenCv];
+    /// All models, in the order of COLMAP's numbers.
+    pub const ALL: [Self; 12] = [
+        Self::SimplePinhole,
+        Self::Pinhole,
+        Self::SimpleRadial,
+        Self::Radial,
+        Self::OpenCv,
+        Self::OpenCvFisheye,
+        Self::FullOpenCv,
+        Self::Fov,
+        Self::SimpleRadialFisheye,
+        Self::RadialFisheye,
+        Self::ThinPrismFisheye,
+        Self::RadTanThinPrismFisheye,
+    ];
 
-    fn names(self) -> (&'static str, &'static [&'static str]) {
+    /// Number of the model in COLMAP's databases and binary models.
+    pub fn id(self) -> u32 {
+        self as u32
+    }
+
+    fn names(self) -> (&'static str, &'static str) {
         match self {
-            Self::SimplePinhole => ("SIMPLE_PINHOLE", &["f", "cx", "cy"]),
-            Self::Pinhole => ("PINHOLE", &["fx", "fy", "cx", "cy"]),
-            Self::SimpleRadial => ("SIMPLE_RADIAL", &["f", "cx", "cy", "k"]),
-            Self::OpenCv => ("OPENCV", &["fx", "fy", "cx", "cy", "k1", "k2", "p1", "p2"]),
+            Self::SimplePinhole => ("SIMPLE_PINHOLE", "f cx cy"),
+            Self::Pinhole => ("PINHOLE", "fx fy cx cy"),
+            Self::SimpleRadial => ("SIMPLE_RADIAL", "f cx cy k"),
+            Self::Radial => ("RADIAL", "f cx cy k1 k2"),
+            Self::OpenCv => ("OPENCV", "fx fy cx cy k1 k2 p1 p2"),
+            Self::OpenCvFisheye => ("OPENCV_FISHEYE", "fx fy cx cy k1 k2 k3 k4"),
+            Self::FullOpenCv => ("FULL_OPENCV", "fx fy cx cy k1 k2 p1 p2 k3 k4 k5 k6"),
+            Self::Fov => ("FOV", "fx fy cx cy omega"),
+            Self::SimpleRadialFisheye => ("SIMPLE_RADIAL_FISHEYE", "f cx cy k"),
+            Self::RadialFisheye => ("RADIAL_FISHEYE", "f cx cy k1 k2"),
+            Self::ThinPrismFisheye => ("THIN_PRISM_FISHEYE", "fx fy cx cy k1 k2 p1 p2 k3 k4 sx1 sy1"),
+            Self::RadTanThinPrismFisheye => {
+                ("RAD_TAN_THIN_PRISM_FISHEYE", "fx fy cx cy k0 k1 k2 k3 k4 k5 p0 p1 s0 s1 s2 s3")
+            }
         }
     }
 
@@ -48,8 +97,8 @@ impl CameraModel {
         self.names().0
     }
 
-    pub(crate) fn param_names(self) -> &'static [&'static str] {
-        self.names().1
+    pub(crate) fn param_names(self) -> Vec<&'static str> {
+        self.names().1.split(' ').collect()
     }
 }
 
@@ -67,36 +116,74 @@ pub struct Camera {
     pub params: Vec<f64>,
 }
 
+/// Angle of a ray off the axis as a lens maps it: its tangent is r = √(x² + y²).
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+enum Lens {
+    /// The tangent itself.
+    #[default]
+    Straight,
+    /// The angle.
+    Equidistant,
+    /// By a field of view ω, radians.
+    FieldOfView(f64),
+}
+
+/// Distortion by a lens and polynomials of r² after it. Those that a model lacks are 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Distortion {
-    k1: f64,
-    k2: f64,
-    p1: f64,
-    p2: f64,
+    lens: Lens,
+    /// Radial: 1 + first·r² + second·r⁴ + …, over the same of `divisor`.
+    radial: [f64; 6],
+    divisor: [f64; 3],
+    /// p1 and p2 as in OpenCV.
+    tangential: [f64; 2],
+    /// Thin prism: of r² and r⁴ along x, then along y.
+    prism: [f64; 4],
+    /// Whether tangential and thin-prism distortion are of the place that the radial one leads to.
+    is_after_radial: bool,
+}
+
+/// atan(r) / r, 1 at 0.
+fn atan_over(r: f64) -> f64 {
+    if r < 1e-8 { 1.0 } else { r.atan() / r }
 }
 
 impl Distortion {
     /// The distorted position of the direction (x, y, 1).
     fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        let r2 = x * x + y * y;
-        let radial = 1.0 + r2 * (self.k1 + r2 * self.k2);
+        let bent = match self.lens {
+            Lens::Straight => 1.0,
+            Lens::Equidistant => atan_over(x.hypot(y)),
+            Lens::FieldOfView(omega) => {
+                let twice = 2.0 * (0.5 * omega).tan();
+                twice / omega * atan_over(twice * x.hypot(y))
+            }
+        };
+        let [x, y] = [x * bent, y * bent];
+        let square = |[x, y]: [f64; 2]| x * x + y * y;
+        let r2 = square([x, y]);
+        let polynomial = |of: &[f64]| 1.0 + of.iter().rev().fold(0.0, |sum, k| r2 * (k + sum));
+        let radial = polynomial(&self.radial) / polynomial(&self.divisor);
+        let scaled = [x * radial, y * radial];
+        let at = if self.is_after_radial { scaled } else { [x, y] };
+        let ([x, y], r2) = (at, square(at));
+        let ([p1, p2], [x2, x4, y2, y4]) = (self.tangential, self.prism);
         [
-            x * radial + 2.0 * self.p1 * x * y + self.p2 * (r2 + 2.0 * x * x),
-            y * radial + self.p1 * (r2 + 2.0 * y * y) + 2.0 * self.p2 * x * y,
+            scaled[0] + 2.0 * p1 * x * y + p2 * (r2 + 2.0 * x * x) + r2 * (x2 + r2 * x4),
+            scaled[1] + p1 * (r2 + 2.0 * y * y) + 2.0 * p2 * x * y + r2 * (y2 + r2 * y4),
         ]
     }
 
-    /// By rows, the derivatives of [`Self::apply`] with respect to x and y.
+    /// By rows, the derivatives of [`Self::apply`] with respect to x and y: by differences, alike for all models. Newton's
+    /// method needs no more digits of them, as its result is judged by `apply`.
     fn jacobian(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
-        let r2 = x * x + y * y;
-        let radial = 1.0 + r2 * (self.k1 + r2 * self.k2);
-        // Twice the derivative of `radial` with respect to r².
-        let slope = 2.0 * (self.k1 + 2.0 * r2 * self.k2);
-        let mixed = x * y * slope + 2.0 * self.p1 * x + 2.0 * self.p2 * y;
-        [
-            [radial + x * x * slope + 2.0 * self.p1 * y + 6.0 * self.p2 * x, mixed],
-            [mixed, radial + y * y * slope + 6.0 * self.p1 * y + 2.0 * self.p2 * x],
-        ]
+        let step = 1e-6 * (1.0 + x.abs().max(y.abs()));
+        let along = |[dx, dy]: [f64; 2]| {
+            let [[ax, ay], [bx, by]] = [1.0, -1.0].map(|sign| self.apply([x + sign * dx, y + sign * dy]));
+            [(ax - bx) / (2.0 * step), (ay - by) / (2.0 * step)]
+        };
+        let ([a, c], [b, d]) = (along([step, 0.0]), along([0.0, step]));
+        [[a, b], [c, d]]
     }
 
     /// The (x, y) that [`Self::apply`] maps to `distorted`, by Newton's method; else the closest one reached.
@@ -156,33 +243,64 @@ impl Camera {
         Ok(())
     }
 
-    /// fx, fy, cx, cy in COLMAP's convention, pixels.
-    fn pinhole(&self) -> [f64; 4] {
-        let p = &self.params;
-        match self.model {
-            CameraModel::SimplePinhole | CameraModel::SimpleRadial => [p[0], p[0], p[1], p[2]],
-            CameraModel::Pinhole | CameraModel::OpenCv => [p[0], p[1], p[2], p[3]],
+    /// fx, fy, cx, cy in COLMAP's convention, pixels; and the parameters after them.
+    fn pinhole(&self) -> ([f64; 4], &[f64]) {
+        match (self.model.names().1.starts_with("f "), &self.params[..]) {
+            (true, &[f, cx, cy, ref rest @ ..]) => ([f, f, cx, cy], rest),
+            (false, &[fx, fy, cx, cy, ref rest @ ..]) => ([fx, fy, cx, cy], rest),
+            _ => unreachable!("a camera that is used was validated"),
         }
     }
 
     fn distortion(&self) -> Distortion {
-        let p = &self.params;
-        match self.model {
-            CameraModel::SimplePinhole | CameraModel::Pinhole => Distortion::default(),
-            CameraModel::SimpleRadial => Distortion { k1: p[3], ..Distortion::default() },
-            CameraModel::OpenCv => Distortion { k1: p[4], k2: p[5], p1: p[6], p2: p[7] },
+        use CameraModel as M;
+        let (_, rest) = self.pinhole();
+        let lens = match self.model {
+            M::OpenCvFisheye | M::SimpleRadialFisheye | M::RadialFisheye => Lens::Equidistant,
+            M::ThinPrismFisheye | M::RadTanThinPrismFisheye => Lens::Equidistant,
+            M::Fov if rest[0] != 0.0 => Lens::FieldOfView(rest[0]),
+            _ => Lens::Straight,
+        };
+        let (mut radial, plain) = ([0.0; 6], Distortion { lens, ..Distortion::default() });
+        match (self.model, rest) {
+            (M::Fov, _) => plain,
+            (M::OpenCv | M::FullOpenCv | M::ThinPrismFisheye, &[k1, k2, p1, p2, ref more @ ..]) => {
+                (radial[0], radial[1]) = (k1, k2);
+                let bent = Distortion { radial, tangential: [p1, p2], ..plain };
+                match (self.model, more) {
+                    (M::FullOpenCv, &[k3, k4, k5, k6]) => {
+                        radial[2] = k3;
+                        Distortion { radial, divisor: [k4, k5, k6], ..bent }
+                    }
+                    (M::ThinPrismFisheye, &[k3, k4, sx1, sy1]) => {
+                        (radial[2], radial[3]) = (k3, k4);
+                        Distortion { radial, prism: [sx1, 0.0, sy1, 0.0], ..bent }
+                    }
+                    _ => bent,
+                }
+            }
+            // Here the first is along x: the other way round.
+            (M::RadTanThinPrismFisheye, &[.., p0, p1, s0, s1, s2, s3]) => {
+                radial.copy_from_slice(&rest[..6]);
+                let (tangential, prism) = ([p1, p0], [s0, s1, s2, s3]);
+                Distortion { radial, tangential, prism, is_after_radial: true, ..plain }
+            }
+            (_, coefficients) => {
+                radial[..coefficients.len()].copy_from_slice(coefficients);
+                Distortion { radial, ..plain }
+            }
         }
     }
 
     /// Focal lengths (fx, fy), pixels.
     pub fn focal_px(&self) -> [f64; 2] {
-        let [fx, fy, ..] = self.pinhole();
+        let ([fx, fy, ..], _) = self.pinhole();
         [fx, fy]
     }
 
     /// The matrix K from directions (x, y, 1) to pixels (u, v, 1) in Burstscope's convention, without distortion.
     pub fn matrix(&self) -> Matrix3<f64> {
-        let [fx, fy, cx, cy] = self.pinhole();
+        let ([fx, fy, cx, cy], _) = self.pinhole();
         Matrix3::new(fx, 0.0, cx - FIRST_PIXEL, 0.0, fy, cy - FIRST_PIXEL, 0.0, 0.0, 1.0)
     }
 
@@ -191,15 +309,16 @@ impl Camera {
         self.distortion() == Distortion::default()
     }
 
-    /// The direction (x, y, 1) seen at the pixel (u, v), undistorted. Panics if [`Self::validate`] refuses the camera.
+    /// The direction (x, y, 1) seen at the pixel (u, v), undistorted; far out for rays of a fisheye from 90° off its axis
+    /// on, which have no such direction. Panics if [`Self::validate`] refuses the camera.
     pub fn direction_of(&self, [u, v]: [f64; 2]) -> [f64; 2] {
-        let [fx, fy, cx, cy] = self.pinhole();
+        let ([fx, fy, cx, cy], _) = self.pinhole();
         self.distortion().remove([(u + FIRST_PIXEL - cx) / fx, (v + FIRST_PIXEL - cy) / fy])
     }
 
     /// The pixel (u, v) at which the direction (x, y, 1) is seen. Panics for a camera that [`Self::validate`] refuses.
     pub fn pixel_of(&self, direction: [f64; 2]) -> [f64; 2] {
-        let [fx, fy, cx, cy] = self.pinhole();
+        let ([fx, fy, cx, cy], _) = self.pinhole();
         let [x, y] = self.distortion().apply(direction);
         [fx * x + cx - FIRST_PIXEL, fy * y + cy - FIRST_PIXEL]
     }

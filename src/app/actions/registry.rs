@@ -319,7 +319,7 @@ actions! {
     LevelUp, Cursor 2, "Next level", [NONE PageUp], "Go one level up in the octave" => Scale(|cursor| cursor.level += 1), when when::has_burst;
 
     Detect, Detect 0, "Detect", [NONE D], "Find features with these parameters" => Run(change::detect), when when::can_detect;
-    Cancel, Detect 0, "Cancel", [], "Stop the detection or the opening" => Run(|model, _| Read::of(model).cancel_searches()), when |model| model.is_searching();
+    Cancel, Detect 0, "Cancel", [NONE Escape], "Stop the detection or the opening" => Run(|model, _| Read::of(model).cancel_searches()), when |model| model.is_searching();
     AutoDetect, Detect 0, "Detect after each change", [NONE A], "Detect by itself whenever a parameter or the burst changes" => Switch(auto_detect);
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame" => Set(change::search_line), on when::searches_line;
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: those that are set or were found, and some to both sides of them" => Run(change::search_plane), on when::searches_plane;
@@ -443,7 +443,8 @@ mod tests {
         for action in ACTIONS {
             assert!(labels.insert(action.label), "{} twice", action.label);
             assert!(!action.help.is_empty() && !action.help.ends_with('.'), "{}", action.label);
-            if let Some(shortcut) = action.shortcut {
+            // Escape ends the first of its actions that is possible: a search before a selection.
+            if let Some(shortcut) = action.shortcut.filter(|_| action.id != ActionId::Cancel) {
                 assert!(shortcuts.insert(format!("{shortcut:?}")), "{} has another's keys", action.label);
             }
             assert_eq!(action.id.action().label, action.label);

@@ -127,16 +127,18 @@ pub fn draws_features(model: Read<'_>) -> bool {
     (model.document.workspace.record().draws_features)(model.document)
 }
 
-fn given_grid(model: Read<'_>) -> Option<SlopeGrid> {
-    model.document.params.slopes.given().filter(|_| model.document.params.method == Method::Buff)
+/// The slopes that are given, or were found.
+fn searched_grid(model: Read<'_>) -> Option<SlopeGrid> {
+    let is_known = model.document.params.method == Method::Buff && model.knows_slopes(Side::A);
+    is_known.then(|| model.grid_of(Side::A))
 }
 
 pub fn searches_line(model: Read<'_>) -> bool {
-    given_grid(model).is_some_and(|grid| !grid.is_plane() && grid.len() > 1)
+    searched_grid(model).is_some_and(|grid| !grid.is_plane() && grid.len() > 1)
 }
 
 pub fn searches_plane(model: Read<'_>) -> bool {
-    given_grid(model).is_some_and(|grid| grid.is_plane())
+    searched_grid(model).is_some_and(|grid| grid.is_plane())
 }
 
 /// The place under the pointer, or else the middle of what is seen of the picture in focus; with its side.

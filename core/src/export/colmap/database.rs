@@ -21,7 +21,7 @@ pub const MAX_IMAGE_ID: u64 = 2_147_483_647;
 /// Intrinsics of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DatabaseCamera {
-    /// COLMAP's number of the model: 0 SIMPLE_PINHOLE, 1 PINHOLE, 2 SIMPLE_RADIAL, 4 OPENCV, ….
+    /// COLMAP's number of the model.
     pub model_id: u32,
     /// Columns of its images.
     pub width: usize,

@@ -82,6 +82,46 @@ mod camera {
         assert!((u - (500.0 * x + 320.5)).abs() < 1e-9 && (v - (510.0 * y + 238.5)).abs() < 1e-9);
     }
 
+    /// Where pycolmap 4.2.1 sees (0.4, −0.3, 1) and (−0.05, 0.6, 1), in COLMAP's convention.
+    #[rustfmt::skip]
+    const SEEN_BY_COLMAP: [(&str, [f64; 4]); 8] = [
+            ("RADIAL 640 480 500 320 240 -0.2 0.05", [510.625, 97.03125, 296.648242187, 520.22109375]),
+            ("OPENCV_FISHEYE 640 480 300 310 320 240 0.05 -0.01 0.003 -0.001", [432.423121446, 152.872080879, 306.310559332, 409.749064289]),
+            ("FULL_OPENCV 640 480 500 510 320 240 -0.2 0.05 0.001 -0.0005 0.02 -0.1 0.03 0.004", [514.926547406, 90.960878735, 295.726877588, 536.178643327]),
+            ("FOV 640 480 400 410 320 240 0.9", [480.0, 117.0, 300.554938052, 479.174261962]),
+            ("SIMPLE_RADIAL_FISHEYE 640 480 300 320 240 -0.03", [430.557802796, 157.081647903, 306.617085557, 400.594973316]),
+            ("RADIAL_FISHEYE 640 480 300 320 240 -0.03 0.008", [430.598940623, 157.050794533, 306.607767775, 400.706786705]),
+            ("THIN_PRISM_FISHEYE 640 480 300 310 320 240 0.03 -0.01 0.0006 -0.0004 0.002 -0.0005 0.001 -0.002", [431.912247788, 153.204699563, 306.433793763, 408.749042324]),
+            ("RAD_TAN_THIN_PRISM_FISHEYE 640 480 300 310 320 240 0.03 -0.01 0.004 -0.002 0.0005 -0.0001 0.0006 -0.0004 0.001 -0.0003 -0.002 0.0005", [432.120960655, 153.029356157, 306.531522404, 408.477834274]),
+    ];
+
+    #[test]
+    fn each_model_of_colmap_sees_what_it_sees_there_and_is_undone() {
+        for (text, [u_0, v_0, u_1, v_1]) in SEEN_BY_COLMAP {
+            let camera: Camera = text.parse().expect("a camera");
+            assert!(!camera.is_straight());
+            for (direction, [u, v]) in [([0.4, -0.3], [u_0, v_0]), ([-0.05, 0.6], [u_1, v_1])] {
+                let at = camera.pixel_of(direction);
+                assert!((at[0] + 0.5 - u).abs() < 1e-6 && (at[1] + 0.5 - v).abs() < 1e-6, "{text}: {at:?}");
+                let [x, y] = camera.direction_of(at);
+                assert!((x - direction[0]).abs() < 1e-9 && (y - direction[1]).abs() < 1e-9, "{text}: {x} {y}");
+            }
+            assert_eq!(camera.pixel_of([0.0, 0.0]), [camera.matrix()[(0, 2)], camera.matrix()[(1, 2)]]);
+        }
+        let numbers: Vec<u32> = CameraModel::ALL.iter().map(|model| model.id()).collect();
+        assert_eq!(numbers, (0..12).collect::<Vec<u32>>());
+    }
+
+    #[test]
+    fn beyond_the_edge_of_a_fisheye_nothing_is_endless() {
+        for model in ["OPENCV_FISHEYE 640 480 100 100 320 240 0 0 0 0", "FOV 640 480 100 100 320 240 1.5"] {
+            let camera: Camera = model.parse().expect("a camera");
+            for pixel in [[0.0, 0.0], [639.0, 479.0], [320.0, 479.0]] {
+                assert!(camera.direction_of(pixel).iter().all(|x| x.is_finite()), "{model}");
+            }
+        }
+    }
+
     #[test]
     fn text_is_read_back_and_nonsense_says_what_is_right() {
         for text in ["SIMPLE_PINHOLE 8 6 5 4 3", "SIMPLE_RADIAL 8 6 5 4 3 -0.1", &opencv().to_string()] {
@@ -119,7 +159,9 @@ mod camera {
     proptest! {
         #[test]
         fn directions_and_pixels_are_inverse(u in -0.5f64..639.5, v in -0.5f64..479.5) {
-            for camera in [opencv(), Camera::centred(640, 480, 700.0), "SIMPLE_RADIAL 640 480 500 320 240 0.1".parse().expect("a camera")] {
+            let of_colmap = SEEN_BY_COLMAP.iter().map(|(text, _)| text.parse().expect("a camera"));
+            let simple = "SIMPLE_RADIAL 640 480 500 320 240 0.1".parse().expect("a camera");
+            for camera in of_colmap.chain([opencv(), Camera::centred(640, 480, 700.0), simple]) {
                 let [back_u, back_v] = camera.pixel_of(camera.direction_of([u, v]));
                 prop_assert!((back_u - u).abs() < 1e-8 && (back_v - v).abs() < 1e-8, "{} {}", back_u, back_v);
             }
