@@ -70,6 +70,13 @@ pub struct Burst {
 
 impl Burst {
     /// Makes a burst from planes in memory. Panics if there is none, or the sizes differ. (The opener checks files.)
+    ///
+    /// ```
+    /// use burstscope_core::{Burst, Plane};
+    /// let point = |t: usize| Plane::from_fn(64, 48, |u, v| if (u, v) == (20 + t, 24) { 1.0 } else { 0.0 });
+    /// let burst = Burst::from_planes("a point moves right", (0..5).map(point).collect());
+    /// assert_eq!((burst.len(), burst.size(), burst.frames[4].at(24, 24)), (5, (64, 48), 1.0));
+    /// ```
     pub fn from_planes(name: impl Into<String>, frames: Vec<Plane>) -> Self {
         assert!(!frames.is_empty(), "a burst has at least one frame");
         assert!(frames.iter().all(|f| f.size() == frames[0].size()), "all frames of a burst have one size");

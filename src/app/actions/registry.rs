@@ -107,9 +107,7 @@ pub struct ActionRow {
 /// Plain doings of actions.
 #[derive(Debug, Clone, Copy)]
 pub enum Does {
-    /// Asks for files.
     Ask(Purpose),
-    /// Opens a burst as A.
     Open(fn() -> BurstSource),
     Workspace(Workspace),
     LayOut(Preset),

@@ -107,7 +107,6 @@ pub fn stepped(grid: &SlopeGrid, slope: Slope, along_second: bool, forward: bool
     }
 }
 
-/// What is played.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PlayOver {
