@@ -3,6 +3,18 @@
 //! All code that knows file formats is in this module; the detector sees only the frames. [`find_bursts`] lists the
 //! bursts that an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens
 //! one of them, and [`Burst::from_arrays`] makes one of arrays in memory.
+//!
+//! ```
+//! use burstscope_core::{Burst, Plane, export::write_tiff};
+//! let night = tempfile::tempdir()?;
+//! for t in 0..3usize {
+//!     let frame = Plane::from_fn(8, 6, |u, _| (u + t) as f32 / 10.0);
+//!     write_tiff(&night.path().join(format!("{t}.tiff")), &frame)?;
+//! }
+//! let burst = Burst::open(night.path())?;
+//! assert_eq!((burst.len(), burst.frames[2].at(7, 0)), (3, 0.9));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod arrays;
 mod error;

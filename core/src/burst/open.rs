@@ -23,18 +23,6 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 impl Burst {
     /// Opens a folder of frames, a picture, a multi-page TIFF or a `.npy` stack with the default options.
-    ///
-    /// ```
-    /// use burstscope_core::{Burst, Plane, export::write_tiff};
-    /// let night = tempfile::tempdir()?;
-    /// for t in 0..3usize {
-    ///     let frame = Plane::from_fn(8, 6, |u, _| (u + t) as f32 / 10.0);
-    ///     write_tiff(&night.path().join(format!("{t}.tiff")), &frame)?;
-    /// }
-    /// let burst = Burst::open(night.path())?;
-    /// assert_eq!((burst.len(), burst.frames[2].at(7, 0)), (3, 0.9));
-    /// # Ok::<(), Box<dyn std::error::Error>>(())
-    /// ```
     pub fn open(path: impl AsRef<Path>) -> Result<Self> {
         Self::open_with(&[path.as_ref().to_path_buf()], &OpenOptions::default(), &Monitor::default())
     }
