@@ -56,16 +56,12 @@ impl PartialEq for BurstsOfStudy {
 
 /// Report of a study, complete or partial.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // each is of the study of its name
 pub enum StudyReport {
-    /// Report of [`Study::Chart`].
     Chart(Box<ChartReport>),
-    /// Report of [`Study::Frames`].
     Frames(Box<FramesReport>),
-    /// Report of [`Study::Accuracy`].
     Accuracy(Box<AccuracyReport>),
-    /// Report of [`Study::BurstFrames`].
     BurstFrames(Box<BurstFramesReport>),
-    /// Report of [`Study::Recover`].
     Recover(Box<RecoverReport>),
 }
 

@@ -138,9 +138,9 @@ pub struct StackArgs {
 
 /// Align the frames of a burst and average them into one image: the burst-merge baseline.
 ///
-/// Tiles of each frame are searched for where the middle frame has them, from coarse to fine, and averaged robustly:
-/// what does not fit is left out. Values are fractions of full scale, written as 32-bit float TIFF. 'detect --method
-/// merge' finds the features of this image.
+/// Each tile of the middle frame is looked for in every frame, from coarse to fine, and the tiles are averaged
+/// robustly: those that do not fit are left out. Values are fractions of full scale, written as 32-bit float TIFF.
+/// 'detect --method merge' finds the features of this image.
 #[derive(Debug, Args)]
 pub struct MergeArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
@@ -189,15 +189,15 @@ pub struct OutputArgs {
     /// Print one JSON document on the standard output instead of the summary.
     #[arg(long)]
     pub json: bool,
-    /// Print no summary and show no progress; errors are still told.
+    /// Print no summary and show no progress; errors are still printed.
     #[arg(long, short)]
     pub quiet: bool,
     /// Number of threads; results are the same for any number [default: one for each core].
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs more is
-    /// done in groups of slopes, with the same result, or refused before it starts where that is not enough. A film
-    /// keeps fewer pictures at a time [default: 75%].
+    /// Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger search runs
+    /// in groups of slopes, with the same result, or is refused before it starts. A film keeps fewer pictures at a time
+    /// [default: 75%].
     #[arg(long = memory::OPTION, value_name = "SIZE", value_parser = parse_memory)]
     pub memory: Option<u64>,
 }

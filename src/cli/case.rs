@@ -13,15 +13,15 @@ use std::path::PathBuf;
 
 /// Write a burst, its settings and what is asked of it into one file.
 ///
-/// The file holds the frames, as opened and calibrated, with 16 bits for each pixel, or only what is around a place;
-/// the search, the place, a note, and what is known of the frames' truth. Commands and window open it like a burst, on
-/// any machine; 'detect FILE --params FILE' searches it with the settings in it.
+/// The file holds the frames, opened and calibrated, with 16 bits for each pixel (or only the surroundings of a place),
+/// the search, the place, a note, and the truth of the frames if it is known. Commands and window open it like a burst,
+/// on any machine; 'detect FILE --params FILE' searches it with the settings in it.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = CASE_HELP)]
 pub struct CaseArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
     pub inputs: Vec<PathBuf>,
-    /// The place that is asked about, in pixels at mid-burst: column and row.
+    /// The place of the question, in pixels at mid-burst: column and row.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
     pub at: Option<[f32; 2]>,
     /// Keep only the square of this many pixels to each side of the place.

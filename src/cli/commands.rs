@@ -88,7 +88,7 @@ pub enum Command {
     Probe(ProbeArgs),
     /// Plant things of known strength in a burst, and say which of them the search finds.
     Recover(RecoverArgs),
-    /// Say which part of the features is false: found as often when the frames are in other orders.
+    /// Estimate which part of the features is false, by searching copies whose frames are in other orders.
     Decoys(DecoysArgs),
     /// Write a sweep over slope, scale or frames as an animation.
     #[cfg(feature = "app")]

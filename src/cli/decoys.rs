@@ -10,13 +10,13 @@ use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Say which part of the features is false: found as often when the frames are in other orders.
+/// Estimate which part of the features is false, by searching copies whose frames are in other orders.
 ///
-/// The search runs on the burst, and on copies whose frames are in orders unlike their own, with the noise, the gates
-/// and the slopes of the burst. Nothing moves in a copy as it did, so what is found there is false: noise, and what the
-/// frames show one by one. The answer is the number found in a copy for each found in the burst, for the features from
-/// an SNR on. It tends to be too high, and may exceed 1: in a copy no true feature stands where a false one would be.
-/// Features that hardly move are found in copies too, whether true or not; where they are many, the answer says so.
+/// The copies are searched with the noise, the gates and the slopes of the burst. Nothing moves in them as it did, so
+/// their features are false: noise, or clutter of single frames. The answer is the number of features in a copy for
+/// each feature of the burst, above some SNRs. It tends to be too high, and may exceed 1, because in a copy no true
+/// feature takes the place of a false one. Features that hardly move are found in copies too, true or not; if there are
+/// many, the answer says so.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = DECOYS_HELP)]
 pub struct DecoysArgs {

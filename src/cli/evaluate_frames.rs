@@ -19,10 +19,10 @@ use std::path::{Path, PathBuf};
 
 /// Count what is found with few frames and with many, on charts or in a burst.
 ///
-/// Without INPUT charts of discs are made, of each number of frames, and every method runs on them, as 'evaluate chart'
-/// does it. With INPUT its middle frames are taken as a burst, 2 of them, 3, … all: how many features there are, how
-/// many of them the search of all frames confirms and how many not, how many are false where its truth.json says so,
-/// and, with SECOND, how many matches with as many of its middle frames.
+/// Without INPUT every method runs on charts of discs with each number of frames, as in 'evaluate chart'. With INPUT
+/// its middle frames are taken as a burst: 2 of them, 3, … all. The table has the number of features, how many the
+/// search of all frames confirms, how many are false by its truth.json, and, with SECOND, the matches with as many of
+/// its middle frames.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = FRAMES_HELP)]
 pub struct FramesArgs {

@@ -11,8 +11,8 @@ use std::path::{Path, PathBuf};
 
 /// Compare camera poses that were estimated with the true ones.
 ///
-/// Poses are paired, the estimate is laid on the truth by the best similarity of the camera centres (scale, rotation,
-/// translation; Umeyama 1991), and what is left over is told: the absolute trajectory error of each pose, and the
+/// Poses are paired, and the estimate is laid on the truth by the best similarity of the camera centres (scale,
+/// rotation, translation; Umeyama 1991). Then the errors are: the absolute trajectory error of each pose, and the
 /// relative pose error of the motion from one pose to the next, in translation (the truth's unit of length) and
 /// rotation. Cameras on a straight line leave the rotation about that line open; there the directions in which they
 /// look decide.

@@ -11,10 +11,10 @@ use std::str::FromStr;
 
 /// Remake every figure and table of the paper, from our own material.
 ///
-/// Charts, scenes and trajectories of our own making take the place of the paper's photographs; their truth is known
-/// exactly. Each figure is a picture (SVG) with its numbers beside it (CSV), and index.html shows all of them. What
-/// needs a reconstruction (columns of tables 1 to 3, fig8) is measured where COLMAP is installed, and otherwise said to
-/// be missing. Finished figures are kept: run the command again to go on after an interruption.
+/// Charts, scenes and trajectories of our own making, whose truth is known exactly, take the place of the paper's
+/// photographs. Each figure is a picture (SVG) with its numbers beside it (CSV), and index.html shows all of them.
+/// Where COLMAP is not installed, reconstructions (columns of tables 1 to 3, fig8) are marked as missing. Finished
+/// figures are kept: run the command again to go on after an interruption.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = FIGURES_HELP)]
 pub struct FiguresArgs {
@@ -24,7 +24,7 @@ pub struct FiguresArgs {
     /// Only these, separated by commas: fig1 to fig9, table1 to table3.
     #[arg(long, value_name = "FIGURE,…", value_delimiter = ',', value_parser = PaperFigure::from_str)]
     pub only: Vec<PaperFigure>,
-    /// Use so little material that all is there in a minute: to see what there is, not to measure.
+    /// Use very little material, for a quick look at all figures and not to measure.
     #[arg(long)]
     pub quick: bool,
     /// Leave COLMAP out even where it is installed.

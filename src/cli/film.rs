@@ -16,9 +16,9 @@ use std::sync::Arc;
 
 /// Write a sweep over slope, scale or frames as an animation.
 ///
-/// Each picture has the features of its step in the colours of their slopes, the numbers of the step, and what the
-/// colours mean. Pictures share one range of values. Number, size, rate and the estimated size of the file are said
-/// before it is written.
+/// Each picture has the features of its step in the colours of their slopes, the numbers of the step, and a legend.
+/// Pictures share one range of values. The command prints number, size and rate of the pictures, and the estimated size
+/// of the file, before it writes.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = FILM_HELP)]
 pub struct FilmArgs {

@@ -10,11 +10,10 @@ use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Say what an input is: its bursts, and of each the kind, the frames, their size, bits and times, and what was
-/// guessed.
+/// Say what an input is: bursts with their kind, frames, size, bits and times, and what was guessed.
 ///
-/// Headers are read, no pixels (of a raw file, which declares little, the frame). The options that say how files are
-/// opened are those of the other commands.
+/// Only headers are read, and of a raw file, which declares little, the frame. Files are opened with the options of the
+/// other commands.
 #[derive(Debug, Args)]
 #[command(after_long_help = INFO_HELP)]
 pub struct InfoArgs {

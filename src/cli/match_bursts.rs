@@ -173,9 +173,9 @@ fn summary(counts: &MatchCounts, matching: &MatchParams, why_none: &str) -> Stri
 
 /// Match the features of two bursts, and verify the matches.
 ///
-/// The features of both bursts are found with the same parameters. Each is matched with the one of the other burst
-/// whose descriptor is nearest, if it is clearly nearer than the second nearest and if that holds both ways; matches on
-/// which a geometry of the two views agrees are inliers.
+/// The features of both bursts are found with the same parameters. Each is matched with the feature of the other burst
+/// with the nearest descriptor, if that is clearly nearer than the second nearest, and both ways. Matches that agree on
+/// a geometry of the two views are inliers.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = MATCH_HELP)]
 pub struct MatchArgs {

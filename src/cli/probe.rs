@@ -145,10 +145,9 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
 
 /// Say which slopes a burst needs: its spectrum, what lies at the limit, and what to change.
 ///
-/// Without slopes they are found; with the ranges that you search they are judged. The features at each slope stand
+/// Give the ranges that you search to have them judged; otherwise slopes are found. The features at each slope stand
 /// beside the evidence: what the frames have in common there, before any threshold, also beyond the range. Advice is
-/// about the range, the step, the direction, frames that add nothing, textures that repeat themselves, and cost; none
-/// is given when none is needed.
+/// about range, step, direction, frames that add nothing, repeating textures, and cost.
 #[derive(Debug, Args)]
 #[command(after_long_help = SLOPES_HELP)]
 pub struct SlopesArgs {
@@ -182,12 +181,12 @@ JSON (--json), beside version, params, name and inputs:
 
 /// Say why there is a feature at a place, or why there is none.
 ///
-/// Every candidate near the place (a sample that stands out in place and scale at its own slope, however weak) is put
-/// through the tests of the search again: what it has, what is asked for, what beat it, the first test that it fails
-/// and the later ones, and the one option that would keep it. Candidates that move as the place does, at the slope at
-/// which it responds most, come first. Said of the place itself are a thing too small for the smallest scale, with the
-/// option that finds it, and a feature that was found at another slope. What each frame answers along the motion says
-/// whether it is one thing that moves or a ghost of another.
+/// Every candidate near the place (a sample that stands out in place and scale at its own slope, however weak) goes
+/// through the tests of the search again: what it has, what is required, what beat it, all tests that it fails, and the
+/// one option that would keep it. Candidates at the place's own motion, the slope of its strongest response, come
+/// first. Of the place itself the command reports a thing too small for the smallest scale, with the option that finds
+/// it, and a feature at another slope. The shares of single frames along the motion show whether one thing moves, or
+/// two cross in a ghost.
 #[derive(Debug, Args)]
 #[command(group(clap::ArgGroup::new("place").required(true).args(["at", "feature"])), after_long_help = PROBE_HELP)]
 pub struct ProbeArgs {

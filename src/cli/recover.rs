@@ -16,10 +16,10 @@ use std::path::PathBuf;
 
 /// Plant things of known strength in a burst, and say which of them the search finds.
 ///
-/// Discs or blobs of known SNR, size and slope are added to copies of the frames, with the noise that their light would
-/// have, away from strong features. The search runs on every copy. Each thing is found, or has a fate in the words of
-/// 'probe'. The answer is the share found over SNR, over slope (dips between the slopes of the grid show a step that is
-/// too coarse) and over radius, the SNR of which half are found, and how faint a thing is seen at each place.
+/// Discs or blobs of known SNR, size and slope are added to copies of the frames, with the noise of their light, away
+/// from strong features. Every copy is searched. Each thing is found, or lost for a reason in the words of 'probe'. The
+/// answer is the share found over SNR, over slope (dips between the slopes of the grid show that the step is too
+/// coarse) and over radius, the SNR at which half are found, and how faint things are seen at each place.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = RECOVER_HELP)]
 pub struct RecoverArgs {
@@ -30,11 +30,11 @@ pub struct RecoverArgs {
     /// Draw the curves and the map as a figure.
     #[arg(long, value_name = "FILE.svg")]
     pub plot: Option<PathBuf>,
-    /// Write the things, and what became of each, as a table.
+    /// Write the things, with the fate of each, as a table.
     #[arg(long, value_name = "FILE.csv")]
     pub csv: Option<PathBuf>,
-    /// Write the copy of the first seed, with the truth of what is planted in it, as a case, which the window compares
-    /// with its truth.
+    /// Write the first copy, with the truth of its planted things, as a case for the window's comparison with the
+    /// truth.
     #[arg(long, value_name = "FILE.burstcase")]
     pub case: Option<PathBuf>,
     #[command(flatten)]

@@ -110,9 +110,9 @@ pub(super) fn startup_of(opening: Opening) -> Result<Startup, Failure> {
 pub struct RenderArgs {
     #[arg(value_name = "INPUT", default_value = "demo", help = INPUT_HELP)]
     pub inputs: Vec<PathBuf>,
-    /// Do again what was done in a window, and draw it then: a list of actions, as Help > Copy what I did gives it.
+    /// Repeat the actions of a window, and draw it then: the list that Help > Copy what I did gives.
     ///
-    /// It begins in a window of the defaults. Nothing is written but the picture.
+    /// It begins in a window with default settings. Only the picture is written.
     #[arg(long, value_name = "TOML", conflicts_with_all = ["inputs", "kind", "slope", "frame", "octave", "level", "no_detect", "light"])]
     pub play: Option<PathBuf>,
     /// The PNG file to write.

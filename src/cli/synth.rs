@@ -151,9 +151,9 @@ pub struct SceneArgs {
 
 /// Noisy copies of real frames, as our camera would have taken them in the dark.
 ///
-/// The frames are taken for the signal, and a camera with shot noise, read noise and rounding captures them anew, the
-/// same camera for all. The originals are then the gold standard that the copies are compared with. Frames keep their
-/// names and order; a dataset's bursts stay apart, each in a subfolder.
+/// The frames are the signal, and one camera with shot noise, read noise and rounding captures them all anew. The
+/// originals are then the gold standard for the copies. Frames keep their names and order; a dataset's bursts stay
+/// apart, each in a subfolder.
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true)]
 pub struct NoisyArgs {

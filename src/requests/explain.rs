@@ -68,7 +68,6 @@ pub struct Explained {
 pub struct LossesRequest {
     pub request: MatchRequest,
     pub result: Arc<MatchResult>,
-    /// (columns, rows) of B.
     pub size_b: (usize, usize),
 }
 

@@ -17,7 +17,6 @@ use crate::plane::display::{Display, to_rgba8};
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// Pictures of the bursts in the figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Deserialize)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[serde(rename_all = "lowercase")]

@@ -166,7 +166,6 @@ impl GoalValue {
     }
 }
 
-/// Parameters as a table, by their names in a file.
 fn table_of(params: &impl Serialize) -> toml::Table {
     toml::Table::try_from(params).expect("parameters are plain values, which TOML can always hold")
 }

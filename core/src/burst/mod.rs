@@ -3,6 +3,18 @@
 //! All code that knows file formats is in this module; the detector sees only the frames. [`find_bursts`] lists the
 //! bursts that an input names, [`cut_sequence`] makes bursts of a long sequence of frames, [`Burst::open_with`] opens
 //! one of them, and [`Burst::from_arrays`] makes one of arrays in memory.
+//!
+//! ```
+//! use burstscope_core::{Burst, Plane, export::write_tiff};
+//! let night = tempfile::tempdir()?;
+//! for t in 0..3usize {
+//!     let frame = Plane::from_fn(8, 6, |u, _| (u + t) as f32 / 10.0);
+//!     write_tiff(&night.path().join(format!("{t}.tiff")), &frame)?;
+//! }
+//! let burst = Burst::open(night.path())?;
+//! assert_eq!((burst.len(), burst.frames[2].at(7, 0)), (3, 0.9));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod arrays;
 mod error;
@@ -70,6 +82,13 @@ pub struct Burst {
 
 impl Burst {
     /// Makes a burst from planes in memory. Panics if there is none, or the sizes differ. (The opener checks files.)
+    ///
+    /// ```
+    /// use burstscope_core::{Burst, Plane};
+    /// let point = |t: usize| Plane::from_fn(64, 48, |u, v| if (u, v) == (20 + t, 24) { 1.0 } else { 0.0 });
+    /// let burst = Burst::from_planes("a point moves right", (0..5).map(point).collect());
+    /// assert_eq!((burst.len(), burst.size(), burst.frames[4].at(24, 24)), (5, (64, 48), 1.0));
+    /// ```
     pub fn from_planes(name: impl Into<String>, frames: Vec<Plane>) -> Self {
         assert!(!frames.is_empty(), "a burst has at least one frame");
         assert!(frames.iter().all(|f| f.size() == frames[0].size()), "all frames of a burst have one size");

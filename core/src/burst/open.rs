@@ -357,7 +357,7 @@ fn factor(frames: FileScale, levels: Levels, of: FileScale) -> Result<f32, &'sta
                 // Calibration frames of zeros fit any unit.
                 _ if own == 0.0 || unit == own_unit => Ok(1.0),
                 Some(_) if own_unit => Ok(levels.full_scale),
-                _ => Err("its values are in another unit than those of the frames; save both in the same unit"),
+                _ => Err("its values and the frames' have different units; save both in the same unit"),
             }
         }
         // Integer calibration files: fractions of their range for frames in fractions, values in file units for others.

@@ -506,7 +506,7 @@ impl FoundTimes {
             _ => "are not in the order of their times",
         };
         let problem = format!("times: {lines}{} and {} {relation}", frame(a), frame(b));
-        let remedy = "each frame needs a time after that of the one before, to a fraction of the frame interval";
+        let remedy = "each frame needs a later time than the frame before, to a fraction of the frame interval";
         Error::new(ErrorKind::Mismatch, problem, remedy).about(&self.file)
     }
 }
@@ -537,7 +537,7 @@ fn rows_of(
             _ => 0..list.lines.len(),
         };
         let problem = || format!("the list has {} times for {count} frames", list.lines.len());
-        let remedy = "give one line for each frame, or lines 'name,time', of which those of the frames are taken";
+        let remedy = "give one line for each frame, or lines 'name,time' that name the frames";
         return if rows.len() == count { Ok(rows.collect()) } else { Err((problem(), remedy)) };
     }
     let mut by_name: HashMap<&str, Vec<usize>> = HashMap::new();

@@ -80,6 +80,19 @@ impl From<&Detection> for BurstSide {
 }
 
 /// Matches the features of two bursts, verifies the matches, and aligns them, by the frames, where `params` ask for it.
+///
+/// ```
+/// use burstscope_core::dataset::{DetectedBurst, match_bursts};
+/// use burstscope_core::{DetectorParams, Monitor, SlopeGrid, detect, matching::MatchParams, synth};
+/// let params = DetectorParams { slopes: SlopeGrid::line(-2.5..=1.5, 9), ..DetectorParams::default() };
+/// let monitor = Monitor::default();
+/// let bursts = [synth::demo_burst(), synth::later_demo_burst()];
+/// let found = [detect(&bursts[0], &params, &monitor)?, detect(&bursts[1], &params, &monitor)?];
+/// let sides = [0, 1].map(|k| DetectedBurst { burst: &bursts[k], params: &params, detection: &found[k] });
+/// let counts = match_bursts(sides, &MatchParams::default(), &monitor)?.counts;
+/// assert!(counts.inliers.is_some_and(|inliers| inliers > 100), "{counts:?}");
+/// # Ok::<(), burstscope_core::Error>(())
+/// ```
 pub fn match_bursts(bursts: [DetectedBurst<'_>; 2], params: &MatchParams, monitor: &Monitor) -> Result<MatchResult> {
     let [mut a, mut b] = bursts.map(|of| BurstSide::from(of.detection));
     if params.aligns() {

@@ -40,6 +40,18 @@ pub struct FeatureVerdict {
 }
 
 /// Writes the features as CSV, with their verdicts, one for each, where they were judged.
+///
+/// ```
+/// use burstscope_core::export::{read_features_csv, write_csv};
+/// use burstscope_core::{DetectorParams, Monitor, detect, synth::demo_burst};
+/// let found = detect(&demo_burst(), &DetectorParams::default(), &Monitor::default())?;
+/// let folder = tempfile::tempdir()?;
+/// let table = folder.path().join("demo.csv");
+/// write_csv(&table, &found.features, None)?;
+/// let read = read_features_csv(&table)?;
+/// assert_eq!((read.len(), read[0].u), (found.features.len(), found.features[0].u));
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_csv(path: &Path, features: &[Feature], verdicts: Option<&[FeatureVerdict]>) -> Result<()> {
     write_whole(path, |out| {
         writeln!(out, "{}{}", feature_header(), verdicts.map_or("", |_| VERDICT_COLUMNS))?;

@@ -80,16 +80,12 @@ const SAME_SCALE: f32 = 2.0;
 
 /// The pair that is examined: both detections, the result of matching them, and its parameters.
 #[derive(Debug, Clone, Copy)]
+#[allow(missing_docs)] // sizes are columns, rows
 pub struct ComparedPair<'a> {
-    /// Image A.
     pub a: &'a Detection,
-    /// Image B.
     pub b: &'a Detection,
-    /// (columns, rows) of B.
     pub size_b: (usize, usize),
-    /// Result of matching.
     pub result: &'a MatchResult,
-    /// Parameters of matching.
     pub params: &'a MatchParams,
 }
 

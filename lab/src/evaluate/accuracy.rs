@@ -223,16 +223,12 @@ fn lengths(u: &[f64], v: &[f64]) -> [f64; 2] {
 
 /// Report of a study of accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // the names say it
 pub struct AccuracyReport {
-    /// Parameters of the charts.
     pub chart: ChartSummary,
-    /// The first seed.
     pub first_seed: u64,
-    /// Number of seeds.
     pub seeds: u64,
-    /// The detector's parameters.
     pub detector: DetectorParams,
-    /// One row for each ratio.
     pub rows: Vec<AccuracyRow>,
 }
 

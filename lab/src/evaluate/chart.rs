@@ -187,13 +187,11 @@ impl ChartStudy {
 
 /// Report of a study of charts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // the names say it
 pub struct ChartReport {
-    /// Parameters of the charts.
     pub chart: ChartSummary,
-    /// Setup of the comparison of methods.
     #[serde(flatten)]
     pub setup: ComparisonSetup,
-    /// One row for each ratio.
     pub rows: Vec<ChartRow>,
 }
 
@@ -215,12 +213,10 @@ pub struct ComparisonSetup {
 
 /// Parameters of the charts of a report.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct ChartSummary {
-    /// Columns.
     pub width: usize,
-    /// Rows.
     pub height: usize,
-    /// Number of discs.
     pub discs: usize,
     /// Smallest and largest radius, pixels.
     pub radius: [f64; 2],
@@ -228,7 +224,6 @@ pub struct ChartSummary {
     pub radius_law: RadiusLaw,
     /// Intensity of a disc over that of the background.
     pub contrast: f64,
-    /// Number of frames.
     pub frames: usize,
     /// Directions of motion, `1d` or `2d`.
     pub motion: &'static str,
@@ -236,7 +231,6 @@ pub struct ChartSummary {
     pub max_slope: f64,
     /// Standard deviation of the read noise, electrons.
     pub read_noise: f64,
-    /// Bits of the converter.
     pub bits: u32,
 }
 

@@ -194,8 +194,8 @@ impl MatchStudy {
 
 /// Report of a study of matches.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct MatchReport {
-    /// The bursts' names, in order.
     pub bursts: Vec<String>,
     /// Number of frames of the first burst.
     pub frames: usize,
@@ -203,12 +203,9 @@ pub struct MatchReport {
     pub size: (usize, usize),
     /// Matched pairs, as indices of bursts.
     pub pairs: Vec<(usize, usize)>,
-    /// Parameters of the methods' searches.
     #[serde(flatten)]
     pub searches: Searches,
-    /// Parameters of matching and verification.
     pub matching: MatchParams,
-    /// One row for each method.
     pub methods: Vec<MatchRow>,
 }
 

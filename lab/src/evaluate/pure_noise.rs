@@ -104,20 +104,16 @@ impl Default for NoiseStudy {
 
 /// Report of a study on noise alone.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct NoiseReport {
-    /// Columns of a frame.
     pub width: usize,
-    /// Rows of a frame.
     pub height: usize,
-    /// Frames of a burst.
     pub frames: usize,
-    /// The seed of the first burst.
     pub first_seed: u64,
     /// Number of bursts searched for each row.
     pub bursts: usize,
     /// Pixels of the image that were searched for each row, in millions.
     pub megapixels: f64,
-    /// One row for each kind of noise.
     pub rows: Vec<NoiseRow>,
 }
 

@@ -228,7 +228,6 @@ fn palette_row_ui(ui: &mut egui::Ui, model: Read<'_>, found: &Entry, chosen: boo
     ui.add_enabled(is_possible, button).on_hover_text(help.clone()).on_disabled_hover_text(help)
 }
 
-/// An entry of the palette.
 #[derive(Debug, Clone, PartialEq)]
 enum Entry {
     Action(ActionId),

@@ -107,9 +107,7 @@ pub struct ActionRow {
 /// Plain doings of actions.
 #[derive(Debug, Clone, Copy)]
 pub enum Does {
-    /// Asks for files.
     Ask(Purpose),
-    /// Opens a burst as A.
     Open(fn() -> BurstSource),
     Workspace(Workspace),
     LayOut(Preset),
@@ -322,7 +320,7 @@ actions! {
     Cancel, Detect 0, "Cancel", [NONE Escape], "Stop the detection or the opening" => Run(|model, _| Read::of(model).cancel_searches()), when |model| model.is_searching();
     AutoDetect, Detect 0, "Detect after each change", [NONE A], "Detect by itself whenever a parameter or the burst changes" => Switch(auto_detect);
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame" => Set(change::search_line), on when::searches_line;
-    Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: those that are set or were found, and some to both sides of them" => Run(change::search_plane), on when::searches_plane;
+    Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: the present ones, and some to both sides of them" => Run(change::search_plane), on when::searches_plane;
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline" => Set(|document| document.params.method = Method::Sift), on |model| model.document.params.method == Method::Sift;
     CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.forget_failures()), when |model| model.document.compares_methods();
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::A)), when when::has_burst;
@@ -344,11 +342,11 @@ actions! {
     GoToFeature, Features 0, "Go to the selection", [NONE Enter], "Show the motion stack at the slope of the selected feature or match, with it in the middle" => Run(change::go_to_selection), when when::has_place_to_go;
     ClearSelection, Features 0, "Clear selection", [NONE Escape], "Select no feature and no match" => Set(Document::clear_selection), when when::has_selection;
     ProbePlace, Features 1, "Probe this place", [SHIFT P], "Say why there is a feature at the place under the pointer, or why there is none (also Shift+click)", when when::can_probe;
-    ProbeFeature, Features 1, "Why this feature?", [SHIFT W], "Probe the selected feature: its tests, its response, that of each frame, and what may be wrong with it" => Run(change::probe_selection), when |model| model.document.workspace.probes() && model.feature_to_probe().is_some();
+    ProbeFeature, Features 1, "Why this feature?", [SHIFT W], "Probe the selected feature: its tests, its response, each frame's share, and what may be wrong with it" => Run(change::probe_selection), when |model| model.document.workspace.probes() && model.feature_to_probe().is_some();
     ProbeStrongest, Features 1, "Probe the strongest candidate", [], "Probe the strongest candidate of the whole picture, kept or not" => Run(|model, _| probe::ask_probe(model, Read::of(model).active_side(), ProbeQuestion::Strongest)), when when::can_probe;
     ProbeFollow, Features 1, "Probe follows the pointer", [SHIFT F], "Probe the place under the pointer as it moves, until a place is clicked" => Run(|model, _| probe::follow_with_probe(model)), when when::can_probe, on |model| model.document.probe.follows;
     CloseProbe, Features 1, "Clear probe", [], "Close the probe and free its memory" => Run(|model, _| probe::clear_probe(model)), when |model| model.document.probe.is_on() || model.results.probed.answer.is_some();
-    OnlyReal, Features 2, "Only real ones", [SHIFT O], "Hide ghosts, aliases, duplicates and what cannot be told, here and in the files that are exported" => Set(|document| document.filter.verdict = (document.filter.verdict != Some(Verdict::Real)).then_some(Verdict::Real)), when |model| when::active(model).found.is_some(), on |model| model.document.filter.verdict == Some(Verdict::Real);
+    OnlyReal, Features 2, "Only real ones", [SHIFT O], "Hide ghosts, aliases, duplicates and unclear features, here and in exported files" => Set(|document| document.filter.verdict = (document.filter.verdict != Some(Verdict::Real)).then_some(Verdict::Real)), when |model| when::active(model).found.is_some(), on |model| model.document.filter.verdict == Some(Verdict::Real);
     ClearFilter, Features 2, "Clear filter", [], "Show all features" => Set(|document| document.filter = Default::default()), when |model| !model.document.filter.is_open();
     PinResult, Features 3, "Pin this result", [SHIFT D], "Keep these features, to show which ones later detections gain, lose and move" => Run(change::pin_result), when |model| when::active(model).found.is_some();
     UnpinResult, Features 3, "Unpin", [], "Remove the pinned result" => Run(|model, _| comparison::forget_reference(model, Read::of(model).active_side(), Reference::Pinned)), when |model| when::refers_to(model, Reference::Pinned);
@@ -374,7 +372,7 @@ actions! {
     ToggleAlone, Pair 3, "Selected match alone", [NONE X], "Draw the selected match with or without the others" => Switch(match_look.alone), when when::in_pair;
     ToggleEpipolar, Pair 3, "Epipolar lines", [NONE E], "Show or hide the lines of the other picture on which the partners must lie" => Switch(match_look.geometry), when when::in_pair;
 
-    DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts with these parameters, except of those that are done" => Change(datasets::ask_and_detect_all), when |model| model.results.datasets.can_detect(model.asked().validate().is_ok());
+    DetectAll, Dataset 0, "Detect all", [CTRL D], "Find the features of all bursts that are not done yet, with these parameters" => Change(datasets::ask_and_detect_all), when |model| model.results.datasets.can_detect(model.asked().validate().is_ok());
     CancelDataset, Dataset 0, "Cancel work on the dataset", [], "Stop the work on all bursts; finished bursts and pairs are kept" => Run(|model, _| model.results.datasets.wanted.cancel()), when |model| model.results.datasets.work.is_some();
     PreviousBurst, Dataset 1, "Previous burst", [CTRL ArrowLeft], "Open the burst before this one" => Run(|model, engine| dataset_answers::step_burst(model, -1, engine)), when when::has_dataset;
     NextBurst, Dataset 1, "Next burst", [CTRL ArrowRight], "Open the burst after this one" => Run(|model, engine| dataset_answers::step_burst(model, 1, engine)), when when::has_dataset;
@@ -406,7 +404,7 @@ actions! {
     OpenStreet, Help 1, "Example: dark street", [], "Open a burst of textured walls that are too dark for one frame" => Open(|| BurstSource::Example(Example::Street));
     OpenStreetLater, Help 1, "Example: dark street, later", [], "Open the same walls a little later, to be matched with the first" => Open(|| BurstSource::Example(Example::StreetLater));
     OpenAliasing, Help 1, "Example: aliasing", [], "Open a burst of garlands with a lamp every 8 px: slopes 8 px/frame apart look alike" => Open(|| BurstSource::Example(Example::Aliasing));
-    OpenLowContrast, Help 1, "Example: low contrast", [], "Open a burst of discs of falling contrast: the noise gate rejects those that noise could have made" => Open(|| BurstSource::Example(Example::LowContrast));
+    OpenLowContrast, Help 1, "Example: low contrast", [], "Open a burst of discs of falling contrast: the noise gate rejects the faintest, which noise could have made" => Open(|| BurstSource::Example(Example::LowContrast));
     OpenTripod, Help 1, "Example: still tripod", [], "Open a burst of a camera that does not move: less noise, but no depth" => Open(|| BurstSource::Example(Example::Tripod));
     OpenHotPixels, Help 1, "Example: hot pixels", [], "Open a burst with sixty pixels that are bright without light" => Open(|| BurstSource::Example(Example::HotPixels));
     PaperFigures, Help 2, "Figures of the paper…", [], "Remake every figure and table of the paper into a folder, in the background; finished ones are kept" => Ask(Purpose::PaperFigures), when |model| !model.results.figures.is_pending();

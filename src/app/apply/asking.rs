@@ -66,7 +66,6 @@ impl<R: Request> Part for One<R> {
     }
 }
 
-/// Pictures of the panes on the screen.
 struct PanePictures;
 
 impl Part for PanePictures {

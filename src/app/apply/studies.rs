@@ -187,7 +187,6 @@ pub(in crate::app) fn show_demo_cameras(model: &mut Model, engine: &Engine) {
     read_trajectories(model, engine);
 }
 
-/// Reads the trajectories of the document.
 pub(in crate::app) fn read_trajectories(model: &mut Model, engine: &Engine) {
     model.results.poses = TrajectoryResults::default();
     let Trajectories { estimate, truth, study, .. } = model.document.trajectories.clone();

@@ -25,7 +25,6 @@ fn bench() -> Bench {
     bench
 }
 
-/// As in a pass of the window.
 fn pass(bench: &mut Bench, action: Action) {
     let _ = apply(action, &mut bench.model, &bench.engine);
     methods::refresh_workspace(&mut bench.model);
@@ -37,7 +36,6 @@ fn search(params: DetectorParams) -> Action {
     Action::SetSearch(Box::new(params.into()))
 }
 
-/// Actions on settings that undo covers.
 fn of_settings() -> impl Strategy<Value = Action> {
     let pane = (0..2u32).prop_map(PaneId);
     let slope = (-9.0f32..9.0, -9.0f32..9.0).prop_map(|(u, v)| Slope::new(u, v));

@@ -256,7 +256,7 @@ pub fn points_strip_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let (painter, visuals) = (ui.painter_at(rect), ui.visuals());
     let font = FontId::proportional(11.0);
     if bars.is_empty() {
-        let text = "A sparse model tells how many 3D points each image sees; a trajectory file does not";
+        let text = "A sparse model says how many 3D points each image sees; a trajectory file does not";
         painter.text(rect.center(), Align2::CENTER_CENTER, text, font, visuals.weak_text_color());
         return;
     }

@@ -58,7 +58,6 @@ macro_rules! actions {
                 None
             }
 
-            /// Whether the action sets a field.
             pub fn sets_field(&self) -> bool {
                 matches!(self, $(Self::$set(_))|* $(| Self::$replace(_))*)
             }
@@ -141,7 +140,6 @@ others {
     PlayFrame(PaneId, usize),
     PlaySlope(PaneId, Slope),
     PlayScale(PaneId, i32, i32),
-    /// Octave and level.
     SetScale(PaneId, i32, i32),
     Show(PaneId, ViewKind),
     SetContent(PaneId, Content),

@@ -34,7 +34,6 @@ impl Reference {
     }
 }
 
-/// The comparison of one burst as it is set.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Comparison {

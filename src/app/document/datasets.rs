@@ -49,7 +49,6 @@ impl PairChoice {
     }
 }
 
-/// The dataset as it is set.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DatasetChoice {
@@ -94,7 +93,6 @@ pub enum Which {
     Truth,
 }
 
-/// The comparison of trajectories as it is set.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Trajectories {

@@ -74,7 +74,6 @@ pub fn ranged_quantities() -> impl Iterator<Item = Quantity> {
     Quantity::ALL.into_iter().filter(has_decimals)
 }
 
-/// Name of the range of a quantity.
 pub fn range_name(quantity: Quantity) -> &'static str {
     if quantity == Quantity::Response { "|Response|" } else { quantity.record().title }
 }
@@ -90,7 +89,6 @@ impl Filter {
         *self == Self::default()
     }
 
-    /// Its conditions, each in a few words.
     pub fn words(&self) -> Vec<String> {
         let range = |(quantity, interval): (&Quantity, &Interval)| {
             let [min, max] = [interval.min, interval.max].map(|end| number(end, 3));

@@ -96,7 +96,7 @@ impl LabQuestion {
         (
             Self::BurstFrames,
             "Frames of A",
-            "What the middle frames of the open burst show, from two frames to all: features, those that all frames confirm, and the matches with as many frames of B",
+            "What the middle frames of the open burst show, from two frames to all: features, features that all frames confirm, and matches with as many frames of B",
         ),
         (
             Self::InBurst,

@@ -151,7 +151,7 @@ impl FeaturesShown {
             Self::ThisSlope => {
                 "Features that move by the slope of the picture, by themselves or with their surroundings"
             }
-            Self::All => "Features of all slopes; those of other slopes are fainter",
+            Self::All => "Features of all slopes; other slopes are drawn fainter",
             Self::None => "No features",
         }
     }

@@ -25,7 +25,6 @@ impl MethodId {
         matches!(self, Self::Buff1d | Self::Buff2d)
     }
 
-    /// The method of a search.
     pub fn of_search(params: &DetectorParams) -> Self {
         match params.method {
             Method::Sift => Self::Sift,

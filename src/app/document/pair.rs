@@ -31,7 +31,6 @@ pub enum MatchColumn {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum MatchesAs {
-    /// Lines from picture to picture.
     #[default]
     Lines,
     /// In A, from the place in A to that in B.

@@ -15,7 +15,6 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub struct Destination {
     pub slope: Option<Slope>,
-    /// Octave and level.
     pub scale: Option<(i32, i32)>,
     pub frame: Option<usize>,
     pub kind: Option<ViewKind>,

@@ -8,7 +8,6 @@ use crate::inspect::slopes::SetUp;
 use crate::requests::ProbeQuestion;
 use serde::{Deserialize, Serialize};
 
-/// The probe as it is set.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Probe {

@@ -19,7 +19,6 @@ pub struct Record {
     pub layouts: fn(PaneId) -> Vec<(&'static str, &'static str, Change)>,
     pub draws_features: fn(&Document) -> bool,
     pub toggle_features: fn(&mut Document),
-    /// Index of the selected row.
     pub selected: fn(&Document) -> Option<usize>,
     pub select: fn(&mut Document, Option<usize>),
     pub clear_selection: fn(&mut Document),

@@ -407,7 +407,7 @@ fn size_ui(ui: &mut Ui, choice: &mut FigureChoice, has_matches: bool) {
 
 fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, are_features: bool, label: egui::Id) {
     let kinds = [
-        (FigureAmount::Drawn, "as drawn", "Those that the window draws in full, and no dots"),
+        (FigureAmount::Drawn, "as drawn", "Features that the window draws as circles, without dots"),
         (FigureAmount::All, "all", "All that are shown"),
         (FigureAmount::Strongest(100), "strongest", "The strongest features, and the matches of the smallest distance"),
         (FigureAmount::OneOf(10), "one of", "Every so many-th, along the order of strength"),

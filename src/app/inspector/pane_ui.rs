@@ -351,7 +351,6 @@ impl Area {
         self.rect.min + part * self.rect.size()
     }
 
-    /// Column and time.
     fn at(&self, pos: Pos2) -> (f32, f32) {
         let OverTime { first, step, rows, .. } = self.over_time;
         let part = (pos - self.rect.min) / self.rect.size();

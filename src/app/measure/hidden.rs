@@ -31,7 +31,6 @@ pub fn mask_of(burst: &Burst, drawn: &[Hidden]) -> Vec<u8> {
     greys
 }
 
-/// Parts of row `v` that are hidden.
 fn hidden_in(hidden: &Hidden, v: f32) -> Vec<[f32; 2]> {
     match hidden {
         Hidden::Outline(outline) => inside(outline, v),

@@ -133,7 +133,7 @@ fn head_ui(ui: &mut Ui, with_candidates: bool) {
         label_ui(ui, hint, NAME_WIDTH);
         let heads = [
             ("samples", "Samples of D that fail this test first"),
-            ("candidates", "Those of them that were extrema in place and scale at their own slope: possible features"),
+            ("candidates", "Samples that were extrema in place and scale at their own slope: possible features"),
         ];
         for (head, tip) in heads.into_iter().take(if with_candidates { 2 } else { 1 }) {
             count_ui(ui, RichText::new(head).small().weak()).on_hover_text(tip);

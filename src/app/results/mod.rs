@@ -95,7 +95,6 @@ pub struct Results {
 }
 
 impl Results {
-    /// Things under the pointer.
     pub fn pointed(&self) -> impl PartialEq + use<> {
         let probe = (self.probed.pointer, self.probed.as_dots.clone());
         let rows = self.slots.both().map(|slot| slot.comparison.hovered);

@@ -169,7 +169,6 @@ pub struct KeptCurves {
     pub result: LabResult,
 }
 
-/// Results of studies.
 #[derive(Debug, Default)]
 pub struct Studies {
     pub current: Option<LabResult>,

@@ -60,7 +60,6 @@ pub struct OpenDataset {
     /// Folder of kept features; `None` without a given or default folder.
     pub folder: Option<PathBuf>,
     pub folder_error: Option<String>,
-    /// The parameters for which `finished` holds.
     pub params: SearchParams,
     pub open: OpenOptions,
     /// Summary of each burst that is finished with `params`.

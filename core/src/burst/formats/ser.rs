@@ -64,7 +64,7 @@ fn plain(path: &Path, mut file: File, length: u64, options: &OpenOptions) -> Res
             let reason = "its mosaic is of cyan, yellow, green and magenta; save it as RGB";
             return Err(Error::unsupported(path, KIND, reason));
         }
-        _ => return Err(corrupt(format!("ColorID is {colour}, which is none of the format"))),
+        _ => return Err(corrupt(format!("ColorID is {colour}, which the format does not know"))),
     };
     let (width, height, kind) = (u64::from(width), u64::from(height), if bits > 8 { Number::U16 } else { Number::U8 });
     let step = kind.bytes(height.saturating_mul(width).saturating_mul(channels as u64));

@@ -57,6 +57,15 @@ const STILL_LEVEL_PX: f64 = 1.25;
 /// Of `params` only the frames used, the first octave and the levels matter: they give the step, 2σ of the finest scale
 /// over the time from first to last frame, or coarser for long ranges. Threads do not change the result, to the bit.
 ///
+/// ```
+/// use burstscope_core::detector::{SlopeVerdict, find_slopes};
+/// use burstscope_core::{DetectorParams, Monitor, synth::demo_burst};
+/// let finding = find_slopes(&demo_burst(), &DetectorParams::default(), None, &Monitor::default())?;
+/// assert_eq!(finding.verdict, SlopeVerdict::Found);
+/// assert!(finding.grid.is_plane(), "houses move sideways, and the lanterns rise");
+/// # Ok::<(), burstscope_core::Cancelled>(())
+/// ```
+///
 /// # Errors
 /// [`Cancelled`] once `monitor` was cancelled.
 pub fn find_slopes(

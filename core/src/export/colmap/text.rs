@@ -13,6 +13,17 @@ use std::path::Path;
 use std::str::FromStr;
 
 /// Writes features and descriptors for COLMAP's importer; panics if the numbers of them differ.
+///
+/// ```
+/// use burstscope_core::{Feature, export::{read_colmap, write_colmap}};
+/// let folder = tempfile::tempdir()?;
+/// let file = folder.path().join("night.png.txt");
+/// write_colmap(&file, &[Feature { u: 10.0, v: 20.0, sigma: 2.0, ..Feature::default() }], &[[7; 128]])?;
+/// let (keypoints, descriptors) = read_colmap(&file)?;
+/// assert_eq!([keypoints[0].x, keypoints[0].y], [10.5, 20.5], "the first pixel's centre is at 0.5");
+/// assert_eq!(descriptors, [[7u8; 128]]);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
 pub fn write_colmap(path: &Path, features: &[Feature], descriptors: &[Descriptor]) -> Result<()> {
     write_colmap_keypoints(path, &features.iter().map(ColmapKeypoint::from).collect::<Vec<_>>(), descriptors)
 }

@@ -273,39 +273,29 @@ pub struct FigureStroke {
 
 /// Shape of a drawing; all lengths in the drawing's unit.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub enum FigureShape {
     /// Pixels, each a rectangle of one colour.
     Picture {
-        /// Place of the picture.
         rect: FigureRect,
-        /// Columns and rows.
         size: (usize, usize),
         /// Red, green, blue, alpha, row by row.
         rgba: Arc<Vec<u8>>,
     },
-    /// A filled rectangle.
     Fill {
-        /// Place of the rectangle.
         rect: FigureRect,
-        /// Colour of the rectangle.
         color: Colour,
     },
-    /// Outline of a circle.
     Circle {
-        /// Centre of the circle.
         centre: [f32; 2],
-        /// Radius of the circle.
         radius: f32,
-        /// Style of the line.
         stroke: FigureStroke,
-        /// Whether the line is dashed.
         dashed: bool,
     },
     /// A line through points.
     Line {
         /// Points, at least two.
         points: Vec<[f32; 2]>,
-        /// Style of the line.
         stroke: FigureStroke,
         /// Whether the line is dashed, with dashes and gaps of [`DASH`] widths.
         dashed: bool,
@@ -316,20 +306,16 @@ pub enum FigureShape {
     Fan {
         /// Points of the outline, at least three.
         points: Vec<[f32; 2]>,
-        /// Colour of the area.
         color: Colour,
         /// Opacity, 0 … 1.
         opacity: f32,
     },
-    /// A line of text.
     Text {
         /// Left end of the baseline.
         at: [f32; 2],
         /// Height of the letters.
         size: f32,
-        /// The text.
         text: String,
-        /// Colour of the text.
         color: Colour,
     },
     /// Shapes clipped to a rectangle.

@@ -114,6 +114,18 @@ impl AgainstTruth {
 }
 
 /// Compares the features with `truth`.
+///
+/// ```
+/// use burstscope_core::inspect::{ProbeCache, result::against_truth};
+/// use burstscope_core::{Monitor, detector::SearchParams, synth::{ChartParams, synth_chart}};
+/// let (chart, monitor) = (ChartParams { width: 400, discs: 12, ..ChartParams::default() }, Monitor::default());
+/// let (burst, truth) = synth_chart(&chart, &monitor)?;
+/// let cache = ProbeCache::new(&burst, &SearchParams::default(), &monitor)?;
+/// let against = against_truth(&cache, &truth, &monitor)?;
+/// assert_eq!(against.found.len() + against.at_wrong_motion.len() + against.missed.len(), 12);
+/// assert!(against.missed.iter().all(|miss| !miss.why.is_empty()), "each miss has its reason");
+/// # Ok::<(), burstscope_core::Error>(())
+/// ```
 pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Result<AgainstTruth, Cancelled> {
     let features = &cache.detection().features;
     // Those of one keypoint count once.

@@ -58,22 +58,17 @@ pub struct SetUpSlopes {
 }
 
 /// Ranges of the numbers, for options, files and fields of the window.
+#[allow(missing_docs)] // each says its unit
 pub mod set_up_bounds {
     use crate::detector::params::Bounds;
     use std::ops::Bound::Included;
 
-    /// Speed, metres per second.
     pub const SPEED: Bounds = Bounds::new((Included(0.0), Included(1e6)), "give 0 to 1000000 metres per second");
-    /// Direction of the motion, degrees.
     pub const DIRECTION: Bounds = Bounds::new((Included(-360.0), Included(360.0)), "give -360 to 360 degrees");
-    /// Turning, degrees per second.
     pub const TURN: Bounds =
         Bounds::new((Included(-36_000.0), Included(36_000.0)), "give -36000 to 36000 degrees per second");
-    /// Frames per second.
     pub const RATE: Bounds = Bounds::new((Included(0.001), Included(1e7)), "give 0.001 to 10000000 frames per second");
-    /// Focal length, pixels.
     pub const FOCAL: Bounds = Bounds::new((Included(1.0), Included(1e6)), "give 1 to 1000000 pixels, such as 1200");
-    /// Depth, metres.
     pub const DEPTH: Bounds =
         Bounds::new((Included(1e-6), Included(1e6)), "give NEAR:FAR in metres, up to 1000000, such as 1:8");
 }

@@ -154,14 +154,11 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
 
 /// Statistics of a set of errors, all in the unit of the errors. Each is NaN (null in JSON) for an empty set.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(missing_docs)] // the names say it
 pub struct ErrorSummary {
-    /// Root mean square.
     pub rmse: f64,
-    /// Mean.
     pub mean: f64,
-    /// Median.
     pub median: f64,
-    /// Maximum.
     pub max: f64,
 }
 

@@ -98,7 +98,7 @@ fn charts_ui(ui: &mut Ui, lab: &mut Lab) {
         field!(
             ui,
             "First seed",
-            "Seed of the first chart; those of the others count up from it",
+            "Seed of the first chart; the next charts count up from it",
             DragValue::new(&mut lab.first_seed)
         );
         let counts_frames = lab.question.counts_frames();
@@ -119,7 +119,7 @@ fn charts_ui(ui: &mut Ui, lab: &mut Lab) {
         field!(
             ui,
             "Contrast",
-            "Intensity of a disc over that of the background; above 1 is brighter",
+            "Intensity of a disc over the background's; above 1 is brighter",
             DragValue::new(&mut chart.contrast).range(0.0..=8.0).speed(0.01).max_decimals(2)
         );
         if !counts_frames {

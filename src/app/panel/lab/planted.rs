@@ -47,13 +47,13 @@ pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
         field!(
             ui,
             "First seed",
-            "Seed of the first copy; those of the others count up from it",
+            "Seed of the first copy; the next copies count up from it",
             DragValue::new(&mut study.first_seed)
         );
     });
     let mut has_own = study.at_snr.is_some();
     ui.horizontal(|ui| {
-        let help = "SNR of one pixel in one frame at which slopes and sizes are varied; otherwise 1.7 times the one of which half are expected to be found";
+        let help = "SNR of one pixel in one frame at which slopes and sizes are varied; otherwise 1.7 times the SNR at which half are expected to be found";
         if ui.checkbox(&mut has_own, "At SNR").on_hover_text(help).changed() {
             study.at_snr = has_own.then_some(1.0);
         }

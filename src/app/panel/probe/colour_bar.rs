@@ -13,7 +13,6 @@ const GAP: f32 = 5.0;
 const STEPS: usize = 48;
 const APART: f32 = 11.0;
 
-/// Bar of colours from −`range` to `range`.
 pub(super) struct ColourBar {
     pub(super) range: f32,
     /// Factor of the noise gate, where the values are in its unit.

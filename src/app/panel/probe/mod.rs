@@ -154,7 +154,7 @@ fn reasons_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) 
     for reason in &answer.probe.reasons {
         let help = match reason.kind {
             CauseKind::TooSmall => "Measured at this place, at the slope named, beyond the scales that are searched",
-            CauseKind::AtAnotherSlope => "Switch the features shown to All to see those of other slopes, or go there",
+            CauseKind::AtAnotherSlope => "Show All features to see other slopes, or go there",
             CauseKind::Ghost => "A blob with another motion crosses here: see the responses of the frames below",
         };
         ui.add(Label::new(sentence(&reason.sentence)).wrap()).on_hover_text(help);

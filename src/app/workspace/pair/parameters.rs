@@ -16,7 +16,6 @@ use crate::matching::{Camera, CameraModel, Geometry, MatchParams};
 use crate::teach::Part;
 use egui::{Align, Layout, RichText, Ui};
 
-/// Parameters that are folded.
 const ADVANCED: [Param<MatchParams>; 5] =
     [doc::MIN_INLIERS, doc::CONFIDENCE, doc::MAX_ITERATIONS, doc::SEED, doc::CAMERA];
 

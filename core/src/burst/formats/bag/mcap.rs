@@ -47,7 +47,7 @@ pub(super) fn walk<R: Read + Seek>(mut scan: Scan<'_, R>, chunk: usize, found: &
                 return if &scan.array()? == MAGIC {
                     Ok(())
                 } else {
-                    Err(corrupt("its last bytes are not those of its kind"))
+                    Err(corrupt("it does not end as such a file does"))
                 };
             }
             DATA_END if chunk == 0 => {

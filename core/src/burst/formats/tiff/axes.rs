@@ -79,13 +79,12 @@ impl Along {
             };
             return Err((
                 format!("the pages of this file are {}{written}, of which only time makes frames", words(&named)),
-                format!("say which axis is that of the frames: --axis {word}{others}"),
+                format!("say along which axis the frames lie: --axis {word}{others}"),
             ));
         };
         let find = |letter: char| {
             let missing = || {
-                let problem =
-                    format!("the pages of this file are {}, and {letter} is none of these axes", words(&named));
+                let problem = format!("the pages of this file are {}, and {letter} is not among them", words(&named));
                 (problem, "choose another with --axis".to_owned())
             };
             axes.iter()
