@@ -45,8 +45,9 @@ pub fn encode_film(
         monitor.check().map_err(io::Error::other)?;
         monitor.report(Stage::Write, index as f32 / count.max(1) as f32);
         let mut frame = gif::Frame::from_rgba_speed(width, height, &mut picture.into_raw(), GIF_SPEED);
-        // Hundredths of a second, the unit of the format.
-        frame.delay = 100 / per_second.max(1);
+        // Hundredths of a second, the unit of the format; rounded so that the sum is right, not each of them.
+        let until = |count: usize| 100 * count / usize::from(per_second.max(1));
+        frame.delay = (until(index + 1) - until(index)) as u16;
         encoder.write_frame(&frame).map_err(io::Error::other)?;
     }
     Ok(())

@@ -81,6 +81,22 @@ mod film {
     }
 
     #[test]
+    fn a_second_of_pictures_lasts_a_second_at_any_rate() {
+        for rate in [1, 7, 30, 49, 50] {
+            let picture = || Ok(RgbaImage::from_pixel(2, 2, Rgba([1, 2, 3, 255])));
+            let (mut bytes, count) = (Vec::new(), usize::from(rate));
+            let pictures = (count, (0..count).map(|_| picture()));
+            encode_film(&mut bytes, pictures, rate, &Monitor::default()).expect("encoded");
+            let mut decoder = gif::DecodeOptions::new().read_info(&bytes[..]).expect("a GIF");
+            let mut hundredths = 0;
+            while let Some(frame) = decoder.read_next_frame().expect("read") {
+                hundredths += frame.delay;
+            }
+            assert_eq!(hundredths, 100, "{rate} pictures a second");
+        }
+    }
+
+    #[test]
     fn wrong_pictures_are_refused_and_cancelling_ends_it() {
         let mut sizes = pictures();
         sizes.push(RgbaImage::new(3, 3));
