@@ -13,6 +13,7 @@ use crate::dataset::{
 };
 use crate::detector::params::doc::NOISE_GATE;
 use crate::detector::{NoiseGate, SearchParams};
+use crate::inspect::words::counted;
 use crate::matching::aligned::Moved;
 use crate::matching::{CameraModel, MatchParams, PairSelection};
 use crate::requests::next_commands;
@@ -142,10 +143,13 @@ fn summary(report: &ColmapReport) -> String {
     let putative: usize = report.pairs.iter().map(|p| p.counts.putative).sum();
     let inliers: usize = report.pairs.iter().filter_map(|p| p.counts.inliers).sum();
     let verified = report.pairs.iter().filter(|p| p.counts.inliers.is_some_and(|n| n > 0)).count();
+    let resumed = report.pairs.iter().filter(|p| p.resumed).count();
+    let resumed = if resumed > 0 { format!(", {resumed} from an earlier run") } else { String::new() };
     text += &format!(
-        "{} images, {} pairs: {putative} matches, {inliers} inliers in {verified} verified pairs\n",
-        report.images.len(),
-        report.pairs.len(),
+        "{}, {}{resumed}: {putative} matches, {inliers} inliers in {}\n",
+        counted(report.images.len(), "image"),
+        counted(report.pairs.len(), "pair"),
+        counted(verified, "verified pair"),
     );
     if let Some(Moved { share, median_px: Some(median), max_px: Some(max), refused }) = report.moved {
         text += &format!(
@@ -160,8 +164,9 @@ fn summary(report: &ColmapReport) -> String {
 /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
 ///
 /// Each burst becomes an image. Its features are found, matched with those of the other bursts and verified. Bursts
-/// whose features are in --out already, found with the same parameters from the same files, are not done again: after
-/// an interruption the same command goes on. A burst that cannot be opened is reported and left out.
+/// whose features are in --out already, found with the same parameters from the same files, and pairs of them that were
+/// matched there with the same options, are not done again: after an interruption the same command goes on, and one
+/// burst more costs its own pairs. A burst that cannot be opened is reported and left out.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = COLMAP_HELP, mut_arg(NOISE_GATE.name, gate_help))]
 pub struct ColmapArgs {
@@ -205,6 +210,7 @@ Files in DIR:
                              by at most 20 px, never out of the picture or under its mask; one that would be, and all with --align false, stay as found
   manifest.json              with which parameters this was made
   records/NAME.png.json      what is finished: its frames with their lengths, times and checksums
+  records/pairs/             the pairs that are matched, before the places are aligned: A.png/B.png.pair
 
 Camera file: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each. One camera is shared by all images;
 without one, COLMAP's guess is taken. Models: SIMPLE_PINHOLE f,cx,cy;
@@ -214,7 +220,7 @@ verified by the essential matrix, otherwise by the fundamental matrix.
 JSON (--json):
   {\"version\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
    \"images\": [{\"id\", \"burst\", \"image\", \"features\", \"resumed\"}],
-   \"pairs\": [{\"ids\": [a, b], \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
+   \"pairs\": [{\"ids\": [a, b], \"resumed\", \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
    \"moved\": null without an alignment, or {\"share\": of the keypoints, \"median_px\", \"max_px\", \"refused\": keypoints that stay as found},
    \"no_start\": null, or why a mapper will not be able to start from the database,
    \"gathered\": with --gather, {\"brought\": [burst], \"left_out\": [{\"folder\", \"burst\", \"reason\"}], \"strange_folders\": [path]},

@@ -2,12 +2,16 @@
 
 use super::CameraChoice;
 use super::blobs::StoredBlobs;
-use super::kept::{BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, detector_text, differences, write_manifest};
+use super::kept::{
+    BurstRecord, KeptBurst, NotKept, calibration_files, detector_text, differences, settings_of, tidy_pairs,
+    write_manifest,
+};
 #[cfg(feature = "colmap")]
 use super::pairs::DetectedBurst;
+use super::pairs::seen_part;
 use super::picture::{BurstPicture, ImageKind, burst_plane};
 use super::stamp::{Comparison, FileStamp};
-use crate::burst::{Burst, BurstFiles, OpenOptions, files_at};
+use crate::burst::{Burst, BurstFiles, OpenOptions};
 use crate::detect::{Searched, check_memory, search};
 use crate::detector::{Descriptor, Detection, DetectorParams, SearchParams, SlopeFinding, open_burst};
 use crate::error::{Error, ErrorKind, Result};
@@ -20,8 +24,11 @@ use crate::files::mark::{Checksum, OutputKind};
 use crate::files::read_bytes;
 use crate::files::unfinished::remove_abandoned;
 use crate::matching::Blob;
+use crate::matching::aligned::Seen;
 use crate::monitor::Monitor;
-use serde_json::{Value, json};
+use serde_json::Value;
+#[cfg(feature = "colmap")]
+use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -115,31 +122,7 @@ impl FeatureStore {
     /// # Errors
     /// The folder holds other files, or the bias or flat frame cannot be read.
     pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self> {
-        let contents = |path: &Option<PathBuf>| -> Result<Vec<Value>> {
-            let stamps = FileStamp::with_checksums(&calibration_files(path)?, &Monitor::default())?;
-            Ok(stamps.iter().map(FileStamp::content).collect())
-        };
-        let mut settings = json!({
-            // Through text, because that is the file's form: a number may look different as a value.
-            DETECTOR_KEY: job.detector.to_toml(),
-            "bias": contents(&job.open.bias)?,
-            "full_scale": job.open.full_scale,
-            "flat": contents(&job.open.flat)?,
-            "black_level": job.open.black_level,
-            "raw_colour": job.open.raw_colour,
-            "linearise": job.open.linearise,
-            "accept_damaged": job.open.accept_damaged,
-        });
-        // Absent where they are not given, as in records of versions that did not have them.
-        let layout = json!({ "mosaic": job.open.mosaic, "raw": job.open.raw, "axis": job.open.axis, "array": job.open.array,
-                    "topic": job.open.topic, "take": job.open.take, "times": job.open.times, "views": job.open.views });
-        for (name, value) in layout.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null()) {
-            settings[name] = value.clone();
-        }
-        if job.open.mask_saturated {
-            settings["mask_saturated"] = json!(true);
-        }
-        Self::at(folder, job, settings)
+        Self::at(folder, job, settings_of(&job.detector, &job.open)?)
     }
 
     /// Opens the dataset in `folder` for features in memory, found with `params`, one text a burst.
@@ -247,13 +230,17 @@ impl FeatureStore {
         Ok((kept, record))
     }
 
-    /// Reads the features that this store has found or kept in this run. The frames are not compared again.
+    /// Reads the features that this store has found or kept in this run, with the part of the image that is seen, and
+    /// what both were made from. The frames are not compared again.
     #[cfg(feature = "colmap")]
-    pub(super) fn written(&self, source: &BurstFiles) -> Result<BurstFeatures> {
+    pub(super) fn written(&self, source: &BurstFiles) -> Result<(BurstFeatures, Seen, Value)> {
         let image_name = image_name(source);
-        let record = self.records().read(&image_name).filter(|record| record.made_from == self.made_with);
-        let read = record.ok_or(NotKept::NoRecord).and_then(|record| self.read(source, &record.of));
-        read.map_err(|reason| Error::unread_file(&self.feature_file(&image_name), reason))
+        let record: Option<BurstRecord> = self.records().read(&image_name);
+        let record = record.filter(|record| record.made_from == self.made_with).ok_or(NotKept::NoRecord);
+        let read = record.and_then(|record| Ok((self.read(source, &record.of)?, record)));
+        let (found, record) = read.map_err(|reason| Error::unread_file(&self.feature_file(&image_name), reason))?;
+        let key = record.of.key(&record.made_from);
+        Ok((found, record.of.seen, key))
     }
 
     fn read(&self, source: &BurstFiles, record: &KeptBurst) -> Result<BurstFeatures, NotKept> {
@@ -303,9 +290,10 @@ impl FeatureStore {
         let content = self.write_features(&found)?;
         let picture_content =
             self.write_picture_of(&found.image_name, &burst, &self.job.detector.at_given(), monitor)?;
+        let seen = seen_part(&burst, &self.job.detector.at_given(), monitor)?;
         let (blobs, picture) = (StoredBlobs(found.blobs.clone()), self.job.images);
         let (files, size, features, seconds) = (stamps, found.size, found.keypoints.len(), found.seconds);
-        let of = KeptBurst { files, size, features, content, blobs, picture, picture_content, seconds };
+        let of = KeptBurst { files, size, features, content, blobs, seen, picture, picture_content, seconds };
         let record = Record { made_from: self.made_with.clone(), of };
         // Written last: the record claims the files before it.
         self.records().write(&found.image_name, &record)?;
@@ -396,9 +384,16 @@ impl FeatureStore {
         for folder in folders.iter().chain([&self.folder, &self.records().folder().to_path_buf()]) {
             remove_abandoned(folder);
         }
+        tidy_pairs(&self.folder)?;
         write_manifest(&self.folder, &self.made_with)?;
         self.lock = Some(lock);
         Ok(())
+    }
+
+    /// Fails when the folder was removed since this store began to write.
+    #[cfg(feature = "colmap")]
+    pub(super) fn check_lock(&self) -> Result<()> {
+        self.lock.as_ref().map_or(Ok(()), FolderLock::check)
     }
 
     fn find(&self, source: &BurstFiles, camera: &CameraChoice, monitor: &Monitor) -> Result<(BurstFeatures, Burst)> {
@@ -447,13 +442,6 @@ fn found_in(source: &BurstFiles, burst: &Burst, detection: &Detection) -> BurstF
     let blobs = detection.features.iter().map(Blob::from).collect();
     let (descriptors, resumed, slopes, seconds) = (detection.descriptors.clone(), false, None, 0.0);
     BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds }
-}
-
-fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>> {
-    match path {
-        Some(path) => files_at(std::slice::from_ref(path)),
-        None => Ok(Vec::new()),
-    }
 }
 
 /// Whether the other bursts cannot continue. A parameter error after the first checks concerns one burst.
