@@ -3,19 +3,19 @@
 use super::args::{BurstSearchArgs, SequenceArgs};
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{open_options, resolve_bursts};
+use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
 use super::report::FailureReport;
 use crate::burst::BurstFiles;
 use crate::dataset::{
     BurstEvent, CameraChoice, ColmapJob, ColmapReport, Comparison, FeatureJob, FeatureStore, GatherReport, ImageKind,
-    LeftOut, export_colmap, gather,
+    Joined, LeftOut, export_colmap, gather, read_pairs,
 };
 use crate::detector::params::doc::NOISE_GATE;
 use crate::detector::{NoiseGate, SearchParams};
 use crate::inspect::words::counted;
 use crate::matching::aligned::Moved;
-use crate::matching::{CameraModel, MatchParams, PairSelection};
+use crate::matching::{CameraModel, MatchParams, PairSelection, Refusal};
 use crate::requests::next_commands;
 use clap::{Arg, Args};
 use serde::Serialize;
@@ -51,14 +51,12 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let matching = args.matching.params()?;
     let camera = matching.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
-    if inputs.iter().any(super::inputs::Input::is_built_in) {
+    if inputs.iter().any(Input::is_built_in) {
         return Err(Failure::usage(
             "colmap: a reconstruction needs bursts from several places, and the demo is one burst",
         ));
     }
     let open = open_options(&inputs, &args.run.calibration)?;
-    let job =
-        ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs: args.pairs, camera };
     let console = Console::new(&args.run.output)?;
     let mut failures: Vec<FailureReport> = Vec::new();
     let mut fail = |name: &str, error: String| {
@@ -73,9 +71,15 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
             Err(error) => fail(&input.name, error.to_string()),
         }
     }
+    let (pairs, list) = match &args.pairs {
+        PairsArg::Chosen(pairs) => (pairs.clone(), None),
+        PairsArg::Listed(list) => (PairSelection::Listed(read_pairs(list, &bursts)?), Some(list)),
+    };
+    let job = ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs, camera };
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
     // Files that the command reads must never be replaced by those it writes.
-    let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file()].into_iter().flatten().cloned();
+    let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file(), list];
+    let opened = opened.into_iter().flatten().cloned();
     let store = FeatureStore::open(&args.out, &job.features)?.and_opened(opened.collect());
     let mut store = store.comparing(comparison);
     let mut gathered = None;
@@ -125,13 +129,34 @@ fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
         }
     }
     let left = lines.into_iter().map(|(folder, reason, bursts)| {
-        let more = bursts.len().saturating_sub(NAMED);
-        let more = if more == 0 { String::new() } else { format!(" and {more} more") };
-        let names = bursts[..bursts.len().min(NAMED)].join(", ");
-        format!("--gather {}: {names}{more} not taken: {reason}", folder.display())
+        format!("--gather {}: {} not taken: {reason}", folder.display(), some_of(&bursts))
     });
     let strange = report.strange_folders.iter();
     left.chain(strange.map(|folder| format!("--gather {}: it holds none of these bursts", folder.display()))).collect()
+}
+
+fn some_of<S: AsRef<str>>(names: &[S]) -> String {
+    let some: Vec<&str> = names.iter().take(NAMED).map(S::as_ref).collect();
+    let more = names.len() - some.len();
+    some.join(", ") + &if more == 0 { String::new() } else { format!(" and {more} more") }
+}
+
+/// What verified pairs join, and how many were refused and why.
+fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_pictures }: &Joined) -> String {
+    let mut text = String::new();
+    if let Some((largest, others)) = parts.split_first() {
+        let all = alone.len() + parts.iter().map(Vec::len).sum::<usize>();
+        let of = if largest.len() == all { "all ".to_owned() } else { format!("{} of ", largest.len()) };
+        text += &format!("verified pairs join {of}{all} images");
+        others.iter().for_each(|part| text += &format!(", and apart from them {} others", part.len()));
+        text += &if alone.is_empty() { String::new() } else { format!("; none is of {}", some_of(alone)) };
+        text += "\n";
+    }
+    let refused = [(refused_by_motions, Refusal::Motions), (refused_by_pictures, Refusal::Pictures)];
+    for (pairs, why) in refused.into_iter().filter(|(pairs, _)| **pairs > 0) {
+        text += &format!("{} refused: {}\n", counted(*pairs, "pair"), why.words());
+    }
+    text
 }
 
 fn summary(report: &ColmapReport) -> String {
@@ -151,6 +176,7 @@ fn summary(report: &ColmapReport) -> String {
         counted(report.pairs.len(), "pair"),
         counted(verified, "verified pair"),
     );
+    text += &joined_text(&report.joined);
     if let Some(Moved { share, median_px: Some(median), max_px: Some(max), refused }) = report.moved {
         text += &format!(
             "moved {:.0} % of the keypoints to where their matches agree, by {median:.1} px in the median and {max:.1} px at most; \
@@ -159,6 +185,25 @@ fn summary(report: &ColmapReport) -> String {
         );
     }
     text + &format!("wrote {}\n", report.database.display())
+}
+
+/// Pairs as they are chosen: by a rule, or in a file.
+#[derive(Debug, Clone)]
+pub enum PairsArg {
+    Chosen(PairSelection),
+    Listed(PathBuf),
+}
+
+impl FromStr for PairsArg {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        match text.parse() {
+            Ok(pairs) => Ok(Self::Chosen(pairs)),
+            Err(_) if Path::new(text).is_file() => Ok(Self::Listed(text.into())),
+            Err(why) => Err(why + ", nor a file with two names a line"),
+        }
+    }
 }
 
 /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
@@ -184,9 +229,10 @@ pub struct ColmapArgs {
     /// is read.
     #[arg(long)]
     pub check_content: bool,
-    /// Which bursts are matched: all, or each with the next K (sequential:K).
-    #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
-    pub pairs: PairSelection,
+    /// Which bursts are matched: all, each with the next K (sequential:K), or those of a list of hloc's or COLMAP's: a
+    /// file with two names a line, with or without the extension of the picture.
+    #[arg(long, value_name = "WHICH", default_value = "all", value_parser = PairsArg::from_str)]
+    pub pairs: PairsArg,
     /// The picture that stands for a burst: middle, its middle frame, or merged, its frames merged; stretched to 8 bit.
     #[arg(long, value_name = "KIND", value_enum, default_value = "middle")]
     pub images: ImageKind,
@@ -221,6 +267,7 @@ JSON (--json):
   {\"version\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
    \"images\": [{\"id\", \"burst\", \"image\", \"features\", \"resumed\"}],
    \"pairs\": [{\"ids\": [a, b], \"resumed\", \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
+   \"joined\": by verified pairs, {\"parts\": [[burst]], the largest first, \"alone\": [burst], \"refused_by_motions\": pairs, \"refused_by_pictures\": pairs},
    \"moved\": null without an alignment, or {\"share\": of the keypoints, \"median_px\", \"max_px\", \"refused\": keypoints that stay as found},
    \"no_start\": null, or why a mapper will not be able to start from the database,
    \"gathered\": with --gather, {\"brought\": [burst], \"left_out\": [{\"folder\", \"burst\", \"reason\"}], \"strange_folders\": [path]},

@@ -111,7 +111,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
         has_gold,
         searches: Searches { detector, slopes_1d, slopes_2d, direction_deg },
         matching: args.matching.params()?,
-        pairs: args.pairs,
+        pairs: args.pairs.clone(),
     };
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;

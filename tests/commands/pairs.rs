@@ -151,3 +151,49 @@ fn a_pair_that_is_not_whole_or_of_other_bursts_is_matched_again() {
     assert_eq!(fs::read(&file).expect("there"), b"mine");
     assert_eq!(names(&home.join("rec/records/pairs")), ["burst_000.png", "burst_001.png", "burst_002.png"]);
 }
+
+#[test]
+fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
+    let home = tempfile::tempdir().expect("a folder");
+    let home = home.path();
+    way(home);
+    fs::write(home.join("list.txt"), "# of a retrieval\n\nburst_001.png burst_000\nburst_002.png burst_003.png\n")
+        .expect("written");
+    let (json, of_list) = reconstruct(home, &bursts(0..4), "rec", &["--pairs", "list.txt"]);
+    let ids: Vec<&Value> = json["pairs"].as_array().expect("pairs").iter().map(|pair| &pair["ids"]).collect();
+    assert_eq!(ids, [&serde_json::json!([1, 2]), &serde_json::json!([3, 4])]);
+    let parts = serde_json::json!([["burst_000", "burst_001"], ["burst_002", "burst_003"]]);
+    assert_eq!((&json["joined"]["parts"], &json["joined"]["alone"]), (&parts, &serde_json::json!([])));
+    let line = [&["colmap", "way/bursts", "--out", "rec", "--pairs"][..], &["list.txt"], &SEARCH].concat();
+    let text = run_well(home, &line);
+    assert!(text.contains("4 images, 2 pairs, 2 from an earlier run: "), "{text}");
+    assert!(text.contains("verified pairs join 2 of 4 images, and apart from them 2 others\n"), "{text}");
+    // The pairs of the list are those that all pairs keep.
+    let (json, _) = reconstruct(home, &bursts(0..4), "rec", &[]);
+    assert_eq!(resumed(&json), [[1, 2], [3, 4]]);
+    let text = run_well(home, &[&["colmap", "way/bursts", "--out", "rec"][..], &SEARCH].concat());
+    assert!(text.contains("verified pairs join all 4 images\n"), "{text}");
+    let (_, again) = reconstruct(home, &bursts(0..4), "rec", &["--pairs", "list.txt"]);
+    assert!(again == of_list);
+    // One pair, and nothing of the others.
+    fs::write(home.join("list.txt"), "burst_001 burst_003\n").expect("written");
+    let text = run_well(home, &line);
+    assert!(
+        text.contains("4 images, 1 pair, 1 from an earlier run: ") && text.contains("in 1 verified pair\n"),
+        "{text}"
+    );
+    assert!(text.contains("verified pairs join 2 of 4 images; none is of burst_000, burst_002\n"), "{text}");
+    // No inliers: nothing is joined, and nothing can be mapped.
+    let none = [&line[..], &["--min-inliers", "100000", "--predict", "false", "--json"]].concat();
+    let json: Value = serde_json::from_str(&run_well(home, &none)).expect("JSON");
+    assert_eq!(json["joined"]["alone"].as_array().map(Vec::len), Some(4), "{}", json["joined"]);
+    let why = json["no_start"].as_str().expect("a reason");
+    assert!(why.contains("the one pair is not verified (0 without a match, 0 refused"), "{why}");
+    // What is wrong is named with its line, before anything is done.
+    for (text, words) in [("burst_000 burst_001\nburst_000 night\n", "line 2: "), ("\nburst_000\n", "line 2: ")] {
+        fs::write(home.join("list.txt"), text).expect("written");
+        let words_of = run_badly(home, &line, 1);
+        assert!(words_of.contains(words) && words_of.contains("list.txt") && words_of.contains("burst_"), "{words_of}");
+    }
+    assert!(run_badly(home, &[&line[..4], &["--pairs", "gone.txt"]].concat(), 2).contains("two names a line"));
+}

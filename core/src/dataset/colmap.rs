@@ -9,7 +9,7 @@ use super::CameraChoice;
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::kept_pairs::{KeptPairs, PairFound, PairedImage};
 use super::pairs::{BurstSide, DetectedBurst, PairSource, for_pairs, seen_part};
-use super::report::{ColmapReport, ImageReport, PairReport};
+use super::report::{ColmapReport, ImageReport, Joined, PairReport};
 use crate::burst::{Burst, BurstFiles};
 use crate::detector::{DetectorParams, SearchParams};
 use crate::error::{Error, ErrorKind, Result};
@@ -76,7 +76,15 @@ pub fn export_colmap(
     if done.len() < 2 {
         return Err(too_few(done.len()));
     }
-    on(BurstEvent::Matching(job.pairs.pairs(done.len()).len()));
+    let pairs = match &job.pairs {
+        // A list is of all bursts, also of those that cannot be opened.
+        PairSelection::Listed(pairs) => {
+            let place = |burst: usize| done.binary_search_by_key(&burst, |(index, _)| *index).ok();
+            pairs.iter().filter_map(|&(a, b)| Some((place(a)?, place(b)?))).collect()
+        }
+        other => other.pairs(done.len()),
+    };
+    on(BurstEvent::Matching(pairs.len()));
     // Where all bursts are resumed, nothing has locked the folder yet.
     store.begin_writing()?;
     let written = |place: usize| {
@@ -85,7 +93,7 @@ pub fn export_colmap(
         Ok(Exported { features: BurstFeatures { resumed, ..features }, seen, key: Some(key) })
     };
     let open = |place: usize| store.open_burst(&bursts[done[place].0], &monitor.silent());
-    let report = write_database(store, (job, &matching), (done.len(), &written, &open), monitor)?;
+    let report = write_database(store, (job, &matching, &pairs), (done.len(), &written, &open), monitor)?;
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
     Ok(report)
@@ -123,7 +131,8 @@ pub fn export_detections(
         Ok(Exported { features: found[place].clone(), seen: seen_part(burst, params, monitor)?, key: None })
     };
     let open = |place: usize| Ok((bursts[place].burst.clone(), bursts[place].params.clone()));
-    let report = write_database(&store, (job, &matching), (found.len(), &written, &open), monitor)?;
+    let pairs = job.pairs.pairs(found.len());
+    let report = write_database(&store, (job, &matching, &pairs), (found.len(), &written, &open), monitor)?;
     store.begin_writing()?;
     Ok(report)
 }
@@ -141,15 +150,13 @@ type AllExported<'a> =
 
 fn write_database(
     store: &FeatureStore,
-    (job, matching): (&ColmapJob, &MatchParams),
+    (job, matching, pairs): (&ColmapJob, &MatchParams, &[(usize, usize)]),
     (count, exported, open): AllExported<'_>,
     monitor: &Monitor,
 ) -> Result<ColmapReport> {
     let (database, images_folder) = (store.folder.join(DATABASE_FILE), store.folder.join(IMAGES_FOLDER));
-    let (cameras, images, pairs) = (Vec::new(), Vec::new(), Vec::new());
-    let known_camera = job.camera.is_known();
-    let (moved, no_start) = (None, None);
-    let mut report = ColmapReport { database, images_folder, cameras, known_camera, images, pairs, moved, no_start };
+    let mut report =
+        ColmapReport { database, images_folder, known_camera: job.camera.is_known(), ..Default::default() };
     store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| {
         let (mut blobs, mut seen, mut paired) = (Vec::with_capacity(count), Vec::new(), Vec::new());
@@ -163,14 +170,14 @@ fn write_database(
             paired.push(PairedImage { name: burst.image_name, features: burst.keypoints.len(), key });
         }
         let kept = KeptPairs::of(store, matching, &paired);
-        let pairs = job.pairs.pairs(count);
-        let resumed = match_all(database, (&pairs, &blobs), matching, (&kept, open), monitor)?;
-        let waiting = add_pairs(database, &pairs, matching, (&kept, &resumed), &mut report)?;
+        let resumed = match_all(database, (pairs, &blobs), matching, (&kept, open), monitor)?;
+        let waiting = add_pairs(database, pairs, matching, (&kept, &resumed), &mut report)?;
         match matching.aligns() {
             true => align_all(database, (&waiting, &blobs, seen), matching, &mut report, monitor),
             false => Ok(()),
         }
     })?;
+    report.joined = Joined::of(&report.images, &report.pairs);
     report.no_start = report.why_no_start();
     Ok(report)
 }
