@@ -12,7 +12,7 @@ use crate::dataset::{
     Joined, LeftOut, export_colmap, gather, read_pairs,
 };
 use crate::detector::params::doc::NOISE_GATE;
-use crate::detector::{NoiseGate, SearchParams};
+use crate::detector::{Method, NoiseGate, SearchParams};
 use crate::inspect::words::counted;
 use crate::matching::aligned::Moved;
 use crate::matching::{CameraModel, MatchParams, PairSelection, Refusal};
@@ -106,10 +106,11 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     };
     let report = export_colmap(&mut store, &bursts, &job, &mut on, &console.monitor)?;
     said?;
-    let [make, map, python] = next_commands(&args.out);
+    let [make, map, python] = next_commands(&args.out, report.known_camera);
     let next = [make, map];
     let then = format!("\nNext:\n  {}\n  {}\nor:\n  {python}\n", next[0], next[1]);
-    console.say(&(summary(&report) + if report.no_start.is_none() { &then } else { "" }))?;
+    console
+        .say(&(summary(&report, job.features.detector.method) + if report.no_start.is_none() { &then } else { "" }))?;
     let (params, matching, report, failures) = (&job.features.detector, &job.matching, &report, &failures[..]);
     console.say_document("colmap", &ColmapDocument { params, matching, report, gathered, failures, next })?;
     if let Some(why) = &report.no_start {
@@ -159,7 +160,7 @@ fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_pictures }:
     text
 }
 
-fn summary(report: &ColmapReport) -> String {
+fn summary(report: &ColmapReport, method: Method) -> String {
     let mut text = String::new();
     for camera in &report.cameras {
         let guessed = if report.known_camera { "" } else { " (guessed: give --camera if you know it)" };
@@ -183,6 +184,11 @@ fn summary(report: &ColmapReport) -> String {
              {refused} more stay as found, like all in features/\n",
             100.0 * share
         );
+    }
+    // Other methods find features in the frame that is shown.
+    if method == Method::Buff && report.images.iter().any(|image| image.frames.is_multiple_of(2)) {
+        text += "the pictures of bursts with an even number of frames show half a frame after mid-burst, the time of the features \
+                 and poses: for dense steps leave a frame out with --frames\n";
     }
     text + &format!("wrote {}\n", report.database.display())
 }
@@ -265,7 +271,7 @@ verified by the essential matrix, otherwise by the fundamental matrix.
 
 JSON (--json):
   {\"version\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
-   \"images\": [{\"id\", \"burst\", \"image\", \"features\", \"resumed\"}],
+   \"images\": [{\"id\", \"burst\", \"image\", \"frames\": in which features were found, \"features\", \"resumed\"}],
    \"pairs\": [{\"ids\": [a, b], \"resumed\", \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
    \"joined\": by verified pairs, {\"parts\": [[burst]], the largest first, \"alone\": [burst], \"refused_by_motions\": pairs, \"refused_by_pictures\": pairs},
    \"moved\": null without an alignment, or {\"share\": of the keypoints, \"median_px\", \"max_px\", \"refused\": keypoints that stay as found},

@@ -107,7 +107,8 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     assert!(text.contains("3 images, 3 pairs: "), "{text}");
     let next =
         "colmap mapper --database_path 'my rec/database.db' --image_path 'my rec/images' --output_path 'my rec/sparse'";
-    assert!(text.contains(next), "{text}");
+    assert!(text.contains(&format!("{next}\n")), "{text}");
+    assert!(text.contains("half a frame after mid-burst"), "four frames: {text}");
     // Of few features few match: no pair from which a mapper can start, and the command ends with that.
     let few = ["colmap", "film", "--burst-length", "4", "--slopes-u", "-2:2:5", "--max-features", "20", "--out", "few"];
     let output = run(home.path(), &few);
@@ -137,6 +138,11 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!((&json["known_camera"], &json["cameras"][0]["model"]), (&true.into(), &"PINHOLE".into()));
     assert_eq!((json["pairs"].as_array().map(Vec::len), &json["matching"]["geometry"]), (Some(2), &"essential".into()));
+    // A camera that is known is held.
+    let held =
+        "--Mapper.ba_refine_focal_length 0 --Mapper.ba_refine_principal_point 0 --Mapper.ba_refine_extra_params 0";
+    assert!(json["next"][1].as_str().is_some_and(|line| line.ends_with(held)), "{}", json["next"]);
+    assert_eq!(json["images"][0]["frames"], 4);
     assert!(json["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == true)));
     // Features of another revision of the detector are not mixed with those of this one.
     for name in names(&home.path().join("my rec/records")).into_iter().filter(|name| name.ends_with(".json")) {

@@ -202,7 +202,8 @@ fn add_burst(
     };
     let id = database.add_image(&burst.image_name, camera_id, &burst.keypoints, &burst.descriptors)?;
     let (name, image, features) = (burst.name.clone(), burst.image_name.clone(), burst.keypoints.len());
-    report.images.push(ImageReport { id, burst: name, image, features, resumed: burst.resumed });
+    let (frames, resumed) = (burst.frames, burst.resumed);
+    report.images.push(ImageReport { id, burst: name, image, frames, features, resumed });
     Ok(())
 }
 

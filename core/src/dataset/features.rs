@@ -41,6 +41,8 @@ pub struct BurstFeatures {
     pub image_name: String,
     /// Size of its frames (columns, rows).
     pub size: (usize, usize),
+    /// Number of frames in which they were found.
+    pub frames: usize,
     /// Positions, scales and orientations, strongest first.
     pub keypoints: Vec<ColmapKeypoint>,
     /// Descriptor of each keypoint.
@@ -255,9 +257,9 @@ impl FeatureStore {
         if keypoints.len() != record.features || blobs.len() != record.features {
             return Err(NotKept::Altered);
         }
-        let (name, size, seconds) = (source.name.clone(), record.size, record.seconds);
+        let (name, size, frames, seconds) = (source.name.clone(), record.size, record.frames, record.seconds);
         let (resumed, slopes) = (true, None);
-        Ok(BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds })
+        Ok(BurstFeatures { name, image_name, size, frames, keypoints, descriptors, blobs, resumed, slopes, seconds })
     }
 
     /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.
@@ -292,8 +294,9 @@ impl FeatureStore {
             self.write_picture_of(&found.image_name, &burst, &self.job.detector.at_given(), monitor)?;
         let seen = seen_part(&burst, &self.job.detector.at_given(), monitor)?;
         let (blobs, picture) = (StoredBlobs(found.blobs.clone()), self.job.images);
-        let (files, size, features, seconds) = (stamps, found.size, found.keypoints.len(), found.seconds);
-        let of = KeptBurst { files, size, features, content, blobs, seen, picture, picture_content, seconds };
+        let BurstFeatures { size, frames, seconds, .. } = found;
+        let (files, features) = (stamps, found.keypoints.len());
+        let of = KeptBurst { files, size, frames, features, content, blobs, seen, picture, picture_content, seconds };
         let record = Record { made_from: self.made_with.clone(), of };
         // Written last: the record claims the files before it.
         self.records().write(&found.image_name, &record)?;
@@ -440,8 +443,9 @@ fn found_in(source: &BurstFiles, burst: &Burst, detection: &Detection) -> BurstF
     let (name, image_name, size) = (source.name.clone(), image_name(source), burst.size());
     let keypoints = detection.features.iter().map(ColmapKeypoint::from).collect();
     let blobs = detection.features.iter().map(Blob::from).collect();
-    let (descriptors, resumed, slopes, seconds) = (detection.descriptors.clone(), false, None, 0.0);
-    BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds }
+    let (frames, resumed, slopes, seconds) = (detection.frames_used.len(), false, None, 0.0);
+    let descriptors = detection.descriptors.clone();
+    BurstFeatures { name, image_name, size, frames, keypoints, descriptors, blobs, resumed, slopes, seconds }
 }
 
 /// Whether the other bursts cannot continue. A parameter error after the first checks concerns one burst.

@@ -31,6 +31,8 @@ pub(super) struct KeptBurst {
     pub files: Vec<FileStamp>,
     /// Size of its frames (columns, rows).
     pub size: (usize, usize),
+    /// Number of frames in which its features were found.
+    pub frames: usize,
     pub features: usize,
     /// Checksum of the file of features.
     pub content: Checksum,

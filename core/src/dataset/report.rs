@@ -17,6 +17,8 @@ pub struct ImageReport {
     pub burst: String,
     /// File below the folder of images.
     pub image: String,
+    /// Number of frames in which its features were found.
+    pub frames: usize,
     /// Number of features.
     pub features: usize,
     /// Whether an earlier run had found the features.

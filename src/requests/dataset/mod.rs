@@ -127,14 +127,24 @@ impl Request for ThumbnailsRequest {
     }
 }
 
-/// Commands that reconstruct what an export wrote to `out`: the mapper of COLMAP in two lines, or that of pycolmap.
-pub fn next_commands(out: &Path) -> [String; 3] {
+/// Commands that reconstruct what an export wrote to `out`: the mapper of COLMAP in two lines, or that of pycolmap. A
+/// known camera is held; a guessed one is refined.
+pub fn next_commands(out: &Path, knows_camera: bool) -> [String; 3] {
+    // A mapper refines the focal length and the distortion unless it is told not to.
+    let held = |form: fn(&str) -> String| match knows_camera {
+        true => {
+            ["focal_length", "principal_point", "extra_params"].map(|what| form(&format!("ba_refine_{what}"))).concat()
+        }
+        false => String::new(),
+    };
+    let (colmap, pycolmap) = (held(|name| format!(" --Mapper.{name} 0")), held(|name| format!("{name}=False, ")));
+    let pycolmap = if pycolmap.is_empty() { pycolmap } else { format!(", dict({})", pycolmap.trim_end_matches(", ")) };
     let [database, images, sparse] = ["database.db", "images", "sparse"].map(|name| shell_path(&out.join(name)));
     [
         format!("mkdir -p {sparse}"),
-        format!("colmap mapper --database_path {database} --image_path {images} --output_path {sparse}"),
+        format!("colmap mapper --database_path {database} --image_path {images} --output_path {sparse}{colmap}"),
         format!(
-            "python3 -c 'import sys, pycolmap; pycolmap.incremental_mapping(*sys.argv[1:])' {database} {images} {sparse}"
+            "python3 -c 'import sys, pycolmap; pycolmap.incremental_mapping(*sys.argv[1:]{pycolmap})' {database} {images} {sparse}"
         ),
     ]
 }
