@@ -20,7 +20,6 @@ use crate::requests::next_commands;
 use clap::{Arg, Args};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 #[derive(Serialize)]
 struct ColmapDocument<'a> {
@@ -71,14 +70,14 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
             Err(error) => fail(&input.name, error.to_string()),
         }
     }
-    let (pairs, list) = match &args.pairs {
-        PairsArg::Chosen(pairs) => (pairs.clone(), None),
-        PairsArg::Listed(list) => (PairSelection::Listed(read_pairs(list, &bursts)?), Some(list)),
+    let pairs = match &args.pairs {
+        (pairs, None) => pairs.clone(),
+        (_, Some(list)) => PairSelection::Listed(read_pairs(list, &bursts)?),
     };
     let job = ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs, camera };
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
     // Files that the command reads must never be replaced by those it writes.
-    let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file(), list];
+    let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file(), args.pairs.1.as_ref()];
     let opened = opened.into_iter().flatten().cloned();
     let store = FeatureStore::open(&args.out, &job.features)?.and_opened(opened.collect());
     let mut store = store.comparing(comparison);
@@ -193,22 +192,14 @@ fn summary(report: &ColmapReport, method: Method) -> String {
     text + &format!("wrote {}\n", report.database.display())
 }
 
-/// Pairs as they are chosen: by a rule, or in a file.
-#[derive(Debug, Clone)]
-pub enum PairsArg {
-    Chosen(PairSelection),
-    Listed(PathBuf),
-}
+/// Pairs as they are chosen: by a rule, or in a file, which is named then.
+type PairsArg = (PairSelection, Option<PathBuf>);
 
-impl FromStr for PairsArg {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        match text.parse() {
-            Ok(pairs) => Ok(Self::Chosen(pairs)),
-            Err(_) if Path::new(text).is_file() => Ok(Self::Listed(text.into())),
-            Err(why) => Err(why + ", nor a file with two names a line"),
-        }
+fn parse_pairs(text: &str) -> Result<PairsArg, String> {
+    match text.parse() {
+        Ok(pairs) => Ok((pairs, None)),
+        Err(_) if Path::new(text).is_file() => Ok((PairSelection::default(), Some(text.into()))),
+        Err(why) => Err(why + ", nor a file with two names a line"),
     }
 }
 
@@ -237,7 +228,7 @@ pub struct ColmapArgs {
     pub check_content: bool,
     /// Which bursts are matched: all, each with the next K (sequential:K), or those of a list of hloc's or COLMAP's: a
     /// file with two names a line, with or without the extension of the picture.
-    #[arg(long, value_name = "WHICH", default_value = "all", value_parser = PairsArg::from_str)]
+    #[arg(long, value_name = "WHICH", default_value = "all", value_parser = parse_pairs)]
     pub pairs: PairsArg,
     /// The picture that stands for a burst: middle, its middle frame, or merged, its frames merged; stretched to 8 bit.
     #[arg(long, value_name = "KIND", value_enum, default_value = "middle")]
@@ -270,7 +261,7 @@ PINHOLE fx,fy,cx,cy; SIMPLE_RADIAL f,cx,cy,k; OPENCV fx,fy,cx,cy,k1,k2,p1,p2. Th
 verified by the essential matrix, otherwise by the fundamental matrix.
 
 JSON (--json):
-  {\"version\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
+  {\"version\", \"detector_revision\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
    \"images\": [{\"id\", \"burst\", \"image\", \"frames\": in which features were found, \"features\", \"resumed\"}],
    \"pairs\": [{\"ids\": [a, b], \"resumed\", \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
    \"joined\": by verified pairs, {\"parts\": [[burst]], the largest first, \"alone\": [burst], \"refused_by_motions\": pairs, \"refused_by_pictures\": pairs},

@@ -138,6 +138,15 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!((&json["known_camera"], &json["cameras"][0]["model"]), (&true.into(), &"PINHOLE".into()));
     assert_eq!((json["pairs"].as_array().map(Vec::len), &json["matching"]["geometry"]), (Some(2), &"essential".into()));
+    assert_eq!(json["detector_revision"], burstscope::detector::REVISION);
+    // The folder says how it was made.
+    let manifest = fs::read_to_string(home.path().join("my rec/manifest.json")).expect("a manifest");
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    let made = &manifest["claims"]["settings"]["export"];
+    assert_eq!((&made["pairs"], &made["camera"]), (&"sequential:1".into(), &"PINHOLE 240 180 250 250 120 90".into()));
+    let matching: burstscope::matching::MatchParams =
+        toml::from_str(made["matching"].as_str().expect("text")).expect("TOML");
+    assert_eq!(serde_json::to_value(matching).expect("plain values"), json["matching"]);
     // A camera that is known is held.
     let held =
         "--Mapper.ba_refine_focal_length 0 --Mapper.ba_refine_principal_point 0 --Mapper.ba_refine_extra_params 0";

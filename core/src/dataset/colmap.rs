@@ -26,7 +26,7 @@ use crate::matching::{
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use rayon::prelude::*;
-use serde_json::Value;
+use serde_json::{Value, json};
 use std::path::Path;
 
 const DATABASE_FILE: &str = "database.db";
@@ -61,6 +61,7 @@ pub fn export_colmap(
         return Err(too_few(bursts.len()));
     }
     let out = store.folder.clone();
+    store.exported_with = job.words();
     // Outputs are checked before the search, which may take hours.
     store.protect(bursts)?;
     store.check_output(&out.join(DATABASE_FILE))?;
@@ -90,7 +91,7 @@ pub fn export_colmap(
     let written = |place: usize| {
         let (index, resumed) = done[place];
         let (features, seen, key) = store.written(&bursts[index])?;
-        Ok(Exported { features: BurstFeatures { resumed, ..features }, seen, key: Some(key) })
+        Ok((BurstFeatures { resumed, ..features }, seen, Some(key)))
     };
     let open = |place: usize| store.open_burst(&bursts[done[place].0], &monitor.silent());
     let report = write_database(store, (job, &matching, &pairs), (done.len(), &written, &open), monitor)?;
@@ -119,6 +120,7 @@ pub fn export_detections(
     make_file_names_unique(sources.iter_mut().map(|source| &mut source.name));
     let params = bursts.iter().map(|of| SearchParams::from(of.params.clone()).to_toml()).collect();
     let mut store = FeatureStore::of_detections(folder, &job.features, params)?;
+    store.exported_with = job.words();
     store.protect(&sources)?;
     store.check_output(&folder.join(DATABASE_FILE))?;
     // A camera of another size fails before anything is written.
@@ -128,21 +130,21 @@ pub fn export_detections(
         sources.iter().zip(bursts).map(|(source, of)| store.keep(source, of, monitor)).collect::<Result<_>>()?;
     let written = |place: usize| {
         let DetectedBurst { burst, params, .. } = bursts[place];
-        Ok(Exported { features: found[place].clone(), seen: seen_part(burst, params, monitor)?, key: None })
+        Ok((found[place].clone(), seen_part(burst, params, monitor)?, None))
     };
     let open = |place: usize| Ok((bursts[place].burst.clone(), bursts[place].params.clone()));
-    let pairs = job.pairs.pairs(found.len());
-    let report = write_database(&store, (job, &matching, &pairs), (found.len(), &written, &open), monitor)?;
+    let report = write_database(
+        &store,
+        (job, &matching, &job.pairs.pairs(found.len())),
+        (found.len(), &written, &open),
+        monitor,
+    )?;
     store.begin_writing()?;
     Ok(report)
 }
 
-/// A burst of an export, with what its features were made from; without for a burst in memory.
-struct Exported {
-    features: BurstFeatures,
-    seen: Seen,
-    key: Option<Value>,
-}
+/// A burst of an export: its features, what is seen of its image, and what both were made from if it is not in memory.
+type Exported = (BurstFeatures, Seen, Option<Value>);
 
 /// Bursts of an export: their number, and by their places what is exported, and the frames with the parameters of search.
 type AllExported<'a> =
@@ -162,7 +164,7 @@ fn write_database(
         let (mut blobs, mut seen, mut paired) = (Vec::with_capacity(count), Vec::new(), Vec::new());
         for place in 0..count {
             monitor.check()?;
-            let Exported { features: mut burst, seen: of_burst, key } = exported(place)?;
+            let (mut burst, of_burst, key) = exported(place)?;
             // Keypoints and descriptors go to the database; shapes alone stay in memory.
             blobs.push(std::mem::take(&mut burst.blobs));
             seen.push(of_burst);
@@ -337,6 +339,16 @@ fn too_few(bursts: usize) -> Error {
 }
 
 impl ColmapJob {
+    /// Options of matching, pairs and camera, as the manifest has them.
+    fn words(&self) -> Value {
+        let camera = match &self.camera {
+            CameraChoice::Known(camera) => camera.to_string(),
+            CameraChoice::Guessed(model) => format!("guessed {}", model.name()),
+        };
+        // As text, like the options of the search.
+        json!({ "matching": toml::to_string(&self.matching).ok(), "pairs": self.pairs.to_string(), "camera": camera })
+    }
+
     fn verified_matching(&self) -> Result<MatchParams> {
         let camera = match &self.camera {
             CameraChoice::Known(camera) => Some(camera.clone()),

@@ -27,8 +27,6 @@ use crate::matching::Blob;
 use crate::matching::aligned::Seen;
 use crate::monitor::Monitor;
 use serde_json::Value;
-#[cfg(feature = "colmap")]
-use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -110,12 +108,14 @@ pub struct FeatureStore {
     pub(super) folder: PathBuf,
     job: FeatureJob,
     made_with: MadeFrom,
+    /// Options of the export into the folder, for its manifest.
+    pub(super) exported_with: Value,
     comparison: Comparison,
     /// Files that were opened beside frames and calibration, such as parameters.
     opened: Vec<PathBuf>,
     rules: OutputRules,
     /// Lock of the folder, taken with the first write.
-    lock: Option<FolderLock>,
+    pub(super) lock: Option<FolderLock>,
 }
 
 impl FeatureStore {
@@ -130,7 +130,7 @@ impl FeatureStore {
     /// Opens the dataset in `folder` for features in memory, found with `params`, one text a burst.
     #[cfg(feature = "colmap")]
     pub(super) fn of_detections(folder: &Path, job: &FeatureJob, params: Vec<String>) -> Result<Self> {
-        Self::at(folder, job, json!({ "detectors": params }))
+        Self::at(folder, job, serde_json::json!({ "detectors": params }))
     }
 
     fn at(folder: &Path, job: &FeatureJob, settings: Value) -> Result<Self> {
@@ -138,9 +138,13 @@ impl FeatureStore {
             let problem = "this folder holds files, but no dataset that was begun by this command";
             return Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder));
         }
-        let (folder, job, made_with) = (folder.into(), job.clone(), MadeFrom::new(settings));
+        Ok(Self::new(folder, job, MadeFrom::new(settings)))
+    }
+
+    fn new(folder: &Path, job: &FeatureJob, made_with: MadeFrom) -> Self {
+        let (folder, job, exported_with) = (folder.into(), job.clone(), Value::Null);
         let (comparison, opened, rules) = (Comparison::default(), Vec::new(), OutputRules::default());
-        Ok(Self { folder, job, made_with, comparison, opened, rules, lock: None })
+        Self { folder, job, made_with, exported_with, comparison, opened, rules, lock: None }
     }
 
     /// This store, which never writes over the files `opened` either.
@@ -154,9 +158,7 @@ impl FeatureStore {
     }
 
     pub(super) fn like(&self, folder: &Path) -> Self {
-        let (job, made_with) = (self.job.clone(), self.made_with.clone());
-        let (opened, rules) = (Vec::new(), OutputRules::default());
-        Self { folder: folder.into(), job, made_with, comparison: self.comparison, opened, rules, lock: None }
+        Self::new(folder, &self.job, self.made_with.clone()).comparing(self.comparison)
     }
 
     pub(super) fn records(&self) -> Records {
@@ -388,15 +390,11 @@ impl FeatureStore {
             remove_abandoned(folder);
         }
         tidy_pairs(&self.folder)?;
-        write_manifest(&self.folder, &self.made_with)?;
+        let mut settings = self.made_with.settings().clone();
+        settings["export"] = self.exported_with.clone();
+        write_manifest(&self.folder, &MadeFrom::new(settings))?;
         self.lock = Some(lock);
         Ok(())
-    }
-
-    /// Fails when the folder was removed since this store began to write.
-    #[cfg(feature = "colmap")]
-    pub(super) fn check_lock(&self) -> Result<()> {
-        self.lock.as_ref().map_or(Ok(()), FolderLock::check)
     }
 
     fn find(&self, source: &BurstFiles, camera: &CameraChoice, monitor: &Monitor) -> Result<(BurstFeatures, Burst)> {

@@ -83,10 +83,7 @@ pub(super) fn settings_of(detector: &SearchParams, open: &OpenOptions) -> Result
 }
 
 pub(super) fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>> {
-    match path {
-        Some(path) => files_at(std::slice::from_ref(path)),
-        None => Ok(Vec::new()),
-    }
+    path.as_ref().map_or(Ok(Vec::new()), |path| files_at(std::slice::from_ref(path)))
 }
 
 /// Folder of the matched pairs of the `dataset` in this folder: one in it for each first image, with a file for each second.

@@ -9,6 +9,7 @@ use super::features::FeatureStore;
 use super::kept::pairs_folder;
 use crate::error::{Error, Result};
 use crate::export::{MadeFrom, write_whole};
+use crate::files::lock::FolderLock;
 use crate::files::mark::PAIR_MARK;
 use crate::files::{MAX_TABLE_BYTES, read_bytes};
 use crate::matching::align::Measured;
@@ -136,7 +137,8 @@ impl<'a> KeptPairs<'a> {
         };
         bytes.extend(found.words().iter().flat_map(|word| word.to_le_bytes()));
         bytes.extend(crc32fast::hash(&bytes).to_le_bytes());
-        self.store.check_lock()?;
+        // A folder that was removed meanwhile is not made anew.
+        self.store.lock.as_ref().map_or(Ok(()), FolderLock::check)?;
         self.store.check_output(&path)?;
         write_whole(&path, |out| out.write_all(&bytes))
     }

@@ -107,14 +107,13 @@ impl ColmapReport {
             return None;
         }
         let name = |id: u32| self.images.iter().find(|image| image.id == id).map_or("", |image| &image.burst);
-        let pairs_with = |has: fn(&MatchCounts) -> bool| self.pairs.iter().filter(|pair| has(&pair.counts)).count();
         let why = if let Some(best) = best.filter(|_| most > 0) {
             let [a, b] = best.ids.map(name);
             format!("the most inliers of a pair are {most}, of {a} and {b}")
         } else {
             // The three causes have different remedies.
-            let no_match = pairs_with(|counts| counts.putative == 0);
-            let refused = pairs_with(|counts| counts.refused.is_some());
+            let no_match = self.pairs.iter().filter(|pair| pair.counts.putative == 0).count();
+            let refused = self.joined.refused_by_motions + self.joined.refused_by_pictures;
             let all = self.pairs.len();
             let none = if all == 1 { "the one pair is not".into() } else { format!("none of {all} pairs is") };
             format!("{none} verified ({no_match} without a match, {refused} refused, in the others too few agree)")

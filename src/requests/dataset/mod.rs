@@ -131,14 +131,14 @@ impl Request for ThumbnailsRequest {
 /// known camera is held; a guessed one is refined.
 pub fn next_commands(out: &Path, knows_camera: bool) -> [String; 3] {
     // A mapper refines the focal length and the distortion unless it is told not to.
-    let held = |form: fn(&str) -> String| match knows_camera {
-        true => {
-            ["focal_length", "principal_point", "extra_params"].map(|what| form(&format!("ba_refine_{what}"))).concat()
-        }
-        false => String::new(),
+    let refined = ["focal_length", "principal_point", "extra_params"].map(|what| format!("ba_refine_{what}"));
+    let [colmap, pycolmap] = match knows_camera {
+        true => [
+            format!(" --Mapper.{} 0", refined.join(" 0 --Mapper.")),
+            format!(", dict({}=False)", refined.join("=False, ")),
+        ],
+        false => Default::default(),
     };
-    let (colmap, pycolmap) = (held(|name| format!(" --Mapper.{name} 0")), held(|name| format!("{name}=False, ")));
-    let pycolmap = if pycolmap.is_empty() { pycolmap } else { format!(", dict({})", pycolmap.trim_end_matches(", ")) };
     let [database, images, sparse] = ["database.db", "images", "sparse"].map(|name| shell_path(&out.join(name)));
     [
         format!("mkdir -p {sparse}"),

@@ -88,7 +88,6 @@ mod pairs {
     }
 }
 
-#[cfg(feature = "colmap")]
 mod pair_list {
     use burstscope_core::burst::BurstFiles;
     use burstscope_core::dataset::read_pairs;
