@@ -3,23 +3,23 @@
 use super::args::{BurstSearchArgs, SequenceArgs};
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{open_options, resolve_bursts};
+use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
 use super::report::FailureReport;
 use crate::burst::BurstFiles;
 use crate::dataset::{
     BurstEvent, CameraChoice, ColmapJob, ColmapReport, Comparison, FeatureJob, FeatureStore, GatherReport, ImageKind,
-    LeftOut, export_colmap, gather,
+    Joined, LeftOut, export_colmap, gather, read_pairs,
 };
 use crate::detector::params::doc::NOISE_GATE;
-use crate::detector::{NoiseGate, SearchParams};
+use crate::detector::{Method, NoiseGate, SearchParams};
+use crate::inspect::words::counted;
 use crate::matching::aligned::Moved;
-use crate::matching::{CameraModel, MatchParams, PairSelection};
+use crate::matching::{CameraModel, MatchParams, PairSelection, Refusal};
 use crate::requests::next_commands;
 use clap::{Arg, Args};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
 
 #[derive(Serialize)]
 struct ColmapDocument<'a> {
@@ -50,14 +50,12 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let matching = args.matching.params()?;
     let camera = matching.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
-    if inputs.iter().any(super::inputs::Input::is_built_in) {
+    if inputs.iter().any(Input::is_built_in) {
         return Err(Failure::usage(
             "colmap: a reconstruction needs bursts from several places, and the demo is one burst",
         ));
     }
     let open = open_options(&inputs, &args.run.calibration)?;
-    let job =
-        ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs: args.pairs, camera };
     let console = Console::new(&args.run.output)?;
     let mut failures: Vec<FailureReport> = Vec::new();
     let mut fail = |name: &str, error: String| {
@@ -72,9 +70,15 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
             Err(error) => fail(&input.name, error.to_string()),
         }
     }
+    let pairs = match &args.pairs {
+        (pairs, None) => pairs.clone(),
+        (_, Some(list)) => PairSelection::Listed(read_pairs(list, &bursts)?),
+    };
+    let job = ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs, camera };
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
     // Files that the command reads must never be replaced by those it writes.
-    let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file()].into_iter().flatten().cloned();
+    let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file(), args.pairs.1.as_ref()];
+    let opened = opened.into_iter().flatten().cloned();
     let store = FeatureStore::open(&args.out, &job.features)?.and_opened(opened.collect());
     let mut store = store.comparing(comparison);
     let mut gathered = None;
@@ -101,10 +105,11 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     };
     let report = export_colmap(&mut store, &bursts, &job, &mut on, &console.monitor)?;
     said?;
-    let [make, map, python] = next_commands(&args.out);
+    let [make, map, python] = next_commands(&args.out, report.known_camera);
     let next = [make, map];
     let then = format!("\nNext:\n  {}\n  {}\nor:\n  {python}\n", next[0], next[1]);
-    console.say(&(summary(&report) + if report.no_start.is_none() { &then } else { "" }))?;
+    console
+        .say(&(summary(&report, job.features.detector.method) + if report.no_start.is_none() { &then } else { "" }))?;
     let (params, matching, report, failures) = (&job.features.detector, &job.matching, &report, &failures[..]);
     console.say_document("colmap", &ColmapDocument { params, matching, report, gathered, failures, next })?;
     if let Some(why) = &report.no_start {
@@ -124,16 +129,37 @@ fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
         }
     }
     let left = lines.into_iter().map(|(folder, reason, bursts)| {
-        let more = bursts.len().saturating_sub(NAMED);
-        let more = if more == 0 { String::new() } else { format!(" and {more} more") };
-        let names = bursts[..bursts.len().min(NAMED)].join(", ");
-        format!("--gather {}: {names}{more} not taken: {reason}", folder.display())
+        format!("--gather {}: {} not taken: {reason}", folder.display(), some_of(&bursts))
     });
     let strange = report.strange_folders.iter();
     left.chain(strange.map(|folder| format!("--gather {}: it holds none of these bursts", folder.display()))).collect()
 }
 
-fn summary(report: &ColmapReport) -> String {
+fn some_of<S: AsRef<str>>(names: &[S]) -> String {
+    let some: Vec<&str> = names.iter().take(NAMED).map(S::as_ref).collect();
+    let more = names.len() - some.len();
+    some.join(", ") + &if more == 0 { String::new() } else { format!(" and {more} more") }
+}
+
+/// What verified pairs join, and how many were refused and why.
+fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_pictures }: &Joined) -> String {
+    let mut text = String::new();
+    if let Some((largest, others)) = parts.split_first() {
+        let all = alone.len() + parts.iter().map(Vec::len).sum::<usize>();
+        let of = if largest.len() == all { "all ".to_owned() } else { format!("{} of ", largest.len()) };
+        text += &format!("verified pairs join {of}{all} images");
+        others.iter().for_each(|part| text += &format!(", and apart from them {} others", part.len()));
+        text += &if alone.is_empty() { String::new() } else { format!("; none is of {}", some_of(alone)) };
+        text += "\n";
+    }
+    let refused = [(refused_by_motions, Refusal::Motions), (refused_by_pictures, Refusal::Pictures)];
+    for (pairs, why) in refused.into_iter().filter(|(pairs, _)| **pairs > 0) {
+        text += &format!("{} refused: {}\n", counted(*pairs, "pair"), why.words());
+    }
+    text
+}
+
+fn summary(report: &ColmapReport, method: Method) -> String {
     let mut text = String::new();
     for camera in &report.cameras {
         let guessed = if report.known_camera { "" } else { " (guessed: give --camera if you know it)" };
@@ -142,11 +168,15 @@ fn summary(report: &ColmapReport) -> String {
     let putative: usize = report.pairs.iter().map(|p| p.counts.putative).sum();
     let inliers: usize = report.pairs.iter().filter_map(|p| p.counts.inliers).sum();
     let verified = report.pairs.iter().filter(|p| p.counts.inliers.is_some_and(|n| n > 0)).count();
+    let resumed = report.pairs.iter().filter(|p| p.resumed).count();
+    let resumed = if resumed > 0 { format!(", {resumed} from an earlier run") } else { String::new() };
     text += &format!(
-        "{} images, {} pairs: {putative} matches, {inliers} inliers in {verified} verified pairs\n",
-        report.images.len(),
-        report.pairs.len(),
+        "{}, {}{resumed}: {putative} matches, {inliers} inliers in {}\n",
+        counted(report.images.len(), "image"),
+        counted(report.pairs.len(), "pair"),
+        counted(verified, "verified pair"),
     );
+    text += &joined_text(&report.joined);
     if let Some(Moved { share, median_px: Some(median), max_px: Some(max), refused }) = report.moved {
         text += &format!(
             "moved {:.0} % of the keypoints to where their matches agree, by {median:.1} px in the median and {max:.1} px at most; \
@@ -154,14 +184,31 @@ fn summary(report: &ColmapReport) -> String {
             100.0 * share
         );
     }
+    // Other methods find features in the frame that is shown.
+    if method == Method::Buff && report.images.iter().any(|image| image.frames.is_multiple_of(2)) {
+        text += "the pictures of bursts with an even number of frames show half a frame after mid-burst, the time of the features \
+                 and poses: for dense steps leave a frame out with --frames\n";
+    }
     text + &format!("wrote {}\n", report.database.display())
+}
+
+/// Pairs as they are chosen: by a rule, or in a file, which is named then.
+type PairsArg = (PairSelection, Option<PathBuf>);
+
+fn parse_pairs(text: &str) -> Result<PairsArg, String> {
+    match text.parse() {
+        Ok(pairs) => Ok((pairs, None)),
+        Err(_) if Path::new(text).is_file() => Ok((PairSelection::default(), Some(text.into()))),
+        Err(why) => Err(why + ", nor a file with two names a line"),
+    }
 }
 
 /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
 ///
 /// Each burst becomes an image. Its features are found, matched with those of the other bursts and verified. Bursts
-/// whose features are in --out already, found with the same parameters from the same files, are not done again: after
-/// an interruption the same command goes on. A burst that cannot be opened is reported and left out.
+/// whose features are in --out already, found with the same parameters from the same files, and pairs of them that were
+/// matched there with the same options, are not done again: after an interruption the same command goes on, and one
+/// burst more costs its own pairs. A burst that cannot be opened is reported and left out.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = COLMAP_HELP, mut_arg(NOISE_GATE.name, gate_help))]
 pub struct ColmapArgs {
@@ -179,9 +226,10 @@ pub struct ColmapArgs {
     /// is read.
     #[arg(long)]
     pub check_content: bool,
-    /// Which bursts are matched: all, or each with the next K (sequential:K).
-    #[arg(long, value_name = "WHICH", default_value_t = PairSelection::default(), value_parser = PairSelection::from_str)]
-    pub pairs: PairSelection,
+    /// Which bursts are matched: all, each with the next K (sequential:K), or those of a list of hloc's or COLMAP's: a
+    /// file with two names a line, with or without the extension of the picture.
+    #[arg(long, value_name = "WHICH", default_value = "all", value_parser = parse_pairs)]
+    pub pairs: PairsArg,
     /// The picture that stands for a burst: middle, its middle frame, or merged, its frames merged; stretched to 8 bit.
     #[arg(long, value_name = "KIND", value_enum, default_value = "middle")]
     pub images: ImageKind,
@@ -205,6 +253,7 @@ Files in DIR:
                              by at most 20 px, never out of the picture or under its mask; one that would be, and all with --align false, stay as found
   manifest.json              with which parameters this was made
   records/NAME.png.json      what is finished: its frames with their lengths, times and checksums
+  records/pairs/             the pairs that are matched, before the places are aligned: A.png/B.png.pair
 
 Camera file: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each. One camera is shared by all images;
 without one, COLMAP's guess is taken. Models: all of COLMAP's up to
@@ -212,9 +261,10 @@ RAD_TAN_THIN_PRISM_FISHEYE, with its parameters in its order: SIMPLE_PINHOLE f,c
 OPENCV_FISHEYE fx,fy,cx,cy,k1,k2,k3,k4; …. The centre of the first pixel is at (0.5, 0.5). With a known camera matches are verified by the essential matrix, otherwise by the fundamental matrix.
 
 JSON (--json):
-  {\"version\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
-   \"images\": [{\"id\", \"burst\", \"image\", \"features\", \"resumed\"}],
-   \"pairs\": [{\"ids\": [a, b], \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
+  {\"version\", \"detector_revision\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
+   \"images\": [{\"id\", \"burst\", \"image\", \"frames\": in which features were found, \"features\", \"resumed\"}],
+   \"pairs\": [{\"ids\": [a, b], \"resumed\", \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
+   \"joined\": by verified pairs, {\"parts\": [[burst]], the largest first, \"alone\": [burst], \"refused_by_motions\": pairs, \"refused_by_pictures\": pairs},
    \"moved\": null without an alignment, or {\"share\": of the keypoints, \"median_px\", \"max_px\", \"refused\": keypoints that stay as found},
    \"no_start\": null, or why a mapper will not be able to start from the database,
    \"gathered\": with --gather, {\"brought\": [burst], \"left_out\": [{\"folder\", \"burst\", \"reason\"}], \"strange_folders\": [path]},

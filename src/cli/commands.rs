@@ -20,8 +20,16 @@ use super::render::RenderArgs;
 use super::search_options::ParamsFileArg;
 use super::synth::SynthArgs;
 use crate::burst::OpenOptions;
+use crate::detector::REVISION;
 use clap::{Args, CommandFactory, Parser, Subcommand};
 use std::path::PathBuf;
+use std::sync::LazyLock;
+
+/// Version, and what decides on the features: the revision of the detector. A build that is given its commit names it.
+static VERSION: LazyLock<String> = LazyLock::new(|| {
+    let commit = option_env!("BURSTSCOPE_COMMIT").map_or_else(String::new, |commit| format!("{commit}, "));
+    format!("{} ({commit}detector {REVISION})", env!("CARGO_PKG_VERSION"))
+});
 
 /// Finds and shows burst features: what a burst of dark, noisy frames shows at every slope and scale.
 ///
@@ -29,7 +37,7 @@ use std::path::PathBuf;
 /// into a PNG file instead, and the strongest features are printed.
 #[derive(Debug, Parser)]
 #[command(
-    version,
+    version = VERSION.as_str(),
     args_conflicts_with_subcommands = true,
     after_long_help = "Examples:\n  burstscope                                       open the window on the demo burst\n  \
         burstscope night/                                open the window on a folder of frames\n  \

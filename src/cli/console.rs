@@ -3,7 +3,7 @@
 use super::args::OutputArgs;
 use super::failure::{Failure, complain, print, print_json, printable};
 use super::signals;
-use crate::detector::memory;
+use crate::detector::{REVISION, memory};
 use crate::monitor::Monitor;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -80,6 +80,7 @@ impl Console {
         #[derive(Serialize)]
         struct Document<'a, R> {
             version: &'a str,
+            detector_revision: u32,
             command: &'a str,
             #[serde(flatten)]
             report: &'a R,
@@ -87,7 +88,8 @@ impl Console {
         if !self.output.json {
             return Ok(());
         }
-        let document = Document { version: env!("CARGO_PKG_VERSION"), command, report };
+        let (version, detector_revision) = (env!("CARGO_PKG_VERSION"), REVISION);
+        let document = Document { version, detector_revision, command, report };
         let text = serde_json::to_string_pretty(&document)
             .context("cannot put the results into JSON")
             .map_err(Failure::Failed)?;

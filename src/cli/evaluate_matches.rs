@@ -76,7 +76,7 @@ Columns: an image's matches with all others are added up: each match counts for 
 counts the putative matches of an image that lie, as found, on the geometry that the sharp images' matches agree on; inliers lie on one that the same matches were used to find.
 
 JSON (--json):
-  {\"version\", \"command\": \"evaluate matches\", \"noise\": null or {\"snr\", \"seed\", \"gain\", \"frame_noise\"}, \"bursts\": [name], \"frames\", \"size\": [columns, rows],
+  {\"version\", \"detector_revision\", \"command\": \"evaluate matches\", \"noise\": null or {\"snr\", \"seed\", \"gain\", \"frame_noise\"}, \"bursts\": [name], \"frames\", \"size\": [columns, rows],
    \"pairs\": [[a, b]], \"detector\": {as in the parameter file}, \"slopes_1d\", \"slopes_2d\", \"matching\", \"methods\": [{\"method\", \"keypoints_per_image\",
      \"putative_per_image\", \"inliers_per_image\", \"match_ratio\", \"match_score\", \"inlier_ratio\", \"verified_pairs\", \"on_gold_geometry_per_image\",
      \"slopes_found\": [one grid a burst, where the method finds them],
@@ -111,7 +111,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
         has_gold,
         searches: Searches { detector, slopes_1d, slopes_2d, direction_deg },
         matching: args.matching.params()?,
-        pairs: args.pairs,
+        pairs: args.pairs.clone(),
     };
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;

@@ -38,7 +38,7 @@ Pairing: names are compared whole, or without folders and endings if no two agre
 names (23 for image.0023.png). The order is the image's id, or the line.
 
 JSON (--json):
-  {\"version\", \"command\": \"evaluate poses\", \"estimate\", \"truth\", \"images\", \"registered\", \"images_pass_percent\", \"associated\", \"scale\", \"straight\",
+  {\"version\", \"detector_revision\", \"command\": \"evaluate poses\", \"estimate\", \"truth\", \"images\", \"registered\", \"images_pass_percent\", \"associated\", \"scale\", \"straight\",
    \"absolute\": {\"count\", \"translation\": {\"rmse\", \"mean\", \"median\", \"max\"}, \"rotation_deg\": {…}}, \"step\", \"relative\": {as absolute},
    \"model\": null or {\"registered_images\", \"points\", \"points_per_image\", \"mean_track_length\", \"mean_reprojection_error_px\"},
    \"pairs\": [{\"label\", \"true_centre\": [x, y, z], \"aligned_centre\", \"translation_error\", \"rotation_error_deg\"}]}";

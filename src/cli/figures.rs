@@ -38,7 +38,7 @@ const FIGURES_HELP: &str = "\
 Files: NAME.svg and NAME.csv for each figure, index.html, and records/, by which finished figures are known again. About two minutes on two cores without COLMAP.
 
 JSON (--json):
-  {\"version\", \"command\": \"figures\", \"page\", \"size\": full or quick, \"figures\": [{\"figure\", \"files\": [path], \"notes\": [sentence], \"resumed\", \"seconds\"}]}";
+  {\"version\", \"detector_revision\", \"command\": \"figures\", \"page\", \"size\": full or quick, \"figures\": [{\"figure\", \"files\": [path], \"notes\": [sentence], \"resumed\", \"seconds\"}]}";
 
 pub(super) fn run(args: &FiguresArgs) -> Result<(), Failure> {
     if args.out.exists() && !args.out.is_dir() {

@@ -54,7 +54,7 @@ Examples:
   burstscope film night/ --sweep slope-u=-3:3:49 --out sweep.gif
   burstscope film night/ --sweep frames --slope -2.1,0 --out frames.gif
 
-JSON (--json): {\"version\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\", \"bytes\"}";
+JSON (--json): {\"version\", \"detector_revision\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\", \"bytes\"}";
 
 pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;

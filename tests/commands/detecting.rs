@@ -261,7 +261,10 @@ fn quiet_is_quiet_and_pipes_are_clean() {
 #[test]
 fn help_and_version_are_answers_not_errors() {
     let home = tempfile::tempdir().expect("a folder");
-    assert_eq!(run_well(home.path(), &["--version"]), format!("burstscope {}\n", env!("CARGO_PKG_VERSION")));
+    assert_eq!(
+        run_well(home.path(), &["--version"]),
+        format!("burstscope {} (detector {})\n", env!("CARGO_PKG_VERSION"), burstscope::detector::REVISION)
+    );
     let (short, long) = (run_well(home.path(), &["detect", "-h"]), run_well(home.path(), &["detect", "--help"]));
     assert!(short.len() < long.len());
     for doc in burstscope::detector::params::doc::ALL {

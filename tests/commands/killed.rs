@@ -56,12 +56,19 @@ fn same(folder: &Path, expected: &BTreeMap<String, Vec<u8>>, what: &str) {
     }
 }
 
+/// The folders of a dataset in which files are written, below it.
+fn parts(folder: &Path) -> Vec<String> {
+    let pairs = fs::read_dir(folder.join("records/pairs")).into_iter().flatten().flatten();
+    let of_pairs = pairs.map(|entry| format!("records/pairs/{}", entry.file_name().to_string_lossy()));
+    ["", "images", "features", "records", "records/pairs"].map(str::to_owned).into_iter().chain(of_pairs).collect()
+}
+
 /// Files in `folder` and its parts, with the times of their last writing.
 fn written(folder: &Path) -> BTreeSet<(String, SystemTime)> {
     let mut written = BTreeSet::new();
-    for part in ["", "images", "features", "records"] {
+    for part in parts(folder) {
         // A file may disappear between listing and reading it.
-        for entry in fs::read_dir(folder.join(part)).into_iter().flatten().flatten() {
+        for entry in fs::read_dir(folder.join(&part)).into_iter().flatten().flatten() {
             if let Some(at) = entry.metadata().ok().filter(|data| data.is_file()).and_then(|data| data.modified().ok())
             {
                 written.insert((format!("{part}/{}", entry.file_name().to_string_lossy()), at));
@@ -101,6 +108,7 @@ fn killed_at_any_moment_it_goes_on_to_the_same_end() {
     let expected = made(&whole);
     assert!(expected["keypoints"].len() > 1000 && expected.len() == 46, "twenty bursts with features");
     let files = written(&whole).len();
+    assert!(files > 80 && parts(&whole).len() == 24, "nineteen pairs, and their first bursts");
     // From before the first file to the last ones, which are written when all bursts are finished.
     let mut killed = 0;
     for round in 0..4 {
@@ -117,8 +125,8 @@ fn killed_at_any_moment_it_goes_on_to_the_same_end() {
         let output = run(home.path(), &arguments(&out, "12"));
         assert_eq!(output.status.code(), Some(0), "round {round}: {}", stderr(&output));
         same(&folder, &expected, &format!("round {round}"));
-        for part in ["", "images", "features", "records"] {
-            let left: Vec<_> = names(&folder.join(part)).into_iter().filter(|name| name.ends_with(".tmp")).collect();
+        for part in parts(&folder) {
+            let left: Vec<_> = names(&folder.join(&part)).into_iter().filter(|name| name.ends_with(".tmp")).collect();
             assert!(left.is_empty(), "round {round}: {part} holds {left:?}");
         }
     }

@@ -28,6 +28,8 @@ mod measuring;
 mod memory;
 #[cfg(unix)]
 mod overwriting;
+#[cfg(feature = "colmap")]
+mod pairs;
 mod real;
 mod reconstructing;
 mod recovering;

@@ -98,6 +98,7 @@ fn files_of_others_in_a_dataset_of_ours_stay() {
         ("theirs.txt", "rec/features/b.png.txt"),
         ("theirs.db", "rec/database.db"),
         ("theirs.json", "rec/records/a.png.json"),
+        ("theirs.txt", "rec/records/pairs/a.png/b.png.pair"),
     ] {
         let whole = fs::read(at(ours)).expect("there");
         fs::copy(at(theirs), at(ours)).expect("copied");
@@ -112,8 +113,8 @@ fn files_of_others_in_a_dataset_of_ours_stay() {
     drop(database);
     run_well(home.path(), &colmap);
     // The folders of a dataset do not lead out of it.
-    for part in ["images", "features", "records"] {
-        let (inside, outside) = (at(&format!("rec/{part}")), at(&format!("elsewhere {part}")));
+    for part in ["images", "features", "records", "records/pairs", "records/pairs/a.png"] {
+        let (inside, outside) = (at(&format!("rec/{part}")), at(&format!("elsewhere {}", part.replace('/', " "))));
         fs::rename(&inside, &outside).expect("moved");
         std::os::unix::fs::symlink(&outside, &inside).expect("linked");
         let other = [&colmap[..], &["--edge-threshold", "5"]].concat();

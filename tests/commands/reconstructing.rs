@@ -107,7 +107,8 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     assert!(text.contains("3 images, 3 pairs: "), "{text}");
     let next =
         "colmap mapper --database_path 'my rec/database.db' --image_path 'my rec/images' --output_path 'my rec/sparse'";
-    assert!(text.contains(next), "{text}");
+    assert!(text.contains(&format!("{next}\n")), "{text}");
+    assert!(text.contains("half a frame after mid-burst"), "four frames: {text}");
     // Of few features few match: no pair from which a mapper can start, and the command ends with that.
     let few = ["colmap", "film", "--burst-length", "4", "--slopes-u", "-2:2:5", "--max-features", "20", "--out", "few"];
     let output = run(home.path(), &few);
@@ -137,9 +138,23 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!((&json["known_camera"], &json["cameras"][0]["model"]), (&true.into(), &"PINHOLE".into()));
     assert_eq!((json["pairs"].as_array().map(Vec::len), &json["matching"]["geometry"]), (Some(2), &"essential".into()));
+    assert_eq!(json["detector_revision"], burstscope::detector::REVISION);
+    // The folder says how it was made.
+    let manifest = fs::read_to_string(home.path().join("my rec/manifest.json")).expect("a manifest");
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    let made = &manifest["claims"]["settings"]["export"];
+    assert_eq!((&made["pairs"], &made["camera"]), (&"sequential:1".into(), &"PINHOLE 240 180 250 250 120 90".into()));
+    let matching: burstscope::matching::MatchParams =
+        toml::from_str(made["matching"].as_str().expect("text")).expect("TOML");
+    assert_eq!(serde_json::to_value(matching).expect("plain values"), json["matching"]);
+    // A camera that is known is held.
+    let held =
+        "--Mapper.ba_refine_focal_length 0 --Mapper.ba_refine_principal_point 0 --Mapper.ba_refine_extra_params 0";
+    assert!(json["next"][1].as_str().is_some_and(|line| line.ends_with(held)), "{}", json["next"]);
+    assert_eq!(json["images"][0]["frames"], 4);
     assert!(json["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == true)));
     // Features of another revision of the detector are not mixed with those of this one.
-    for name in names(&home.path().join("my rec/records")) {
+    for name in names(&home.path().join("my rec/records")).into_iter().filter(|name| name.ends_with(".json")) {
         let record = home.path().join("my rec/records").join(name);
         let mut kept: serde_json::Value =
             serde_json::from_str(&fs::read_to_string(&record).expect("a file")).expect("JSON");
@@ -153,7 +168,7 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     fs::write(home.path().join("film/frame_001.png"), "broken").expect("written");
     let output = run(home.path(), &arguments);
     assert_eq!(output.status.code(), Some(1));
-    assert!(String::from_utf8_lossy(&output.stdout).contains("2 images, 1 pairs: "));
+    assert!(String::from_utf8_lossy(&output.stdout).contains("2 images, 1 pair, 1 from an earlier run: "));
     assert!(stderr(&output).contains("frame_001.png"));
 }
 

@@ -1,12 +1,15 @@
 //! Export of a dataset to COLMAP: a folder from which its mapper can start directly.
 //!
 //! `images/NAME.png` shows each burst, `features/NAME.png.txt` holds its features in the form of COLMAP's importer, and
-//! `database.db` cameras, images, features, matches and verified geometries. Finished bursts are not computed again;
-//! matches are. Features are in memory only while they are found or matched: memory does not grow with the bursts.
+//! `database.db` cameras, images, features, matches and verified geometries. Finished bursts and matched pairs are not
+//! computed again; the places on which all pairs agree are. Features are in memory only while they are found or matched:
+//! memory does not grow with the bursts.
 
 use super::CameraChoice;
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
-use super::pairs::{BurstSide, DetectedBurst, MatchedPair, PairSource, match_pairs};
+use super::kept_pairs::{KeptPairs, PairFound, PairedImage};
+use super::pairs::{BurstSide, DetectedBurst, PairSource, for_pairs, seen_part};
+use super::report::{ColmapReport, ImageReport, Joined, PairReport};
 use crate::burst::{Burst, BurstFiles};
 use crate::detector::{DetectorParams, SearchParams};
 use crate::error::{Error, ErrorKind, Result};
@@ -14,19 +17,16 @@ use crate::export::{
     ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, make_file_names_unique,
     write_colmap_database,
 };
-use crate::files::serialize_path;
 use crate::matching::align::Measured;
-use crate::matching::aligned::{Alignment, Inlier, Moved, Seen};
+use crate::matching::aligned::{Alignment, Inlier, Seen};
 use crate::matching::{
-    Blob, Camera, Geometry, MatchCounts, MatchParams, PairSelection, Pictures, Refusal, TwoViewModel, Unaligned,
-    Verification,
+    Blob, Camera, Geometry, MatchCounts, MatchParams, PairSelection, Refusal, TwoViewModel, Unaligned, Verification,
 };
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use rayon::prelude::*;
-use serde::Serialize;
-use std::cell::RefCell;
-use std::path::{Path, PathBuf};
+use serde_json::{Value, json};
+use std::path::Path;
 
 const DATABASE_FILE: &str = "database.db";
 
@@ -41,83 +41,6 @@ pub struct ColmapJob {
     pub pairs: PairSelection,
     /// Camera of all images, or the model that is guessed for each size.
     pub camera: CameraChoice,
-}
-
-/// Report of one image of the database.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ImageReport {
-    /// Id in the database.
-    pub id: u32,
-    /// Name of the burst.
-    pub burst: String,
-    /// File below the folder of images.
-    pub image: String,
-    /// Number of features.
-    pub features: usize,
-    /// Whether an earlier run had found the features.
-    pub resumed: bool,
-}
-
-/// Report of one matched pair.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct PairReport {
-    /// Ids of the images, the smaller one first.
-    pub ids: [u32; 2],
-    /// Counts of the match.
-    #[serde(flatten)]
-    pub counts: MatchCounts,
-}
-
-/// Report of an export.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct ColmapReport {
-    /// Path of the database.
-    #[serde(serialize_with = "serialize_path")]
-    pub database: PathBuf,
-    /// Folder of images.
-    #[serde(serialize_with = "serialize_path")]
-    pub images_folder: PathBuf,
-    /// Cameras, one for each size of image.
-    pub cameras: Vec<Camera>,
-    /// Whether the focal length is known.
-    pub known_camera: bool,
-    /// Images, in ascending id.
-    pub images: Vec<ImageReport>,
-    /// Pairs, in order.
-    pub pairs: Vec<PairReport>,
-    /// Distances by which the database's keypoints moved from those in the files; `None` if they were not aligned.
-    pub moved: Option<Moved>,
-    /// Says why COLMAP's mapper will not be able to start from the database; `None` where a pair has enough inliers.
-    pub no_start: Option<String>,
-}
-
-/// Inliers with which COLMAP's mapper begins, nearly: it asks for 100, 50, 25, and for 30 places of each further image.
-const INLIERS_TO_START: usize = 30;
-
-impl ColmapReport {
-    fn why_no_start(&self) -> Option<String> {
-        let best = self.pairs.iter().max_by_key(|pair| pair.counts.inliers)?;
-        let most = best.counts.inliers.unwrap_or(0);
-        if most >= INLIERS_TO_START {
-            return None;
-        }
-        let name = |id: u32| self.images.iter().find(|image| image.id == id).map_or("", |image| &image.burst);
-        let pairs_with = |has: fn(&MatchCounts) -> bool| self.pairs.iter().filter(|pair| has(&pair.counts)).count();
-        let why = if most > 0 {
-            let [a, b] = best.ids.map(name);
-            format!("the most inliers of a pair are {most}, of {a} and {b}")
-        } else {
-            // The three causes have different remedies.
-            let no_match = pairs_with(|counts| counts.putative == 0);
-            let refused = pairs_with(|counts| counts.refused.is_some());
-            let all = self.pairs.len();
-            format!(
-                "none of {all} pairs is verified ({no_match} without a match, {refused} refused, in the others too few agree)"
-            )
-        };
-        let needed = format!("and it needs a pair with about {INLIERS_TO_START} inliers");
-        Some(format!("a mapper will not be able to start from it: {why}, {needed}"))
-    }
 }
 
 /// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder of `store`,
@@ -137,6 +60,7 @@ pub fn export_colmap(
         return Err(too_few(bursts.len()));
     }
     let out = store.folder.clone();
+    store.exported_with = job.words();
     // Outputs are checked before the search, which may take hours.
     store.protect(bursts)?;
     store.check_output(&out.join(DATABASE_FILE))?;
@@ -152,15 +76,24 @@ pub fn export_colmap(
     if done.len() < 2 {
         return Err(too_few(done.len()));
     }
-    on(BurstEvent::Matching(job.pairs.pairs(done.len()).len()));
+    let pairs = match &job.pairs {
+        // A list is of all bursts, also of those that cannot be opened.
+        PairSelection::Listed(pairs) => {
+            let place = |burst: usize| done.binary_search_by_key(&burst, |(index, _)| *index).ok();
+            pairs.iter().filter_map(|&(a, b)| Some((place(a)?, place(b)?))).collect()
+        }
+        other => other.pairs(done.len()),
+    };
+    on(BurstEvent::Matching(pairs.len()));
     // Where all bursts are resumed, nothing has locked the folder yet.
     store.begin_writing()?;
     let written = |place: usize| {
         let (index, resumed) = done[place];
-        Ok(BurstFeatures { resumed, ..store.written(&bursts[index])? })
+        let (features, seen, key) = store.written(&bursts[index])?;
+        Ok((BurstFeatures { resumed, ..features }, seen, Some(key)))
     };
     let open = |place: usize| store.open_burst(&bursts[done[place].0], &monitor.silent());
-    let report = write_database(store, (job, &matching), (done.len(), &written, &open), monitor)?;
+    let report = write_database(store, (job, &matching, &pairs), (done.len(), &written, &open), monitor)?;
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
     Ok(report)
@@ -186,6 +119,7 @@ pub fn export_detections(
     make_file_names_unique(sources.iter_mut().map(|source| &mut source.name));
     let params = bursts.iter().map(|of| SearchParams::from(of.params.clone()).to_toml()).collect();
     let mut store = FeatureStore::of_detections(folder, &job.features, params)?;
+    store.exported_with = job.words();
     store.protect(&sources)?;
     store.check_output(&folder.join(DATABASE_FILE))?;
     // A camera of another size fails before anything is written.
@@ -193,40 +127,58 @@ pub fn export_detections(
     sizes.collect::<Result<Vec<_>>>()?;
     let found: Vec<BurstFeatures> =
         sources.iter().zip(bursts).map(|(source, of)| store.keep(source, of, monitor)).collect::<Result<_>>()?;
-    let written = |place: usize| Ok(found[place].clone());
+    let written = |place: usize| {
+        let DetectedBurst { burst, params, .. } = bursts[place];
+        Ok((found[place].clone(), seen_part(burst, params, monitor)?, None))
+    };
     let open = |place: usize| Ok((bursts[place].burst.clone(), bursts[place].params.clone()));
-    let report = write_database(&store, (job, &matching), (found.len(), &written, &open), monitor)?;
+    let report = write_database(
+        &store,
+        (job, &matching, &job.pairs.pairs(found.len())),
+        (found.len(), &written, &open),
+        monitor,
+    )?;
     store.begin_writing()?;
     Ok(report)
 }
 
-/// Bursts of an export: their number, and by their places the features, and the frames with the parameters of search.
-type Exported<'a> =
-    (usize, &'a dyn Fn(usize) -> Result<BurstFeatures>, &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>);
+/// A burst of an export: its features, what is seen of its image, and what both were made from if it is not in memory.
+type Exported = (BurstFeatures, Seen, Option<Value>);
+
+/// Bursts of an export: their number, and by their places what is exported, and the frames with the parameters of search.
+type AllExported<'a> =
+    (usize, &'a dyn Fn(usize) -> Result<Exported>, &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>);
 
 fn write_database(
     store: &FeatureStore,
-    (job, matching): (&ColmapJob, &MatchParams),
-    (count, features, open): Exported<'_>,
+    (job, matching, pairs): (&ColmapJob, &MatchParams, &[(usize, usize)]),
+    (count, exported, open): AllExported<'_>,
     monitor: &Monitor,
 ) -> Result<ColmapReport> {
     let (database, images_folder) = (store.folder.join(DATABASE_FILE), store.folder.join(IMAGES_FOLDER));
-    let (cameras, images, pairs) = (Vec::new(), Vec::new(), Vec::new());
-    let known_camera = job.camera.is_known();
-    let (moved, no_start) = (None, None);
-    let mut report = ColmapReport { database, images_folder, cameras, known_camera, images, pairs, moved, no_start };
+    let mut report =
+        ColmapReport { database, images_folder, known_camera: job.camera.is_known(), ..Default::default() };
     store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| {
-        let mut blobs = Vec::with_capacity(count);
+        let (mut blobs, mut seen, mut paired) = (Vec::with_capacity(count), Vec::new(), Vec::new());
         for place in 0..count {
             monitor.check()?;
-            let mut burst = features(place)?;
+            let (mut burst, of_burst, key) = exported(place)?;
             // Keypoints and descriptors go to the database; shapes alone stay in memory.
             blobs.push(std::mem::take(&mut burst.blobs));
+            seen.push(of_burst);
             add_burst(database, &burst, job, &mut report)?;
+            paired.push(PairedImage { name: burst.image_name, features: burst.keypoints.len(), key });
         }
-        match_all(database, (&job.pairs.pairs(count), &blobs), matching, open, &mut report, monitor)
+        let kept = KeptPairs::of(store, matching, &paired);
+        let resumed = match_all(database, (pairs, &blobs), matching, (&kept, open), monitor)?;
+        let waiting = add_pairs(database, pairs, matching, (&kept, &resumed), &mut report)?;
+        match matching.aligns() {
+            true => align_all(database, (&waiting, &blobs, seen), matching, &mut report, monitor),
+            false => Ok(()),
+        }
     })?;
+    report.joined = Joined::of(&report.images, &report.pairs);
     report.no_start = report.why_no_start();
     Ok(report)
 }
@@ -251,7 +203,8 @@ fn add_burst(
     };
     let id = database.add_image(&burst.image_name, camera_id, &burst.keypoints, &burst.descriptors)?;
     let (name, image, features) = (burst.name.clone(), burst.image_name.clone(), burst.keypoints.len());
-    report.images.push(ImageReport { id, burst: name, image, features, resumed: burst.resumed });
+    let (frames, resumed) = (burst.frames, burst.resumed);
+    report.images.push(ImageReport { id, burst: name, image, frames, features, resumed });
     Ok(())
 }
 
@@ -262,15 +215,14 @@ struct Waiting {
 }
 
 struct InDatabase<'a, 'b> {
-    database: &'a RefCell<&'a mut DatabaseWriter<'b>>,
-    ids: &'a [u32],
+    database: &'a DatabaseWriter<'b>,
     blobs: &'a [Vec<Blob>],
     open: &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>,
 }
 
 impl PairSource<Error> for InDatabase<'_, '_> {
     fn features(&mut self, index: usize) -> Result<Option<BurstSide>> {
-        let (keypoints, descriptors) = self.database.borrow().features(self.ids[index])?;
+        let (keypoints, descriptors) = self.database.features(index as u32 + 1)?;
         Ok(Some(BurstSide::new(&keypoints, descriptors, self.blobs[index].clone())))
     }
 
@@ -279,57 +231,63 @@ impl PairSource<Error> for InDatabase<'_, '_> {
     }
 }
 
+/// Matches the pairs that are not kept yet, and keeps each. Returns for each pair whether it was kept before.
 fn match_all(
-    database: &mut DatabaseWriter<'_>,
+    database: &DatabaseWriter<'_>,
     (pairs, blobs): (&[(usize, usize)], &[Vec<Blob>]),
     matching: &MatchParams,
-    open: &dyn Fn(usize) -> Result<(Burst, DetectorParams)>,
-    report: &mut ColmapReport,
+    (kept, open): (&KeptPairs<'_>, &dyn Fn(usize) -> Result<(Burst, DetectorParams)>),
     monitor: &Monitor,
-) -> Result<()> {
-    let ids: Vec<u32> = report.images.iter().map(|image| image.id).collect();
-    let database = RefCell::new(database);
-    let mut source = InDatabase { database: &database, ids: &ids, blobs, open };
-    let mut seen: Vec<Option<Seen>> = vec![None; ids.len()];
-    let mut waiting: Vec<Waiting> = Vec::new();
-    let mut write = |MatchedPair { indices: images, sides, found: Unaligned { result, measured } }: MatchedPair<'_>| {
-        let [a, b] = [ids[images.0], ids[images.1]];
-        for (image, side) in [images.0, images.1].into_iter().zip(sides) {
-            // An image's pictures leave memory with its features: what the alignment needs of them is kept.
-            seen[image] = seen[image].take().or_else(|| side.pictures.as_ref().map(Pictures::seen).cloned());
-        }
-        report.pairs.push(PairReport { ids: [a, b], counts: result.counts });
+) -> Result<Vec<bool>> {
+    let has = |pair: &(usize, usize)| Ok(monitor.check().map(|()| kept.has(*pair))?);
+    let resumed: Vec<bool> = pairs.par_iter().map(has).collect::<Result<_>>()?;
+    let missing = pairs.iter().zip(&resumed).filter(|(_, resumed)| !**resumed);
+    let missing: Vec<(usize, usize)> = missing.map(|(pair, _)| *pair).collect();
+    let keep = |pair: (usize, usize), found: Unaligned| kept.keep(pair, PairFound::of(&found));
+    let mut source = InDatabase { database, blobs, open };
+    for_pairs::<Error, ()>(&missing, matching, &mut source, (&keep, &mut |_| Ok(())), monitor)?;
+    monitor.check()?;
+    Ok(resumed)
+}
+
+/// Adds all pairs in their order, so that the database has the same bytes whether they were kept or matched now. Returns
+/// those whose geometries wait until all pairs agree on the places.
+fn add_pairs(
+    database: &mut DatabaseWriter<'_>,
+    pairs: &[(usize, usize)],
+    matching: &MatchParams,
+    (kept, resumed): (&KeptPairs<'_>, &[bool]),
+    report: &mut ColmapReport,
+) -> Result<Vec<Waiting>> {
+    let mut waiting = Vec::new();
+    for (&images, &resumed) in pairs.iter().zip(resumed) {
+        let PairFound { matches, inliers, model, refused } = kept.take(images)?;
+        let [a, b] = [&report.images[images.0], &report.images[images.1]];
+        let (keypoints_a, keypoints_b, inlier_count) = (a.features, b.features, Some(inliers.len()));
+        let counts = MatchCounts { keypoints_a, keypoints_b, putative: matches.len(), inliers: inlier_count, refused };
+        let [a, b] = [a.id, b.id];
+        report.pairs.push(PairReport { ids: [a, b], resumed, counts });
         // COLMAP also has no row for a pair without a match.
-        if result.matches.is_empty() {
-            return Ok(());
+        if matches.is_empty() {
+            continue;
         }
-        let mut database = database.borrow_mut();
-        database.add_matches(a, b, &result.matches.iter().map(|m| [m.a as u32, m.b as u32]).collect::<Vec<_>>())?;
-        let Some(verified) = &result.verification else { return Ok(()) };
-        let agreed = result.matches.iter().zip(measured).zip(&verified.inlier).filter(|(_, inlier)| **inlier);
-        let inliers: Vec<(Inlier, Option<Measured>)> = agreed.map(|((m, measured), _)| (m.into(), *measured)).collect();
-        // With alignment, geometries wait until all pairs agree on the places.
-        if matching.aligns() && verified.model.is_some() {
+        database.add_matches(a, b, &matches)?;
+        if matching.aligns() && model.is_some() {
             waiting.push(Waiting { images, inliers });
-            return Ok(());
+            continue;
         }
+        let places =
+            |id| Ok::<_, Error>(database.features(id)?.0.iter().map(ColmapKeypoint::pos_image).collect::<Vec<_>>());
+        let (of_a, of_b) = if model.is_some() { (places(a)?, places(b)?) } else { Default::default() };
         let agreed: Vec<Inlier> = inliers.iter().map(|(m, _)| *m).collect();
-        let places = [&sides[0].places[..], &sides[1].places];
-        database.add_geometry(a, b, &database_geometry(places, &agreed, verified.model.as_ref()))
-    };
-    match_pairs(pairs, matching, &mut source, &mut write, monitor)?;
-    // Pairs come in the order of loading.
-    report.pairs.sort_by_key(|pair| pair.ids);
-    if matching.aligns() {
-        waiting.sort_by_key(|pair| pair.images);
-        align_all(&mut database.borrow_mut(), (&waiting, blobs, seen), matching, report, monitor)?;
+        database.add_geometry(a, b, &database_geometry([&of_a, &of_b], &agreed, model.as_ref()))?;
     }
-    Ok(monitor.check()?)
+    Ok(waiting)
 }
 
 fn align_all(
     database: &mut DatabaseWriter<'_>,
-    (waiting, blobs, seen): (&[Waiting], &[Vec<Blob>], Vec<Option<Seen>>),
+    (waiting, blobs, seen): (&[Waiting], &[Vec<Blob>], Vec<Seen>),
     matching: &MatchParams,
     report: &mut ColmapReport,
     monitor: &Monitor,
@@ -338,7 +296,7 @@ fn align_all(
     let mut alignment = Alignment::default();
     for ((&id, blobs), seen) in ids.iter().zip(blobs).zip(seen) {
         let (keypoints, _) = database.features(id)?;
-        alignment.add_image(keypoints.iter().map(ColmapKeypoint::pos_image).collect(), blobs, seen);
+        alignment.add_image(keypoints.iter().map(ColmapKeypoint::pos_image).collect(), blobs, Some(seen));
     }
     // Links are numbered over all pairs, as the solution returns residuals by link.
     let mut linked: Vec<Vec<(Inlier, Option<usize>)>> = Vec::with_capacity(waiting.len());
@@ -362,7 +320,6 @@ fn align_all(
         let agreed: Vec<Inlier> =
             inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m).collect();
         let pair = [ids[images.0], ids[images.1]];
-        // The reports were sorted before the alignment.
         if let Ok(index) = report.pairs.binary_search_by_key(&pair, |report| report.ids) {
             let counts = &mut report.pairs[index].counts;
             counts.inliers = Some(agreed.len());
@@ -381,6 +338,16 @@ fn too_few(bursts: usize) -> Error {
 }
 
 impl ColmapJob {
+    /// Options of matching, pairs and camera, as the manifest has them.
+    fn words(&self) -> Value {
+        let camera = match &self.camera {
+            CameraChoice::Known(camera) => camera.to_string(),
+            CameraChoice::Guessed(model) => format!("guessed {}", model.name()),
+        };
+        // As text, like the options of the search.
+        json!({ "matching": toml::to_string(&self.matching).ok(), "pairs": self.pairs.to_string(), "camera": camera })
+    }
+
     fn verified_matching(&self) -> Result<MatchParams> {
         let camera = match &self.camera {
             CameraChoice::Known(camera) => Some(camera.clone()),

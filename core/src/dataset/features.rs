@@ -2,12 +2,16 @@
 
 use super::CameraChoice;
 use super::blobs::StoredBlobs;
-use super::kept::{BurstRecord, DETECTOR_KEY, KeptBurst, NotKept, detector_text, differences, write_manifest};
+use super::kept::{
+    BurstRecord, KeptBurst, NotKept, calibration_files, detector_text, differences, settings_of, tidy_pairs,
+    write_manifest,
+};
 #[cfg(feature = "colmap")]
 use super::pairs::DetectedBurst;
+use super::pairs::seen_part;
 use super::picture::{BurstPicture, ImageKind, burst_plane};
 use super::stamp::{Comparison, FileStamp};
-use crate::burst::{Burst, BurstFiles, OpenOptions, files_at};
+use crate::burst::{Burst, BurstFiles, OpenOptions};
 use crate::detect::{Searched, check_memory, search};
 use crate::detector::{Descriptor, Detection, DetectorParams, SearchParams, SlopeFinding, open_burst};
 use crate::error::{Error, ErrorKind, Result};
@@ -20,8 +24,9 @@ use crate::files::mark::{Checksum, OutputKind};
 use crate::files::read_bytes;
 use crate::files::unfinished::remove_abandoned;
 use crate::matching::Blob;
+use crate::matching::aligned::Seen;
 use crate::monitor::Monitor;
-use serde_json::{Value, json};
+use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
@@ -34,6 +39,8 @@ pub struct BurstFeatures {
     pub image_name: String,
     /// Size of its frames (columns, rows).
     pub size: (usize, usize),
+    /// Number of frames in which they were found.
+    pub frames: usize,
     /// Positions, scales and orientations, strongest first.
     pub keypoints: Vec<ColmapKeypoint>,
     /// Descriptor of each keypoint.
@@ -101,12 +108,14 @@ pub struct FeatureStore {
     pub(super) folder: PathBuf,
     job: FeatureJob,
     made_with: MadeFrom,
+    /// Options of the export into the folder, for its manifest.
+    pub(super) exported_with: Value,
     comparison: Comparison,
     /// Files that were opened beside frames and calibration, such as parameters.
     opened: Vec<PathBuf>,
     rules: OutputRules,
     /// Lock of the folder, taken with the first write.
-    lock: Option<FolderLock>,
+    pub(super) lock: Option<FolderLock>,
 }
 
 impl FeatureStore {
@@ -115,37 +124,13 @@ impl FeatureStore {
     /// # Errors
     /// The folder holds other files, or the bias or flat frame cannot be read.
     pub fn open(folder: &Path, job: &FeatureJob) -> Result<Self> {
-        let contents = |path: &Option<PathBuf>| -> Result<Vec<Value>> {
-            let stamps = FileStamp::with_checksums(&calibration_files(path)?, &Monitor::default())?;
-            Ok(stamps.iter().map(FileStamp::content).collect())
-        };
-        let mut settings = json!({
-            // Through text, because that is the file's form: a number may look different as a value.
-            DETECTOR_KEY: job.detector.to_toml(),
-            "bias": contents(&job.open.bias)?,
-            "full_scale": job.open.full_scale,
-            "flat": contents(&job.open.flat)?,
-            "black_level": job.open.black_level,
-            "raw_colour": job.open.raw_colour,
-            "linearise": job.open.linearise,
-            "accept_damaged": job.open.accept_damaged,
-        });
-        // Absent where they are not given, as in records of versions that did not have them.
-        let layout = json!({ "mosaic": job.open.mosaic, "raw": job.open.raw, "axis": job.open.axis, "array": job.open.array,
-                    "topic": job.open.topic, "take": job.open.take, "times": job.open.times, "views": job.open.views });
-        for (name, value) in layout.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null()) {
-            settings[name] = value.clone();
-        }
-        if job.open.mask_saturated {
-            settings["mask_saturated"] = json!(true);
-        }
-        Self::at(folder, job, settings)
+        Self::at(folder, job, settings_of(&job.detector, &job.open)?)
     }
 
     /// Opens the dataset in `folder` for features in memory, found with `params`, one text a burst.
     #[cfg(feature = "colmap")]
     pub(super) fn of_detections(folder: &Path, job: &FeatureJob, params: Vec<String>) -> Result<Self> {
-        Self::at(folder, job, json!({ "detectors": params }))
+        Self::at(folder, job, serde_json::json!({ "detectors": params }))
     }
 
     fn at(folder: &Path, job: &FeatureJob, settings: Value) -> Result<Self> {
@@ -153,9 +138,13 @@ impl FeatureStore {
             let problem = "this folder holds files, but no dataset that was begun by this command";
             return Err(Error::new(ErrorKind::InTheWay, problem, "name a new or an empty folder").about(folder));
         }
-        let (folder, job, made_with) = (folder.into(), job.clone(), MadeFrom::new(settings));
+        Ok(Self::new(folder, job, MadeFrom::new(settings)))
+    }
+
+    fn new(folder: &Path, job: &FeatureJob, made_with: MadeFrom) -> Self {
+        let (folder, job, exported_with) = (folder.into(), job.clone(), Value::Null);
         let (comparison, opened, rules) = (Comparison::default(), Vec::new(), OutputRules::default());
-        Ok(Self { folder, job, made_with, comparison, opened, rules, lock: None })
+        Self { folder, job, made_with, exported_with, comparison, opened, rules, lock: None }
     }
 
     /// This store, which never writes over the files `opened` either.
@@ -169,9 +158,7 @@ impl FeatureStore {
     }
 
     pub(super) fn like(&self, folder: &Path) -> Self {
-        let (job, made_with) = (self.job.clone(), self.made_with.clone());
-        let (opened, rules) = (Vec::new(), OutputRules::default());
-        Self { folder: folder.into(), job, made_with, comparison: self.comparison, opened, rules, lock: None }
+        Self::new(folder, &self.job, self.made_with.clone()).comparing(self.comparison)
     }
 
     pub(super) fn records(&self) -> Records {
@@ -247,13 +234,17 @@ impl FeatureStore {
         Ok((kept, record))
     }
 
-    /// Reads the features that this store has found or kept in this run. The frames are not compared again.
+    /// Reads the features that this store has found or kept in this run, with the part of the image that is seen, and
+    /// what both were made from. The frames are not compared again.
     #[cfg(feature = "colmap")]
-    pub(super) fn written(&self, source: &BurstFiles) -> Result<BurstFeatures> {
+    pub(super) fn written(&self, source: &BurstFiles) -> Result<(BurstFeatures, Seen, Value)> {
         let image_name = image_name(source);
-        let record = self.records().read(&image_name).filter(|record| record.made_from == self.made_with);
-        let read = record.ok_or(NotKept::NoRecord).and_then(|record| self.read(source, &record.of));
-        read.map_err(|reason| Error::unread_file(&self.feature_file(&image_name), reason))
+        let record: Option<BurstRecord> = self.records().read(&image_name);
+        let record = record.filter(|record| record.made_from == self.made_with).ok_or(NotKept::NoRecord);
+        let read = record.and_then(|record| Ok((self.read(source, &record.of)?, record)));
+        let (found, record) = read.map_err(|reason| Error::unread_file(&self.feature_file(&image_name), reason))?;
+        let key = record.of.key(&record.made_from);
+        Ok((found, record.of.seen, key))
     }
 
     fn read(&self, source: &BurstFiles, record: &KeptBurst) -> Result<BurstFeatures, NotKept> {
@@ -268,9 +259,9 @@ impl FeatureStore {
         if keypoints.len() != record.features || blobs.len() != record.features {
             return Err(NotKept::Altered);
         }
-        let (name, size, seconds) = (source.name.clone(), record.size, record.seconds);
+        let (name, size, frames, seconds) = (source.name.clone(), record.size, record.frames, record.seconds);
         let (resumed, slopes) = (true, None);
-        Ok(BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds })
+        Ok(BurstFeatures { name, image_name, size, frames, keypoints, descriptors, blobs, resumed, slopes, seconds })
     }
 
     /// The features of `source`: from its files if it is finished, otherwise found now and written with its picture.
@@ -303,9 +294,11 @@ impl FeatureStore {
         let content = self.write_features(&found)?;
         let picture_content =
             self.write_picture_of(&found.image_name, &burst, &self.job.detector.at_given(), monitor)?;
+        let seen = seen_part(&burst, &self.job.detector.at_given(), monitor)?;
         let (blobs, picture) = (StoredBlobs(found.blobs.clone()), self.job.images);
-        let (files, size, features, seconds) = (stamps, found.size, found.keypoints.len(), found.seconds);
-        let of = KeptBurst { files, size, features, content, blobs, picture, picture_content, seconds };
+        let BurstFeatures { size, frames, seconds, .. } = found;
+        let (files, features) = (stamps, found.keypoints.len());
+        let of = KeptBurst { files, size, frames, features, content, blobs, seen, picture, picture_content, seconds };
         let record = Record { made_from: self.made_with.clone(), of };
         // Written last: the record claims the files before it.
         self.records().write(&found.image_name, &record)?;
@@ -396,7 +389,10 @@ impl FeatureStore {
         for folder in folders.iter().chain([&self.folder, &self.records().folder().to_path_buf()]) {
             remove_abandoned(folder);
         }
-        write_manifest(&self.folder, &self.made_with)?;
+        tidy_pairs(&self.folder)?;
+        let mut settings = self.made_with.settings().clone();
+        settings["export"] = self.exported_with.clone();
+        write_manifest(&self.folder, &MadeFrom::new(settings))?;
         self.lock = Some(lock);
         Ok(())
     }
@@ -445,15 +441,9 @@ fn found_in(source: &BurstFiles, burst: &Burst, detection: &Detection) -> BurstF
     let (name, image_name, size) = (source.name.clone(), image_name(source), burst.size());
     let keypoints = detection.features.iter().map(ColmapKeypoint::from).collect();
     let blobs = detection.features.iter().map(Blob::from).collect();
-    let (descriptors, resumed, slopes, seconds) = (detection.descriptors.clone(), false, None, 0.0);
-    BurstFeatures { name, image_name, size, keypoints, descriptors, blobs, resumed, slopes, seconds }
-}
-
-fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>> {
-    match path {
-        Some(path) => files_at(std::slice::from_ref(path)),
-        None => Ok(Vec::new()),
-    }
+    let (frames, resumed, slopes, seconds) = (detection.frames_used.len(), false, None, 0.0);
+    let descriptors = detection.descriptors.clone();
+    BurstFeatures { name, image_name, size, frames, keypoints, descriptors, blobs, resumed, slopes, seconds }
 }
 
 /// Whether the other bursts cannot continue. A parameter error after the first checks concerns one burst.

@@ -3,17 +3,24 @@
 //! `manifest.json`, the folder's mark, is written first and claims the program and settings. Each finished burst has a
 //! record, `records/NAME.png.json`, of all that its features were made from and the checksum of their file. A burst
 //! without one, or with other settings, is computed again: features of two detectors match worse than those of one.
+//! Matched pairs lie in a folder beside the records.
 
 use super::ImageKind;
 use super::blobs::StoredBlobs;
 use super::stamp::FileStamp;
+use crate::burst::{OpenOptions, files_at};
+use crate::detector::SearchParams;
 use crate::error::{Error, Result};
-use crate::export::{MadeFrom, Record, write_whole};
+use crate::export::{MadeFrom, RECORDS_FOLDER, Record, write_whole};
 use crate::files::mark::{Checksum, OutputKind, claiming, claims};
+use crate::files::unfinished::remove_abandoned;
+use crate::matching::aligned::Seen;
+use crate::monitor::Monitor;
 use serde::{Deserialize, Serialize};
+use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::io::Write;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 pub(super) const DETECTOR_KEY: &str = "detector";
 
@@ -24,13 +31,80 @@ pub(super) struct KeptBurst {
     pub files: Vec<FileStamp>,
     /// Size of its frames (columns, rows).
     pub size: (usize, usize),
+    /// Number of frames in which its features were found.
+    pub frames: usize,
     pub features: usize,
     /// Checksum of the file of features.
     pub content: Checksum,
     pub blobs: StoredBlobs,
+    pub seen: Seen,
     pub picture: ImageKind,
     pub picture_content: Checksum,
     pub seconds: f64,
+}
+
+impl KeptBurst {
+    /// All that a pair of this burst is matched from, as checksums: its features, and what else was `made_from` its frames.
+    #[cfg(feature = "colmap")]
+    pub fn key(&self, made_from: &MadeFrom) -> Value {
+        let frames: Vec<Value> = self.files.iter().map(FileStamp::content).collect();
+        let search = json!([made_from, frames, self.blobs, self.seen]).to_string();
+        json!({ "features": self.content, "search": Checksum::of(search.as_bytes()) })
+    }
+}
+
+/// Settings that decide on the features of a burst, as records and the manifest hold them.
+pub(super) fn settings_of(detector: &SearchParams, open: &OpenOptions) -> Result<Value> {
+    let contents = |path: &Option<PathBuf>| -> Result<Vec<Value>> {
+        let stamps = FileStamp::with_checksums(&calibration_files(path)?, &Monitor::default())?;
+        Ok(stamps.iter().map(FileStamp::content).collect())
+    };
+    let mut settings = json!({
+        // Through text, because that is the file's form: a number may look different as a value.
+        DETECTOR_KEY: detector.to_toml(),
+        "bias": contents(&open.bias)?,
+        "full_scale": open.full_scale,
+        "flat": contents(&open.flat)?,
+        "black_level": open.black_level,
+        "raw_colour": open.raw_colour,
+        "linearise": open.linearise,
+        "accept_damaged": open.accept_damaged,
+    });
+    // Absent where they are not given, as in records of versions that did not have them.
+    let layout = json!({ "mosaic": open.mosaic, "raw": open.raw, "axis": open.axis, "array": open.array,
+                "topic": open.topic, "take": open.take, "times": open.times, "views": open.views });
+    for (name, value) in layout.as_object().into_iter().flatten().filter(|(_, value)| !value.is_null()) {
+        settings[name] = value.clone();
+    }
+    if open.mask_saturated {
+        settings["mask_saturated"] = json!(true);
+    }
+    Ok(settings)
+}
+
+pub(super) fn calibration_files(path: &Option<PathBuf>) -> Result<Vec<PathBuf>> {
+    path.as_ref().map_or(Ok(Vec::new()), |path| files_at(std::slice::from_ref(path)))
+}
+
+/// Folder of the matched pairs of the `dataset` in this folder: one in it for each first image, with a file for each second.
+pub(super) fn pairs_folder(dataset: &Path) -> PathBuf {
+    dataset.join(RECORDS_FOLDER).join("pairs")
+}
+
+/// Removes what killed runs have left among the pairs of the `dataset` in this folder.
+///
+/// # Errors
+/// A folder of pairs is a link, which would lead out of the dataset.
+pub(super) fn tidy_pairs(dataset: &Path) -> Result<()> {
+    let folder = pairs_folder(dataset);
+    let below = std::fs::read_dir(&folder).into_iter().flatten().flatten().map(|entry| entry.path());
+    for folder in below.chain([folder.clone()]) {
+        if folder.is_symlink() {
+            return Err(Error::link(&folder));
+        }
+        remove_abandoned(&folder);
+    }
+    Ok(())
 }
 
 /// Reason why the features of a burst are found again although stored features exist.
@@ -95,7 +169,6 @@ pub(super) fn differences(ours: &MadeFrom, other: &MadeFrom) -> Vec<String> {
 mod tests {
     use super::*;
     use crate::detector::REVISION;
-    use serde_json::{Value, json};
 
     fn begun(change: impl FnOnce(&mut Value)) -> tempfile::TempDir {
         let home = tempfile::tempdir().expect("a folder");

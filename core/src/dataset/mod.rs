@@ -10,18 +10,26 @@ pub mod colmap;
 pub mod features;
 pub mod gather;
 mod kept;
+#[cfg(feature = "colmap")]
+mod kept_pairs;
+mod pair_list;
 pub mod pairs;
 mod picture;
+#[cfg(feature = "colmap")]
+mod report;
 mod source;
 mod stamp;
 
 pub use camera::CameraChoice;
 #[cfg(feature = "colmap")]
-pub use colmap::{ColmapJob, ColmapReport, ImageReport, PairReport, export_colmap, export_detections};
+pub use colmap::{ColmapJob, export_colmap, export_detections};
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
+pub use pair_list::read_pairs;
 pub use pairs::{BurstSide, DetectedBurst, KeptBursts, MatchedPair, PairSource, match_bursts, match_pairs, match_rows};
 pub use picture::{BurstPicture, ImageKind, burst_plane, thumbnail};
+#[cfg(feature = "colmap")]
+pub use report::{ColmapReport, ImageReport, Joined, PairReport};
 pub use source::DatasetSource;
 pub use stamp::Comparison;

@@ -6,6 +6,7 @@ use crate::detect::prepare;
 use crate::detector::{Descriptor, Detection, DetectorParams, Feature};
 use crate::error::{Error, Result};
 use crate::export::{ColmapKeypoint, MatchRow};
+use crate::matching::aligned::Seen;
 use crate::matching::{
     Blob, Match, MatchParams, MatchResult, MatchSide, Pictures, Unaligned, match_features, match_pair,
 };
@@ -58,6 +59,12 @@ impl From<BurstFeatures> for BurstSide {
     fn from(burst: BurstFeatures) -> Self {
         Self::new(&burst.keypoints, burst.descriptors, burst.blobs)
     }
+}
+
+/// Part of the image of `burst` that is seen, in the frames in which `params` search.
+pub(super) fn seen_part(burst: &Burst, params: &DetectorParams, monitor: &Monitor) -> Result<Seen> {
+    let (burst, params) = prepare(burst, params, monitor)?;
+    Ok(Seen::in_burst(&burst, &params))
 }
 
 /// A burst with the result of a search.
@@ -192,6 +199,24 @@ pub fn match_pairs<E: From<Error>>(
     on: &mut dyn FnMut(MatchedPair<'_>) -> Result<(), E>,
     monitor: &Monitor,
 ) -> Result<usize, E> {
+    let mut on = |(indices, sides, found): Found<'_, Unaligned>| on(MatchedPair { indices, sides, found: &found });
+    for_pairs(pairs, params, source, (&|_, found| Ok(found), &mut on), monitor)
+}
+
+/// A pair with what was made of its matches.
+type Found<'a, T> = ((usize, usize), [&'a BurstSide; 2], T);
+
+type Make<'a, T> = &'a (dyn Fn((usize, usize), Unaligned) -> Result<T> + Sync);
+
+/// Matches pairs as [`match_pairs`] does. `make` gets the matches of a pair on the thread that has found them, at once;
+/// what it makes of them is passed on, a few pairs at a time.
+pub(super) fn for_pairs<E: From<Error>, T: Send>(
+    pairs: &[(usize, usize)],
+    params: &MatchParams,
+    source: &mut dyn PairSource<E>,
+    (make, on): (Make<'_, T>, &mut dyn FnMut(Found<'_, T>) -> Result<(), E>),
+    monitor: &Monitor,
+) -> Result<usize, E> {
     params.validate()?;
     let mut ordered = pairs.to_vec();
     // A block of first bursts stays while second bursts pass, so each is loaded about once a block.
@@ -222,11 +247,12 @@ pub fn match_pairs<E: From<Error>>(
         let there = |&(a, b): &(usize, usize)| Some(((a, b), [loaded.get(&a)?, loaded.get(&b)?]));
         let some: Vec<_> = ordered[done..done + count].iter().filter_map(there).collect();
         left_out += count - some.len();
-        let of_pair =
-            |(_, sides): &(_, [&BurstSide; 2])| match_features(sides.map(BurstSide::side), params, &monitor.silent());
-        let matched: Vec<Unaligned> = some.par_iter().map(of_pair).collect::<Result<_>>()?;
-        for (&(indices, sides), found) in some.iter().zip(&matched) {
-            on(MatchedPair { indices, sides, found })?;
+        let of_pair = |&(indices, sides): &(_, [&BurstSide; 2])| {
+            make(indices, match_features(sides.map(BurstSide::side), params, &monitor.silent())?)
+        };
+        let made: Vec<T> = some.par_iter().map(of_pair).collect::<Result<_>>()?;
+        for ((indices, sides), made) in some.into_iter().zip(made) {
+            on((indices, sides, made))?;
         }
         done += count;
     }

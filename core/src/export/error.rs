@@ -14,7 +14,7 @@ impl Error {
         Self::new(ErrorKind::Refused, problem, "choose another name").about(path)
     }
 
-    pub(super) fn link(path: &Path) -> Self {
+    pub(crate) fn link(path: &Path) -> Self {
         let problem = "this is a link, and links are not followed";
         Self::new(ErrorKind::Refused, problem, "choose another name, or remove it").about(path)
     }

@@ -10,7 +10,7 @@ use crate::detector::REVISION;
 use crate::error::{Error, Result};
 use crate::files::mark::{OutputKind, claims};
 use crate::files::unfinished::{is_free, remove_abandoned};
-use crate::files::{MAX_SESSION_BYTES, read_text};
+use crate::files::{MAX_TABLE_BYTES, read_text};
 use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
@@ -88,7 +88,7 @@ impl Records {
 
     /// Reads the record `name`, if there is a readable one.
     pub fn read<T: DeserializeOwned>(&self, name: &str) -> Option<Record<T>> {
-        serde_json::from_str(&read_text(&self.path(name), MAX_SESSION_BYTES).ok()?).ok()
+        serde_json::from_str(&read_text(&self.path(name), MAX_TABLE_BYTES).ok()?).ok()
     }
 
     /// Writes the record `name`, after the files that it describes.

@@ -3,7 +3,8 @@
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
 //! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML and PDF, or a comment line, at the end of a
 //! file, and claims all bytes before; in `Software` of TIFF, for samples; in a [file](OutputKind::file) of a folder.
-//! COLMAP's database has a number in its header alone, and tables have none, see [`is_ours`](crate::export::is_ours).
+//! COLMAP's database has a number in its header alone, a matched pair its first line, and tables have none, see
+//! [`is_ours`](crate::export::is_ours).
 
 use super::{MAX_TABLE_BYTES, path_text, read_text};
 use serde::de::DeserializeOwned;
@@ -20,6 +21,8 @@ use tiff::tags::Tag;
 pub(crate) const SOFTWARE: &str = concat!("Burstscope ", env!("CARGO_PKG_VERSION"));
 /// Application id of COLMAP's databases that this program wrote, in the field that SQLite has for it.
 pub(crate) const DATABASE_ID: u32 = u32::from_be_bytes(*b"Brst");
+/// First line of a file of a matched pair.
+pub(crate) const PAIR_MARK: &[u8] = b"Burstscope pair 1\n";
 const FORMAT: u32 = 1;
 /// Number of bytes at the start of a file that tell its format.
 const HEAD: u64 = 128;
@@ -243,6 +246,10 @@ fn holds_mark(path: &Path, is_whole: bool) -> io::Result<bool> {
     // The application id lies at byte 68 of SQLite's header.
     if starts(b"SQLite format 3\0") {
         return Ok(head.get(68..72) == Some(&DATABASE_ID.to_be_bytes()[..]));
+    }
+    // Its folder alone tells whether a pair is whole.
+    if starts(PAIR_MARK) {
+        return Ok(!is_whole);
     }
     if starts(b"{") {
         return Ok(claims_in::<Value>(path, None).is_some());

@@ -14,8 +14,7 @@ use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use rayon::prelude::*;
-use serde::Serialize;
-use std::sync::Arc;
+use serde::{Deserialize, Serialize};
 
 /// Max error before the alignment, as a part of [`MatchParams::max_error_px`]: places are uncertain.
 const WIDE: f32 = 2.0;
@@ -44,24 +43,29 @@ pub struct Pictures {
 }
 
 /// Part of an image in which keypoints are moved: without what its mask hides at mid-burst.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Seen {
     size: (usize, usize),
-    /// A bit for each pixel that is hidden, row by row; none where all are seen.
-    hidden: Arc<[u64]>,
+    /// Numbers of the pixels, row by row, at which hidden ones begin and end by turns; none where all are seen.
+    turns: Vec<u64>,
 }
 
 impl Seen {
     /// Seen part of an image whose plane at mid-burst is `middle`.
     pub fn of(middle: &Plane) -> Self {
         let (width, height) = middle.size();
-        let is_hidden = |pixel: &usize| middle.is_hidden_at(pixel % width, pixel / width);
-        let word = |first: usize| {
-            let pixels = (first..(first + 64).min(width * height)).filter(is_hidden);
-            pixels.fold(0, |word, pixel| word | 1 << (pixel - first))
+        let (pixels, mut before) = (if middle.mask().is_some() { width * height } else { 0 }, false);
+        let is_turn = |pixel: &usize| {
+            let is_hidden = middle.is_hidden_at(pixel % width, pixel / width);
+            std::mem::replace(&mut before, is_hidden) != is_hidden
         };
-        let pixels = if middle.mask().is_some() { width * height } else { 0 };
-        Self { size: (width, height), hidden: (0..pixels).step_by(64).map(word).collect() }
+        Self { size: (width, height), turns: (0..pixels).filter(is_turn).map(|pixel| pixel as u64).collect() }
+    }
+
+    /// Seen part of the image of `burst`, in the frames that `params` use.
+    pub fn in_burst(burst: &Burst, params: &DetectorParams) -> Self {
+        let used = params.used_frames(burst.len());
+        Self::of(&burst.frames[used.start + used.len() / 2])
     }
 
     /// Whether the place (u, v), pixels, lies in the image and is not hidden.
@@ -71,8 +75,8 @@ impl Seen {
         if !(u >= 0.0 && v >= 0.0 && u < width as f64 && v < height as f64) {
             return false;
         }
-        let pixel = v as usize * width + u as usize;
-        self.hidden.get(pixel / 64).is_none_or(|word| (word >> (pixel % 64)) & 1 == 0)
+        let pixel = (v as usize * width + u as usize) as u64;
+        self.turns.partition_point(|turn| *turn <= pixel).is_multiple_of(2)
     }
 }
 
@@ -94,7 +98,7 @@ impl Pictures {
             source.chip((u, v), blob.sigma, blob.slope)
         };
         let chips = of.first.par_iter().map(chip).collect();
-        let seen = Seen::of(frames[frames.len() / 2]);
+        let seen = Seen::in_burst(burst, params);
         Self { places: of, chips, orientations: blobs.iter().map(|blob| blob.orientation).collect(), seen }
     }
 
@@ -195,7 +199,7 @@ pub(super) fn align_pair(
 }
 
 /// Inlier of a pair that waits for the solution; kept small, since a dataset holds those of all pairs.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Inlier {
     /// Index of the feature in image A.
     pub a: u32,

@@ -310,21 +310,24 @@ impl ImageCounts {
 }
 
 /// A choice of pairs.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum PairSelection {
     /// Each image with every other one: N·(N − 1)/2 pairs.
     #[default]
     All,
     /// Each image with the next few after it, for a camera path that does not return: about N times as many pairs.
     Sequential(usize),
+    /// These pairs of images, by their indices: the earlier one first, each once, in order.
+    Listed(Vec<(usize, usize)>),
 }
 
 impl PairSelection {
     /// The pairs of `count` images, the earlier one first, in order.
-    pub fn pairs(self, count: usize) -> Vec<(usize, usize)> {
+    pub fn pairs(&self, count: usize) -> Vec<(usize, usize)> {
         let reach = match self {
             Self::All => count,
-            Self::Sequential(reach) => reach,
+            Self::Sequential(reach) => *reach,
+            Self::Listed(pairs) => return pairs.iter().copied().filter(|pair| pair.1 < count).collect(),
         };
         (0..count)
             .flat_map(|a| (a + 1..count.min(a.saturating_add(reach).saturating_add(1))).map(move |b| (a, b)))
@@ -337,6 +340,7 @@ impl fmt::Display for PairSelection {
         match self {
             Self::All => f.write_str("all"),
             Self::Sequential(reach) => write!(f, "sequential:{reach}"),
+            Self::Listed(pairs) => write!(f, "{} listed", pairs.len()),
         }
     }
 }

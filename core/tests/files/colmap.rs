@@ -302,8 +302,9 @@ fn a_second_run_finds_everything_done_and_writes_the_same_bytes() {
     let database = || fs::read(out.join("database.db")).expect("a file");
     assert_eq!(resumed(&done(&bursts, &out, &job())), [false; 3]);
     let first = database();
-    assert_eq!(resumed(&done(&bursts, &out, &job())), [true; 3]);
-    assert!(database() == first, "features from files give the same database");
+    let again = done(&bursts, &out, &job());
+    assert!(resumed(&again) == [true; 3] && again.pairs.iter().all(|pair| pair.resumed));
+    assert!(database() == first, "features and pairs from files give the same database");
     // Missing or damaged files are made again, and nothing else.
     fs::remove_file(out.join("features/frame_007.png.txt")).expect("removed");
     assert_eq!(resumed(&done(&bursts, &out, &job())), [true, false, true]);
@@ -317,6 +318,7 @@ fn a_second_run_finds_everything_done_and_writes_the_same_bytes() {
     let next_ones = ColmapJob { pairs: PairSelection::Sequential(1), ..job() };
     let report = done(&bursts, &out, &next_ones);
     assert_eq!((resumed(&report), report.pairs.len()), (vec![true; 3], 2));
+    assert!(report.pairs.iter().all(|pair| pair.resumed));
 }
 
 #[test]

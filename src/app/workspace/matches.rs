@@ -98,7 +98,7 @@ fn next_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Next", |ui| {
         button_ui(ui, model, queue, ActionId::ExportDatabase, None);
         let Some(folder) = &model.results.datasets.exported else { return };
-        let [make, map, python] = next_commands(folder);
+        let [make, map, python] = next_commands(folder, model.document.matching.camera.is_some());
         ui.add_space(4.0);
         let lines = [("COLMAP", format!("{make} && {map}")), ("pycolmap", python)];
         for (name, line) in lines {

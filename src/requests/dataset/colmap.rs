@@ -33,7 +33,7 @@ impl ColmapRequest {
                 images: ImageKind::default(),
             },
             matching: self.matching.clone(),
-            pairs: self.pairs,
+            pairs: self.pairs.clone(),
             camera: camera.map_or(CameraChoice::Guessed(CameraModel::SimpleRadial), CameraChoice::Known),
         }
     }

@@ -126,14 +126,24 @@ impl Request for ThumbnailsRequest {
     }
 }
 
-/// Commands that reconstruct what an export wrote to `out`: the mapper of COLMAP in two lines, or that of pycolmap.
-pub fn next_commands(out: &Path) -> [String; 3] {
+/// Commands that reconstruct what an export wrote to `out`: the mapper of COLMAP in two lines, or that of pycolmap. A
+/// known camera is held; a guessed one is refined.
+pub fn next_commands(out: &Path, knows_camera: bool) -> [String; 3] {
+    // A mapper refines the focal length and the distortion unless it is told not to.
+    let refined = ["focal_length", "principal_point", "extra_params"].map(|what| format!("ba_refine_{what}"));
+    let [colmap, pycolmap] = match knows_camera {
+        true => [
+            format!(" --Mapper.{} 0", refined.join(" 0 --Mapper.")),
+            format!(", dict({}=False)", refined.join("=False, ")),
+        ],
+        false => Default::default(),
+    };
     let [database, images, sparse] = ["database.db", "images", "sparse"].map(|name| shell_path(&out.join(name)));
     [
         format!("mkdir -p {sparse}"),
-        format!("colmap mapper --database_path {database} --image_path {images} --output_path {sparse}"),
+        format!("colmap mapper --database_path {database} --image_path {images} --output_path {sparse}{colmap}"),
         format!(
-            "python3 -c 'import sys, pycolmap; pycolmap.incremental_mapping(*sys.argv[1:])' {database} {images} {sparse}"
+            "python3 -c 'import sys, pycolmap; pycolmap.incremental_mapping(*sys.argv[1:]{pycolmap})' {database} {images} {sparse}"
         ),
     ]
 }

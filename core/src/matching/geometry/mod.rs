@@ -101,13 +101,12 @@ fn in_pixels(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monito
         let problem = linear::HomographyProblem { pairs: &pairs };
         let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
         let forward = found.map(|h| normalisation.homography_in_pixels(&h.forward));
-        let both = forward.and_then(|forward| Some((forward, forward.try_inverse()?)));
-        return Ok((both.map(|(forward, backward)| TwoViewModel::Homography { forward, backward }), iterations));
+        return Ok((forward.and_then(|forward| TwoViewModel::of(forward, params)), iterations));
     }
     let problem = linear::FundamentalProblem { pairs: &pairs };
     let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
     let fundamental = found.map(|f| normalisation.fundamental_in_pixels(&f).normalize());
-    Ok((fundamental.map(|fundamental| TwoViewModel::Fundamental { fundamental }), iterations))
+    Ok((fundamental.and_then(|fundamental| TwoViewModel::of(fundamental, params)), iterations))
 }
 
 fn essential_of(
@@ -120,9 +119,8 @@ fn essential_of(
     let directions: Vec<RayPair> =
         points.iter().map(|p| RayPair { a: camera.direction_of(p.a), b: camera.direction_of(p.b) }).collect();
     let problem = essential::EssentialProblem { pairs: &directions, focal_px: camera.focal_px() };
-    let (model, iterations) = estimate(&problem, order, f64::from(params.max_error_px), params, monitor)?;
-    let with_camera = |essential| TwoViewModel::Essential { essential, camera: camera.clone() };
-    Ok((model.map(with_camera), iterations))
+    let (essential, iterations) = estimate(&problem, order, f64::from(params.max_error_px), params, monitor)?;
+    Ok((essential.and_then(|essential| TwoViewModel::of(essential, params)), iterations))
 }
 
 #[cfg(test)]

@@ -4,6 +4,7 @@ use super::essential::{RelativePose, pose_in_front};
 use super::linear::{Homography, mapped, sampson_squared, squared_error};
 use super::points::RayPair;
 use crate::matching::camera::Camera;
+use crate::matching::params::{Geometry, MatchParams};
 use nalgebra::{Matrix3, Vector3};
 
 /// Relation between the points of image A and those of image B, in pixels; the centre of the first one is (0, 0).
@@ -34,6 +35,26 @@ pub enum TwoViewModel {
 const CURVE_POINTS: usize = 65;
 
 impl TwoViewModel {
+    /// The model of the geometry of `params` with this matrix, as [`Self::matrix`] gives it; `None` without a geometry,
+    /// and for a homography without an inverse.
+    pub fn of(matrix: Matrix3<f64>, params: &MatchParams) -> Option<Self> {
+        match (params.geometry, &params.camera) {
+            (Geometry::Fundamental, _) => Some(Self::Fundamental { fundamental: matrix }),
+            (Geometry::Essential, Some(camera)) => Some(Self::Essential { essential: matrix, camera: camera.clone() }),
+            (Geometry::Homography, _) => Some(Self::Homography { forward: matrix, backward: matrix.try_inverse()? }),
+            (Geometry::None | Geometry::Essential, _) => None,
+        }
+    }
+
+    /// F, E, or H from A to B.
+    pub fn matrix(&self) -> &Matrix3<f64> {
+        match self {
+            Self::Fundamental { fundamental: matrix }
+            | Self::Essential { essential: matrix, .. }
+            | Self::Homography { forward: matrix, .. } => matrix,
+        }
+    }
+
     /// Error of the match of `a` in image A with `b` in image B, in pixels: the Sampson distance (to first order, how
     /// far both points together must move to satisfy it) with the lens's distortion removed, or the root mean square of
     /// a homography's transfers in A and in B. Infinite at the epipoles and behind the camera.

@@ -1,0 +1,124 @@
+//! Report of an export to COLMAP: what the database holds, and whether a mapper can start from it.
+
+use crate::files::serialize_path;
+use crate::matching::aligned::Moved;
+use crate::matching::{Camera, MatchCounts, Refusal};
+use serde::Serialize;
+use std::cmp::Reverse;
+use std::collections::BTreeMap;
+use std::path::PathBuf;
+
+/// Report of one image of the database.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct ImageReport {
+    /// Id in the database.
+    pub id: u32,
+    /// Name of the burst.
+    pub burst: String,
+    /// File below the folder of images.
+    pub image: String,
+    /// Number of frames in which its features were found.
+    pub frames: usize,
+    /// Number of features.
+    pub features: usize,
+    /// Whether an earlier run had found the features.
+    pub resumed: bool,
+}
+
+/// Report of one matched pair.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct PairReport {
+    /// Ids of the images, the smaller one first.
+    pub ids: [u32; 2],
+    /// Whether an earlier run had matched it.
+    pub resumed: bool,
+    /// Counts of the match.
+    #[serde(flatten)]
+    pub counts: MatchCounts,
+}
+
+/// What verified pairs join.
+#[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
+pub struct Joined {
+    /// Bursts of each part that verified pairs join, the largest first. A mapper makes a model of one part.
+    pub parts: Vec<Vec<String>>,
+    /// Bursts without a verified pair.
+    pub alone: Vec<String>,
+    /// Number of pairs refused because of their motions.
+    pub refused_by_motions: usize,
+    /// Number of pairs refused because of their pictures.
+    pub refused_by_pictures: usize,
+}
+
+impl Joined {
+    /// What the verified ones of `pairs` join of `images`.
+    pub(super) fn of(images: &[ImageReport], pairs: &[PairReport]) -> Self {
+        let mut part_of: BTreeMap<u32, u32> = images.iter().map(|image| (image.id, image.id)).collect();
+        for PairReport { ids, .. } in pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)) {
+            let [a, b] = ids.map(|id| part_of[&id]);
+            part_of.values_mut().filter(|part| **part == b).for_each(|part| *part = a);
+        }
+        let mut parts: BTreeMap<u32, Vec<String>> = BTreeMap::new();
+        for image in images {
+            parts.entry(part_of[&image.id]).or_default().push(image.burst.clone());
+        }
+        let (alone, mut parts): (Vec<_>, Vec<_>) = parts.into_values().partition(|part| part.len() == 1);
+        parts.sort_by_key(|part| Reverse(part.len()));
+        let [refused_by_motions, refused_by_pictures] = [Refusal::Motions, Refusal::Pictures]
+            .map(|why| pairs.iter().filter(|pair| pair.counts.refused == Some(why)).count());
+        Self { parts, alone: alone.concat(), refused_by_motions, refused_by_pictures }
+    }
+}
+
+/// Report of an export.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct ColmapReport {
+    /// Path of the database.
+    #[serde(serialize_with = "serialize_path")]
+    pub database: PathBuf,
+    /// Folder of images.
+    #[serde(serialize_with = "serialize_path")]
+    pub images_folder: PathBuf,
+    /// Cameras, one for each size of image.
+    pub cameras: Vec<Camera>,
+    /// Whether the focal length is known.
+    pub known_camera: bool,
+    /// Images, in ascending id.
+    pub images: Vec<ImageReport>,
+    /// Pairs, in order.
+    pub pairs: Vec<PairReport>,
+    /// What verified pairs join.
+    pub joined: Joined,
+    /// Distances by which the database's keypoints moved from those in the files; `None` if they were not aligned.
+    pub moved: Option<Moved>,
+    /// Says why COLMAP's mapper will not be able to start from the database; `None` where a pair has enough inliers.
+    pub no_start: Option<String>,
+}
+
+/// Inliers with which COLMAP's mapper begins, nearly: it asks for 100, 50, 25, and for 30 places of each further image.
+const INLIERS_TO_START: usize = 30;
+
+impl ColmapReport {
+    /// Says why a mapper will not be able to start from these pairs.
+    pub(super) fn why_no_start(&self) -> Option<String> {
+        let best = self.pairs.iter().max_by_key(|pair| pair.counts.inliers);
+        let most = best.and_then(|best| best.counts.inliers).unwrap_or(0);
+        if most >= INLIERS_TO_START {
+            return None;
+        }
+        let name = |id: u32| self.images.iter().find(|image| image.id == id).map_or("", |image| &image.burst);
+        let why = if let Some(best) = best.filter(|_| most > 0) {
+            let [a, b] = best.ids.map(name);
+            format!("the most inliers of a pair are {most}, of {a} and {b}")
+        } else {
+            // The three causes have different remedies.
+            let no_match = self.pairs.iter().filter(|pair| pair.counts.putative == 0).count();
+            let refused = self.joined.refused_by_motions + self.joined.refused_by_pictures;
+            let all = self.pairs.len();
+            let none = if all == 1 { "the one pair is not".into() } else { format!("none of {all} pairs is") };
+            format!("{none} verified ({no_match} without a match, {refused} refused, in the others too few agree)")
+        };
+        let needed = format!("and it needs a pair with about {INLIERS_TO_START} inliers");
+        Some(format!("a mapper will not be able to start from it: {why}, {needed}"))
+    }
+}

@@ -1,0 +1,199 @@
+//! Pairs of a dataset are matched once: kept, they give the same database as if they were matched again.
+
+use super::support::{names, run_badly, run_well};
+use serde_json::Value;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+const SEARCH: [&str; 4] = ["--slopes-u", "-2:2:5", "--octaves", "2"];
+
+/// Makes four bursts along a way that see the same things.
+fn way(home: &Path) {
+    let size = "--width 240 --height 180 --bursts 4 --frames 5 --max-slope 2 --snr 5";
+    let size: Vec<&str> = size.split(' ').collect();
+    run_well(home, &[&["synth", "trajectory", "--out", "way"], &size[..]].concat());
+}
+
+/// The names of the bursts of the way.
+fn bursts(numbers: std::ops::Range<usize>) -> Vec<String> {
+    numbers.map(|k| format!("way/bursts/burst_{k:03}")).collect()
+}
+
+/// Runs `colmap` on `bursts` into `out`, and returns its JSON and the bytes of its database.
+fn reconstruct(home: &Path, bursts: &[String], out: &str, more: &[&str]) -> (Value, Vec<u8>) {
+    let bursts: Vec<&str> = bursts.iter().map(String::as_str).collect();
+    let line = [&["colmap"], &bursts[..], &SEARCH, &["--out", out, "--json"], more].concat();
+    let json = serde_json::from_str(&run_well(home, &line)).expect("JSON");
+    (json, fs::read(home.join(out).join("database.db")).expect("a database"))
+}
+
+/// The pairs that were taken from an earlier run.
+fn resumed(json: &Value) -> Vec<[u64; 2]> {
+    let number = |id: &Value| id.as_u64().expect("an id");
+    let pairs = json["pairs"].as_array().expect("pairs").iter().filter(|pair| pair["resumed"] == true);
+    pairs.map(|pair| [number(&pair["ids"][0]), number(&pair["ids"][1])]).collect()
+}
+
+fn pair_file(home: &Path, a: usize, b: usize) -> PathBuf {
+    home.join(format!("rec/records/pairs/burst_{a:03}.png/burst_{b:03}.png.pair"))
+}
+
+#[test]
+fn pairs_are_kept_and_a_burst_more_costs_its_own() {
+    let home = tempfile::tempdir().expect("a folder");
+    let home = home.path();
+    way(home);
+    let all = [[1, 2], [1, 3], [2, 3]];
+    let (first, of_three) = reconstruct(home, &bursts(0..3), "rec", &[]);
+    assert_eq!(resumed(&first), [[0; 2]; 0]);
+    let inliers = |pair: &Value| pair["inliers"].as_u64().expect("verified");
+    assert!(first["pairs"].as_array().expect("pairs").iter().all(|pair| inliers(pair) >= 30), "{first}");
+    let (again, database) = reconstruct(home, &bursts(0..3), "rec", &[]);
+    assert_eq!(resumed(&again), all);
+    assert!(database == of_three, "kept pairs give another database");
+    let without_resumed = |json: &Value| {
+        let mut json = json.clone();
+        for part in ["images", "pairs"] {
+            json[part].as_array_mut().expect("a list").iter_mut().for_each(|one| one["resumed"] = Value::Null);
+        }
+        json
+    };
+    assert_eq!(without_resumed(&first), without_resumed(&again));
+    let text = run_well(
+        home,
+        &["colmap", "way/bursts/burst_000", "way/bursts/burst_001", "way/bursts/burst_002", "--out", "rec"]
+            .into_iter()
+            .chain(SEARCH)
+            .collect::<Vec<_>>(),
+    );
+    assert!(text.contains("3 images, 3 pairs, 3 from an earlier run: "), "{text}");
+    // One burst more is matched with the others, which are not matched again.
+    let (more, of_four) = reconstruct(home, &bursts(0..4), "rec", &[]);
+    assert_eq!(resumed(&more), all);
+    let (_, whole) = reconstruct(home, &bursts(0..4), "whole", &[]);
+    assert!(of_four == whole, "three pairs kept and three matched give another database than six matched");
+    // One less needs nothing.
+    let (less, database) = reconstruct(home, &bursts(0..3), "rec", &[]);
+    assert!(resumed(&less) == all && database == of_three);
+}
+
+#[test]
+fn pairs_of_other_options_or_features_are_matched_again() {
+    let home = tempfile::tempdir().expect("a folder");
+    let home = home.path();
+    way(home);
+    let pairs = |more: &[&str]| resumed(&reconstruct(home, &bursts(0..3), "rec", more).0).len();
+    for options in [
+        &[][..],
+        &["--ratio", "0.7"],
+        &["--align", "false"],
+        &["--predict", "false", "--min-inliers", "20"],
+        &["--align", "false", "--geometry", "homography"],
+        &["--align", "false", "--camera", "way/lens.toml"],
+        &["--camera", "way/lens.toml"],
+        &["--edge-threshold", "9"],
+    ] {
+        let (json, first) = reconstruct(home, &bursts(0..3), "rec", options);
+        assert_eq!(resumed(&json).len(), 0, "{options:?}");
+        let (json, again) = reconstruct(home, &bursts(0..3), "rec", options);
+        assert_eq!(resumed(&json).len(), 3, "{options:?}");
+        assert!(first == again, "{options:?}: kept pairs give another database");
+    }
+    assert_eq!(pairs(&[]), 0, "those of the last options replaced them");
+    // Pairs that are not asked for stay.
+    assert_eq!(pairs(&["--pairs", "sequential:1"]), 2);
+    assert_eq!(pairs(&[]), 3);
+    // Of a burst whose frames change, the other pairs stay.
+    let frame = home.join("way/bursts/burst_002/frame_002.png");
+    fs::copy(home.join("way/bursts/burst_002/frame_001.png"), frame).expect("copied");
+    assert_eq!(resumed(&reconstruct(home, &bursts(0..3), "rec", &["--check-content"]).0), [[1, 2]]);
+}
+
+#[test]
+fn a_pair_that_is_not_whole_or_of_other_bursts_is_matched_again() {
+    let home = tempfile::tempdir().expect("a folder");
+    let home = home.path();
+    way(home);
+    let (_, first) = reconstruct(home, &bursts(0..3), "rec", &[]);
+    let file = pair_file(home, 0, 2);
+    let whole = fs::read(&file).expect("a pair");
+    assert!(whole.starts_with(b"Burstscope pair 1\n{"));
+    let changed = |at: usize| {
+        let mut bytes = whole.clone();
+        bytes[at] ^= 4;
+        bytes
+    };
+    let of_others = fs::read(pair_file(home, 0, 1)).expect("a pair");
+    let wrong = [
+        Vec::new(),
+        whole[..20].to_vec(),
+        whole[..whole.len() / 2].to_vec(),
+        whole[..whole.len() - 1].to_vec(),
+        [&whole[..], b"\n"].concat(),
+        changed(60),
+        changed(whole.len() / 2),
+        changed(whole.len() - 1),
+        of_others,
+    ];
+    for (index, bytes) in wrong.iter().enumerate() {
+        fs::write(&file, bytes).expect("written");
+        let (json, database) = reconstruct(home, &bursts(0..3), "rec", &[]);
+        assert_eq!(resumed(&json), [[1, 2], [2, 3]], "{index}");
+        assert!(database == first && fs::read(&file).expect("a pair") == whole, "{index}");
+    }
+    fs::remove_file(&file).expect("removed");
+    assert_eq!(resumed(&reconstruct(home, &bursts(0..3), "rec", &[]).0), [[1, 2], [2, 3]]);
+    // What somebody else has put there stays, and is named.
+    fs::write(&file, "mine").expect("written");
+    let line = [&["colmap", "way/bursts", "--out", "rec"][..], &SEARCH].concat();
+    let words = run_badly(home, &line, 1);
+    assert!(words.contains("did not write this file") && words.contains("burst_002.png.pair"), "{words}");
+    assert_eq!(fs::read(&file).expect("there"), b"mine");
+    assert_eq!(names(&home.join("rec/records/pairs")), ["burst_000.png", "burst_001.png", "burst_002.png"]);
+}
+
+#[test]
+fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
+    let home = tempfile::tempdir().expect("a folder");
+    let home = home.path();
+    way(home);
+    fs::write(home.join("list.txt"), "# of a retrieval\n\nburst_001.png burst_000\nburst_002.png burst_003.png\n")
+        .expect("written");
+    let (json, of_list) = reconstruct(home, &bursts(0..4), "rec", &["--pairs", "list.txt"]);
+    let ids: Vec<&Value> = json["pairs"].as_array().expect("pairs").iter().map(|pair| &pair["ids"]).collect();
+    assert_eq!(ids, [&serde_json::json!([1, 2]), &serde_json::json!([3, 4])]);
+    let parts = serde_json::json!([["burst_000", "burst_001"], ["burst_002", "burst_003"]]);
+    assert_eq!((&json["joined"]["parts"], &json["joined"]["alone"]), (&parts, &serde_json::json!([])));
+    let line = [&["colmap", "way/bursts", "--out", "rec", "--pairs"][..], &["list.txt"], &SEARCH].concat();
+    let text = run_well(home, &line);
+    assert!(text.contains("4 images, 2 pairs, 2 from an earlier run: "), "{text}");
+    assert!(text.contains("verified pairs join 2 of 4 images, and apart from them 2 others\n"), "{text}");
+    // The pairs of the list are those that all pairs keep.
+    let (json, _) = reconstruct(home, &bursts(0..4), "rec", &[]);
+    assert_eq!(resumed(&json), [[1, 2], [3, 4]]);
+    let text = run_well(home, &[&["colmap", "way/bursts", "--out", "rec"][..], &SEARCH].concat());
+    assert!(text.contains("verified pairs join all 4 images\n"), "{text}");
+    let (_, again) = reconstruct(home, &bursts(0..4), "rec", &["--pairs", "list.txt"]);
+    assert!(again == of_list);
+    // One pair, and nothing of the others.
+    fs::write(home.join("list.txt"), "burst_001 burst_003\n").expect("written");
+    let text = run_well(home, &line);
+    assert!(
+        text.contains("4 images, 1 pair, 1 from an earlier run: ") && text.contains("in 1 verified pair\n"),
+        "{text}"
+    );
+    assert!(text.contains("verified pairs join 2 of 4 images; none is of burst_000, burst_002\n"), "{text}");
+    // No inliers: nothing is joined, and nothing can be mapped.
+    let none = [&line[..], &["--min-inliers", "100000", "--predict", "false", "--json"]].concat();
+    let json: Value = serde_json::from_str(&run_well(home, &none)).expect("JSON");
+    assert_eq!(json["joined"]["alone"].as_array().map(Vec::len), Some(4), "{}", json["joined"]);
+    let why = json["no_start"].as_str().expect("a reason");
+    assert!(why.contains("the one pair is not verified (0 without a match, 0 refused"), "{why}");
+    // What is wrong is named with its line, before anything is done.
+    for (text, words) in [("burst_000 burst_001\nburst_000 night\n", "line 2: "), ("\nburst_000\n", "line 2: ")] {
+        fs::write(home.join("list.txt"), text).expect("written");
+        let words_of = run_badly(home, &line, 1);
+        assert!(words_of.contains(words) && words_of.contains("list.txt") && words_of.contains("burst_"), "{words_of}");
+    }
+    assert!(run_badly(home, &[&line[..4], &["--pairs", "gone.txt"]].concat(), 2).contains("two names a line"));
+}
