@@ -31,12 +31,7 @@ pub use csv::{
     VERDICT_COLUMNS, feature_header, profiles_table, read_features_csv, write_csv, write_matches_csv,
 };
 pub use density::{Cells, IN_A_CELL};
-pub use drawing::{
-    Anchor, Cell, Colour, ColourBar, DASH, Dashes, Drawing, Escaped, FAN_OPACITY, Face, Figure, FigureAmount,
-    FigureFormat, FigureLink, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureRect, FigureShape,
-    FigureStroke, FigureUnit, FigureWidth, LegendEntry, LegendMark, MatchKind, Plot, SOLID, Series, SeriesPoint, Style,
-    Table, fan, lay_out, motion_over, range_from_zero, rasterise, round_length, sheet, sigma_over, write_drawing,
-};
+pub use drawing::*;
 pub use floats::{write_field_pfm, write_field_tiff, write_tiff};
 pub use format::{ExportFormat, detection_files, make_file_names_unique, safe_file_name, write_detection};
 pub use kept::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin};
