@@ -135,11 +135,9 @@ fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
 #[test]
 fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
     let home = tempfile::tempdir().expect("a folder");
-    let way = ["synth", "trajectory", "--out", "way", "--bursts", "3", "--frames", "3", "--width", "160"];
-    run_well(home.path(), &[&way[..], &["--height", "120", "--quiet"]].concat());
-    let folders: Vec<String> = names(&home.path().join("way"));
-    let dataset = if folders.contains(&"bursts".to_owned()) { "way/bursts" } else { "way" };
-    let matches = ["evaluate", "matches", dataset, "--methods", "sift-frame,buff-1d", "--slopes-u", "-1:1:3"];
+    let way = ["synth", "trajectory", "--out", "way", "--bursts", "3", "--frames", "5", "--width", "240"];
+    run_well(home.path(), &[&way[..], &["--height", "180"]].concat());
+    let matches = ["evaluate", "matches", "way/bursts", "--methods", "sift-frame,buff-1d", "--slopes-u", "-1:1:3"];
     let (rows, _) = written(home.path(), &matches, "--table");
     let report = json(home.path(), &[&matches[..], &["--json"]].concat());
     for name in ["keypoints_per_image", "match_score", "verified_pairs"] {

@@ -1,7 +1,7 @@
 //! Export: one source file for each file format.
 //!
-//! Pictures are written as 32-bit float TIFF (exact values) or PNG (as shown), drawings as
-//! SVG, PDF or PNG, and their numbers as CSV or LaTeX. Every file is written completely or not at all, see [`write_whole`]; [`OutputRules`]
+//! Pictures are written as 32-bit float TIFF (exact values) or PNG (as shown), drawings as SVG, PDF or PNG, and their
+//! numbers as CSV or LaTeX. Every file is written completely or not at all, see [`write_whole`]; [`OutputRules`]
 //! decides which files may be replaced. `kept` records what results were made from.
 
 mod atomic;

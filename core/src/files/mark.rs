@@ -1,9 +1,10 @@
 //! The mark by which Burstscope recognises what it wrote, so that it replaces this alone without being told to.
 //!
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
-//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML, PDF and LaTeX, or a comment line, at the end of a
-//! file, and claims all bytes before; in `Software` of TIFF, for samples; in a [file](OutputKind::file) of a folder.
-//! COLMAP's database has a number in its header alone, and tables have none, see [`is_ours`](crate::export::is_ours).
+//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML, PDF and LaTeX, or a comment line, at the
+//! end of a file, and claims all bytes before; in `Software` of TIFF, for samples; in a [file](OutputKind::file) of a
+//! folder. COLMAP's database has a number in its header alone, and tables have none, see
+//! [`is_ours`](crate::export::is_ours).
 
 use super::{MAX_TABLE_BYTES, path_text, read_text};
 use serde::de::DeserializeOwned;

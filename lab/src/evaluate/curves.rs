@@ -1,7 +1,8 @@
 //! The plots of a study's report: their titles and axes, and the points of every curve.
 //!
 //! The Lab draws these plots, and all files are written from them, so that all show the same numbers. A figure is for
-//! light and dark pages, readable without colour: two plots side by side, under one legend where all have the same curves. A method has one colour in all sets; sets after the first are thinner and dotted.
+//! light and dark pages, readable without colour: two plots side by side, under one legend where all have the same
+//! curves. A method has one colour in all sets; sets after the first are thinner and dotted.
 
 use super::accuracy::{AccuracyReport, AccuracyRow};
 use super::chart::{ChartReport, ChartRow, MethodReport};

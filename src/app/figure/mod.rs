@@ -1,5 +1,5 @@
-//! Figures of the shown panes, with filter, faint features, colours and visible part of the image: the dialog that chooses the content, and the content of the panes as panels, with the match lines between
-//! them. And films of them.
+//! Figures of the shown panes, with filter, faint features, colours and visible part of the image: the dialog that
+//! chooses the content, and the content of the panes as panels, with the match lines between them. And films of them.
 
 mod film;
 

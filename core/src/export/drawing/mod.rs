@@ -1,9 +1,9 @@
 //! Drawings: shapes on a white sheet, what is drawn with them, and their files.
 //!
-//! A [`Drawing`] is a list of [shapes](FigureShape), which `svg`, `pdf` and `raster` write. It comes from a [`sheet`], on
-//! which text, axes and [plots](Plot) are placed; from a [`Table`]; or from [`lay_out`], which arranges pictures with
-//! their overlays for papers. A [`Figure`] is a drawing with its numbers, and [`Figure::write`] writes either, as the
-//! ending of the file's name says: the one list of endings is [`FigureFormat`].
+//! A [`Drawing`] is a list of [shapes](FigureShape), which `svg`, `pdf` and `raster` write. It comes from a [`sheet`],
+//! on which text, axes and [plots](Plot) are placed; from a [`Table`]; or from [`lay_out`], which arranges pictures
+//! with their overlays for papers. A [`Figure`] is a drawing with its numbers, and [`Figure::write`] writes either, as
+//! the ending of the file's name says: the one list of endings is [`FigureFormat`].
 
 mod fan;
 mod font;

@@ -1,8 +1,8 @@
 //! Panels of figures for papers: pictures as shown in the window, with their overlays.
 //!
-//! A feature is a circle, as in the window, a tick along its orientation, and an arrow along its motion. The image's first
-//! pixel has its centre at (0, 0) and covers −0.5 … 0.5. A figure for print has a width in millimetres, letters and lines
-//! in points, and titles broken to fit.
+//! A feature is a circle, as in the window, a tick along its orientation, and an arrow along its motion. The image's
+//! first pixel has its centre at (0, 0) and covers −0.5 … 0.5. A figure for print has a width in millimetres, letters
+//! and lines in points, and titles broken to fit.
 
 use super::shape::{Colour, FigureUnit};
 use crate::burst::{Offset, Positions};

@@ -61,7 +61,11 @@ fn draw(context: &mut RenderContext, at: Affine, scale: f64, shape: &FigureShape
             let at = at * Affine::translate((f64::from(*x), f64::from(*y)));
             shapes.iter().for_each(|shape| draw(context, at, scale, shape));
         }
-        _ => drop(shape.way(0.05 / scale).map(|(way, style)| draw_way(context, &way, style))),
+        _ => {
+            if let Some((way, style)) = shape.way(0.05 / scale) {
+                draw_way(context, &way, style);
+            }
+        }
     }
 }
 
