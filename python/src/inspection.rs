@@ -7,7 +7,7 @@ use burstscope::Burst;
 use burstscope::cli::Failure;
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::place::{ProbeOptions, ProbeSubject, check_place, price, probe};
-use burstscope::inspect::report::{probe_svg, probe_text, spectrum_svg, spectrum_text};
+use burstscope::inspect::report::{probe_figure, probe_text, spectrum_figure, spectrum_text};
 use burstscope::inspect::slopes::spectrum;
 use pyo3::prelude::*;
 use serde_json::json;
@@ -35,7 +35,7 @@ impl RawInspection {
                 "spectrum": answer,
             });
             let name = &self.burst.name;
-            Ok((document.to_string(), spectrum_text(&answer, name), spectrum_svg(&answer, name)))
+            Ok((document.to_string(), spectrum_text(&answer, name), spectrum_figure(&answer, name).drawing.svg()))
         })
     }
 
@@ -70,7 +70,7 @@ impl RawInspection {
                 "price": price,
             });
             let name = &self.burst.name;
-            Ok((document.to_string(), probe_text(&answer, name), probe_svg(&answer, name)))
+            Ok((document.to_string(), probe_text(&answer, name), probe_figure(&answer, name).drawing.svg()))
         })
     }
 

@@ -33,7 +33,7 @@ Frames = Union[str, tuple[int, int], slice, range]
 "#;
 
 /// Options of commands that Python's functions set themselves, or that make no sense there.
-const NOT_KEYWORDS: [&str; 7] = ["help", "version", "out", "json", "quiet", "plot", "force"];
+const NOT_KEYWORDS: [&str; 8] = ["help", "version", "out", "json", "quiet", "plot", "table", "force"];
 
 /// The source of the module with the keywords.
 #[pyfunction]
@@ -66,8 +66,8 @@ pub(crate) fn keywords_source() -> String {
         let Some(command) = cli.find_subcommand(path) else { continue };
         let of_file = cli.find_subcommand("case").map(|case| options(case).map(|(name, ..)| name).collect());
         let of_file: Vec<&str> = of_file.unwrap_or_default();
-        let own = options(command)
-            .filter(|(name, ..)| !of_file.contains(name) && !["csv", "case", "scale", "slope"].contains(name));
+        let own =
+            options(command).filter(|(name, ..)| !of_file.contains(name) && !["case", "scale", "slope"].contains(name));
         let about = format!("Options of `burstscope {path}`; those of `burstscope.detect` are taken too.");
         class(&mut text, name, &about, own);
     }

@@ -5,13 +5,13 @@ use crate::detection::RawDetection;
 use crate::failure::raised;
 use crate::parameters::{Given, match_params};
 use crate::work::run;
-use burstscope::app::figure::write_drawing;
 use burstscope::burst::OpenOptions;
 use burstscope::dataset::{
     CameraChoice, ColmapJob, DetectedBurst, FeatureJob, export_detections, match_bursts, match_rows,
 };
 use burstscope::detect::Searched;
 use burstscope::detector::SearchParams;
+use burstscope::export::write_drawing;
 use burstscope::export::{FigureAmount, MatchRow};
 use burstscope::matching::{MatchResult, Refusal, TwoViewModel};
 use burstscope::requests::{MatchFigure, MatchPictures};
@@ -154,7 +154,7 @@ impl RawMatches {
             let failed = burstscope::cli::Failure::Failed;
             let folder = tempfile::tempdir().map_err(|error| failed(error.into()))?;
             let file = folder.path().join("matches.png");
-            write_drawing(&file, &drawing).map_err(|problem| failed(anyhow::anyhow!(problem)))?;
+            write_drawing(&file, &drawing)?;
             std::fs::read(&file).map_err(|error| failed(error.into()))
         })
     }

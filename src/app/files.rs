@@ -8,7 +8,7 @@ use super::session::Session;
 use crate::app::document::datasets::Which;
 use crate::app::document::export::{ExportKind, Purpose};
 use crate::app::document::side::Side;
-use crate::app::figure::{drawing_of, rasterise, write_drawing};
+use crate::app::figure::drawing_of;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{mask_of, profiles_of};
 use crate::app::messages::Messages;
@@ -19,7 +19,7 @@ use crate::burst::OpenOptions;
 use crate::dataset::{DatasetSource, match_rows};
 use crate::detector::SearchParams;
 use crate::engine::Engine;
-use crate::evaluate::curves::{curves_csv, curves_svg};
+use crate::evaluate::curves::curves_figure;
 use crate::export;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::export::{ExportFormat, OpenedFiles, OutputRules, Overwrite};
@@ -228,15 +228,17 @@ fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<W
         Purpose::Export(ExportKind::Matches) => matches_work(model),
         Purpose::Export(ExportKind::Methods) => Ok(methods_work(model)),
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
-        Purpose::Export(ExportKind::CurvesCsv) => Ok(whole_work(curves_csv(&shown_plots(model)))),
         Purpose::Export(ExportKind::Sheet) => Err("no lesson is open; open one first".to_owned()),
-        Purpose::Export(ExportKind::CurvesSvg) => Ok(text_work(OutputKind::Drawing, curves_svg(&shown_plots(model)))),
+        Purpose::Export(ExportKind::CurvesCsv | ExportKind::CurvesSvg) => {
+            let figure = curves_figure(&shown_plots(model));
+            Ok(work(move |path| figure.write(path)))
+        }
         Purpose::Export(ExportKind::Mask) => mask_work(model),
         Purpose::Export(ExportKind::Case) => case_work(model),
         Purpose::Export(ExportKind::FilmGif) => {
             let film = model.film_to_export().ok_or("there is no burst; open one first")?;
             let rate = model.document.film.rate;
-            Ok(work(move |path| film.write(path, rate, &rasterise, &|| Ok(()), &Monitor::default())))
+            Ok(work(move |path| film.write(path, rate, &export::rasterise, &|| Ok(()), &Monitor::default())))
         }
         Purpose::Export(ExportKind::Figure) => figure_work(model, widgets),
         Purpose::Export(kind) => picture_work(model, kind),
@@ -305,17 +307,14 @@ fn matches_work(model: Read<'_>) -> Result<Work, String> {
 
 fn profile_work(model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
     let line = model.document.measure.line.ok_or("there is no line; draw one with Q first")?;
-    let profiles: Vec<export::PictureProfile> = profiles_of(model, widgets, &line)
-        .into_iter()
-        .map(|profile| export::PictureProfile {
-            picture: format!("{}  {}", profile.number, profile.label),
-            samples: profile.samples,
-        })
-        .collect();
+    let profiles = profiles_of(model, widgets, &line).into_iter();
+    let profiles: Vec<_> =
+        profiles.map(|profile| (format!("{}  {}", profile.number, profile.label), profile.samples)).collect();
     if profiles.is_empty() {
         return Err("the pane with the line is closed; draw another line with Q".to_owned());
     }
-    Ok(work(move |path| export::write_profiles_csv(path, &profiles)))
+    let figure = export::Figure::from(export::profiles_table(&profiles));
+    Ok(work(move |path| figure.write(path)))
 }
 
 fn mask_work(model: Read<'_>) -> Result<Work, String> {
@@ -340,24 +339,12 @@ fn picture_work(model: Read<'_>, kind: ExportKind) -> Result<Work, String> {
 
 fn figure_work(model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
     let drawing = drawing_of(model, widgets, &model.document.figure)?;
-    Ok(Box::new(move |path| write_drawing(path, &drawing)))
+    Ok(work(move |path| export::write_drawing(path, &drawing)))
 }
 
 fn methods_work(model: Read<'_>) -> Work {
-    let table = methods_table(model);
-    Box::new(move |path| {
-        let text = if ending_of(path, ExportKind::Methods)? == "tex" { table.latex() } else { table.csv() };
-        export::write_whole(path, |out| out.write_all(text.as_bytes())).map_err(|error| error.to_string())
-    })
-}
-
-/// The extension of `path`, if the kind of file has such an extension.
-fn ending_of(path: &Path, kind: ExportKind) -> Result<&'static str, String> {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let known = kind.extensions().iter().find(|known| **known == ending);
-    known.copied().ok_or_else(|| {
-        format!("{}: this ending is not written; end the name in .{}", path.display(), kind.extensions().join(", ."))
-    })
+    let figure = export::Figure::from(methods_table(model));
+    work(move |path| figure.write(path))
 }
 
 fn picture_of(rgba: &RgbaImage) -> export::Bitmap<'_> {

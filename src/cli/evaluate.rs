@@ -2,14 +2,15 @@
 
 use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
-use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
+use super::evaluate_tables::{accuracy_table, accuracy_text, chart_text, methods_table, noise_table, noise_text};
 use super::failure::Failure;
-use super::study::{StudySearch, chart_study, check_plot, searched, write_plot};
+use super::figure_file::write_figure;
+use super::study::{StudySearch, chart_study, searched};
 use super::{evaluate_frames, evaluate_matches, evaluate_poses};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
-use crate::evaluate::curves::roc_svg;
+use crate::evaluate::curves::roc_figure;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
 use crate::evaluate::{AccuracyStudy, NoiseStudy};
 use crate::synth::NoiseCase;
@@ -27,18 +28,16 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
 }
 
 fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
-    // A wrong ending is reported before the long study.
-    if let Some(path) = &args.plot {
-        check_plot(path)?;
-    }
     let mut study = chart_study(&args.charts, &args.compared, &args.search, args.snr.clone())?;
     study.chart.uneven.views = args.views;
     let console = Console::new(&args.output)?;
     let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
-    args.plot.iter().try_for_each(|path| rules.check(path))?;
+    args.plot.iter().chain(&args.table).try_for_each(|path| rules.check(path))?;
     let report = study.run(&console.monitor)?;
-    console.say(&chart_table(&report))?;
-    write_plot(&console, args.plot.as_deref(), &rules, || roc_svg(&report, 0))?;
+    console.say(&chart_text(&report))?;
+    write_figure(&console, args.plot.as_deref(), &rules, || roc_figure(&report, 0))?;
+    let rows = report.rows.iter().map(|row| (row.snr, report.chart.frames, &row.methods[..]));
+    write_figure(&console, args.table.as_deref(), &rules, || methods_table(rows).into())?;
     console.say_document("evaluate chart", &report)
 }
 
@@ -53,13 +52,17 @@ fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
         detector: DetectorParams { slopes: slopes.unwrap_or(default.detector.slopes), ..detector },
     };
     let console = Console::new(&args.output)?;
+    let rules = args.file.checked(&args.search)?;
     let crowded = study.run(&console.monitor)?;
     let apart = match args.apart_discs.unwrap_or_else(|| discs_apart(&study.chart)) {
         0 => None,
         discs => Some(study.standing_apart(discs).run(&console.monitor)?),
     };
     let report = AccuracyDocument { crowded, apart };
-    console.say(&accuracy_tables(&report.crowded, report.apart.as_ref()))?;
+    console.say(&accuracy_text(&report.crowded, report.apart.as_ref()))?;
+    let named = [("crowded", Some(&report.crowded)), ("apart", report.apart.as_ref())];
+    let named: Vec<_> = named.into_iter().filter_map(|(charts, report)| Some((charts, report?))).collect();
+    write_figure(&console, args.file.table.as_deref(), &rules, || accuracy_table(&named).into())?;
     console.say_document("evaluate accuracy", &report)
 }
 
@@ -92,7 +95,9 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
     };
     let study = NoiseStudy { levels, searches, ..args.study.clone() };
     let console = Console::new(&args.output)?;
+    let rules = args.file.checked(&args.search)?;
     let report = study.run(&console.monitor)?;
-    console.say(&noise_table(&report))?;
+    console.say(&noise_text(&report))?;
+    write_figure(&console, args.file.table.as_deref(), &rules, || noise_table(&report).into())?;
     console.say_document("evaluate noise", &report)
 }

@@ -5,6 +5,7 @@ use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
+use super::figure_file::{FIGURE_FILE, TableArgs, figure_file};
 use super::search_options::SearchArgs;
 use crate::burst::ViewGrid;
 use crate::evaluate::NoiseStudy;
@@ -55,9 +56,12 @@ pub struct EvaluateChartArgs {
     pub views: Option<ViewGrid>,
     #[command(flatten)]
     pub compared: ComparedArgs,
-    /// Draw the curves of true against false features, one panel a ratio, as an SVG figure.
-    #[arg(long, value_name = "FILE.svg")]
+    /// Draw the curves of true against false features, one panel a ratio, or write their points as CSV or LaTeX (.tex).
+    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
     pub plot: Option<PathBuf>,
+    /// Write the numbers of each method as CSV or LaTeX (.tex), or as a drawn table.
+    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
+    pub table: Option<PathBuf>,
     #[command(flatten)]
     pub charts: ChartsArgs,
     #[command(flatten)]
@@ -113,6 +117,8 @@ pub struct AccuracyArgs {
     pub search: SearchArgs,
     #[command(flatten)]
     pub output: OutputArgs,
+    #[command(flatten)]
+    pub file: TableArgs,
 }
 
 /// Count what is found on noise alone, where there is nothing.
@@ -148,6 +154,8 @@ pub struct NoiseArgs {
     pub search: SearchArgs,
     #[command(flatten)]
     pub output: OutputArgs,
+    #[command(flatten)]
+    pub file: TableArgs,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

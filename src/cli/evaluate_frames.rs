@@ -3,13 +3,14 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
 use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::console::Console;
-use super::evaluate_tables::{burst_frames_table, frames_table};
+use super::evaluate_tables::{burst_frames_table, burst_frames_text, frames_text, methods_table};
 use super::failure::Failure;
+use super::figure_file::{FIGURE_FILE, figure_file, write_figure};
 use super::inputs::{Input, open_options, resolve_one, resolve_pair};
-use super::study::{chart_study, check_plot, write_plot};
+use super::study::chart_study;
 use crate::burst::Burst;
 use crate::detector::params::doc;
-use crate::evaluate::curves::{burst_frames_svg, frames_svg};
+use crate::evaluate::curves::{burst_frames_figure, frames_figure};
 use crate::evaluate::frames::FRAME_COUNTS;
 use crate::evaluate::{BurstFramesStudy, FramesStudy};
 use crate::export::OutputRules;
@@ -40,9 +41,12 @@ pub struct FramesArgs {
     pub snr: f64,
     #[command(flatten)]
     pub compared: ComparedArgs,
-    /// Draw what was found over the number of frames as an SVG figure.
-    #[arg(long, value_name = "FILE.svg")]
+    /// Draw what was found over the number of frames, or write its points as CSV or LaTeX (.tex).
+    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
     pub plot: Option<PathBuf>,
+    /// Write the numbers for each number of frames as CSV or LaTeX (.tex), or as a drawn table.
+    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
+    pub table: Option<PathBuf>,
     #[command(flatten)]
     pub charts: ChartsArgs,
     #[command(flatten)]
@@ -60,9 +64,6 @@ JSON (--json) of INPUT:
      \"matches\": null or {\"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\"}}]}";
 
 pub(super) fn run(args: &FramesArgs) -> Result<(), Failure> {
-    if let Some(path) = &args.plot {
-        check_plot(path)?;
-    }
     match &args.input {
         None => charts(args),
         Some(input) => burst(args, input),
@@ -89,10 +90,12 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
     };
     let console = Console::new(&args.run.output)?;
     let rules = rules(args, &[]);
-    args.plot.iter().try_for_each(|path| rules.check(path))?;
+    args.plot.iter().chain(&args.table).try_for_each(|path| rules.check(path))?;
     let report = study.run(&console.monitor)?;
-    console.say(&frames_table(&report))?;
-    write_plot(&console, args.plot.as_deref(), &rules, || frames_svg(&report))?;
+    console.say(&frames_text(&report))?;
+    write_figure(&console, args.plot.as_deref(), &rules, || frames_figure(&report))?;
+    let rows = report.rows.iter().map(|row| (report.snr, row.frames, &row.methods[..]));
+    write_figure(&console, args.table.as_deref(), &rules, || methods_table(rows).into())?;
     console.say_document("evaluate frames", &report)
 }
 
@@ -110,12 +113,13 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
     };
     let options = open_options(&inputs, &args.run.calibration)?;
     let rules = rules(args, &inputs);
-    args.plot.iter().try_for_each(|path| rules.check(path))?;
+    args.plot.iter().chain(&args.table).try_for_each(|path| rules.check(path))?;
     let silent = console.monitor.silent();
     let bursts = inputs.iter().map(|i| i.open(&options, &silent)).collect::<Result<Vec<Burst>, _>>()?;
     let truth = truth_of(&bursts[0]).map_err(|e| Failure::Failed(e.into()))?;
     let report = study.run(&bursts[0], bursts.get(1), truth.as_ref(), &console.monitor)?;
-    console.say(&burst_frames_table(&report))?;
-    write_plot(&console, args.plot.as_deref(), &rules, || burst_frames_svg(&report))?;
+    console.say(&burst_frames_text(&report))?;
+    write_figure(&console, args.plot.as_deref(), &rules, || burst_frames_figure(&report))?;
+    write_figure(&console, args.table.as_deref(), &rules, || burst_frames_table(&report).into())?;
     console.say_document("evaluate frames", &report)
 }

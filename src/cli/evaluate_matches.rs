@@ -2,8 +2,8 @@
 
 use super::args::{BurstSearchArgs, SequenceArgs};
 use super::console::Console;
-use super::evaluate_tables::{or_dash, table};
 use super::failure::Failure;
+use super::figure_file::{TableArgs, write_figure};
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
 use super::study::{StudySearch, once_each, searched_by};
@@ -12,6 +12,7 @@ use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
 use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Searches, Shot, slopes_of};
+use crate::export::{Cell, METHOD_MATCH_COLUMNS, Table};
 use crate::matching::PairSelection;
 use crate::synth::{NoisyExposure, NoisyParams};
 use clap::Args;
@@ -65,6 +66,8 @@ pub struct MatchesArgs {
     pub matching: MatchingArgs,
     #[command(flatten)]
     pub run: BurstSearchArgs,
+    #[command(flatten)]
+    pub file: TableArgs,
 }
 
 const MATCHES_HELP: &str = "\
@@ -117,6 +120,8 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     let golds = sharp_inputs(args, &inputs)?;
     let options = open_options(&inputs, &args.run.calibration)?;
+    let rules = args.file.overwrite.rules(&inputs, &options, &[args.run.search.file.params.as_ref()]);
+    args.file.table.iter().try_for_each(|path| rules.check(path))?;
     let exposure = exposure(args, &inputs, &options, &console)?;
     let names: Vec<String> = inputs.iter().map(|i| i.name.clone()).collect();
     // Bursts are opened again for each method: the noise of one follows from its place, as in copies that are written.
@@ -151,6 +156,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
         frame_noise: e.camera.sigma(e.mean_signal),
     });
     console.say(&text(&report, noise))?;
+    write_figure(&console, args.file.table.as_deref(), &rules, || methods_table(&report).into())?;
     console.say_document("evaluate matches", &MatchesDocument { noise, report: &report })
 }
 
@@ -226,24 +232,23 @@ fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
             text += &format!("  {name}: {}\n", grid_text(slopes));
         }
     }
-    let cells = |row: &MatchRow| COLUMNS.map(|(_, cell)| cell(row)).to_vec();
-    text + "\n" + &table(&COLUMNS.map(|(head, _)| head), report.methods.iter().map(cells))
+    text + "\n" + &methods_table(report).text()
 }
 
-/// Columns of the table: head, and cell of a method.
-type Column = (&'static str, fn(&MatchRow) -> String);
-
-const COLUMNS: [Column; 9] = [
-    ("method", |row| row.method.label().to_owned()),
-    ("keypoints/image", |row| format!("{:.1}", row.counts.keypoints_per_image)),
-    ("putative/image", |row| format!("{:.1}", row.counts.putative_per_image)),
-    ("inliers/image", |row| format!("{:.1}", row.counts.inliers_per_image)),
-    ("match ratio", |row| format!("{:.3}", row.counts.match_ratio)),
-    ("match score", |row| format!("{:.3}", row.counts.match_score)),
-    ("inlier ratio", |row| or_dash(row.counts.inlier_ratio, |x| format!("{x:.3}"))),
-    ("pairs verified", |row| row.counts.verified_pairs.to_string()),
-    ("on gold/image", |row| or_dash(row.on_gold_geometry_per_image, |x| format!("{x:.1}"))),
-];
+fn methods_table(report: &MatchReport) -> Table {
+    let row = |row: &MatchRow| {
+        let counts = &row.counts;
+        let per_image = [counts.keypoints_per_image, counts.putative_per_image, counts.inliers_per_image];
+        let per_image = per_image.map(|x| Cell::of(Some(x), 1));
+        let ratios = [Some(counts.match_ratio), Some(counts.match_score), counts.inlier_ratio].map(|x| Cell::of(x, 3));
+        let pairs = [Cell::count(counts.verified_pairs), Cell::of(row.on_gold_geometry_per_image, 1)];
+        std::iter::once(row.method.label().into()).chain(per_image).chain(ratios).chain(pairs).collect()
+    };
+    let per_image = ["method", "keypoints/image", "putative/image", "inliers/image"];
+    let ratios = ["match ratio", "match score", "inlier ratio", "pairs verified", "on gold/image"];
+    Table::new("Matches of bursts", METHOD_MATCH_COLUMNS, report.methods.iter().map(row).collect())
+        .headed(&[&per_image[..], &ratios].concat())
+}
 
 fn grid_text(grid: &SlopeGrid) -> String {
     let turned = if grid.direction_deg == 0.0 { String::new() } else { format!(" turned by {}°", grid.direction_deg) };

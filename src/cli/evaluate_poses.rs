@@ -2,9 +2,11 @@
 
 use super::args::OutputArgs;
 use super::console::Console;
-use super::evaluate_tables::table;
 use super::failure::Failure;
+use super::figure_file::{TableArgs, write_figure};
+use crate::burst::OpenOptions;
 use crate::evaluate::poses::{ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory};
+use crate::export::{Cell, POSE_COLUMNS, Table};
 use clap::Args;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
@@ -31,6 +33,8 @@ pub struct PosesArgs {
     pub study: PoseStudy,
     #[command(flatten)]
     pub output: OutputArgs,
+    #[command(flatten)]
+    pub file: TableArgs,
 }
 
 const POSES_HELP: &str = "\
@@ -54,6 +58,8 @@ struct PosesDocument<'a> {
 
 pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
+    let rules = args.file.overwrite.rules(&[], &OpenOptions::default(), &[Some(&args.estimate), Some(&args.truth)]);
+    args.file.table.iter().try_for_each(|path| rules.check(path))?;
     let estimate = read_trajectory(&args.estimate)?;
     let truth = read_trajectory(&args.truth)?;
     let report = evaluate_poses(&estimate, &truth, &args.study)?;
@@ -61,6 +67,7 @@ pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
         console.say(&format!("took {}, the largest of {} parts\n", model.folder.display(), model.other_models + 1))?;
     }
     console.say(&text(&report))?;
+    write_figure(&console, args.file.table.as_deref(), &rules, || errors_table(&report).into())?;
     let answer = PosesDocument {
         estimate: &args.estimate,
         truth: &args.truth,
@@ -84,9 +91,17 @@ fn text(report: &PoseReport) -> String {
     let (count, paired, scale) = (report.absolute.count, report.associated.phrase(), report.scale);
     let straight = if report.straight { on_line } else { "" };
     text += &format!("{count} poses paired {paired}, aligned with scale {scale:.6}{straight}\n\n");
+    text += &errors_table(report).headed(&[""]).text();
+    if report.relative.count == 0 {
+        text += &format!("no motion over {} poses: fewer are paired\n", report.step);
+    }
+    text
+}
+
+fn errors_table(report: &PoseReport) -> Table {
     let row = |words: String, e: &ErrorSummary| {
-        let numbers = [e.rmse, e.mean, e.median, e.max].map(|error| format!("{error:.6}"));
-        std::iter::once(words).chain(numbers).collect::<Vec<String>>()
+        let numbers = [e.rmse, e.mean, e.median, e.max].map(|error| Cell::Number(error, 6));
+        std::iter::once(Cell::Text(words)).chain(numbers).collect()
     };
     let mut rows = vec![
         row("absolute trajectory error, truth's unit".to_owned(), &report.absolute.translation),
@@ -97,9 +112,5 @@ fn text(report: &PoseReport) -> String {
         rows.push(row(format!("relative pose error{over}, truth's unit"), &report.relative.translation));
         rows.push(row(format!("relative pose error{over}, deg"), &report.relative.rotation_deg));
     }
-    text += &table(&["", "RMSE", "mean", "median", "max"], rows);
-    if report.relative.count == 0 {
-        text += &format!("no motion over {} poses: fewer are paired\n", report.step);
-    }
-    text
+    Table::new("Errors of poses", POSE_COLUMNS, rows).headed(&["error", "RMSE"])
 }

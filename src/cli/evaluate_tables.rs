@@ -1,27 +1,19 @@
-//! Tables that reports print for people.
+//! Tables of reports: printed for people, and written into files.
 
 use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
 use crate::evaluate::chart::{ChartReport, ChartSummary, ComparisonSetup, MethodReport};
 use crate::evaluate::frames::FramesReport;
 use crate::evaluate::frames_of_burst::{BurstFramesReport, BurstFramesRow};
-use crate::evaluate::pure_noise::{NoiseLevel, NoiseReport};
-use crate::evaluate::statistics::Errors;
+use crate::evaluate::pure_noise::{NoiseCount, NoiseLevel, NoiseReport};
+use crate::evaluate::statistics::{Errors, Mean};
+use crate::export::{ACCURACY_COLUMNS, BURST_FRAMES_COLUMNS, Cell, METHOD_COLUMNS, NOISE_COLUMNS, Table};
 use crate::synth::RadiusLaw;
 
-/// Heads over rows of cells: the first column stands to the left, the others to the right, as wide as their cells.
+/// Heads over rows of cells, see [`Table::text`].
 pub(super) fn table(heads: &[impl AsRef<str>], rows: impl IntoIterator<Item = Vec<String>>) -> String {
-    let heads = heads.iter().map(|head| head.as_ref().to_owned()).collect();
-    let lines: Vec<Vec<String>> = std::iter::once(heads).chain(rows).collect();
-    let width = |column: usize| lines.iter().filter_map(|line| Some(line.get(column)?.chars().count())).max();
-    let mut text = String::new();
-    for line in &lines {
-        for (column, cell) in line.iter().enumerate() {
-            let width = width(column).unwrap_or(0);
-            text += &if column == 0 { format!("{cell:<width$}") } else { format!("   {cell:>width$}") };
-        }
-        text += "\n";
-    }
-    text
+    let heads: Vec<&str> = heads.iter().map(AsRef::as_ref).collect();
+    let rows = rows.into_iter().map(|row| row.into_iter().map(Cell::Text).collect()).collect();
+    Table::new("", &",".repeat(heads.len() - 1), rows).headed(&heads).text()
 }
 
 pub(super) fn or_dash<T>(value: Option<T>, text: impl Fn(T) -> String) -> String {
@@ -43,14 +35,14 @@ fn charts_text(chart: &ChartSummary, frames: &str, each: &str, first_seed: u64, 
     format!("{discs}, {frames}, {slopes}\n{charts}\n")
 }
 
-pub(super) fn chart_table(report: &ChartReport) -> String {
+pub(super) fn chart_text(report: &ChartReport) -> String {
     let ComparisonSetup { first_seed, seeds, .. } = report.setup;
     let rows: Vec<Row<'_>> = report.rows.iter().map(|row| (row.snr.to_string(), &row.methods[..])).collect();
     charts_text(&report.chart, &report.chart.frames.to_string(), "SNR", first_seed, seeds)
         + &found_tables(report.chart.discs, &report.setup, "SNR", &rows)
 }
 
-pub(super) fn frames_table(report: &FramesReport) -> String {
+pub(super) fn frames_text(report: &FramesReport) -> String {
     let first = report.rows.first().map_or(report.chart.frames, |row| row.frames);
     let frames = match report.chart.frames {
         last if last == first => last.to_string(),
@@ -90,7 +82,7 @@ fn found_tables(discs: usize, setup: &ComparisonSetup, first: &str, rows: &[Row<
         })
 }
 
-pub(super) fn burst_frames_table(report: &BurstFramesReport) -> String {
+pub(super) fn burst_frames_text(report: &BurstFramesReport) -> String {
     let grid = report.detector.used_slopes();
     let mut text = format!(
         "{}: the middle frames as a burst, searched at slopes u {} and v {} (min:max:count, px/frame)\n\
@@ -103,26 +95,89 @@ pub(super) fn burst_frames_table(report: &BurstFramesReport) -> String {
     if let Some(second) = &report.second {
         text += &format!("matched with as many middle frames of {second}\n");
     }
-    type Column = (&'static str, fn(&BurstFramesRow) -> Option<usize>);
-    let columns: [Column; 8] = [
-        ("frames", |row| Some(row.frames)),
-        ("features", |row| Some(row.features)),
-        ("confirmed", |row| Some(row.confirmed)),
-        ("not", |row| Some(row.unconfirmed)),
-        ("discs", |row| row.discs_found),
-        ("false", |row| row.false_features),
-        ("putative", |row| row.matches.map(|m| m.putative)),
-        ("inliers", |row| row.matches.and_then(|m| m.inliers)),
-    ];
+    let heads = ["frames", "features", "confirmed", "not", "discs", "false", "putative", "inliers"];
+    let mut table = burst_frames_table(report).headed(&heads);
     // Truth and second burst may be missing: a column without any value is left out.
-    let is_known = |(_, value): &Column| report.rows.iter().any(|row| value(row).is_some());
-    let columns: Vec<Column> = columns.into_iter().filter(is_known).collect();
-    let heads: Vec<&str> = columns.iter().map(|(name, _)| *name).collect();
-    let cells = |row| columns.iter().map(|(_, value)| or_dash(value(row), |count| count.to_string())).collect();
-    text + "\n" + &table(&heads, report.rows.iter().map(cells))
+    let is_known = |column: &usize| table.rows.iter().any(|row| row[*column] != Cell::Missing);
+    let known: Vec<usize> = (0..heads.len()).filter(is_known).collect();
+    table.columns = known.iter().map(|&column| table.columns[column].clone()).collect();
+    for row in &mut table.rows {
+        *row = known.iter().map(|&column| row[column].clone()).collect();
+    }
+    text + "\n" + &table.text()
 }
 
-pub(super) fn accuracy_tables(crowded: &AccuracyReport, apart: Option<&AccuracyReport>) -> String {
+pub(super) fn burst_frames_table(report: &BurstFramesReport) -> Table {
+    let row = |row: &BurstFramesRow| {
+        let (putative, inliers) = (row.matches.map(|m| m.putative), row.matches.and_then(|m| m.inliers));
+        let counts = [row.frames, row.features, row.confirmed, row.unconfirmed].map(Some).into_iter();
+        let known = counts.chain([row.discs_found, row.false_features, putative, inliers]);
+        known.map(|count| count.map_or(Cell::Missing, Cell::count)).collect()
+    };
+    Table::new(&report.burst, BURST_FRAMES_COLUMNS, report.rows.iter().map(row).collect())
+}
+
+/// The numbers of each method on charts: of `rows`, each with its SNR and number of frames.
+pub(super) fn methods_table<'a>(rows: impl Iterator<Item = (f64, usize, &'a [MethodReport])>) -> Table {
+    let with_error = |mean: Mean| [Cell::of(Some(mean.mean), 1), Cell::of(mean.standard_error, 2)];
+    let row = |(snr, frames, of): (f64, usize, &MethodReport)| {
+        let mut cells = vec![Cell::Text(snr.to_string()), Cell::count(frames), of.method.name().into()];
+        let means = [of.true_positives, of.default_true_positives, of.default_false_features];
+        cells.extend(means.into_iter().flat_map(with_error));
+        cells.extend([
+            Cell::of(of.default_false_per_disc.map(|n| n.mean), 2),
+            Cell::of(of.noise_estimate_ratio.map(|ratio| ratio.mean), 3),
+        ]);
+        cells
+    };
+    let rows = rows.flat_map(|(snr, frames, methods)| methods.iter().map(move |of| (snr, frames, of)));
+    Table::new("Discs found", METHOD_COLUMNS, rows.map(row).collect())
+}
+
+/// The errors of crowded charts, and of charts of discs that stand apart.
+pub(super) fn accuracy_table(reports: &[(&str, &AccuracyReport)]) -> Table {
+    let mut rows = Vec::new();
+    for (charts, row) in reports.iter().flat_map(|(charts, report)| report.rows.iter().map(move |row| (*charts, row))) {
+        let mut add = |name: &str, count: usize, numbers: [Option<f64>; 4]| {
+            let begin = [charts.into(), Cell::Text(row.snr.to_string()), name.into(), Cell::count(count)];
+            rows.push(begin.into_iter().chain(numbers.map(|x| Cell::of(x, 4))).collect());
+        };
+        let signed = [("u", &row.u), ("v", &row.v), ("scale", &row.scale)];
+        for (name, e) in signed.into_iter().chain([("slope_u", &row.slope_u), ("slope_v", &row.slope_v)]) {
+            let mean = (e.count > 0).then_some(e.signed.mean);
+            add(name, e.count, [Some(e.median_magnitude), Some(e.magnitude_95), mean, e.signed.standard_error]);
+        }
+        let distances = [("distance", row.u.count, row.distance), ("distance_apart", row.apart, row.distance_apart)];
+        for (name, count, [median, most]) in
+            distances.into_iter().chain([("slope_distance", row.u.count, row.slope_distance)])
+        {
+            add(name, count, [Some(median), Some(most), None, None]);
+        }
+    }
+    Table::new("Errors of features", ACCURACY_COLUMNS, rows)
+}
+
+/// The false features of each kind of noise and each search.
+pub(super) fn noise_table(report: &NoiseReport) -> Table {
+    let rows = report.rows.iter().flat_map(|row| row.searches.iter().map(move |search| (row.level, search)));
+    let row = |(NoiseLevel { sigma, bits, case, mean }, search): (NoiseLevel, &NoiseCount)| {
+        let most = search.of_bursts.iter().max().map_or(0.0, |most| *most as f64);
+        let numbers = [
+            (f64::from(search.noise_gate_factor), 2),
+            (search.per_megapixel, 2),
+            (search.standard_error, 2),
+            (search.false_features as f64, 0),
+            (most, 0),
+        ];
+        let bits = bits.map_or(Cell::Missing, |bits| Cell::Number(bits.into(), 0));
+        let level = vec![Cell::Text(case.name()), Cell::Text(sigma.to_string()), Cell::Text(mean.to_string()), bits];
+        let search = [search.label.as_str().into(), Cell::count(search.slopes)];
+        level.into_iter().chain(search).chain(numbers.map(|(x, decimals)| Cell::of(Some(x), decimals))).collect()
+    };
+    Table::new("False features on noise", NOISE_COLUMNS, rows.map(row).collect())
+}
+
+pub(super) fn accuracy_text(crowded: &AccuracyReport, apart: Option<&AccuracyReport>) -> String {
     let grid = crowded.detector.used_slopes();
     let mut text = format!("searched at slopes u {} and v {} (min:max:count, px/frame)\n", grid.u, grid.v);
     let titles = ["Crowded charts: neighbours draw features aside", "Charts of discs that stand apart in all frames"];
@@ -131,13 +186,13 @@ pub(super) fn accuracy_tables(crowded: &AccuracyReport, apart: Option<&AccuracyR
         let frames = report.chart.frames.to_string();
         let charts = charts_text(&report.chart, &frames, "SNR", report.first_seed, report.seeds);
         text += &format!("\n{title}\n{charts}");
-        text.extend(report.rows.iter().map(accuracy_table));
+        text.extend(report.rows.iter().map(errors_text));
     }
     text + "\nErrors are those of found discs that are not on the rim of the slopes. Scales are compared with the σ at which a\n\
         difference of Gaussians answers a disc most strongly, not with r/√2.\n"
 }
 
-fn accuracy_table(row: &AccuracyRow) -> String {
+fn errors_text(row: &AccuracyRow) -> String {
     let counts = |words: &str, RangeCount { discs, found, marked }: RangeCount| {
         format!("{words} {discs}, found {found}, of these on the rim of the slopes {marked}\n")
     };
@@ -170,7 +225,7 @@ fn accuracy_table(row: &AccuracyRow) -> String {
         + &table(&["", "median |error|", "95 %", "mean ± standard error"], lines)
 }
 
-pub(super) fn noise_table(report: &NoiseReport) -> String {
+pub(super) fn noise_text(report: &NoiseReport) -> String {
     let columns = report.rows.first().map_or(&[][..], |row| &row.searches);
     let heads: Vec<String> = ["noise", "sigma", "mean", "bits"]
         .map(str::to_owned)

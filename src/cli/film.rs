@@ -3,10 +3,10 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, parse_slope};
 use super::failure::Failure;
 use super::inputs::OneBurst;
-use crate::app::figure::rasterise;
 use crate::detect::search;
 use crate::detector::{Method, SearchParams, Slope};
 use crate::export::film::{estimated_film_bytes, is_film};
+use crate::export::rasterise;
 use crate::files::path_text;
 use crate::requests::{BurstSource, Film, OpenBurst, Sweep};
 use clap::Args;

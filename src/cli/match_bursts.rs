@@ -12,7 +12,7 @@ use crate::burst::Burst;
 use crate::dataset::{DetectedBurst, match_bursts, match_rows};
 use crate::detector::params::Word;
 use crate::detector::{Detection, SearchParams};
-use crate::export::{Drawing, ExportFormat, FigureAmount, FigureFormat, safe_file_name, write_matches_csv};
+use crate::export::{ExportFormat, FigureAmount, FigureFormat, safe_file_name, write_drawing, write_matches_csv};
 use crate::files::serialize_path;
 use crate::matching::{MatchCounts, MatchParams, TwoViewModel};
 use crate::monitor::Stage;
@@ -63,7 +63,6 @@ struct Files<'a> {
 }
 
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
-    check_format(args.picture)?;
     let params = args.run.search.params()?;
     let matching = args.matching.params()?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?.of_camera(matching.camera.clone());
@@ -97,7 +96,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     folder.check()?;
     [&matches, &picture].into_iter().try_for_each(|file| job.rules.check(file))?;
     write_matches_csv(&matches, &rows)?;
-    write_figure(&picture, &drawing)?;
+    write_drawing(&picture, &drawing)?;
     folder.check()?;
     let model = result.verification.as_ref().and_then(|v| v.model.as_ref());
     let why_none = match result.counts.refused {
@@ -120,27 +119,6 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
         files: Files { matches: &matches, picture: &picture },
     };
     console.say_document("match", &document)
-}
-
-/// Refuses a format that this build cannot draw, before anything is computed.
-fn check_format(format: FigureFormat) -> Result<(), Failure> {
-    if cfg!(feature = "app") || format == FigureFormat::Svg {
-        return Ok(());
-    }
-    let format = format.extension();
-    Err(Failure::usage(format!(
-        "--picture {format}: the letters of PNG and PDF are drawn by the window, which this build does not have; give svg"
-    )))
-}
-
-#[cfg(feature = "app")]
-fn write_figure(path: &Path, drawing: &Drawing) -> Result<(), Failure> {
-    crate::app::figure::write_drawing(path, drawing).map_err(|problem| Failure::Failed(anyhow::anyhow!(problem)))
-}
-
-#[cfg(not(feature = "app"))]
-fn write_figure(path: &Path, drawing: &Drawing) -> Result<(), Failure> {
-    Ok(crate::export::write_drawing_svg(path, drawing)?)
 }
 
 fn parse_drawn(text: &str) -> Result<FigureAmount, String> {

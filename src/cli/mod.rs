@@ -20,7 +20,8 @@ pub mod evaluate_matches;
 pub mod evaluate_poses;
 mod evaluate_tables;
 mod failure;
-pub mod figures;
+pub mod figure_file;
+mod figures;
 #[cfg(feature = "app")]
 pub mod film;
 pub mod info;

@@ -3,16 +3,15 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, two};
 use super::console::Console;
 use super::failure::Failure;
-use super::inputs::{OneBurst, check_ending};
+use super::figure_file::{FIGURE_FILE, figure_file};
+use super::inputs::OneBurst;
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use crate::burst::Positions;
 use crate::error::Error;
-use crate::export::write_text;
-use crate::files::mark::OutputKind;
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
 use crate::inspect::place::{ProbeOptions, ProbeSubject, check_place, outside, price, probe};
-use crate::inspect::report::{probe_svg, probe_text, spectrum_svg, spectrum_text};
+use crate::inspect::report::{probe_figure, probe_text, spectrum_figure, spectrum_text};
 use crate::inspect::slopes::spectrum;
 use crate::monitor::Stage;
 use clap::Args;
@@ -21,9 +20,6 @@ use std::path::PathBuf;
 
 pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
-    if let Some(path) = &args.plot {
-        check_ending(path, &["svg"], NO_SVG)?;
-    }
     let OneBurst { console, input, options, rules } =
         args.run.begin("probe", &args.inputs, args.overwrite, &[args.plot.as_ref()])?;
     let burst = input.open_to_search(&options, &params, &console.monitor)?;
@@ -40,7 +36,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
         rules.check(path)?;
-        write_text(path, OutputKind::Drawing, probe_svg(&answer, &input.name))?;
+        probe_figure(&answer, &input.name).write(path)?;
     }
     let remedy = answer.subject_fate().and_then(|fate| Some((fate.of_sample(), &fate.remedy.as_ref()?.change)));
     let price = match remedy.filter(|_| args.price) {
@@ -78,8 +74,6 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     )
 }
 
-const NO_SVG: &str = "--plot: figures are written as SVG; name the file .svg";
-
 const SEARCH_SHARE: f32 = 0.8;
 
 pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
@@ -93,9 +87,6 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
         let console = Console::new(&args.run.output)?;
         let slopes = SetUpArgs::slopes(&set_up, &Positions::even(args.set_up.frame_count), &params.at_given())?;
         return say_slopes(&console, &set_up, &slopes);
-    }
-    if let Some(path) = &args.plot {
-        check_ending(path, &["svg"], NO_SVG)?;
     }
     let OneBurst { console, input, options, rules } =
         args.run.begin("slopes", &args.inputs, args.overwrite, &[args.plot.as_ref()])?;
@@ -121,7 +112,7 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         console.monitor.report(Stage::Write, 0.0);
         rules.check(path)?;
-        write_text(path, OutputKind::Drawing, spectrum_svg(&answer, &input.name))?;
+        spectrum_figure(&answer, &input.name).write(path)?;
         text += &format!("wrote {}\n", path.display());
     }
     console.say(&text)?;
@@ -153,8 +144,8 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
 pub struct SlopesArgs {
     #[arg(value_name = "INPUT", help = INPUT_HELP)]
     pub inputs: Vec<PathBuf>,
-    /// Draw the answer as a figure.
-    #[arg(long, value_name = "FILE.svg")]
+    /// Draw the answer as a figure, or write its numbers as CSV or LaTeX (.tex): those at each slope.
+    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
     pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub set_up: SetUpArgs,
@@ -202,8 +193,8 @@ pub struct ProbeArgs {
     #[arg(long)]
     pub price: bool,
     /// Draw the answer as a figure: the response over slope and scale, each frame's share, a slice along the motion,
-    /// and the tests.
-    #[arg(long, value_name = "FILE.svg")]
+    /// and the tests; or write its numbers as CSV or LaTeX (.tex): the response over slopes and frames.
+    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
     pub plot: Option<PathBuf>,
     #[command(flatten)]
     pub run: BurstSearchArgs,

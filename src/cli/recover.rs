@@ -2,16 +2,14 @@
 
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
 use super::failure::Failure;
+use super::figure_file::{FIGURE_FILE, figure_file, write_figure};
 use super::inputs::{OneBurst, check_ending};
-use super::study::{check_plot, write_plot};
 use crate::detector::SearchParams;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
-use crate::export::write_whole;
 use crate::recover::RecoverStudy;
-use crate::recover::plots::recover_svg;
-use crate::recover::report::planted_csv;
+use crate::recover::plots::recover_figure;
+use crate::recover::report::planted_table;
 use clap::Args;
-use std::io::Write;
 use std::path::PathBuf;
 
 /// Plant things of known strength in a burst, and say which of them the search finds.
@@ -27,12 +25,12 @@ pub struct RecoverArgs {
     pub inputs: Vec<PathBuf>,
     #[command(flatten)]
     pub study: RecoverStudy,
-    /// Draw the curves and the map as a figure.
-    #[arg(long, value_name = "FILE.svg")]
+    /// Draw the curves and the map as a figure, or write the points of the curves as CSV or LaTeX (.tex).
+    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
     pub plot: Option<PathBuf>,
-    /// Write the things, with the fate of each, as a table.
-    #[arg(long, value_name = "FILE.csv")]
-    pub csv: Option<PathBuf>,
+    /// Write the things, with the fate of each, as CSV or LaTeX (.tex), or as a drawn table.
+    #[arg(long, alias = "csv", value_name = FIGURE_FILE, value_parser = figure_file())]
+    pub table: Option<PathBuf>,
     /// Write the first copy, with the truth of its planted things, as a case for the window's comparison with the
     /// truth.
     #[arg(long, value_name = "FILE.burstcase")]
@@ -46,7 +44,7 @@ pub struct RecoverArgs {
 const RECOVER_HELP: &str = "\
 Examples:
   burstscope recover night/
-  burstscope recover night/ --slopes-u -3:3:7 --plot seen.svg --csv planted.csv
+  burstscope recover night/ --slopes-u -3:3:7 --plot seen.svg --table planted.csv
   burstscope recover night/ --shape blob --radius 2,4,8 --copies 50 --json
   burstscope recover night/ --copies 1 --case planted.burstcase
 
@@ -63,21 +61,15 @@ JSON (--json):
 
 pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
     let study = RecoverStudy { search: args.run.search.params()?, ..args.study.clone() };
-    args.plot.as_deref().map_or(Ok(()), check_plot)?;
-    args.csv.iter().try_for_each(|path| check_ending(path, &["csv"], "--csv: name the table .csv"))?;
     args.case.iter().try_for_each(|path| check_ending(path, &[CASE_EXTENSION], "--case: name the case .burstcase"))?;
-    let outputs = [args.plot.as_ref(), args.csv.as_ref(), args.case.as_ref()];
+    let outputs = [args.plot.as_ref(), args.table.as_ref(), args.case.as_ref()];
     let OneBurst { console, input, options, rules } =
         args.run.begin("recover", &args.inputs, args.overwrite, &outputs)?;
     let burst = input.open_to_search(&options, &study.search, &console.monitor.silent())?;
     let report = study.run(&burst, &console.monitor)?;
     console.say(&report.text())?;
-    write_plot(&console, args.plot.as_deref(), &rules, || recover_svg(&report))?;
-    if let Some(path) = &args.csv {
-        rules.check(path)?;
-        write_whole(path, |out| out.write_all(planted_csv(&report.planted).as_bytes()))?;
-        console.say(&format!("wrote {}\n", path.display()))?;
-    }
+    write_figure(&console, args.plot.as_deref(), &rules, || recover_figure(&report))?;
+    write_figure(&console, args.table.as_deref(), &rules, || planted_table(&report.planted).into())?;
     if let Some(path) = &args.case {
         // With the slopes that were searched.
         let search = SearchParams::from(report.detector.clone());

@@ -1,16 +1,11 @@
-//! Parts that the studies of `evaluate` share: their search parameters, and the study of charts with its plot.
+//! Parts that the studies of `evaluate` share: their search parameters, and the study of charts.
 
 use super::charts_args::{ChartsArgs, ComparedArgs};
-use super::console::Console;
 use super::failure::Failure;
-use super::inputs::check_ending;
 use super::search_options::SearchArgs;
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SlopeGrid, Slopes};
 use crate::evaluate::{BurstMethod, ChartStudy, Searches};
-use crate::export::{OutputRules, write_text};
-use crate::files::mark::OutputKind;
-use std::path::Path;
 
 pub(super) struct StudySearch {
     pub detector: DetectorParams,
@@ -74,27 +69,4 @@ pub(super) fn chart_study(
         ranking: compared.ranking,
         false_fraction: compared.false_fraction,
     })
-}
-
-pub(super) fn write_plot(
-    console: &Console,
-    path: Option<&Path>,
-    rules: &OutputRules,
-    svg: impl FnOnce() -> String,
-) -> Result<(), Failure> {
-    let Some(path) = path else { return Ok(()) };
-    rules.check(path)?;
-    write_text(path, OutputKind::Drawing, svg())?;
-    console.say(&format!("\nwrote {}\n", path.display()))
-}
-
-/// Checks that `path` can name an SVG figure: no folder, and an ending of `.svg`.
-pub(super) fn check_plot(path: &Path) -> Result<(), Failure> {
-    if path.is_dir() {
-        let problem = "--plot: this is a folder; name a file such as roc.svg";
-        return Err(Failure::usage(format!("{problem}: {}", path.display())));
-    }
-    let problem =
-        "--plot: the figure is drawn as SVG, which browsers, editors and papers take; name a file that ends in .svg";
-    check_ending(path, &["svg"], problem)
 }

@@ -10,6 +10,7 @@ mod detecting;
 mod drawing;
 #[cfg(unix)]
 mod ending_well;
+mod figure_files;
 #[cfg(unix)]
 mod hostile;
 mod house;

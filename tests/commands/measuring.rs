@@ -115,7 +115,7 @@ fn wrong_use_says_what_would_be_right() {
     let home = tempfile::tempdir().expect("a folder");
     for (arguments, words) in [
         (vec!["evaluate"], "accuracy"),
-        (vec!["evaluate", "chart", "--plot", "roc.png"], "name a file that ends in .svg"),
+        (vec!["evaluate", "chart", "--plot", "roc.gif"], "end the name in .pdf, .svg, .png, .csv or .tex"),
         (vec!["evaluate", "chart", "--method", "sift"], "name them with --methods"),
         (
             vec!["evaluate", "chart", "--methods", "surf"],
@@ -133,7 +133,7 @@ fn wrong_use_says_what_would_be_right() {
         (vec!["evaluate", "frames", "demo", "--motion", "2d"], "cannot be used with"),
         (vec!["evaluate", "frames", "demo", "--discs", "9"], "cannot be used with"),
         (vec!["evaluate", "frames", "demo", "--frame-counts", "99"], "--frame-counts: 99 of"),
-        (vec!["evaluate", "frames", "--plot", "frames.png"], "name a file that ends in .svg"),
+        (vec!["evaluate", "frames", "--plot", "frames"], "end the name in .pdf, .svg, .png, .csv or .tex"),
         (vec!["evaluate", "accuracy", "--levels", "0"], "--levels: "),
         (vec!["evaluate", "noise", "--sigma", "0.5"], "--sigma: 0.5; give standard deviations"),
         (vec!["evaluate", "noise", "--bits", "many"], "neither 'none' nor a number of bits"),

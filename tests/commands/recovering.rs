@@ -15,7 +15,7 @@ const SEARCH: [&str; 3] = ["demo-low-contrast", "--slopes-u", "-2:2:9"];
 #[test]
 fn recover_says_what_would_be_found_and_draws_it() {
     let home = tempfile::tempdir().expect("a folder");
-    let few = ["--copies", "2", "--plot", "seen.svg", "--csv", "planted.csv", "--json"];
+    let few = ["--copies", "2", "--plot", "seen.svg", "--table", "planted.csv", "--json"];
     let found = json(home.path(), &[&["recover"], &SEARCH[..], &few].concat());
     assert_eq!((&found["command"], &found["copies_done"]), (&Value::from("recover"), &Value::from(2)));
     let planted = found["planted"].as_array().expect("things");

@@ -6,7 +6,7 @@ use burstscope::app::document::comparison::Reference;
 use burstscope::app::document::method::MethodId;
 use burstscope::app::document::side::Side;
 use burstscope::app::results::Read;
-use burstscope::evaluate::curves::curves_csv;
+use burstscope::evaluate::curves::curves_table;
 use burstscope::evaluate::{BurstMethod, ChartStudy, FramesStudy};
 use burstscope::study::{Study, StudyReport};
 use burstscope::synth::ChartParams;
@@ -192,7 +192,7 @@ fn errors_have_plots_of_their_own_and_are_written_as_a_table() {
     window.run_action("export curves as csv");
     window.wait("it is written", |_| path.is_file());
     let written = std::fs::read_to_string(&path).unwrap();
-    assert_eq!(written, curves_csv(&[("This study".to_owned(), result.report.plots(usize::MAX))]));
+    assert_eq!(written, curves_table(&[("This study".to_owned(), result.report.plots(usize::MAX))]).csv());
 }
 
 #[test]

@@ -4,6 +4,7 @@
 //! nothing else is. An infinite `snr` (a noiseless burst) is written `inf`, which numpy, pandas and R read.
 
 use super::atomic::write_whole;
+use super::drawing::{Cell, Table};
 use crate::detector::{Feature, Moves, Quantity};
 use crate::error::{Error, Result};
 use crate::files::{self, MAX_TABLE_BYTES, read_bytes, read_text};
@@ -111,18 +112,45 @@ fn row(line: &str, columns: usize, judged: usize) -> Result<Feature, String> {
 
 /// Header of tables of curves.
 pub const CURVE_COLUMNS: &str = "set,plot,curve,x,y,low,high";
+/// Header of tables of a burst's slopes.
+pub const SPECTRUM_COLUMNS: &str = "slope_u,slope_v,searched,features,at_limit,evidence";
+/// Header of tables of methods on charts.
+pub const METHOD_COLUMNS: &str = "snr,frames,method,found,found_error,default_found,default_found_error,default_false,default_false_error,default_false_per_disc,noise_ratio";
+/// Header of tables of the middle frames of a burst.
+pub const BURST_FRAMES_COLUMNS: &str =
+    "frames,features,confirmed,unconfirmed,discs_found,false_features,putative,inliers";
+/// Header of tables of errors of features.
+pub const ACCURACY_COLUMNS: &str = "charts,snr,error,count,median,percentile_95,mean,mean_error";
+/// Header of tables of false features on noise.
+pub const NOISE_COLUMNS: &str =
+    "noise,sigma,mean,bits,search,slopes,noise_gate,per_megapixel,standard_error,false_features,most_in_a_burst";
+/// Header of tables of the matches of methods.
+pub const METHOD_MATCH_COLUMNS: &str = "method,keypoints_per_image,putative_per_image,inliers_per_image,match_ratio,match_score,inlier_ratio,verified_pairs,on_gold_geometry_per_image";
+/// Header of tables of errors of poses.
+pub const POSE_COLUMNS: &str = "error,rmse,mean,median,max";
+/// Headers of tables that commands write where they are asked to.
+const OF_COMMANDS: [&str; 8] = [
+    SPECTRUM_COLUMNS,
+    METHOD_COLUMNS,
+    BURST_FRAMES_COLUMNS,
+    ACCURACY_COLUMNS,
+    NOISE_COLUMNS,
+    METHOD_MATCH_COLUMNS,
+    POSE_COLUMNS,
+    PLANTED_COLUMNS,
+];
 /// Header of tables of planted things.
 pub const PLANTED_COLUMNS: &str = "seed,id,varied,u,v,radius,slope_u,slope_v,sign,snr,amplitude,frames,expected_snr_d,found,found_slope_u,found_slope_v,found_snr,failed,why";
 
 /// Whether the file at `path` has one of our headers, as many cells on every line, and a complete last one.
 pub(super) fn is_table(path: &Path) -> bool {
-    let others = [PROFILE_COLUMNS, CURVE_COLUMNS, PLANTED_COLUMNS];
     // Those of matches of earlier versions end earlier.
     let is_of_matches =
         |header: &str| MATCH_COLUMNS.strip_prefix(header).is_some_and(|more| ["", MATCHES_SINCE].contains(&more));
     let is_known = |header: &str| {
         is_of_matches(header)
-            || others.contains(&header)
+            || [PROFILE_COLUMNS, CURVE_COLUMNS].contains(&header)
+            || OF_COMMANDS.contains(&header)
             || feature_columns().any(|count| {
                 header.strip_prefix(&header_of(count)).is_some_and(|more| ["", VERDICT_COLUMNS].contains(&more))
             })
@@ -210,28 +238,15 @@ pub fn write_matches_csv(path: &Path, matches: &[MatchRow]) -> Result<()> {
 /// Header of tables of profiles.
 pub const PROFILE_COLUMNS: &str = "picture,distance_px,u,v,value";
 
-/// Profile of one picture.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PictureProfile {
-    /// Name of the picture; commas and quotes are allowed.
-    pub picture: String,
-    /// Samples; positions in pixels of the input image, values as fractions of full scale.
-    pub samples: Vec<ProfileSample>,
-}
-
-/// Writes the profiles, one after the other. A sample outside its picture has an empty value.
-pub fn write_profiles_csv(path: &Path, profiles: &[PictureProfile]) -> Result<()> {
-    write_whole(path, |out| {
-        writeln!(out, "{PROFILE_COLUMNS}")?;
-        for profile in profiles {
-            let name = format!("\"{}\"", profile.picture.replace('"', "\"\""));
-            for sample in &profile.samples {
-                let value = if sample.value.is_finite() { sample.value.to_string() } else { String::new() };
-                writeln!(out, "{name},{},{},{},{value}", sample.distance_px, sample.u, sample.v)?;
-            }
-        }
-        Ok(())
-    })
+/// The profiles of pictures with these names, one after the other; positions in pixels of the input image, values as
+/// fractions of full scale. A sample outside its picture has no value.
+pub fn profiles_table(profiles: &[(String, Vec<ProfileSample>)]) -> Table {
+    let row = |name: &str, sample: &ProfileSample| {
+        let ProfileSample { distance_px, u, v, value } = *sample;
+        std::iter::once(name.into()).chain([distance_px, u, v, value].map(|x| Cell::single(x, 4))).collect()
+    };
+    let rows = profiles.iter().flat_map(|(name, samples)| samples.iter().map(move |sample| row(name, sample)));
+    Table::new("Profiles", PROFILE_COLUMNS, rows.collect())
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The mark by which Burstscope recognises what it wrote, so that it replaces this alone without being told to.
 //!
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
-//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML and PDF, or a comment line, at the end of a
-//! file, and claims all bytes before; in `Software` of TIFF, for samples; in a [file](OutputKind::file) of a folder.
-//! COLMAP's database has a number in its header alone, a matched pair its first line, and tables have none, see
+//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML, PDF and LaTeX, or a comment line, at the
+//! end of a file, and claims all bytes before; in `Software` of TIFF, for samples; in a [file](OutputKind::file) of a
+//! folder. COLMAP's database has a number in its header alone, a matched pair its first line, and tables have none, see
 //! [`is_ours`](crate::export::is_ours).
 
 use super::{MAX_TABLE_BYTES, path_text, read_text};
@@ -49,7 +49,7 @@ pub enum OutputKind {
     Picture,
     /// GIF.
     Film,
-    /// SVG or PDF.
+    /// SVG, PDF or LaTeX.
     Drawing,
     /// HTML.
     Page,
@@ -158,17 +158,19 @@ enum MarkPlace {
     Zip,
     Xml,
     Pdf,
+    Latex,
     Line,
 }
 
 impl MarkPlace {
     fn of(head: &[u8]) -> Self {
-        let starts: [(&[u8], Self); 5] = [
+        let starts: [(&[u8], Self); 6] = [
             (b"\x89PNG\r\n\x1a\n", Self::Png),
             (b"GIF8", Self::Gif),
             (b"PK\x03\x04", Self::Zip),
             (b"<", Self::Xml),
             (b"%PDF", Self::Pdf),
+            (b"% ", Self::Latex),
         ];
         starts.into_iter().find(|(start, _)| head.starts_with(start)).map_or(Self::Line, |(_, place)| place)
     }
@@ -179,7 +181,7 @@ impl MarkPlace {
             Self::Png => b"\0\0\0\0IEND\xae\x42\x60\x82",
             Self::Gif => b"\x3b",
             Self::Zip => b"\0\0",
-            Self::Xml | Self::Pdf | Self::Line => b"",
+            Self::Xml | Self::Pdf | Self::Latex | Self::Line => b"",
         }
     }
 
@@ -199,6 +201,7 @@ impl MarkPlace {
             Self::Xml => [b"<!-- ", text, b" -->\n"].concat(),
             // Readers look for the end of a PDF in its last thousand bytes.
             Self::Pdf => [b"\n% ", text, b"\n"].concat(),
+            Self::Latex => [b"% ", text, b"\n"].concat(),
             Self::Line => [b"# ", text, b"\n"].concat(),
         }
     }
@@ -218,11 +221,11 @@ pub fn seal(file: &mut File, kind: OutputKind) -> io::Result<()> {
     file.write_all(&place.marked_end(mark.text().as_bytes()))
 }
 
-/// Returns the text of an XML document or of settings, with their mark.
+/// Returns the text of an XML document, of LaTeX or of settings, with their mark.
 pub fn sealed(mut text: String, kind: OutputKind) -> String {
     let mark = Mark::new(kind, Checksum::of(text.as_bytes())).text();
-    let place = if text.starts_with('<') { MarkPlace::Xml } else { MarkPlace::Line };
-    text.push_str(std::str::from_utf8(&place.marked_end(mark.as_bytes())).expect("a mark is ASCII"));
+    let end = MarkPlace::of(text.as_bytes()).marked_end(mark.as_bytes());
+    text.push_str(std::str::from_utf8(&end).expect("a mark is ASCII"));
     text
 }
 

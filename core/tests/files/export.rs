@@ -7,7 +7,7 @@ use burstscope_core::detector::{
 use burstscope_core::error::ErrorKind;
 use burstscope_core::export::{
     Bitmap, ColourBar, ExportFormat, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, LegendEntry,
-    feature_header, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing_svg, write_npz,
+    feature_header, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing, write_npz,
     write_png, write_tiff,
 };
 use burstscope_core::inspect::result::read_features;
@@ -298,10 +298,10 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     ];
     let title = Some("Slope < 3 & \"noise\" \u{7} é".into());
     let width = FigureWidth::PxPerPx(2.0);
-    let options = FigureOptions { width, stroke_width: 1.0, ..FigureOptions::default() };
+    let options = FigureOptions { width, stroke_width: 2.0, ..FigureOptions::default() };
     let drawing =
         lay_out(&[vec![FigurePanel { title, legend, ..panel(&pixels) }]], &FigureMatches::default(), &options);
-    write_drawing_svg(&path, &drawing).expect("written");
+    write_drawing(&path, &drawing).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
     let all = |tag: &'static str| document.descendants().filter(move |n| n.has_tag_name(tag)).collect::<Vec<_>>();
@@ -324,7 +324,7 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
     assert_eq!(circles.len(), 2);
     let near = |a: f32, b: f32| (a - b).abs() < 2e-3;
     assert!(near(number(circles[0], "cx") - left, 20.0) && near(number(circles[0], "cy") - top, 10.0));
-    assert_eq!((number(circles[0], "r"), number(circles[0], "stroke-width")), (6.0, 1.0));
+    assert_eq!((number(circles[0], "r"), number(circles[0], "stroke-width")), (6.0, 2.0));
     assert_eq!((circles[0].attribute("stroke"), circles[0].attribute("stroke-dasharray")), (Some("#ff0000"), None));
     assert_eq!((circles[1].attribute("stroke"), number(circles[1], "stroke-opacity")), (Some("#0000ff"), 0.35));
     assert!(circles[1].attribute("stroke-dasharray").is_some());
@@ -364,7 +364,7 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
         &FigureMatches::default(),
         &FigureOptions::default(),
     );
-    write_drawing_svg(&path, &plain).expect("written");
+    write_drawing(&path, &plain).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
     assert!(!document.descendants().any(|n| n.has_tag_name("path") || n.has_tag_name("text")));
@@ -381,7 +381,7 @@ fn several_panels_have_letters_bars_and_lengths() {
     let options = FigureOptions { letters: true, scale_bar: true, width, ..FigureOptions::default() };
     let first = FigurePanel { bar, title: Some("Frame 3".into()), ..panel(&pixels) };
     let drawing = lay_out(&[vec![first, panel(&pixels)], vec![panel(&pixels)]], &FigureMatches::default(), &options);
-    write_drawing_svg(&path, &drawing).expect("written");
+    write_drawing(&path, &drawing).expect("written");
     let text = fs::read_to_string(&path).expect("read");
     let document = roxmltree::Document::parse(&text).expect("valid XML");
     let texts: Vec<&str> = document.descendants().filter(|n| n.has_tag_name("text")).filter_map(|t| t.text()).collect();
@@ -439,7 +439,7 @@ proptest! {
             legend,
             ..panel(&[])
         };
-        write_drawing_svg(&path, &lay_out(&[vec![one]], &FigureMatches::default(), &options)).expect("written");
+        write_drawing(&path, &lay_out(&[vec![one]], &FigureMatches::default(), &options)).expect("written");
         let text = fs::read_to_string(&path).expect("read");
         prop_assert!(roxmltree::Document::parse(&text).is_ok());
         prop_assert!(!text.contains("NaN") || title.contains("NaN"));

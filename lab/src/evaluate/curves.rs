@@ -1,8 +1,8 @@
 //! The plots of a study's report: their titles and axes, and the points of every curve.
 //!
-//! The Lab draws these plots, and all files are written from them, so that all show the same numbers. A figure is
-//! self-contained SVG for light and dark pages, readable without colour: two plots side by side, under one legend where
-//! all have the same curves. A method has one colour in all sets; sets after the first are thinner and dotted.
+//! The Lab draws these plots, and all files are written from them, so that all show the same numbers. A figure is for
+//! light and dark pages, readable without colour: two plots side by side, under one legend where all have the same
+//! curves. A method has one colour in all sets; sets after the first are thinner and dotted.
 
 use super::accuracy::{AccuracyReport, AccuracyRow};
 use super::chart::{ChartReport, ChartRow, MethodReport};
@@ -10,13 +10,15 @@ use super::frames::FramesReport;
 use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use super::methods::BurstMethod;
 use super::statistics::Mean;
-use burstscope_core::export::sheet::{Anchor, Area, BLUE, FAINT, RED, Sheet};
-use burstscope_core::export::{CURVE_COLUMNS, Plot, Series, SeriesPoint, range_from_zero};
+use burstscope_core::export::sheet::{Anchor, Area, BLUE, Colour, Dashes, FAINT, Face, RED, SOLID, Sheet};
+use burstscope_core::export::{
+    CURVE_COLUMNS, Cell, Drawing, Figure, Plot, Series, SeriesPoint, Table, range_from_zero,
+};
 
 /// Colour and dashes of correct results, where curves are not of methods.
-const GOOD: (&str, &str) = (BLUE, "");
+const GOOD: (Colour, Dashes) = (BLUE, SOLID);
 /// Colour and dashes of wrong or unconfirmed results.
-const BAD: (&str, &str) = (RED, "7 4");
+const BAD: (Colour, Dashes) = (RED, [7.0, 4.0, 0.0, 0.0]);
 const SNR: &str = "SNR of one pixel in one frame";
 const FRAMES: &str = "number of frames";
 
@@ -51,9 +53,8 @@ pub struct StudyCurve {
 }
 
 impl StudyCurve {
-    pub(crate) fn plain(label: &str, (colour, dashes): (&'static str, &'static str), points: Vec<SeriesPoint>) -> Self {
-        let line = Series { label: label.to_owned(), colour, dashes, width: LINE, points, dot: None };
-        Self { method: None, row: None, line }
+    pub(crate) fn plain(label: &str, style: (Colour, Dashes), points: Vec<SeriesPoint>) -> Self {
+        Self { method: None, row: None, line: Series::new(label, style, LINE, points) }
     }
 
     fn of(method: BurstMethod, points: Vec<SeriesPoint>) -> Self {
@@ -209,40 +210,31 @@ pub fn percent(share: f64) -> String {
 }
 
 /// All points of named sets of plots as a table `set,plot,curve,x,y,low,high`; no spread leaves `low`, `high` empty.
-pub fn curves_csv(sets: &[(String, Vec<StudyPlot>)]) -> String {
-    let mut out = format!("{CURVE_COLUMNS}\n");
-    // Names of bursts may hold commas and quotes.
-    let quoted = |text: &str| format!("\"{}\"", text.replace('"', "\"\""));
+pub fn curves_table(sets: &[(String, Vec<StudyPlot>)]) -> Table {
+    let mut rows = Vec::new();
     for (set, plots) in sets {
-        for plot in plots {
-            for line in plot.curves.iter().map(|curve| &curve.line) {
-                for point in &line.points {
-                    let bound = |index: usize| point.spread.map_or_else(String::new, |s| s[index].to_string());
-                    out += &format!(
-                        "{},{},{},{},{},{},{}\n",
-                        quoted(set),
-                        quoted(&plot.title),
-                        quoted(&line.label),
-                        point.x,
-                        point.y,
-                        bound(0),
-                        bound(1)
-                    );
-                }
-            }
+        for (plot, line) in plots.iter().flat_map(|plot| plot.curves.iter().map(move |curve| (plot, &curve.line))) {
+            rows.extend(line.points.iter().map(|point| {
+                let number = |x: f64| Cell::Number(x, 3);
+                let [low, high] = point.spread.map_or([Cell::Missing, Cell::Missing], |ends| ends.map(number));
+                let [set, plot, curve] = [set, &plot.title, &line.label].map(|text| Cell::Text(text.clone()));
+                vec![set, plot, curve, number(point.x), number(point.y), low, high]
+            }));
         }
     }
-    out
+    Table::new("Curves of the studies", CURVE_COLUMNS, rows)
 }
 
 const WIDTH: f64 = 880.0;
+/// Dashes of curves of sets after the first, and of fitted ones.
+pub(crate) const DOTS: Dashes = [2.0, 3.0, 0.0, 0.0];
 const LEFT: f64 = 70.0;
 const HEIGHT: f64 = 280.0;
 pub(crate) const LINE: f64 = 2.2;
 
 /// ROC curves of a study in the dark as a figure, a plot for each ratio. A grey line marks the requested share of false
 /// detections, a dot the method's default threshold. Several plots have letters from `first_letter` on, 0 for (a).
-pub fn roc_svg(report: &ChartReport, first_letter: usize) -> String {
+pub fn roc_figure(report: &ChartReport, first_letter: usize) -> Figure {
     let discs = report.chart.discs;
     let plot = |row: &ChartRow| {
         let title = if row.snr.is_finite() { format!("SNR {}", row.snr) } else { "no noise".to_owned() };
@@ -254,7 +246,7 @@ pub fn roc_svg(report: &ChartReport, first_letter: usize) -> String {
     let chart = &report.chart;
     let frames = format!("{discs} discs in {} frames of {}×{}", chart.frames, chart.width, chart.height);
     let caption = format!("{frames}, moving in {}; {}", chart.motion.to_uppercase(), charts(report.setup.seeds));
-    figure("Discs found against false features", &caption, &plots, first_letter)
+    figure("Discs found against false features", &caption, plots, first_letter)
 }
 
 /// The line on which the requested share of the detections is false; none for a share of 0 or 1.
@@ -265,22 +257,22 @@ fn share_line(report: &ChartReport) -> Option<StudyCurve> {
     let end = most_found.min(most_false * (1.0 - share) / share);
     let point = |y: f64| SeriesPoint { x: y * share / (1.0 - share), y, spread: None };
     let (label, points) = (format!("{} false", percent(share)), vec![point(0.0), point(end)]);
-    (share > 0.0 && share < 1.0).then(|| StudyCurve::plain(&label, (FAINT, ""), points))
+    (share > 0.0 && share < 1.0).then(|| StudyCurve::plain(&label, (FAINT, SOLID), points))
 }
 
 /// Discs found and false features over the number of frames as a figure.
-pub fn frames_svg(report: &FramesReport) -> String {
+pub fn frames_figure(report: &FramesReport) -> Figure {
     let chart = &report.chart;
     let discs = format!("{} discs of {}×{} pixels", chart.discs, chart.width, chart.height);
     let charts = charts(report.setup.seeds);
     let caption = format!("SNR {}, {charts} each; {discs}, moving in {}", report.snr, chart.motion.to_uppercase());
-    figure("The number of frames of a burst", &caption, &frames_plots(report, usize::MAX), 0)
+    figure("The number of frames of a burst", &caption, frames_plots(report, usize::MAX), 0)
 }
 
 /// Features, discs and matches of a burst over the number of frames as a figure.
-pub fn burst_frames_svg(report: &BurstFramesReport) -> String {
+pub fn burst_frames_figure(report: &BurstFramesReport) -> Figure {
     let caption = format!("{}: the middle frames as a burst", report.burst);
-    figure("The number of frames of a burst", &caption, &burst_frames_plots(report), 0)
+    figure("The number of frames of a burst", &caption, burst_frames_plots(report), 0)
 }
 
 fn charts(seeds: u64) -> String {
@@ -292,18 +284,19 @@ pub(crate) fn lettered(index: usize, title: &str) -> String {
     format!("({}) {title}", char::from(b'a' + (index % 26) as u8))
 }
 
-fn figure(title: &str, caption: &str, plots: &[StudyPlot], first_letter: usize) -> String {
+fn figure(title: &str, caption: &str, plots: Vec<StudyPlot>, first_letter: usize) -> Figure {
     let has_letters = plots.len() > 1 || first_letter > 0;
     let titled = |(index, plot): (usize, &StudyPlot)| {
         let title = if has_letters { lettered(first_letter + index, &plot.title) } else { plot.title.clone() };
         StudyPlot { title, ..plot.clone() }
     };
-    let plots: Vec<StudyPlot> = plots.iter().enumerate().map(titled).collect();
-    drawn(title, caption, &plots.iter().map(|plot| (plot, series_of(plot, None))).collect::<Vec<_>>())
+    let lettered: Vec<StudyPlot> = plots.iter().enumerate().map(titled).collect();
+    let drawn_plots: Vec<_> = lettered.iter().map(|plot| (plot, series_of(plot, None))).collect();
+    Figure { drawing: drawn(title, caption, &drawn_plots), table: curves_table(&[(caption.to_owned(), plots)]) }
 }
 
-/// All plots of named sets as an SVG figure, those of one title laid over one another.
-pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
+/// All plots of named sets as a figure, those of one title laid over one another.
+pub fn curves_figure(sets: &[(String, Vec<StudyPlot>)]) -> Figure {
     let mut plots: Vec<(&StudyPlot, Vec<Series>)> = Vec::new();
     for (index, (set, of_set)) in sets.iter().enumerate() {
         for plot in of_set {
@@ -314,12 +307,12 @@ pub fn curves_svg(sets: &[(String, Vec<StudyPlot>)]) -> String {
             }
         }
     }
-    drawn("Studies of the detector", "", &plots)
+    Figure { drawing: drawn("Studies of the detector", "", &plots), table: curves_table(sets) }
 }
 
-fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> String {
+fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Drawing {
     let mut sheet = Sheet::new(WIDTH, title);
-    sheet.styled_text((LEFT, 28.0), 15.0, Anchor::Start, r#"font-weight="bold""#, title);
+    sheet.heading((LEFT, 28.0), 15.0, title);
     let mut top = 56.0;
     if !caption.is_empty() {
         sheet.text((LEFT, 48.0), 12.0, Anchor::Start, caption);
@@ -358,10 +351,9 @@ fn drawn(title: &str, caption: &str, plots: &[(&StudyPlot, Vec<Series>)]) -> Str
                     series,
                 },
             );
-            let style = format!(r#"fill="{FAINT}""#);
             let has_dots = series.iter().any(|one| one.dot.is_some());
             let note = if has_dots { "dots: default threshold, mean of the charts" } else { plot.spread };
-            sheet.styled_text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, &style, note);
+            sheet.styled_text((area.x, area.bottom() + 50.0), 11.0, Anchor::Start, (Face::Plain, FAINT), note);
         }
         top = below + HEIGHT + 78.0;
     }
@@ -373,108 +365,8 @@ fn series_of(plot: &StudyPlot, set: Option<&str>) -> Vec<Series> {
     let line = |StudyCurve { line, .. }: &StudyCurve| match set {
         None => line.clone(),
         Some(set) => {
-            Series { label: format!("{}, {set}", line.label), dashes: "2 3", width: 1.4, dot: None, ..line.clone() }
+            Series { label: format!("{}, {set}", line.label), dashes: DOTS, width: 1.4, dot: None, ..line.clone() }
         }
     };
     plot.curves.iter().map(line).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::evaluate::{BurstMethod, ChartStudy};
-    use crate::synth::ChartParams;
-    use burstscope_core::monitor::Monitor;
-
-    fn report() -> ChartReport {
-        let chart = ChartParams { width: 160, height: 120, discs: 4, radius: 4.0..=9.0, ..ChartParams::default() };
-        let study = ChartStudy {
-            chart,
-            snrs: vec![1.5, 0.8],
-            seeds: 2,
-            methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d],
-            ..ChartStudy::default()
-        };
-        study.run(&Monitor::default()).expect("a report")
-    }
-
-    #[test]
-    fn the_points_are_the_reports_numbers_from_left_to_right() {
-        let report = report();
-        let [roc, found, false_ones] = &chart_plots(&report, 1)[..] else { panic!("three plots") };
-        assert_eq!(roc.title, "ROC at SNR 0.8");
-        assert_eq!(roc.curves[1].line.points[0].y, report.rows[1].methods[1].roc[0]);
-        let buff = &found.curves[1];
-        let points = &buff.line.points;
-        assert_eq!(buff.line.label, "BuFF 1D");
-        let rows: Vec<_> = points.iter().map(|point| (point.x, buff.row_value(point))).collect();
-        assert_eq!(rows, [(0.8, 0.8), (1.5, 1.5)]);
-        assert_eq!(roc.curves[1].row_value(&roc.curves[1].line.points[0]), 0.8);
-        assert_eq!(points[1].y, report.rows[0].methods[1].true_positives.mean);
-        assert!(points[1].spread.is_some_and(|[low, high]| low <= points[1].y && high >= points[1].y));
-        assert_eq!(false_ones.curves.len(), 2);
-    }
-
-    #[test]
-    fn a_table_has_a_row_for_each_point_and_quotes_names() {
-        let plots = chart_plots(&report(), 0);
-        let points: usize = plots.iter().flat_map(|plot| &plot.curves).map(|curve| curve.line.points.len()).sum();
-        let csv = curves_csv(&[("gate \"4\", more".to_owned(), plots)]);
-        assert_eq!(csv.lines().count(), 1 + points);
-        for line in csv.lines().skip(1) {
-            let numbers = line.strip_prefix("\"gate \"\"4\"\", more\",").expect("the name, quoted").rsplit(',');
-            let numbers: Vec<&str> = numbers.take(4).collect();
-            assert!(numbers[2..].iter().all(|number| number.parse::<f64>().is_ok()), "{line}");
-        }
-    }
-
-    /// A plot of one curve, whose bars reach from half to `most` times the value.
-    fn plot(method: Option<BurstMethod>, title: &str, most: f64) -> StudyPlot {
-        let point = |x: f64| SeriesPoint { x, y: 2.0 * x, spread: Some([x, 2.0 * most * x]) };
-        let points = vec![point(1.0), point(2.0)];
-        let curve = StudyCurve { method, ..StudyCurve::plain("a & b", ("#0072b2", ""), points) };
-        StudyPlot {
-            title: title.to_owned(),
-            x_label: "x",
-            y_label: "y".to_owned(),
-            marks_points: true,
-            spread: "bars: 68 %",
-            curves: vec![curve],
-        }
-    }
-
-    #[test]
-    fn plots_of_one_title_share_their_axes_and_the_document_is_sound() {
-        let found = || plot(Some(BurstMethod::Buff1d), "Found", 1.5);
-        let sets = [("now".to_owned(), vec![found(), plot(None, "Errors", 2.5)]), ("before".to_owned(), vec![found()])];
-        let svg = curves_svg(&sets);
-        let document = roxmltree::Document::parse(&svg).expect("sound XML");
-        let texts: Vec<&str> = document.descendants().filter(|n| n.is_text()).filter_map(|n| n.text()).collect();
-        assert_eq!(texts.iter().filter(|text| **text == "Found").count(), 1);
-        assert!(texts.contains(&"a & b, before") && texts.iter().all(|text| !text.contains("a & b:")), "{texts:?}");
-        assert_eq!(texts.iter().filter(|text| **text == "bars: 68 %").count(), 2, "one a plot");
-        assert!(!svg.contains("NaN"));
-        // Without plots the sheet is empty.
-        roxmltree::Document::parse(&curves_svg(&[])).expect("sound XML");
-    }
-
-    #[test]
-    fn bars_reach_from_the_lower_to_the_upper_end_around_the_only_curve() {
-        let svg = curves_svg(&[("now".to_owned(), vec![plot(None, "Errors", 2.5)])]);
-        let document = roxmltree::Document::parse(&svg).expect("sound XML");
-        let number =
-            |node: roxmltree::Node<'_, '_>, name| node.attribute(name).and_then(|text| text.parse::<f64>().ok());
-        let bars = document.descendants().filter(|node| node.has_attribute("stroke-opacity"));
-        let bars: Vec<[f64; 3]> =
-            bars.map(|bar| ["x1", "y1", "y2"].map(|name| number(bar, name).expect(name))).collect();
-        let dots = document.descendants().filter(|node| node.has_tag_name("circle"));
-        let dots: Vec<[f64; 2]> = dots.map(|dot| ["cx", "cy"].map(|name| number(dot, name).expect(name))).collect();
-        assert_eq!((bars.len(), dots.len()), (2, 2), "{svg}");
-        for ([x, low, high], [dot_x, dot_y]) in bars.into_iter().zip(dots) {
-            assert_eq!(x, dot_x);
-            // The values are 1, 2 and 5 times x; higher ones are further up.
-            let (below, above) = (low - dot_y, dot_y - high);
-            assert!(below > 1.0 && (above / below - 3.0).abs() < 0.01, "{low} {dot_y} {high}");
-        }
-    }
 }

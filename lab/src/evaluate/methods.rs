@@ -5,6 +5,7 @@ use burstscope_core::burst::Burst;
 use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeGrid, Slopes};
 use burstscope_core::error::Result;
+use burstscope_core::export::sheet::{BLUE, Colour, Dashes, GREEN, RED, SOLID};
 use burstscope_core::monitor::Monitor;
 use serde::{Deserialize, Serialize};
 
@@ -38,17 +39,17 @@ impl BurstMethod {
     pub const WITH_GIVEN_SLOPES: [Self; 5] =
         [Self::SiftFrame, Self::SiftMean, Self::SiftMerge, Self::Buff1d, Self::Buff2d];
 
-    /// Name on the command line, label, and colour and dashes of the line (no dashes for a solid one).
-    const fn row(self) -> (&'static str, &'static str, (&'static str, &'static str)) {
+    /// Name on the command line, label, and colour and dashes of the line.
+    const fn row(self) -> (&'static str, &'static str, (Colour, Dashes)) {
         match self {
             // The palette of M. Okabe and K. Ito, which colour-blind readers can tell apart; dashes differ too.
-            Self::SiftFrame => ("sift-frame", "SIFT, one frame", ("#666666", "1.5 4")),
-            Self::SiftMean => ("sift-mean", "SIFT, plain mean", ("#d55e00", "9 3 2 3")),
-            Self::SiftMerge => ("sift-merge", "SIFT, merge", ("#cc79a7", "5 3")),
-            Self::Buff1d => ("buff-1d", "BuFF 1D", ("#0072b2", "")),
-            Self::Buff2d => ("buff-2d", "BuFF 2D", ("#007a58", "7 4")),
-            Self::BuffAuto => ("buff-auto", "BuFF, slopes found", ("#5b4bb5", "10 3")),
-            Self::Gold => ("gold", "gold standard", ("#e69f00", "2 2")),
+            Self::SiftFrame => ("sift-frame", "SIFT, one frame", ([0x66, 0x66, 0x66], [1.5, 4.0, 0.0, 0.0])),
+            Self::SiftMean => ("sift-mean", "SIFT, plain mean", (RED, [9.0, 3.0, 2.0, 3.0])),
+            Self::SiftMerge => ("sift-merge", "SIFT, merge", ([0xcc, 0x79, 0xa7], [5.0, 3.0, 0.0, 0.0])),
+            Self::Buff1d => ("buff-1d", "BuFF 1D", (BLUE, SOLID)),
+            Self::Buff2d => ("buff-2d", "BuFF 2D", (GREEN, [7.0, 4.0, 0.0, 0.0])),
+            Self::BuffAuto => ("buff-auto", "BuFF, slopes found", ([0x5b, 0x4b, 0xb5], [10.0, 3.0, 0.0, 0.0])),
+            Self::Gold => ("gold", "gold standard", ([0xe6, 0x9f, 0x00], [2.0, 2.0, 0.0, 0.0])),
         }
     }
 
@@ -62,8 +63,8 @@ impl BurstMethod {
         self.row().1
     }
 
-    /// Colour and dashes of its line, in SVG's form; empty dashes are a solid line.
-    pub fn line(self) -> (&'static str, &'static str) {
+    /// Colour and dashes of its line.
+    pub fn line(self) -> (Colour, Dashes) {
         self.row().2
     }
 }

@@ -12,7 +12,8 @@ use burstscope_core::dataset::{DetectedBurst, match_bursts};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, FrameRange, Method};
 use burstscope_core::error::Result;
-use burstscope_core::export::sheet::{Anchor, Sheet};
+use burstscope_core::export::FigureStroke;
+use burstscope_core::export::sheet::{Anchor, Colour, Sheet};
 use burstscope_core::matching::{Geometry, MatchParams};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -21,8 +22,8 @@ use burstscope_core::plane::display::Display;
 const WIDTH: f64 = 960.0;
 const GAP: f64 = 14.0;
 /// Okabe and Ito's yellow, visible on grey.
-const TRACK: &str = "#f0e442";
-const FITTED: &str = "#56b4e9";
+const TRACK: Colour = [0xf0, 0xe4, 0x42];
+const FITTED: Colour = [0x56, 0xb4, 0xe9];
 /// Maximum number of tracks drawn, evenly over the picture.
 const MAX_DRAWN: usize = 150;
 
@@ -165,7 +166,7 @@ impl MakeFigure for ApparentMotion {
         }
         let key = "yellow: where each frame by itself shows it; blue: the uniform motion that fits, with its direction";
         sheet.text((GAP, end + 62.0), 12.0, Anchor::Start, key);
-        Ok(Made { svg: sheet.finish(end + 74.0), csv, notes: Vec::new() })
+        Ok(Made { svg: sheet.finish(end + 74.0).svg(), csv, notes: Vec::new() })
     }
 }
 
@@ -196,7 +197,7 @@ fn draw(sheet: &mut Sheet, at: (f64, f64), width: f64, frame: &Plane, tracks: &[
     sheet.clipped(panel.area, |sheet| {
         for track in tracks.iter().step_by(step) {
             let [from, to] = track.ends().map(|place| panel.at(place));
-            sheet.line(from, to, FITTED, r#"stroke-width="3.5" stroke-opacity="0.75" stroke-linecap="round""#);
+            sheet.line(from, to, FigureStroke { opacity: 0.75, ..FigureStroke::new(FITTED, 3.5) });
             let (du, dv) = (to.0 - from.0, to.1 - from.1);
             let length = du.hypot(dv);
             // A shorter line has no room for barbs.
@@ -204,11 +205,11 @@ fn draw(sheet: &mut Sheet, at: (f64, f64), width: f64, frame: &Plane, tracks: &[
                 let (x, y) = (du / length, dv / length);
                 for side in [-1.0, 1.0] {
                     let barb = (to.0 - 6.0 * x + 3.5 * side * y, to.1 - 6.0 * y - 3.5 * side * x);
-                    sheet.line(to, barb, FITTED, r#"stroke-width="2""#);
+                    sheet.line(to, barb, FigureStroke::new(FITTED, 2.0));
                 }
             }
             let points = track.places.iter().map(|&place| Some(panel.at(place)));
-            sheet.polyline(points, &format!(r#"stroke="{TRACK}" stroke-width="1.3""#));
+            sheet.polyline(points, FigureStroke::new(TRACK, 1.3));
         }
     });
     panel

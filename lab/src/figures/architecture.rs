@@ -9,6 +9,7 @@ use burstscope_core::detect::detect;
 use burstscope_core::detector::view::{dog_view, stack_view};
 use burstscope_core::detector::{DetectorParams, Feature, Scale, Slope, SlopeGrid};
 use burstscope_core::error::Result;
+use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Area, INK, RED, Sheet, short};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -64,18 +65,18 @@ impl MakeFigure for Architecture {
             |f: &&Feature| f.octave == self.octave && !f.is_on_rim(&self.detector) && f.slope.u.abs() > 1.0;
         let subject = detection.features.iter().find(is_middling).or(detection.features.first()).copied();
         let Some(subject) = subject else {
-            let svg = Sheet::new(WIDTH, "The architecture").finish(HEIGHT);
+            let svg = Sheet::new(WIDTH, "The architecture").finish(HEIGHT).svg();
             return Ok(Made { svg, csv: String::new(), notes: vec!["The demo burst shows no feature.".into()] });
         };
         let response = self.response(&burst, &subject, &silent)?;
         monitor.report(Stage::Evaluate, 0.8);
         let mut sheet = Sheet::new(WIDTH, "The architecture");
         let title = "From the frames of a burst to features: the detector's intermediate results on the demo burst";
-        sheet.styled_text((20.0, 30.0), 15.0, Anchor::Start, r#"font-weight="bold""#, title);
+        sheet.heading((20.0, 30.0), 15.0, title);
         let column = |index: usize| 20.0 + STEP * index as f64;
         let heading = |sheet: &mut Sheet, index: usize, text: &str, below: &str| {
             let text = lettered(index, text);
-            sheet.styled_text((column(index), 58.0), 13.0, Anchor::Start, r#"font-weight="bold""#, &text);
+            sheet.heading((column(index), 58.0), 13.0, &text);
             sheet.text((column(index), 74.0), 11.0, Anchor::Start, below);
         };
         let frames = [0, burst.len() / 2, burst.len() - 1];
@@ -119,14 +120,14 @@ impl MakeFigure for Architecture {
         let half = (burst.len() as f64 - 1.0) / 2.0;
         sheet.clipped(panel.area, |sheet| {
             for feature in detection.features.iter().take(120) {
-                panel.feature(sheet, feature, "#f0e442");
+                panel.feature(sheet, feature, [0xf0, 0xe4, 0x42]);
                 let (u, v) = (f64::from(feature.u), f64::from(feature.v));
                 let way = [half * f64::from(feature.slope.u), half * f64::from(feature.slope.v)];
                 let (from, to) = (panel.at([u - way[0], v - way[1]]), panel.at([u + way[0], v + way[1]]));
-                sheet.line(from, to, "#56b4e9", r#"stroke-width="1.2""#);
+                sheet.line(from, to, FigureStroke::new([0x56, 0xb4, 0xe9], 1.2));
             }
             let pos_image = [f64::from(subject.u), f64::from(subject.v)];
-            panel.circle(sheet, pos_image, 4.0 * f64::from(subject.sigma), RED, r#"stroke-width="2""#);
+            panel.circle(sheet, pos_image, 4.0 * f64::from(subject.sigma), FigureStroke::new(RED, 2.0));
         });
         let text = format!(
             "the {} strongest of {}; blue: their way during the burst; red: the one whose response is shown",
@@ -136,13 +137,13 @@ impl MakeFigure for Architecture {
         sheet.paragraph((column(4), panel.area.bottom() + 20.0), 11.0, panel.area.width, &text);
         for index in 0..4 {
             let (x, y) = (column(index + 1) - 38.0, TOP + 150.0);
-            sheet.line((x, y), (x + 18.0, y), INK, r#"stroke-width="2""#);
+            sheet.line((x, y), (x + 18.0, y), FigureStroke::new(INK, 2.0));
             sheet.polyline(
                 [Some((x + 12.0, y - 6.0)), Some((x + 18.0, y)), Some((x + 12.0, y + 6.0))],
-                &format!(r#"stroke="{INK}" stroke-width="2""#),
+                FigureStroke::new(INK, 2.0),
             );
         }
-        Ok(Made { svg: sheet.finish(HEIGHT), csv: response.csv(), notes: Vec::new() })
+        Ok(Made { svg: sheet.finish(HEIGHT).svg(), csv: response.csv(), notes: Vec::new() })
     }
 }
 
@@ -211,7 +212,7 @@ fn draw_response(sheet: &mut Sheet, x: f64, response: &Response, subject: &Featu
         width: cell.0,
         height: cell.1,
     };
-    sheet.rectangle(marked, &format!(r#"fill="none" stroke="{RED}" stroke-width="2""#));
+    sheet.rectangle(marked, FigureStroke::new(RED, 2.0));
     // A cell is one slope wide: the axis ends half a step beyond the outermost slopes.
     let step = response.slopes.get(1).map_or(1.0, |s| s - response.slopes[0]);
     let range = (response.slopes[0] - 0.5 * step, response.slopes[response.slopes.len() - 1] + 0.5 * step);

@@ -3,7 +3,7 @@
 use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
-use crate::evaluate::curves::{frames_svg, lettered, roc_svg};
+use crate::evaluate::curves::{frames_figure, lettered, roc_figure};
 use crate::evaluate::statistics::Mean;
 use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, FramesStudy, Ranking, Searches, motion_name};
 use crate::synth::{ChartParams, Motion, synth_chart};
@@ -61,9 +61,9 @@ impl MakeFigure for RocFigure {
             let motion = motion_name(study.chart.motion);
             write_curves(&mut csv, motion, &report);
             notes.push(format!("Motion in {}: {}.", motion.to_uppercase(), counts(&report)));
-            drawn.push(roc_svg(&report, index * study.snrs.len()));
+            drawn.push(roc_figure(&report, index * study.snrs.len()).drawing);
         }
-        Ok(Made { svg: stacked("Discs found against false features", &drawn), csv, notes })
+        Ok(Made { svg: stacked("Discs found against false features", drawn).svg(), csv, notes })
     }
 }
 
@@ -128,7 +128,7 @@ impl MakeFigure for FramesFigure {
                 pair(method.default_false_features)
             );
         }
-        Ok(Made { svg: stacked("The number of frames of a burst", &[frames_svg(&report)]), csv, notes: Vec::new() })
+        Ok(Made { svg: frames_figure(&report).drawing.svg(), csv, notes: Vec::new() })
     }
 }
 
@@ -246,7 +246,7 @@ impl TestTarget {
             self.false_fraction * 100.0
         );
         let end = sheet.paragraph((GAP, end + 20.0), 12.0, WIDTH - 2.0 * GAP, &text);
-        sheet.finish(end)
+        sheet.finish(end).svg()
     }
 }
 

@@ -9,6 +9,7 @@ use burstscope_core::dataset::{DetectedBurst, match_bursts};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
 use burstscope_core::error::Result;
+use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::matching::MatchParams;
 use burstscope_core::monitor::{Monitor, Stage};
@@ -176,14 +177,14 @@ fn draw(bursts: &[Burst; 2], gold: &Plane, all: [&Matched; 2], found: [&Detectio
             let colour = if is_right { RIGHT } else { WRONG };
             for (a, b, _, _) in matched.matches.iter().filter(|m| (m.2 <= RIGHT_PX) == is_right) {
                 let (from, to) = (panels[0].at(*a), panels[1].at(*b));
-                sheet.line(from, to, colour, r#"stroke-width="0.9" stroke-opacity="0.8""#);
-                sheet.circle(from, 2.0, &format!(r#"fill="{colour}""#));
-                sheet.circle(to, 2.0, &format!(r#"fill="{colour}""#));
+                sheet.line(from, to, FigureStroke { opacity: 0.8, ..FigureStroke::new(colour, 0.9) });
+                sheet.circle(from, 2.0, colour);
+                sheet.circle(to, 2.0, colour);
             }
         }
         y = panels[0].area.bottom() + 34.0;
     }
     let text = format!("blue: right (within {RIGHT_PX} px of where the point is truly seen); orange: wrong");
     sheet.text((GAP, y - 12.0), 12.0, Anchor::Start, &text);
-    sheet.finish(y + 4.0)
+    sheet.finish(y + 4.0).svg()
 }

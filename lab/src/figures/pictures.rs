@@ -11,6 +11,7 @@ use burstscope_core::detect::detect;
 use burstscope_core::detector::view::stack_view;
 use burstscope_core::detector::{DetectorParams, Feature, Slope, SlopeGrid};
 use burstscope_core::error::Result;
+use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
@@ -39,7 +40,7 @@ impl MakeFigure for Failures {
         let end = aliasing(&mut sheet, &mut csv, monitor)?;
         monitor.report(Stage::Evaluate, 0.5);
         let end = low_contrast(&mut sheet, &mut csv, end + 52.0, monitor)?;
-        Ok(Made { svg: sheet.finish(end + 40.0), csv, notes: Vec::new() })
+        Ok(Made { svg: sheet.finish(end + 40.0).svg(), csv, notes: Vec::new() })
     }
 }
 
@@ -102,9 +103,9 @@ fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) 
         let near = |f: &&Feature| (f.u - u).hypot(f.v - v) <= NEAR_PX;
         let is_found = detection.features.iter().any(|f| near(&f));
         found += usize::from(is_found);
-        let (colour, dashes) = if is_found { (RIGHT, "") } else { (WRONG, r#"stroke-dasharray="4 3""#) };
-        let style = format!(r#"stroke-width="1.8" {dashes}"#);
-        panel.circle(sheet, [f64::from(u), f64::from(v)], 10.0, colour, &style);
+        let missed = FigureStroke::new(WRONG, 1.8).dashed([4.0, 3.0]);
+        let stroke = if is_found { FigureStroke::new(RIGHT, 1.8) } else { missed };
+        panel.circle(sheet, [f64::from(u), f64::from(v)], 10.0, stroke);
     }
     for f in &detection.features {
         let disc = (0..DISCS).find(|&index| {
@@ -184,6 +185,6 @@ impl MakeFigure for Light {
                 levels.standard_deviation()
             );
         }
-        Ok(Made { svg: sheet.finish(end + 30.0), csv, notes: Vec::new() })
+        Ok(Made { svg: sheet.finish(end + 30.0).svg(), csv, notes: Vec::new() })
     }
 }

@@ -2,9 +2,9 @@
 
 use super::report::{LevelShare, RecoverReport};
 use super::{Planted, Varied};
-use crate::evaluate::curves::{StudyCurve, StudyPlot, curves_svg};
-use burstscope_core::export::SeriesPoint;
-use burstscope_core::export::sheet::{Anchor, Area, BLUE, GREEN, INK, RED, Sheet, stacked};
+use crate::evaluate::curves::{DOTS, StudyCurve, StudyPlot, curves_figure};
+use burstscope_core::export::sheet::{Area, BLUE, GREEN, INK, RED, SOLID, Sheet, Style, WHITE, stacked};
+use burstscope_core::export::{Drawing, Figure, FigureStroke, SeriesPoint};
 use burstscope_core::plane::display::{ColourMap, Display};
 
 const CURVE_POINTS: usize = 60;
@@ -41,8 +41,10 @@ pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
             spread: Some(share.interval.map(|end| 100.0 * end)),
         };
         let expected = |share: &LevelShare| SeriesPoint { x: share.level, y: 100.0 * share.expected, spread: None };
-        let mut curves =
-            vec![curve("found", (BLUE, ""), &found), curve("expected of noise and gate", (RED, "7 4"), &expected)];
+        let mut curves = vec![
+            curve("found", (BLUE, SOLID), &found),
+            curve("expected of noise and gate", (RED, [7.0, 4.0, 0.0, 0.0]), &expected),
+        ];
         // The curve is fitted over SNR alone, and without a measured half it is the prior's.
         if varied == Varied::Snr && report.half.is_some() {
             curves.push(fitted_curve(report));
@@ -66,22 +68,22 @@ fn fitted_curve(report: &RecoverReport) -> StudyCurve {
         let x = first * (last / first).powf(i as f64 / (CURVE_POINTS - 1) as f64);
         SeriesPoint { x, y: 100.0 * report.curve.share(x), spread: None }
     };
-    StudyCurve::plain("fitted", (GREEN, "2 3"), (0..CURVE_POINTS).map(point).collect())
+    StudyCurve::plain("fitted", (GREEN, DOTS), (0..CURVE_POINTS).map(point).collect())
 }
 
-/// The report as an SVG figure: its curves, and the map with the things on it.
-pub fn recover_svg(report: &RecoverReport) -> String {
-    let curves = curves_svg(&[(report.burst.clone(), recover_plots(report))]);
+/// The report as a figure: its curves, and the map with the things on it.
+pub fn recover_figure(report: &RecoverReport) -> Figure {
+    let curves = curves_figure(&[(report.burst.clone(), recover_plots(report))]);
     let title = format!("Would it have been seen in {}?", report.burst);
-    stacked(&title, &[map_svg(report), curves])
+    Figure { drawing: stacked(&title, vec![map(report), curves.drawing]), ..curves }
 }
 
 const WIDTH: f64 = 880.0;
 
-fn map_svg(report: &RecoverReport) -> String {
+fn map(report: &RecoverReport) -> Drawing {
     let mut sheet = Sheet::new(WIDTH, "How faint a thing is seen at each place");
     let heading = format!("Would it have been seen in {}?", report.burst);
-    sheet.styled_text((70.0, 28.0), 15.0, Anchor::Start, r#"font-weight="bold""#, &heading);
+    sheet.heading((70.0, 28.0), 15.0, &heading);
     let mut top = 48.0;
     // The first line of the text names the burst, as the heading does.
     for line in report.text().lines().skip(1).take(2) {
@@ -101,15 +103,15 @@ fn map_svg(report: &RecoverReport) -> String {
         let mut dot = |one: &Planted| {
             let place = (area.x + (one.truth.u + 0.5) * scale, area.y + (one.truth.v + 0.5) * scale);
             let style = match one.found {
-                Some(_) => r##"fill="#ffffff" stroke="#24292f" stroke-width="0.7""##,
-                None => r##"fill="none" stroke="#ffffff" stroke-width="1""##,
+                Some(_) => Style { fill: Some((WHITE, 1.0)), stroke: Some(FigureStroke::new(INK, 0.7)) },
+                None => FigureStroke::from(WHITE).into(),
             };
             sheet.circle(place, 1.8, style);
         };
         // Things beyond the searched slopes are missed at any place, and so report nothing about a place.
         report.planted.iter().filter(|one| one.is_in_range).for_each(&mut dot);
     });
-    sheet.rectangle(area, &format!(r#"fill="none" stroke="{INK}""#));
+    sheet.rectangle(area, FigureStroke::from(INK));
     let percent = |x: f64| burstscope_core::export::sheet::short((1e5 * x).round() / 1e3);
     let legend = format!(
         "How faint: half are found from {} % of full scale (dark) to {} % (bright). Dots: found; rings: missed.",

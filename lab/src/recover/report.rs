@@ -5,7 +5,7 @@ use super::ground::Ground;
 use super::{Contrast, Levels, Planted, RecoverStudy, RecoverTimes, Shape, Varied};
 use burstscope_core::burst::Burst;
 use burstscope_core::detector::{DetectorParams, Slope, SlopeGrid, Test};
-use burstscope_core::export::PLANTED_COLUMNS;
+use burstscope_core::export::{Cell, PLANTED_COLUMNS, Table};
 use burstscope_core::inspect::words::{counted, number};
 use burstscope_core::plane::Plane;
 use serde::Serialize;
@@ -414,35 +414,26 @@ fn normal_share(x: f64) -> f64 {
 }
 
 /// The things as a table, one row each.
-pub fn planted_csv(planted: &[Planted]) -> String {
-    let mut out = format!("{PLANTED_COLUMNS}\n");
-    for one in planted {
+pub fn planted_table(planted: &[Planted]) -> Table {
+    let row = |one: &Planted| {
         let varied = match one.varied {
             Varied::Snr => "snr",
             Varied::Slope => "slope",
             Varied::Size => "size",
         };
-        let found = one
-            .found
-            .map_or_else(|| "0,,,".to_owned(), |found| format!("1,{},{},{}", found.slope.u, found.slope.v, found.snr));
         let t = &one.truth;
-        out += &format!(
-            "{},{},{varied},{:.3},{:.3},{},{},{},{},{},{:.6},{},{},{found},{},\"{}\"\n",
-            one.seed,
-            t.id,
-            t.u,
-            t.v,
-            t.radius,
-            t.slope_u,
-            t.slope_v,
-            t.contrast_sign,
-            one.snr,
-            one.amplitude,
-            one.frames,
-            one.expected_snr_d.map_or_else(String::new, |snr| format!("{snr:.3}")),
-            one.failed.map_or("", Test::reason),
-            one.why.replace('"', "\"\""),
-        );
-    }
-    out
+        let found = one.found.map_or([const { Cell::Missing }; 3], |found| {
+            [found.slope.u, found.slope.v, found.snr].map(|x| Cell::single(x, 3))
+        });
+        let place = [(t.u, 3), (t.v, 3), (t.radius, 3), (t.slope_u, 3), (t.slope_v, 3)];
+        let strength = [(f64::from(t.contrast_sign), 0), (one.snr, 3), (one.amplitude, 6), (one.frames as f64, 0)];
+        let number = |(x, decimals): (f64, usize)| Cell::Number(x, decimals);
+        let mut cells = vec![Cell::Text(one.seed.to_string()), Cell::Number(t.id as f64, 0), varied.into()];
+        cells.extend(place.into_iter().chain(strength).map(number));
+        cells.extend([Cell::of(one.expected_snr_d, 3), Cell::count(one.found.is_some().into())]);
+        cells.extend(found);
+        cells.extend([one.failed.map_or("", Test::reason), &one.why].map(Cell::from));
+        cells
+    };
+    Table::new("Things planted", PLANTED_COLUMNS, planted.iter().map(row).collect())
 }

@@ -3,7 +3,7 @@
 use burstscope_core::detector::NoiseGate;
 use burstscope_core::synth::{ChartParams, Motion};
 use burstscope_core::{DetectorParams, Monitor, SlopeGrid};
-use burstscope_lab::evaluate::curves::{burst_frames_svg, frames_svg, roc_svg};
+use burstscope_lab::evaluate::curves::{burst_frames_figure, frames_figure, roc_figure};
 use burstscope_lab::evaluate::pure_noise::NoiseLevel;
 use burstscope_lab::evaluate::{
     BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, FramesStudy, NoiseStudy, Searches,
@@ -129,7 +129,7 @@ fn the_figure_is_a_valid_picture_with_every_method_named() {
     let methods = BurstMethod::ALL.to_vec();
     let study = ChartStudy { snrs: vec![0.3, 0.6, f64::INFINITY], methods, ..small_study() };
     let report = study.run(&Monitor::default());
-    let svg = roc_svg(&report.expect("a report"), 0);
+    let svg = roc_figure(&report.expect("a report"), 0).drawing.svg();
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
     assert_eq!(count("path"), 3 * (BurstMethod::ALL.len() + 1), "and the line of the share");
@@ -183,7 +183,7 @@ fn figures_over_the_number_of_frames_are_valid_pictures() {
     let methods = vec![BurstMethod::SiftMean, BurstMethod::Buff1d];
     let charts = ChartStudy { methods, ..small_study() };
     let report = FramesStudy { charts, frame_counts: vec![2, 5] }.run(&Monitor::default()).expect("a report");
-    let svg = frames_svg(&report);
+    let svg = frames_figure(&report).drawing.svg();
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let dots = document.descendants().filter(|n| n.has_tag_name("circle")).count();
     assert_eq!(dots, 8, "two plots, two methods, two numbers of frames");
@@ -193,7 +193,7 @@ fn figures_over_the_number_of_frames_are_valid_pictures() {
     let chart = ChartParams { frames: 4, snr: 1.0, ..small_study().chart };
     let (burst, truth) = burstscope_core::synth::synth_chart(&chart, &Monitor::default()).expect("a chart");
     let report = BurstFramesStudy::default().run(&burst, None, Some(&truth), &Monitor::default()).expect("a report");
-    let svg = burst_frames_svg(&report);
+    let svg = burst_frames_figure(&report).drawing.svg();
     roxmltree::Document::parse(&svg).expect("valid XML");
     assert!(svg.contains("confirmed by all frames") && svg.contains("discs found") && !svg.contains("inliers"));
 }

@@ -2,6 +2,7 @@
 //! and matches along a trajectory.
 
 mod accuracy;
+mod curves;
 mod evaluate;
 mod reconstruction;
 mod recover;

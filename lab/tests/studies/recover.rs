@@ -6,8 +6,8 @@ use burstscope_core::monitor::Monitor;
 use burstscope_core::synth::{ChartParams, Truth, synth_chart};
 use burstscope_core::{Burst, Plane};
 use burstscope_lab::evaluate::{BurstMethod, ChartStudy, Searches};
-use burstscope_lab::recover::plots::{recover_plots, recover_svg};
-use burstscope_lab::recover::report::planted_csv;
+use burstscope_lab::recover::plots::{recover_figure, recover_plots};
+use burstscope_lab::recover::report::planted_table;
 use burstscope_lab::recover::{Contrast, RecoverReport, RecoverStudy, Shape, Varied};
 use std::sync::Mutex;
 
@@ -154,9 +154,9 @@ fn each_missed_thing_has_a_fate_and_the_map_shows_where_the_noise_is() {
     }
     let mean = |list: &[f64]| list.iter().sum::<f64>() / list.len() as f64;
     assert!(mean(&right) > 1.25 * mean(&left), "{left:?} {right:?}");
-    let svg = recover_svg(&report);
+    let svg = recover_figure(&report).drawing.svg();
     roxmltree::Document::parse(&svg).expect("sound XML");
-    assert_eq!(planted_csv(&report.planted).lines().count(), 1 + report.planted.len());
+    assert_eq!(planted_table(&report.planted).rows.len(), report.planted.len());
     assert_eq!(recover_plots(&report).len(), 3);
     assert!(report.text().contains("noise and gate let expect"), "{}", report.text());
 }

@@ -1,13 +1,9 @@
-//! Figures of the shown panes, with filter, faint features, colours and visible part of the image, as vectors or as
-//! pixels: the dialog that chooses the content, and the content of the panes as panels, with the match lines between
-//! them. And films of them.
+//! Figures of the shown panes, with filter, faint features, colours and visible part of the image: the dialog that
+//! chooses the content, and the content of the panes as panels, with the match lines between them. And films of them.
 
 mod film;
-mod pdf;
-mod raster;
 
 pub use film::FilmDialog;
-pub use raster::rasterise;
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas;
@@ -24,38 +20,16 @@ use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_mi
 use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches};
 use crate::detector::{Feature, Quantity};
-use crate::export;
 use crate::export::{
     ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
-    LegendEntry, MatchKind, lay_out, motion_over, write_drawing_svg,
+    LegendEntry, MatchKind, lay_out, motion_over,
 };
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::requests::{PictureAnswer, slope_legend, titled};
 use egui::{DragValue, Ui};
-use pdf::write_drawing_pdf;
 use std::collections::BTreeMap;
-use std::path::Path;
 use std::sync::Arc;
-
-/// Writes a drawing in the format that the ending of `path` names.
-pub fn write_drawing(path: &Path, drawing: &Drawing) -> Result<(), String> {
-    let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
-    let format = FigureFormat::ALL.into_iter().find(|format| format.extension() == ending);
-    let written = match format {
-        Some(FigureFormat::Pdf) => write_drawing_pdf(path, drawing),
-        Some(FigureFormat::Svg) => write_drawing_svg(path, drawing),
-        Some(FigureFormat::Png) => {
-            let picture = rasterise(drawing)?;
-            let (width, height) = picture.dimensions();
-            export::write_png(path, export::Bitmap::rgba(width as usize, height as usize, picture.as_raw()))
-        }
-        None => {
-            return Err(format!("{}: figures are PDF, SVG or PNG; end the name in .pdf, .svg or .png", path.display()));
-        }
-    };
-    written.map_err(|error| error.to_string())
-}
 
 /// Matches of the panes as the choice has them. Of one pair the legend counts those drawn, and all of the panes.
 fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: &FigureChoice) -> FigureMatches {
@@ -355,7 +329,7 @@ fn size_ui(ui: &mut Ui, choice: &mut FigureChoice, has_matches: bool) {
     egui::Grid::new("figure numbers").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
         ui.label("Format");
         ui.horizontal(|ui| {
-            for format in FigureFormat::ALL {
+            for format in FigureFormat::DRAWN {
                 let label = format.extension().to_uppercase();
                 ui.selectable_value(&mut choice.format, format, label).on_hover_text(format.help());
             }

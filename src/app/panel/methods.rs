@@ -10,6 +10,7 @@ use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
 use crate::app::panel::widgets::{in_time, label_ui, progress_text, progress_ui, section_ui};
 use crate::app::results::Read;
 use crate::evaluate::curves::percent;
+use crate::export::{Cell, Table};
 use egui::{Align, Layout, RichText, Ui};
 use egui_extras::{Column, TableBuilder};
 
@@ -174,40 +175,18 @@ fn cells(model: Read<'_>, method: MethodId) -> [String; COLUMNS.len()] {
     ]
 }
 
-/// The table of the methods that are shown, as texts.
-pub struct MethodsTable(Vec<[String; COLUMNS.len() + 1]>);
-
-pub fn methods_table(model: Read<'_>) -> MethodsTable {
-    let names = std::array::from_fn(|column| column.checked_sub(1).map_or("Method", |at| COLUMNS[at].0).to_owned());
-    let row = |method: MethodId| {
-        let mut cells = cells(model, method).into_iter();
-        std::array::from_fn(
-            |column| if column == 0 { method.label().to_owned() } else { cells.next().expect("a cell") },
-        )
+/// The table of the methods that are shown.
+pub fn methods_table(model: Read<'_>) -> Table {
+    let cell = |text: String| match text.parse() {
+        Ok(number) => Cell::Number(number, text.split_once('.').map_or(0, |(_, decimals)| decimals.len())),
+        Err(_) if text == "–" => Cell::Missing,
+        Err(_) => Cell::Text(text),
     };
-    MethodsTable([names].into_iter().chain(model.methods_shown().into_iter().map(row)).collect())
-}
-
-impl MethodsTable {
-    pub fn csv(&self) -> String {
-        let quoted = |cell: &String| format!("\"{}\"", cell.replace('–', "").replace('"', "\"\""));
-        self.0.iter().map(|row| row.iter().map(quoted).collect::<Vec<_>>().join(",") + "\n").collect()
-    }
-
-    /// A table for LaTeX's package booktabs.
-    pub fn latex(&self) -> String {
-        let line = |row: &[String; COLUMNS.len() + 1]| {
-            let cells = row.iter().map(|cell| cell.replace('–', "--").replace('%', "\\%").replace('&', "\\&"));
-            format!("{} \\\\\n", cells.collect::<Vec<_>>().join(" & "))
-        };
-        let (names, methods) = self.0.split_first().expect("names");
-        let columns = "r".repeat(COLUMNS.len());
-        let methods: String = methods.iter().map(line).collect();
-        format!(
-            "\\begin{{tabular}}{{l{columns}}}\n\\toprule\n{}\\midrule\n{methods}\\bottomrule\n\\end{{tabular}}\n",
-            line(names)
-        )
-    }
+    let row = |method: MethodId| {
+        std::iter::once(method.label().into()).chain(cells(model, method).into_iter().map(cell)).collect()
+    };
+    let names: Vec<&str> = std::iter::once("Method").chain(COLUMNS.iter().map(|(name, ..)| *name)).collect();
+    Table::new("Methods", &names.join(","), model.methods_shown().into_iter().map(row).collect())
 }
 
 fn median_snr(features: &[crate::detector::Feature]) -> Option<f32> {
@@ -225,9 +204,5 @@ mod tests {
     fn before_anything_is_found_all_cells_are_dashes() {
         assert!(cells(Read::of(&Model::default()), MethodId::Sift).iter().all(|cell| cell == "–"));
         assert_eq!(median_snr(&[]), None);
-        let table = MethodsTable(vec![std::array::from_fn(|column| format!("{column} & –"))]);
-        assert!(table.csv().starts_with("\"0 & \",\"1 & \"") && table.csv().ends_with("\"\n"), "{}", table.csv());
-        let latex = table.latex();
-        assert!(latex.contains("\n0 \\& -- & 1 \\& -- &") && latex.contains("{lrrrrrrrrr}"), "{latex}");
     }
 }

@@ -1,6 +1,7 @@
-//! Figures of a probe and of a burst's slopes as self-contained SVG, for light and dark pages, readable without colour.
+//! Figures of a probe and of a burst's slopes, for light and dark pages, readable without colour, with their numbers.
 
-use crate::export::sheet::{Anchor, Area, BLUE, FAINT, GREEN, GRID, INK, RED, Sheet};
+use crate::export::sheet::{Anchor, Area, BLUE, FAINT, Face, GREEN, GRID, INK, RED, Sheet, Style};
+use crate::export::{CURVE_COLUMNS, Cell, Drawing, Figure, FigureStroke, SPECTRUM_COLUMNS, Table};
 use crate::inspect::place::{Fate, Outcome, Probe, Shares, Slice, dirichlet, outline};
 use crate::inspect::slopes::{SlopeBar, Spectrum};
 use crate::inspect::words::{capitalised, counted, number, sentence, slope_text, value_text};
@@ -13,12 +14,33 @@ const RIGHT: f64 = 500.0;
 /// Percentiles of the values that are black and white.
 const MOST: [f32; 2] = [1.0, 99.0];
 
-/// The figure as an SVG document; `name` is the burst's.
-pub fn probe_svg(probe: &Probe, name: &str) -> String {
+/// The figure of a probe; `name` is the burst's. Its numbers are the curves of the response over the slopes, one a
+/// scale, and each frame's response with its noise.
+pub fn probe_figure(probe: &Probe, name: &str) -> Figure {
+    let row = |plot: &str, curve: &str, x: f32, [y, low, high]: [Cell; 3]| {
+        vec![name.into(), plot.into(), curve.into(), Cell::single(x, 2), y, low, high]
+    };
+    let map = &probe.response;
+    let mut rows = Vec::new();
+    for (scale, values) in map.scales.iter().zip(map.snr.data().chunks(map.snr.width().max(1))) {
+        let curve = format!("σ {} px", number(scale.sigma, 2));
+        for (&slope, &snr) in map.slopes.values.iter().zip(values) {
+            rows.push(row("response over slope", &curve, slope, [Cell::single(snr, 2), Cell::Missing, Cell::Missing]));
+        }
+    }
+    for frame in probe.shares.frames.iter().filter(|frame| frame.covers) {
+        let ends = [frame.value, frame.value - frame.sigma_d, frame.value + frame.sigma_d];
+        rows.push(row("response of each frame", "D", frame.frame as f32, ends.map(|x| Cell::single(x, 6))));
+    }
+    let drawing = probe_drawing(probe, name);
+    Figure { table: Table::new(&drawing.title, CURVE_COLUMNS, rows), drawing }
+}
+
+fn probe_drawing(probe: &Probe, name: &str) -> Drawing {
     let [u, v] = probe.pos_image;
     let mut sheet = Sheet::new(WIDTH, &format!("{name} at ({u}, {v})"));
     let title = format!("{name} at ({}, {})", number(u, 1), number(v, 1));
-    sheet.styled_text((24.0, 30.0), 16.0, Anchor::Start, r#"font-weight="bold""#, &title);
+    sheet.heading((24.0, 30.0), 16.0, &title);
     let top = sheet.paragraph((24.0, 52.0), 13.0, WIDTH - 48.0, &probe.summary) + 22.0;
     let map = Area { x: LEFT, y: top, width: 360.0, height: 250.0 };
     response(&mut sheet, map, probe);
@@ -39,7 +61,7 @@ pub fn probe_svg(probe: &Probe, name: &str) -> String {
 }
 
 fn heading(sheet: &mut Sheet, size: f64, area: Area, text: &str) {
-    sheet.styled_text((area.x, area.y - 8.0), size, Anchor::Start, r#"font-weight="bold""#, text);
+    sheet.heading((area.x, area.y - 8.0), size, text);
 }
 
 fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
@@ -53,7 +75,7 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     let column_of = |slope: f32| f64::from(map.slopes.column_of(slope));
     for &slope in &map.slopes.grid {
         let x = x_of(column_of(slope));
-        sheet.line((x, area.bottom()), (x, area.bottom() + 5.0), INK, "");
+        sheet.line((x, area.bottom()), (x, area.bottom() + 5.0), INK);
     }
     if let (Some(&first), Some(&last)) = (map.slopes.values.first(), map.slopes.values.last())
         && map.slopes.grid.len() > 1
@@ -61,7 +83,7 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
         // Limits of the slopes that are searched.
         for rim in [map.slopes.grid[0], map.slopes.grid[map.slopes.grid.len() - 1]] {
             let x = x_of(column_of(rim));
-            sheet.line((x, area.y), (x, area.bottom()), FAINT, r#"stroke-dasharray="3 3""#);
+            sheet.line((x, area.y), (x, area.bottom()), FigureStroke::new(FAINT, 1.0).dashed([3.0, 3.0]));
         }
         let half = 0.5 * f64::from(last - first) / (columns - 1).max(1) as f64;
         let axis = if map.along_v { "slope v, px/frame" } else { "slope, px/frame" };
@@ -72,12 +94,12 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     if let Some(motion) = &probe.motion {
         let [from, to] = map.band_of(motion).map(|column| x_of(column.into()).clamp(area.x, area.right()));
         let band = Area { x: from, width: to - from, ..area };
-        sheet.rectangle(band, &format!(r#"fill="{GREEN}" fill-opacity="0.25" stroke="{GREEN}""#));
+        sheet.rectangle(band, Style { fill: Some((GREEN, 0.25)), stroke: Some(GREEN.into()) });
     }
     // Outline of the cells whose response reaches the gate.
     for ends in outline(&map.snr, map.gate) {
         let [from, to] = ends.map(|(column, row)| (x_of(column.into()), y_of(row.into())));
-        sheet.line(from, to, INK, r#"stroke-width="1""#);
+        sheet.line(from, to, FigureStroke::new(INK, 1.0));
     }
     let each = rows.div_ceil(12).max(1);
     for (row, scale) in map.scales.iter().enumerate().step_by(each) {
@@ -87,9 +109,11 @@ fn response(sheet: &mut Sheet, area: Area, probe: &Probe) {
     for fate in probe.fates.iter().rev() {
         let Some(row) = map.row_of(fate.octave, fate.level) else { continue };
         let place = (x_of(map.column_of(fate.slope).into()), y_of(row as f64));
-        let dashed = r#" stroke-dasharray="1.5 1.5""#;
-        let (radius, width, dashes) = if fate.is_kept() { (6.0, 2.0, "") } else { (3.5, 0.7, dashed) };
-        sheet.circle(place, radius, &format!(r#"fill="none" stroke="{INK}" stroke-width="{width}"{dashes}"#));
+        let (radius, ring) = match fate.is_kept() {
+            true => (6.0, FigureStroke::new(INK, 2.0)),
+            false => (3.5, FigureStroke::new(INK, 0.7).dashed([1.5, 1.5])),
+        };
+        sheet.circle(place, radius, ring);
     }
     let motion = if probe.motion.is_some() { "; band: the place's own motion" } else { "" };
     let legend = format!(
@@ -109,17 +133,17 @@ fn shares(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let y_of = |value: f32| area.bottom() - (f64::from(value) - range.0) / (range.1 - range.0) * area.height;
     let count = shares.frames.len().max(1) as f64;
     let x_of = |index: usize| area.x + (index as f64 + 0.5) / count * area.width;
-    sheet.rectangle(area, &format!(r#"fill="none" stroke="{GRID}""#));
-    sheet.line((area.x, y_of(0.0)), (area.right(), y_of(0.0)), INK, r#"stroke-width="0.7""#);
+    sheet.rectangle(area, FigureStroke::from(GRID));
+    sheet.line((area.x, y_of(0.0)), (area.right(), y_of(0.0)), FigureStroke::new(INK, 0.7));
     let mean = y_of(shares.evenness.mean);
-    sheet.line((area.x, mean), (area.right(), mean), BLUE, r#"stroke-dasharray="6 4""#);
+    sheet.line((area.x, mean), (area.right(), mean), FigureStroke::new(BLUE, 1.0).dashed([6.0, 4.0]));
     for (index, frame) in shares.frames.iter().enumerate() {
         let x = x_of(index);
         if frame.covers {
-            sheet.line((x, y_of(frame.value - frame.sigma_d)), (x, y_of(frame.value + frame.sigma_d)), INK, "");
-            sheet.circle((x, y_of(frame.value)), 3.2, &format!(r#"fill="{BLUE}""#));
+            sheet.line((x, y_of(frame.value - frame.sigma_d)), (x, y_of(frame.value + frame.sigma_d)), INK);
+            sheet.circle((x, y_of(frame.value)), 3.2, BLUE);
         } else {
-            sheet.styled_text((x, area.y + 14.0), 11.0, Anchor::Middle, &format!(r#"fill="{FAINT}""#), "–");
+            sheet.styled_text((x, area.y + 14.0), 11.0, Anchor::Middle, (Face::Plain, FAINT), "–");
         }
     }
     sheet.axis_left(area, range, "D");
@@ -154,7 +178,7 @@ fn slice(sheet: &mut Sheet, area: Area, probe: &Probe, slice: &Slice) {
         let column = slice.column_at(probe.subject.slope, row);
         (0.0..=columns as f32 - 1.0).contains(&column).then(|| (x_of(column), y_of(row)))
     };
-    sheet.polyline((0..rows).map(inside), &format!(r#"stroke="{RED}" stroke-width="1.5" stroke-dasharray="5 3""#));
+    sheet.polyline((0..rows).map(inside), FigureStroke::new(RED, 1.5).dashed([5.0, 3.0]));
     let half = slice.centre_column as f64 + 0.5;
     sheet.axis_below(area, (-half, half), "px along the motion");
     for row in [0, rows.saturating_sub(1)] {
@@ -170,18 +194,18 @@ fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
     let mut y = y + 12.0;
     for report in fate.tests.iter().filter(|report| report.outcome != Outcome::NotAsked) {
         let fails = report.outcome == Outcome::Fails;
-        let weight = if Some(report.test) == fate.first_failed { r#"font-weight="bold""# } else { "" };
-        let style = format!(r#"{weight} fill="{}""#, if fails { RED } else { INK });
+        let face = if Some(report.test) == fate.first_failed { Face::Bold } else { Face::Plain };
+        let style = (face, if fails { RED } else { INK });
         let word = match report.outcome {
             Outcome::Passes => "passes",
             Outcome::Fails => "fails",
             Outcome::Unknown => "unknown",
             Outcome::NotAsked => "",
         };
-        sheet.styled_text((x, y), 12.0, Anchor::Start, &style, report.test.record().name);
+        sheet.styled_text((x, y), 12.0, Anchor::Start, style, report.test.record().name);
         let value = report.value.map(value_text).unwrap_or_default();
         for (column, text) in [(224.0, &*value), (310.0, &*report.limit_text()), (372.0, word)] {
-            sheet.styled_text((x + column, y), 12.0, Anchor::End, &style, text);
+            sheet.styled_text((x + column, y), 12.0, Anchor::End, style, text);
         }
         y += 17.0;
     }
@@ -196,11 +220,21 @@ fn tests(sheet: &mut Sheet, (x, y): (f64, f64), fate: &Fate) -> f64 {
 const SLOPES_WIDTH: f64 = 820.0;
 const SLOPES_LEFT: f64 = 76.0;
 
-/// The figure as an SVG document; `name` is the burst's.
-pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
+/// The figure of a burst's slopes; `name` is the burst's. Its numbers are those of the bars.
+pub fn spectrum_figure(spectrum: &Spectrum, name: &str) -> Figure {
+    let row = |bar: &SlopeBar| {
+        let [u, v, evidence] = [bar.slope.u, bar.slope.v, bar.evidence].map(|x| Cell::single(x, 3));
+        vec![u, v, Cell::count(bar.is_searched.into()), Cell::count(bar.features), Cell::count(bar.at_limit), evidence]
+    };
+    let drawing = spectrum_drawing(spectrum, name);
+    let rows = spectrum.bars.iter().map(row).collect();
+    Figure { table: Table::new(&drawing.title, SPECTRUM_COLUMNS, rows), drawing }
+}
+
+fn spectrum_drawing(spectrum: &Spectrum, name: &str) -> Drawing {
     let title = format!("Slopes of {name}");
     let mut sheet = Sheet::new(SLOPES_WIDTH, &title);
-    sheet.styled_text((24.0, 30.0), 16.0, Anchor::Start, r#"font-weight="bold""#, &title);
+    sheet.heading((24.0, 30.0), 16.0, &title);
     let (features, slopes) = (counted(spectrum.features, "feature"), counted(spectrum.cost.slopes, "slope"));
     let (at_limit, summary) = (spectrum.at_limit, spectrum.finding.summary_beside_judgement());
     let found = format!("{features} at {slopes}; {at_limit} at the limit. What the frames show: {summary}.");
@@ -218,8 +252,7 @@ pub fn spectrum_svg(spectrum: &Spectrum, name: &str) -> String {
         end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &format!("• {}.", advice.sentence));
         let options = advice.options();
         if !options.is_empty() {
-            let style = format!(r#"font-family="monospace" fill="{BLUE}""#);
-            sheet.styled_text((38.0, end), 12.0, Anchor::Start, &style, &options);
+            sheet.styled_text((38.0, end), 12.0, Anchor::Start, (Face::Mono, BLUE), &options);
             end += 20.0;
         }
     }
@@ -251,22 +284,23 @@ fn line(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
             let height = count as f64 / max * upper.height;
             if count > 0 {
                 let area = Area { x, y: upper.bottom() - height, width, height };
-                sheet.rectangle(area, &format!(r#"fill="{colour}""#));
+                sheet.rectangle(area, colour);
             }
         }
         if bar.evidence > 0.0 {
             let height = f64::from(bar.evidence / part) * lower.height;
             let area = Area { x, y: lower.bottom() - height, width, height };
-            let beyond = format!(r#"fill="none" stroke="{GREEN}" stroke-width="1.5""#);
-            sheet.rectangle(area, &if bar.is_searched { format!(r#"fill="{GREEN}""#) } else { beyond });
+            let beyond = FigureStroke::new(GREEN, 1.5);
+            let style = if bar.is_searched { GREEN.into() } else { Style::from(beyond) };
+            sheet.rectangle(area, style);
         }
     }
     // The limits of the searched range.
     for x in [x_of(0), x_of(axis.count as i64)] {
-        sheet.line((x, upper.y), (x, lower.bottom()), FAINT, r#"stroke-dasharray="3 3""#);
+        sheet.line((x, upper.y), (x, lower.bottom()), FigureStroke::new(FAINT, 1.0).dashed([3.0, 3.0]));
     }
-    sheet.line((upper.x, upper.bottom()), (upper.right(), upper.bottom()), INK, "");
-    sheet.line((lower.x, lower.bottom()), (lower.right(), lower.bottom()), INK, "");
+    sheet.line((upper.x, upper.bottom()), (upper.right(), upper.bottom()), INK);
+    sheet.line((lower.x, lower.bottom()), (lower.right(), lower.bottom()), INK);
     sheet.axis_left(upper, (0.0, max), "features");
     sheet.label_left(lower, "evidence");
     let begin = f64::from(axis.value(0.0)) + (first as f64 - 0.5) * step;
@@ -303,12 +337,12 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
         // Large values are dark.
         let inverted = Plane::from_fn(size.0, size.1, |x, y| max - values.at(x, y));
         sheet.picture(area, &inverted, &Display::default().with_range(0.0, max));
-        sheet.rectangle(area, &format!(r#"fill="none" stroke="{GRID}""#));
+        sheet.rectangle(area, FigureStroke::from(GRID));
         // Outline of the slopes that were searched.
         let (x, y) = (area.x - i0 as f64 * side, area.y - j0 as f64 * side);
         let (width, height) = (grid.u.count as f64 * side, grid.v.count as f64 * side);
         let searched = Area { x, y, width, height };
-        sheet.rectangle(searched, &format!(r#"fill="none" stroke="{RED}" stroke-width="1.5" stroke-dasharray="4 3""#));
+        sheet.rectangle(searched, FigureStroke::new(RED, 1.5).dashed([4.0, 3.0]));
         let ends = |axis: &crate::detector::SlopeAxis, first: i64, count: usize| {
             let begin = f64::from(axis.value(0.0)) + (first as f64 - 0.5) * f64::from(axis.step());
             (begin, begin + count as f64 * f64::from(axis.step()))
@@ -340,8 +374,8 @@ fn kernel(sheet: &mut Sheet, top: f64, frames: usize, period: f64) -> f64 {
         let slope = range.0 + x * (range.1 - range.0);
         Some((area.x + x * area.width, area.bottom() - dirichlet(frames, period, slope) * area.height))
     };
-    sheet.rectangle(area, &format!(r#"fill="none" stroke="{GRID}""#));
-    sheet.polyline((0..=600).map(point), &format!(r#"stroke="{INK}" stroke-width="1.2""#));
+    sheet.rectangle(area, FigureStroke::from(GRID));
+    sheet.polyline((0..=600).map(point), FigureStroke::new(INK, 1.2));
     sheet.axis_below(area, range, "px/frame off");
     area.bottom() + 40.0
 }

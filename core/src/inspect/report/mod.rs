@@ -2,7 +2,7 @@
 
 mod figure;
 
-pub use figure::{probe_svg, spectrum_svg};
+pub use figure::{probe_figure, spectrum_figure};
 
 use super::place::{Fate, Outcome, Probe, Rival, Shares, SuspicionKind, TestReport};
 use super::result::DecoyReport;

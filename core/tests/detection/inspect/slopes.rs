@@ -3,7 +3,7 @@
 use super::probing::{cache, slopes_of};
 use burstscope_core::burst::Positions;
 use burstscope_core::detector::{DetectorParams, ParamChange, Slope, SlopeAxis, SlopeGrid};
-use burstscope_core::inspect::report::{spectrum_svg, spectrum_text};
+use burstscope_core::inspect::report::{spectrum_figure, spectrum_text};
 use burstscope_core::inspect::slopes::{AdviceSubject, SlopeAdvice, Spectrum, spectrum};
 use burstscope_core::synth::examples::{ALIASING_SLOPE, Example, GARLAND_PERIOD};
 use burstscope_core::synth::random::Stream;
@@ -187,7 +187,7 @@ fn a_garland_answers_again_a_period_away() {
         "{narrow:?}"
     );
     assert!(about(&asked(&burst, narrow), AdviceSubject::Aliases).is_none());
-    let svg = spectrum_svg(&spectrum, "garlands");
+    let svg = spectrum_figure(&spectrum, "garlands").drawing.svg();
     assert!(roxmltree::Document::parse(&svg).is_ok());
 }
 
@@ -222,7 +222,7 @@ fn slopes_searched_for_nothing_are_said_to_be() {
     let spectrum = asked(&burst, SlopeGrid::plane(-2.0..=2.0, 9, -2.0..=2.0, 9));
     let advice = about(&spectrum, AdviceSubject::Cost).unwrap_or_else(|| panic!("{:#?}", spectrum.advice));
     assert!(advice.number < 0.4 && advice.sentence.contains("81"), "{advice:?}");
-    assert!(roxmltree::Document::parse(&spectrum_svg(&spectrum, "a & b")).is_ok());
+    assert!(roxmltree::Document::parse(&spectrum_figure(&spectrum, "a & b").drawing.svg()).is_ok());
 }
 
 #[test]

@@ -28,20 +28,17 @@ mod atomic {
 }
 
 mod csv {
-    use burstscope_core::export::{PictureProfile, write_profiles_csv};
+    use burstscope_core::export::profiles_table;
     use burstscope_core::plane::sample::ProfileSample;
 
     #[test]
     fn every_sample_has_a_row_and_names_may_hold_anything() {
-        let home = tempfile::tempdir().expect("a folder");
-        let path = home.path().join("p.csv");
         let sample = |distance_px, value| ProfileSample { distance_px, u: 1.5, v: 2.0, value };
         let profiles = [
-            PictureProfile { picture: "Stack (1.00, 0.00)".into(), samples: vec![sample(0.0, 0.25), sample(1.0, 0.5)] },
-            PictureProfile { picture: "a \"b\"".into(), samples: vec![sample(0.0, f32::NAN)] },
+            ("Stack (1.00, 0.00)".to_owned(), vec![sample(0.0, 0.25), sample(1.0, 0.5)]),
+            ("a \"b\"".to_owned(), vec![sample(0.0, f32::NAN)]),
         ];
-        write_profiles_csv(&path, &profiles).expect("written");
-        let text = std::fs::read_to_string(&path).expect("there");
+        let text = profiles_table(&profiles).csv();
         let expected = "picture,distance_px,u,v,value\n\"Stack (1.00, 0.00)\",0,1.5,2,0.25\n\"Stack (1.00, 0.00)\",1,1.5,2,0.5\n\"a \"\"b\"\"\",0,1.5,2,\n";
         assert_eq!(text, expected);
     }
@@ -184,8 +181,8 @@ mod outputs {
     use burstscope_core::export::film::write_film;
     use burstscope_core::export::*;
     use burstscope_core::export::{
-        Bitmap, CURVE_COLUMNS, ColmapKeypoint, Drawing, PictureProfile, sheet, write_colmap_keypoints, write_csv,
-        write_drawing_svg, write_matches_csv, write_npz, write_png, write_profiles_csv, write_tiff,
+        Bitmap, CURVE_COLUMNS, ColmapKeypoint, Drawing, sheet, write_colmap_keypoints, write_csv, write_drawing,
+        write_matches_csv, write_npz, write_png, write_tiff,
     };
     use burstscope_core::files::mark::OutputKind;
     use burstscope_core::monitor::Monitor;
@@ -201,9 +198,9 @@ mod outputs {
         write_film(&at("a.gif"), pictures, 10, &Monitor::default()).expect("written");
         let unit = burstscope_core::export::FigureUnit::Pixel;
         let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], unit, shapes: Vec::new() };
-        write_drawing_svg(&at("a.svg"), &drawing).expect("written");
+        write_drawing(&at("a.svg"), &drawing).expect("written");
         let parts = vec![sheet::Sheet::new(80.0, "b").finish(40.0); 2];
-        write_text(&at("b.svg"), OutputKind::Drawing, sheet::stacked("both", &parts)).expect("written");
+        write_drawing(&at("b.svg"), &sheet::stacked("both", parts)).expect("written");
         write_text(&at("p.toml"), OutputKind::Settings, burstscope_core::files::written_by() + "levels = 4\n")
             .expect("written");
         let burst = burstscope_core::burst::Burst::from_planes("a", vec![Plane::zeros(9, 9)]);
@@ -213,8 +210,7 @@ mod outputs {
         write_npz(&at("a.npz"), &[], &[], None).expect("written");
         write_csv(&at("a.csv"), &[], None).expect("written");
         write_matches_csv(&at("m.csv"), &[]).expect("written");
-        let profile = PictureProfile { picture: "a \"b\", c".into(), samples: Vec::new() };
-        write_profiles_csv(&at("p.csv"), &[profile]).expect("written");
+        Figure::from(profiles_table(&[("a \"b\", c".into(), Vec::new())])).write(&at("p.csv")).expect("written");
         std::fs::write(at("c.csv"), format!("{CURVE_COLUMNS}\n")).expect("written");
         write_colmap_keypoints(&at("a.txt"), &[KEYPOINT], &[[7; 128]]).expect("written");
         let mut known = 0;
@@ -321,7 +317,7 @@ mod plot {
 
     fn series(points: &[(f64, f64, Option<[f64; 2]>)]) -> Series {
         let points = points.iter().map(|&(x, y, spread)| SeriesPoint { x, y, spread }).collect();
-        Series { label: "a < b".into(), colour: "#000000", dashes: "", width: 2.0, points, dot: None }
+        Series::new("a < b", ([0; 3], SOLID), 2.0, points)
     }
 
     #[test]
@@ -340,7 +336,7 @@ mod plot {
         let plot = Plot { title: "", label_x: "x", label_y: "y", range_x, range_y, has_dots: true, series: &all };
         sheet.plot(Area { x: 60.0, y: 20.0, width: 100.0, height: 100.0 }, &plot);
         assert_eq!(sheet.legend((10.0, 10.0), 50.0, &[all[0].clone(), all[0].clone()]), 50.0, "one under the other");
-        let svg = sheet.finish(200.0);
+        let svg = sheet.finish(200.0).svg();
         let path = svg.lines().find(|line| line.starts_with("<path")).expect("a line");
         assert!(path.contains("M60 70M126.667 70L160 20"), "{path}");
         assert_eq!(svg.matches("<circle").count(), 3);
@@ -372,9 +368,9 @@ mod sheet {
     #[test]
     fn documents_stand_under_one_another() {
         let document = |height: f64| Sheet::new(120.0, "part").finish(height);
-        let both = stacked("both", &[document(50.0), document(70.0)]);
+        let both = stacked("both", vec![document(50.0), document(70.0)]).svg();
         assert!(both.starts_with("<svg ") && both.contains(r#"width="120" height="120""#), "{both}");
-        assert!(both.contains(r#"<svg y="50" "#) && both.matches("</svg>").count() == 3, "{both}");
+        assert!(both.contains(r#"translate(0 50)"#) && both.matches("</g>").count() == 2, "{both}");
     }
 
     #[test]
@@ -382,7 +378,7 @@ mod sheet {
         let mut sheet = Sheet::new(200.0, "a < b");
         let next = sheet.paragraph((0.0, 10.0), 10.0, 60.0, "one two three four five six");
         assert!(next > 30.0);
-        let text = sheet.finish(50.0);
+        let text = sheet.finish(50.0).svg();
         assert!(text.contains("<title>a &lt; b</title>") && text.matches("<text").count() >= 3, "{text}");
     }
 }

@@ -2,6 +2,7 @@
 
 mod dataset;
 mod detector;
+mod drawing;
 mod export;
 mod inspect;
 mod matching;

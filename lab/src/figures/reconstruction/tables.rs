@@ -6,10 +6,9 @@ use crate::evaluate::curves::LINE;
 use crate::evaluate::poses::Projection;
 use crate::evaluate::{BurstMethod, motion_name};
 use crate::figures::Made;
-use crate::figures::drawing::{Cell, Table};
 use crate::synth::{Light, Motion};
-use burstscope_core::export::sheet::{Anchor, Area, Sheet};
-use burstscope_core::export::{Plot, Series, SeriesPoint};
+use burstscope_core::export::sheet::{Area, INK, SOLID, Sheet};
+use burstscope_core::export::{Cell, Plot, Series, SeriesPoint, Table};
 use burstscope_core::matching::MatchParams;
 
 /// Minimum number of images with a pose of a reconstruction that converged.
@@ -64,13 +63,14 @@ fn made(title: &str, columns: &[Column<'_>], groups: &[Group<'_>], notes: Vec<St
         names.map(Cell::Text).into_iter().chain(columns.iter().map(number)).collect()
     };
     let names = [(["motion", ""], "motion"), (["method", ""], "method")];
+    let heads = names.into_iter().chain(columns.iter().map(|(head, name, ..)| (*head, *name)));
     let table = Table {
         title: title.to_owned(),
-        columns: names.into_iter().chain(columns.iter().map(|(head, name, ..)| (*head, *name))).collect(),
+        columns: heads.map(|(head, name)| (head.map(str::to_owned), name.to_owned())).collect(),
         rows: groups.iter().map(row).collect(),
         notes,
     };
-    Made { svg: table.svg(), csv: table.csv(), notes: table.notes }
+    Made { svg: table.drawing().svg(), csv: table.csv(), notes: table.notes }
 }
 
 /// Notes under every table: the material, and what is missing in the table and why.
@@ -169,7 +169,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
     let mut sheet = Sheet::new(WIDTH, "Trajectories");
     let mut csv = String::from("motion,method,index,x,y,z\n");
     let title = "The camera's way past the scene: true places, and those that COLMAP found";
-    sheet.styled_text((20.0, 28.0), 15.0, Anchor::Start, r#"font-weight="bold""#, title);
+    sheet.heading((20.0, 28.0), 15.0, title);
     let mut legend: Vec<Series> = Vec::new();
     let mut enlarged = false;
     for (column, motion) in [Motion::OneD, Motion::TwoD].into_iter().enumerate() {
@@ -193,15 +193,10 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
             let factor = f64::from(factor);
             SeriesPoint { x: true_x + factor * (x - true_x), y: true_y + factor * (y - true_y), spread: None }
         };
-        let series = |label: &str, (colour, dashes), centres: &[Centre]| Series {
-            label: label.to_owned(),
-            colour,
-            dashes,
-            width: LINE,
-            points: centres.iter().map(drawn).collect(),
-            dot: None,
+        let series = |label: &str, style, centres: &[Centre]| {
+            Series::new(label, style, LINE, centres.iter().map(drawn).collect())
         };
-        let mut all = vec![series("true places", ("#24292f", ""), &numbered)];
+        let mut all = vec![series("true places", (INK, SOLID), &numbered)];
         for (method, centres) in &estimates {
             // The table has the places as they are; only the picture enlarges errors.
             write_centres(&mut csv, motion, method.name(), centres);
@@ -242,7 +237,7 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
     for note in &notes {
         end = sheet.paragraph((20.0, end), 12.0, WIDTH - 40.0, note) + 4.0;
     }
-    Made { svg: sheet.finish(end), csv, notes }
+    Made { svg: sheet.finish(end).svg(), csv, notes }
 }
 
 /// Factor by which errors are enlarged, so that good estimates can be told apart: the largest of [`ENLARGEMENTS`] with
@@ -361,7 +356,7 @@ mod tests {
     #[test]
     fn both_axes_have_one_scale_and_hold_all_points() {
         let points = [(0.0, 0.0), (4.0, 1.0)].map(|(x, y)| SeriesPoint { x, y, spread: None }).to_vec();
-        let series = Series { label: "a".into(), colour: "#000000", dashes: "", width: 1.0, points, dot: None };
+        let series = Series::new("a", (INK, SOLID), 1.0, points);
         let (x, y) = ranges(&[series], 2.0);
         assert!(((x.1 - x.0) / (y.1 - y.0) - 2.0).abs() < 1e-12);
         assert!(x.0 < 0.0 && x.1 > 4.0 && y.0 < 0.0 && y.1 > 1.0);

@@ -24,8 +24,8 @@ use crate::synth::Motion;
 use egui::{Color32, DragValue, Grid, Label, RichText, TextEdit, Ui};
 
 /// Colour `#rrggbb` of the figures as drawn here: lighter on a dark background.
-fn curve_colour(ui: &Ui, colour: &str) -> Color32 {
-    let colour = Color32::from_hex(colour).unwrap_or(crate::app::style::ACCENT);
+fn curve_colour(ui: &Ui, [r, g, b]: [u8; 3]) -> Color32 {
+    let colour = Color32::from_rgb(r, g, b);
     if ui.visuals().dark_mode { colour.lerp_to_gamma(Color32::WHITE, 0.3) } else { colour }
 }
 

@@ -1,10 +1,11 @@
 //! Layout of a figure: positions of all its parts.
 
-use super::{
-    ColourBar, Drawing, FAN_OPACITY, FigureMark, FigureOptions, FigurePanel, FigureRect, FigureShape, FigureStroke,
-    FigureWidth, LegendEntry, LegendMark, POINTS_PER_MM, fan, pictures,
+use super::fan::{FAN_OPACITY, fan};
+use super::links::{FigureMatches, lines_of};
+use super::panel::{
+    ColourBar, FigureMark, FigureOptions, FigurePanel, FigureWidth, LegendEntry, LegendMark, POINTS_PER_MM,
 };
-use crate::export::figure::links::{FigureMatches, lines_of};
+use super::shape::{Anchor, Colour, DASH, Drawing, Face, FigureRect, FigureShape, FigureStroke, Style as ShapeStyle};
 use crate::plane::display::direction_colour;
 
 /// Gap between panels, in heights of letters.
@@ -71,12 +72,16 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
         top += height + gap;
     }
     // Links lead from panel to panel, so they are drawn over all of them.
-    let placed: Vec<(FigureRect, &FigurePanel)> = pictures(&shapes).zip(panels.iter().copied()).collect();
+    let pictures = shapes.iter().filter_map(|shape| match shape {
+        FigureShape::Picture { rect, .. } => Some(*rect),
+        _ => None,
+    });
+    let placed: Vec<(FigureRect, &FigurePanel)> = pictures.zip(panels.iter().copied()).collect();
     shapes.extend(lines_of(&placed, &matches.links, style.stroke));
     if let Some(&(rect, _)) = placed.first().filter(|_| options.scale_bar) {
         let mut bar = Vec::new();
         style.scale_bar(rect, &mut bar);
-        shapes.push(FigureShape::Clipped { rect, shapes: bar });
+        shapes.push(FigureShape::Clipped { rect, round: true, shapes: bar });
     }
     let mut bottom = top - gap;
     if let Some(bar) = shared.bar {
@@ -90,7 +95,7 @@ pub fn lay_out(rows: &[Vec<FigurePanel>], matches: &FigureMatches, options: &Fig
     let size = [width.max(1.0), bottom.max(1.0)];
     let titles: Vec<&str> = panels.iter().filter_map(|panel| panel.title.as_deref()).collect();
     // Last, when the size is known, but below all.
-    shapes.insert(0, FigureShape::Fill { rect: FigureRect { min: [0.0, 0.0], size }, color: [255; 3] });
+    shapes.insert(0, filled(FigureRect { min: [0.0, 0.0], size }, [255; 3]));
     Drawing { size, unit: options.width.unit(), shapes, title: titles.join("; ") }
 }
 
@@ -153,7 +158,12 @@ impl Style {
     }
 
     fn text(&self, at: [f32; 2], text: &str) -> FigureShape {
-        FigureShape::Text { at, size: self.font, text: text.to_owned(), color: [0; 3] }
+        self.coloured_text(at, [0; 3], text)
+    }
+
+    fn coloured_text(&self, at: [f32; 2], color: Colour, text: &str) -> FigureShape {
+        let (anchor, face, upwards, text) = (Anchor::Start, Face::Plain, false, text.to_owned());
+        FigureShape::Text { at, anchor, size: self.font, face, color, upwards, text }
     }
 
     /// Lines of a panel's title, each as wide as the picture at most where its words allow it.
@@ -203,7 +213,7 @@ impl Style {
         panel.marks.iter().for_each(|mark| self.fan(panel, mark, rect, &mut over));
         panel.marks.iter().for_each(|mark| self.mark(panel, mark, rect, &mut over));
         if !over.is_empty() {
-            out.push(FigureShape::Clipped { rect, shapes: over });
+            out.push(FigureShape::Clipped { rect, round: true, shapes: over });
         }
         let mut bottom = top + size[1];
         if let Some(bar) = panel.bar.as_ref().filter(|_| shared.bar.is_none()) {
@@ -226,7 +236,7 @@ impl Style {
         let middle = [0, 1].map(|i| 0.5 * (from[i] + tip[i]));
         if let Some(points) = fan(middle, tip, mark.motion_sigma * self.scale) {
             let opacity = FAN_OPACITY * mark.opacity.clamp(0.0, 1.0);
-            out.push(FigureShape::Fan { points, color: mark.color, opacity });
+            out.push(area(points, mark.color, opacity));
         }
     }
 
@@ -237,8 +247,8 @@ impl Style {
         if !(numbers.iter().all(drawable) && mark.radius >= 0.0) {
             return;
         }
-        let stroke =
-            FigureStroke { width: self.stroke * mark.weight, color: mark.color, opacity: mark.opacity.clamp(0.0, 1.0) };
+        let stroke = FigureStroke::new(mark.color, self.stroke * mark.weight);
+        let stroke = FigureStroke { opacity: mark.opacity.clamp(0.0, 1.0), ..stroke };
         let (centre, radius) = (place(mark.centre), mark.radius * self.scale);
         if let Some([from, to]) = mark.motion.filter(|ends| ends.iter().flatten().all(drawable)) {
             let (from, to) = (place(from), place(to));
@@ -254,7 +264,10 @@ impl Style {
             }
         }
         if mark.weight > 0.0 && radius > 0.0 {
-            out.push(FigureShape::Circle { centre, radius, stroke, dashed: mark.dashed });
+            // Eight dashes and eight gaps fit around, so that no seam is seen.
+            let dash = std::f32::consts::TAU * radius / 16.0;
+            let style = if mark.dashed { stroke.dashed([dash; 2]) } else { stroke }.into();
+            out.push(FigureShape::Circle { centre, radius, style });
         }
         if let Some(angle) = mark.orientation {
             let (sin, cos) = angle.sin_cos();
@@ -272,12 +285,12 @@ impl Style {
         let y = rect.min[1] + rect.size[1] - 0.8 * font;
         // White on black: readable on any picture.
         let size = [width, 1.8 * font];
-        out.push(FigureShape::Fill { rect: FigureRect { min: [right - width, y - 1.4 * font], size }, color: [0; 3] });
+        out.push(filled(FigureRect { min: [right - width, y - 1.4 * font], size }, [0; 3]));
         let middle = right - 0.5 * width;
         let ends = [middle - 0.5 * length, middle + 0.5 * length].map(|x| [x, y]);
-        out.push(line(ends.to_vec(), FigureStroke { width: 0.2 * font, color: [255; 3], opacity: 1.0 }, "scale"));
+        out.push(line(ends.to_vec(), FigureStroke::new([255; 3], 0.2 * font), "scale"));
         let at = [middle - 0.25 * font * label.chars().count() as f32, y - 0.4 * font];
-        out.push(FigureShape::Text { at, size: font, text: label, color: [255; 3] });
+        out.push(self.coloured_text(at, [255; 3], &label));
     }
 
     /// Draws the colours of the values in one line, with the values at their ends; returns its width.
@@ -292,7 +305,7 @@ impl Style {
         for (i, &color) in bar.colors.iter().enumerate() {
             let min = [left + step * i as f32, baseline - 0.8 * font];
             // A little wider than a step, so that there is no gap between two steps.
-            out.push(FigureShape::Fill { rect: FigureRect { min, size: [step + 0.3, 0.9 * font] }, color });
+            out.push(filled(FigureRect { min, size: [step + 0.3, 0.9 * font] }, color));
         }
         out.push(self.text([left + length + 0.4 * font, baseline], &bar.high));
         low + high + length + font
@@ -319,8 +332,7 @@ impl Style {
             let mut label = baseline;
             match entry.mark {
                 LegendMark::Square => {
-                    let rect = FigureRect { min, size: [swatch; 2] };
-                    out.push(FigureShape::Fill { rect, color: entry.color });
+                    out.push(filled(FigureRect { min, size: [swatch; 2] }, entry.color));
                 }
                 // A wheel is higher than a line: its label stands at the middle, and rows are added.
                 LegendMark::Wheel => {
@@ -331,9 +343,10 @@ impl Style {
                 mark => {
                     let points = [x, x + swatch].map(|x| [x, baseline - 0.35 * font]).to_vec();
                     let width = (0.12 * font).max(self.stroke);
-                    let stroke = FigureStroke { width, color: entry.color, opacity: 1.0 };
+                    let stroke = FigureStroke::new(entry.color, width);
                     let dashed = mark == LegendMark::Dashes;
-                    out.push(FigureShape::Line { points, stroke, dashed, class: "legend" });
+                    let stroke = if dashed { stroke.dashed([DASH * width; 2]) } else { stroke };
+                    out.push(line(points, stroke, "legend"));
                 }
             }
             out.push(self.text([x + swatch + 0.3 * font, label], &entry.label));
@@ -361,13 +374,23 @@ fn wheel(centre: [f32; 2], radius: f32) -> Vec<FigureShape> {
         };
         let points = vec![centre, at(f32::from(sector) - 0.5), at(f32::from(sector)), at(f32::from(sector) + 1.0)];
         let color = direction_colour(angle(f32::from(sector)), fraction);
-        FigureShape::Fan { points, color, opacity: 1.0 }
+        area(points, color, 1.0)
     };
     (1..=RINGS).rev().flat_map(|ring| (0..SECTORS).map(move |sector| sector_of(ring, sector))).collect()
 }
 
 fn line(points: Vec<[f32; 2]>, stroke: FigureStroke, class: &'static str) -> FigureShape {
-    FigureShape::Line { points, stroke, dashed: false, class }
+    FigureShape::Line { points: points.into_iter().map(Some).collect(), style: stroke.into(), class }
+}
+
+fn filled(rect: FigureRect, color: Colour) -> FigureShape {
+    FigureShape::Rect { rect, style: color.into() }
+}
+
+/// An area, all of which is seen from its first point.
+fn area(points: Vec<[f32; 2]>, color: Colour, opacity: f32) -> FigureShape {
+    let style = ShapeStyle { fill: Some((color, opacity)), stroke: None };
+    FigureShape::Line { points: points.into_iter().map(Some).collect(), style, class: "fan" }
 }
 
 /// The largest of 1, 2 or 5 times a power of ten that is at most `max`, which is finite and above 0.
@@ -377,76 +400,13 @@ pub fn round_length(max: f64) -> f64 {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::super::FigureUnit;
+mod tests {
     use super::*;
-    use std::sync::Arc;
-
-    pub fn panel(size: (usize, usize)) -> FigurePanel {
-        let rgba = Arc::new(vec![9; size.0 * size.1 * 4]);
-        let (origin_image, marks, title, legend, bar) = ([-0.5, -0.5], Vec::new(), None, Vec::new(), None);
-        FigurePanel { size, rgba, origin_image, image_px_per_px: 1.0, marks, title, legend, bar }
-    }
 
     #[test]
     fn scale_bars_have_round_lengths_and_letters_go_on() {
         let lengths = [1999.0, 100.0, 49.0, 3.0, 1.0, 0.29].map(round_length);
         assert_eq!(lengths, [1000.0, 100.0, 20.0, 2.0, 1.0, 0.2]);
         assert_eq!([0, 1, 25, 26, 27].map(letter), ["(a)", "(b)", "(z)", "(aa)", "(ab)"]);
-    }
-
-    #[test]
-    fn panels_do_not_overlap_and_lie_on_the_sheet() {
-        let mut titled = panel((40, 30));
-        titled.title = Some("A long title that needs much more room than its picture has".into());
-        titled.bar = Some(ColourBar { colors: vec![[1; 3]; 9], low: "0".into(), high: "0.1 of full scale".into() });
-        let rows = [vec![panel((20, 60)), titled.clone()], vec![titled, panel((10, 10))]];
-        let width = FigureWidth::PxPerPx(2.0);
-        let drawing = lay_out(
-            &rows,
-            &FigureMatches::default(),
-            &FigureOptions { letters: true, width, ..FigureOptions::default() },
-        );
-        let rects: Vec<FigureRect> = pictures(&drawing.shapes).collect();
-        assert_eq!(rects.len(), 4);
-        assert_eq!((rects[0].min[0], rects[1].min[0]), (rects[2].min[0], rects[3].min[0]), "columns are not in line");
-        for (i, a) in rects.iter().enumerate() {
-            assert!((0..2).all(|k| a.min[k] >= 0.0 && a.min[k] + a.size[k] <= drawing.size[k] + 1e-3));
-            let apart =
-                |b: &FigureRect| (0..2).any(|k| a.min[k] + a.size[k] <= b.min[k] || b.min[k] + b.size[k] <= a.min[k]);
-            assert!(rects[..i].iter().all(apart), "{rects:?}");
-        }
-        let letters = |letter: &str| {
-            drawing.shapes.iter().any(|s| matches!(s, FigureShape::Text { text, .. } if text.starts_with(letter)))
-        };
-        assert!(letters("(a)") && letters("(d)") && !letters("(e)"));
-    }
-
-    #[test]
-    fn a_figure_for_print_has_its_width_and_says_once_what_its_panels_share() {
-        let bar = ColourBar { colors: vec![[1; 3]; 9], low: "0".into(), high: "1 of full scale".into() };
-        let title = Some("A: DSC_0001 · Motion stack · slope (2.40, 0.00) px/frame".to_owned());
-        let one = FigurePanel { title, bar: Some(bar), ..panel((1152, 771)) };
-        let entry = |mark, label: &str| LegendEntry { mark, color: [1; 3], label: label.to_owned() };
-        let legend = vec![entry(LegendMark::Line, "456 inliers"), entry(LegendMark::Dashes, "88 outliers")];
-        let matches = FigureMatches { links: Vec::new(), legend };
-        for (mm, font_size) in [(88.0, 6.0), (181.0, 8.0)] {
-            let width = FigureWidth::Millimetres(mm);
-            let options =
-                FigureOptions { width, font_size, letters: true, scale_bar: true, ..FigureOptions::default() };
-            let drawing = lay_out(&[vec![one.clone(), one.clone()]], &matches, &options);
-            assert!((drawing.size[0] - mm * 72.0 / 25.4).abs() < 0.01, "{:?}", drawing.size);
-            assert_eq!(drawing.unit, FigureUnit::Point);
-            let rects: Vec<FigureRect> = pictures(&drawing.shapes).collect();
-            assert_eq!(rects[0].min[1], rects[1].min[1], "pictures of a row are level");
-            let right = rects[1].min[0] + rects[1].size[0];
-            assert!((right - drawing.size[0]).abs() < 0.01, "they fill the width");
-            let says = |part: &str| {
-                let is_said =
-                    |shape: &&FigureShape| matches!(shape, FigureShape::Text { text, .. } if text.contains(part));
-                drawing.shapes.iter().filter(is_said).count()
-            };
-            assert_eq!((says("full scale"), says("inliers"), says("outliers"), says("DSC")), (1, 1, 1, 2));
-        }
     }
 }

@@ -1,30 +1,15 @@
-//! Figures for papers: pictures as shown in the window, with their overlays, as vectors or as pixels.
+//! Panels of figures for papers: pictures as shown in the window, with their overlays.
 //!
-//! [`lay_out`] puts one or several [`FigurePanel`]s on a sheet of paper, which gives a [`Drawing`]: shapes with
-//! positions in its [unit](FigureUnit). [`write_drawing_svg`] writes it as vectors; a caller with fonts can make pixels
-//! or a PDF of it. [`FigureMatches`] joins panels. A feature is a circle, as in the window, a tick along its
-//! orientation, and an arrow along its motion. The image's first pixel has its centre at (0, 0) and covers −0.5 … 0.5.
-//!
-//! A figure for print has a width in millimetres, letters and lines in points, and titles broken to fit.
+//! A feature is a circle, as in the window, a tick along its orientation, and an arrow along its motion. The image's
+//! first pixel has its centre at (0, 0) and covers −0.5 … 0.5. A figure for print has a width in millimetres, letters
+//! and lines in points, and titles broken to fit.
 
-mod fan;
-mod layout;
-mod links;
-mod svg;
-
-pub use fan::{FAN_OPACITY, fan};
-pub use layout::{lay_out, round_length};
-pub use links::{FigureAmount, FigureLink, FigureMatches, MatchKind};
-pub use svg::write_drawing_svg;
-
+use super::shape::{Colour, FigureUnit};
 use crate::burst::{Offset, Positions};
 use crate::detector::Feature;
 use crate::plane::display::Display;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
-
-/// Red, green, blue.
-pub type Colour = [u8; 3];
 
 /// Mark of an entry of a legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -73,7 +58,7 @@ pub struct FigureMark {
     pub orientation: Option<f32>,
     /// Start and end of the arrow of its motion; `None` for no arrow.
     pub motion: Option<[[f32; 2]; 2]>,
-    /// Standard deviation of the arrow's end, of which the arrow has a [`fan()`]; 0 for none.
+    /// Standard deviation of the arrow's end, of which the arrow has a [`fan()`](super::fan()); 0 for none.
     pub motion_sigma: f32,
     /// Colour of the mark.
     pub color: Colour,
@@ -164,50 +149,7 @@ pub struct FigurePanel {
     pub bar: Option<ColourBar>,
 }
 
-/// Unit of a drawing.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum FigureUnit {
-    /// Pixels of the figure.
-    Pixel,
-    /// Points of 1/72 inch.
-    Point,
-}
-
-const POINTS_PER_MM: f32 = 72.0 / 25.4;
-
-/// Format of the file of a figure.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, strum::IntoStaticStr)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-#[serde(rename_all = "snake_case")]
-#[strum(serialize_all = "snake_case")]
-pub enum FigureFormat {
-    /// Vectors, with the font in the file.
-    #[default]
-    Pdf,
-    /// Vectors.
-    Svg,
-    /// Pixels.
-    Png,
-}
-
-impl FigureFormat {
-    /// All formats.
-    pub const ALL: [Self; 3] = [Self::Pdf, Self::Svg, Self::Png];
-
-    /// Ending of the file's name.
-    pub fn extension(self) -> &'static str {
-        self.into()
-    }
-
-    /// The format in a few words.
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Pdf => "Vectors, with the font in the file: as journals ask for it",
-            Self::Svg => "Vectors that drawing programs edit",
-            Self::Png => "Pixels, 300 an inch on paper",
-        }
-    }
-}
+pub(super) const POINTS_PER_MM: f32 = 72.0 / 25.4;
 
 /// Width of a figure, which decides its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -249,103 +191,4 @@ impl Default for FigureOptions {
         let width = FigureWidth::PxPerPx(1.0);
         Self { width, stroke_width: 1.5, font_size: 14.0, letters: false, scale_bar: false }
     }
-}
-
-/// Rectangle of the figure, from its left top corner.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FigureRect {
-    /// Left top corner, (x, y).
-    pub min: [f32; 2],
-    /// Width and height.
-    pub size: [f32; 2],
-}
-
-/// Style of a line.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct FigureStroke {
-    /// Width of the line.
-    pub width: f32,
-    /// Colour of the line.
-    pub color: Colour,
-    /// Opacity, 0 … 1.
-    pub opacity: f32,
-}
-
-/// Shape of a drawing; all lengths in the drawing's unit.
-#[derive(Debug, Clone, PartialEq)]
-#[allow(missing_docs)] // where a name says it
-pub enum FigureShape {
-    /// Pixels, each a rectangle of one colour.
-    Picture {
-        rect: FigureRect,
-        size: (usize, usize),
-        /// Red, green, blue, alpha, row by row.
-        rgba: Arc<Vec<u8>>,
-    },
-    Fill {
-        rect: FigureRect,
-        color: Colour,
-    },
-    Circle {
-        centre: [f32; 2],
-        radius: f32,
-        stroke: FigureStroke,
-        dashed: bool,
-    },
-    /// A line through points.
-    Line {
-        /// Points, at least two.
-        points: Vec<[f32; 2]>,
-        stroke: FigureStroke,
-        /// Whether the line is dashed, with dashes and gaps of [`DASH`] widths.
-        dashed: bool,
-        /// Part of the figure, for editing it: `orientation`, `motion`, `scale`, `match`, `legend`.
-        class: &'static str,
-    },
-    /// A filled area, all of which is seen from its first point: a [`fan()`].
-    Fan {
-        /// Points of the outline, at least three.
-        points: Vec<[f32; 2]>,
-        color: Colour,
-        /// Opacity, 0 … 1.
-        opacity: f32,
-    },
-    Text {
-        /// Left end of the baseline.
-        at: [f32; 2],
-        /// Height of the letters.
-        size: f32,
-        text: String,
-        color: Colour,
-    },
-    /// Shapes clipped to a rectangle.
-    Clipped {
-        /// Rectangle outside which nothing is drawn.
-        rect: FigureRect,
-        /// Shapes, the first at the bottom.
-        shapes: Vec<FigureShape>,
-    },
-}
-
-/// Length of a dash of a line, and of the gap after it, as multiples of the line's width.
-pub const DASH: f32 = 4.0;
-
-/// A figure on a white sheet.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Drawing {
-    /// Width and height.
-    pub size: [f32; 2],
-    /// Unit of all lengths.
-    pub unit: FigureUnit,
-    /// Shapes, the first at the bottom.
-    pub shapes: Vec<FigureShape>,
-    /// Title for screen readers.
-    pub title: String,
-}
-
-fn pictures(shapes: &[FigureShape]) -> impl Iterator<Item = FigureRect> {
-    shapes.iter().filter_map(|shape| match shape {
-        FigureShape::Picture { rect, .. } => Some(*rect),
-        _ => None,
-    })
 }

@@ -2,7 +2,8 @@
 //!
 //! Inliers are solid yellow, outliers dashed vermilion: colours (Okabe and Ito's) and dashes both tell them apart.
 
-use super::{Colour, FigurePanel, FigureRect, FigureShape, FigureStroke, LegendEntry, LegendMark};
+use super::panel::{FigurePanel, LegendEntry, LegendMark};
+use super::shape::{Colour, DASH, FigureRect, FigureShape, FigureStroke};
 use serde::{Deserialize, Serialize};
 
 /// Radius of the ring at an end, as a multiple of the stroke's width.
@@ -144,17 +145,18 @@ pub(super) fn lines_of(
     let mut shapes = Vec::new();
     for link in links {
         let width = stroke_width * link.weight;
-        let stroke = FigureStroke { width, color: link.color, opacity: link.opacity.clamp(0.0, 1.0) };
+        let stroke = FigureStroke { opacity: link.opacity.clamp(0.0, 1.0), ..FigureStroke::new(link.color, width) };
         let ends = [0, 1].map(|i| {
             let (rect, panel) = panels.get(link.panels[i])?;
             seen(rect, panel, link.ends_image[i])
         });
         if let [Some(from), Some(to)] = ends {
-            shapes.push(FigureShape::Line { points: vec![from, to], stroke, dashed: link.dashed, class: "match" });
+            let style = if link.dashed { stroke.dashed([DASH * width; 2]) } else { stroke }.into();
+            shapes.push(FigureShape::Line { points: vec![Some(from), Some(to)], style, class: "match" });
         }
         // A single ring shows that a match exists whose other end is out of sight.
         let radius = RING * width;
-        let ring = |centre| FigureShape::Circle { centre, radius, stroke, dashed: false };
+        let ring = |centre| FigureShape::Circle { centre, radius, style: stroke.into() };
         shapes.extend(ends.into_iter().flatten().map(ring));
     }
     shapes
@@ -167,42 +169,4 @@ fn seen(rect: &FigureRect, panel: &FigurePanel, at_image: [f32; 2]) -> Option<[f
     // NaN is inside of nothing.
     let inside = (0..2).all(|i| (rect.min[i]..=rect.min[i] + rect.size[i]).contains(&at[i]));
     inside.then_some(at)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::super::layout::tests::panel;
-    use super::super::{FigureOptions, FigureWidth, lay_out, pictures};
-    use super::*;
-
-    #[test]
-    fn lines_go_from_place_to_place_and_what_is_out_of_sight_is_left_out() {
-        let rows = vec![vec![FigurePanel { origin_image: [9.5, -0.5], ..panel((20, 10)) }; 2]];
-        let options = FigureOptions { width: FigureWidth::PxPerPx(2.0), ..FigureOptions::default() };
-        let (panels, ends_image) = ([0, 1], [[9.5, -0.5], [29.5, 9.5]]);
-        let link = FigureLink { panels, ends_image, color: [1; 3], opacity: 1.0, weight: 1.0, dashed: false };
-        let drawn = |links: &[FigureLink]| {
-            let matches = FigureMatches { links: links.to_vec(), legend: Vec::new() };
-            let (plain, with) =
-                (lay_out(&rows, &FigureMatches::default(), &options), lay_out(&rows, &matches, &options));
-            let rects: Vec<FigureRect> = pictures(&with.shapes).collect();
-            (rects, with.shapes[plain.shapes.len()..].to_vec())
-        };
-        let (rects, shapes) = drawn(&[link]);
-        let [FigureShape::Line { points, .. }, FigureShape::Circle { .. }, FigureShape::Circle { .. }] = &shapes[..]
-        else {
-            panic!("a line and its ends: {shapes:?}");
-        };
-        let corner = [rects[1].min[0] + rects[1].size[0], rects[1].min[1] + rects[1].size[1]];
-        assert_eq!(points.as_slice(), [rects[0].min, corner]);
-        let kinds = |links: &[FigureLink]| {
-            let (_, shapes) = drawn(links);
-            let lines = shapes.iter().filter(|shape| matches!(shape, FigureShape::Line { .. })).count();
-            (lines, shapes.len() - lines)
-        };
-        assert_eq!(kinds(&[FigureLink { ends_image: [[9.5, -0.5], [5.0, 5.0]], ..link }]), (0, 1), "one end is seen");
-        assert_eq!(kinds(&[FigureLink { ends_image: [[f32::NAN, 0.0], [1e20, 5.0]], ..link }]), (0, 0));
-        assert_eq!(kinds(&[FigureLink { panels: [0, 7], ..link }]), (0, 1));
-        assert_eq!(kinds(&[FigureLink { dashed: true, ..link }]), (1, 2), "dashes are one line");
-    }
 }

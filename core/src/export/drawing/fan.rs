@@ -24,27 +24,3 @@ pub fn fan(middle: [f32; 2], tip: [f32; 2], sigma: f32) -> Option<Vec<[f32; 2]>>
     });
     Some(std::iter::once(from).chain(around).collect())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_fan_touches_the_circle_of_its_tip_and_a_large_one_is_that_circle() {
-        let (middle, tip) = ([10.0, 20.0], [40.0, 20.0]);
-        let points = fan(middle, tip, 10.0).expect("large enough");
-        let bounds = |i: usize| {
-            let along = || points.iter().map(|point| point[i]);
-            (along().fold(f32::INFINITY, f32::min), along().fold(f32::NEG_INFINITY, f32::max))
-        };
-        let ((left, right), (top, bottom)) = (bounds(0), bounds(1));
-        assert!((left - 10.0).abs() < 1e-3 && (right - 50.0).abs() < 1e-3, "{points:?}");
-        assert!((9.0..=10.001).contains(&(0.5 * (bottom - top))), "{points:?}");
-        let large = fan(middle, tip, 40.0).expect("large enough");
-        let reach = |point: &[f32; 2]| (point[0] - tip[0]).hypot(point[1] - tip[1]);
-        assert!(large[0] == tip && large[1..].iter().all(|point| (reach(point) - 40.0).abs() < 1e-3));
-        for none in [0.0, 2.9, f32::INFINITY, f32::NAN] {
-            assert_eq!(fan(middle, tip, none), None, "{none}");
-        }
-    }
-}

@@ -1,16 +1,17 @@
 //! Plots on a [`Sheet`]: lines over axes with their spread, and a legend.
 
-use super::sheet::{Anchor, Area, GRID, INK, Sheet};
+use super::shape::{Anchor, Colour, Dashes, FigureStroke, Style};
+use super::sheet::{Area, GRID, INK, Sheet, WHITE, ticks};
 
 /// A line of a plot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Series {
     /// Label in the legend.
     pub label: String,
-    /// Colour, in SVG's form.
-    pub colour: &'static str,
-    /// Dashes, in SVG's form; empty for a solid line.
-    pub dashes: &'static str,
+    /// Colour of the line.
+    pub colour: Colour,
+    /// Dashes of the line.
+    pub dashes: Dashes,
     /// Width, pixels.
     pub width: f64,
     /// Points, from left to right. Points that are not finite break the line.
@@ -49,6 +50,21 @@ pub struct Plot<'a> {
     pub series: &'a [Series],
 }
 
+impl Series {
+    /// A line without a dot.
+    pub fn new(label: &str, (colour, dashes): (Colour, Dashes), width: f64, points: Vec<SeriesPoint>) -> Self {
+        Self { label: label.to_owned(), colour, dashes, width, points, dot: None }
+    }
+
+    fn stroke(&self) -> FigureStroke {
+        FigureStroke { dashes: self.dashes, ..FigureStroke::new(self.colour, self.width as f32) }
+    }
+
+    fn dot_style(&self) -> Style {
+        Style { fill: Some((self.colour, 1.0)), stroke: Some(WHITE.into()) }
+    }
+}
+
 /// Range from 0 to a little above the largest finite value of the points with their spread, or `least` (above 0).
 pub fn range_from_zero(series: &[Series], least: f64) -> (f64, f64) {
     let tops = series.iter().flat_map(|s| &s.points).flat_map(|p| [p.y, p.spread.map_or(p.y, |[_, high]| high)]);
@@ -62,46 +78,43 @@ impl Sheet {
         let x_of = |x: f64| area.x + part(x, plot.range_x) * area.width;
         let y_of = |y: f64| area.bottom() - part(y, plot.range_y) * area.height;
         // The grid first, under everything.
-        for tick in super::sheet::ticks(plot.range_y) {
-            self.line((area.x, y_of(tick)), (area.right(), y_of(tick)), GRID, "");
+        for tick in ticks(plot.range_y) {
+            self.line((area.x, y_of(tick)), (area.right(), y_of(tick)), GRID);
         }
-        for tick in super::sheet::ticks(plot.range_x) {
-            self.line((x_of(tick), area.y), (x_of(tick), area.bottom()), GRID, "");
+        for tick in ticks(plot.range_x) {
+            self.line((x_of(tick), area.y), (x_of(tick), area.bottom()), GRID);
         }
-        self.styled_text((area.x, area.y - 10.0), 13.0, Anchor::Start, r#"font-weight="bold""#, plot.title);
+        self.heading((area.x, area.y - 10.0), 13.0, plot.title);
         self.axis_below(area, plot.range_x, plot.label_x);
         self.axis_left(area, plot.range_y, plot.label_y);
         self.clipped(area, |sheet| {
             for series in plot.series {
-                let Series { colour, dashes, width, points, .. } = series;
+                let Series { colour, points, .. } = series;
                 // A missing value is a gap, not a straight line to the next one.
                 let finite = |p: &SeriesPoint| (p.x.is_finite() && p.y.is_finite()).then(|| (x_of(p.x), y_of(p.y)));
-                let style = format!(
-                    r#"stroke="{colour}" stroke-width="{width}" stroke-dasharray="{dashes}" stroke-linejoin="round""#
-                );
                 for &SeriesPoint { x, y, spread } in points {
                     let is_finite = |ends: &[f64; 2]| [x, y, ends[0], ends[1]].iter().all(|n| n.is_finite());
                     if let Some([low, high]) = spread.filter(is_finite) {
-                        let style = r#"stroke-width="1.2" stroke-opacity="0.75""#;
-                        sheet.line((x_of(x), y_of(low)), (x_of(x), y_of(high)), colour, style);
+                        let bar = FigureStroke { opacity: 0.75, ..FigureStroke::new(*colour, 1.2) };
+                        sheet.line((x_of(x), y_of(low)), (x_of(x), y_of(high)), bar);
                     }
                 }
-                sheet.polyline(points.iter().map(finite), &style);
+                sheet.polyline(points.iter().map(finite), series.stroke());
                 if plot.has_dots {
                     for place in points.iter().filter_map(finite) {
-                        sheet.circle(place, 3.2, &format!(r#"fill="{colour}" stroke="white""#));
+                        sheet.circle(place, 3.2, series.dot_style());
                     }
                 }
             }
         });
         // Drawn after the lines, which touch the axes.
         let (left, bottom) = ((area.x, area.y), (area.x, area.bottom()));
-        self.line(left, bottom, INK, "");
-        self.line(bottom, (area.right(), area.bottom()), INK, "");
+        self.line(left, bottom, INK);
+        self.line(bottom, (area.right(), area.bottom()), INK);
         // Outside of the clipped part: a dot on an axis is seen whole.
         for (series, (x, y)) in plot.series.iter().filter_map(|series| Some((series, series.dot?))) {
             if x <= plot.range_x.1 && y <= plot.range_y.1 {
-                self.circle((x_of(x), y_of(y)), 3.6, &format!(r#"fill="{}" stroke="white""#, series.colour));
+                self.circle((x_of(x), y_of(y)), 3.6, series.dot_style());
             }
         }
     }
@@ -109,15 +122,14 @@ impl Sheet {
     /// Draws the lines with their names from `at` in rows of at most `width`; returns the position of the next row.
     pub fn legend(&mut self, at: (f64, f64), width: f64, series: &[Series]) -> f64 {
         let (mut x, mut y) = at;
-        for Series { label, colour, dashes, width: stroke, .. } in series {
+        for one in series {
             // About 6.3 px for each letter at this size.
-            let needed = 42.0 + 6.3 * label.chars().count() as f64 + 20.0;
+            let needed = 42.0 + 6.3 * one.label.chars().count() as f64 + 20.0;
             if x > at.0 && x + needed > at.0 + width {
                 (x, y) = (at.0, y + 20.0);
             }
-            let style = format!(r#"stroke-width="{stroke}" stroke-dasharray="{dashes}""#);
-            self.line((x, y), (x + 36.0, y), colour, &style);
-            self.text((x + 42.0, y + 4.0), 12.0, Anchor::Start, label);
+            self.line((x, y), (x + 36.0, y), one.stroke());
+            self.text((x + 42.0, y + 4.0), 12.0, Anchor::Start, &one.label);
             x += needed;
         }
         y + 20.0

@@ -1,0 +1,157 @@
+//! Plots and tables: every ending gives a file of its kind, with the numbers of the report.
+
+use super::support::{names, run_badly, run_well};
+use serde_json::Value;
+use std::path::Path;
+
+const FORMATS: [(&str, &[u8]); 5] =
+    [("svg", b"<svg "), ("pdf", b"%PDF-1.7"), ("png", b"\x89PNG\r\n"), ("csv", b""), ("tex", b"% ")];
+
+fn json(home: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&run_well(home, arguments)).expect("a document")
+}
+
+/// Runs the command with each ending at `option`; returns the rows of its CSV, the header first, and its LaTeX.
+fn written(home: &Path, command: &[&str], option: &str) -> (Vec<Vec<String>>, String) {
+    for (ending, start) in FORMATS {
+        let file = format!("x.{ending}");
+        let said = run_well(home, &[command, &[option, &file]].concat());
+        let bytes = std::fs::read(home.join(&file)).expect("written");
+        assert!(said.contains(&format!("wrote {file}")) && bytes.starts_with(start), "{command:?} {file}");
+        // A table has no mark, and is known by its header; what is not the program's stays.
+        if ending == "csv" {
+            run_well(home, &[command, &[option, &file]].concat());
+        }
+        std::fs::write(home.join(format!("mine.{ending}")), "mine\n").expect("written");
+        run_badly(home, &[command, &[option, &format!("mine.{ending}")]].concat(), 1);
+    }
+    for wrong in ["x.gif", "x"] {
+        let error = run_badly(home, &[command, &[option, wrong]].concat(), 2);
+        assert!(error.contains("end the name in .pdf, .svg, .png, .csv or .tex"), "{error}");
+        assert!(!names(home).contains(&wrong.to_owned()));
+    }
+    let read = |file: &str| std::fs::read_to_string(home.join(file)).expect("text");
+    let svg = read("x.svg");
+    roxmltree::Document::parse(&svg).expect("sound XML");
+    let cells = |line: &str| {
+        let parts = line.split('"').enumerate();
+        let masked = parts.map(|(i, part)| if i % 2 == 0 { part.replace(',', "\u{1}") } else { part.to_owned() });
+        masked.collect::<String>().split('\u{1}').map(str::to_owned).collect()
+    };
+    (read("x.csv").lines().map(cells).collect(), read("x.tex"))
+}
+
+fn column(rows: &[Vec<String>], name: &str) -> Vec<f64> {
+    let at = rows[0].iter().position(|head| head == name).unwrap_or_else(|| panic!("{name} of {:?}", rows[0]));
+    rows[1..].iter().map(|row| row[at].parse().unwrap_or(f64::NAN)).collect()
+}
+
+fn numbers(rows: &Value, of: impl Fn(&Value) -> &Value) -> Vec<f64> {
+    rows.as_array().expect("rows").iter().map(|row| of(row).as_f64().unwrap_or(f64::NAN)).collect()
+}
+
+/// Both as they are shown with so many decimals, where they are known.
+fn has_all(latex: &str, numbers: &[f64], decimals: usize) -> bool {
+    numbers.iter().filter(|x| x.is_finite()).all(|x| latex.contains(&format!("& {x:.decimals$} ")))
+}
+
+#[test]
+fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
+    let home = tempfile::tempdir().expect("a folder");
+    let line = ["demo-low-contrast", "--slopes-u", "-2:2:5", "--octaves", "2"];
+    let slopes = [&["slopes"][..], &line].concat();
+    let (rows, latex) = written(home.path(), &slopes, "--plot");
+    let bars = &json(home.path(), &[&slopes[..], &["--json"]].concat())["spectrum"]["bars"];
+    assert_eq!(column(&rows, "slope_u"), numbers(bars, |bar| &bar["slope"]["u"]));
+    assert_eq!(column(&rows, "features"), numbers(bars, |bar| &bar["features"]));
+    assert_eq!(column(&rows, "evidence"), numbers(bars, |bar| &bar["evidence"]));
+    assert!(has_all(&latex, &column(&rows, "evidence")[..1], 3) || has_all(&latex, &column(&rows, "slope_v"), 3));
+
+    let probe = [&["probe"][..], &line, &["--at", "160,120"]].concat();
+    let (rows, latex) = written(home.path(), &probe, "--plot");
+    let answer = &json(home.path(), &[&probe[..], &["--json"]].concat())["probe"];
+    let snr = answer["response"]["snr"].as_array().expect("rows").iter().flat_map(|row| numbers(row, |x| x));
+    let frames = answer["shares"]["frames"].as_array().expect("frames").iter().filter(|frame| frame["covers"] == true);
+    let values = frames.map(|frame| frame["value"].as_f64().expect("a number"));
+    assert_eq!(column(&rows, "y"), snr.chain(values).collect::<Vec<_>>());
+    assert!(latex.contains("response of each frame"), "{latex}");
+
+    let recover = [&["recover"][..], &line, &["--copies", "1"]].concat();
+    let (rows, _) = written(home.path(), &recover, "--plot");
+    assert!(rows[0].join(",") == "set,plot,curve,x,y,low,high" && rows.len() > 5);
+    let (rows, latex) = written(home.path(), &recover, "--table");
+    let planted = &json(home.path(), &[&recover[..], &["--json"]].concat())["planted"];
+    assert_eq!(column(&rows, "snr"), numbers(planted, |one| &one["snr"]));
+    assert_eq!(column(&rows, "u"), numbers(planted, |one| &one["truth"]["u"]));
+    assert!(has_all(&latex, &column(&rows, "u"), 3));
+}
+
+#[test]
+fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
+    let home = tempfile::tempdir().expect("a folder");
+    let small = ["--width", "260", "--height", "200", "--discs", "8", "--radius", "3.6:19", "--seeds", "1"];
+    let methods = ["--methods", "sift-frame,buff-1d"];
+    let chart = [&["evaluate", "chart", "--snr", "2"][..], &small, &methods].concat();
+    let (rows, _) = written(home.path(), &chart, "--plot");
+    let report = json(home.path(), &[&chart[..], &["--json"]].concat());
+    let roc = |of: usize| numbers(&report["rows"][0]["methods"][of]["roc"], |x| x);
+    let y = column(&rows, "y");
+    assert!(roc(0).starts_with(&y[..1]) && y.len() > 2, "{y:?}");
+    let (rows, latex) = written(home.path(), &chart, "--table");
+    let of_methods = &report["rows"][0]["methods"];
+    let found = numbers(of_methods, |method| &method["true_positives"]["mean"]);
+    assert_eq!((column(&rows, "found"), column(&rows, "snr")), (found.clone(), vec![2.0; 2]));
+    assert!(has_all(&latex, &found, 1));
+
+    let frames = [&["evaluate", "frames", "--snr", "2", "--frame-counts", "4,2"][..], &small, &methods].concat();
+    let (rows, _) = written(home.path(), &frames, "--table");
+    let report = json(home.path(), &[&frames[..], &["--json"]].concat());
+    let found = |row: usize| numbers(&report["rows"][row]["methods"], |method| &method["true_positives"]["mean"]);
+    assert_eq!(column(&rows, "found"), [found(0), found(1)].concat());
+    written(home.path(), &frames, "--plot");
+
+    let burst = ["evaluate", "frames", "demo-low-contrast", "--frame-counts", "3,5", "--slopes-u", "-1:1:3"];
+    let (rows, latex) = written(home.path(), &burst, "--table");
+    let report = json(home.path(), &[&burst[..], &["--json"]].concat());
+    assert_eq!(column(&rows, "confirmed"), numbers(&report["rows"], |row| &row["confirmed"]));
+    assert!(has_all(&latex, &column(&rows, "confirmed"), 0));
+    written(home.path(), &burst, "--plot");
+
+    let accuracy = [&["evaluate", "accuracy", "--snr", "5", "--apart-discs", "0"][..], &small].concat();
+    let (rows, _) = written(home.path(), &accuracy, "--table");
+    let report = json(home.path(), &[&accuracy[..], &["--json"]].concat());
+    let medians = ["u", "v", "scale", "slope_u", "slope_v"].map(|name| &report["rows"][0][name]["median_magnitude"]);
+    let medians = medians.map(|median| median.as_f64().unwrap_or(f64::NAN));
+    assert_eq!(format!("{:?}", &column(&rows, "median")[..5]), format!("{medians:?}"));
+
+    let noise = ["evaluate", "noise", "--case", "white", "--megapixels", "0.1", "--method", "sift"];
+    let (rows, _) = written(home.path(), &noise, "--table");
+    let report = json(home.path(), &[&noise[..], &["--json"]].concat());
+    let search = &report["rows"][0]["searches"];
+    assert_eq!(column(&rows, "false_features"), numbers(search, |search| &search["false_features"]));
+    assert_eq!(column(&rows, "per_megapixel"), numbers(search, |search| &search["per_megapixel"]));
+}
+
+#[test]
+fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
+    let home = tempfile::tempdir().expect("a folder");
+    let way = ["synth", "trajectory", "--out", "way", "--bursts", "3", "--frames", "5", "--width", "240"];
+    run_well(home.path(), &[&way[..], &["--height", "180"]].concat());
+    let matches = ["evaluate", "matches", "way/bursts", "--methods", "sift-frame,buff-1d", "--slopes-u", "-1:1:3"];
+    let (rows, _) = written(home.path(), &matches, "--table");
+    let report = json(home.path(), &[&matches[..], &["--json"]].concat());
+    for name in ["keypoints_per_image", "match_score", "verified_pairs"] {
+        assert_eq!(column(&rows, name), numbers(&report["methods"], |method| &method[name]), "{name}");
+    }
+
+    let poses = "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0.5 0 0 0 0 1\n3 3 0 1 0 0 0 1\n";
+    std::fs::write(home.path().join("truth.txt"), poses).expect("written");
+    std::fs::write(home.path().join("found.txt"), poses.replace("2 2 0.5", "2 2 0.4")).expect("written");
+    let poses = ["evaluate", "poses", "--estimate", "found.txt", "--truth", "truth.txt"];
+    let (rows, latex) = written(home.path(), &poses, "--table");
+    let report = json(home.path(), &[&poses[..], &["--json"]].concat());
+    let rmse = ["absolute", "relative"].map(|of| ["translation", "rotation_deg"].map(|e| &report[of][e]["rmse"]));
+    let rmse: Vec<f64> = rmse.as_flattened().iter().map(|x| x.as_f64().expect("a number")).collect();
+    assert_eq!(column(&rows, "rmse"), rmse);
+    assert!(has_all(&latex, &rmse, 6));
+}
