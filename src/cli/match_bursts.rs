@@ -134,12 +134,12 @@ fn check_format(format: FigureFormat) -> Result<(), Failure> {
 }
 
 #[cfg(feature = "app")]
-fn write_figure(path: &Path, drawing: &Drawing) -> Result<(), Failure> {
+pub(super) fn write_figure(path: &Path, drawing: &Drawing) -> Result<(), Failure> {
     crate::app::figure::write_drawing(path, drawing).map_err(|problem| Failure::Failed(anyhow::anyhow!(problem)))
 }
 
 #[cfg(not(feature = "app"))]
-fn write_figure(path: &Path, drawing: &Drawing) -> Result<(), Failure> {
+pub(super) fn write_figure(path: &Path, drawing: &Drawing) -> Result<(), Failure> {
     Ok(crate::export::write_drawing_svg(path, drawing)?)
 }
 

@@ -5,6 +5,7 @@
 //! error. Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
 pub mod args;
+pub mod burst_report;
 pub mod case;
 pub mod charts_args;
 #[cfg(feature = "colmap")]
@@ -142,6 +143,7 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Probe(args)) => probe::run(args),
         Some(Command::Recover(args)) => recover::run(args),
         Some(Command::Decoys(args)) => decoys::run(args),
+        Some(Command::Report(args)) => burst_report::run(args),
         #[cfg(feature = "app")]
         Some(Command::Film(args)) => film::run(args),
         Some(Command::Case(args)) => case::run(args),

@@ -32,6 +32,7 @@ mod real;
 mod reconstructing;
 mod recovering;
 mod remaking;
+mod reporting;
 mod requests;
 mod samples;
 mod support;

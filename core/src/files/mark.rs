@@ -48,7 +48,7 @@ pub enum OutputKind {
     Film,
     /// SVG or PDF.
     Drawing,
-    /// HTML.
+    /// HTML or Markdown.
     Page,
     /// Features, or a field of motion, in NumPy's archive.
     Features,
