@@ -5,7 +5,7 @@ use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, Evalua
 use super::evaluate_tables::{accuracy_tables, chart_table, noise_table};
 use super::failure::Failure;
 use super::study::{StudySearch, chart_study, check_plot, searched, write_plot};
-use super::{evaluate_frames, evaluate_matches, evaluate_poses};
+use super::{evaluate_advice, evaluate_frames, evaluate_matches, evaluate_poses};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
@@ -21,6 +21,7 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
         EvaluateStudy::Frames(args) => evaluate_frames::run(args),
         EvaluateStudy::Accuracy(args) => accuracy(args),
         EvaluateStudy::Noise(args) => noise(args),
+        EvaluateStudy::Advice(args) => evaluate_advice::run(args),
         EvaluateStudy::Matches(args) => evaluate_matches::run(args),
         EvaluateStudy::Poses(args) => evaluate_poses::run(args),
     }

@@ -15,6 +15,7 @@ mod console;
 pub mod decoys;
 mod detect;
 mod evaluate;
+pub mod evaluate_advice;
 pub mod evaluate_args;
 pub mod evaluate_frames;
 pub mod evaluate_matches;
