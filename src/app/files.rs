@@ -300,13 +300,15 @@ fn report_work(model: Read<'_>) -> Result<Work, String> {
             None => Arc::new(source.trail(&monitor).map_err(|error| error.to_string())?),
         };
         let OpenBurst { burst, source, .. } = &source.burst;
-        let info = source.info(&calibration, &monitor).map(|info| Info { name: burst.name.clone(), ..info });
-        let of_page = |info| BurstPage::of(&cache, burst, info, (&places, &DecoyStudy::default()), &monitor);
-        let page = info.and_then(of_page).map_err(|error| error.to_string())?;
+        let page = source.info(&calibration, &monitor).and_then(|info| {
+            let info = Info { name: burst.name.clone(), ..info };
+            BurstPage::of((&cache, burst, info), &places, &DecoyStudy::default(), &monitor)
+        });
+        let page = page.map_err(|error| error.to_string())?;
         if is_text {
             return export::write_text(path, OutputKind::Page, page.markdown()).map_err(|error| error.to_string());
         }
-        write_drawing(path, &page_drawing(&page, &cache, &monitor).map_err(|error| error.to_string())?)
+        write_drawing(path, &page_drawing(&page, &monitor).map_err(|error| error.to_string())?)
     }))
 }
 

@@ -13,7 +13,6 @@ use crate::inspect::ProbeCache;
 use crate::inspect::place::check_place;
 use crate::inspect::report::BurstPage;
 use crate::inspect::result::DecoyStudy;
-use crate::monitor::Stage;
 use crate::requests::page_drawing;
 use clap::Args;
 use serde_json::json;
@@ -49,10 +48,9 @@ Examples:
   burstscope report night/ --out night.md
   burstscope report night/ --out night.pdf --at 412,230 --at 96,58
 
-JSON (--json), beside version, params, name, inputs, width, height, slope_grid and file:
-  \"page\": {\"info\": {as of 'info'}, \"notes\": [text], \"features\", \"frame_noise\", \"noise_gate_factor\", \"noise_warnings\": [text],
-    \"tally\": {as of 'detect'}, \"spectrum\": {as of 'slopes'}, \"decoys\": {as of 'decoys'} or null, \"no_decoys\": the reason where it is null,
-    \"places\": [{as \"probe\" of 'probe'}]}";
+JSON (--json), beside version, params, inputs and file:
+  {\"info\": {as of 'info'}, \"notes\": [text], \"features\", \"frame_noise\", \"noise_gate_factor\", \"tally\": {as of 'detect'}, \"spectrum\": {as of 'slopes'},
+   \"decoys\": {as of 'decoys'} or null, \"no_decoys\": the reason or null, \"places\": [{as \"probe\" of 'probe'}]}";
 
 const ENDINGS: &[&str] = if cfg!(feature = "app") { &["md", "svg", "pdf"] } else { &["md", "svg"] };
 
@@ -67,39 +65,43 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let OneBurst { console, input, options, rules } =
         args.run.begin("report", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let silent = console.monitor.silent();
-    let info = input.source.clone()?.info(&options, &silent)?;
+    let info = Info { name: input.name.clone(), ..input.source.clone()?.info(&options, &silent)? };
     let burst = input.open_to_search(&options, &params, &silent)?;
     // Checked before the long search. Of too few frames the page says so.
-    args.study.check(&params, burst.len()).or_else(|error| match error.subject == "copies" {
+    let is_known = args.study.check(&params, burst.len()).or_else(|error| match error.subject == "copies" {
         true => Err(error),
         false => Ok(()),
-    })?;
-    args.at.iter().try_for_each(|place| check_place(*place, burst.size()))?;
+    });
+    is_known.and_then(|()| args.at.iter().try_for_each(|place| check_place(*place, burst.size())))?;
     let cache = ProbeCache::new(&burst, &params, &console.monitor.part(0.0, SEARCH_SHARE))?;
     let rest = console.monitor.part(SEARCH_SHARE, 1.0 - SEARCH_SHARE);
-    let info = Info { name: input.name.clone(), ..info };
-    let page = BurstPage::of(&cache, &burst, info, (&args.at, &args.study), &rest)?;
+    let page = BurstPage::of((&cache, &burst, info), &args.at, &args.study, &rest)?;
     let is_text = args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("md"));
-    let drawing = if is_text { None } else { Some(page_drawing(&page, &cache, &silent)?) };
+    let drawing = if is_text { None } else { Some(page_drawing(&page, &silent)?) };
     console.monitor.check()?;
-    console.monitor.report(Stage::Write, 0.0);
     rules.check(&args.out)?;
     match drawing {
         None => write_text(&args.out, OutputKind::Page, page.markdown())?,
         Some(drawing) => write_figure(&args.out, &drawing)?,
     }
     console.say(&format!("wrote {}\n", args.out.display()))?;
+    let detection = cache.detection();
     console.say_document(
         "report",
         &json!({
             "params": params,
-            "name": input.name,
             "inputs": input.path_texts(),
-            "width": burst.size().0,
-            "height": burst.size().1,
-            "slope_grid": cache.params().used_slopes(),
             "file": path_text(&args.out),
-            "page": page,
+            "info": page.info,
+            "notes": burst.notes().iter().map(|note| &note.text).collect::<Vec<_>>(),
+            "features": detection.features.len(),
+            "frame_noise": detection.frame_noise,
+            "noise_gate_factor": detection.noise_gate_factor,
+            "tally": detection.tally,
+            "spectrum": page.spectrum,
+            "decoys": page.decoys.as_ref().ok(),
+            "no_decoys": page.decoys.as_ref().err(),
+            "places": page.places,
         }),
     )
 }

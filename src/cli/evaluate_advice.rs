@@ -4,8 +4,7 @@ use super::args::OutputArgs;
 use super::console::Console;
 use super::evaluate_tables::{or_dash, table};
 use super::failure::Failure;
-use crate::evaluate::AdviceStudy;
-use crate::evaluate::advice::{AdviceKind, AdviceReport, AdvisedBurst, Statement};
+use crate::evaluate::advice::{AdviceReport, AdviceStudy, AdvisedBurst, Statement};
 use clap::Args;
 
 /// Count how often the sentence about the slopes is right, on bursts whose motion is known.
@@ -24,41 +23,41 @@ pub struct AdviceArgs {
 
 const ADVICE_HELP: &str = "\
 JSON (--json):
-  {\"version\", \"command\": \"evaluate advice\", \"width\", \"height\", \"frames\", \"first_seed\", \"seeds\",
-   \"rows\": [{\"said\": fits, range, step, direction, cost, times, frames or unknown, \"true\": {statement: bursts}, \"wrong\"}], \"wrong_share\" of what is said and not unknown, or null,
-   \"bursts\": [{\"kind\", \"snr\", \"seed\", \"said\", \"true\", \"sentence\"}]}";
+  {\"version\", \"command\": \"evaluate advice\", \"snrs\", \"seeds\", \"first_seed\",
+   \"said\": {statement: {what is true: bursts}}, each of fits, range, step, direction, cost, times, frames and unknown,
+   \"wrong_share\" of what is said and not unknown, or null, \"bursts\": [{\"kind\", \"snr\", \"seed\", \"said\", \"true\", \"sentence\"}]}";
 
 pub(super) fn run(args: &AdviceArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let report = args.study.run(&console.monitor)?;
-    console.say(&advice_tables(&report, &args.study.snrs))?;
+    console.say(&advice_tables(&report))?;
     console.say_document("evaluate advice", &report)
 }
 
-fn advice_tables(report: &AdviceReport, snrs: &[f64]) -> String {
-    let AdviceReport { width, height, frames, first_seed, seeds, rows, bursts, .. } = report;
-    let heads = ["said \\ true"].into_iter().chain(Statement::ALL.map(Statement::name)).chain(["wrong"]);
-    let said = rows.iter().map(|row| {
-        let counts = Statement::ALL.map(|truth| row.of.get(&truth).map_or(String::new(), ToString::to_string));
-        [row.said.name().to_owned()].into_iter().chain(counts).chain([row.wrong.to_string()]).collect()
+fn advice_tables(report: &AdviceReport) -> String {
+    let AdviceReport { study: AdviceStudy { snrs, seeds, first_seed }, said, bursts, .. } = report;
+    let name = |statement: &Statement| format!("{statement:?}").to_lowercase();
+    let heads: Vec<String> = ["said \\ true".to_owned()].into_iter().chain(Statement::ALL.iter().map(name)).collect();
+    let rows = said.iter().map(|(said, of)| {
+        let counts = Statement::ALL.map(|truth| of.get(&truth).map_or(String::new(), ToString::to_string));
+        [name(said)].into_iter().chain(counts).collect()
     });
     let share = or_dash(report.wrong_share, |share| format!("{:.1} %", 100.0 * share));
     let text = format!(
-        "{seeds} bursts of {frames} frames of {width}×{height} for each kind and SNR, seeds from {first_seed}\n\n\
-         What is said of the slopes, and what is true\n{}wrong, of what is said and not unknown: {share}\n\n\
-         Right, wrong and unknown by kind of burst\n",
-        table(&heads.collect::<Vec<_>>(), said)
+        "{seeds} bursts for each kind and SNR, seeds from {first_seed}\n\n{}wrong, of what is said and not unknown: {share}\n\n",
+        table(&heads, rows)
     );
-    let heads = ["kind".to_owned()].into_iter().chain(snrs.iter().map(|snr| format!("SNR {snr}")));
-    let by_kind = AdviceKind::ALL.into_iter().map(|kind| {
-        let cell = |snr: &f64| {
-            let count = |counts: &dyn Fn(&AdvisedBurst) -> bool| {
-                bursts.iter().filter(|burst| burst.kind == kind && burst.snr == *snr && counts(burst)).count()
-            };
-            let (right, wrong) = (count(&|burst| burst.said == burst.truth), count(&AdvisedBurst::is_wrong));
-            format!("{right} {wrong} {}", count(&|burst| burst.said != burst.truth && !burst.is_wrong()))
+    let heads: Vec<String> =
+        ["right, wrong, unknown".to_owned()].into_iter().chain(snrs.iter().map(|snr| format!("SNR {snr}"))).collect();
+    // All bursts of a kind lie together, and so do those of a ratio.
+    let by_kind = bursts.chunk_by(|a, b| a.kind == b.kind).map(|of_kind| {
+        let cell = |of_snr: &[AdvisedBurst]| {
+            let right = of_snr.iter().filter(|burst| burst.said == burst.truth).count();
+            let wrong = of_snr.iter().filter(|burst| burst.is_wrong()).count();
+            format!("{right} {wrong} {}", of_snr.len() - right - wrong)
         };
-        [kind.name().to_owned()].into_iter().chain(snrs.iter().map(cell)).collect()
+        let cells = of_kind.chunks(*seeds as usize).map(cell);
+        [of_kind[0].kind.to_owned()].into_iter().chain(cells).collect()
     });
-    text + &table(&heads.collect::<Vec<_>>(), by_kind)
+    text + &table(&heads, by_kind)
 }

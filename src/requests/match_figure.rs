@@ -9,7 +9,6 @@ use crate::export::{
     ColourBar, Drawing, FigureAmount, FigureLink, FigureMatches, FigureOptions, FigurePanel, FigureWidth, MatchKind,
     lay_out,
 };
-use crate::inspect::ProbeCache;
 use crate::inspect::report::BurstPage;
 use crate::inspect::slopes::{features_at_slopes, slope_with_most_features};
 use crate::inspect::words::{number, slope_text};
@@ -62,11 +61,12 @@ impl MatchPictures {
     }
 }
 
-/// The page of the burst of `cache` as a drawing, with the picture that the figure of a match has of it.
-pub fn page_drawing(page: &BurstPage, cache: &ProbeCache, monitor: &Monitor) -> Result<Drawing, Error> {
+/// The page of a burst as a drawing, with the picture that the figure of a match has of it.
+pub fn page_drawing(page: &BurstPage<'_>, monitor: &Monitor) -> Result<Drawing, Error> {
+    let cache = page.cache;
     let of = DetectedBurst { burst: &cache.burst, params: cache.params(), detection: cache.detection() };
     let (picture, shown) = MatchPictures::default().of(&of, monitor)?;
-    Ok(page.drawing((&picture, &shown), &of.detection.features))
+    Ok(page.drawing(&picture, &shown))
 }
 
 /// Width over height above which two pictures are larger one above the other.

@@ -22,7 +22,7 @@ const LINE: [&str; 3] = ["demo", "--slopes-u", "-3:3:13"];
 fn a_report_says_what_the_other_commands_say() {
     let home = tempfile::tempdir().expect("a folder");
     let ask = |arguments: &[&str]| json(home.path(), &[arguments, &LINE[..], &["--json"]].concat());
-    let page = &ask(&["report", "--out", "r.md", "--at", "92,58", "--at", "12,34", "--copies", "2"])["page"];
+    let page = &ask(&["report", "--out", "r.md", "--at", "92,58", "--at", "12,34", "--copies", "2"]);
     let detected = &ask(&["detect", "--out", "found"])["bursts"][0];
     for key in ["features", "frame_noise", "noise_gate_factor", "tally"] {
         assert_eq!(page[key], detected[key], "{key}");
@@ -66,9 +66,14 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|node| node.has_tag_name(tag)).count();
     let features =
-        json(home.path(), &[&["report", "--out", "r.svg", "--json"], &LINE[..]].concat())["page"]["features"].clone();
+        json(home.path(), &[&["report", "--out", "r.svg", "--json"], &LINE[..]].concat())["features"].clone();
     assert_eq!((count("image"), Some(count("circle") as u64)), (1, features.as_u64()));
     assert!(svg.contains("Place 1 at (92, 58)") && svg.contains("below the noise gate"));
+    let texts = || document.descendants().filter(|node| node.has_tag_name("text"));
+    let lowest = texts().filter_map(|text| text.attribute("y")?.parse::<f64>().ok()).fold(0.0, f64::max);
+    let height =
+        document.root_element().attribute("viewBox").and_then(|view| view.rsplit(' ').next()?.parse::<f64>().ok());
+    assert!(height.is_some_and(|height| (100.0..height - 20.0).contains(&lowest)), "{lowest} of {height:?}");
     if cfg!(feature = "app") {
         assert!(std::fs::read(home.path().join("r.pdf")).expect("a file").starts_with(b"%PDF"));
     }
@@ -92,9 +97,22 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
     assert_eq!(names(home.path()), [""; 0]);
     // Three frames have no other orders: the rest is told.
     let few = ["report", "demo", "--frames", "0..3", "--out", "few.md", "--json"];
-    let page = &json(home.path(), &few)["page"];
+    let page = &json(home.path(), &few);
     assert!(
         page["decoys"].is_null() && page["no_decoys"].as_str().is_some_and(|why| why.contains("4 or more")),
         "{page}"
     );
+}
+
+#[test]
+fn names_have_no_marks_of_markdown() {
+    let home = tempfile::tempdir().expect("a folder");
+    let small = ["--width", "120", "--height", "90", "--discs", "3", "--frames", "5", "--max-slope", "1", "--quiet"];
+    run_well(home.path(), &[&["synth", "chart", "--out", "a_b*c*"], &small[..]].concat());
+    let line = |out: &'static str| ["report", "a_b*c*", "--slopes-u", "-1:1:3", "--quiet", "--out", out];
+    run_well(home.path(), &line("r.md"));
+    run_well(home.path(), &line("r.svg"));
+    let read = |name: &str| std::fs::read_to_string(home.path().join(name)).expect("text");
+    assert!(read("r.md").contains(r"# a\_b\*c\*: 5 frames"), "{}", read("r.md"));
+    assert!(read("r.svg").contains(">a_b*c*: 5 frames"));
 }
