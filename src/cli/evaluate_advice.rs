@@ -39,7 +39,8 @@ fn advice_tables(report: &AdviceReport) -> String {
     let name = |statement: &Statement| format!("{statement:?}").to_lowercase();
     let heads: Vec<String> = ["said \\ true".to_owned()].into_iter().chain(Statement::ALL.iter().map(name)).collect();
     let rows = said.iter().map(|(said, of)| {
-        let counts = Statement::ALL.map(|truth| of.get(&truth).map_or(String::new(), ToString::to_string));
+        // Most are 0, and would hide the others.
+        let counts = of.values().map(|&count| if count > 0 { count.to_string() } else { "·".to_owned() });
         [name(said)].into_iter().chain(counts).collect()
     });
     let share = or_dash(report.wrong_share, |share| format!("{:.1} %", 100.0 * share));

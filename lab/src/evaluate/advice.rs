@@ -135,7 +135,7 @@ pub struct AdviceReport {
     /// The study.
     #[serde(flatten)]
     pub study: AdviceStudy,
-    /// For each statement that was made, the number of bursts of each truth.
+    /// For each statement, the number of bursts of each truth of which it was said.
     pub said: BTreeMap<Statement, BTreeMap<Statement, usize>>,
     /// Share (0 … 1) of the confident answers that are wrong; `None` without any.
     pub wrong_share: Option<f64>,
@@ -169,10 +169,9 @@ impl AdviceStudy {
             steps.done();
             Ok(advised)
         })?;
-        let mut said: BTreeMap<Statement, BTreeMap<Statement, usize>> = BTreeMap::new();
-        for burst in &bursts {
-            *said.entry(burst.said).or_default().entry(burst.truth).or_default() += 1;
-        }
+        let count = |said, truth| bursts.iter().filter(|burst| (burst.said, burst.truth) == (said, truth)).count();
+        let counts = |said| Statement::ALL.map(|truth| (truth, count(said, truth))).into();
+        let said = Statement::ALL.map(|said| (said, counts(said))).into();
         let confident = bursts.iter().filter(|burst| burst.said != Unknown).count();
         let wrong = bursts.iter().filter(|burst| burst.is_wrong()).count();
         let wrong_share = (confident > 0).then(|| wrong as f64 / confident as f64);
