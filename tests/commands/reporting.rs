@@ -24,8 +24,11 @@ fn a_report_says_what_the_other_commands_say() {
     let ask = |arguments: &[&str]| json(home.path(), &[arguments, &LINE[..], &["--json"]].concat());
     let page = &ask(&["report", "--out", "r.md", "--at", "92,58", "--at", "12,34", "--copies", "2"]);
     let detected = &ask(&["detect", "--out", "found"])["bursts"][0];
-    for key in ["features", "frame_noise", "noise_gate_factor", "tally"] {
-        assert_eq!(page[key], detected[key], "{key}");
+    assert_eq!((&page["features"], &page["tally"]), (&detected["features"], &detected["tally"]));
+    for key in ["frame_noise", "noise_gate_factor"] {
+        // One is printed as a number of 32 bits, the other of 64.
+        let single = |of: &Value| of[key].as_f64().map(|number| number as f32);
+        assert_eq!(single(page), single(detected), "{key}");
     }
     assert_eq!(timeless(page["spectrum"].clone()), timeless(ask(&["slopes"])["spectrum"].clone()));
     assert_eq!(page["decoys"], ask(&["decoys", "--copies", "2"])["decoys"]);
@@ -107,7 +110,7 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
 #[test]
 fn names_have_no_marks_of_markdown() {
     let home = tempfile::tempdir().expect("a folder");
-    let small = ["--width", "120", "--height", "90", "--discs", "3", "--frames", "5", "--max-slope", "1", "--quiet"];
+    let small = ["--width", "120", "--height", "90", "--discs", "2", "--frames", "5", "--max-slope", "1", "--quiet"];
     run_well(home.path(), &[&["synth", "chart", "--out", "a_b*c*"], &small[..]].concat());
     let line = |out: &'static str| ["report", "a_b*c*", "--slopes-u", "-1:1:3", "--quiet", "--out", out];
     run_well(home.path(), &line("r.md"));
