@@ -15,7 +15,7 @@ use crate::app::messages::Messages;
 use crate::app::panel::lab::curves::shown_plots;
 use crate::app::panel::methods::methods_table;
 use crate::app::results::Read;
-use crate::burst::OpenOptions;
+use crate::burst::{Info, OpenOptions};
 use crate::dataset::{DatasetSource, match_rows};
 use crate::detector::SearchParams;
 use crate::engine::Engine;
@@ -26,13 +26,16 @@ use crate::export::{ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::OutputKind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
 use crate::inspect::place::kept_of;
+use crate::inspect::report::BurstPage;
+use crate::inspect::result::DecoyStudy;
 use crate::monitor::Monitor;
-use crate::requests::BurstSource;
+use crate::requests::{BurstSource, OpenBurst, page_drawing};
 use crate::teach::{Lesson, Workspace, sheet};
 use image::RgbaImage;
 use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 const NO_MATCHES: &str = "there are no matches; open a second burst and press Match first";
 
@@ -48,8 +51,8 @@ fn feature_folder(model: Read<'_>) -> Option<PathBuf> {
 
 fn suggested_name(purpose: Purpose, model: Read<'_>) -> String {
     // Features and pictures are those of the burst in focus.
-    use ExportKind::{Colmap, Csv, Npz, Png, Tiff};
-    let is_of_focus = matches!(purpose, Purpose::Export(Csv | Colmap | Npz | Tiff | Png));
+    use ExportKind::{Colmap, Csv, Npz, Png, Report, Tiff};
+    let is_of_focus = matches!(purpose, Purpose::Export(Csv | Colmap | Npz | Report | Tiff | Png));
     let side = if is_of_focus { model.active_side() } else { Side::A };
     let burst = model.burst_of(side).map_or("burst", |b| b.burst.name.as_str());
     let stem = Path::new(burst).file_stem().map_or("burst".into(), |s| s.to_string_lossy());
@@ -69,6 +72,7 @@ fn suggested_name(purpose: Purpose, model: Read<'_>) -> String {
                 ExportKind::Figure => "figure",
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
+                ExportKind::Report => "report",
                 ExportKind::FilmGif => "film",
                 ExportKind::Mask => "mask",
                 ExportKind::Sheet => "lesson",
@@ -235,6 +239,7 @@ fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<W
         }
         Purpose::Export(ExportKind::Mask) => mask_work(model),
         Purpose::Export(ExportKind::Case) => case_work(model),
+        Purpose::Export(ExportKind::Report) => report_work(model),
         Purpose::Export(ExportKind::FilmGif) => {
             let film = model.film_to_export().ok_or("there is no burst; open one first")?;
             let rate = model.document.film.rate;
@@ -279,6 +284,34 @@ fn case_work(model: Read<'_>) -> Result<Work, String> {
         let truth = open.truth(&Monitor::default()).map_err(|e| e.to_string())?;
         let enclosed = Enclosed { session, truth };
         write_case(path, (&case, &burst), &enclosed, &Monitor::default()).map_err(|e| e.to_string())
+    }))
+}
+
+fn report_work(model: Read<'_>) -> Result<Work, String> {
+    let side = model.active_side();
+    let source = model.found_source(side).ok_or("there are no features; press Detect first")?;
+    let is_probed = model.document.probe.side == side;
+    // The trail of the probe is that of the features on show, unless it lacks one.
+    let traced = model.results.probed.traced.clone().filter(|_| is_probed && model.untraced().is_none());
+    let places: Vec<[f32; 2]> = model.probed_place().filter(|_| is_probed).into_iter().collect();
+    let calibration = model.calibration_of(side).clone();
+    Ok(Box::new(move |path| {
+        let (is_text, monitor) = (ending_of(path, ExportKind::Report)? == "md", Monitor::default());
+        let cache = match traced {
+            Some(traced) => traced.cache,
+            None => Arc::new(source.trail(&monitor).map_err(|error| error.to_string())?),
+        };
+        let OpenBurst { burst, source, .. } = &source.burst;
+        let page = source.info(&calibration, &monitor).and_then(|info| {
+            let info = Info { name: burst.name.clone(), ..info };
+            BurstPage::of((&cache, burst, info), &places, &DecoyStudy::default(), &monitor)
+        });
+        let page = page.map_err(|error| error.to_string())?;
+        if is_text {
+            return export::write_text(path, OutputKind::Page, page.markdown()).map_err(|error| error.to_string());
+        }
+        let drawing = page_drawing(&page, &monitor).map_err(|error| error.to_string())?;
+        export::write_drawing(path, &drawing).map_err(|error| error.to_string())
     }))
 }
 
@@ -361,9 +394,9 @@ mod tests {
     use crate::detector::SearchParams;
     use std::time::Duration;
 
-    const EXPORTS: [ExportKind; 10] = {
+    const EXPORTS: [ExportKind; 11] = {
         use ExportKind::*;
-        [Csv, Colmap, Npz, Png, Tiff, Figure, Matches, Profile, CurvesCsv, CurvesSvg]
+        [Csv, Colmap, Npz, Png, Tiff, Figure, Matches, Profile, CurvesCsv, CurvesSvg, Report]
     };
 
     fn prepared(purpose: Purpose, model: Read<'_>) -> Result<Work, String> {

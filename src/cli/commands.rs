@@ -2,6 +2,7 @@
 //! `completions` writes them for a shell.
 
 use super::args::{DetectArgs, MergeArgs, SequenceArgs, StackArgs};
+use super::burst_report::ReportArgs;
 use super::case::CaseArgs;
 #[cfg(feature = "colmap")]
 use super::colmap::ColmapArgs;
@@ -50,6 +51,7 @@ static VERSION: LazyLock<String> = LazyLock::new(|| {
         burstscope stack night/ --slope -2.1,0 --out sign.tiff\n  \
         burstscope slopes night/                         which slopes this burst needs\n  \
         burstscope probe night/ --at 412,230             why there is a feature there, or none\n  \
+        burstscope report night/ --out night.pdf         all of that on one page\n  \
         burstscope match night/a night/b --out matched      two bursts, their matches, and a picture of them\n  \
         burstscope figures --out paper                   every figure of the paper, remade\n\n\
         Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
@@ -98,6 +100,8 @@ pub enum Command {
     Recover(RecoverArgs),
     /// Estimate which part of the features is false, by searching copies whose frames are in other orders.
     Decoys(DecoysArgs),
+    /// Write a burst on one page: input, slopes, noise, tests, false features, and places.
+    Report(ReportArgs),
     /// Write a sweep over slope, scale or frames as an animation.
     #[cfg(feature = "app")]
     Film(FilmArgs),

@@ -6,7 +6,7 @@ use super::evaluate_tables::{accuracy_table, accuracy_text, chart_text, methods_
 use super::failure::Failure;
 use super::figure_file::write_figure;
 use super::study::{StudySearch, chart_study, searched};
-use super::{evaluate_frames, evaluate_matches, evaluate_poses};
+use super::{evaluate_advice, evaluate_frames, evaluate_matches, evaluate_poses};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
@@ -22,6 +22,7 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
         EvaluateStudy::Frames(args) => evaluate_frames::run(args),
         EvaluateStudy::Accuracy(args) => accuracy(args),
         EvaluateStudy::Noise(args) => noise(args),
+        EvaluateStudy::Advice(args) => evaluate_advice::run(args),
         EvaluateStudy::Matches(args) => evaluate_matches::run(args),
         EvaluateStudy::Poses(args) => evaluate_poses::run(args),
     }

@@ -2,6 +2,7 @@
 
 use super::args::{OutputArgs, OverwriteArgs};
 use super::charts_args::{ChartsArgs, ComparedArgs};
+use super::evaluate_advice::AdviceArgs;
 use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
@@ -33,6 +34,8 @@ pub enum EvaluateStudy {
     Accuracy(AccuracyArgs),
     /// Count what is found on noise alone, where there is nothing.
     Noise(NoiseArgs),
+    /// Count how often the sentence about the slopes is right.
+    Advice(AdviceArgs),
     /// Count the matches between the bursts of a dataset, method by method.
     Matches(MatchesArgs),
     /// Compare camera poses that were estimated with the true ones.

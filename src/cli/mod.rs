@@ -5,6 +5,7 @@
 //! error. Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
 pub mod args;
+pub mod burst_report;
 pub mod case;
 pub mod charts_args;
 #[cfg(feature = "colmap")]
@@ -14,6 +15,7 @@ mod console;
 pub mod decoys;
 mod detect;
 mod evaluate;
+pub mod evaluate_advice;
 pub mod evaluate_args;
 pub mod evaluate_frames;
 pub mod evaluate_matches;
@@ -143,6 +145,7 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Probe(args)) => probe::run(args),
         Some(Command::Recover(args)) => recover::run(args),
         Some(Command::Decoys(args)) => decoys::run(args),
+        Some(Command::Report(args)) => burst_report::run(args),
         #[cfg(feature = "app")]
         Some(Command::Film(args)) => film::run(args),
         Some(Command::Case(args)) => case::run(args),

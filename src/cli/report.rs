@@ -6,7 +6,7 @@ use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{
-    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Test, explain,
+    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Tally, Test, explain,
 };
 use crate::files::path_text;
 use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
@@ -77,7 +77,7 @@ pub(super) struct BurstReport {
     #[serde(skip_serializing_if = "Option::is_none")]
     slopes_found: Option<SlopeFinding>,
     slopes: Vec<SlopeCount>,
-    tally: TallyReport,
+    tally: Tally,
     times: TimesReport,
     /// Judgement of the slopes; absent for a method without slopes and for a single frame.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -120,15 +120,6 @@ pub(super) struct SlopeCount {
 }
 
 #[derive(Debug, Serialize)]
-struct TallyReport {
-    samples: u64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    not_searched: Option<u64>,
-    kept: u64,
-    rejected: BTreeMap<Test, u64>,
-}
-
-#[derive(Debug, Serialize)]
 struct TimesReport {
     open_secs: f32,
     slopes_secs: f32,
@@ -150,7 +141,6 @@ impl BurstReport {
         advice: Option<Advice>,
         [open_secs, slopes_secs, write_secs]: [f32; 3],
     ) -> Self {
-        let tally = &detection.tally;
         let times = &detection.times;
         Self {
             name: name.to_owned(),
@@ -180,12 +170,7 @@ impl BurstReport {
             slope_grid: detection.slopes,
             slopes_found,
             slopes: slope_counts(detection),
-            tally: TallyReport {
-                samples: tally.samples,
-                not_searched: Some(tally.not_searched).filter(|count| *count > 0),
-                kept: tally.kept,
-                rejected: Test::ALL.into_iter().map(|test| (test, tally.rejected_by(test))).collect(),
-            },
+            tally: detection.tally,
             times: TimesReport {
                 open_secs,
                 slopes_secs,
@@ -242,10 +227,12 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
         text += &histogram(&report.slopes, report.rate.as_deref());
     }
     text += &format!("  rejected, of {} samples\n", grouped(report.tally.samples));
-    for (test, &count) in report.tally.rejected.iter().filter(|(_, count)| **count > 0) {
+    let rejected = Test::ALL.into_iter().map(|test| (test, report.tally.rejected_by(test)));
+    for (test, count) in rejected.filter(|(_, count)| *count > 0) {
         text += &format!("    {:>15}  {}\n", grouped(count), test.reason());
     }
-    if let Some(count) = report.tally.not_searched {
+    let count = report.tally.not_searched;
+    if count > 0 {
         text += &format!("  besides\n    {:>15}  {NOT_SEARCHED}\n", grouped(count));
     }
     // Anew, because the lines between write to `text` themselves.

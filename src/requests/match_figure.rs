@@ -9,10 +9,12 @@ use crate::export::{
     ColourBar, Drawing, FigureAmount, FigureLink, FigureMatches, FigureOptions, FigurePanel, FigureWidth, MatchKind,
     lay_out,
 };
+use crate::inspect::report::BurstPage;
 use crate::inspect::slopes::{features_at_slopes, slope_with_most_features};
 use crate::inspect::words::{number, slope_text};
 use crate::matching::MatchResult;
 use crate::monitor::Monitor;
+use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use serde::Deserialize;
 use std::sync::Arc;
@@ -34,6 +36,36 @@ pub struct MatchFigure {
     /// Matches that are drawn, in the order of their distance.
     pub matches: FigureAmount,
     pub width_mm: f32,
+}
+
+impl MatchPictures {
+    /// The picture of a burst, and its name.
+    fn of(self, of: &DetectedBurst<'_>, monitor: &Monitor) -> Result<(Arc<Plane>, String), Error> {
+        let DetectedBurst { burst, params, detection } = of;
+        let slope = || {
+            let grid = &detection.slopes;
+            let most = slope_with_most_features(grid, &features_at_slopes(detection));
+            most.filter(|_| params.method == Method::Buff).map(|(index, _)| grid.slope(index))
+        };
+        Ok(match (self, slope()) {
+            (MatchPictures::Stack, Some(slope)) => {
+                let shown = format!("motion stack, slope {} px/frame", slope_text(slope));
+                (Arc::new(stack_view(burst, params, slope, monitor)?), shown)
+            }
+            (MatchPictures::Merged, _) => {
+                (burst_plane(burst, ImageKind::Merged, params, monitor)?, "merged frames".to_owned())
+            }
+            _ => (burst_plane(burst, ImageKind::Middle, params, monitor)?, "middle frame".to_owned()),
+        })
+    }
+}
+
+/// The page of a burst as a drawing, with the picture that the figure of a match has of it.
+pub fn page_drawing(page: &BurstPage<'_>, monitor: &Monitor) -> Result<Drawing, Error> {
+    let cache = page.cache;
+    let of = DetectedBurst { burst: &cache.burst, params: cache.params(), detection: cache.detection() };
+    let (picture, shown) = MatchPictures::default().of(&of, monitor)?;
+    Ok(page.drawing(&picture, &shown))
 }
 
 /// Width over height above which two pictures are larger one above the other.
@@ -89,22 +121,7 @@ impl MatchFigure {
     }
 
     fn panel(&self, side: &str, of: &DetectedBurst<'_>, monitor: &Monitor) -> Result<FigurePanel, Error> {
-        let DetectedBurst { burst, params, detection } = of;
-        let slope = || {
-            let grid = &detection.slopes;
-            let most = slope_with_most_features(grid, &features_at_slopes(detection));
-            most.filter(|_| params.method == Method::Buff).map(|(index, _)| grid.slope(index))
-        };
-        let (plane, shown) = match (self.pictures, slope()) {
-            (MatchPictures::Stack, Some(slope)) => {
-                let shown = format!("motion stack, slope {} px/frame", slope_text(slope));
-                (Arc::new(stack_view(burst, params, slope, monitor)?), shown)
-            }
-            (MatchPictures::Merged, _) => {
-                (burst_plane(burst, ImageKind::Merged, params, monitor)?, "merged frames".to_owned())
-            }
-            _ => (burst_plane(burst, ImageKind::Middle, params, monitor)?, "middle frame".to_owned()),
-        };
+        let (plane, shown) = self.pictures.of(of, monitor)?;
         // Dark frames would be black on paper.
         let display = Display::stretched(&plane);
         let (low, high) = (number(display.min, 3), format!("{} of full scale", number(display.max, 3)));
@@ -114,7 +131,7 @@ impl MatchFigure {
             origin_image: [-0.5, -0.5],
             image_px_per_px: 1.0,
             marks: Vec::new(),
-            title: Some(titled(side, &burst.name, &shown)),
+            title: Some(titled(side, &of.burst.name, &shown)),
             legend: Vec::new(),
             bar: Some(ColourBar::of(&display, low, high)),
         })

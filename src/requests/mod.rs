@@ -34,7 +34,7 @@ pub use explain::{
 pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::{MotionMap, SlopeColours, line_of};
-pub use match_figure::{MatchFigure, MatchPictures, are_stacked, titled};
+pub use match_figure::{MatchFigure, MatchPictures, are_stacked, page_drawing, titled};
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};

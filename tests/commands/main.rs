@@ -35,6 +35,7 @@ mod real;
 mod reconstructing;
 mod recovering;
 mod remaking;
+mod reporting;
 mod requests;
 mod samples;
 mod support;

@@ -144,3 +144,20 @@ fn wrong_use_says_what_would_be_right() {
     }
     assert!(names(home.path()).is_empty());
 }
+
+#[test]
+fn advice_is_counted_against_the_truth() {
+    let home = tempfile::tempdir().expect("a folder");
+    let line = ["evaluate", "advice", "--snr", "2", "--seeds", "1"];
+    let report = json(&run_well(home.path(), &[&line[..], &["--json"]].concat()));
+    let said = report["said"].as_object().expect("a table").values();
+    let counts = said.flat_map(|truths| truths.as_object().expect("counts").values());
+    let bursts = report["bursts"].as_array().expect("bursts");
+    assert_eq!(counts.filter_map(Value::as_u64).sum::<u64>(), bursts.len() as u64);
+    let narrow = bursts.iter().find(|burst| burst["kind"] == "narrow").expect("a burst of each kind");
+    let sentence = narrow["sentence"].as_str().expect("words");
+    assert!(narrow["said"] == "range" && sentence.contains("beyond the range"), "{narrow}");
+    let table = run_well(home.path(), &[&line[..], &["--threads", "1"]].concat());
+    assert!(table.contains("said \\ true") && table.contains("exchanged"), "{table}");
+    assert!(run_badly(home.path(), &["evaluate", "advice", "--seeds", "0"], 2).contains("--seeds"));
+}

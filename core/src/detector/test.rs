@@ -8,7 +8,8 @@
 
 use super::params::slope_grid::{SlopeAxis, SlopeGrid};
 use super::params::{DetectorParams, Distinct, Param, SearchParams, doc};
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, Serializer};
+use std::collections::BTreeMap;
 use strum::{EnumCount, VariantArray};
 
 /// Test of a sample of D, in the order in which the search applies them.
@@ -338,6 +339,23 @@ pub struct Tally {
     pub rejected: [u64; Test::ALL.len()],
     /// Number of keypoints that passed every test; a keypoint may have several features.
     pub kept: u64,
+}
+
+impl Serialize for Tally {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        #[derive(Serialize)]
+        struct Named {
+            samples: u64,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            not_searched: Option<u64>,
+            kept: u64,
+            rejected: BTreeMap<Test, u64>,
+        }
+        let &Self { samples, not_searched, kept, rejected } = self;
+        let (not_searched, rejected) =
+            (Some(not_searched).filter(|count| *count > 0), Test::ALL.into_iter().zip(rejected));
+        Named { samples, not_searched, kept, rejected: rejected.collect() }.serialize(serializer)
+    }
 }
 
 impl Tally {

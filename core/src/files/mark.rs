@@ -51,7 +51,7 @@ pub enum OutputKind {
     Film,
     /// SVG, PDF or LaTeX.
     Drawing,
-    /// HTML.
+    /// HTML or Markdown.
     Page,
     /// Features, or a field of motion, in NumPy's archive.
     Features,

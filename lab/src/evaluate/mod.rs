@@ -1,12 +1,13 @@
 //! Evaluation of the detector on input of exactly known truth, and of camera poses found with its features.
 //!
-//! Four studies of the detector, each one command (`burstscope evaluate chart|frames|accuracy|noise`):
+//! Five studies of the detector, each one command (`burstscope evaluate chart|frames|accuracy|noise|advice`):
 //!
 //! - [`chart`]: in the dark. The number of a chart's discs that each method finds before a tenth of its features are
 //!   false, and true against false features over the threshold (the ROC curve).
 //! - [`frames`]: the measures of `chart` over the number of frames of a burst; [`frames_of_burst`] for a given burst.
 //! - [`accuracy`]: in enough light. Errors of positions, scales and motions.
 //! - [`pure_noise`]: on noise alone. The number of features found where all are false.
+//! - [`advice`]: the sentence about the slopes, against the truth.
 //!
 //! One study of the use of features, [`mod@matches`] (`burstscope evaluate matches`): matches between bursts.
 //!
@@ -18,6 +19,7 @@
 //! and memory holds at most one burst for each thread.
 
 pub mod accuracy;
+pub mod advice;
 pub mod chart;
 pub mod curves;
 pub mod frames;
@@ -29,6 +31,7 @@ pub mod pure_noise;
 pub mod statistics;
 
 pub use accuracy::{AccuracyReport, AccuracyStudy};
+pub use advice::{AdviceReport, AdviceStudy};
 pub use burstscope_core::inspect::result::{Curve, Ranking};
 pub use chart::{ChartReport, ChartStudy, LookedChart};
 pub use frames::{FramesReport, FramesStudy};

@@ -1,7 +1,8 @@
-//! The studies of the detector, on small inputs with numbers that must be plausible: charts, accuracy, planted things,
+//! The studies of the detector, on small inputs with numbers that must be plausible: charts, accuracy, planted things, advice,
 //! and matches along a trajectory.
 
 mod accuracy;
+mod advice;
 mod curves;
 mod evaluate;
 mod reconstruction;

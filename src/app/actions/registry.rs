@@ -215,6 +215,7 @@ actions! {
     RestoreSession, File 1, "Open session…", [], "Restore the burst, parameters, view and selection from a session file" => Ask(Purpose::RestoreSession);
     SaveSession, File 1, "Save session…", [CTRL S], "Write the burst's path, parameters, view and selection to a file" => Ask(Purpose::SaveSession), when when::has_burst;
     SaveCase, File 1, "Save case…", [], "Write the frames, the search, the panes, the pinned result and the probed place to one file, which opens like a burst on any machine" => Ask(Purpose::Export(ExportKind::Case)), when when::has_burst;
+    Report, File 1, "Report…", [], "Write what this burst is, its slopes, noise, tests and false features, and the probed place, on one page" => Ask(Purpose::Export(ExportKind::Report)), when |model| when::active(model).found.is_some();
     LoadParams, File 2, "Load parameters…", [], "Read detector parameters from a TOML file" => Ask(Purpose::LoadParams);
     SaveParams, File 2, "Save parameters…", [CTRL_SHIFT S], "Write the detector parameters to a TOML file, as --params reads it" => Ask(Purpose::SaveParams);
     ExportCsv, File 3, "Export features as CSV…", [CTRL E], "Write one row for each feature, strongest first" => Ask(Purpose::Export(ExportKind::Csv)), when |model| when::active(model).found.is_some();

@@ -162,6 +162,8 @@ pub enum ExportKind {
     CurvesCsv,
     CurvesSvg,
     Case,
+    /// The burst of the pane in focus on one page.
+    Report,
     FilmGif,
     /// Mask of the outlines that were drawn.
     Mask,
@@ -193,6 +195,7 @@ impl ExportKind {
             Self::CurvesCsv => (&["csv", "tex"], "Export curves as CSV"),
             Self::CurvesSvg => (&["svg", "pdf", "png"], "Export curves as SVG"),
             Self::Case => (&[CASE_EXTENSION], "Save case"),
+            Self::Report => (&["pdf", "svg", "md"], "Write a report as PDF, SVG or Markdown"),
             Self::FilmGif => (&["gif"], "Export film as GIF"),
             Self::Mask => (&["png"], "Save the mask"),
             Self::Sheet => (&["md"], "Export lesson sheet as Markdown"),

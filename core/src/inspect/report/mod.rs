@@ -1,14 +1,17 @@
-//! How is an answer written down? As text here, for commands and messages; as a figure in `figure`.
+//! How is an answer written down? As text here, for commands and messages; as a figure in `figure`; all of a burst on
+//! one page in `page`.
 
 mod figure;
+mod page;
 
 pub use figure::{probe_figure, spectrum_figure};
+pub use page::BurstPage;
 
-use super::place::{Fate, Outcome, Probe, Rival, Shares, SuspicionKind, TestReport};
-use super::result::DecoyReport;
+use super::place::{Cause, Fate, Outcome, Probe, Rival, Shares, SuspicionKind, TestReport};
+use super::result::{DecoyReport, FalseRate};
 use super::slopes::{SlopeBar, Spectrum};
 use super::words::{counted, number, sentence, slope_text, snr_text, value_text};
-use crate::detector::Test;
+use crate::detector::{ParamChange, Test};
 use std::fmt::Write;
 
 const LISTED: usize = 12;
@@ -29,12 +32,7 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
     let [u, v] = probe.pos_image;
     writeln!(out, "{name} at ({}, {})", number(u, 1), number(v, 1))?;
     writeln!(out, "  {}", probe.summary)?;
-    for reason in &probe.reasons {
-        writeln!(out, "  {}", sentence(&reason.sentence))?;
-        if let Some(change) = &reason.change {
-            writeln!(out, "    try {}", change.option())?;
-        }
-    }
+    write_told(out, reasons(probe))?;
     if let Some(fate) = probe.subject_fate() {
         writeln!(out)?;
         write_fate(out, fate)?;
@@ -42,9 +40,34 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
     if let Some(outlook) = &probe.outlook {
         writeln!(out, "    {}", outlook.sentence)?;
     }
-    if let Some(judged) = &probe.judged {
-        writeln!(out, "  {}: {}", judged.verdict.clause(), judged.why)?;
+    write_told(out, doubts(probe))?;
+    write_others(out, probe)?;
+    writeln!(out)?;
+    write_shares(out, &probe.shares)?;
+    writeln!(out)
+}
+
+fn write_told(out: &mut String, told: Vec<(String, String)>) -> std::fmt::Result {
+    for (words, option) in told {
+        writeln!(out, "  {words}")?;
+        if !option.is_empty() {
+            writeln!(out, "    try {option}")?;
+        }
     }
+    Ok(())
+}
+
+/// Causes at the place, each with the option that mends it, which may be empty; so are those of [`doubts`].
+fn reasons(probe: &Probe) -> Vec<(String, String)> {
+    let option = |reason: &Cause| reason.change.as_ref().map_or_else(String::new, ParamChange::option);
+    probe.reasons.iter().map(|reason| (sentence(&reason.sentence), option(reason))).collect()
+}
+
+/// Verdict on the subject, and the suspicions that it does not tell.
+fn doubts(probe: &Probe) -> Vec<(String, String)> {
+    let judged = probe.judged.as_ref();
+    let mut told: Vec<(String, String)> =
+        judged.iter().map(|judged| (format!("{}: {}", judged.verdict.clause(), judged.why), String::new())).collect();
     for suspicion in &probe.suspicions {
         let what = match suspicion.kind {
             SuspicionKind::Duplicate => "duplicate",
@@ -52,17 +75,13 @@ fn write_probe(out: &mut String, probe: &Probe, name: &str) -> std::fmt::Result 
             SuspicionKind::AtLimit => "at the limit of the slopes",
             SuspicionKind::Alias => "alias",
         };
-        if probe.judged.as_ref().is_none_or(|judged| judged.why != suspicion.evidence) {
-            writeln!(out, "  {what}? {}", suspicion.evidence)?;
-        }
-        if let Some(change) = &suspicion.change {
-            writeln!(out, "    try {}", change.option())?;
+        let option = suspicion.change.as_ref().map_or_else(String::new, ParamChange::option);
+        match told.first_mut().filter(|_| judged.is_some_and(|judged| judged.why == suspicion.evidence)) {
+            Some((_, of_verdict)) => *of_verdict = option,
+            None => told.push((format!("{what}? {}", suspicion.evidence), option)),
         }
     }
-    write_others(out, probe)?;
-    writeln!(out)?;
-    write_shares(out, &probe.shares)?;
-    writeln!(out)
+    told
 }
 
 fn write_others(out: &mut String, probe: &Probe) -> std::fmt::Result {
@@ -140,6 +159,12 @@ fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
 }
 
 fn report_line(report: &TestReport, is_first_failed: bool) -> String {
+    let [name, value, limit, margin, outcome] = test_cells(report, is_first_failed);
+    format!("{name:<32}{value:>9} {limit:<11}{margin:>8}  {outcome}")
+}
+
+/// Name of the test, value, limit, margin and outcome.
+fn test_cells(report: &TestReport, is_first_failed: bool) -> [String; 5] {
     let value = report.value.map_or_else(|| "–".to_owned(), value_text);
     let outcome = match report.outcome {
         Outcome::Passes => "passes",
@@ -148,8 +173,7 @@ fn report_line(report: &TestReport, is_first_failed: bool) -> String {
         Outcome::Unknown => "cannot be decided",
         Outcome::NotAsked => "",
     };
-    let (name, limit, margin) = (report.test.record().name, report.limit_text(), report.margin_text());
-    format!("{name:<32}{value:>9} {limit:<11}{margin:>8}  {outcome}")
+    [report.test.record().name.to_owned(), value, report.limit_text(), report.margin_text(), outcome.to_owned()]
 }
 
 fn write_shares(out: &mut String, shares: &Shares) -> std::fmt::Result {
@@ -187,17 +211,43 @@ fn write_decoys(out: &mut String, report: &DecoyReport, name: &str) -> std::fmt:
     writeln!(out, "{name}: {} frames, {copies} in other orders (seed {})", report.frames, report.seed)?;
     writeln!(out, "  SNR from  found here  in a copy  there for each here")?;
     for rate in &report.rates {
-        let from = if rate.snr > 0.0 { number(rate.snr, 1) } else { "any".to_owned() };
-        let ratio = match (rate.rate, rate.error) {
-            (Some(rate), Some(error)) => format!("{rate:.2} ± {error:.2}"),
-            _ => "–".to_owned(),
-        };
-        writeln!(out, "  {from:>8} {:>11} {:>10.1}  {ratio:>18}", rate.found, rate.mean_in_copies())?;
+        let [from, found, in_a_copy, ratio] = decoy_cells(rate);
+        writeln!(out, "  {from:>8} {found:>11} {in_a_copy:>10}  {ratio:>18}")?;
     }
     match report.doubt() {
         Some(doubt) => writeln!(out, "  {}\n", sentence(&doubt)),
         None => writeln!(out),
     }
+}
+
+/// Smallest SNR, number found here, mean number in a copy, and their ratio.
+fn decoy_cells(rate: &FalseRate) -> [String; 4] {
+    let from = if rate.snr > 0.0 { number(rate.snr, 1) } else { "any".to_owned() };
+    let ratio = match (rate.rate, rate.error) {
+        (Some(rate), Some(error)) => format!("{rate:.2} ± {error:.2}"),
+        _ => "–".to_owned(),
+    };
+    [from, rate.found.to_string(), format!("{:.1}", rate.mean_in_copies()), ratio]
+}
+
+/// Up to `most` slopes with features or evidence, in the order of the grid, and how many others there are.
+fn shown_bars(spectrum: &Spectrum, most: usize) -> (Vec<&SlopeBar>, usize) {
+    let mut shown: Vec<&SlopeBar> =
+        spectrum.bars.iter().filter(|bar| bar.features > 0 || bar.evidence >= 0.005).collect();
+    let hidden = shown.len().saturating_sub(most);
+    if hidden > 0 {
+        shown.sort_by(|a, b| b.features.cmp(&a.features).then(b.evidence.total_cmp(&a.evidence)));
+        shown.truncate(most);
+    }
+    shown.sort_by(|a, b| (a.at[1], a.at[0]).cmp(&(b.at[1], b.at[0])));
+    (shown, hidden)
+}
+
+/// Slope, number of features, evidence and coverage.
+fn slope_cells(bar: &SlopeBar) -> [String; 4] {
+    let features = if bar.is_searched { bar.features.to_string() } else { "–".to_owned() };
+    let evidence = if bar.evidence > 0.0 { format!("{:.1} %", 100.0 * bar.evidence) } else { "–".to_owned() };
+    [slope_text(bar.slope), features, evidence, format!("{:.0} %", 100.0 * bar.coverage)]
 }
 
 fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt::Result {
@@ -208,26 +258,17 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
     writeln!(out, "; searched in {secs:.2} s")?;
     writeln!(out, "  the frames show  {}", spectrum.finding.summary_beside_judgement())?;
     let max = spectrum.bars.iter().map(|bar| bar.features).max().unwrap_or(0).max(1);
-    let mut shown: Vec<&SlopeBar> =
-        spectrum.bars.iter().filter(|bar| bar.features > 0 || bar.evidence >= 0.005).collect();
-    let hidden = shown.len().saturating_sub(SLOPES_LISTED);
-    if hidden > 0 {
-        shown.sort_by(|a, b| b.features.cmp(&a.features).then(b.evidence.total_cmp(&a.evidence)));
-        shown.truncate(SLOPES_LISTED);
-    }
-    shown.sort_by(|a, b| (a.at[1], a.at[0]).cmp(&(b.at[1], b.at[0])));
+    let (shown, hidden) = shown_bars(spectrum, SLOPES_LISTED);
     writeln!(out, "           slope  features  evidence  seen by all frames")?;
-    for bar in &shown {
+    for bar in shown {
         let place = match bar {
             _ if !bar.is_searched => " beyond",
             _ if bar.at_limit > 0 => &format!(" {} at the limit", bar.at_limit),
             _ => "",
         };
-        let features = if bar.is_searched { bar.features.to_string() } else { "–".to_owned() };
-        let evidence = if bar.evidence > 0.0 { format!("{:.1} %", 100.0 * bar.evidence) } else { "–".to_owned() };
-        let (slope, percent) = (slope_text(bar.slope), 100.0 * bar.coverage);
+        let [slope, features, evidence, coverage] = slope_cells(bar);
         let marks = "#".repeat((bar.features * BAR_WIDTH as usize).div_ceil(max));
-        writeln!(out, "  {slope:>14} {features:>9} {evidence:>9} {percent:>7.0} %  {marks}{place}")?;
+        writeln!(out, "  {slope:>14} {features:>9} {evidence:>9} {coverage:>9}  {marks}{place}")?;
     }
     if hidden > 0 {
         writeln!(out, "  and {} with less", counted(hidden, "more slope"))?;

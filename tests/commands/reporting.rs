@@ -1,0 +1,121 @@
+//! `report`: a burst on one page.
+
+use super::support::{names, run_badly, run_well};
+use serde_json::Value;
+use std::path::Path;
+
+fn json(home: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&run_well(home, arguments)).expect("JSON")
+}
+
+/// A value without what depends on how long the work took.
+fn timeless(mut value: Value) -> Value {
+    if let Some(cost) = value.pointer_mut("/cost/search_secs") {
+        *cost = Value::Null;
+    }
+    value
+}
+
+const LINE: [&str; 3] = ["demo", "--slopes-u", "-3:3:13"];
+
+#[test]
+fn a_report_says_what_the_other_commands_say() {
+    let home = tempfile::tempdir().expect("a folder");
+    let ask = |arguments: &[&str]| json(home.path(), &[arguments, &LINE[..], &["--json"]].concat());
+    let page = &ask(&["report", "--out", "r.md", "--at", "92,58", "--at", "12,34", "--copies", "2"]);
+    let detected = &ask(&["detect", "--out", "found"])["bursts"][0];
+    assert_eq!((&page["features"], &page["tally"]), (&detected["features"], &detected["tally"]));
+    for key in ["frame_noise", "noise_gate_factor"] {
+        // One is printed as a number of 32 bits, the other of 64.
+        let single = |of: &Value| of[key].as_f64().map(|number| number as f32);
+        assert_eq!(single(page), single(detected), "{key}");
+    }
+    assert_eq!(timeless(page["spectrum"].clone()), timeless(ask(&["slopes"])["spectrum"].clone()));
+    assert_eq!(page["decoys"], ask(&["decoys", "--copies", "2"])["decoys"]);
+    assert_eq!(page["places"].as_array().map(Vec::len), Some(2));
+    for (index, place) in ["92,58", "12,34"].into_iter().enumerate() {
+        assert_eq!(page["places"][index], ask(&["probe", "--at", place])["probe"], "{place}");
+    }
+    let text = std::fs::read_to_string(home.path().join("r.md")).expect("a page");
+    let features = page["features"].as_u64().expect("a count");
+    let copies = page["decoys"]["rates"][0]["in_copies"].as_array().expect("counts");
+    let false_ones = copies.iter().filter_map(Value::as_f64).sum::<f64>() / copies.len() as f64;
+    let told = format!("{features} features, of which {false_ones:.1} are false by expectation");
+    let samples = page["tally"]["rejected"]["noise_gate"].as_u64().expect("a count").to_string();
+    let digits: String = text.chars().filter(|letter| *letter != ' ').collect();
+    assert!(
+        digits.contains(&told.replace(' ', "")) && digits.contains(&format!("|{samples}|belowthenoisegate")),
+        "{text}"
+    );
+    assert!(text.contains("## Place 1 at (92, 58)") && text.contains("## Place 2 at (12, 34)"), "{text}");
+    assert!(
+        text.contains(page["spectrum"]["judgement"]["sentence"].as_str().expect("words").get(1..30).expect("long"))
+    );
+}
+
+#[test]
+fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
+    let home = tempfile::tempdir().expect("a folder");
+    let line = |out: &'static str| [&["report", "--out", out, "--quiet", "--at", "92,58"], &LINE[..]].concat();
+    let endings: &[&str] = if cfg!(feature = "app") { &["r.md", "r.svg", "r.pdf"] } else { &["r.md", "r.svg"] };
+    for out in endings {
+        // The second run replaces what the first one wrote.
+        (0..2).for_each(|_| assert_eq!(run_well(home.path(), &line(out)), ""));
+        std::fs::write(home.path().join(out), "mine").expect("written");
+        assert!(run_badly(home.path(), &line(out), 1).contains("--force"), "{out}");
+        run_well(home.path(), &[&line(out)[..], &["--force"]].concat());
+    }
+    let svg = std::fs::read_to_string(home.path().join("r.svg")).expect("a figure");
+    let document = roxmltree::Document::parse(&svg).expect("valid XML");
+    let count = |tag: &str| document.descendants().filter(|node| node.has_tag_name(tag)).count();
+    let features =
+        json(home.path(), &[&["report", "--out", "r.svg", "--json"], &LINE[..]].concat())["features"].clone();
+    assert_eq!((count("image"), Some(count("circle") as u64)), (1, features.as_u64()));
+    assert!(svg.contains("Place 1 at (92, 58)") && svg.contains("below the noise gate"));
+    let texts = || document.descendants().filter(|node| node.has_tag_name("text"));
+    let lowest = texts().filter_map(|text| text.attribute("y")?.parse::<f64>().ok()).fold(0.0, f64::max);
+    let height =
+        document.root_element().attribute("viewBox").and_then(|view| view.rsplit(' ').next()?.parse::<f64>().ok());
+    assert!(height.is_some_and(|height| (100.0..height - 20.0).contains(&lowest)), "{lowest} of {height:?}");
+    if cfg!(feature = "app") {
+        assert!(std::fs::read(home.path().join("r.pdf")).expect("a file").starts_with(b"%PDF"));
+    }
+}
+
+#[test]
+fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
+    let home = tempfile::tempdir().expect("a folder");
+    for (line, code, words) in [
+        ("report demo --out r.docx", 2, "name the file .md, .svg or .pdf"),
+        ("report demo", 2, "--out"),
+        ("report gone --out r.md", 1, "gone"),
+        ("report demo --out r.md --at 900,5", 2, "is outside the"),
+        ("report demo --out r.md --at 5", 2, "is not U,V in pixels"),
+        ("report demo --out r.md --copies 0", 2, "--copies: 0; give 1 to 100"),
+        ("report demo demo-later --out r.md", 2, "takes one burst"),
+    ] {
+        let told = run_badly(home.path(), &line.split(' ').collect::<Vec<_>>(), code);
+        assert!(told.contains(words), "{line}: {told}");
+    }
+    assert_eq!(names(home.path()), [""; 0]);
+    // Three frames have no other orders: the rest is told.
+    let few = ["report", "demo", "--frames", "0..3", "--out", "few.md", "--json"];
+    let page = &json(home.path(), &few);
+    assert!(
+        page["decoys"].is_null() && page["no_decoys"].as_str().is_some_and(|why| why.contains("4 or more")),
+        "{page}"
+    );
+}
+
+#[test]
+fn names_have_no_marks_of_markdown() {
+    let home = tempfile::tempdir().expect("a folder");
+    let small = ["--width", "120", "--height", "90", "--discs", "2", "--frames", "5", "--max-slope", "1", "--quiet"];
+    run_well(home.path(), &[&["synth", "chart", "--out", "a_b*c*"], &small[..]].concat());
+    let line = |out: &'static str| ["report", "a_b*c*", "--slopes-u", "-1:1:3", "--quiet", "--out", out];
+    run_well(home.path(), &line("r.md"));
+    run_well(home.path(), &line("r.svg"));
+    let read = |name: &str| std::fs::read_to_string(home.path().join(name)).expect("text");
+    assert!(read("r.md").contains(r"# a\_b\*c\*: 5 frames"), "{}", read("r.md"));
+    assert!(read("r.svg").contains(">a_b*c*: 5 frames"));
+}
