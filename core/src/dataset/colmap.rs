@@ -333,7 +333,8 @@ fn align_all(
 }
 
 fn too_few(bursts: usize) -> Error {
-    let problem = format!("{bursts} bursts have features, and matching needs two or more");
+    let have = if bursts == 1 { "1 burst has".into() } else { format!("{bursts} bursts have") };
+    let problem = format!("{have} features, and matching needs two or more");
     let remedy = "name a folder of bursts, or cut a long sequence with --burst-length";
     Error::new(ErrorKind::Failed, problem, remedy)
 }

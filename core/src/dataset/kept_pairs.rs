@@ -95,7 +95,6 @@ impl PairFound {
 }
 
 /// An image of an export, as its pairs know it.
-#[derive(Debug)]
 pub(super) struct PairedImage {
     pub name: String,
     pub features: usize,
