@@ -101,7 +101,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
             said = std::mem::replace(&mut said, Ok(())).and_then(|()| console.say(&line));
         }
         BurstEvent::Failed(index, error) => fail(&bursts[index].name, error.to_string()),
-        BurstEvent::Matching(pairs) => console.begin(format!("{pairs} pairs: ")),
+        BurstEvent::Matching(pairs) => console.begin(format!("{}: ", counted(pairs, "pair"))),
     };
     let report = export_colmap(&mut store, &bursts, &job, &mut on, &console.monitor)?;
     said?;

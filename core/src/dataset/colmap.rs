@@ -241,8 +241,8 @@ fn match_all(
 ) -> Result<Vec<bool>> {
     let has = |pair: &(usize, usize)| Ok(monitor.check().map(|()| kept.has(*pair))?);
     let resumed: Vec<bool> = pairs.par_iter().map(has).collect::<Result<_>>()?;
-    let missing = pairs.iter().zip(&resumed).filter(|(_, resumed)| !**resumed);
-    let missing: Vec<(usize, usize)> = missing.map(|(pair, _)| *pair).collect();
+    let missing = pairs.iter().zip(&resumed).filter(|(_, resumed)| !**resumed).map(|(pair, _)| *pair);
+    let missing: Vec<(usize, usize)> = missing.collect();
     let keep = |pair: (usize, usize), found: Unaligned| kept.keep(pair, PairFound::of(&found));
     let mut source = InDatabase { database, blobs, open };
     for_pairs::<Error, ()>(&missing, matching, &mut source, (&keep, &mut |_| Ok(())), monitor)?;
@@ -332,7 +332,8 @@ fn align_all(
 }
 
 fn too_few(bursts: usize) -> Error {
-    let problem = format!("{bursts} bursts have features, and matching needs two or more");
+    let have = if bursts == 1 { "1 burst has".into() } else { format!("{bursts} bursts have") };
+    let problem = format!("{have} features, and matching needs two or more");
     let remedy = "name a folder of bursts, or cut a long sequence with --burst-length";
     Error::new(ErrorKind::Failed, problem, remedy)
 }

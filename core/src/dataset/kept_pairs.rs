@@ -89,14 +89,12 @@ impl PairFound {
             refused: (refused == 1).then_some(Refusal::Motions),
         };
         let exists = |[a, b]: [u32; 2]| (a as usize) < features[0] && (b as usize) < features[1];
-        let all_exist =
-            found.matches.iter().all(|m| exists(*m)) && found.inliers.iter().all(|(m, _)| exists([m.a, m.b]));
-        (rest.is_empty() && all_exist).then_some(found)
+        let mut all = found.matches.iter().copied().chain(found.inliers.iter().map(|(m, _)| [m.a, m.b]));
+        (rest.is_empty() && all.all(exists)).then_some(found)
     }
 }
 
 /// An image of an export, as its pairs know it.
-#[derive(Debug)]
 pub(super) struct PairedImage {
     pub name: String,
     pub features: usize,

@@ -16,16 +16,13 @@ use std::path::Path;
 pub fn read_pairs(path: &Path, bursts: &[BurstFiles]) -> Result<Vec<(usize, usize)>> {
     let text = read_text(path, MAX_TABLE_BYTES).map_err(|error| Error::unread_file(path, error))?;
     // As they are, and as their pictures are called.
-    let forms = |(index, burst): (usize, &BurstFiles)| {
-        [safe_file_name(&burst.name), burst.name.clone()].map(|name| (name, index))
-    };
-    let known: HashMap<String, usize> = bursts.iter().enumerate().flat_map(forms).collect();
+    let forms = |of: &BurstFiles| [safe_file_name(&of.name), of.name.clone()];
+    let known = bursts.iter().enumerate().flat_map(|(index, burst)| forms(burst).map(|name| (name, index)));
+    let known: HashMap<String, usize> = known.collect();
     let named = |word: &str| known.get(word).or_else(|| known.get(word.rsplit_once('.')?.0)).copied();
     let mut pairs = BTreeSet::new();
-    for (number, line) in text.lines().map(str::trim).enumerate().filter(|(_, line)| !line.is_empty()) {
-        if line.starts_with('#') {
-            continue;
-        }
+    let lines = text.lines().map(str::trim).enumerate();
+    for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
         let at = |(at, _)| Some((named(line[..at].trim_end())?, named(line[at..].trim_start())?));
         let (a, b) = line.match_indices(char::is_whitespace).find_map(at).filter(|(a, b)| a != b).ok_or_else(|| {
             let unknown = line.split_whitespace().find(|word| named(word).is_none()).unwrap_or(line);

@@ -118,7 +118,7 @@ impl ColmapReport {
             let none = if all == 1 { "the one pair is not".into() } else { format!("none of {all} pairs is") };
             format!("{none} verified ({no_match} without a match, {refused} refused, in the others too few agree)")
         };
-        let needed = format!("and it needs a pair with about {INLIERS_TO_START} inliers");
-        Some(format!("a mapper will not be able to start from it: {why}, {needed}"))
+        let needed = format!("a pair with about {INLIERS_TO_START} inliers");
+        Some(format!("a mapper will not be able to start from it: {why}, and it needs {needed}"))
     }
 }

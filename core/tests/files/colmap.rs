@@ -363,7 +363,7 @@ fn a_broken_burst_is_left_out_and_a_foreign_folder_left_alone() {
     let report = report.expect("written");
     assert_eq!((failed, report.images.len(), report.pairs.len()), (vec!["frame_007".to_owned()], 2, 1));
     let (too_few, _) = export(&bursts[..1], &home.path().join("one"), &job());
-    assert!(too_few.is_err_and(|error| error.problem.starts_with("1 bursts have features")));
+    assert!(too_few.is_err_and(|error| error.problem.starts_with("1 burst has features")));
     let own = home.path().join("own");
     fs::create_dir(&own).expect("made");
     fs::write(own.join("thesis.txt"), "precious").expect("written");
