@@ -278,17 +278,8 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
                 "ask for fewer or smaller discs, smaller slopes or a larger image",
             ));
         };
-        placed.push(FeatureTruth {
-            id,
-            layer: None,
-            u,
-            v,
-            radius,
-            sigma: disc_sigma(radius),
-            slope_u,
-            slope_v,
-            contrast_sign: if params.contrast > 1.0 { 1 } else { -1 },
-        });
+        let (sigma, contrast_sign) = (disc_sigma(radius), if params.contrast > 1.0 { 1 } else { -1 });
+        placed.push(FeatureTruth { id, layer: None, u, v, radius, sigma, slope_u, slope_v, contrast_sign });
     }
     Ok(placed)
 }

@@ -3,6 +3,7 @@
 use super::fit::{FittedCurve, Outcome, Prior, fitted, share_interval};
 use super::ground::Ground;
 use super::{Contrast, Levels, Planted, RecoverStudy, RecoverTimes, Shape, Varied};
+use crate::synth::truth::FeatureTruth;
 use burstscope_core::burst::Burst;
 use burstscope_core::detector::{DetectorParams, Slope, SlopeGrid, Test};
 use burstscope_core::export::PLANTED_COLUMNS;
@@ -425,24 +426,12 @@ pub fn planted_csv(planted: &[Planted]) -> String {
         let found = one
             .found
             .map_or_else(|| "0,,,".to_owned(), |found| format!("1,{},{},{}", found.slope.u, found.slope.v, found.snr));
-        let t = &one.truth;
-        out += &format!(
-            "{},{},{varied},{:.3},{:.3},{},{},{},{},{},{:.6},{},{},{found},{},\"{}\"\n",
-            one.seed,
-            t.id,
-            t.u,
-            t.v,
-            t.radius,
-            t.slope_u,
-            t.slope_v,
-            t.contrast_sign,
-            one.snr,
-            one.amplitude,
-            one.frames,
-            one.expected_snr_d.map_or_else(String::new, |snr| format!("{snr:.3}")),
-            one.failed.map_or("", Test::reason),
-            one.why.replace('"', "\"\""),
-        );
+        let FeatureTruth { id, u, v, radius, slope_u, slope_v, contrast_sign, .. } = one.truth;
+        let Planted { seed, snr, amplitude, frames, .. } = one;
+        let expected = one.expected_snr_d.map_or_else(String::new, |snr| format!("{snr:.3}"));
+        let (failed, why) = (one.failed.map_or("", Test::reason), one.why.replace('"', "\"\""));
+        out += &format!("{seed},{id},{varied},{u:.3},{v:.3},{radius},{slope_u},{slope_v},{contrast_sign},{snr},");
+        out += &format!("{amplitude:.6},{frames},{expected},{found},{failed},\"{why}\"\n");
     }
     out
 }
