@@ -465,7 +465,8 @@ mod tests {
         #![proptest_config(ProptestConfig::with_cases(64))]
         #[test]
         fn it_is_brute_force_and_ties_go_to_the_lowest_index(
-            (queries, searched) in prop_oneof![(descriptors(0..70), descriptors(0..70)), (coarse(0..40), coarse(1..90))],
+            (queries, searched) in
+                prop_oneof![(descriptors(0..70), descriptors(0..70)), (coarse(0..40), coarse(1..90))],
         ) {
             prop_assert_eq!(nearest(&queries, &searched), brute_force(&queries, &searched));
         }
