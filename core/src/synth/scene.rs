@@ -195,7 +195,7 @@ fn paint_boards(layer: &mut Layer, params: &SceneParams, index: usize, stream: &
         let shade = stream.within(0.7, 1.3) as f32;
         // A new board hides landmarks of an earlier one of the same layer there.
         layer.landmarks.retain(|l| board.distance(l.u as f32, l.v as f32) > l.radius as f32 + 1.0);
-        layer.sheet.shape(board, |x, y| board.distance(x, y), |_, _| BOARD as f32 * shade);
+        layer.sheet.rectangle(board, BOARD as f32 * shade);
         match (number + index) % 3 {
             0 => dots(layer, board, scale, stream),
             1 => writing(layer, board, scale, stream),

@@ -237,7 +237,6 @@ mod with_database {
     }
 }
 
-/// Matching results of a method on one trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Matched {
     /// Features of an image, mean over the images.
@@ -257,7 +256,6 @@ pub(super) struct Matched {
     pub seconds: f64,
 }
 
-/// Result of COLMAP's mapper from a method's matches.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Reconstructed {
     /// Number of images that have a pose in the largest model.

@@ -13,7 +13,6 @@ use burstscope_core::plane::Plane;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Trajectories to reconstruct, and the methods' parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Study {
     /// Parameters of the trajectories; motion and seed are set by the study.
