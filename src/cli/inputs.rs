@@ -99,9 +99,7 @@ pub(super) fn resolve_bursts(
     options: &OpenOptions,
 ) -> Result<Vec<Input>, Failure> {
     let inputs = resolve(arguments, options);
-    let Some(length) = sequence.burst_length else {
-        return Ok(inputs);
-    };
+    let Some(length) = sequence.burst_length else { return Ok(inputs) };
     let cut =
         SequenceCut::new(length, sequence.burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
     if inputs.iter().any(Input::is_built_in) {
