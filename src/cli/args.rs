@@ -234,12 +234,14 @@ fn parse_memory(text: &str) -> Result<u64, String> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::cli::probe::parse_place;
 
     #[test]
     fn small_parsers_refuse_nonsense() {
         assert_eq!(parse_slope("-2.1, 0"), Ok(Slope::new(-2.1, 0.0)));
+        assert_eq!(parse_place("412, 230.5"), Ok([412.0, 230.5]));
         for bad in ["", "1", "1,", "a,b", "nan,0", "1,2,3"] {
-            assert!(parse_slope(bad).is_err(), "{bad}");
+            assert!(parse_slope(bad).is_err() && parse_place(bad).is_err(), "{bad}");
         }
     }
 

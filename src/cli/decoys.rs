@@ -50,16 +50,7 @@ pub(super) fn run(args: &DecoysArgs) -> Result<(), Failure> {
     let report = decoys(&cache.trail, &args.study, &console.monitor.part(of_burst, 1.0 - of_burst))?;
     console.monitor.check()?;
     console.say(&decoys_text(&report, &input.name))?;
-    console.say_document(
-        "decoys",
-        &json!({
-            "params": params,
-            "name": input.name,
-            "inputs": input.path_texts(),
-            "width": burst.size().0,
-            "height": burst.size().1,
-            "slope_grid": cache.params().used_slopes(),
-            "decoys": report,
-        }),
-    )
+    let document = json!({"params": params, "name": input.name, "inputs": input.path_texts(), "width": burst.size().0,
+        "height": burst.size().1, "slope_grid": cache.params().used_slopes(), "decoys": report});
+    console.say_document("decoys", &document)
 }

@@ -97,17 +97,7 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     film.write(&args.out, args.rate, &rasterise, &may_write, &console.monitor.part(0.5, 0.5))?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
     console.say(&format!("wrote {}, {}\n", args.out.display(), megabytes(bytes)))?;
-    console.say_document(
-        "film",
-        &json!({
-            "file": path_text(&args.out),
-            "pictures": count,
-            "width": width,
-            "height": height,
-            "rate": args.rate,
-            "features": features,
-            "estimated_bytes": estimated,
-            "bytes": bytes,
-        }),
-    )
+    let document = json!({"file": path_text(&args.out), "pictures": count, "width": width, "height": height,
+        "rate": args.rate, "features": features, "estimated_bytes": estimated, "bytes": bytes});
+    console.say_document("film", &document)
 }

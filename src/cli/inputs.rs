@@ -99,9 +99,7 @@ pub(super) fn resolve_bursts(
     options: &OpenOptions,
 ) -> Result<Vec<Input>, Failure> {
     let inputs = resolve(arguments, options);
-    let Some(length) = sequence.burst_length else {
-        return Ok(inputs);
-    };
+    let Some(length) = sequence.burst_length else { return Ok(inputs) };
     let cut =
         SequenceCut::new(length, sequence.burst_step).map_err(|e| Failure::usage(format!("--burst-length: {e}")))?;
     if inputs.iter().any(Input::is_built_in) {
@@ -130,20 +128,18 @@ pub(super) fn resolve_bursts(
 /// A missing file makes the burst of single pictures fail, whose frame it may be, but not stacks.
 fn resolve_files(files: &[PathBuf], options: &OpenOptions) -> Vec<Input> {
     let (present, missing): (Vec<PathBuf>, Vec<PathBuf>) = files.iter().cloned().partition(|f| f.exists());
-    if missing.is_empty() || present.is_empty() {
-        return if present.is_empty() {
-            missing.iter().flat_map(|m| look(std::slice::from_ref(m), options)).collect()
-        } else {
-            look(files, options)
-        };
+    if missing.is_empty() {
+        return look(files, options);
+    }
+    let alone = missing.iter().flat_map(|file| look(std::slice::from_ref(file), options));
+    if present.is_empty() {
+        return alone.collect();
     }
     match find_bursts(&present, options) {
         // Each file is a burst: a missing file fails alone.
-        Ok(sources) if present.len() > 1 && sources.len() == present.len() => sources
-            .into_iter()
-            .map(found)
-            .chain(missing.iter().flat_map(|m| look(std::slice::from_ref(m), options)))
-            .collect(),
+        Ok(sources) if present.len() > 1 && sources.len() == present.len() => {
+            sources.into_iter().map(found).chain(alone).collect()
+        }
         _ => look(files, options),
     }
 }

@@ -119,18 +119,4 @@ mod tests {
         assert!(open(&[DEMO.into(), home.path().into()], None).is_err() && open(&[DEMO.into()], Some(2)).is_err());
         assert!(open(&[film("a"), film("b"), film("gone")], None).is_err() && open(&[film("a")], Some(0)).is_err());
     }
-
-    #[test]
-    fn a_session_file_alone_is_a_session() {
-        let home = tempfile::tempdir().expect("a folder");
-        let file = home.path().join("night.burstscope.toml");
-        std::fs::write(&file, "version = 4\nburst = \"demo\"\n").expect("written");
-        let open = |paths: &[PathBuf]| what_to_open(paths, SequenceArgs::default(), &OpenOptions::default());
-        assert!(matches!(open(std::slice::from_ref(&file)), Ok(Opening::Session(path)) if path == file));
-        let gone = home.path().join("gone.toml");
-        assert!(
-            open(&[gone]).is_ok_and(|opening| matches!(opening, Opening::Burst(_))),
-            "the opener says that it is gone"
-        );
-    }
 }

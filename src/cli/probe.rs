@@ -55,23 +55,12 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
         text += &format!("wrote {}\n", path.display());
     }
     console.say(&text)?;
-    console.say_document(
-        "probe",
-        &json!({
-            "params": params,
-            "name": input.name,
-            "inputs": input.path_texts(),
-            "width": burst.size().0,
-            "height": burst.size().1,
-            "frames": burst.len(),
-            "slope_grid": cache.params().used_slopes(),
-            "noise_gate_factor": cache.detection().noise_gate_factor,
-            "features": cache.detection().features.len(),
-            "plot": args.plot.as_deref().map(path_text),
-            "probe": answer,
-            "price": price,
-        }),
-    )
+    let detection = cache.detection();
+    let document = json!({"params": params, "name": input.name, "inputs": input.path_texts(), "width": burst.size().0,
+        "height": burst.size().1, "frames": burst.len(), "slope_grid": cache.params().used_slopes(),
+        "noise_gate_factor": detection.noise_gate_factor, "features": detection.features.len(),
+        "plot": args.plot.as_deref().map(path_text), "probe": answer, "price": price});
+    console.say_document("probe", &document)
 }
 
 const SEARCH_SHARE: f32 = 0.8;
@@ -116,22 +105,10 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
         text += &format!("wrote {}\n", path.display());
     }
     console.say(&text)?;
-    console.say_document(
-        "slopes",
-        &json!({
-            "params": params,
-            "name": input.name,
-            "inputs": input.path_texts(),
-            "width": burst.size().0,
-            "height": burst.size().1,
-            "most_features_at": answer.most_features(),
-            "set_up": set_up,
-            "set_up_slopes": asked,
-            "depths": depths,
-            "plot": args.plot.as_deref().map(path_text),
-            "spectrum": answer,
-        }),
-    )
+    let document = json!({"params": params, "name": input.name, "inputs": input.path_texts(), "width": burst.size().0,
+        "height": burst.size().1, "most_features_at": answer.most_features(), "set_up": set_up,
+        "set_up_slopes": asked, "depths": depths, "plot": args.plot.as_deref().map(path_text), "spectrum": answer});
+    console.say_document("slopes", &document)
 }
 
 /// Say which slopes a burst needs: its spectrum, what lies at the limit, and what to change.
@@ -229,17 +206,4 @@ pub(super) fn check_inside([u, v]: [f32; 2], (width, height): (usize, usize)) ->
 
 pub(super) fn parse_place(text: &str) -> Result<[f32; 2], String> {
     two(text, ',', f32::is_finite).ok_or_else(|| format!("'{text}' is not U,V in pixels, such as 412,230.5"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn places_are_two_numbers() {
-        assert_eq!(parse_place("412, 230.5"), Ok([412.0, 230.5]));
-        for bad in ["", "412", "nan,2", "1,2,3", "a,b"] {
-            assert!(parse_place(bad).is_err(), "{bad}");
-        }
-    }
 }

@@ -74,14 +74,7 @@ impl SetUpArgs {
 
 pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes) -> Result<(), Failure> {
     console.say(&format!("{}\n  {}\n", slopes.sentence(set_up), slopes.options()))?;
-    console.say_document(
-        "slopes",
-        &json!({
-            "set_up": set_up,
-            "slopes": slopes,
-            "options": slopes.options(),
-        }),
-    )
+    console.say_document("slopes", &json!({"set_up": set_up, "slopes": slopes, "options": slopes.options()}))
 }
 
 pub(super) fn depths(set_up: &SetUp, spectrum: &Spectrum) -> Vec<SlopeDepth> {

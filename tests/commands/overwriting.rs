@@ -46,7 +46,14 @@ fn no_command_writes_over_what_it_opens() {
         refused_always(home.path(), &["stack", "tb", "--slope", "0,0", "--out", out], opened);
         refused_always(home.path(), &["merge", "tb", "--out", out], opened);
     }
-    // Files one by one, files that Burstscope wrote itself, and calibration frames.
+    let folder = ["stack", "tb", "--slope", "0,0", "--out", "folder.tiff"];
+    fs::create_dir(at("folder.tiff")).expect("made");
+    refused_always(home.path(), &folder, "this is a folder or a device, not a file");
+    // Files one by one and through a link, files that Burstscope wrote itself, and calibration frames.
+    std::os::unix::fs::symlink(at("tb/f0.tiff"), at("to_f0.tiff")).expect("linked");
+    for out in ["to_f0.tiff", "tb/f0.tiff"] {
+        refused_always(home.path(), &["merge", "to_f0.tiff", "tb/f1.tiff", "--out", out], opened);
+    }
     refused_always(home.path(), &["merge", "tb/f0.tiff", "tb/f1.tiff", "--out", "tb/f1.tiff"], opened);
     refused_always(home.path(), &["stack", "ours.tiff", "--slope", "0,0", "--out", "ours.tiff"], opened);
     refused_always(home.path(), &["merge", "tb", "--bias", "bias.tiff", "--out", "bias.tiff"], opened);

@@ -450,28 +450,18 @@ mod tests {
     use super::*;
     use crate::synth::random::Stream;
     use crate::synth::{ChartParams, synth_chart};
-    use std::path::PathBuf;
-
-    fn chart() -> (Burst, Truth) {
-        let chart =
-            ChartParams { width: 96, height: 64, discs: 3, frames: 4, radius: 3.6..=8.0, ..ChartParams::default() };
-        synth_chart(&chart, &Monitor::default()).expect("a chart")
-    }
-
-    fn written(case: &Case, burst: &Burst, enclosed: &Enclosed) -> (tempfile::TempDir, PathBuf) {
-        let home = tempfile::tempdir().expect("a folder");
-        let path = home.path().join("a.burstcase");
-        write_case(&path, (case, burst), enclosed, &Monitor::default()).expect("written");
-        (home, path)
-    }
 
     #[test]
     fn damaged_and_hostile_cases_are_refused_and_never_panic() {
-        let (burst, truth) = chart();
+        let chart =
+            ChartParams { width: 96, height: 64, discs: 3, frames: 4, radius: 3.6..=8.0, ..ChartParams::default() };
+        let (burst, truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
         let (case, part) =
             Case::of(&burst, &SearchParams::default(), (None, None), "", &Monitor::default()).expect("nobody cancels");
         let enclosed = Enclosed { session: Some("version = 3\n".repeat(20)), truth: Some(truth) };
-        let (_home, path) = written(&case, &part, &enclosed);
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("a.burstcase");
+        write_case(&path, (&case, &part), &enclosed, &Monitor::default()).expect("written");
         let good = std::fs::read(&path).expect("read");
         let mut stream = Stream::new(11, 0);
         let mut refused = 0;

@@ -115,8 +115,8 @@ pub struct Exposure {
     pub camera: Camera,
 }
 
-/// Distance of the noise from black and white, in standard deviations, so that nothing is clipped.
-const CLEARANCE_SIGMAS: f64 = 5.0;
+/// Distance of the noise from black and white, in standard deviations, so that nothing, or little, is clipped.
+pub(super) const CLEARANCE_SIGMAS: f64 = 5.0;
 
 impl ChartParams {
     /// The signal levels and the camera. The background's signal is a tenth of full scale, less where the noise would
@@ -128,11 +128,8 @@ impl ChartParams {
         if !(self.contrast.is_finite() && self.contrast > 0.0 && self.contrast <= 8.0)
             || (self.contrast - 1.0).abs() < 1e-3
         {
-            return Err(Error::param(
-                "contrast",
-                format!("{} as the ratio of disc to background", self.contrast),
-                "give a ratio above 0 and up to 8, other than 1",
-            ));
+            let problem = format!("{} as the ratio of disc to background", self.contrast);
+            return Err(Error::param("contrast", problem, "give a ratio above 0 and up to 8, other than 1"));
         }
         // As a share of the background's signal, for brighter and darker discs alike.
         let amplitude = (self.contrast - 1.0).abs();
@@ -152,11 +149,8 @@ impl ChartParams {
         check_common(self.width, self.height, frames, self.max_slope, self.read_noise, self.bits)?;
         let (smallest, largest) = (*self.radius.start(), *self.radius.end());
         if !(smallest.is_finite() && largest.is_finite() && smallest >= 0.5 && smallest <= largest) {
-            return Err(Error::param(
-                "radius",
-                format!("{smallest}:{largest}"),
-                "give MIN:MAX in pixels, at least 0.5, the smaller one first",
-            ));
+            let remedy = "give MIN:MAX in pixels, at least 0.5, the smaller one first";
+            return Err(Error::param("radius", format!("{smallest}:{largest}"), remedy));
         }
         if self.discs > 100_000 {
             return Err(Error::param("discs", self.discs.to_string(), "give at most 100000"));
@@ -272,23 +266,13 @@ fn place_discs(params: &ChartParams, monitor: &Monitor) -> Result<Vec<FeatureTru
             }
         }
         let Some((u, v, slope_u, slope_v)) = place else {
-            return Err(Error::param(
-                "discs",
-                format!("only {id} of {} discs fit into {}×{} pixels", params.discs, params.width, params.height),
-                "ask for fewer or smaller discs, smaller slopes or a larger image",
-            ));
+            let ChartParams { discs, width, height, .. } = params;
+            let problem = format!("only {id} of {discs} discs fit into {width}×{height} pixels");
+            let remedy = "ask for fewer or smaller discs, smaller slopes or a larger image";
+            return Err(Error::param("discs", problem, remedy));
         };
-        placed.push(FeatureTruth {
-            id,
-            layer: None,
-            u,
-            v,
-            radius,
-            sigma: disc_sigma(radius),
-            slope_u,
-            slope_v,
-            contrast_sign: if params.contrast > 1.0 { 1 } else { -1 },
-        });
+        let (sigma, contrast_sign) = (disc_sigma(radius), if params.contrast > 1.0 { 1 } else { -1 });
+        placed.push(FeatureTruth { id, layer: None, u, v, radius, sigma, slope_u, slope_v, contrast_sign });
     }
     Ok(placed)
 }

@@ -140,11 +140,7 @@ fn houses(reach: f64) -> Layer {
             |_, _| 0.005,
         );
         let front = Area::new(left, eaves, left + width, 300.0);
-        layer.sheet.shape(
-            front,
-            move |u, v| front.distance(u, v),
-            move |u, v| wall + 0.006 * (fractal_relief(77, u, v, 10.0, 2) - 0.5),
-        );
+        layer.sheet.textured(front, |u, v| wall + 0.006 * (fractal_relief(77, u, v, 10.0, 2) - 0.5));
         // A round window in the gable, two rows of windows, a door with a lamp over it.
         layer.landmark(f64::from(middle), f64::from(eaves) - 9.0, 4.5, 0.058, true);
         let pitch = width / 3.0;
@@ -170,11 +166,7 @@ fn houses(reach: f64) -> Layer {
     // The street: pavement, kerb, asphalt with lane marks.
     layer.sheet.rectangle(Area::new(-60.0, 300.0, 540.0, 312.0), 0.022);
     let asphalt = Area::new(-60.0, 312.0, 540.0, 380.0);
-    layer.sheet.shape(
-        asphalt,
-        move |u, v| asphalt.distance(u, v),
-        |u, v| 0.009 + 0.007 * (fractal_relief(13, u, 3.0 * v, 24.0, 3) - 0.5),
-    );
+    layer.sheet.textured(asphalt, |u, v| 0.009 + 0.007 * (fractal_relief(13, u, 3.0 * v, 24.0, 3) - 0.5));
     for k in 0..9 {
         let u = -40.0 + 66.0 * k as f32;
         layer.sheet.rectangle(Area::new(u, 334.0, u + 34.0, 338.5), 0.05);

@@ -379,11 +379,7 @@ fn street(reach: f64) -> Vec<Layer> {
     for k in 0..6 {
         let left = -60.0 + 62.0 * k as f32;
         let board = Area::new(left, 112.0 + 9.0 * (k % 3) as f32, left + 48.0, 190.0);
-        boards.sheet.shape(
-            board,
-            move |u, v| board.distance(u, v),
-            |u, v| 0.02 + 0.07 * fractal_relief(57, u, v, 11.0, 3).powi(2),
-        );
+        boards.sheet.textured(board, |u, v| 0.02 + 0.07 * fractal_relief(57, u, v, 11.0, 3).powi(2));
         boards.landmark(f64::from(left) + 24.0, 150.0, 4.0, 0.004, false);
     }
     vec![wall, boards]

@@ -195,17 +195,10 @@ pub fn visible_landmarks(layers: &[Layer], size: (usize, usize), offsets: &[Offs
                 inside && layers[index + 1..].iter().all(|near| !near.hides(u, v, landmark.radius + 1.0, *at))
             });
             if seen {
-                features.push(FeatureTruth {
-                    id: features.len(),
-                    layer: Some(index),
-                    u: landmark.u,
-                    v: landmark.v,
-                    radius: landmark.radius,
-                    sigma: disc_sigma(landmark.radius),
-                    slope_u: layer.slope_u,
-                    slope_v: layer.slope_v,
-                    contrast_sign: if landmark.bright { 1 } else { -1 },
-                });
+                let &Landmark { u, v, radius, bright } = landmark;
+                let (id, sigma, contrast_sign) = (features.len(), disc_sigma(radius), if bright { 1 } else { -1 });
+                let (slope_u, slope_v, layer) = (layer.slope_u, layer.slope_v, Some(index));
+                features.push(FeatureTruth { id, layer, u, v, radius, sigma, slope_u, slope_v, contrast_sign });
             }
         }
     }

@@ -89,11 +89,9 @@ pub fn check_common(
     }
     let pixels = width as u64 * height as u64 * frames as u64;
     if pixels > MAX_PIXELS {
-        return Err(Error::param(
-            "frames",
-            format!("{frames} frames of {width}×{height} are {pixels} pixels, above the limit of {MAX_PIXELS}"),
-            "make fewer or smaller frames",
-        ));
+        let problem =
+            format!("{frames} frames of {width}×{height} are {pixels} pixels, above the limit of {MAX_PIXELS}");
+        return Err(Error::param("frames", problem, "make fewer or smaller frames"));
     }
     if !(max_slope.is_finite() && max_slope >= 0.0) {
         return Err(Error::param("max-slope", format!("{max_slope}"), "give 0 or more pixels per frame"));
@@ -101,11 +99,9 @@ pub fn check_common(
     // Things that cross the whole image would be in few frames.
     let moved_px = span * max_slope;
     if moved_px >= width.min(height) as f64 {
-        return Err(Error::param(
-            "max-slope",
-            format!("{max_slope} px/frame over {frames} frames moves things by {moved_px:.0} px, the whole image"),
-            "give a smaller slope, fewer frames or a larger image",
-        ));
+        let moves =
+            format!("{max_slope} px/frame over {frames} frames moves things by {moved_px:.0} px, the whole image");
+        return Err(Error::param("max-slope", moves, "give a smaller slope, fewer frames or a larger image"));
     }
     check_camera(read_noise, bits)
 }

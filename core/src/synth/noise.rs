@@ -56,11 +56,8 @@ impl Camera {
         let rounding = quantisation_step(bits).powi(2) / 12.0;
         let rest = sigma * sigma - rounding;
         if rest <= 0.0 {
-            return Err(Error::param(
-                "snr",
-                format!("{snr} is out of reach: rounding to {bits} bits alone makes more noise"),
-                "give a lower ratio, more bits, or inf for no noise",
-            ));
+            let problem = format!("{snr} is out of reach: rounding to {bits} bits alone makes more noise");
+            return Err(Error::param("snr", problem, "give a lower ratio, more bits, or inf for no noise"));
         }
         // The stable form of the quadratic formula; it also holds for r = 0.
         let r2 = read_noise_electrons * read_noise_electrons;

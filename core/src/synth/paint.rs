@@ -178,7 +178,12 @@ impl Sheet {
 
     /// Paints a filled rectangle.
     pub fn rectangle(&mut self, area: Area, value: f32) {
-        self.shape(area, |u, v| area.distance(u, v), |_, _| value);
+        self.textured(area, |_, _| value);
+    }
+
+    /// Paints a rectangle with the values `value(u, v)`.
+    pub fn textured(&mut self, area: Area, value: impl Fn(f32, f32) -> f32) {
+        self.shape(area, |u, v| area.distance(u, v), value);
     }
 
     /// Paints a disc.

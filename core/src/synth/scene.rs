@@ -3,6 +3,7 @@
 //! The farthest layer fills the frame; nearer ones carry boards of writing, stripes, or dots, the truth's landmarks.
 
 use super::arm::Arm;
+use super::chart::CLEARANCE_SIGMAS;
 use super::layer::{Layer, draw_layers, visible_landmarks};
 use super::noise::Camera;
 #[cfg(feature = "cli")]
@@ -83,9 +84,6 @@ pub const BOARD: f64 = 0.04;
 /// Signal of the bright marks on a board, fraction of full scale above black.
 pub const MARK: f64 = 0.1;
 
-/// Black level of the scene in standard deviations of the noise in the dark, so that little is clipped at zero.
-const CLEARANCE_SIGMAS: f64 = 5.0;
-
 /// Makes a layered scene and its truth: the layers' slopes, and the landmarks completely visible in every frame.
 ///
 /// # Errors
@@ -101,11 +99,8 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     camera.black_level = (CLEARANCE_SIGMAS * camera.sigma(0.0)).max(1.0 / 64.0);
     // Marks and noise above the pedestal must stay below white.
     if camera.black_level + 3.0 * MARK > 1.0 {
-        return Err(Error::param(
-            "snr",
-            format!("{} makes the noise wider than full scale", params.snr),
-            "give a ratio of 0.5 or more",
-        ));
+        let problem = format!("{} makes the noise wider than full scale", params.snr);
+        return Err(Error::param("snr", problem, "give a ratio of 0.5 or more"));
     }
     let arm = Arm::new(params.mask, params.width, BOARD, params.seed)?;
     let layers = build_layers(params, whole.offsets(), monitor)?;
@@ -200,7 +195,7 @@ fn paint_boards(layer: &mut Layer, params: &SceneParams, index: usize, stream: &
         let shade = stream.within(0.7, 1.3) as f32;
         // A new board hides landmarks of an earlier one of the same layer there.
         layer.landmarks.retain(|l| board.distance(l.u as f32, l.v as f32) > l.radius as f32 + 1.0);
-        layer.sheet.shape(board, |x, y| board.distance(x, y), |_, _| BOARD as f32 * shade);
+        layer.sheet.rectangle(board, BOARD as f32 * shade);
         match (number + index) % 3 {
             0 => dots(layer, board, scale, stream),
             1 => writing(layer, board, scale, stream),

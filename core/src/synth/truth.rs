@@ -86,23 +86,20 @@ impl Truth {
         camera: &Camera,
         (background, snr): (f64, Option<f64>),
     ) -> Self {
-        let (t0, noise) = (0.5 * (frames as f64 - 1.0), NoiseTruth::of(camera, background, snr));
-        let (black_level, layers, features) = (camera.black_level, Vec::new(), Vec::new());
-        let (times, views) = (Vec::new(), Vec::new());
         Self {
             kind,
             width,
             height,
             frames,
-            t0,
-            times,
-            views,
+            t0: 0.5 * (frames as f64 - 1.0),
+            times: Vec::new(),
+            views: Vec::new(),
             mask_columns: 0,
             seed,
-            noise,
-            black_level,
-            layers,
-            features,
+            noise: NoiseTruth::of(camera, background, snr),
+            black_level: camera.black_level,
+            layers: Vec::new(),
+            features: Vec::new(),
         }
     }
 

@@ -97,10 +97,7 @@ mod tests {
         assert_eq!(Mean::of(&[5.0]), Mean { mean: 5.0, standard_error: None });
         assert!(Mean::of(&[]).mean.is_nan());
         assert_eq!(format!("{:.2}|{:>14}", mean, mean), "3.00 ± 1.08|     3.0 ± 1.1");
-    }
-
-    #[test]
-    fn a_bias_is_told_from_chance() {
+        // A bias is told from chance.
         assert!(Mean::of(&[-1.0, 1.2, -0.9, 1.0]).is_consistent_with_zero(2.0));
         assert!(!Mean::of(&[1.0, 1.2, 0.9, 1.0]).is_consistent_with_zero(3.0));
     }

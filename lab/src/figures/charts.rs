@@ -119,14 +119,8 @@ impl MakeFigure for FramesFigure {
                 let error = mean.standard_error.map_or(String::new(), |error| format!("{error:.4}"));
                 format!("{:.4},{error}", mean.mean)
             };
-            csv += &format!(
-                "{},{},{},{},{}\n",
-                row.frames,
-                method.method.name(),
-                pair(method.true_positives),
-                pair(method.default_true_positives),
-                pair(method.default_false_features)
-            );
+            let means = [method.true_positives, method.default_true_positives, method.default_false_features].map(pair);
+            csv += &format!("{},{},{}\n", row.frames, method.method.name(), means.join(","));
         }
         Ok(Made { svg: frames_figure(&report).drawing.svg(), csv, notes: Vec::new() })
     }
@@ -256,16 +250,8 @@ fn found_csv(all: &[(&FoundOnTarget, &Burst)]) -> String {
         for one in &found.kept {
             let f = &found.detection.features[one.feature];
             let disc = one.disc.map_or(String::new(), |disc| disc.to_string());
-            csv += &format!(
-                "{},{},{},{},{},{},{},{disc}\n",
-                found.word,
-                f.u,
-                f.v,
-                f.sigma,
-                f.slope.u,
-                f.slope.v,
-                f.strength()
-            );
+            let (place, slope) = (format!("{},{},{}", f.u, f.v, f.sigma), format!("{},{}", f.slope.u, f.slope.v));
+            csv += &format!("{},{place},{slope},{},{disc}\n", found.word, f.strength());
         }
     }
     csv

@@ -123,12 +123,8 @@ fn csv(all: &[Matched]) -> String {
     for matched in all {
         for ([au, av], [bu, bv], error, inlier) in &matched.matches {
             let error_px = if error.is_finite() { format!("{error:.3}") } else { String::new() };
-            csv += &format!(
-                "{},{au:.3},{av:.3},{bu:.3},{bv:.3},{error_px},{},{}\n",
-                matched.word,
-                u8::from(*error <= RIGHT_PX),
-                u8::from(*inlier)
-            );
+            let (word, right, inlier) = (matched.word, u8::from(*error <= RIGHT_PX), u8::from(*inlier));
+            csv += &format!("{word},{au:.3},{av:.3},{bu:.3},{bv:.3},{error_px},{right},{inlier}\n");
         }
     }
     csv
@@ -155,15 +151,9 @@ fn draw(bursts: &[Burst; 2], gold: &Plane, all: [&Matched; 2], found: [&Detectio
     let mut y = seen.area.bottom() + 40.0;
     for (index, matched) in all.into_iter().enumerate() {
         let half = (WIDTH - 3.0 * GAP) / 2.0;
-        let right = matched.right();
-        let title = format!(
-            "{}: {} and {} features, {} putative matches, {right} of them right",
-            matched.label,
-            matched.keypoints[0],
-            matched.keypoints[1],
-            matched.matches.len(),
-        );
-        let title = lettered(3 + index, &title);
+        let (right, putative, [a, b]) = (matched.right(), matched.matches.len(), matched.keypoints);
+        let counts = format!("{a} and {b} features, {putative} putative matches, {right} of them right");
+        let title = lettered(3 + index, &format!("{}: {counts}", matched.label));
         let panels = [0, 1].map(|side| {
             let at = (GAP + (half + GAP) * side as f64, y);
             let title = if side == 0 { title.as_str() } else { "" };

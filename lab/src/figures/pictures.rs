@@ -96,22 +96,22 @@ fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) 
     let stack = stack_view(&burst, &params, Slope::new(1.0, 0.0), &silent)?;
     let title = "the motion stack at their slope, and what is found";
     let panel = Panel::draw(sheet, (2.0 * GAP + half(), y), half(), &stack, &Display::stretched(&stack), title);
+    let finds = |f: &Feature, index: usize| {
+        let [u, v] = disc_place(index);
+        (f.u - u).hypot(f.v - v) <= NEAR_PX
+    };
     let mut found = 0;
     // Every disc is marked at its true place, so that the missed ones show too.
     for index in 0..DISCS {
         let [u, v] = disc_place(index);
-        let near = |f: &&Feature| (f.u - u).hypot(f.v - v) <= NEAR_PX;
-        let is_found = detection.features.iter().any(|f| near(&f));
+        let is_found = detection.features.iter().any(|f| finds(f, index));
         found += usize::from(is_found);
         let missed = FigureStroke::new(WRONG, 1.8).dashed([4.0, 3.0]);
         let stroke = if is_found { FigureStroke::new(RIGHT, 1.8) } else { missed };
         panel.circle(sheet, [f64::from(u), f64::from(v)], 10.0, stroke);
     }
     for f in &detection.features {
-        let disc = (0..DISCS).find(|&index| {
-            let [u, v] = disc_place(index);
-            (f.u - u).hypot(f.v - v) <= NEAR_PX
-        });
+        let disc = (0..DISCS).find(|&index| finds(f, index));
         write_feature(csv, "low-contrast", f, &disc.map_or("false".to_owned(), |disc| format!("disc {disc}")));
     }
     let text = format!("blue: found ({found} of {DISCS}); orange, dashed: missed");

@@ -17,7 +17,6 @@ const PIECES_FOLDER: &str = "pieces";
 
 pub(super) type FigureRecord = Record<KeptFigure>;
 
-/// Facts about a finished figure, kept in its record.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub(super) struct KeptFigure {
     pub figure: PaperFigure,
@@ -60,7 +59,6 @@ pub(super) struct Pieces {
     records: Records,
 }
 
-/// Part of a figure, as its record keeps it.
 #[derive(Serialize, Deserialize)]
 struct Piece<T> {
     value: T,
@@ -71,14 +69,21 @@ impl Pieces {
         Self { records: Records::of(folder).below(PIECES_FOLDER) }
     }
 
-    /// The piece `name` if it was made from these settings.
-    pub fn get<T: DeserializeOwned>(&self, name: &str, settings: &str) -> Option<T> {
-        let Record { made_from, of } = self.records.read::<Piece<T>>(name)?;
-        (made_from == MadeFrom::new(settings)).then_some(of.value)
-    }
-
-    pub fn keep<T: Serialize>(&self, name: &str, settings: &str, value: &T) -> Result<()> {
-        self.records.write(name, &Record { made_from: MadeFrom::new(settings), of: Piece { value } })
+    /// The piece `name` of these settings: the one that is kept, or else what `make` gives, which is kept then.
+    pub fn kept_or<T: Serialize + DeserializeOwned>(
+        &self,
+        name: &str,
+        settings: &str,
+        make: impl FnOnce() -> Result<T>,
+    ) -> Result<T> {
+        let made_from = MadeFrom::new(settings);
+        let kept = self.records.read::<Piece<T>>(name).filter(|kept| kept.made_from == made_from);
+        if let Some(kept) = kept {
+            return Ok(kept.of.value);
+        }
+        let value = make()?;
+        self.records.write(name, &Record { made_from, of: Piece { value: &value } })?;
+        Ok(value)
     }
 
     /// A folder for files that are needed only while a piece is made: [`Unfinished::new_path`], which exists.
@@ -94,17 +99,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pieces_are_of_their_settings_and_other_peoples_folders_are_left_alone() {
+    fn pieces_are_of_their_settings() {
         let home = tempfile::tempdir().expect("a folder");
-        std::fs::write(home.path().join("thesis.txt"), "").expect("written");
-        assert!(check_folder(home.path()).is_err_and(|error| error.kind == ErrorKind::InTheWay));
-        assert!(check_folder(&home.path().join("new")).is_ok());
         begin(home.path()).expect("begun");
-        assert!(check_folder(home.path()).is_ok());
         let pieces = Pieces::of(home.path());
-        pieces.keep("row", "seed 1", &vec![1.5, 2.0]).expect("kept");
-        assert_eq!(pieces.get::<Vec<f64>>("row", "seed 1"), Some(vec![1.5, 2.0]));
-        assert_eq!(pieces.get::<Vec<f64>>("row", "seed 2"), None);
-        assert_eq!(pieces.get::<String>("row", "seed 1"), None, "it is no text");
+        for (settings, made, kept) in [("seed 1", 1.5, 1.5), ("seed 1", 2.0, 1.5), ("seed 2", 2.0, 2.0)] {
+            assert_eq!(pieces.kept_or("row", settings, || Ok(made)), Ok(kept));
+        }
+        assert_eq!(pieces.kept_or("row", "seed 2", || Ok("text".to_owned())), Ok("text".to_owned()));
     }
 }

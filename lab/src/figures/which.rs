@@ -41,7 +41,6 @@ pub enum FigureSize {
 }
 
 impl FigureSize {
-    /// The value of two that belongs to this size.
     pub(super) fn pick<T>(self, full: T, quick: T) -> T {
         match self {
             Self::Full => full,

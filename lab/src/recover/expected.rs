@@ -8,6 +8,7 @@ use super::thing::Shape;
 use burstscope_core::detector::scale_space::SIGMA_INPUT;
 use burstscope_core::detector::stack::interpolation_blur;
 use burstscope_core::detector::{Scale, Slope, Trail};
+use burstscope_core::inspect::place::nearest_slope;
 
 /// Expected response of a thing of amplitude 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -37,7 +38,7 @@ const SCALE_REACH: f64 = 2.0;
 /// nearest slope of the grid. `None` where no scale of the search suits it, or no frame shows it.
 pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slope: Slope) -> Option<Expected> {
     let grid = trail.params().used_slopes();
-    let searched = nearest_slope(trail, slope);
+    let searched = nearest_slope(&grid, slope);
     let offsets = trail.offsets(grid.slope(searched));
     let (_, kept, positions) = trail.frames();
     // The motion stack divides by the frames that cover a place, so only these count.
@@ -84,14 +85,6 @@ pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slo
 fn distances(mut all: Vec<f64>) -> Vec<(f64, usize)> {
     all.sort_by(f64::total_cmp);
     all.chunk_by(|a, b| a == b).map(|same| (same[0], same.len())).collect()
-}
-
-/// Index of the grid's slope that is nearest to `slope`.
-pub fn nearest_slope(trail: &Trail, slope: Slope) -> usize {
-    let grid = trail.params().used_slopes();
-    let (i, j) = grid.position(slope);
-    let nearest = |at: f32, count: usize| at.round().clamp(0.0, (count.max(1) - 1) as f32) as usize;
-    nearest(j, grid.v.count) * grid.u.count + nearest(i, grid.u.count)
 }
 
 /// Value at a distance `off` from the centre of a thing of amplitude 1 under a Gaussian filter of `sigma` pixels.

@@ -44,11 +44,8 @@ impl Ground {
     pub fn new(study: &RecoverStudy, burst: &Burst, monitor: &Monitor) -> Result<Self> {
         let params = &study.search;
         if params.method == Method::Merge {
-            return Err(Error::param(
-                "method",
-                "planted things are not searched for in a merged frame",
-                "give buff or sift",
-            ));
+            let problem = "planted things are not searched for in a merged frame";
+            return Err(Error::param("method", problem, "give buff or sift"));
         }
         // Slopes that are to be found are found here once; every copy is searched with the same grid.
         let cache = ProbeCache::new(burst, params, monitor)?;

@@ -177,19 +177,12 @@ mod tests {
             (Shape::Disc, std::f64::consts::PI * 36.0),
             (Shape::Blob, 2.0 * std::f64::consts::PI * disc_sigma(6.0).powi(2)),
         ] {
-            let mut frame = Plane::zeros(64, 64);
-            let painted = painting(shape, 0.1).paint(
-                &mut frame,
-                &LightNoise::default(),
-                &mut Stream::new(1, 1),
-                &Monitor::default(),
-            );
+            let (mut frame, noise) = (Plane::zeros(64, 64), LightNoise::default());
+            let painted = painting(shape, 0.1).paint(&mut frame, &noise, &mut Stream::new(1, 1), &Monitor::default());
             painted.expect("nobody cancels");
             let sum = |weight: &dyn Fn(usize, usize) -> f64| -> f64 {
-                (0..64)
-                    .flat_map(|v| (0..64).map(move |u| (u, v)))
-                    .map(|(u, v)| weight(u, v) * f64::from(frame.at(u, v)))
-                    .sum()
+                let places = (0..64).flat_map(|v| (0..64).map(move |u| (u, v)));
+                places.map(|(u, v)| weight(u, v) * f64::from(frame.at(u, v))).sum()
             };
             let light = sum(&|_, _| 1.0);
             assert!((light / (0.1 * mass) - 1.0).abs() < 5e-3, "{shape:?}: {light}");

@@ -106,7 +106,7 @@ pub struct NoisyExposure {
 }
 
 /// Distance of the noise from black and white, in standard deviations.
-const CLEARANCE_SIGMAS: f64 = 5.0;
+pub(super) const CLEARANCE_SIGMAS: f64 = 5.0;
 
 impl NoisyParams {
     /// Checks the parameters alone, without frames; the first one that makes no sense is the error.

@@ -136,17 +136,15 @@ impl<'a> Tile<'a> {
         // Each prediction has its own neighbourhood, so that a border between two motions can choose either.
         for prediction in self.predictions {
             let centre = prediction.map(|x| x.round() as i32);
-            for dv in -radius..=radius {
-                for du in -radius..=radius {
-                    let shift = [centre[0] + du, centre[1] + dv];
-                    if seen.contains(&shift) {
-                        continue;
-                    }
-                    seen.push(shift);
-                    let cost = self.cost(shift);
-                    if cost < best.1 {
-                        best = (shift, cost);
-                    }
+            for (dv, du) in (-radius..=radius).flat_map(|dv| (-radius..=radius).map(move |du| (dv, du))) {
+                let shift = [centre[0] + du, centre[1] + dv];
+                if seen.contains(&shift) {
+                    continue;
+                }
+                seen.push(shift);
+                let cost = self.cost(shift);
+                if cost < best.1 {
+                    best = (shift, cost);
                 }
             }
         }

@@ -8,6 +8,7 @@ use crate::error::{Error, Result};
 use crate::export::atomic::write_whole;
 use crate::export::csv::first_line;
 use crate::files::{MAX_TABLE_BYTES, read_text};
+use crate::matching::camera::FIRST_PIXEL;
 use std::io::{self, Write};
 use std::path::Path;
 use std::str::FromStr;
@@ -109,9 +110,6 @@ fn next<'a, T: FromStr>(words: &mut impl Iterator<Item = &'a str>) -> Result<T, 
     let word = words.next().ok_or("it ends too early; a feature is x, y, scale, orientation and 128 numbers")?;
     word.parse().map_err(|_| format!("'{word:.40}' is not a number that can stand here"))
 }
-
-/// Half a pixel: the coordinate of the first pixel's centre in COLMAP.
-pub(super) const FIRST_PIXEL: f64 = 0.5;
 
 /// Keypoint in COLMAP's convention: the centre of the first pixel is (0.5, 0.5).
 #[derive(Debug, Clone, Copy, PartialEq)]

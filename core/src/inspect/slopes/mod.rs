@@ -157,11 +157,7 @@ pub fn is_at_slope(grid: &SlopeGrid, feature: &Feature, slope: Slope) -> bool {
 
 /// For each slope of the search, in its order, the number of features whose [motion](Feature::motion) is nearest to it.
 pub fn features_at_slopes(detection: &Detection) -> Vec<usize> {
-    counts_at_slopes(detection, |_| true)
-}
-
-fn counts_at_slopes(detection: &Detection, counts_too: impl Fn(&Feature) -> bool) -> Vec<usize> {
-    counts_of(&detection.slopes, &detection.features, counts_too)
+    counts_of(&detection.slopes, &detection.features, |_| true)
 }
 
 fn counts_of(grid: &SlopeGrid, features: &[Feature], counts_too: impl Fn(&Feature) -> bool) -> Vec<usize> {
@@ -201,7 +197,7 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
     places.extend(beyond);
     let total = seen.iter().fold(0.0f32, |sum, (_, significance)| sum + significance).max(f32::MIN_POSITIVE);
     let counts = features_at_slopes(detection);
-    let limits = counts_at_slopes(detection, |feature| feature.at_slope_limit);
+    let limits = counts_of(&detection.slopes, &detection.features, |feature| feature.at_slope_limit);
     places
         .into_iter()
         .map(|at| {

@@ -18,18 +18,8 @@ pub(super) struct How {
     pub matching: MatchParams,
 }
 
-/// Writes the bursts of `way` into `folder`, finds and matches their features, runs COLMAP's mapper and compares its
-/// cameras with the true ones. A mapper that finds no model is a result: nothing registered.
 #[cfg(feature = "colmap")]
-pub(super) fn reconstruct(
-    program: &Path,
-    how: &How,
-    way: &Trajectory,
-    folder: &Path,
-    monitor: &Monitor,
-) -> Result<Reconstructed> {
-    with_database::reconstruct(program, how, way, folder, monitor)
-}
+pub(super) use with_database::reconstruct;
 
 fn unrun(program: &Path, reason: &str) -> Error {
     let problem = format!("cannot run {}: {reason}", program.display());
@@ -62,7 +52,9 @@ mod with_database {
     /// Maximum number of characters that are repeated of its last line.
     const LONGEST_LINE: usize = 120;
 
-    pub(super) fn reconstruct(
+    /// Writes the bursts of `way` into `folder`, finds and matches their features, runs COLMAP's mapper and compares
+    /// its cameras with the true ones. A mapper that finds no model is a result: nothing registered.
+    pub(in crate::figures::reconstruction) fn reconstruct(
         program: &Path,
         how: &How,
         way: &Trajectory,
@@ -245,7 +237,6 @@ mod with_database {
     }
 }
 
-/// Matching results of a method on one trajectory.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Matched {
     /// Features of an image, mean over the images.
@@ -265,7 +256,6 @@ pub(super) struct Matched {
     pub seconds: f64,
 }
 
-/// Result of COLMAP's mapper from a method's matches.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 pub(super) struct Reconstructed {
     /// Number of images that have a pose in the largest model.

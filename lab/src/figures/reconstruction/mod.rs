@@ -14,7 +14,6 @@ use burstscope_core::monitor::Monitor;
 use std::path::{Path, PathBuf};
 use study::Study;
 
-/// Part of the study that a figure shows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Shown {
     /// Table 1.
@@ -27,7 +26,6 @@ pub(super) enum Shown {
     Trajectories,
 }
 
-/// A table of the study, or its trajectories.
 pub(super) struct ReconstructionFigure {
     shown: Shown,
     study: Study,

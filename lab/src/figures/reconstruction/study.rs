@@ -13,7 +13,6 @@ use burstscope_core::plane::Plane;
 use std::path::Path;
 use std::time::{Duration, Instant};
 
-/// Trajectories to reconstruct, and the methods' parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Study {
     /// Parameters of the trajectories; motion and seed are set by the study.
@@ -71,55 +70,27 @@ impl Study {
             let truth_piece = format!("way-{}-{seed}", motion_name(motion));
             // Drawing takes long and serves all methods: it waits until a result is missing.
             let mut drawn: Option<Drawn> = None;
-            let true_centres: Vec<[f64; 3]> = match pieces.get(&truth_piece, &format!("{params:?}")) {
-                Some(centres) => centres,
-                None => {
-                    let made = Drawn::new(&params, monitor)?;
-                    let centre =
-                        |c: &crate::synth::trajectory::BurstCamera| c.world_from_camera.translation.vector.into();
-                    let centres = made.way.cameras.iter().map(centre).collect();
-                    pieces.keep(&truth_piece, &format!("{params:?}"), &centres)?;
-                    drawn = Some(made);
-                    centres
-                }
-            };
+            let true_centres: Vec<[f64; 3]> = pieces.kept_or(&truth_piece, &format!("{params:?}"), || {
+                let way = &Drawn::of(&mut drawn, &params, monitor)?.way;
+                Ok(way.cameras.iter().map(|camera| camera.world_from_camera.translation.vector.into()).collect())
+            })?;
             for method in Self::methods(motion) {
                 monitor.report(Stage::Evaluate, runs.len() as f32 / total as f32);
                 let name = format!("{}-{}-{seed}", method.name(), motion_name(motion));
                 // A piece counts only for the settings that made it.
                 let settings = format!("{method:?} {params:?} {self:?}");
-                let matched: Matched = match pieces.get(&name, &settings) {
-                    Some(matched) => matched,
-                    None => {
-                        let drawn = Drawn::of(&mut drawn, &params, monitor)?;
-                        let matched = self.matched(method, drawn, monitor)?;
-                        pieces.keep(&name, &settings, &matched)?;
-                        matched
-                    }
+                let matched: Matched = pieces.kept_or(&name, &settings, || {
+                    self.matched(method, Drawn::of(&mut drawn, &params, monitor)?, monitor)
+                })?;
+                // Apart from the matches, so that these stay when COLMAP is installed later.
+                let reconstruct = |program: &Path| {
+                    pieces.kept_or(&format!("colmap-{name}"), &settings, || {
+                        let way = &Drawn::of(&mut drawn, &params, monitor)?.way;
+                        let folder = pieces.temporary()?;
+                        mapper::reconstruct(program, &self.how(method), way, &folder.new_path(), monitor)
+                    })
                 };
-                let reconstructed: Option<Reconstructed> = match colmap {
-                    None => None,
-                    Some(program) => {
-                        // Apart from the matches, so that these stay when COLMAP is installed later.
-                        let name = format!("colmap-{name}");
-                        Some(match pieces.get(&name, &settings) {
-                            Some(reconstructed) => reconstructed,
-                            None => {
-                                let drawn = Drawn::of(&mut drawn, &params, monitor)?;
-                                let folder = pieces.temporary()?;
-                                let made = mapper::reconstruct(
-                                    program,
-                                    &self.how(method),
-                                    &drawn.way,
-                                    &folder.new_path(),
-                                    monitor,
-                                )?;
-                                pieces.keep(&name, &settings, &made)?;
-                                made
-                            }
-                        })
-                    }
-                };
+                let reconstructed: Option<Reconstructed> = colmap.map(reconstruct).transpose()?;
                 let bursts = params.bursts;
                 let true_centres = true_centres.clone();
                 runs.push(Run { motion, seed, method, bursts, matched, reconstructed, true_centres });

@@ -88,7 +88,6 @@ pub(super) fn without_model<'a>(runs: &'a [Run]) -> Option<String> {
     Some(format!("COLMAP gave up without a model in {count} of {} runs, first with {name}: “{words}”.", runs.len()))
 }
 
-/// Table 1.
 pub(super) fn matching(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
     let converged = |m: &Reconstructed, _: &Run| Some(f64::from(u8::from(m.registered >= MIN_REGISTERED)));
     let passed = |m: &Reconstructed, run: &Run| Some(100.0 * m.registered as f64 / run.bursts as f64);
@@ -110,7 +109,6 @@ pub(super) fn matching(study: &Study, runs: &[Run], missing: Option<&str>) -> Ma
     made("Matching and reconstruction of dark bursts", &columns, &groups(runs), notes)
 }
 
-/// Table 2.
 pub(super) fn poses(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
     let error = |errors: fn(&Reconstructed) -> Option<[f64; 2]>, part: usize, factor: f64| {
         move |g: &Group<'_>| of_model(g, |m, _| errors(m).map(|e| factor * e[part]))
@@ -125,7 +123,6 @@ pub(super) fn poses(study: &Study, runs: &[Run], missing: Option<&str>) -> Made 
     made(title, &columns, &groups(runs), notes(study, runs, missing))
 }
 
-/// Table 3.
 pub(super) fn time(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
     let features = |g: &Group<'_>| mean(g, |run| Some(run.matched.seconds));
     let mapper = |g: &Group<'_>| of_model(g, |m, _| Some(m.mapper_secs));
@@ -148,7 +145,6 @@ pub(super) fn time(study: &Study, runs: &[Run], missing: Option<&str>) -> Made {
 
 const WIDTH: f64 = 960.0;
 
-/// Factors by which errors can be enlarged.
 const ENLARGEMENTS: [u32; 7] = [2, 5, 10, 20, 50, 100, 200];
 /// Maximum distance of an enlarged error from its true position, as a share of the trajectory's length.
 const FARTHEST: f64 = 0.1;

@@ -15,7 +15,7 @@ pub mod world;
 
 pub use world::{BurstCamera, Lens, ScenePlane};
 
-use super::noisy::{FrameLevels, NoisyExposure};
+use super::noisy::{CLEARANCE_SIGMAS, FrameLevels, NoisyExposure};
 use crate::synth::write::{frame_name, io, write_folder, write_frame};
 use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, Result};
@@ -108,8 +108,6 @@ impl Default for TrajectoryParams {
 const FOCAL_SHARE: f64 = 0.9;
 /// Electrons at full scale at the highest gain, in the dark: 8 levels of 12 bits an electron; more light, less gain.
 const DARK_FULL_SCALE_ELECTRONS: f64 = 512.0;
-/// Distance of the noise from black and white, in standard deviations.
-const CLEARANCE_SIGMAS: f64 = 5.0;
 /// Signal of scene white in the noise-free views at mid-burst, fraction of full scale.
 pub const GOLD_WHITE: f64 = 0.9;
 

@@ -181,8 +181,6 @@ fn it_is_as_dark_as_was_asked_for() {
 #[test]
 fn nonsense_is_named_with_its_remedy() {
     let cases = [
-        (TrajectoryParams { bursts: 0, ..small() }, "bursts"),
-        (TrajectoryParams { planes: 17, ..small() }, "planes"),
         (TrajectoryParams { light: Light::Snr(0.0), ..small() }, "snr"),
         (TrajectoryParams { light: Light::Electrons(f64::NAN), ..small() }, "electrons"),
         (TrajectoryParams { width: 3, ..small() }, "width"),

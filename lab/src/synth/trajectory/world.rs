@@ -198,12 +198,10 @@ pub(super) fn burst_camera(
     let camera = at_speed(speed);
     let motions = motions(&camera, lens, &points, half_span);
     let range = |axis: usize| {
-        let values = motions.iter().map(|motion| motion[axis]);
-        values.fold(None, |range: Option<[f64; 2]>, x| {
-            Some(range.map_or([x, x], |[low, high]| [low.min(x), high.max(x)]))
-        })
+        let values = motions.iter().map(|motion| [motion[axis]; 2]);
+        values.reduce(|[low, high], [x, _]| [low.min(x), high.max(x)]).unwrap_or_default()
     };
-    Ok((camera, [range(0).unwrap_or_default(), range(1).unwrap_or_default()]))
+    Ok((camera, [range(0), range(1)]))
 }
 
 /// Half a pixel: the centre of the first pixel in COLMAP's convention.

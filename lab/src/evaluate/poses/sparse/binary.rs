@@ -10,7 +10,6 @@ use std::fs::File;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// Id of a keypoint without a point.
 const NO_POINT: u64 = u64::MAX;
 /// Bytes of a keypoint in `images.bin`: x, y, id of its point.
 const KEYPOINT_BYTES: u64 = 24;

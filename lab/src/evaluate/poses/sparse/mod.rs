@@ -126,8 +126,8 @@ pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
 /// # Errors
 /// There is no model, a file of it cannot be read or is damaged, or no image is registered.
 pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
-    if let Some(reader) = Format::of(folder) {
-        return reader.read(folder);
+    if let Some(model) = model_in(folder) {
+        return model;
     }
     let fail = |e: std::io::Error| unread(folder, &e);
     let entries = std::fs::read_dir(folder).map_err(fail)?.collect::<Result<Vec<_>, _>>().map_err(fail)?;
@@ -135,12 +135,10 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
     folders.sort();
     let mut models = Vec::new();
     for subfolder in folders {
-        if let Some(reader) = Format::of(&subfolder) {
-            match reader.read(&subfolder) {
-                // A model without a registered image is no model; a damaged one is reported.
-                Err(error) if error.kind == ErrorKind::NotFound => {}
-                model => models.push(model?),
-            }
+        match model_in(&subfolder) {
+            // A model without a registered image is no model; a damaged one is reported.
+            Some(Err(error)) if error.kind == ErrorKind::NotFound => {}
+            model => models.extend(model.transpose()?),
         }
     }
     let other_models = models.len().saturating_sub(1);
@@ -157,35 +155,17 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
     }
 }
 
-#[derive(Debug, Clone, Copy)]
-enum Format {
-    Binary,
-    Text,
-}
-
-impl Format {
-    fn of(folder: &Path) -> Option<Self> {
-        let has = |name: &str| folder.join(name).is_file();
-        if has("images.bin") && has("points3D.bin") {
-            Some(Self::Binary)
-        } else if has("images.txt") && has("points3D.txt") {
-            Some(Self::Text)
-        } else {
-            None
-        }
-    }
-
-    fn read(self, folder: &Path) -> Result<SparseModel> {
-        let read = match self {
-            Self::Binary => {
-                (binary::read_images(&folder.join("images.bin"))?, binary::read_points(&folder.join("points3D.bin"))?)
-            }
-            Self::Text => {
-                (text::read_images(&folder.join("images.txt"))?, text::read_points(&folder.join("points3D.txt"))?)
-            }
-        };
-        SparseModel::of(read, folder)
-    }
+/// The model whose files lie in `folder` itself, in binary or else in text; `None` where there is none.
+fn model_in(folder: &Path) -> Option<Result<SparseModel>> {
+    let files = |ending: &str| ["images", "points3D"].map(|name| folder.join(format!("{name}.{ending}")));
+    let are_there = |files: &[PathBuf; 2]| files.iter().all(|file| file.is_file());
+    let read = if let Some([images, points]) = Some(files("bin")).filter(are_there) {
+        binary::read_images(&images).and_then(|images| Ok((images, binary::read_points(&points)?)))
+    } else {
+        let [images, points] = Some(files("txt")).filter(are_there)?;
+        text::read_images(&images).and_then(|images| Ok((images, text::read_points(&points)?)))
+    };
+    Some(read.and_then(|read| SparseModel::of(read, folder)))
 }
 
 /// The camera in the world, from the world in the camera as a model has it: quaternion `w x y z` and translation.
