@@ -185,15 +185,4 @@ mod tests {
         // The last group of an odd number of pixels.
         assert_eq!(values(Number::U12p, &[0xbc, 0x3a, 0x12, 0xbc, 0x0a], false)[..3], [2748.0, 291.0, 2748.0]);
     }
-
-    #[test]
-    fn numbers_are_scaled_and_blanks_become_nan() {
-        let mut found = Vec::new();
-        let scaling = Scaling { factor: 2.0, offset: 32768.0, blank: Some(-1) };
-        Number::I16.convert(&[0x80, 0, 0xff, 0xff, 0, 5], true, Some(scaling), 2.0, &mut found);
-        assert_eq!((found[0], found[2]), (-16384.0, 16389.0));
-        assert!(found[1].is_nan());
-        assert_eq!(values(Number::U16, &[1, 2], true), [258.0]);
-        assert_eq!(values(Number::F16, &[0, 0x3c], false), [1.0]);
-    }
 }

@@ -420,18 +420,3 @@ pub(super) fn distance_from_a_line(way: &[[f64; 2]], at: &[Offset]) -> f64 {
     let off = |x: &[f64; 2], t: f64, axis: usize| x[axis] - fits[axis].0 - fits[axis].1 * t;
     way.iter().zip(times()).map(|(x, t)| off(x, t, 0).hypot(off(x, t, 1))).fold(0.0, f64::max)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_uniform_way_has_no_distance_and_a_bent_one_its_own() {
-        let uniform: Vec<[f64; 2]> = (0..6).map(|t| [1.5 * f64::from(t), 2.0 - 0.5 * f64::from(t)]).collect();
-        assert!(distance_from_a_line(&uniform, crate::burst::Positions::even(6).offsets()) < 1e-12);
-        let there_and_back = [[0.0, 0.0], [3.0, 0.0], [0.0, 0.0]];
-        assert!(
-            (distance_from_a_line(&there_and_back, crate::burst::Positions::even(3).offsets()) - 2.0).abs() < 1e-12
-        );
-    }
-}
