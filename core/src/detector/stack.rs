@@ -122,15 +122,10 @@ pub fn stack_row(frames: &[&Plane], offsets: &[FrameOffset], v: usize, columns: 
     RowStacker::new(frames, vec![offsets]).rows(v..v + 1, &columns, &mut [out], stride);
 }
 
-/// Number of `frames`, read at `offsets`, that cover the pixel (u, v), and the number that see it: each counts as the
-/// unmasked share of its samples up to `radius` pixels around.
-pub fn coverage(
-    frames: &[impl Borrow<Plane>],
-    offsets: &[FrameOffset],
-    (u, v): (usize, usize),
-    radius: f32,
-) -> (f32, f32) {
-    let covering = frames.iter().map(Borrow::borrow).zip(offsets);
+/// Number of `frames`, read at the offsets `at`, that cover the pixel (u, v), and the number that see it: each counts as
+/// the unmasked share of its samples up to `radius` pixels around.
+pub fn coverage(frames: &[impl Borrow<Plane>], at: &[FrameOffset], (u, v): (usize, usize), radius: f32) -> (f32, f32) {
+    let covering = frames.iter().map(Borrow::borrow).zip(at);
     let covering = covering.filter(|(frame, offset)| offset.covers(u, v, frame.size()));
     covering.fold((0.0, 0.0), |(all, seen), (frame, offset)| (all + 1.0, seen + offset.weight(frame, (u, v), radius)))
 }

@@ -130,7 +130,7 @@ pub fn gate_noise_map(
     let min = inputs.sigma_d(octave, level, slope, &offsets);
     // As the search forms the product, so that the map has its bits.
     let at = |x, y| min * inputs.place_factor(octave, &offsets, (x, y));
-    Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
+    Ok(map_of(octave_size(burst.size(), octave), at, monitor)?)
 }
 
 /// Share (0 … 1) of the kept frames that see each pixel of the image at `slope` (px/frame, on the grid or between):
@@ -142,7 +142,7 @@ pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monit
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let (offsets, size) = (inputs.offsets(slope), inputs.size_image);
     let share = |u, v| coverage(&inputs.frames, &offsets, (u, v), 0.0).1 / offsets.len().max(1) as f32;
-    Ok(plane_of(size, share, monitor)?)
+    Ok(map_of(size, share, monitor)?)
 }
 
 /// Field of motion of the burst as a search with `params` finds it; `None` where [`motion_field`] finds none.
@@ -164,16 +164,12 @@ pub fn in_focus_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) 
     Ok(field.map(|field| in_focus(&inputs.planes(), &inputs.times, &field)))
 }
 
-/// Plane of `size` with the value of `at` at each (column, row); rows in parallel.
-fn plane_of(
-    size: (usize, usize),
-    at: impl Fn(usize, usize) -> f32 + Sync,
-    monitor: &Monitor,
-) -> Result<Plane, Cancelled> {
+/// Plane of `size` with the value of `f` at each (column, row); rows in parallel.
+fn map_of(size: (usize, usize), f: impl Fn(usize, usize) -> f32 + Sync, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let mut plane = Plane::zeros(size.0, size.1);
     plane.data_mut().par_chunks_mut(size.0.max(1)).enumerate().try_for_each(|(y, row)| {
         monitor.check()?;
-        row.iter_mut().enumerate().for_each(|(x, value)| *value = at(x, y));
+        row.iter_mut().enumerate().for_each(|(x, value)| *value = f(x, y));
         Ok(())
     })?;
     Ok(plane)

@@ -104,14 +104,7 @@ fn cubic(c: &[f32; 4], q: f32) -> f32 {
 
 /// Sums that make a [`KernelResponse`]. `x` and `y` are the distances of columns and rows, in radii.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn sums(
-    kernel: &CompactKernel,
-    pixels: &PixelView,
-    first: (i64, i64),
-    x: &[f32],
-    y: &[f32],
-    local_mean: f32,
-) -> [f32; 7] {
+fn sums(kernel: &CompactKernel, pixels: &PixelView, first: (i64, i64), x: &[f32], y: &[f32], mean: f32) -> [f32; 7] {
     let mut line = [0.0f32; LINE];
     let mut acc = [[0.0f32; LANES]; 7];
     for (j, &y) in y.iter().enumerate() {
@@ -123,7 +116,7 @@ fn sums(
                 let q = x.mul_add(x, yy);
                 // Each derivative of h has one power of (1 − q) less than the one before: `pixel` gains them in turn.
                 let w = (1.0 - q).max(0.0);
-                let pixel = (pixels[l] - local_mean) * w;
+                let pixel = (pixels[l] - mean) * w;
                 let second = pixel * cubic(&kernel.second, q);
                 let pixel = pixel * w;
                 let first = pixel * cubic(&kernel.first, q);

@@ -184,22 +184,17 @@ pub fn kernel_reach(rim: f64, unit: usize) -> usize {
     SOFT.on_rim(rim).ceil() as usize + FARTHEST_MOVE_PX * unit + 1
 }
 
-/// Place of a blob of rim radius `rim` within `farthest` of `start`, and the kernel that found it, in `pixels`.
-pub fn place(
-    pixels: &PixelView<'_>,
-    start: (f64, f64),
-    rim: f64,
-    farthest: f64,
-) -> Option<((f64, f64), CompactKernel)> {
+/// Place of a blob of rim radius `rim` within `farthest` of `from`, and the kernel that found it, in `pixels`.
+pub fn place(pixels: &PixelView<'_>, from: (f64, f64), rim: f64, farthest: f64) -> Option<((f64, f64), CompactKernel)> {
     let answer = |kernel: &CompactKernel| {
-        pixels.kernel_response(kernel, kernel.on_rim(rim), start, pixels.local_mean(kernel.on_rim(rim), start))
+        pixels.kernel_response(kernel, kernel.on_rim(rim), from, pixels.local_mean(kernel.on_rim(rim), from))
     };
     // Without a rim, the kernel for rims has a flat peak or none.
     let kernels: &[CompactKernel] =
         if RIM.error(&answer(&RIM)) <= SOFT.error(&answer(&SOFT)) { &[RIM, SOFT] } else { &[SOFT] };
     kernels
         .iter()
-        .find_map(|kernel| extremum(pixels, kernel, start, kernel.on_rim(rim), farthest).map(|at| (at, *kernel)))
+        .find_map(|kernel| extremum(pixels, kernel, from, kernel.on_rim(rim), farthest).map(|at| (at, *kernel)))
 }
 
 /// Extremum of the response of `kernel` of `radius` near (x0, y0), not farther than `farthest`.

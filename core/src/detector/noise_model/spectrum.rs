@@ -248,20 +248,14 @@ pub fn tiles_of_octave(
     Ok(tiles.concat())
 }
 
-fn is_seen_along(
-    frames: &[&Plane],
-    contrast: &Contrast,
-    offsets: &[Offset<f32>],
-    slope: Slope,
-    region: &Region,
-) -> bool {
-    let shifts = shifts(contrast, offsets, slope, (&region.columns, &region.rows), frames[0].size());
+fn is_seen_along(frames: &[&Plane], contrast: &Contrast, offsets: &[Offset<f32>], slope: Slope, part: &Region) -> bool {
+    let shifts = shifts(contrast, offsets, slope, (&part.columns, &part.rows), frames[0].size());
     let moved = |range: &Range<usize>, by: i64| {
         let to = |at: usize| at.saturating_add_signed(by as isize);
         to(range.start)..to(range.end)
     };
     contrast.iter().zip(shifts).all(|(&(t, _), (du, dv))| {
-        !frames[t].hides(&Region { columns: moved(&region.columns, du), rows: moved(&region.rows, dv) })
+        !frames[t].hides(&Region { columns: moved(&part.columns, du), rows: moved(&part.rows, dv) })
     })
 }
 

@@ -353,22 +353,17 @@ fn largest_at(plane: &[f32]) -> usize {
 
 /// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0, for most
 /// pairs of neighbours too (where a scene moves to and fro they show the shifts), and far smaller at the next lag.
-pub(super) fn lags_of_shared_noise(
-    products: &CrossSpectra,
-    pairs: &PairSpectra,
-    lags: &Lags,
-    fourier: &Fourier,
-) -> usize {
+pub(super) fn lags_of_shared_noise(cross: &CrossSpectra, pairs: &PairSpectra, lags: &Lags, fourier: &Fourier) -> usize {
     let pairs = fourier.correlations(pairs.neighbours(), &mut fourier.scratch(0));
     if 2 * pairs.iter().filter(|pair| largest_at(pair) == 0).count() <= pairs.len() {
         return 0;
     }
-    let planes = fourier.correlations(&products.lags, &mut fourier.scratch(0));
+    let planes = fourier.correlations(&cross.lags, &mut fourier.scratch(0));
     let largest = |lag: usize| {
         let plane = &planes[lag - 1];
         let at = largest_at(plane);
         let pairs = lags.pairs(lag) as f64;
-        (at, f64::from(plane[at]) / pairs, products.variance[lag - 1].sqrt() / pairs)
+        (at, f64::from(plane[at]) / pairs, cross.variance[lag - 1].sqrt() / pairs)
     };
     // A scene that stands still correlates as well at the next lag; noise of few frames does not.
     let is_noise = |lag: usize| {
