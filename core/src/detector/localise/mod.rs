@@ -95,7 +95,7 @@ pub(super) fn located(
         None => (at, SOFT),
     };
     let radius = kernel.on_rim(rim);
-    let answer_in = |pixels: &PixelView<'_>| pixels.kernel_response(&kernel, radius, at, pixels.local_mean(radius, at));
+    let answer_in = |pixels: &PixelView<'_>| pixels.response(&kernel, radius, at, pixels.local_mean(radius, at));
     let sharp = |answer: &KernelResponse, slope_index: usize| {
         let pixel = f64::from(pixel);
         let (u, v) = interpolation_blur(&search.offsets[slope_index]);
@@ -187,7 +187,7 @@ pub fn kernel_reach(rim: f64, unit: usize) -> usize {
 /// Place of a blob of rim radius `rim` within `farthest` of `from`, and the kernel that found it, in `pixels`.
 pub fn place(pixels: &PixelView<'_>, from: (f64, f64), rim: f64, farthest: f64) -> Option<((f64, f64), CompactKernel)> {
     let answer = |kernel: &CompactKernel| {
-        pixels.kernel_response(kernel, kernel.on_rim(rim), from, pixels.local_mean(kernel.on_rim(rim), from))
+        pixels.response(kernel, kernel.on_rim(rim), from, pixels.local_mean(kernel.on_rim(rim), from))
     };
     // Without a rim, the kernel for rims has a flat peak or none.
     let kernels: &[CompactKernel] =
@@ -209,7 +209,7 @@ fn extremum(
     // One local mean for all steps, so that Newton's method climbs one function.
     let local_mean = pixels.local_mean(radius, (x, y));
     for _ in 0..MAX_STEPS {
-        let answer = pixels.kernel_response(kernel, radius, (x, y), local_mean);
+        let answer = pixels.response(kernel, radius, (x, y), local_mean);
         if answer.sharpness() <= 0.0 {
             return None;
         }

@@ -62,7 +62,7 @@ pub fn measure(
     let mut of_level = |tiles: &[TileMoments], level: usize| {
         let found = match sources.are_flattened {
             true => rare_noise(tiles, level),
-            false => level_noise(tiles, level, space, before),
+            false => noise_at(tiles, level, space, before),
         };
         let noise = found.or(before).unwrap_or(LevelNoise::WHITE);
         before = Some(noise);
@@ -78,12 +78,7 @@ pub fn measure(
     Ok(levels)
 }
 
-fn level_noise(
-    tiles: &[TileMoments],
-    level: usize,
-    space: &ScaleSpace,
-    before: Option<LevelNoise>,
-) -> Option<LevelNoise> {
+fn noise_at(tiles: &[TileMoments], level: usize, space: &ScaleSpace, before: Option<LevelNoise>) -> Option<LevelNoise> {
     let sigma = space.sigma_octave(level as f64) as f32;
     let mean_pixels = tiles.iter().map(|t| t.pixels).sum::<usize>() as f32 / tiles.len().max(1) as f32;
     // D at a level is correlated over about 4σ² pixels (Σρ² of its autocorrelation).
