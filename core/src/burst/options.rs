@@ -191,10 +191,6 @@ impl OpenOptions {
         };
         Err(Error::param("take", problem, format!("give A..B with 0 ≤ A < B ≤ {count}")))
     }
-
-    pub(super) fn first_taken(&self) -> usize {
-        self.take.map_or(0, |range| range.start)
-    }
 }
 
 mod as_text {

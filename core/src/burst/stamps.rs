@@ -258,15 +258,10 @@ fn small_seconds(found: &[Vec<Run<'_>>]) -> Option<Vec<i128>> {
 }
 
 /// Counters of names with equal dates, as numbers of frames. `is_in_day` where they look like times of day.
-fn counters(
-    names: &[String],
-    found: &[Vec<Run<'_>>],
-    dates: &[Seconds<'_>],
-    is_in_day: bool,
-) -> Result<Stamps, String> {
+fn counters(names: &[String], runs: &[Vec<Run<'_>>], dates: &[Seconds<'_>], is_in_day: bool) -> Result<Stamps, String> {
     let count =
-        |t: usize, at: isize| found[t].get(usize::try_from(dates[t].runs.1 as isize + at).ok()?)?.digits.parse().ok();
-    let most = found.iter().map(Vec::len).max().unwrap_or(0) as isize;
+        |t: usize, at: isize| runs[t].get(usize::try_from(dates[t].runs.1 as isize + at).ok()?)?.digits.parse().ok();
+    let most = runs.iter().map(Vec::len).max().unwrap_or(0) as isize;
     let places = (0..most).rev().chain((-most..0).filter(|at| !is_in_day || *at == -1));
     let numbers = |at: isize| (0..names.len()).map(|t| count(t, at)).collect::<Option<Vec<i128>>>();
     let is_in_order = |numbers: &Vec<i128>| {

@@ -118,19 +118,12 @@ impl<'a> Along<'a> {
         self.means[octave as usize].get_or_init(make).iter().collect()
     }
 
-    /// D of the mean of the `chosen` frames (indices among the kept frames) at each of the DoG `levels` of `octave`, on
-    /// the path through `place` (input pixels, at mid-burst) at `slope`, at the octave's nearest pixel.
-    pub fn response(
-        &self,
-        octave: i32,
-        levels: Range<i32>,
-        place: (f32, f32),
-        slope: Slope,
-        chosen: &[usize],
-    ) -> Vec<f32> {
+    /// D of the mean of `some` frames (indices among the kept frames) at each of the DoG `levels` of `octave`, on
+    /// the path through `at` (input pixels, at mid-burst) at `slope`, at the octave's nearest pixel.
+    pub fn response(&self, octave: i32, levels: Range<i32>, at: (f32, f32), slope: Slope, some: &[usize]) -> Vec<f32> {
         let frames = self.of(octave);
-        let (planes, offsets) = frames.chosen(slope, chosen);
-        frames.response(&planes, &offsets, levels, place)
+        let (planes, offsets) = frames.chosen(slope, some);
+        frames.response(&planes, &offsets, levels, at)
     }
 }
 
@@ -173,13 +166,7 @@ impl OctaveFrames<'_> {
     }
 
     /// As [`Along::response`], for the mean of `planes`, which are some of these frames, read at `offsets`.
-    pub fn response(
-        &self,
-        planes: &[&Plane],
-        offsets: &[FrameOffset],
-        levels: Range<i32>,
-        place: (f32, f32),
-    ) -> Vec<f32> {
+    pub fn response(&self, planes: &[&Plane], offsets: &[FrameOffset], levels: Range<i32>, at: (f32, f32)) -> Vec<f32> {
         let from = self.sigma_octave(offsets);
         // The frames are blurred already: each kernel adds what its level lacks.
         let kernel = |s: i32| {
@@ -190,7 +177,7 @@ impl OctaveFrames<'_> {
         let size = octave_size(self.inputs.size_image, self.octave);
         let pixel = octave_pixel(self.octave);
         let inside = |x: f32, n: usize| (x / pixel).clamp(0.0, n as f32 - 1.0);
-        let (x, y) = (inside(place.0, size.0), inside(place.1, size.1));
+        let (x, y) = (inside(at.0, size.0), inside(at.1, size.1));
         let reach = kernels.last().map_or(0, GaussianKernel::radius);
         let (mut scratch, mut patch) = (PatchScratch::default(), Patch::default());
         self.base(planes, offsets).patch(size, around(x, reach), around(y, reach), &mut scratch, &mut patch);

@@ -176,8 +176,7 @@ impl<'b> Deciding<'b> {
     /// Open blobs among `asked` and all that their decisions need, strongest first.
     fn needed(&self, asked: &[usize]) -> Vec<usize> {
         let mut is_open: Vec<bool> = self.decisions.iter().map(|decision| *decision == Decision::Open).collect();
-        let mut needed: Vec<usize> =
-            asked.iter().copied().filter(|&index| std::mem::take(&mut is_open[index])).collect();
+        let mut needed: Vec<usize> = asked.iter().copied().filter(|&at| std::mem::take(&mut is_open[at])).collect();
         // Breadth first: each round looks for the stronger neighbours of the blobs of the round before.
         let mut first = 0;
         while first < needed.len() && is_open.contains(&true) {
@@ -317,12 +316,7 @@ impl<'b> Cells<'b> {
     }
 
     /// Strongest blob that covers blob `index`, among those inserted at turn `from` or later and placed below `below`.
-    fn covering(
-        &self,
-        index: usize,
-        (from, below): (u32, u32),
-        both_stay: &impl Fn(usize, usize) -> bool,
-    ) -> Option<usize> {
+    fn covering(&self, index: usize, (from, below): (u32, u32), stay: &impl Fn(usize, usize) -> bool) -> Option<usize> {
         let mut near: Vec<u32> = Vec::new();
         self.near(index, |other| {
             let is_new = self.turn[other as usize] >= from;
@@ -331,9 +325,9 @@ impl<'b> Cells<'b> {
             }
             is_new
         });
-        // `both_stay` is slow, so the strongest are tested first.
+        // `stay` is slow, so the strongest are tested first.
         near.sort_unstable_by_key(|&other| self.place[other as usize]);
-        near.into_iter().map(|other| other as usize).find(|&other| !both_stay(other, index))
+        near.into_iter().map(|other| other as usize).find(|&other| !stay(other, index))
     }
 }
 

@@ -143,24 +143,17 @@ impl Filtered {
     }
 }
 
-/// Filters a piece of `row` between its neighbours `above` and `below`, each a pixel longer at both ends than `values`.
+/// Filters a piece of `row` between its neighbours `above` and `below`, each a pixel longer at both ends than `out`.
 /// `cut_off` becomes whether any of the nine pixels is outside `whole`.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn filter_piece(
-    above: &[f32],
-    row: &[f32],
-    below: &[f32],
-    whole: &Range<f32>,
-    values: &mut [f32],
-    cut_off: &mut [bool],
-) {
-    let n = values.len();
+fn filter_piece(above: &[f32], row: &[f32], below: &[f32], whole: &Range<f32>, out: &mut [f32], cut_off: &mut [bool]) {
+    let n = out.len();
     let (above, row, below, cut_off) = (&above[..n + 2], &row[..n + 2], &below[..n + 2], &mut cut_off[..n]);
     let second = |i: usize| above[i] - 2.0 * row[i] + below[i];
     let min = |i: usize| above[i].min(row[i]).min(below[i]);
     let max = |i: usize| above[i].max(row[i]).max(below[i]);
     for i in 0..n {
-        values[i] = second(i) - 2.0 * second(i + 1) + second(i + 2);
+        out[i] = second(i) - 2.0 * second(i + 1) + second(i + 2);
         let (min, max) = (min(i).min(min(i + 1)).min(min(i + 2)), max(i).max(max(i + 1)).max(max(i + 2)));
         cut_off[i] = min < whole.start || max > whole.end;
     }
@@ -260,10 +253,6 @@ mod tests {
     use crate::detector::stack::frame_offsets;
     use crate::synth::random::Stream;
 
-    fn estimate(burst: &Burst) -> f32 {
-        frame_noise(burst, 0..burst.len(), &Monitor::default()).expect("not cancelled")
-    }
-
     #[test]
     fn a_large_image_is_sampled_evenly_and_enough() {
         let (width, height) = (1000, 700);
@@ -278,11 +267,6 @@ mod tests {
         }
         let mean = pieces.len() / 70;
         assert!(counts.iter().all(|&n| n > mean / 2 && n < mean * 2), "{counts:?}");
-
-        let mut noise = Stream::new(11, 0);
-        let frames = (0..3).map(|_| Plane::from_fn(width, height, |_, _| 0.3 + 0.01 * noise.normal() as f32)).collect();
-        let estimate = estimate(&Burst::from_planes("noise", frames));
-        assert!((estimate / 0.01 - 1.0).abs() < 0.02, "{estimate}");
     }
 
     #[test]

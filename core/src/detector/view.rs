@@ -25,13 +25,8 @@ use std::ops::Range;
 /// # Ok::<(), burstscope_core::Cancelled>(())
 /// ```
 pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Cancelled> {
-    motion_stack(
-        &used_frames(burst, params),
-        &used_positions(burst, params),
-        slope,
-        params.rules.interpolation,
-        monitor,
-    )
+    let (frames, positions) = used(burst, params);
+    motion_stack(&frames, &positions, slope, params.rules.interpolation, monitor)
 }
 
 /// Combination of the shifted frames at any `slope`, as [`stack_view`] shows their mean.
@@ -42,7 +37,7 @@ pub fn combined_view(
     combine: Combine,
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
-    let (frames, positions) = (used_frames(burst, params), used_positions(burst, params));
+    let (frames, positions) = used(burst, params);
     combined_stack(&frames, &positions, slope, params.rules.interpolation, combine, monitor)
 }
 
@@ -62,13 +57,13 @@ pub fn dog_view(
     monitor: &Monitor,
 ) -> Result<Plane> {
     let octaves = check_level(params, burst.size(), octave, level)?;
-    let (mut frames, space) = (used_frames(burst, params), ScaleSpace::of(params));
+    let ((mut frames, positions), space) = (used(burst, params), ScaleSpace::of(params));
     let binned = space.binned(&frames, monitor)?;
     // A coarse first octave starts from the binned frames.
     if !binned.is_empty() {
         frames = binned.iter().collect();
     }
-    let offsets = frame_offsets(&used_positions(burst, params), slope, params.rules.interpolation);
+    let offsets = frame_offsets(&positions, slope, params.rules.interpolation);
     let stack = SlopeStack { frames: &frames, offsets: &offsets, space: &space, size_image: burst.size() };
     let size = octave_size(burst.size(), octave);
     let first_level;
@@ -81,12 +76,9 @@ pub fn dog_view(
     Ok(dog_plane(&base, &space, size, (level + 1) as usize, monitor)?)
 }
 
-fn used_frames<'b>(burst: &'b Burst, params: &DetectorParams) -> Vec<&'b Plane> {
-    burst.frames[params.used_frames(burst.len())].iter().map(|frame| &**frame).collect()
-}
-
-fn used_positions(burst: &Burst, params: &DetectorParams) -> Positions {
-    burst.positions.part(params.used_frames(burst.len()))
+fn used<'b>(burst: &'b Burst, params: &DetectorParams) -> (Vec<&'b Plane>, Positions) {
+    let used = params.used_frames(burst.len());
+    (burst.frames[used.clone()].iter().map(|frame| &**frame).collect(), burst.positions.part(used))
 }
 
 /// Checks that the search has `octave` and `level`, and returns all its octaves in images of `size` (columns, rows).
@@ -138,7 +130,7 @@ pub fn gate_noise_map(
     let min = inputs.sigma_d(octave, level, slope, &offsets);
     // As the search forms the product, so that the map has its bits.
     let at = |x, y| min * inputs.place_factor(octave, &offsets, (x, y));
-    Ok(plane_of(octave_size(burst.size(), octave), at, monitor)?)
+    Ok(map_of(octave_size(burst.size(), octave), at, monitor)?)
 }
 
 /// Share (0 … 1) of the kept frames that see each pixel of the image at `slope` (px/frame, on the grid or between):
@@ -150,7 +142,7 @@ pub fn coverage_view(burst: &Burst, params: &DetectorParams, slope: Slope, monit
     let inputs = Inputs::new(burst, params, &monitor.silent())?;
     let (offsets, size) = (inputs.offsets(slope), inputs.size_image);
     let share = |u, v| coverage(&inputs.frames, &offsets, (u, v), 0.0).1 / offsets.len().max(1) as f32;
-    Ok(plane_of(size, share, monitor)?)
+    Ok(map_of(size, share, monitor)?)
 }
 
 /// Field of motion of the burst as a search with `params` finds it; `None` where [`motion_field`] finds none.
@@ -172,16 +164,12 @@ pub fn in_focus_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) 
     Ok(field.map(|field| in_focus(&inputs.planes(), &inputs.times, &field)))
 }
 
-/// Plane of `size` with the value of `at` at each (column, row); rows in parallel.
-fn plane_of(
-    size: (usize, usize),
-    at: impl Fn(usize, usize) -> f32 + Sync,
-    monitor: &Monitor,
-) -> Result<Plane, Cancelled> {
+/// Plane of `size` with the value of `f` at each (column, row); rows in parallel.
+fn map_of(size: (usize, usize), f: impl Fn(usize, usize) -> f32 + Sync, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let mut plane = Plane::zeros(size.0, size.1);
     plane.data_mut().par_chunks_mut(size.0.max(1)).enumerate().try_for_each(|(y, row)| {
         monitor.check()?;
-        row.iter_mut().enumerate().for_each(|(x, value)| *value = at(x, y));
+        row.iter_mut().enumerate().for_each(|(x, value)| *value = f(x, y));
         Ok(())
     })?;
     Ok(plane)

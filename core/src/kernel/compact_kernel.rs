@@ -104,14 +104,7 @@ fn cubic(c: &[f32; 4], q: f32) -> f32 {
 
 /// Sums that make a [`KernelResponse`]. `x` and `y` are the distances of columns and rows, in radii.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx2+fma", "aarch64+neon"))]
-fn sums(
-    kernel: &CompactKernel,
-    pixels: &PixelView,
-    first: (i64, i64),
-    x: &[f32],
-    y: &[f32],
-    local_mean: f32,
-) -> [f32; 7] {
+fn sums(kernel: &CompactKernel, pixels: &PixelView, first: (i64, i64), x: &[f32], y: &[f32], mean: f32) -> [f32; 7] {
     let mut line = [0.0f32; LINE];
     let mut acc = [[0.0f32; LANES]; 7];
     for (j, &y) in y.iter().enumerate() {
@@ -123,7 +116,7 @@ fn sums(
                 let q = x.mul_add(x, yy);
                 // Each derivative of h has one power of (1 − q) less than the one before: `pixel` gains them in turn.
                 let w = (1.0 - q).max(0.0);
-                let pixel = (pixels[l] - local_mean) * w;
+                let pixel = (pixels[l] - mean) * w;
                 let second = pixel * cubic(&kernel.second, q);
                 let pixel = pixel * w;
                 let first = pixel * cubic(&kernel.first, q);
@@ -159,13 +152,7 @@ impl PixelView<'_> {
     }
 
     /// The response at the place (x, y) of the image, on the pixels less [`PixelView::local_mean`].
-    pub fn kernel_response(
-        &self,
-        kernel: &CompactKernel,
-        radius: f64,
-        (x, y): (f64, f64),
-        local_mean: f32,
-    ) -> KernelResponse {
+    pub fn response(&self, kernel: &CompactKernel, radius: f64, (x, y): (f64, f64), local_mean: f32) -> KernelResponse {
         assert!((1.0..=MAX_RADIUS).contains(&radius), "a kernel of radius {radius}");
         let first = ((x - radius).floor() as i64 + 1, (y - radius).floor() as i64 + 1);
         let count = ((x + radius).ceil() as i64 - first.0) as usize;
@@ -232,7 +219,7 @@ mod tests {
             x in -3.0f64..62.0, y in -3.0f64..52.0, radius in 3.5f64..21.0, local_mean in 0.0f32..1.0, soft in any::<bool>(),
         ) {
             let (plane, kernel) = (texture(), if soft { SOFT } else { RIM });
-            let answer = PixelView::of(&plane).kernel_response(&kernel, radius, (x, y), local_mean);
+            let answer = PixelView::of(&plane).response(&kernel, radius, (x, y), local_mean);
             let expected = |dx: f64, dy: f64| by_definition(&kernel, &plane, radius, (x + dx, y + dy), local_mean);
             prop_assert!((answer.value - expected(0.0, 0.0)).abs() < 2e-4 * radius, "{}", answer.value);
             let e = 1e-3;
@@ -240,7 +227,7 @@ mod tests {
             for (axis, [plus, minus]) in steps.into_iter().enumerate() {
                 let difference = (expected(plus.0, plus.1) - expected(minus.0, minus.1)) / (2.0 * e);
                 prop_assert!((answer.gradient[axis] - difference).abs() < 1e-3, "{answer:?} {difference}");
-                let gradient = |(dx, dy)| PixelView::of(&plane).kernel_response(&kernel, radius, (x + dx, y + dy), local_mean).gradient;
+                let gradient = |(dx, dy)| PixelView::of(&plane).response(&kernel, radius, (x + dx, y + dy), local_mean).gradient;
                 let second = |of: usize| (gradient(plus)[of] - gradient(minus)[of]) / (2.0 * e);
                 prop_assert!((answer.hessian[axis] - second(axis)).abs() < 2e-2, "{answer:?} {}", second(axis));
                 prop_assert!((answer.hessian[2] - second(1 - axis)).abs() < 2e-2, "{answer:?} {}", second(1 - axis));
@@ -254,7 +241,7 @@ mod tests {
         let part = Plane::from_fn(30, 30, |u, v| plane.at(u + 12, v + 9));
         let (whole, part) = (PixelView::of(&plane), PixelView { left: 12, top: 9, ..PixelView::of(&part) });
         assert_eq!(whole.local_mean(8.0, (25.3, 22.8)), part.local_mean(8.0, (25.3, 22.8)));
-        let response = |pixels: PixelView<'_>| pixels.kernel_response(&RIM, 8.0, (25.3, 22.8), 0.5);
+        let response = |pixels: PixelView<'_>| pixels.response(&RIM, 8.0, (25.3, 22.8), 0.5);
         assert_eq!(response(whole), response(part));
     }
 
@@ -264,9 +251,9 @@ mod tests {
         for at in [(30.0, 25.0), (30.4, 25.2), (29.5, 24.5)] {
             let disc = |u: usize, v: usize| (u as f64 - at.0).hypot(v as f64 - at.1) < 12.0 * RIM.zero_at;
             let blob = Plane::from_fn(60, 50, |u, v| f32::from(disc(u, v)));
-            let blob = PixelView::of(&blob).kernel_response(&RIM, 12.0, at, 0.0);
+            let blob = PixelView::of(&blob).response(&RIM, 12.0, at, 0.0);
             let ramp = PixelView::of(&ramp);
-            let answer = ramp.kernel_response(&RIM, 12.0, at, ramp.local_mean(12.0, at));
+            let answer = ramp.response(&RIM, 12.0, at, ramp.local_mean(12.0, at));
             assert!(answer.value.abs() < 1e-3 * blob.value, "{answer:?} {blob:?}");
             assert!(answer.gradient.iter().all(|g| g.abs() < 2e-3 * blob.value), "{answer:?}");
         }

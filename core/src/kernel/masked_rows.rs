@@ -18,16 +18,9 @@ pub(super) struct MaskedRows {
 
 impl MaskedRows {
     /// Writes row `v` of the mean of the seen samples to `out`, which holds `columns` of the mean of all samples.
-    pub fn mend(
-        &mut self,
-        frames: &[&Plane],
-        offsets: &[FrameOffset],
-        v: usize,
-        columns: &Range<usize>,
-        out: &mut [f32],
-    ) {
+    pub fn mend(&mut self, frames: &[&Plane], at: &[FrameOffset], v: usize, columns: &Range<usize>, out: &mut [f32]) {
         let (width, height) = frames[0].size();
-        let covering = frames.iter().zip(offsets).filter(|(_, offset)| offset.covers_rows(height).contains(&v));
+        let covering = frames.iter().zip(at).filter(|(_, offset)| offset.covers_rows(height).contains(&v));
         let rows = |offset: &FrameOffset| {
             let upper = (v as i64 + offset.whole_v).max(0) as usize;
             upper..upper + 1 + usize::from(offset.part_v > 0.0)

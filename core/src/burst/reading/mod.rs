@@ -262,18 +262,3 @@ pub(in crate::burst) fn in_order<T: Send>(count: usize, f: impl Fn(usize) -> Res
     // Skipped items come after a failure, so `flatten` never drops one before the first error.
     answers.into_iter().flatten().collect()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_first_failure_in_order_is_the_answer() {
-        let fail = |path: usize| Error::damaged(Path::new(&path.to_string()), "");
-        for _ in 0..50 {
-            let answer = in_order(100, |i| if i % 7 == 5 { Err(fail(i)) } else { Ok(i) });
-            assert_eq!(answer, Err(fail(5)));
-        }
-        assert_eq!(in_order(100, Ok), Ok((0..100).collect()));
-    }
-}

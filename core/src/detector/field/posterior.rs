@@ -90,16 +90,10 @@ impl Candidates {
     }
 
     /// Replaces the likelihoods of each chain of `length` cells by the posteriors given all cells of the chain.
-    fn along_chains(
-        &self,
-        cells: &mut [f32],
-        length: usize,
-        model: &Model,
-        monitor: &Monitor,
-    ) -> Result<(), Cancelled> {
+    fn along_chains(&self, all: &mut [f32], length: usize, model: &Model, monitor: &Monitor) -> Result<(), Cancelled> {
         let (count, taps) = (self.len(), [model.taps(1.0), model.taps(-1.0)]);
         let messages = || vec![0.0; (length + 3) * count];
-        cells.par_chunks_mut(length * count).try_for_each_init(messages, |messages, chain| {
+        all.par_chunks_mut(length * count).try_for_each_init(messages, |messages, chain| {
             monitor.check()?;
             along_chain(chain, messages, self.count, &taps);
             Ok(())

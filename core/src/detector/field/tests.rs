@@ -227,8 +227,7 @@ fn noise_has_no_known_motion() {
 fn a_transposed_burst_has_the_transposed_field() {
     let slope = Slope::new(1.2, -0.6);
     let upright = frames(0.08, moving(slope, 8));
-    let turned: Vec<Plane> =
-        upright.iter().map(|frame| Plane::from_fn(SIZE.1, SIZE.0, |u, v| frame.at(v, u))).collect();
+    let turned: Vec<Plane> = upright.iter().map(|f| Plane::from_fn(SIZE.1, SIZE.0, |u, v| f.at(v, u))).collect();
     let grid = SlopeGrid::plane(-3.0..=3.0, 7, -2.0..=2.0, 5);
     let turned = field_of(&turned, &SlopeGrid { u: grid.v, v: grid.u, ..grid });
     let upright = field_of(&upright, &grid);
@@ -245,11 +244,7 @@ fn threads_change_nothing_and_little_input_has_no_field() {
     assert_eq!(on_threads(1, || field_of(&frames, &grid)), on_threads(3, || field_of(&frames, &grid)));
     let monitor = Monitor::default();
     let planes: Vec<&Plane> = frames.iter().collect();
-    assert_eq!(
-        motion_field(&planes[..2], &FrameTimes::all(Positions::even(2)), &grid, &monitor),
-        Ok(None),
-        "two frames"
-    );
+    assert_eq!(motion_field(&planes[..2], &FrameTimes::all(Positions::even(2)), &grid, &monitor), Ok(None), "2 frames");
     let small = vec![Plane::zeros(31, 200); 5];
     let five = FrameTimes::all(Positions::even(5));
     assert_eq!(motion_field(&small.iter().collect::<Vec<_>>(), &five, &grid, &monitor), Ok(None), "7 cells");

@@ -95,7 +95,7 @@ pub(super) fn located(
         None => (at, SOFT),
     };
     let radius = kernel.on_rim(rim);
-    let answer_in = |pixels: &PixelView<'_>| pixels.kernel_response(&kernel, radius, at, pixels.local_mean(radius, at));
+    let answer_in = |pixels: &PixelView<'_>| pixels.response(&kernel, radius, at, pixels.local_mean(radius, at));
     let sharp = |answer: &KernelResponse, slope_index: usize| {
         let pixel = f64::from(pixel);
         let (u, v) = interpolation_blur(&search.offsets[slope_index]);
@@ -184,22 +184,17 @@ pub fn kernel_reach(rim: f64, unit: usize) -> usize {
     SOFT.on_rim(rim).ceil() as usize + FARTHEST_MOVE_PX * unit + 1
 }
 
-/// Place of a blob of rim radius `rim` within `farthest` of `start`, and the kernel that found it, in `pixels`.
-pub fn place(
-    pixels: &PixelView<'_>,
-    start: (f64, f64),
-    rim: f64,
-    farthest: f64,
-) -> Option<((f64, f64), CompactKernel)> {
+/// Place of a blob of rim radius `rim` within `farthest` of `from`, and the kernel that found it, in `pixels`.
+pub fn place(pixels: &PixelView<'_>, from: (f64, f64), rim: f64, farthest: f64) -> Option<((f64, f64), CompactKernel)> {
     let answer = |kernel: &CompactKernel| {
-        pixels.kernel_response(kernel, kernel.on_rim(rim), start, pixels.local_mean(kernel.on_rim(rim), start))
+        pixels.response(kernel, kernel.on_rim(rim), from, pixels.local_mean(kernel.on_rim(rim), from))
     };
     // Without a rim, the kernel for rims has a flat peak or none.
     let kernels: &[CompactKernel] =
         if RIM.error(&answer(&RIM)) <= SOFT.error(&answer(&SOFT)) { &[RIM, SOFT] } else { &[SOFT] };
     kernels
         .iter()
-        .find_map(|kernel| extremum(pixels, kernel, start, kernel.on_rim(rim), farthest).map(|at| (at, *kernel)))
+        .find_map(|kernel| extremum(pixels, kernel, from, kernel.on_rim(rim), farthest).map(|at| (at, *kernel)))
 }
 
 /// Extremum of the response of `kernel` of `radius` near (x0, y0), not farther than `farthest`.
@@ -214,7 +209,7 @@ fn extremum(
     // One local mean for all steps, so that Newton's method climbs one function.
     let local_mean = pixels.local_mean(radius, (x, y));
     for _ in 0..MAX_STEPS {
-        let answer = pixels.kernel_response(kernel, radius, (x, y), local_mean);
+        let answer = pixels.response(kernel, radius, (x, y), local_mean);
         if answer.sharpness() <= 0.0 {
             return None;
         }
@@ -263,12 +258,13 @@ fn slope_steps(middle: f32, mut value: impl FnMut(isize, isize) -> Option<f32>) 
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::plane::Plane;
     use crate::synth::chart::draw_disc;
 
-    fn blob(sigma: f64, x: f64, y: f64) -> Plane {
+    /// A dark blob of height 0.2.
+    pub fn blob(sigma: f64, x: f64, y: f64) -> Plane {
         let s2 = 2.0 * sigma * sigma;
         Plane::from_fn(80, 70, |u, v| {
             (0.3 - 0.2 * (-((u as f64 - x).powi(2) + (v as f64 - y).powi(2)) / s2).exp()) as f32

@@ -137,20 +137,14 @@ impl NoiseModel {
     }
 
     /// Ratio (at least 1) of σ of D at pixel (u, v) to its smallest value, from some of the frames that cover it.
-    pub fn place_factor(
-        &self,
-        octave: i32,
-        offsets: &[FrameOffset],
-        (u, v): (usize, usize),
-        size: (usize, usize),
-    ) -> f32 {
+    pub fn place_factor(&self, octave: i32, read: &[FrameOffset], (u, v): (usize, usize), size: (usize, usize)) -> f32 {
         let Brightness { pyramids, min_variance, .. } = &self.brightness;
         if pyramids.is_empty() {
             return 1.0;
         }
         let min = min_variance[self.octave_index(octave)];
         let (mut sum, mut count) = (0.0, 0usize);
-        let some = pyramids.iter().map(|(frame, pyramid)| (pyramid, &offsets[*frame]));
+        let some = pyramids.iter().map(|(frame, pyramid)| (pyramid, &read[*frame]));
         for (pyramid, offset) in some.filter(|(_, offset)| offset.covers(u, v, size)) {
             let at = (
                 (u as i64 + offset.whole_u) as f32 + offset.part_u,

@@ -46,14 +46,9 @@ struct Band {
 }
 
 impl Reading {
-    /// Reads `frames` of one size (at least 2×2 pixels) into pyramids of `levels` levels; with `stands_out`, from at
+    /// Reads `frames` of one size (at least 2×2 pixels) into pyramids of `count` levels; with `stands_out`, from at
     /// least two frames, also the pattern's data and the pixels whose mean differs by more from both beside.
-    pub fn new(
-        frames: &[&Plane],
-        levels: usize,
-        stands_out: Option<f32>,
-        monitor: &Monitor,
-    ) -> Result<Self, Cancelled> {
+    pub fn new(frames: &[&Plane], count: usize, stands_out: Option<f32>, monitor: &Monitor) -> Result<Self, Cancelled> {
         let (width, height) = frames[0].size();
         let bands = cuts(height);
         let mut halved: Vec<Plane> = frames.iter().map(|_| Plane::zeros(width / 2, height / 2)).collect();
@@ -77,7 +72,7 @@ impl Reading {
         let found: Vec<Option<Band>> = bands.into_par_iter().zip(parts).map(read).collect::<Result<_, Cancelled>>()?;
         let mut reading = Self::default();
         reading.add_lines(found.into_iter().flatten());
-        reading.pyramids = halved.into_par_iter().map(|plane| BoxPyramid::from_halved(plane, levels)).collect();
+        reading.pyramids = halved.into_par_iter().map(|plane| BoxPyramid::from_halved(plane, count)).collect();
         Ok(reading)
     }
 

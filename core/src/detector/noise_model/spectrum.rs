@@ -62,7 +62,7 @@ pub fn measure(
     let mut of_level = |tiles: &[TileMoments], level: usize| {
         let found = match sources.are_flattened {
             true => rare_noise(tiles, level),
-            false => level_noise(tiles, level, space, before),
+            false => noise_at(tiles, level, space, before),
         };
         let noise = found.or(before).unwrap_or(LevelNoise::WHITE);
         before = Some(noise);
@@ -78,12 +78,7 @@ pub fn measure(
     Ok(levels)
 }
 
-fn level_noise(
-    tiles: &[TileMoments],
-    level: usize,
-    space: &ScaleSpace,
-    before: Option<LevelNoise>,
-) -> Option<LevelNoise> {
+fn noise_at(tiles: &[TileMoments], level: usize, space: &ScaleSpace, before: Option<LevelNoise>) -> Option<LevelNoise> {
     let sigma = space.sigma_octave(level as f64) as f32;
     let mean_pixels = tiles.iter().map(|t| t.pixels).sum::<usize>() as f32 / tiles.len().max(1) as f32;
     // D at a level is correlated over about 4σ² pixels (Σρ² of its autocorrelation).
@@ -248,20 +243,14 @@ pub fn tiles_of_octave(
     Ok(tiles.concat())
 }
 
-fn is_seen_along(
-    frames: &[&Plane],
-    contrast: &Contrast,
-    offsets: &[Offset<f32>],
-    slope: Slope,
-    region: &Region,
-) -> bool {
-    let shifts = shifts(contrast, offsets, slope, (&region.columns, &region.rows), frames[0].size());
+fn is_seen_along(frames: &[&Plane], contrast: &Contrast, offsets: &[Offset<f32>], slope: Slope, part: &Region) -> bool {
+    let shifts = shifts(contrast, offsets, slope, (&part.columns, &part.rows), frames[0].size());
     let moved = |range: &Range<usize>, by: i64| {
         let to = |at: usize| at.saturating_add_signed(by as isize);
         to(range.start)..to(range.end)
     };
     contrast.iter().zip(shifts).all(|(&(t, _), (du, dv))| {
-        !frames[t].hides(&Region { columns: moved(&region.columns, du), rows: moved(&region.rows, dv) })
+        !frames[t].hides(&Region { columns: moved(&part.columns, du), rows: moved(&part.rows, dv) })
     })
 }
 

@@ -201,20 +201,15 @@ pub fn fit(
     Some(Fit { x: place.0, y: place.1, offset, level_refined, level_reach, value, curvature })
 }
 
-/// Quadratic fit in place and scale around (x, y, level index), after up to [`MAX_FITS`] − 1 moves of a pixel; `None`
+/// Quadratic fit in place and scale around (x, y, level `s`), after up to [`MAX_FITS`] − 1 moves of a pixel; `None`
 /// where its equations have no unique solution. `size` is the octave's.
-fn quadratic(
-    dog: &DogTile,
-    (mut x, mut y): (usize, usize),
-    level_index: usize,
-    (width, height): (usize, usize),
-) -> Option<Fit> {
+fn quadratic(dog: &DogTile, (mut x, mut y): (usize, usize), s: usize, (width, height): (usize, usize)) -> Option<Fit> {
     let (mut hessian, mut gradient, mut offset);
     let mut moves = 0;
     loop {
         let at = |dx: i32, dy: i32, ds: i32| {
             let (x, y) = ((x as i32 + dx) as usize, (y as i32 + dy) as usize);
-            f64::from(dog.at((level_index as i32 + ds) as usize, x, y))
+            f64::from(dog.at((s as i32 + ds) as usize, x, y))
         };
         let here = at(0, 0, 0);
         let second = |plus: f64, minus: f64| plus + minus - 2.0 * here;
@@ -244,10 +239,10 @@ fn quadratic(
         moves += 1;
     }
     // As in VLFeat, the value follows from the last fit even where it did not settle.
-    let here = f64::from(dog.at(level_index, x, y));
+    let here = f64::from(dog.at(s, x, y));
     let value = here + 0.5 * (0..3).map(|i| gradient[i] * offset[i]).sum::<f64>();
     let [[xx, xy, _], [_, yy, _], _] = hessian;
-    let (level_refined, curvature) = (level_index as f64 + offset[2], [xx, xy, yy]);
+    let (level_refined, curvature) = (s as f64 + offset[2], [xx, xy, yy]);
     Some(Fit { x, y, offset, level_refined, level_reach: MAX_OFFSET, value, curvature })
 }
 

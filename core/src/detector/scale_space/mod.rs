@@ -359,24 +359,3 @@ fn doubled_rows(
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn scales_follow_vlfeat_and_steps_add_up_to_them() {
-        let space = ScaleSpace::new(3, -1, 4.0);
-        assert!((space.sigma_octave(-1.0) - 1.6).abs() < 1e-12);
-        assert!((space.sigma_octave(2.0) - 3.2).abs() < 1e-12);
-        assert!((space.sigma_image(-1, 0.0) - 1.6 * 2f64.powf(1.0 / 3.0) / 2.0).abs() < 1e-12);
-        assert!((space.sigma_image(1, -1.0) - space.sigma_image(0, 2.0)).abs() < 1e-12);
-        assert_eq!(space.step_kernels.len(), 5);
-        let space = ScaleSpace::new(4, 0, 4.0);
-        let mut variance = SIGMA_BASE * SIGMA_BASE;
-        for s in 0..6 {
-            variance += ScaleSpace::step_sigma(4, s).powi(2);
-            assert!((variance.sqrt() - space.sigma_octave(s as f64)).abs() < 1e-9);
-        }
-    }
-}

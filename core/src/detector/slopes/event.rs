@@ -86,8 +86,7 @@ impl Event {
             Self::Nothing | Self::Free(_) => return None,
             Self::Order(order) => {
                 let order: Vec<usize> = order.iter().map(|t| kept[*t]).collect();
-                let wrong: Vec<usize> =
-                    kept.iter().zip(&order).filter(|(own, is)| own != is).map(|(t, _)| *t).collect();
+                let wrong: Vec<usize> = kept.iter().zip(&order).filter(|(a, b)| a != b).map(|(t, _)| *t).collect();
                 let text = order_text(&wrong, &order);
                 (MotionWarningKind::OutOfOrder, wrong.clone(), wrong.len() as f32, text)
             }

@@ -353,22 +353,17 @@ fn largest_at(plane: &[f32]) -> usize {
 
 /// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0, for most
 /// pairs of neighbours too (where a scene moves to and fro they show the shifts), and far smaller at the next lag.
-pub(super) fn lags_of_shared_noise(
-    products: &CrossSpectra,
-    pairs: &PairSpectra,
-    lags: &Lags,
-    fourier: &Fourier,
-) -> usize {
+pub(super) fn lags_of_shared_noise(cross: &CrossSpectra, pairs: &PairSpectra, lags: &Lags, fourier: &Fourier) -> usize {
     let pairs = fourier.correlations(pairs.neighbours(), &mut fourier.scratch(0));
     if 2 * pairs.iter().filter(|pair| largest_at(pair) == 0).count() <= pairs.len() {
         return 0;
     }
-    let planes = fourier.correlations(&products.lags, &mut fourier.scratch(0));
+    let planes = fourier.correlations(&cross.lags, &mut fourier.scratch(0));
     let largest = |lag: usize| {
         let plane = &planes[lag - 1];
         let at = largest_at(plane);
         let pairs = lags.pairs(lag) as f64;
-        (at, f64::from(plane[at]) / pairs, products.variance[lag - 1].sqrt() / pairs)
+        (at, f64::from(plane[at]) / pairs, cross.variance[lag - 1].sqrt() / pairs)
     };
     // A scene that stands still correlates as well at the next lag; noise of few frames does not.
     let is_noise = |lag: usize| {
@@ -419,19 +414,4 @@ pub(super) fn distance_from_a_line(way: &[[f64; 2]], at: &[Offset]) -> f64 {
     let fits = [fit(0), fit(1)];
     let off = |x: &[f64; 2], t: f64, axis: usize| x[axis] - fits[axis].0 - fits[axis].1 * t;
     way.iter().zip(times()).map(|(x, t)| off(x, t, 0).hypot(off(x, t, 1))).fold(0.0, f64::max)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_uniform_way_has_no_distance_and_a_bent_one_its_own() {
-        let uniform: Vec<[f64; 2]> = (0..6).map(|t| [1.5 * f64::from(t), 2.0 - 0.5 * f64::from(t)]).collect();
-        assert!(distance_from_a_line(&uniform, crate::burst::Positions::even(6).offsets()) < 1e-12);
-        let there_and_back = [[0.0, 0.0], [3.0, 0.0], [0.0, 0.0]];
-        assert!(
-            (distance_from_a_line(&there_and_back, crate::burst::Positions::even(3).offsets()) - 2.0).abs() < 1e-12
-        );
-    }
 }

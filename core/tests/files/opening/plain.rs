@@ -234,6 +234,9 @@ fn arrays_have_frames_first_or_last_and_colours() {
     assert_eq!((at(0, 3, 7), at(1, 3, 7), at(1, 15, 23)), (715.0, 716.0, 2376.0));
     assert!(burst.notes().iter().any(|note| note.text.contains("last axis")), "it is told");
     assert_eq!(open(&axis("first")).expect("as it is said").size(), (2, 16));
+    write_npy(&path, &Array3::<u8>::zeros((20, 48, 12))).expect("written");
+    assert_eq!(open(&plain()).expect("not by far the shortest").size(), (12, 48));
+    assert!(open(&axis("T")).expect_err("no names").to_string().contains("the axes of an array have no names"));
     // A picture with colours or frames: nobody knows.
     write_npy(&path, &Array3::<u8>::zeros((24, 32, 3))).expect("written");
     assert!(open(&plain()).expect_err("either").to_string().contains("3 colours or 3 frames"));

@@ -98,13 +98,6 @@ impl<'a> Fields<'a> {
         let (s, ns) = (self.u32("header.stamp")?, self.u32("header.stamp")?);
         Ok(u64::from(s) * 1_000_000_000 + u64::from(ns))
     }
-
-    fn after_header(message: &'a [u8], wire: Wire) -> Result<(Self, u64), String> {
-        let mut fields = Self::of(message, wire)?;
-        let stamp_ns = fields.stamp()?;
-        fields.bytes("header.frame_id")?;
-        Ok((fields, stamp_ns))
-    }
 }
 
 /// The stamp of a message of which at least the first [`STAMP_BYTES`] bytes are given, nanoseconds.
@@ -124,7 +117,9 @@ pub(super) struct PictureMessage<'a> {
 
 impl<'a> PictureMessage<'a> {
     pub(super) fn read(message: &'a [u8], wire: Wire, is_compressed: bool) -> Result<Self, String> {
-        let (mut fields, stamp_ns) = Fields::after_header(message, wire)?;
+        let mut fields = Fields::of(message, wire)?;
+        let stamp_ns = fields.stamp()?;
+        fields.bytes("header.frame_id")?;
         if is_compressed {
             let encoding = fields.text("format")?;
             return Ok(Self { stamp_ns, encoding, data: fields.bytes("data")?, shape: None });

@@ -42,7 +42,7 @@ impl Format for Bag {
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {
-        is_recording(start.bytes)
+        Form::of(start.bytes).is_some() || start.bytes.starts_with(METADATA.1)
     }
 
     fn has_name(&self, path: &Path) -> bool {
@@ -79,11 +79,6 @@ const METADATA: (&str, &[u8]) = ("metadata.yaml", b"rosbag2_bagfile_information:
 /// First bytes of each form; the version of a ROS 1 bag follows.
 const MAGICS: [(&[u8], Form); 3] =
     [(b"#ROSBAG V", Form::Ros1), (b"\x89MCAP0\r\n", Form::Mcap), (b"SQLite format 3\0", Form::Rows)];
-
-/// Whether a file that begins with `start` is a recording, or the list of the files of one.
-fn is_recording(start: &[u8]) -> bool {
-    Form::of(start).is_some() || start.starts_with(METADATA.1)
-}
 
 /// Whether `path` lists the files of a ROS 2 bag, which then are taken together.
 fn is_metadata(path: &Path) -> bool {

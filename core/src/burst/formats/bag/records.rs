@@ -1,6 +1,7 @@
 //! Records that both formats with chunks have: channels, messages, chunks, lists of messages; the reader of their
 //! numbers and texts, which reads and reserves no more than the file has; and the work that all may take.
 
+pub(super) use crate::burst::reading::corrupt;
 use crate::error::one_line;
 use crate::monitor::Monitor;
 use std::collections::{BTreeMap, HashMap};
@@ -9,11 +10,6 @@ use std::sync::atomic::{AtomicU64, Ordering::Relaxed};
 
 /// Longest name, or header of a record of a ROS 1 bag, bytes.
 const MAX_FIELD_BYTES: u64 = 1 << 24;
-
-/// Error of a file that announces the impossible; `reason` is the end of a sentence about it.
-pub(super) fn corrupt(reason: impl Into<String>) -> io::Error {
-    io::Error::new(io::ErrorKind::InvalidData, reason.into())
-}
 
 /// Bytes that a recording of any length may unpack to, and for each packed byte: frames are packed to a tenth at best.
 const UNPACKED_BYTES: u64 = 1 << 28;

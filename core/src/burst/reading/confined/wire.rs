@@ -78,17 +78,13 @@ pub(in crate::burst) fn send_reply(to: &mut impl Write, reply: Result<RawFrame>)
 }
 
 /// Receives the reply about the file `path`. The outer error is a damaged reply, the inner one the child's own.
-pub(in crate::burst) fn receive_reply(
-    from: &mut impl Read,
-    path: &Path,
-    limits: &Limits,
-) -> io::Result<Result<RawFrame>> {
+pub(in crate::burst) fn receive_reply(from: &mut impl Read, path: &Path, max: &Limits) -> io::Result<Result<RawFrame>> {
     let FrameHead { size, scale, encoding, binning, damage, is_colour, mosaic } = match receive(from)? {
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),
     };
     // A crafted file may have taken over the child: its size is checked before room is made.
-    if let Err(error) = limits.check_frame(path, size.0 as u64, size.1 as u64) {
+    if let Err(error) = max.check_frame(path, size.0 as u64, size.1 as u64) {
         return Ok(Err(error));
     }
     let mut values: Vec<f32> = memory::zeroed(size.0 * size.1);
