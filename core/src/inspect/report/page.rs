@@ -7,6 +7,7 @@ use crate::detector::Test;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
 use crate::error::Result;
+use crate::export::sheet::{Anchor, Colour, Face};
 use crate::export::{Drawing, FigureRect, FigureShape, FigureStroke, FigureUnit};
 use crate::inspect::ProbeCache;
 use crate::inspect::place::{Outcome, Probe, ProbeOptions, probe};
@@ -147,7 +148,7 @@ impl<'a> BurstPage<'a> {
             if lines[0].starts_with('|') { sheet.table(lines) } else { sheet.line(lines[0]) }
         }
         let size = [WIDTH, (sheet.y + MARGIN).max(HEIGHT)];
-        let paper = FigureShape::Fill { rect: FigureRect { min: [0.0; 2], size }, color: [255; 3] };
+        let paper = FigureShape::Rect { rect: FigureRect { min: [0.0; 2], size }, style: [255; 3].into() };
         sheet.shapes.insert(0, paper);
         Drawing { size, unit: FigureUnit::Point, shapes: sheet.shapes, title: format!("Report of {}", self.info.name) }
     }
@@ -211,8 +212,7 @@ struct Sheet {
 
 impl Sheet {
     fn text(&mut self, x: f32, size: f32, text: &str) {
-        let text = text.to_owned();
-        self.shapes.push(FigureShape::Text { at: [x, self.y + size], size, text, color: [36, 41, 47] });
+        self.shapes.push(words_at([x, self.y + size], size, [36, 41, 47], text.to_owned()));
     }
 
     /// A line of Markdown, broken where it is too long.
@@ -261,22 +261,21 @@ impl Sheet {
         let rgba = Arc::new(to_rgba8(picture, &Display::stretched(picture)).into_raw());
         self.shapes.push(FigureShape::Picture { rect, size: (width, height), rgba });
         let at = |[u, v]: [f32; 2]| [rect.min[0] + (u + 0.5) * scale, rect.min[1] + (v + 0.5) * scale];
-        let stroke = FigureStroke { width: 0.6, color: RING, opacity: 0.9 };
+        let stroke = FigureStroke { opacity: 0.9, ..FigureStroke::new(RING, 0.6) };
         let rings = page.cache.detection().features.iter().map(|feature| FigureShape::Circle {
             centre: at([feature.u, feature.v]),
             radius: scale * feature.circle_radius_px(),
-            stroke,
-            dashed: feature.at_slope_limit,
+            style: if feature.at_slope_limit { stroke.dashed([2.4; 2]) } else { stroke }.into(),
         });
-        let names = (1..).zip(&page.places).map(|(index, place): (usize, _)| FigureShape::Text {
-            at: at(place.pos_image),
-            size: 1.3 * SIZE,
-            text: index.to_string(),
-            color: NAME,
-        });
-        self.shapes.push(FigureShape::Clipped { rect, shapes: rings.chain(names).collect() });
+        let name = |(index, place): (usize, &Probe)| words_at(at(place.pos_image), 1.3 * SIZE, NAME, index.to_string());
+        let shapes = rings.chain((1..).zip(&page.places).map(name)).collect();
+        self.shapes.push(FigureShape::Clipped { rect, round: false, shapes });
         self.y += rect.size[1] + 0.5 * SIZE;
     }
+}
+
+fn words_at(at: [f32; 2], size: f32, color: Colour, text: String) -> FigureShape {
+    FigureShape::Text { at, anchor: Anchor::Start, size, face: Face::Plain, color, upwards: false, text }
 }
 
 /// Text of Markdown as it is read.
