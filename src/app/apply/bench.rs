@@ -38,12 +38,16 @@ impl Bench {
             effects.extend(asking::take_answers(&mut self.model, &self.engine));
             params::check_params(&mut self.model);
             asking::ask(&mut self.model, &self.engine, false);
-            if done(Read::of(&self.model), &effects) {
+            if done(self.model.read(), &effects) {
                 return effects;
             }
             assert!(Instant::now() < end, "it does not come to rest");
             std::thread::sleep(Duration::from_millis(1));
         }
+    }
+
+    pub fn read(&self) -> Read<'_> {
+        self.model.read()
     }
 
     pub fn settle(&mut self) {
@@ -115,7 +119,7 @@ fn with_features() -> Model {
     model.document.params.slopes = SlopeGrid::default().into();
     let burst = open((64, 48), 5);
     opening::take_burst(&mut model, burst.clone());
-    let grid = Read::of(&model).grid_of(Side::A);
+    let grid = model.read().grid_of(Side::A);
     let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 4, &grid), feature(50.0, 30.0, 2, &grid)];
     let detected = detected(&burst, &model.document.params.clone(), features);
     detection::take_detection(&mut model, Side::A, detected, Duration::from_millis(10));
@@ -129,11 +133,11 @@ fn answers_of_another_burst_are_dropped() {
     let request = PictureRequest::new(other.clone(), PictureKind::Frame(0), DetectorParams::default());
     let id = model.document.focus();
     panes::take_picture(&mut model, id, request.compute(&Work::alone(&Monitor::default())).expect("frame 0 is there"));
-    assert!(Read::of(&model).picture().is_none());
-    let before = Read::of(&model).features().len();
+    assert!(model.read().picture().is_none());
+    let before = model.read().features().len();
     let detected = detected(&other, &SearchParams::default(), Vec::new());
     detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
-    assert_eq!(Read::of(&model).features().len(), before);
+    assert_eq!(model.read().features().len(), before);
 }
 
 #[test]
@@ -143,7 +147,7 @@ fn the_busiest_slope_is_shown_until_a_hand_chooses() {
     let pane = model.document.focused_mut();
     (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
     let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
-    let grid = Read::of(&model).grid_of(Side::A);
+    let grid = model.read().grid_of(Side::A);
     let detected = detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]);
     detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
     assert_eq!(model.document.cursor().slope, Slope::new(0.25, 0.0));
@@ -154,7 +158,7 @@ fn a_feature_that_is_found_again_stays_selected() {
     let mut model = with_features();
     model.document.selected = Some(1);
     let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
-    let grid = Read::of(&model).grid_of(Side::A);
+    let grid = model.read().grid_of(Side::A);
     let again = vec![feature(30.3, 20.2, 4, &grid), feature(10.0, 10.0, 4, &grid)];
     detection::take_detection(&mut model, Side::A, detected(&burst, &params, again), Duration::ZERO);
     assert_eq!(model.document.selected, Some(0));
@@ -184,12 +188,10 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     model.document.selected = Some(0);
     opening::take_burst(&mut model, open((40, 40), 1));
     assert!(
-        model.results.slots.a.found.is_none()
-            && model.document.selected.is_none()
-            && Read::of(&model).picture().is_none()
+        model.results.slots.a.found.is_none() && model.document.selected.is_none() && model.read().picture().is_none()
     );
     assert_eq!(model.results.slots.a.param_error.as_ref().map(|e| e.subject.as_str()), Some("frames"));
-    let wanted = Read::of(&model).wanted(model.document.focus()).expect("open");
+    let wanted = model.read().wanted(model.document.focus()).expect("open");
     assert!(wanted.compute(&Work::alone(&Monitor::default())).is_ok());
 }
 
@@ -202,10 +204,10 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
         assert_eq!(ids.len(), 2);
         order(&mut ids);
         for id in ids {
-            let wanted = Read::of(&model).wanted(id).expect("its burst is open");
+            let wanted = model.read().wanted(id).expect("its burst is open");
             let picture = wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled");
             panes::take_picture(&mut model, id, picture);
-            let seen = Read::of(&model).display_of(id);
+            let seen = model.read().display_of(id);
             assert_ne!((seen.min, seen.max), (0.0, 1.0), "what is seen first is seen in a range of its own");
         }
         model.document.look.ranges
@@ -219,13 +221,13 @@ fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it
     panes::lay_out(&mut model, Preset::FrameAndStack);
     let mut pictures = Vec::new();
     for id in model.document.panes.shown() {
-        let wanted = Read::of(&model).wanted(id).expect("its burst is open");
+        let wanted = model.read().wanted(id).expect("its burst is open");
         let picture = wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled");
         panes::take_picture(&mut model, id, picture.clone());
         pictures.push((id, picture));
     }
     for (id, picture) in &pictures {
-        let (display, values) = (Read::of(&model).display_of(*id), picture.plane.data());
+        let (display, values) = (model.read().display_of(*id), picture.plane.data());
         let clipped = values.iter().filter(|value| !(display.min..=display.max).contains(*value)).count();
         assert!(clipped * 100 <= values.len(), "{clipped} of {} are black or white", values.len());
     }
@@ -252,16 +254,16 @@ fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range(
         let panes = model.document.panes.shown().into_iter().filter_map(|id| model.document.panes.get(id));
         panes.map(|pane| pane.cursor.slope.u).collect()
     };
-    assert_eq!(slopes(Read::of(&model)), [0.0, 1.0, 2.0]);
+    assert_eq!(slopes(model.read()), [0.0, 1.0, 2.0]);
     opening::take_burst(&mut model, open((40, 30), 3));
-    assert_eq!(slopes(Read::of(&model)), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
+    assert_eq!(slopes(model.read()), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
     let focus = model.document.focus();
     model.document.show_slope(focus, Slope::new(100.0, 0.0));
     params::check_params(&mut model);
     let limit = crate::app::document::cursor::slope_limit(&model.results.slots.a.usable_params.slopes);
-    assert_eq!(slopes(Read::of(&model)), [limit - 1.0, limit, limit + 1.0]);
+    assert_eq!(slopes(model.read()), [limit - 1.0, limit, limit + 1.0]);
     let last = model.document.panes.shown()[2];
-    let PictureKind::Stack { slope } = Read::of(&model).wanted(last).expect("open").kind else { panic!("a stack") };
+    let PictureKind::Stack { slope } = model.read().wanted(last).expect("open").kind else { panic!("a stack") };
     assert_eq!(slope.u, limit, "what is beyond is shown at the rim");
 }
 

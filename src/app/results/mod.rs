@@ -141,10 +141,16 @@ impl From<Document> for Model {
     }
 }
 
+impl Model {
+    pub fn read(&self) -> Read<'_> {
+        let Self { document, results, shell } = self;
+        Read { document, results, shell }
+    }
+}
+
 impl<'a> Read<'a> {
     pub fn of(model: &'a Model) -> Self {
-        let Model { document, results, shell } = model;
-        Self { document, results, shell }
+        model.read()
     }
 
     /// (columns, rows) of the open burst's frames; (0, 0) without one.
