@@ -42,7 +42,6 @@ fn round_up(x: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// Ticks of an axis from `low` to `high` that is `height` points long.
     fn of_axis(low: f64, high: f64, height: f64) -> Vec<f64> {
         let base_step_size = 8.0 * (high - low) / height;
         of_height(GridInput { bounds: (low, high), base_step_size }).iter().map(|mark| mark.value).collect()

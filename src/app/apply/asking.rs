@@ -281,11 +281,16 @@ mod tests {
     use crate::requests::{BurstSource, JobError};
     use crate::synth::Example;
 
+    fn bench_with(example: Example) -> Bench {
+        let mut bench = Bench::new();
+        let burst = BurstSource::Example(example).open(&Default::default(), &crate::Monitor::default());
+        opening::take_burst(&mut bench.model, burst.expect("built in"));
+        bench
+    }
+
     #[test]
     fn features_follow_a_threshold_that_is_dragged_but_not_what_needs_a_search() {
-        let mut bench = Bench::new();
-        let burst = BurstSource::Example(Example::LowContrast).open(&Default::default(), &crate::Monitor::default());
-        opening::take_burst(&mut bench.model, burst.expect("built in"));
+        let mut bench = bench_with(Example::LowContrast);
         bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3).into();
         bench.settle();
         let all = bench.read().features().len();
@@ -318,9 +323,7 @@ mod tests {
 
     #[test]
     fn a_long_search_shows_the_features_of_one_slope_before_those_of_all() {
-        let mut bench = Bench::new();
-        let burst = BurstSource::Example(Example::Street).open(&Default::default(), &crate::Monitor::default());
-        opening::take_burst(&mut bench.model, burst.expect("built in"));
+        let mut bench = bench_with(Example::Street);
         bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13).into();
         bench.run_until(|model, _| model.results.slots.a.found.is_some());
         let found = bench.model.results.slots.a.found.clone().expect("found");
@@ -341,10 +344,7 @@ mod tests {
 
     #[test]
     fn what_was_cancelled_is_not_begun_again_by_itself() {
-        let mut bench = Bench::new();
-        let source = BurstSource::Example(Example::Street);
-        let burst = source.open(&Default::default(), &crate::Monitor::default()).expect("built in");
-        opening::take_burst(&mut bench.model, burst);
+        let mut bench = bench_with(Example::Street);
         bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 31, -3.0..=3.0, 31).into();
         bench.run_until(|model, _| model.results.slots.a.detecting.is_pending());
         assert!(bench.read().is_searching());

@@ -77,19 +77,8 @@ pub(crate) fn open(size: (usize, usize), frames: usize) -> OpenBurst {
 }
 
 pub(crate) fn feature(u: f32, v: f32, slope_index: usize, grid: &SlopeGrid) -> Feature {
-    Feature {
-        u,
-        v,
-        sigma: 3.0,
-        orientation: 0.5,
-        slope: grid.slope(slope_index),
-        response: -0.05,
-        snr: 12.0,
-        octave: 0,
-        level: 1,
-        slope_index,
-        ..Feature::default()
-    }
+    let here = Feature { u, v, slope: grid.slope(slope_index), slope_index, ..Feature::default() };
+    Feature { sigma: 3.0, orientation: 0.5, response: -0.05, snr: 12.0, level: 1, ..here }
 }
 
 pub(crate) fn detected(burst: &OpenBurst, asked: &SearchParams, features: Vec<Feature>) -> Detected {
@@ -114,15 +103,18 @@ pub(crate) fn detected(burst: &OpenBurst, asked: &SearchParams, features: Vec<Fe
     Detected { burst: burst.id, asked, params, searched, search_secs, finding: None, detection, judgement: None }
 }
 
+fn find(model: &mut Model, places: &[(f32, f32, usize)]) {
+    let (burst, grid) = (model.results.slots.a.burst.clone().expect("open"), model.read().grid_of(Side::A));
+    let features = places.iter().map(|&(u, v, slope_index)| feature(u, v, slope_index, &grid)).collect();
+    let detected = detected(&burst, &model.document.params, features);
+    detection::take_detection(model, Side::A, detected, Duration::from_millis(10));
+}
+
 fn with_features() -> Model {
     let mut model = Model::default();
     model.document.params.slopes = SlopeGrid::default().into();
-    let burst = open((64, 48), 5);
-    opening::take_burst(&mut model, burst.clone());
-    let grid = model.read().grid_of(Side::A);
-    let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 4, &grid), feature(50.0, 30.0, 2, &grid)];
-    let detected = detected(&burst, &model.document.params.clone(), features);
-    detection::take_detection(&mut model, Side::A, detected, Duration::from_millis(10));
+    opening::take_burst(&mut model, open((64, 48), 5));
+    find(&mut model, &[(10.0, 10.0, 4), (30.0, 20.0, 4), (50.0, 30.0, 2)]);
     model
 }
 
@@ -146,10 +138,7 @@ fn the_busiest_slope_is_shown_until_a_hand_chooses() {
     assert_eq!(model.document.cursor().slope, Slope::new(1.0, 0.0));
     let pane = model.document.focused_mut();
     (pane.cursor.slope, pane.slope_chosen) = (Slope::new(0.25, 0.0), true);
-    let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
-    let grid = model.read().grid_of(Side::A);
-    let detected = detected(&burst, &params, vec![feature(1.0, 1.0, 0, &grid)]);
-    detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
+    find(&mut model, &[(1.0, 1.0, 0)]);
     assert_eq!(model.document.cursor().slope, Slope::new(0.25, 0.0));
 }
 
@@ -157,13 +146,9 @@ fn the_busiest_slope_is_shown_until_a_hand_chooses() {
 fn a_feature_that_is_found_again_stays_selected() {
     let mut model = with_features();
     model.document.selected = Some(1);
-    let (burst, params) = (model.results.slots.a.burst.clone().expect("open"), model.document.params.clone());
-    let grid = model.read().grid_of(Side::A);
-    let again = vec![feature(30.3, 20.2, 4, &grid), feature(10.0, 10.0, 4, &grid)];
-    detection::take_detection(&mut model, Side::A, detected(&burst, &params, again), Duration::ZERO);
+    find(&mut model, &[(30.3, 20.2, 4), (10.0, 10.0, 4)]);
     assert_eq!(model.document.selected, Some(0));
-    let detected = detected(&burst, &params, vec![feature(5.0, 40.0, 4, &grid)]);
-    detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
+    find(&mut model, &[(5.0, 40.0, 4)]);
     assert_eq!(model.document.selected, None, "another feature is not the same one");
 }
 
@@ -172,9 +157,7 @@ fn next_and_previous_walk_the_table_and_stop_at_its_ends() {
     let mut model = with_features();
     change::select_next(&mut model, true);
     assert_eq!(model.document.selected, Some(0));
-    change::select_next(&mut model, true);
-    change::select_next(&mut model, true);
-    change::select_next(&mut model, true);
+    (0..3).for_each(|_| change::select_next(&mut model, true));
     assert_eq!(model.document.selected, Some(2));
     let range = crate::app::document::filter::Interval { min: 0.5, max: 1.5 };
     model.document.filter.ranges.insert(crate::detector::Quantity::SlopeU, range);

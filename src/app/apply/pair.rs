@@ -222,11 +222,10 @@ pub(in crate::app) mod tests {
     use crate::app::apply::{detection, opening};
     use crate::app::document::filter::SavedMatch;
     use crate::app::document::side::Side;
+    use crate::app::results::Model;
     use crate::app::results::pair::*;
-    use crate::app::results::{Model, Read};
     use crate::detector::{Detection, FrameRange, Method};
     use crate::monitor::Monitor;
-    use crate::requests::Detected;
     use crate::teach::Workspace;
     use std::sync::Arc;
     use std::time::Duration;
@@ -242,33 +241,23 @@ pub(in crate::app) mod tests {
         let at = |du: f32| -> Vec<_> {
             (0..4).map(|i| feature(8.0 + 12.0 * i as f32 + du, 10.0 + 7.0 * i as f32, i, &grid)).collect()
         };
-        let with_descriptors = |mut found: Detected| {
+        let params = model.document.params.clone();
+        for (side, burst, du) in [(Side::A, a, 0.0), (Side::B, b, 2.0)] {
+            let mut found = detected(&burst, &params, at(du));
             let mut detection = Detection::clone(&found.detection);
             for (i, descriptor) in detection.descriptors.iter_mut().enumerate() {
                 descriptor[10 * i] = 200;
             }
             found.detection = Arc::new(detection);
-            found
-        };
-        let params = model.document.params.clone();
-        detection::take_detection(
-            &mut model,
-            Side::A,
-            with_descriptors(detected(&a, &params, at(0.0))),
-            Duration::ZERO,
-        );
-        detection::take_detection(
-            &mut model,
-            Side::B,
-            with_descriptors(detected(&b, &params, at(2.0))),
-            Duration::ZERO,
-        );
+            detection::take_detection(&mut model, side, found, Duration::ZERO);
+        }
         model
     }
 
-    fn matched(model: Read<'_>) -> Matches {
-        let request = model.wanted_matches().expect("both sides have features");
-        Matches::new(request.matched(&Monitor::default()).expect("valid"), Duration::ZERO)
+    fn make_matches(model: &mut Model) {
+        let request = model.read().wanted_matches().expect("both sides have features");
+        let matched = request.matched(&Monitor::default()).expect("valid");
+        take_made_matches(model, Matches::new(matched, Duration::ZERO));
     }
 
     #[test]
@@ -306,13 +295,11 @@ pub(in crate::app) mod tests {
     #[test]
     fn the_same_match_stays_selected_when_it_is_made_again() {
         let mut model = pair();
-        let made = matched(model.read());
-        take_made_matches(&mut model, made);
+        make_matches(&mut model);
         model.document.selected_match = Some(2);
         let place = model.read().saved_match().expect("selected");
         model.document.matching.geometry = crate::matching::Geometry::None;
-        let made = matched(model.read());
-        take_made_matches(&mut model, made);
+        make_matches(&mut model);
         assert_eq!(model.document.selected_match, Some(2));
         assert_eq!(model.read().saved_match(), Some(place));
         let moved = SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
@@ -322,8 +309,7 @@ pub(in crate::app) mod tests {
     #[test]
     fn sides_are_swapped_with_everything_that_is_theirs() {
         let mut model = pair();
-        let made = matched(model.read());
-        take_made_matches(&mut model, made);
+        make_matches(&mut model);
         let ids = [Side::A, Side::B].map(|side| model.read().burst_of(side).expect("open").id);
         let found = model.read().found_of(Side::B).expect("found").detection.clone();
         swap_sides(&mut model);

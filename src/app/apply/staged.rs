@@ -232,18 +232,13 @@ mod tests {
     }
 
     #[test]
-    fn a_drag_that_comes_back_is_no_step() {
+    fn a_drag_that_comes_back_and_what_changes_by_itself_are_no_steps() {
         let (mut model, mut history) = (Model::default(), History::default());
         let before = model.document.params.edge_threshold;
         for (value, goes_on) in [(1.0, true), (30.0, true), (before, false)] {
             pass(&mut history, &mut model.document, goes_on, |m| m.params.edge_threshold = value);
         }
         assert!(!history.can_undo());
-    }
-
-    #[test]
-    fn what_changes_by_itself_is_no_step() {
-        let (mut model, mut history) = (Model::default(), History::default());
         pass(&mut history, &mut model.document, false, |m| {
             let focus = m.focus();
             m.panes.split(focus, crate::app::pane::Direction::Right);

@@ -277,7 +277,7 @@ mod tests {
     const LIMITS: DeviceLimits = DeviceLimits { max_side: 8192, max_layers: 256 };
 
     #[test]
-    fn an_ordinary_picture_is_one_tile() {
+    fn an_ordinary_picture_is_one_tile_and_what_cannot_be_held_is_said() {
         let layout = Layout::new((1600, 1200), LIMITS).unwrap();
         assert_eq!(layout.layers(), 1);
         assert_eq!(layout.tile, (1600, 1216));
@@ -286,10 +286,6 @@ mod tests {
         assert_eq!(layout.level_for(4.0), 2);
         assert_eq!(layout.level_for(1e9), layout.levels - 1);
         assert_eq!(Layout::new((3, 2), LIMITS).unwrap().tile, (3, 2));
-    }
-
-    #[test]
-    fn what_cannot_be_held_is_said() {
         let small = DeviceLimits { max_side: 2048, max_layers: 4 };
         assert!(Layout::new((4096, 4096), small).is_ok());
         let message = Layout::new((10_000, 4096), small).unwrap_err();

@@ -216,16 +216,12 @@ mod tests {
         assert_eq!(symmetric.min, -symmetric.max);
     }
 
-    fn drag(grip: Grip, start: Display, start_value: f32) -> Drag {
-        Drag { grip, start, start_value }
-    }
-
     #[test]
     fn handles_move_their_end_and_the_middle_moves_both() {
         let start = Display { min: 0.2, max: 0.6, ..Display::default() };
         let axis = Rangef::new(0.0, 1.0);
         let range = |grip, from, to| {
-            let d = dragged(drag(grip, start, from), to, axis);
+            let d = dragged(Drag { grip, start, start_value: from }, to, axis);
             ((d.min * 1e4).round() / 1e4, (d.max * 1e4).round() / 1e4)
         };
         assert_eq!(range(Grip::Min, 0.2, 0.3), (0.3, 0.6));
@@ -242,7 +238,7 @@ mod tests {
             let start = Display { symmetric, ..Display::default() }.with_range(min, min + width);
             let grip = [Grip::Min, Grip::Max, Grip::Both][which as usize];
             let axis = axis_for(None, &start);
-            let end = dragged(drag(grip, start, from), to, axis);
+            let end = dragged(Drag { grip, start, start_value: from }, to, axis);
             prop_assert!(end.min < end.max && end.min.is_finite() && end.max.is_finite(), "{end:?}");
             prop_assert!(!symmetric || end.min == -end.max);
         }

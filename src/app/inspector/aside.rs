@@ -54,7 +54,7 @@ mod tests {
     }
 
     #[test]
-    fn a_view_that_was_changed_meanwhile_stays_as_it_is() {
+    fn a_view_that_was_changed_meanwhile_stays_as_it_is_and_a_resized_window_fits_anew() {
         let (mut aside, mut view) = (HeldPlace::default(), View::fit());
         aside.keep(&mut view, rect(1040.0), false);
         view.settle(rect(1040.0), SIZE, 1.0);
@@ -65,10 +65,6 @@ mod tests {
         aside.keep(&mut view, rect(1040.0), false);
         let after = view.settle(rect(1040.0), SIZE, 1.0).pos(place);
         assert!((after - before).length() < 0.6 && !view.is_fit());
-    }
-
-    #[test]
-    fn a_window_that_is_resized_fits_its_picture_anew() {
         let (mut aside, mut view) = (HeldPlace::default(), View::fit());
         aside.keep(&mut view, rect(1040.0), false);
         aside.keep(&mut view, rect(600.0), false);

@@ -227,7 +227,6 @@ mod tests {
     use super::*;
     use egui::{pos2, vec2};
 
-    /// Pane in a grid of panes of 100 × 80 points.
     fn at(column: usize, row: usize) -> Rect {
         Rect::from_min_size(pos2(104.0 * column as f32, 110.0 * row as f32), vec2(100.0, 80.0))
     }
@@ -238,17 +237,13 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_are_joined_and_what_lies_behind_them_is_not() {
+    fn neighbours_are_joined_without_what_lies_behind_them_and_so_are_those_far_apart() {
         assert_eq!(of(&[at(0, 0)], &[at(1, 0)], &[]), [(0, 0)]);
         assert_eq!(of(&[at(0, 0)], &[at(0, 1)], &[]), [(0, 0)], "one above the other");
         assert_eq!(of(&[at(0, 0), at(1, 0)], &[at(2, 0)], &[]), [(1, 0)], "A twice, B once");
         assert_eq!(of(&[at(0, 0), at(0, 1)], &[at(1, 0), at(1, 1)], &[]), [(0, 0), (1, 1)], "row by row");
         let tall = Rect::from_min_max(at(1, 0).min, at(1, 1).max);
         assert_eq!(of(&[at(0, 0), at(0, 1)], &[tall], &[]), [(0, 0), (1, 0)]);
-    }
-
-    #[test]
-    fn those_far_apart_are_joined_all_the_same() {
         assert_eq!(of(&[at(0, 0)], &[at(2, 0)], &[at(1, 0)]), [(0, 0)], "a difference stands between them");
         assert_eq!(of(&[at(0, 0)], &[at(1, 1)], &[]), [(0, 0)], "across the corner");
         assert!(of(&[at(0, 0)], &[], &[]).is_empty());

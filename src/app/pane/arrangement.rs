@@ -204,10 +204,6 @@ mod tests {
         Arrangement::Pane(PaneId(n))
     }
 
-    fn ids(numbers: &[u32]) -> Vec<PaneId> {
-        numbers.iter().copied().map(PaneId).collect()
-    }
-
     #[test]
     fn panes_are_split_to_the_right_and_down_and_closed_again() {
         let mut arrangement = pane(0);
@@ -216,7 +212,7 @@ mod tests {
         let Arrangement::Row(parts) = &arrangement else { panic!("one row: {arrangement:?}") };
         assert_eq!(parts.iter().map(|part| part.share).collect::<Vec<_>>(), [1.0, 0.5, 0.5]);
         assert!(arrangement.split(PaneId(2), Direction::Down, PaneId(4)));
-        assert_eq!(arrangement.panes(), ids(&[0, 2, 4, 3]));
+        assert_eq!(arrangement.panes(), [0, 2, 4, 3].map(PaneId));
         assert!(!arrangement.split(PaneId(9), Direction::Down, PaneId(5)));
         for closed in [0, 4, 3] {
             arrangement.remove(PaneId(closed));

@@ -295,18 +295,8 @@ mod tests {
     use egui::pos2;
 
     pub(super) fn feature(u: f32, v: f32, sigma: f32, slope: (f32, f32), response: f32) -> Feature {
-        Feature {
-            u,
-            v,
-            sigma,
-            orientation: 0.3,
-            slope: Slope::new(slope.0, slope.1),
-            response,
-            snr: 5.0,
-            octave: 0,
-            level: 0,
-            ..Feature::default()
-        }
+        let slope = Slope::new(slope.0, slope.1);
+        Feature { u, v, sigma, slope, response, snr: 5.0, orientation: 0.3, ..Feature::default() }
     }
 
     #[test]

@@ -89,14 +89,10 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_range_holds_the_gate_and_all_finite_values() {
+    fn the_range_holds_the_gate_and_all_finite_values_and_its_numbers_are_apart() {
         assert_eq!(range_of(&[-0.5, f32::NAN, 0.2], Some(0.1)), 0.5);
         assert_eq!(range_of(&[-0.5, f32::NAN, 0.2], Some(0.9)), 0.9);
         assert_eq!(range_of(&[2e-3, -3e-3], None), 3e-3, "without noise there is no gate");
-    }
-
-    #[test]
-    fn numbers_are_apart_and_the_ends_have_one() {
         let bar = |range, gate| ColourBar { range, gate: Some(gate), pointed: None };
         assert_eq!(bar(10.0, 4.6).ticks(150.0), [10.0, -10.0, 0.0, 4.6, -4.6]);
         assert_eq!(bar(5.0, 4.6).ticks(150.0), [5.0, -5.0, 0.0], "the gate is too near to the ends");
