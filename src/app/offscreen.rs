@@ -63,16 +63,9 @@ impl Offscreen {
         // No one sees the drawing: animations are skipped.
         context.all_styles_mut(|style| style.animation_time = 0.0);
         gpu::install(&context, &render_state);
-        Ok(Self {
-            context,
-            setup,
-            render_state,
-            size_points,
-            pixels_per_point,
-            size_px: [size.x.round() as u32, size.y.round() as u32],
-            start: Instant::now(),
-            shapes: Vec::new(),
-        })
+        let size_px = [size.x.round() as u32, size.y.round() as u32];
+        let (start, shapes) = (Instant::now(), Vec::new());
+        Ok(Self { context, setup, render_state, size_points, pixels_per_point, size_px, start, shapes })
     }
 
     pub fn context(&self) -> &egui::Context {

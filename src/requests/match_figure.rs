@@ -110,13 +110,8 @@ impl MatchFigure {
         let [a, b] = [("A", &pair[0]), ("B", &pair[1])].map(|(side, burst)| self.panel(side, burst, monitor));
         let (a, b) = (a?, b?);
         let rows = if are_stacked([a.size, b.size]) { vec![vec![a], vec![b]] } else { vec![vec![a, b]] };
-        let options = FigureOptions {
-            width: FigureWidth::Millimetres(self.width_mm),
-            stroke_width: 0.75,
-            font_size: 8.0,
-            letters: true,
-            scale_bar: true,
-        };
+        let width = FigureWidth::Millimetres(self.width_mm);
+        let options = FigureOptions { width, stroke_width: 0.75, font_size: 8.0, letters: true, scale_bar: true };
         Ok(lay_out(&rows, &matches, &options))
     }
 

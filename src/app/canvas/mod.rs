@@ -146,15 +146,9 @@ impl<'a> Canvas<'a> {
             return;
         }
         let dim = ui.ctx().animate_bool(pane.with("dim"), self.dim);
-        let paint = PicturePaint {
-            pane,
-            id: picture.id,
-            plane: picture.drawn.clone(),
-            ui_from_picture: picture.ui_from_picture(output.ui_from_image),
-            display: self.display.sanitised(),
-            dim,
-            backdrop,
-        };
+        let (id, plane, display) = (picture.id, picture.drawn.clone(), self.display.sanitised());
+        let ui_from_picture = picture.ui_from_picture(output.ui_from_image);
+        let paint = PicturePaint { pane, id, plane, ui_from_picture, display, dim, backdrop };
         output.painter.add(paint.into_shape(rect));
         picture.hatch(&output.painter, output.ui_from_image, rect);
         if self.values {

@@ -44,17 +44,10 @@ pub struct Readout {
 /// Without interpolation; `None` outside the picture. `full_scale` is the burst's.
 pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Readout> {
     let pixel = picture.pixel_at(pos_image)?;
-    Some(Readout {
-        u: pos_image.x,
-        v: pos_image.y,
-        pixel,
-        value: picture.plane.at(pixel.0, pixel.1),
-        full_scale,
-        image_from_picture_scale: picture.image_from_picture_scale,
-        quantity: Quantity::Value,
-        smoothing_px: 0.0,
-        is_masked: picture.plane.is_hidden_at(pixel.0, pixel.1),
-    })
+    let (Pos2 { x: u, y: v }, quantity, smoothing_px) = (pos_image, Quantity::Value, 0.0);
+    let (value, is_masked) = (picture.plane.at(pixel.0, pixel.1), picture.plane.is_hidden_at(pixel.0, pixel.1));
+    let image_from_picture_scale = picture.image_from_picture_scale;
+    Some(Readout { u, v, pixel, value, full_scale, image_from_picture_scale, quantity, smoothing_px, is_masked })
 }
 
 impl Readout {

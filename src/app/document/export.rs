@@ -51,13 +51,8 @@ pub const TWO_COLUMNS_MM: f32 = 181.0;
 
 impl FigureChoice {
     pub fn options(&self) -> FigureOptions {
-        FigureOptions {
-            width: self.width,
-            stroke_width: self.stroke_width,
-            font_size: self.font_size,
-            letters: self.letters,
-            scale_bar: self.scale_bar,
-        }
+        let Self { width, stroke_width, font_size, letters, scale_bar, .. } = *self;
+        FigureOptions { width, stroke_width, font_size, letters, scale_bar }
     }
 
     /// Choice with another width, its letters and lines in the new unit.

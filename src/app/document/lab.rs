@@ -196,14 +196,8 @@ impl Lab {
         if methods.is_empty() {
             return Err("no method is chosen; choose one or more".to_owned());
         }
-        Ok(ChartStudy {
-            chart: self.chart.clone(),
-            snrs: self.snrs()?,
-            first_seed: self.first_seed,
-            seeds: self.seeds,
-            methods,
-            searches: Searches::of_charts(search.at(slopes), given),
-            ..ChartStudy::default()
-        })
+        let (chart, snrs, first_seed, seeds) = (self.chart.clone(), self.snrs()?, self.first_seed, self.seeds);
+        let searches = Searches::of_charts(search.at(slopes), given);
+        Ok(ChartStudy { chart, snrs, first_seed, seeds, methods, searches, ..ChartStudy::default() })
     }
 }

@@ -168,12 +168,8 @@ pub(super) fn filter_of(model: Read<'_>, id: PaneId) -> Option<&Filter> {
 }
 
 fn canvas_of<'a>(model: Read<'_>, id: PaneId, name: &'a str) -> Canvas<'a> {
-    Canvas {
-        display: model.display_of(id),
-        dim: !model.is_current(id),
-        full_scale: full_scale(model, id),
-        ..Canvas::new(name)
-    }
+    let (display, full_scale) = (model.display_of(id), full_scale(model, id));
+    Canvas { display, dim: !model.is_current(id), full_scale, ..Canvas::new(name) }
 }
 
 /// Value in the file that became 1.0, of the burst of `id`; 1 where the picture's values are not the file's.
@@ -295,12 +291,7 @@ impl OverTime {
         let mut gaps: Vec<f32> = times.windows(2).map(|two| two[1] - two[0]).collect();
         gaps.sort_by(f32::total_cmp);
         let (Some(first), Some(last), Some(shortest)) = (times.first(), times.last(), gaps.first()) else {
-            return Self {
-                first: times.first().copied().unwrap_or_default(),
-                step: 1.0,
-                rows: times.len(),
-                reach: 0.5,
-            };
+            return Self { first: times.first().copied().unwrap_or(0.0), step: 1.0, rows: times.len(), reach: 0.5 };
         };
         let span = last - first;
         let rows = ((span / shortest).round() as usize + 1).min(Self::FINEST * times.len());

@@ -85,13 +85,9 @@ fn document_of(step: &Step, frames: usize, before: &Document) -> Document {
 
 fn set_panes(panes: &mut Panes, state: &State, frames: usize) {
     panes.show_alone(PaneId::of(Side::A));
-    let cursor = Cursor {
-        kind: ViewKind::Stack,
-        frame: state.frame.unwrap_or(frames / 2),
-        slope: state.slope.unwrap_or_default(),
-        octave: state.octave.unwrap_or(0),
-        level: state.level.unwrap_or(0),
-    };
+    let (frame, slope) = (state.frame.unwrap_or(frames / 2), state.slope.unwrap_or_default());
+    let (octave, level) = (state.octave.unwrap_or(0), state.level.unwrap_or(0));
+    let cursor = Cursor { kind: ViewKind::Stack, frame, slope, octave, level };
     for side in Side::BOTH {
         let pane = panes.of_mut(side);
         (pane.cursor, pane.slope_chosen, pane.content) = (cursor, true, Content::Cursor);

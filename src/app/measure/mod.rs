@@ -65,12 +65,8 @@ pub fn profiles_of(model: Read<'_>, widgets: &PaneWidgets, line: &MeasuredLine) 
         let ends = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos));
         let (from, to) = (ends[0]?, ends[1]?);
         let samples = profile(&picture.plane, from.into(), to.into(), picture.image_from_picture_scale);
-        Some(PaneProfile {
-            id,
-            number: model.document.panes.number(id)?,
-            label: compact_description(model, id),
-            samples,
-        })
+        let number = model.document.panes.number(id)?;
+        Some(PaneProfile { id, number, label: compact_description(model, id), samples })
     };
     measured_panes(model, line.pane).into_iter().filter_map(of).collect()
 }

@@ -139,17 +139,8 @@ impl Default for Pane {
 
 impl Pane {
     pub fn new(side: Side) -> Self {
-        Self {
-            side,
-            method: None,
-            content: Content::default(),
-            cursor: Cursor::default(),
-            slope_chosen: false,
-            view: View::fit(),
-            own_ranges: None,
-            links: PaneLinks::default(),
-            over: None,
-        }
+        let (content, cursor, view, links) = (Content::default(), Cursor::default(), View::fit(), PaneLinks::default());
+        Self { side, method: None, content, cursor, slope_chosen: false, view, own_ranges: None, links, over: None }
     }
 
     pub fn show(&mut self, kind: ViewKind) {

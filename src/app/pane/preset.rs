@@ -295,14 +295,9 @@ impl Panes {
         // As the panes of other methods, so that all show one place; a gold standard has a view of its own.
         let alike = |pane: &&Pane| pane.method.is_some() && pane.method != Some(MethodId::Gold) && pane.side == side;
         let base = shown.iter().filter_map(|id| self.get(*id)).find(alike).unwrap_or_else(|| self.of(side));
-        let mut pane = Pane {
-            method: Some(method),
-            content: Content::Cursor,
-            slope_chosen: true,
-            cursor: base.cursor,
-            view: base.view,
-            ..Pane::new(side)
-        };
+        let Pane { cursor, view, .. } = *base;
+        let content = Content::Cursor;
+        let mut pane = Pane { method: Some(method), content, slope_chosen: true, cursor, view, ..Pane::new(side) };
         if method == MethodId::Gold {
             // A gold standard is taken in more light, so that a shared range would not fit.
             pane.links.set(Link::Display, false);

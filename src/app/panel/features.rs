@@ -256,15 +256,8 @@ fn draw(layer: &FeatureLayer, scale: &overlay::ColourScale, output: &CanvasOutpu
         in_full.flags.iter().enumerate().map(|(i, shown)| *shown && layer.is_faint(i) == faint).collect()
     };
     let (faint, full) = (flags(true), flags(false));
-    let below = overlay::OverlayStyle {
-        shown: Some(&faint),
-        stale: true,
-        orientations: false,
-        motion: false,
-        selected: None,
-        hovered: None,
-        ..style
-    };
+    let plain = overlay::OverlayStyle { orientations: false, motion: false, selected: None, hovered: None, ..style };
+    let below = overlay::OverlayStyle { shown: Some(&faint), stale: true, ..plain };
     overlay::draw_features(output, layer.placed(), &below);
     overlay::draw_features(output, layer.placed(), &overlay::OverlayStyle { shown: Some(&full), ..style });
 }

@@ -346,15 +346,9 @@ mod tests {
     }
 
     fn mark(snr: f32) -> CandidateMark {
-        CandidateMark {
-            pos_image: [10.5, 20.0],
-            sigma: 2.0,
-            sample: Sample { octave: 0, level: 1, slope_index: 3, x: 10, y: 20 },
-            value: -0.0123,
-            snr,
-            first_failed: Some(Test::NoiseGate),
-            margin: Some(-0.125),
-        }
+        let sample = Sample { octave: 0, level: 1, slope_index: 3, x: 10, y: 20 };
+        let (pos_image, first_failed, margin) = ([10.5, 20.0], Some(Test::NoiseGate), Some(-0.125));
+        CandidateMark { pos_image, sigma: 2.0, sample, value: -0.0123, snr, first_failed, margin }
     }
 
     #[test]

@@ -21,15 +21,9 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
                 if let Some(next) = state.take(limit) {
                     let progress = Arc::new(Mutex::new(None));
                     let monitor = listening_monitor(progress.clone(), shared.on_update.clone());
-                    state.running.push(RunningJob {
-                        key: next.key,
-                        id: next.id,
-                        manner: next.manner,
-                        monitor: monitor.clone(),
-                        started: Instant::now(),
-                        standing: Standing::Latest,
-                        progress,
-                    });
+                    let (key, id, manner, standing) = (next.key, next.id, next.manner, Standing::Latest);
+                    let (its, started) = (monitor.clone(), Instant::now());
+                    state.running.push(RunningJob { key, id, manner, monitor: its, started, standing, progress });
                     break (next, monitor);
                 }
                 if state.stop {
