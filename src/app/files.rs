@@ -296,7 +296,8 @@ fn report_work(model: Read<'_>) -> Result<Work, String> {
     let places: Vec<[f32; 2]> = model.probed_place().filter(|_| is_probed).into_iter().collect();
     let calibration = model.calibration_of(side).clone();
     Ok(Box::new(move |path| {
-        let (is_text, monitor) = (ending_of(path, ExportKind::Report)? == "md", Monitor::default());
+        let is_text = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("md"));
+        let monitor = Monitor::default();
         let cache = match traced {
             Some(traced) => traced.cache,
             None => Arc::new(source.trail(&monitor).map_err(|error| error.to_string())?),

@@ -188,7 +188,6 @@ impl BurstscopeApp {
         }
     }
 
-    /// Puts what is open into the title of the window.
     fn name_window(&mut self, ctx: &egui::Context) {
         let title = self.read().title();
         if self.title != title {

@@ -90,7 +90,6 @@ pub struct Film {
 /// Makes pixels of a drawing; the error says what went wrong.
 pub type Rasteriser<'a> = dyn Fn(&Drawing) -> Result<RgbaImage, String> + Sync + 'a;
 
-/// Error for a drawing that cannot be made into pixels.
 fn undrawn(problem: String) -> Error {
     Error::new(ErrorKind::Failed, problem, "")
 }

@@ -192,7 +192,6 @@ fn is_possible(found: &Entry, model: Read<'_>) -> bool {
     }
 }
 
-/// Sets the parameter, or without a value opens the panel that shows it.
 fn set_or_show(name: &str, value: Option<&str>, model: Read<'_>, queue: &mut Queue) {
     match value.and_then(|value| with_value(name, value, model)) {
         Some(search) => model.document.action_to(search).into_iter().for_each(|action| queue.push(action)),
@@ -279,7 +278,6 @@ fn rank(wanted: &str, label: &str, help: &str) -> Option<u8> {
     }
 }
 
-/// Reason why an action that is not enabled is not possible now.
 fn why_not(action: &ActionRow, model: Read<'_>) -> &'static str {
     match action.menu {
         Menu::Dataset => "open a dataset first",

@@ -28,7 +28,6 @@ trait Part {
     fn is_there(&self, model: Read<'_>) -> bool;
 }
 
-/// A part that wants one thing.
 struct One<R: Request> {
     wanted: fn(&Results) -> &Wanted<R>,
     wanted_mut: fn(&mut Results) -> &mut Wanted<R>,

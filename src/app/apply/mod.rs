@@ -127,7 +127,6 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     Vec::new()
 }
 
-/// What a row of the table does.
 fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
     let focus = model.document.focus();
     match id.action().does {

@@ -190,7 +190,7 @@ impl ExportKind {
             Self::CurvesCsv => (&["csv", "tex"], "Export curves as CSV"),
             Self::CurvesSvg => (&["svg", "pdf", "png"], "Export curves as SVG"),
             Self::Case => (&[CASE_EXTENSION], "Save case"),
-            Self::Report => (&["pdf", "svg", "md"], "Write a report as PDF, SVG or Markdown"),
+            Self::Report => (&["pdf", "svg", "png", "md"], "Write a report as PDF, SVG, PNG or Markdown"),
             Self::FilmGif => (&["gif"], "Export film as GIF"),
             Self::Mask => (&["png"], "Save the mask"),
             Self::Sheet => (&["md"], "Export lesson sheet as Markdown"),

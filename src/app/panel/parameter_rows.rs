@@ -9,7 +9,6 @@ use crate::teach::Part;
 use crate::teach::glossary::glossary;
 use egui::{Align, DragValue, Id, Layout, RichText, Ui, vec2};
 
-/// Width of the names, in points.
 const LABEL_WIDTH: f32 = 106.0;
 
 pub struct ParamTable<'a, P> {

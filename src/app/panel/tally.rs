@@ -114,7 +114,6 @@ fn decoys_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     }
 }
 
-/// Width of the tests' names, points.
 const NAME_WIDTH: f32 = 250.0;
 /// Width of each count, points.
 const COUNT_WIDTH: f32 = 96.0;

@@ -150,9 +150,7 @@ pub struct CursorRow<'a> {
     pub whole: bool,
 }
 
-/// Width of the labels in front of sliders, in points.
 const LABEL_WIDTH: f32 = 52.0;
-/// Width of the number fields behind sliders, in points.
 const VALUE_WIDTH: f32 = 58.0;
 
 impl<'a> CursorRow<'a> {

@@ -181,7 +181,6 @@ pub(in crate::app::workspace) fn folded_ui(ui: &mut Ui, model: Read<'_>, queue: 
     }
 }
 
-/// A narrow strip in place of a panel, which a click opens.
 fn strip_ui(ui: &mut Ui, panel: Panel, toggle: ActionId, contents: &str, queue: &mut Queue) {
     let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin::ZERO);
     panel.frame(frame).exact_size(FOLDED_WIDTH).resizable(false).show(ui, |ui| {

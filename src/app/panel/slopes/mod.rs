@@ -119,7 +119,6 @@ fn sentence_of(clause: &str) -> String {
     with_whole_numbers(&crate::inspect::words::sentence(clause))
 }
 
-/// Draws a piece of advice with a button of this `name`.
 fn piece_ui(ui: &mut Ui, model: Read<'_>, name: &str, advice: &SlopeAdvice, queue: &mut Queue) {
     warning_ui(ui, sentence_of(&advice.sentence));
     if !advice.options().is_empty() {
