@@ -17,6 +17,7 @@ mod pictures;
 mod structure;
 mod support;
 
+mod advice;
 mod around_lessons;
 mod arranging;
 mod at_hand;
