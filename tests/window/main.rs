@@ -11,6 +11,7 @@ mod cut;
 #[path = "../../core/tests/files/opening/dng.rs"]
 mod dng;
 mod flat;
+mod gpu;
 mod greys;
 mod harness;
 mod pictures;

@@ -5,5 +5,7 @@ mod accuracy;
 mod advice;
 mod curves;
 mod evaluate;
+mod pose_errors;
 mod reconstruction;
 mod recover;
+mod trajectory;

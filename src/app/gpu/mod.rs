@@ -8,9 +8,6 @@ mod renderer;
 mod setup;
 mod texture;
 
-#[cfg(test)]
-mod tests;
-
 pub use renderer::{PicturePaint, PictureRenderer};
 pub use setup::{AdapterChoice, Gpu, install, textures_of, wgpu_configuration, wgpu_setup};
 pub use texture::DeviceLimits;

@@ -9,8 +9,6 @@
 //! the gold standard. [`write_trajectory`] writes it beside the bursts, completely or not at all.
 
 mod leaves;
-#[cfg(test)]
-mod tests;
 pub mod world;
 
 pub use world::{BurstCamera, Lens, ScenePlane};

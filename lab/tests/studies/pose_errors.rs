@@ -1,0 +1,67 @@
+//! Errors of poses and their report.
+
+use burstscope_lab::evaluate::poses::Pose;
+use burstscope_lab::evaluate::poses::Trajectory;
+use burstscope_lab::evaluate::poses::report::*;
+use nalgebra::Isometry3;
+use nalgebra::Vector3;
+use std::f64::consts::FRAC_PI_2;
+
+fn trajectory(centres: &[[f64; 3]]) -> Trajectory {
+    let pose = |(k, &centre): (usize, &[f64; 3])| Pose {
+        label: format!("{k}.png"),
+        order: k as u32,
+        time: None,
+        world_from_camera: Isometry3::new(Vector3::from(centre), Vector3::zeros()),
+    };
+    Trajectory { poses: centres.iter().enumerate().map(pose).collect(), model: None }
+}
+
+#[test]
+fn studies_that_make_no_sense_are_refused() {
+    let truth = trajectory(&[[0.0; 3], [1.0, 0.0, 0.0]]);
+    let error = |study| evaluate_poses(&truth, &truth, &study).expect_err("refused").to_string();
+    assert!(error(PoseStudy { step: 0, ..PoseStudy::default() }).starts_with("step: "));
+    assert!(error(PoseStudy { images: Some(1), ..PoseStudy::default() }).contains("2 images have a pose"));
+    let never = PoseStudy { max_time_difference: f64::NAN, ..PoseStudy::default() };
+    assert!(error(never).starts_with("max-time-difference: "));
+}
+
+fn pose(centre: [f64; 3], about_z: f64) -> Isometry3<f64> {
+    Isometry3::new(Vector3::from(centre), Vector3::z() * about_z)
+}
+
+fn near(a: f64, b: f64) -> bool {
+    (a - b).abs() < 1e-9
+}
+
+#[test]
+fn summaries_by_hand() {
+    let summary = ErrorSummary::of(&[3.0, 1.0, 2.0, 6.0]);
+    assert!(near(summary.rmse, 12.5f64.sqrt()) && near(summary.mean, 3.0));
+    assert_eq!((summary.median, summary.max), (2.5, 6.0));
+    let none = ErrorSummary::of(&[]);
+    assert!(none.rmse.is_nan() && none.mean.is_nan() && none.median.is_nan() && none.max.is_nan());
+}
+
+#[test]
+fn one_false_turn_spoils_one_motion_and_all_places_after_it() {
+    // The truth goes one unit along x each time. The estimate turns left once and goes on along y.
+    let truth = [0.0, 1.0, 2.0, 3.0].map(|x| pose([x, 0.0, 0.0], 0.0));
+    let estimate = [
+        pose([0.0, 0.0, 0.0], 0.0),
+        pose([1.0, 0.0, 0.0], FRAC_PI_2),
+        pose([1.0, 1.0, 0.0], FRAC_PI_2),
+        pose([1.0, 2.0, 0.0], FRAC_PI_2),
+    ];
+    let steps = PoseErrors::of(&relative(&estimate, &truth, 1));
+    assert_eq!(steps.count, 3);
+    assert!(near(steps.rotation_deg.max, 90.0) && near(steps.rotation_deg.mean, 30.0));
+    assert!(near(steps.translation.max, 0.0));
+    // Over two poses the first motion ends at (1, 1) in place of (2, 0), the second is a straight one.
+    let steps = PoseErrors::of(&relative(&estimate, &truth, 2));
+    assert!(steps.count == 2 && near(steps.translation.max, 2.0f64.sqrt()) && near(steps.rotation_deg.mean, 45.0));
+    assert!(relative(&estimate, &truth, 4).is_empty());
+    let places = PoseErrors::of(&absolute(&estimate, &truth));
+    assert!(near(places.translation.max, 8.0f64.sqrt()));
+}
