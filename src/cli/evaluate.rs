@@ -11,7 +11,7 @@ use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
 use crate::evaluate::curves::roc_svg;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
-use crate::evaluate::{AccuracyStudy, NoiseStudy};
+use crate::evaluate::{AccuracyStudy, NoiseStudy, RowStudy};
 use crate::synth::NoiseCase;
 use serde::Serialize;
 
@@ -31,7 +31,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     if let Some(path) = &args.plot {
         check_plot(path)?;
     }
-    let mut study = chart_study(&args.charts, &args.compared, &args.search, args.snr.clone())?;
+    let mut study = chart_study(&args.charts, &args.compared, &args.search, (args.snr.clone(), Vec::new()))?;
     study.chart.uneven.views = args.views;
     let console = Console::new(&args.output)?;
     let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);

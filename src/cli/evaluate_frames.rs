@@ -3,15 +3,15 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
 use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::console::Console;
-use super::evaluate_tables::{burst_frames_table, frames_table};
+use super::evaluate_tables::{burst_frames_table, chart_table};
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_one, resolve_pair};
 use super::study::{chart_study, check_plot, write_plot};
 use crate::burst::Burst;
 use crate::detector::params::doc;
+use crate::evaluate::chart::FRAME_COUNTS;
 use crate::evaluate::curves::{burst_frames_svg, frames_svg};
-use crate::evaluate::frames::FRAME_COUNTS;
-use crate::evaluate::{BurstFramesStudy, FramesStudy};
+use crate::evaluate::{BurstFramesStudy, RowStudy};
 use crate::export::OutputRules;
 use crate::inspect::result::truth_of;
 use clap::Args;
@@ -83,15 +83,13 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
             "--bias and what else calibrates files: charts have none; leave it out, or name a burst",
         ));
     }
-    let study = FramesStudy {
-        charts: chart_study(&args.charts, &args.compared, &args.run.search, vec![args.snr])?,
-        frame_counts: if args.frame_counts.is_empty() { FRAME_COUNTS.to_vec() } else { args.frame_counts.clone() },
-    };
+    let counts = if args.frame_counts.is_empty() { FRAME_COUNTS.to_vec() } else { args.frame_counts.clone() };
+    let study = chart_study(&args.charts, &args.compared, &args.run.search, (vec![args.snr], counts))?;
     let console = Console::new(&args.run.output)?;
     let rules = rules(args, &[]);
     args.plot.iter().try_for_each(|path| rules.check(path))?;
     let report = study.run(&console.monitor)?;
-    console.say(&frames_table(&report))?;
+    console.say(&chart_table(&report))?;
     write_plot(&console, args.plot.as_deref(), &rules, || frames_svg(&report))?;
     console.say_document("evaluate frames", &report)
 }

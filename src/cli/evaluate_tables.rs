@@ -1,8 +1,7 @@
 //! Tables that reports print for people.
 
 use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
-use crate::evaluate::chart::{ChartReport, ChartSummary, ComparisonSetup, MethodReport};
-use crate::evaluate::frames::FramesReport;
+use crate::evaluate::chart::{ChartReport, ChartRow, ChartSummary, MethodReport};
 use crate::evaluate::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseReport};
 use crate::evaluate::statistics::Errors;
@@ -44,41 +43,28 @@ fn charts_text(chart: &ChartSummary, frames: &str, each: &str, first_seed: u64, 
 }
 
 pub(super) fn chart_table(report: &ChartReport) -> String {
-    let ComparisonSetup { first_seed, seeds, .. } = report.setup;
-    let rows: Vec<Row<'_>> = report.rows.iter().map(|row| (row.snr.to_string(), &row.methods[..])).collect();
-    charts_text(&report.chart, &report.chart.frames.to_string(), "SNR", first_seed, seeds)
-        + &found_tables(report.chart.discs, &report.setup, "SNR", &rows)
-}
-
-pub(super) fn frames_table(report: &FramesReport) -> String {
-    let first = report.rows.first().map_or(report.chart.frames, |row| row.frames);
-    let frames = match report.chart.frames {
-        last if last == first => last.to_string(),
-        last => format!("{first} to {last}"),
+    let (setup, last, discs) = (&report.setup, report.chart.frames, report.chart.discs);
+    let first = report.rows.first().map_or(0.0, |row| row.at.value()) as usize;
+    let (each, head, frames) = match report.snr {
+        None => ("SNR", "SNR", last.to_string()),
+        Some(_) if first == last => ("number of frames", "frames", last.to_string()),
+        Some(_) => ("number of frames", "frames", format!("{first} to {last}")),
     };
-    let ComparisonSetup { first_seed, seeds, .. } = report.setup;
-    let rows: Vec<Row<'_>> = report.rows.iter().map(|row| (row.frames.to_string(), &row.methods[..])).collect();
-    charts_text(&report.chart, &frames, "number of frames", first_seed, seeds)
-        + &format!("SNR {}\n", report.snr)
-        + &found_tables(report.chart.discs, &report.setup, "frames", &rows)
-}
-
-type Row<'a> = (String, &'a [MethodReport]);
-
-/// The tables of discs found, of `discs` on a chart; `first` is the head of the rows' labels.
-fn found_tables(discs: usize, setup: &ComparisonSetup, first: &str, rows: &[Row<'_>]) -> String {
+    let snr = report.snr.map_or_else(String::new, |snr| format!("SNR {snr}\n"));
     let of_methods = |title: String, cell: &dyn Fn(&MethodReport) -> String| {
-        let methods = rows.first().map_or(&[][..], |(_, methods)| methods).iter().map(|method| method.method.label());
-        let heads: Vec<&str> = std::iter::once(first).chain(methods).collect();
-        let cells = |(name, methods): &Row<'_>| std::iter::once(name.clone()).chain(methods.iter().map(cell)).collect();
-        format!("\n{title}\n{}", table(&heads, rows.iter().map(cells)))
+        let methods = report.rows.first().map_or(&[][..], |row| &row.methods).iter().map(|one| one.method.label());
+        let heads: Vec<&str> = std::iter::once(head).chain(methods).collect();
+        let cells = |row: &ChartRow| std::iter::once(row.at.to_string()).chain(row.methods.iter().map(cell)).collect();
+        format!("\n{title}\n{}", table(&heads, report.rows.iter().map(cells)))
     };
     let title = format!(
         "Discs found, of {discs}, at the threshold on {} where {} % of the detections are false (mean ± standard error)",
         <&str>::from(setup.ranking),
         (setup.false_fraction * 1000.0).round() / 10.0
     );
-    of_methods(title, &|method| format!("{:.1}", method.true_positives))
+    charts_text(&report.chart, &frames, each, setup.first_seed, setup.seeds)
+        + &snr
+        + &of_methods(title, &|method| format!("{:.1}", method.true_positives))
         + &of_methods("Discs found + false features among all that was detected (means)".to_owned(), &|method| {
             format!("{:.1} + {:.1}", method.default_true_positives.mean, method.default_false_features.mean)
         })

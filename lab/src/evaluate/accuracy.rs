@@ -18,7 +18,7 @@
 
 use super::chart::{ChartSummary, LookedChart};
 use super::statistics::{Errors, quantile};
-use super::{RatioCharts, Steps, check_lists, run_charts};
+use super::{RowStudy, check_lists};
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{DetectorParams, Feature, SlopeGrid};
@@ -83,45 +83,61 @@ pub fn discs_apart(chart: &ChartParams) -> usize {
     (chart.width * chart.height / 24_000).max(1)
 }
 
+/// A disc of a chart, and the strongest feature that finds it.
 #[derive(Debug, Clone)]
-struct FoundDisc {
+pub struct FoundDisc {
     disc: FeatureTruth,
     apart: bool,
     feature: Option<Feature>,
 }
 
-impl AccuracyStudy {
-    /// Makes the charts, searches them and compares the features with the truth.
-    ///
-    /// # Errors
-    /// A parameter of study, chart or detector that makes no sense, or cancellation.
-    pub fn run(&self, monitor: &Monitor) -> Result<AccuracyReport> {
-        self.run_telling(monitor, &|_| {})
+impl RowStudy for AccuracyStudy {
+    type Row = f64;
+    type Cell = Vec<FoundDisc>;
+    type Report = AccuracyReport;
+
+    fn check(&self) -> Result<()> {
+        check_lists(&self.snrs, self.seeds)
     }
 
-    /// Runs the study as `run` does; calls `tell` with the report so far after every chart, one call at a time.
-    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(AccuracyReport) + Sync)) -> Result<AccuracyReport> {
-        check_lists(&self.snrs, self.seeds)?;
-        let discs = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| -> Result<_> {
-            let LookedChart { truth, detection, judged, .. } = self.look(snr, seed, monitor)?;
-            let mut found: Vec<FoundDisc> = truth
-                .features
-                .iter()
-                .map(|&disc| FoundDisc { disc, apart: stands_apart(&disc, &truth), feature: None })
-                .collect();
-            for judged in judged {
-                if let Some(disc) = judged.disc {
-                    found[disc].feature = Some(detection.features[judged.feature]);
-                }
+    fn rows(&self) -> Vec<f64> {
+        self.snrs.clone()
+    }
+
+    fn seeds(&self) -> (u64, u64) {
+        (self.first_seed, self.seeds)
+    }
+
+    fn steps(&self, _: f64) -> usize {
+        1
+    }
+
+    fn cell(&self, snr: f64, seed: u64, monitor: &Monitor, done: &(dyn Fn(usize) + Sync)) -> Result<Vec<FoundDisc>> {
+        let LookedChart { truth, detection, judged, .. } = self.look(snr, seed, monitor)?;
+        let unfound = |&disc| FoundDisc { disc, apart: stands_apart(&disc, &truth), feature: None };
+        let mut found: Vec<FoundDisc> = truth.features.iter().map(unfound).collect();
+        for judged in judged {
+            if let Some(disc) = judged.disc {
+                found[disc].feature = Some(detection.features[judged.feature]);
             }
-            steps.done();
-            Ok(found)
-        };
-        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
-        run_charts(&self.snrs, seeds, 1, monitor, discs, |charts| self.report(charts), tell)
+        }
+        done(1);
+        Ok(found)
     }
 
-    /// Makes and searches one chart of the study, for a look at a point of a curve; errors as of [`Self::run`].
+    fn report(&self, charts: &[(f64, Vec<Vec<FoundDisc>>)]) -> AccuracyReport {
+        AccuracyReport {
+            chart: (&self.chart).into(),
+            first_seed: self.first_seed,
+            seeds: self.seeds,
+            detector: self.detector.clone(),
+            rows: charts.iter().map(|(snr, charts)| self.row(*snr, charts.iter().flatten())).collect(),
+        }
+    }
+}
+
+impl AccuracyStudy {
+    /// Makes and searches one chart of the study, for a look at a point of a curve; errors as of a run.
     pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
         let detection = detect(&burst, &self.detector, monitor)?;
@@ -132,16 +148,6 @@ impl AccuracyStudy {
     /// The parameters of the chart of a ratio and a seed.
     pub fn chart_of(&self, snr: f64, seed: u64) -> ChartParams {
         ChartParams { snr, seed, ..self.chart.clone() }
-    }
-
-    fn report(&self, charts: &[RatioCharts<Vec<FoundDisc>>]) -> AccuracyReport {
-        AccuracyReport {
-            chart: (&self.chart).into(),
-            first_seed: self.first_seed,
-            seeds: self.seeds,
-            detector: self.detector.clone(),
-            rows: charts.iter().map(|(snr, charts)| self.row(*snr, charts.iter().flatten())).collect(),
-        }
     }
 
     fn row<'a>(&self, snr: f64, found: impl Iterator<Item = &'a FoundDisc>) -> AccuracyRow {

@@ -4,7 +4,7 @@
 //! rounded to the levels of a converter, and noise as cameras and files produce it ([`NoiseCase`]). The noise gate
 //! promises at most one feature, all being false, in a million pixels of the image, for any noise and number of slopes.
 
-use super::run_jobs;
+use super::RowStudy;
 use crate::synth::NoiseCase;
 use crate::synth::noise::{quantisation_step, quantised_word};
 use crate::synth::random::Stream;
@@ -71,6 +71,10 @@ pub struct NoiseStudy {
 }
 
 impl NoiseStudy {
+    fn burst_megapixels(&self) -> f64 {
+        (self.width * self.height) as f64 * 1e-6
+    }
+
     /// The searches of BuFF 1D and 2D as charts have them: 13 slopes, and 7×7, over ±3 px/frame.
     pub fn searches(detector: &DetectorParams) -> Vec<NoiseSearch> {
         let search = |label: &str, slopes: SlopeGrid| NoiseSearch {
@@ -151,7 +155,12 @@ pub struct NoiseCount {
     pub noise_estimate_ratio: Option<f64>,
 }
 
-impl NoiseStudy {
+impl RowStudy for NoiseStudy {
+    type Row = NoiseLevel;
+    /// Of each search the number of features, and the estimated noise of a frame.
+    type Cell = Vec<(usize, f64)>;
+    type Report = NoiseReport;
+
     fn check(&self) -> Result<()> {
         for level in &self.levels {
             if !(level.sigma.is_finite() && level.sigma > 0.0 && level.sigma <= 0.1) {
@@ -197,59 +206,67 @@ impl NoiseStudy {
         Ok(())
     }
 
-    /// Makes the bursts, searches them and counts the features.
-    ///
-    /// # Errors
-    /// A parameter of study or detector that makes no sense, or cancellation.
-    pub fn run(&self, monitor: &Monitor) -> Result<NoiseReport> {
-        self.check()?;
-        let burst_megapixels = (self.width * self.height) as f64 * 1e-6;
-        let bursts = self.seeds.unwrap_or((self.megapixels / burst_megapixels).ceil().max(1.0) as usize);
-        let jobs: Vec<(NoiseLevel, u64)> = self
-            .levels
-            .iter()
-            .flat_map(|&level| (0..bursts as u64).map(move |i| (level, self.first_seed.wrapping_add(i))))
-            .collect();
+    fn rows(&self) -> Vec<NoiseLevel> {
+        self.levels.clone()
+    }
+
+    fn seeds(&self) -> (u64, u64) {
+        let bursts = self.seeds.unwrap_or((self.megapixels / self.burst_megapixels()).ceil().max(1.0) as usize);
+        (self.first_seed, bursts as u64)
+    }
+
+    fn steps(&self, _: NoiseLevel) -> usize {
+        self.searches.len()
+    }
+
+    fn cell(
+        &self,
+        level: NoiseLevel,
+        seed: u64,
+        monitor: &Monitor,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<Vec<(usize, f64)>> {
         // All searches share a burst, so that the columns of a row differ by the search alone.
-        let found = run_jobs(&jobs, self.searches.len(), monitor, |&(level, seed), monitor, steps| {
-            let burst = noise_burst(level, (self.width, self.height), self.frames, seed, monitor)?;
-            let search = |search: &NoiseSearch| {
-                let detection = detect(&burst, &search.detector, monitor)?;
-                steps.done();
-                Ok((detection.features.len(), f64::from(detection.frame_noise)))
-            };
-            self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>>>()
-        })?;
-        let megapixels = bursts as f64 * burst_megapixels;
-        // Jobs go level by level, so that the bursts of one row lie together.
-        let row = |(&level, found): (&NoiseLevel, &[Vec<(usize, f64)>])| NoiseRow {
-            level,
-            searches: (self.searches.iter().enumerate())
-                .map(|(i, search)| {
-                    let false_features = found.iter().map(|burst| burst[i].0).sum::<usize>();
-                    let noise = found.iter().map(|burst| burst[i].1).sum::<f64>() / bursts as f64;
-                    NoiseCount {
-                        label: search.label.clone(),
-                        slopes: search.detector.used_slopes().len(),
-                        noise_gate_factor: gate_factor(&search.detector),
-                        false_features,
-                        of_bursts: found.iter().map(|burst| burst[i].0).collect(),
-                        per_megapixel: false_features as f64 / megapixels,
-                        standard_error: (false_features as f64).sqrt() / megapixels,
-                        noise_estimate_ratio: (level.case == NoiseCase::White).then(|| noise / level.total_sigma()),
-                    }
-                })
-                .collect(),
+        let burst = noise_burst(level, (self.width, self.height), self.frames, seed, monitor)?;
+        let search = |search: &NoiseSearch| {
+            let detection = detect(&burst, &search.detector, monitor)?;
+            done(1);
+            Ok((detection.features.len(), f64::from(detection.frame_noise)))
         };
-        Ok(NoiseReport {
+        self.searches.iter().map(search).collect()
+    }
+
+    fn report(&self, rows: &[(NoiseLevel, Vec<Vec<(usize, f64)>>)]) -> NoiseReport {
+        let bursts = self.seeds().1 as usize;
+        let megapixels = bursts as f64 * self.burst_megapixels();
+        let count = |level: NoiseLevel, found: &[Vec<(usize, f64)>], (i, search): (usize, &NoiseSearch)| {
+            let of_bursts: Vec<usize> = found.iter().map(|burst| burst[i].0).collect();
+            let false_features = of_bursts.iter().sum::<usize>();
+            let noise = found.iter().map(|burst| burst[i].1).sum::<f64>() / bursts as f64;
+            NoiseCount {
+                label: search.label.clone(),
+                slopes: search.detector.used_slopes().len(),
+                noise_gate_factor: gate_factor(&search.detector),
+                false_features,
+                of_bursts,
+                per_megapixel: false_features as f64 / megapixels,
+                standard_error: (false_features as f64).sqrt() / megapixels,
+                noise_estimate_ratio: (level.case == NoiseCase::White).then(|| noise / level.total_sigma()),
+            }
+        };
+        let row = |(level, found): &(NoiseLevel, Vec<Vec<(usize, f64)>>)| NoiseRow {
+            level: *level,
+            searches: self.searches.iter().enumerate().map(|search| count(*level, found, search)).collect(),
+        };
+        NoiseReport {
             width: self.width,
             height: self.height,
             frames: self.frames,
             first_seed: self.first_seed,
             bursts,
             megapixels,
-            rows: self.levels.iter().zip(found.chunks(bursts)).map(row).collect(),
-        })
+            rows: rows.iter().map(row).collect(),
+        }
     }
 }
 

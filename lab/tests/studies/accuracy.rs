@@ -7,6 +7,7 @@
 use burstscope_core::detector::{Localisation, Method, Rules};
 use burstscope_core::synth::{ChartParams, Motion, synth_chart};
 use burstscope_core::{Burst, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
+use burstscope_lab::evaluate::RowStudy;
 use burstscope_lab::evaluate::accuracy::{AccuracyReport, AccuracyStudy};
 use burstscope_lab::evaluate::statistics::Errors;
 
