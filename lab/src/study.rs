@@ -6,7 +6,7 @@ use crate::evaluate::chart::MethodReport;
 use crate::evaluate::curves::{StudyPlot, accuracy_plots, burst_frames_plots, chart_plots};
 use crate::evaluate::{
     AccuracyReport, AccuracyStudy, BurstFramesReport, BurstFramesStudy, BurstMethod, ChartReport, ChartStudy,
-    LookedChart, RowStudy,
+    LookedChart, RowStudy, motion_label,
 };
 use crate::synth::{ChartParams, Truth};
 use burstscope_core::baseline::plain_mean;
@@ -44,11 +44,8 @@ pub struct BurstsOfStudy {
 
 impl PartialEq for BurstsOfStudy {
     fn eq(&self, other: &Self) -> bool {
-        let same_second = match (&self.second, &other.second) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        Arc::ptr_eq(&self.burst, &other.burst) && same_second
+        let second = |one: &Self| one.second.as_ref().map(Arc::as_ptr);
+        Arc::ptr_eq(&self.burst, &other.burst) && second(self) == second(other)
     }
 }
 
@@ -244,14 +241,14 @@ impl StudyReport {
         format!(
             "{} discs of {} to {} px, contrast {}, {} frames of {}×{}, up to ±{} px/frame in {}",
             chart.discs,
-            chart.radius[0],
-            chart.radius[1],
+            chart.radius.start(),
+            chart.radius.end(),
             chart.contrast,
-            chart.frames,
+            chart.uneven.count_and_span(chart.frames).0,
             chart.width,
             chart.height,
             chart.max_slope,
-            chart.motion.to_uppercase(),
+            motion_label(chart.motion),
         )
     }
 }

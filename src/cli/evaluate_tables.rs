@@ -1,11 +1,12 @@
 //! Tables that reports print for people.
 
 use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
-use crate::evaluate::chart::{ChartReport, ChartRow, ChartSummary, MethodReport};
+use crate::evaluate::chart::{ChartReport, ChartRow, MethodReport};
 use crate::evaluate::frames_of_burst::{BurstFramesReport, BurstFramesRow};
+use crate::evaluate::motion_label;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseReport};
 use crate::evaluate::statistics::Errors;
-use crate::synth::RadiusLaw;
+use crate::synth::{ChartParams, RadiusLaw};
 
 /// Heads over rows of cells: the first column stands to the left, the others to the right, as wide as their cells.
 pub(super) fn table(heads: &[impl AsRef<str>], rows: impl IntoIterator<Item = Vec<String>>) -> String {
@@ -28,22 +29,27 @@ pub(super) fn or_dash<T>(value: Option<T>, text: impl Fn(T) -> String) -> String
 }
 
 /// `frames` is a number of frames, or a range of them; `each` names the setting that has `seeds` charts.
-fn charts_text(chart: &ChartSummary, frames: &str, each: &str, first_seed: u64, seeds: u64) -> String {
+fn charts_text(chart: &ChartParams, frames: &str, each: &str, first_seed: u64, seeds: u64) -> String {
     let charts = if seeds == 1 {
         format!("one chart for each {each}, seed {first_seed}")
     } else {
         format!("{seeds} charts for each {each}, seeds {first_seed} to {}", first_seed.saturating_add(seeds - 1))
     };
-    let ChartSummary { discs, radius: [least, most], contrast, width, height, bits, max_slope, .. } = chart;
+    let ChartParams { discs, radius, contrast, width, height, bits, max_slope, .. } = chart;
+    let (least, most) = (radius.start(), radius.end());
     let law = if chart.radius_law == RadiusLaw::Log { " (log-uniform)" } else { "" };
     let discs = format!("{discs} discs of radius {least} to {most} px{law}, contrast {contrast}");
     let frames = format!("in {frames} frames of {width}×{height}, {bits} bits");
-    let slopes = format!("slopes up to ±{max_slope} px/frame in {}", chart.motion.to_uppercase());
+    let slopes = format!("slopes up to ±{max_slope} px/frame in {}", motion_label(chart.motion));
     format!("{discs}, {frames}, {slopes}\n{charts}\n")
 }
 
+fn frames_of(chart: &ChartParams) -> usize {
+    chart.uneven.count_and_span(chart.frames).0
+}
+
 pub(super) fn chart_table(report: &ChartReport) -> String {
-    let (setup, last, discs) = (&report.setup, report.chart.frames, report.chart.discs);
+    let (setup, last, discs) = (&report.setup, frames_of(&report.chart), report.chart.discs);
     let first = report.rows.first().map_or(0.0, |row| row.at.value()) as usize;
     let (each, head, frames) = match report.snr {
         None => ("SNR", "SNR", last.to_string()),
@@ -114,7 +120,7 @@ pub(super) fn accuracy_tables(crowded: &AccuracyReport, apart: Option<&AccuracyR
     let titles = ["Crowded charts: neighbours draw features aside", "Charts of discs that stand apart in all frames"];
     for (title, report) in titles.into_iter().zip([Some(crowded), apart]) {
         let Some(report) = report else { continue };
-        let frames = report.chart.frames.to_string();
+        let frames = frames_of(&report.chart).to_string();
         let charts = charts_text(&report.chart, &frames, "SNR", report.first_seed, report.seeds);
         text += &format!("\n{title}\n{charts}");
         text.extend(report.rows.iter().map(accuracy_table));

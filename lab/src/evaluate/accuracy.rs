@@ -16,7 +16,7 @@
 //! at σ = r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that is 0.633·r, 10.5 % below r/√2. Scale
 //! errors are relative to that σ; no other correction is applied.
 
-use super::chart::{ChartSummary, LookedChart};
+use super::chart::{LookedChart, summary};
 use super::statistics::{Errors, quantile};
 use super::{RowStudy, check_lists};
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
@@ -108,10 +108,6 @@ impl RowStudy for AccuracyStudy {
         (self.first_seed, self.seeds)
     }
 
-    fn steps(&self, _: f64) -> usize {
-        1
-    }
-
     fn cell(&self, snr: f64, seed: u64, monitor: &Monitor, done: &(dyn Fn(usize) + Sync)) -> Result<Vec<FoundDisc>> {
         let LookedChart { truth, detection, judged, .. } = self.look(snr, seed, monitor)?;
         let unfound = |&disc| FoundDisc { disc, apart: stands_apart(&disc, &truth), feature: None };
@@ -127,7 +123,7 @@ impl RowStudy for AccuracyStudy {
 
     fn report(&self, charts: &[(f64, Vec<Vec<FoundDisc>>)]) -> AccuracyReport {
         AccuracyReport {
-            chart: (&self.chart).into(),
+            chart: self.chart.clone(),
             first_seed: self.first_seed,
             seeds: self.seeds,
             detector: self.detector.clone(),
@@ -231,7 +227,8 @@ fn lengths(u: &[f64], v: &[f64]) -> [f64; 2] {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AccuracyReport {
     /// Parameters of the charts.
-    pub chart: ChartSummary,
+    #[serde(serialize_with = "summary")]
+    pub chart: ChartParams,
     /// The first seed.
     pub first_seed: u64,
     /// Number of seeds.

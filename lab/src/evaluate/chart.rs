@@ -10,14 +10,15 @@
 use super::methods::{BurstMethod, Searches};
 use super::statistics::Mean;
 use super::{RowStudy, check_lists, motion_name};
-use crate::synth::{ChartParams, RadiusLaw, Truth, synth_chart};
+use crate::synth::{ChartParams, Truth, synth_chart};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::Detection;
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::result::{Curve, Ranking, Scored, judge, mean_curve};
 use burstscope_core::monitor::Monitor;
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
 use std::fmt;
 
 /// Default numbers of frames.
@@ -176,7 +177,7 @@ impl RowStudy for ChartStudy {
         };
         let last = self.rows().into_iter().next_back().unwrap_or(RowAt::Snr(self.chart.snr));
         ChartReport {
-            chart: (&self.chart_of(last, self.first_seed)).into(),
+            chart: self.chart_of(last, self.first_seed),
             snr: (!self.frame_counts.is_empty()).then(|| self.snrs[0]),
             setup: ComparisonSetup {
                 first_seed: self.first_seed,
@@ -264,7 +265,8 @@ impl ChartStudy {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChartReport {
     /// Parameters of the charts; of several numbers of frames the largest.
-    pub chart: ChartSummary,
+    #[serde(serialize_with = "summary")]
+    pub chart: ChartParams,
     /// Per-pixel signal-to-noise ratio, where the rows are numbers of frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub snr: Option<f64>,
@@ -291,49 +293,21 @@ pub struct ComparisonSetup {
     pub searches: Searches,
 }
 
-/// Parameters of the charts of a report.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-pub struct ChartSummary {
-    /// Columns.
-    pub width: usize,
-    /// Rows.
-    pub height: usize,
-    /// Number of discs.
-    pub discs: usize,
-    /// Smallest and largest radius, pixels.
-    pub radius: [f64; 2],
-    /// Distribution of the radii between these.
-    pub radius_law: RadiusLaw,
-    /// Intensity of a disc over that of the background.
-    pub contrast: f64,
-    /// Number of frames.
-    pub frames: usize,
-    /// Directions of motion, `1d` or `2d`.
-    pub motion: &'static str,
-    /// Largest slope on each axis that moves, pixels per frame.
-    pub max_slope: f64,
-    /// Standard deviation of the read noise, electrons.
-    pub read_noise: f64,
-    /// Bits of the converter.
-    pub bits: u32,
-}
-
-impl From<&ChartParams> for ChartSummary {
-    fn from(chart: &ChartParams) -> Self {
-        Self {
-            width: chart.width,
-            height: chart.height,
-            discs: chart.discs,
-            radius: [*chart.radius.start(), *chart.radius.end()],
-            radius_law: chart.radius_law,
-            contrast: chart.contrast,
-            frames: chart.uneven.count_and_span(chart.frames).0,
-            motion: motion_name(chart.motion),
-            max_slope: chart.max_slope,
-            read_noise: chart.read_noise,
-            bits: chart.bits,
-        }
-    }
+/// Writes what a report says of its charts: `radius` as [smallest, largest], `frames` with all views counted.
+pub(super) fn summary<S: Serializer>(chart: &ChartParams, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(None)?;
+    map.serialize_entry("width", &chart.width)?;
+    map.serialize_entry("height", &chart.height)?;
+    map.serialize_entry("discs", &chart.discs)?;
+    map.serialize_entry("radius", &[*chart.radius.start(), *chart.radius.end()])?;
+    map.serialize_entry("radius_law", &chart.radius_law)?;
+    map.serialize_entry("contrast", &chart.contrast)?;
+    map.serialize_entry("frames", &chart.uneven.count_and_span(chart.frames).0)?;
+    map.serialize_entry("motion", motion_name(chart.motion))?;
+    map.serialize_entry("max_slope", &chart.max_slope)?;
+    map.serialize_entry("read_noise", &chart.read_noise)?;
+    map.serialize_entry("bits", &chart.bits)?;
+    map.end()
 }
 
 /// All methods on the charts of one row.

@@ -8,6 +8,7 @@ use super::accuracy::{AccuracyReport, AccuracyRow};
 use super::chart::{ChartReport, ChartRow, MethodReport};
 use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use super::methods::BurstMethod;
+use super::motion_label;
 use super::statistics::Mean;
 use burstscope_core::export::sheet::{Anchor, Area, BLUE, FAINT, RED, Sheet};
 use burstscope_core::export::{CURVE_COLUMNS, Plot, Series, SeriesPoint, range_from_zero};
@@ -240,8 +241,9 @@ pub fn roc_svg(report: &ChartReport, first_letter: usize) -> String {
     };
     let plots: Vec<StudyPlot> = report.rows.iter().map(plot).collect();
     let chart = &report.chart;
-    let frames = format!("{discs} discs in {} frames of {}×{}", chart.frames, chart.width, chart.height);
-    let caption = format!("{frames}, moving in {}; {}", chart.motion.to_uppercase(), charts(report.setup.seeds));
+    let count = chart.uneven.count_and_span(chart.frames).0;
+    let frames = format!("{discs} discs in {count} frames of {}×{}", chart.width, chart.height);
+    let caption = format!("{frames}, moving in {}; {}", motion_label(chart.motion), charts(report.setup.seeds));
     figure("Discs found against false features", &caption, &plots, first_letter)
 }
 
@@ -262,7 +264,7 @@ pub fn frames_svg(report: &ChartReport) -> String {
     let discs = format!("{} discs of {}×{} pixels", chart.discs, chart.width, chart.height);
     let charts = charts(report.setup.seeds);
     let snr = report.snr.map_or_else(String::new, |snr| format!("SNR {snr}, "));
-    let caption = format!("{snr}{charts} each; {discs}, moving in {}", chart.motion.to_uppercase());
+    let caption = format!("{snr}{charts} each; {discs}, moving in {}", motion_label(chart.motion));
     figure("The number of frames of a burst", &caption, &chart_plots(report, usize::MAX), 0)
 }
 

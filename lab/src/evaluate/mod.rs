@@ -51,6 +51,11 @@ pub fn motion_name(motion: Motion) -> &'static str {
     }
 }
 
+/// Name of a motion in a text.
+pub fn motion_label(motion: Motion) -> String {
+    motion_name(motion).to_uppercase()
+}
+
 /// A study of rows, such as ratios or kinds of noise, each measured on as many synthetic bursts, which differ by their
 /// seeds. What a study adds is the measurement of one burst, and the report of the measurements.
 pub trait RowStudy: Sync {
@@ -74,7 +79,9 @@ pub trait RowStudy: Sync {
     fn seeds(&self) -> (u64, u64);
 
     /// Cost of a burst of a row, in steps of the progress, beside that of other rows.
-    fn steps(&self, row: Self::Row) -> usize;
+    fn steps(&self, _row: Self::Row) -> usize {
+        1
+    }
 
     /// Makes and measures a burst; calls `done` with each number of steps that is finished.
     ///

@@ -199,15 +199,6 @@ fn truth_of_thing(id: usize, (u, v): (f64, f64), radius: f64, slope: Slope, cont
     FeatureTruth { id, layer: None, u, v, radius, sigma: disc_sigma(radius), slope_u, slope_v, contrast_sign }
 }
 
-/// A copy of a burst with things planted in it, searched.
-#[derive(Debug)]
-pub struct SearchedCopy {
-    /// The copy and its search.
-    pub cache: ProbeCache,
-    /// Planted things with their fates.
-    pub planted: Vec<Planted>,
-}
-
 /// Ranges of a study's numbers, for options, files and fields of the window.
 pub mod bounds {
     use burstscope_core::detector::params::Bounds;
@@ -262,7 +253,7 @@ impl RecoverStudy {
             monitor.check()?;
             monitor.report(Stage::Evaluate, share * (copy + 1) as f32);
             // Only the things outlive a copy, so that memory holds one searched copy at a time.
-            let (SearchedCopy { planted, .. }, times) = self.copy(burst, &ground, &report.levels, copy, &silent)?;
+            let (planted, times) = self.copy(burst, &ground, &report.levels, copy, &silent)?;
             report.add(&ground, planted, times);
             tell(report.clone());
         }
@@ -302,6 +293,7 @@ impl RecoverStudy {
         Ok((copy, truth))
     }
 
+    /// The things of a copy, planted and searched, with their fates.
     fn copy(
         &self,
         burst: &Burst,
@@ -309,7 +301,7 @@ impl RecoverStudy {
         levels: &Levels,
         copy: u64,
         monitor: &Monitor,
-    ) -> Result<(SearchedCopy, RecoverTimes)> {
+    ) -> Result<(Vec<Planted>, RecoverTimes)> {
         let seed = self.first_seed.wrapping_add(copy);
         let started = Instant::now();
         let mut planted = self.things(ground, levels, copy, monitor)?;
@@ -338,7 +330,7 @@ impl RecoverStudy {
         };
         planted.par_iter_mut().try_for_each(fate)?;
         let fate_secs = started.elapsed().as_secs_f64() - plant_secs - search_secs;
-        Ok((SearchedCopy { cache, planted }, RecoverTimes { plant_secs, search_secs, fate_secs }))
+        Ok((planted, RecoverTimes { plant_secs, search_secs, fate_secs }))
     }
 
     fn things(
