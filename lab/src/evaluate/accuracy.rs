@@ -149,9 +149,8 @@ impl AccuracyStudy {
     fn row<'a>(&self, snr: f64, found: impl Iterator<Item = &'a FoundDisc>) -> AccuracyRow {
         let grid = self.detector.used_slopes();
         let (mut within, mut beyond) = (RangeCount::default(), RangeCount::default());
-        let (mut u, mut v, mut scale) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut slope_u, mut slope_v) = (Vec::new(), Vec::new());
-        let (mut apart_u, mut apart_v) = (Vec::new(), Vec::new());
+        // Of each compared disc whether it stands apart, and its errors in u, v, scale, and the two slopes.
+        let mut errors: Vec<(bool, [f64; 5])> = Vec::new();
         for FoundDisc { disc, apart, feature } in found {
             let count = if reaches(&grid, disc) { &mut within } else { &mut beyond };
             count.discs += 1;
@@ -162,29 +161,35 @@ impl AccuracyStudy {
                 count.marked += 1;
                 continue;
             }
-            u.push(f64::from(feature.u) - disc.u);
-            v.push(f64::from(feature.v) - disc.v);
-            if *apart {
-                apart_u.push(f64::from(feature.u) - disc.u);
-                apart_v.push(f64::from(feature.v) - disc.v);
-            }
-            scale.push(f64::from(feature.sigma) / expected_sigma(disc.radius, self.detector.levels) - 1.0);
-            slope_u.push(f64::from(feature.slope.u) - disc.slope_u);
-            slope_v.push(f64::from(feature.slope.v) - disc.slope_v);
+            let of_disc = [
+                f64::from(feature.u) - disc.u,
+                f64::from(feature.v) - disc.v,
+                f64::from(feature.sigma) / expected_sigma(disc.radius, self.detector.levels) - 1.0,
+                f64::from(feature.slope.u) - disc.slope_u,
+                f64::from(feature.slope.v) - disc.slope_v,
+            ];
+            errors.push((*apart, of_disc));
         }
+        let errors_of = |column: usize| Errors::of(&errors.iter().map(|(_, one)| one[column]).collect::<Vec<_>>());
+        let lengths = |[a, b]: [usize; 2], all: bool| {
+            let counted = errors.iter().filter(|(apart, _)| all || *apart);
+            let mut lengths: Vec<f64> = counted.map(|(_, one)| one[a].hypot(one[b])).collect();
+            lengths.sort_by(f64::total_cmp);
+            [quantile(&lengths, 0.5), quantile(&lengths, 0.95)]
+        };
         AccuracyRow {
             snr,
             within,
             beyond,
-            distance: lengths(&u, &v),
-            apart: apart_u.len(),
-            distance_apart: lengths(&apart_u, &apart_v),
-            u: Errors::of(&u),
-            v: Errors::of(&v),
-            scale: Errors::of(&scale),
-            slope_distance: lengths(&slope_u, &slope_v),
-            slope_u: Errors::of(&slope_u),
-            slope_v: Errors::of(&slope_v),
+            distance: lengths([0, 1], true),
+            apart: errors.iter().filter(|(apart, _)| *apart).count(),
+            distance_apart: lengths([0, 1], false),
+            u: errors_of(0),
+            v: errors_of(1),
+            scale: errors_of(2),
+            slope_distance: lengths([3, 4], true),
+            slope_u: errors_of(3),
+            slope_v: errors_of(4),
         }
     }
 }
@@ -215,12 +220,6 @@ pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
             (other_u - u).hypot(other_v - v) > SURROUNDINGS_IN_RADII * disc.radius + other.radius
         })
     })
-}
-
-fn lengths(u: &[f64], v: &[f64]) -> [f64; 2] {
-    let mut lengths: Vec<f64> = u.iter().zip(v).map(|(u, v)| u.hypot(*v)).collect();
-    lengths.sort_by(f64::total_cmp);
-    [quantile(&lengths, 0.5), quantile(&lengths, 0.95)]
 }
 
 /// Report of a study of accuracy.

@@ -9,7 +9,7 @@
 
 use super::methods::{BurstMethod, Searches};
 use super::statistics::Mean;
-use super::{RowStudy, check_lists, motion_name};
+use super::{RowStudy, ascending, check_lists, motion_name};
 use crate::synth::{ChartParams, Truth, synth_chart};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::Searched;
@@ -144,10 +144,7 @@ impl RowStudy for ChartStudy {
         if self.frame_counts.is_empty() {
             return self.snrs.iter().copied().map(RowAt::Snr).collect();
         }
-        let mut counts = self.frame_counts.clone();
-        counts.sort_unstable();
-        counts.dedup();
-        counts.into_iter().map(RowAt::Frames).collect()
+        ascending(&self.frame_counts).into_iter().map(RowAt::Frames).collect()
     }
 
     fn seeds(&self) -> (u64, u64) {

@@ -39,7 +39,7 @@ use crate::synth::Motion;
 use burstscope_core::error::{Error, Result};
 use burstscope_core::monitor::{Monitor, Stage};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -167,6 +167,11 @@ fn run_jobs<J: Sync, R: Send>(
     }
     monitor.check()?;
     Ok(results)
+}
+
+/// Numbers of frames in ascending order, each once.
+fn ascending(counts: &[usize]) -> Vec<usize> {
+    counts.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
 }
 
 fn check_lists(snrs: &[f64], seeds: u64) -> Result<()> {

@@ -162,44 +162,32 @@ impl RowStudy for NoiseStudy {
     type Report = NoiseReport;
 
     fn check(&self) -> Result<()> {
-        for level in &self.levels {
-            if !(level.sigma.is_finite() && level.sigma > 0.0 && level.sigma <= 0.1) {
-                let remedy =
-                    "give standard deviations above 0 and up to 0.1, so that nothing is cut off at black or white";
-                return Err(Error::param("sigma", level.sigma.to_string(), remedy));
-            }
-            if !(level.mean > 0.0 && level.mean < 1.0) {
-                let remedy = "give a level between 0 and 1";
-                return Err(Error::param("case_level", level.mean.to_string(), remedy));
-            }
-            if level.bits.is_some() && level.case != NoiseCase::White {
-                let remedy = "round white noise only";
-                return Err(Error::param("bits", format!("{:?} of {}", level.bits, level.case.name()), remedy));
-            }
-            if level.bits.is_some_and(|bits| !(4..=16).contains(&bits)) {
-                return Err(Error::param("bits", format!("{:?}", level.bits), "give 4 to 16"));
-            }
+        let check = |is_right: bool, parameter, problem: String, remedy| {
+            if is_right { Ok(()) } else { Err(Error::param(parameter, problem, remedy)) }
+        };
+        for &NoiseLevel { sigma, bits, case, mean } in &self.levels {
+            let remedy = "give standard deviations above 0 and up to 0.1, so that nothing is cut off at black or white";
+            check(sigma > 0.0 && sigma <= 0.1, "sigma", sigma.to_string(), remedy)?;
+            check(mean > 0.0 && mean < 1.0, "case_level", mean.to_string(), "give a level between 0 and 1")?;
+            let is_white = bits.is_none() || case == NoiseCase::White;
+            check(is_white, "bits", format!("{bits:?} of {}", case.name()), "round white noise only")?;
+            let can_round = bits.is_none_or(|bits| (4..=16).contains(&bits));
+            check(can_round, "bits", format!("{bits:?}"), "give 4 to 16")?;
         }
-        if self.levels.is_empty() || self.searches.is_empty() {
-            return Err(Error::param("sigma", "no noise or no search is given", "give one or more"));
-        }
-        let pixels = self.width as f64 * self.height as f64;
-        if !(16..=32768).contains(&self.width) || !(16..=32768).contains(&self.height) || pixels > 1e8 {
-            let problem = format!("{}×{} pixels", self.width, self.height);
-            return Err(Error::param("width", problem, "give 16 to 32768 a side, 100 million at most"));
-        }
+        let is_any = !self.levels.is_empty() && !self.searches.is_empty();
+        check(is_any, "sigma", "no noise or no search is given".to_owned(), "give one or more")?;
+        let (size, pixels) = (format!("{}×{}", self.width, self.height), self.width as f64 * self.height as f64);
+        let fits = [self.width, self.height].iter().all(|side| (16..=32768).contains(side)) && pixels <= 1e8;
+        check(fits, "width", format!("{size} pixels"), "give 16 to 32768 a side, 100 million at most")?;
         // As f32 the largest burst takes 8 GB, and each thread holds a burst.
-        if !(1..=4096).contains(&self.frames) || pixels * self.frames as f64 > 2e9 {
-            let problem = format!("{} frames of {}×{}", self.frames, self.width, self.height);
-            return Err(Error::param("frames", problem, "give 1 to 4096 frames, 2000 million pixels at most"));
-        }
-        if self.seeds.is_some_and(|seeds| !(1..=1_000_000).contains(&seeds)) {
-            return Err(Error::param("seeds", format!("{:?}", self.seeds), "give 1 to a million"));
-        }
-        if !(self.megapixels > 0.0 && self.megapixels <= 1e6) {
-            let remedy = "give millions of pixels, above 0 and up to a million";
-            return Err(Error::param("megapixels", self.megapixels.to_string(), remedy));
-        }
+        let fits = (1..=4096).contains(&self.frames) && pixels * self.frames as f64 <= 2e9;
+        let remedy = "give 1 to 4096 frames, 2000 million pixels at most";
+        check(fits, "frames", format!("{} frames of {size}", self.frames), remedy)?;
+        let can_count = self.seeds.is_none_or(|seeds| (1..=1_000_000).contains(&seeds));
+        check(can_count, "seeds", format!("{:?}", self.seeds), "give 1 to a million")?;
+        let remedy = "give millions of pixels, above 0 and up to a million";
+        let is_area = self.megapixels > 0.0 && self.megapixels <= 1e6;
+        check(is_area, "megapixels", self.megapixels.to_string(), remedy)?;
         for search in &self.searches {
             search.detector.validate_for(&Positions::even(self.frames), (self.width, self.height))?;
         }
