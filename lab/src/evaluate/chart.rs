@@ -65,7 +65,7 @@ impl Default for ChartStudy {
     }
 }
 
-/// What distinguishes the charts of a row.
+/// Property in which the charts of a row differ from others.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum RowAt {
@@ -310,7 +310,7 @@ pub(super) fn summary<S: Serializer>(chart: &ChartParams, serializer: S) -> Resu
 /// All methods on the charts of one row.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChartRow {
-    /// What distinguishes the row.
+    /// Ratio or number of frames.
     #[serde(flatten)]
     pub at: RowAt,
     /// The methods, in the study's order.

@@ -57,13 +57,13 @@ pub fn motion_label(motion: Motion) -> String {
 }
 
 /// A study of rows, such as ratios or kinds of noise, each measured on as many synthetic bursts, which differ by their
-/// seeds. What a study adds is the measurement of one burst, and the report of the measurements.
+/// seeds. A study adds the measurement of one burst, and the report of all measurements.
 pub trait RowStudy: Sync {
-    /// What distinguishes a row.
+    /// Property that tells a row from others, such as a ratio.
     type Row: Copy + Sync;
     /// Measurements on one burst.
     type Cell: Clone + Send;
-    /// What a finished or an unfinished study says.
+    /// Report of a finished study, and of an unfinished one.
     type Report;
 
     /// Checks all parameters before the first burst is made, because a late error would lose the finished ones.

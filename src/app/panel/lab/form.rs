@@ -23,10 +23,10 @@ struct Setting {
 enum Value<'a> {
     Usize(&'a mut usize),
     U64(&'a mut u64),
-    /// Number, with its change for one point of dragging, and its decimals.
+    /// Number, with the change for a point of dragging, and the decimals.
     F64(&'a mut f64, f64, usize),
     Ends(&'a mut RangeInclusive<f64>),
-    /// Number that may be left open; the first one when it is not.
+    /// Number that may be left open, and its first value where it is given.
     Maybe(&'a mut Option<f64>, f64),
     Text(&'a mut String),
     Flag(&'a mut bool),
@@ -148,5 +148,30 @@ impl Setting {
 fn choice_ui<T: PartialEq + Copy>(ui: &mut Ui, value: &mut T, names: &[(T, &str)]) {
     for (choice, name) in names {
         ui.selectable_value(value, *choice, *name);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_settings_of_a_question_have_different_labels_and_their_defaults_are_in_range() {
+        let mut lab = Lab::default();
+        for (question, name, _) in LabQuestion::ALL {
+            let asked: Vec<Setting> = settings().into_iter().filter(|one| (one.is_asked)(question)).collect();
+            assert!(!asked.is_empty(), "{name}");
+            for (index, Setting { label, range, value, .. }) in asked.iter().enumerate() {
+                assert!(asked[..index].iter().all(|one| one.label != *label), "{name}: {label}");
+                let number = match value(&mut lab) {
+                    Usize(n) => *n as f64,
+                    U64(n) => *n as f64,
+                    F64(x, ..) => *x,
+                    Ends(ends) => *ends.start(),
+                    _ => continue,
+                };
+                assert!(range.contains(&number), "{name}: {label} {number}");
+            }
+        }
     }
 }

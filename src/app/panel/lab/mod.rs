@@ -14,6 +14,9 @@ use crate::app::results::studies::Studies;
 use crate::evaluate::BurstMethod;
 use egui::{Color32, DragValue, Label, RichText, TextEdit, Ui};
 
+const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
+const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
+
 /// Colour `#rrggbb` of the figures as drawn here: lighter on a dark background.
 fn curve_colour(ui: &Ui, colour: &str) -> Color32 {
     let colour = Color32::from_hex(colour).unwrap_or(crate::app::style::ACCENT);

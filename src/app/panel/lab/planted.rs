@@ -1,5 +1,6 @@
 //! Things planted in the open burst: how faint a thing is seen at each place, and what became of one.
 
+use super::{FOUND, MISSED};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
 use crate::app::document::lab::Lab;
@@ -10,10 +11,8 @@ use crate::detector::Test;
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};
 use crate::recover::{Planted, RecoverReport};
-use egui::{Color32, Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
+use egui::{Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
 
-const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
-const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
 /// Maximum distance of the pointer from a thing, in points of the window.
 const REACH_UI: f32 = 10.0;
 

@@ -18,7 +18,7 @@ use std::str::FromStr;
 const NO_POINT: i64 = -1;
 const LONGEST_NAME: usize = 4096;
 
-/// What a file has a list of, in words for messages.
+/// Kind of the entries of a file, in words for messages.
 struct Entries {
     one: &'static str,
     all: &'static str,
