@@ -233,9 +233,8 @@ impl ChartStudy {
     }
 
     fn method_report(&self, method: BurstMethod, charts: Vec<ChartScore>) -> MethodReport {
-        let mean = |count: fn(&ChartScore) -> usize| {
-            Mean::of(&charts.iter().map(|chart| count(chart) as f64).collect::<Vec<_>>())
-        };
+        let mean = |of_chart: &dyn Fn(&ChartScore) -> f64| Mean::of(&charts.iter().map(of_chart).collect::<Vec<_>>());
+        let discs = self.chart.discs as f64;
         let ratios: Vec<f64> = charts.iter().filter_map(|chart| chart.noise_estimate_ratio).collect();
         // The paper chooses one peak threshold for all charts together (IV-A), so the curves are pooled, not averaged.
         let by_response = Curve::pooled(&charts.iter().map(|chart| &chart.by_response).collect::<Vec<_>>());
@@ -243,13 +242,10 @@ impl ChartStudy {
         let curves: Vec<&Curve> = charts.iter().map(|chart| &chart.curve).collect();
         MethodReport {
             method,
-            true_positives: mean(|chart| chart.true_positives),
-            default_true_positives: mean(|chart| chart.default_true_positives),
-            default_false_features: mean(|chart| chart.default_false_features),
-            default_false_per_disc: (self.chart.discs > 0).then(|| {
-                let discs = self.chart.discs as f64;
-                Mean::of(&charts.iter().map(|chart| chart.default_false_features as f64 / discs).collect::<Vec<_>>())
-            }),
+            true_positives: mean(&|chart| chart.true_positives as f64),
+            default_true_positives: mean(&|chart| chart.default_true_positives as f64),
+            default_false_features: mean(&|chart| chart.default_false_features as f64),
+            default_false_per_disc: (discs > 0.0).then(|| mean(&|chart| chart.default_false_features as f64 / discs)),
             noise_estimate_ratio: (!ratios.is_empty()).then(|| Mean::of(&ratios)),
             peak_threshold: peak_threshold.is_finite().then_some(peak_threshold),
             roc: mean_curve(&curves, self.chart.discs.div_ceil(2)),
