@@ -199,8 +199,8 @@ impl<R: BufRead> Reader<R> {
         if self.left.is_some() { self.bytes(bytes).map(|_| ()) } else { self.number::<f64>().map(|_| ()) }
     }
 
-    /// Number of items of a list: of `bytes` each in binary, of as many `words` of the line in text; `odd` is the problem
-    /// of another number of words.
+    /// Number of items of a list: of `bytes` each in binary, of as many `words` of the line in text; `odd` says what is
+    /// wrong with another number of words.
     fn list(&mut self, bytes: u64, words: usize, odd: impl Fn(usize) -> String) -> Result<u64> {
         if self.left.is_some() {
             return self.count(bytes);
