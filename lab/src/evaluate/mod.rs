@@ -14,7 +14,7 @@
 //!
 //! A study of the detector is a set of parameters, a [`RowStudy`]: its `run` makes the synthetic bursts, runs the
 //! detector in parallel over them and returns a report that can be written as JSON.
-//! [`result`](burstscope_core::inspect::result) decides which discs count as found, [`curves`] draws the curves. The same
+//! [`result`](burstscope_core::inspect::result) decides which discs count as found, [`curves`] draws the curves. A
 //! study gives the same report for any number of threads, and memory holds at most one burst for each thread.
 
 pub mod accuracy;
