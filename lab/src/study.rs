@@ -3,10 +3,10 @@
 use super::recover::plots::recover_plots;
 use super::recover::{RecoverReport, RecoverStudy};
 use crate::evaluate::chart::MethodReport;
-use crate::evaluate::curves::{StudyPlot, accuracy_plots, burst_frames_plots, chart_plots, frames_plots};
+use crate::evaluate::curves::{StudyPlot, accuracy_plots, burst_frames_plots, chart_plots};
 use crate::evaluate::{
     AccuracyReport, AccuracyStudy, BurstFramesReport, BurstFramesStudy, BurstMethod, ChartReport, ChartStudy,
-    FramesReport, FramesStudy, LookedChart,
+    LookedChart, RowStudy, motion_label,
 };
 use crate::synth::{ChartParams, Truth};
 use burstscope_core::baseline::plain_mean;
@@ -21,10 +21,8 @@ use std::sync::Arc;
 /// A study of any kind, with the bursts that it needs.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Study {
-    /// Detection in the dark, over ratios: ROC curves, discs found, false features.
+    /// Detection in the dark, over ratios or numbers of frames: ROC curves, discs found, false features.
     Chart(Box<ChartStudy>),
-    /// Detection over numbers of frames, at one ratio.
-    Frames(Box<FramesStudy>),
     /// Errors of positions, scales and slopes, over ratios.
     Accuracy(Box<AccuracyStudy>),
     /// Detection in the middle frames of a given burst.
@@ -46,11 +44,8 @@ pub struct BurstsOfStudy {
 
 impl PartialEq for BurstsOfStudy {
     fn eq(&self, other: &Self) -> bool {
-        let same_second = match (&self.second, &other.second) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        Arc::ptr_eq(&self.burst, &other.burst) && same_second
+        let second = |one: &Self| one.second.as_ref().map(Arc::as_ptr);
+        Arc::ptr_eq(&self.burst, &other.burst) && second(self) == second(other)
     }
 }
 
@@ -59,7 +54,6 @@ impl PartialEq for BurstsOfStudy {
 #[allow(missing_docs)] // each is of the study of its name
 pub enum StudyReport {
     Chart(Box<ChartReport>),
-    Frames(Box<FramesReport>),
     Accuracy(Box<AccuracyReport>),
     BurstFrames(Box<BurstFramesReport>),
     Recover(Box<RecoverReport>),
@@ -119,7 +113,6 @@ impl ShownChart {
     pub fn judged(&self, all: bool) -> Vec<Scored> {
         let fraction = match &self.of.study {
             Study::Chart(study) => Some(study.false_fraction),
-            Study::Frames(study) => Some(study.charts.false_fraction),
             Study::Accuracy(_) | Study::BurstFrames(..) | Study::Recover(..) => None,
         };
         let judged = &self.looked.judged;
@@ -134,11 +127,12 @@ impl ChartOfStudy {
         let StudyPoint { row_value, method } = self.point;
         let looked = match &self.study {
             Study::Accuracy(study) => study.look(row_value, self.seed, monitor)?,
-            study => {
-                let no_chart = || Error::param("study", "has no charts", "look at a point of charts");
-                let (study, snr) = study.charts_of_row(row_value).ok_or_else(no_chart)?;
+            Study::Chart(study) => {
                 let method = method.or_else(|| study.methods.first().copied()).unwrap_or(BurstMethod::Buff1d);
-                study.look(snr, self.seed, method, monitor)?
+                study.look(study.row_at(row_value), self.seed, method, monitor)?
+            }
+            Study::BurstFrames(..) | Study::Recover(..) => {
+                return Err(Error::param("study", "has no charts", "look at a point of charts"));
             }
         };
         let mean = plain_mean(&looked.burst, monitor)?.frames[0].clone();
@@ -147,10 +141,11 @@ impl ChartOfStudy {
 
     /// The parameters of the chart; `None` for a study of a given burst.
     pub fn params(&self) -> Option<ChartParams> {
-        if let Study::Accuracy(study) = &self.study {
-            return Some(study.chart_of(self.point.row_value, self.seed));
+        match &self.study {
+            Study::Accuracy(study) => Some(study.chart_of(self.point.row_value, self.seed)),
+            Study::Chart(study) => Some(study.chart_of(study.row_at(self.point.row_value), self.seed)),
+            Study::BurstFrames(..) | Study::Recover(..) => None,
         }
-        self.study.charts_of_row(self.point.row_value).map(|(study, snr)| study.chart_of(snr, self.seed))
     }
 }
 
@@ -170,7 +165,6 @@ impl Study {
         }
         match self {
             Self::Chart(study) => as_one(StudyReport::Chart, tell, |tell| study.run_telling(monitor, tell)),
-            Self::Frames(study) => as_one(StudyReport::Frames, tell, |tell| study.run_telling(monitor, tell)),
             Self::Accuracy(study) => as_one(StudyReport::Accuracy, tell, |tell| study.run_telling(monitor, tell)),
             Self::BurstFrames(study, BurstsOfStudy { burst, second, truth }) => {
                 let (second, truth) = (second.as_deref(), truth.as_deref());
@@ -186,18 +180,8 @@ impl Study {
     pub fn seeds(&self) -> Option<(u64, u64)> {
         match self {
             Self::Chart(study) => Some((study.first_seed, study.seeds)),
-            Self::Frames(study) => Some((study.charts.first_seed, study.charts.seeds)),
             Self::Accuracy(study) => Some((study.first_seed, study.seeds)),
             Self::BurstFrames(..) | Self::Recover(..) => None,
-        }
-    }
-
-    /// The study in the dark of a row's charts, and their ratio.
-    fn charts_of_row(&self, row_value: f64) -> Option<(ChartStudy, f64)> {
-        match self {
-            Self::Chart(study) => Some(((**study).clone(), row_value)),
-            Self::Frames(study) => Some((study.charts_of(row_value as usize), study.charts.snrs[0])),
-            Self::Accuracy(_) | Self::BurstFrames(..) | Self::Recover(..) => None,
         }
     }
 }
@@ -206,18 +190,17 @@ impl StudyReport {
     /// Peak thresholds of one share of false detections, at row `row` or the last one; `None` for other studies.
     pub fn same_false_rate(&self, row: usize) -> Option<SameFalseRate> {
         let Self::Chart(report) = self else { return None };
-        let row = report.rows.get(row).or(report.rows.last())?;
+        let row = report.rows.get(row).or(report.rows.last()).filter(|_| report.snr.is_none())?;
         let of = |method: &MethodReport| Some((method.method, method.peak_threshold?));
         let peak_thresholds: Vec<_> = row.methods.iter().filter_map(of).collect();
         let false_fraction = report.setup.false_fraction;
-        (!peak_thresholds.is_empty()).then_some(SameFalseRate { snr: row.snr, false_fraction, peak_thresholds })
+        (!peak_thresholds.is_empty()).then_some(SameFalseRate { snr: row.at.value(), false_fraction, peak_thresholds })
     }
 
     /// The plots of the report; ROC curves are those of the row `roc_row`.
     pub fn plots(&self, roc_row: usize) -> Vec<StudyPlot> {
         match self {
             Self::Chart(report) => chart_plots(report, roc_row),
-            Self::Frames(report) => frames_plots(report, roc_row),
             Self::Accuracy(report) => accuracy_plots(report),
             Self::BurstFrames(report) => burst_frames_plots(report),
             Self::Recover(report) => recover_plots(report),
@@ -227,8 +210,7 @@ impl StudyReport {
     /// Labels of the rows that have ROC curves.
     pub fn roc_rows(&self) -> Vec<String> {
         match self {
-            Self::Chart(report) => report.rows.iter().map(|row| self.row_label(row.snr)).collect(),
-            Self::Frames(report) => report.rows.iter().map(|row| self.row_label(row.frames as f64)).collect(),
+            Self::Chart(report) => report.rows.iter().map(|row| row.at.label()).collect(),
             Self::Accuracy(_) | Self::BurstFrames(_) | Self::Recover(_) => Vec::new(),
         }
     }
@@ -236,8 +218,9 @@ impl StudyReport {
     /// Label of a row: its value with a name.
     pub fn row_label(&self, row_value: f64) -> String {
         match self {
+            Self::Chart(report) if report.snr.is_some() => format!("{row_value} frames"),
             Self::Chart(_) | Self::Accuracy(_) => format!("SNR {row_value}"),
-            Self::Frames(_) | Self::BurstFrames(_) => format!("{row_value} frames"),
+            Self::BurstFrames(_) => format!("{row_value} frames"),
             Self::Recover(_) => row_value.to_string(),
         }
     }
@@ -246,7 +229,6 @@ impl StudyReport {
     pub fn summary(&self) -> String {
         let chart = match self {
             Self::Chart(report) => &report.chart,
-            Self::Frames(report) => &report.chart,
             Self::Accuracy(report) => &report.chart,
             Self::BurstFrames(report) => {
                 return format!("{}: {} features in all frames", report.burst, report.features);
@@ -256,14 +238,14 @@ impl StudyReport {
         format!(
             "{} discs of {} to {} px, contrast {}, {} frames of {}×{}, up to ±{} px/frame in {}",
             chart.discs,
-            chart.radius[0],
-            chart.radius[1],
+            chart.radius.start(),
+            chart.radius.end(),
             chart.contrast,
-            chart.frames,
+            chart.uneven.count_and_span(chart.frames).0,
             chart.width,
             chart.height,
             chart.max_slope,
-            chart.motion.to_uppercase(),
+            motion_label(chart.motion),
         )
     }
 }

@@ -12,7 +12,7 @@ use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
 use crate::evaluate::curves::roc_figure;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
-use crate::evaluate::{AccuracyStudy, NoiseStudy};
+use crate::evaluate::{AccuracyStudy, NoiseStudy, RowStudy};
 use crate::synth::NoiseCase;
 use serde::Serialize;
 
@@ -29,7 +29,7 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
 }
 
 fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
-    let mut study = chart_study(&args.charts, &args.compared, &args.search, args.snr.clone())?;
+    let mut study = chart_study(&args.charts, &args.compared, &args.search, (args.snr.clone(), Vec::new()))?;
     study.chart.uneven.views = args.views;
     let console = Console::new(&args.output)?;
     let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
@@ -37,8 +37,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     let report = study.run(&console.monitor)?;
     console.say(&chart_text(&report))?;
     write_figure(&console, args.plot.as_deref(), &rules, || roc_figure(&report, 0))?;
-    let rows = report.rows.iter().map(|row| (row.snr, report.chart.frames, &row.methods[..]));
-    write_figure(&console, args.table.as_deref(), &rules, || methods_table(rows).into())?;
+    write_figure(&console, args.table.as_deref(), &rules, || methods_table(&report).into())?;
     console.say_document("evaluate chart", &report)
 }
 

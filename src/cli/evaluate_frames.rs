@@ -3,16 +3,16 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
 use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::console::Console;
-use super::evaluate_tables::{burst_frames_table, burst_frames_text, frames_text, methods_table};
+use super::evaluate_tables::{burst_frames_table, burst_frames_text, chart_text, methods_table};
 use super::failure::Failure;
 use super::figure_file::{FIGURE_FILE, figure_file, write_figure};
 use super::inputs::{Input, open_options, resolve_one, resolve_pair};
 use super::study::chart_study;
 use crate::burst::Burst;
 use crate::detector::params::doc;
+use crate::evaluate::chart::FRAME_COUNTS;
 use crate::evaluate::curves::{burst_frames_figure, frames_figure};
-use crate::evaluate::frames::FRAME_COUNTS;
-use crate::evaluate::{BurstFramesStudy, FramesStudy};
+use crate::evaluate::{BurstFramesStudy, RowStudy};
 use crate::export::OutputRules;
 use crate::inspect::result::truth_of;
 use clap::Args;
@@ -84,18 +84,15 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
             "--bias and what else calibrates files: charts have none; leave it out, or name a burst",
         ));
     }
-    let study = FramesStudy {
-        charts: chart_study(&args.charts, &args.compared, &args.run.search, vec![args.snr])?,
-        frame_counts: if args.frame_counts.is_empty() { FRAME_COUNTS.to_vec() } else { args.frame_counts.clone() },
-    };
+    let counts = if args.frame_counts.is_empty() { FRAME_COUNTS.to_vec() } else { args.frame_counts.clone() };
+    let study = chart_study(&args.charts, &args.compared, &args.run.search, (vec![args.snr], counts))?;
     let console = Console::new(&args.run.output)?;
     let rules = rules(args, &[]);
     args.plot.iter().chain(&args.table).try_for_each(|path| rules.check(path))?;
     let report = study.run(&console.monitor)?;
-    console.say(&frames_text(&report))?;
+    console.say(&chart_text(&report))?;
     write_figure(&console, args.plot.as_deref(), &rules, || frames_figure(&report))?;
-    let rows = report.rows.iter().map(|row| (report.snr, row.frames, &row.methods[..]));
-    write_figure(&console, args.table.as_deref(), &rules, || methods_table(rows).into())?;
+    write_figure(&console, args.table.as_deref(), &rules, || methods_table(&report).into())?;
     console.say_document("evaluate frames", &report)
 }
 

@@ -1,13 +1,13 @@
 //! Tables of reports: printed for people, and written into files.
 
 use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
-use crate::evaluate::chart::{ChartReport, ChartSummary, ComparisonSetup, MethodReport};
-use crate::evaluate::frames::FramesReport;
+use crate::evaluate::chart::{ChartReport, ChartRow, MethodReport};
 use crate::evaluate::frames_of_burst::{BurstFramesReport, BurstFramesRow};
+use crate::evaluate::motion_label;
 use crate::evaluate::pure_noise::{NoiseCount, NoiseLevel, NoiseReport};
 use crate::evaluate::statistics::{Errors, Mean};
 use crate::export::{ACCURACY_COLUMNS, BURST_FRAMES_COLUMNS, Cell, METHOD_COLUMNS, NOISE_COLUMNS, Table};
-use crate::synth::RadiusLaw;
+use crate::synth::{ChartParams, RadiusLaw};
 
 /// Heads over rows of cells, see [`Table::text`].
 pub(super) fn table(heads: &[impl AsRef<str>], rows: impl IntoIterator<Item = Vec<String>>) -> String {
@@ -21,56 +21,48 @@ pub(super) fn or_dash<T>(value: Option<T>, text: impl Fn(T) -> String) -> String
 }
 
 /// `frames` is a number of frames, or a range of them; `each` names the setting that has `seeds` charts.
-fn charts_text(chart: &ChartSummary, frames: &str, each: &str, first_seed: u64, seeds: u64) -> String {
+fn charts_text(chart: &ChartParams, frames: &str, each: &str, first_seed: u64, seeds: u64) -> String {
     let charts = if seeds == 1 {
         format!("one chart for each {each}, seed {first_seed}")
     } else {
         format!("{seeds} charts for each {each}, seeds {first_seed} to {}", first_seed.saturating_add(seeds - 1))
     };
-    let ChartSummary { discs, radius: [least, most], contrast, width, height, bits, max_slope, .. } = chart;
+    let ChartParams { discs, radius, contrast, width, height, bits, max_slope, .. } = chart;
+    let (least, most) = (radius.start(), radius.end());
     let law = if chart.radius_law == RadiusLaw::Log { " (log-uniform)" } else { "" };
     let discs = format!("{discs} discs of radius {least} to {most} px{law}, contrast {contrast}");
     let frames = format!("in {frames} frames of {width}×{height}, {bits} bits");
-    let slopes = format!("slopes up to ±{max_slope} px/frame in {}", chart.motion.to_uppercase());
+    let slopes = format!("slopes up to ±{max_slope} px/frame in {}", motion_label(chart.motion));
     format!("{discs}, {frames}, {slopes}\n{charts}\n")
 }
 
+fn frames_of(chart: &ChartParams) -> usize {
+    chart.uneven.count_and_span(chart.frames).0
+}
+
 pub(super) fn chart_text(report: &ChartReport) -> String {
-    let ComparisonSetup { first_seed, seeds, .. } = report.setup;
-    let rows: Vec<Row<'_>> = report.rows.iter().map(|row| (row.snr.to_string(), &row.methods[..])).collect();
-    charts_text(&report.chart, &report.chart.frames.to_string(), "SNR", first_seed, seeds)
-        + &found_tables(report.chart.discs, &report.setup, "SNR", &rows)
-}
-
-pub(super) fn frames_text(report: &FramesReport) -> String {
-    let first = report.rows.first().map_or(report.chart.frames, |row| row.frames);
-    let frames = match report.chart.frames {
-        last if last == first => last.to_string(),
-        last => format!("{first} to {last}"),
+    let (setup, last, discs) = (&report.setup, frames_of(&report.chart), report.chart.discs);
+    let first = report.rows.first().map_or(0.0, |row| row.at.value()) as usize;
+    let (each, head, frames) = match report.snr {
+        None => ("SNR", "SNR", last.to_string()),
+        Some(_) if first == last => ("number of frames", "frames", last.to_string()),
+        Some(_) => ("number of frames", "frames", format!("{first} to {last}")),
     };
-    let ComparisonSetup { first_seed, seeds, .. } = report.setup;
-    let rows: Vec<Row<'_>> = report.rows.iter().map(|row| (row.frames.to_string(), &row.methods[..])).collect();
-    charts_text(&report.chart, &frames, "number of frames", first_seed, seeds)
-        + &format!("SNR {}\n", report.snr)
-        + &found_tables(report.chart.discs, &report.setup, "frames", &rows)
-}
-
-type Row<'a> = (String, &'a [MethodReport]);
-
-/// The tables of discs found, of `discs` on a chart; `first` is the head of the rows' labels.
-fn found_tables(discs: usize, setup: &ComparisonSetup, first: &str, rows: &[Row<'_>]) -> String {
+    let snr = report.snr.map_or_else(String::new, |snr| format!("SNR {snr}\n"));
     let of_methods = |title: String, cell: &dyn Fn(&MethodReport) -> String| {
-        let methods = rows.first().map_or(&[][..], |(_, methods)| methods).iter().map(|method| method.method.label());
-        let heads: Vec<&str> = std::iter::once(first).chain(methods).collect();
-        let cells = |(name, methods): &Row<'_>| std::iter::once(name.clone()).chain(methods.iter().map(cell)).collect();
-        format!("\n{title}\n{}", table(&heads, rows.iter().map(cells)))
+        let methods = report.rows.first().map_or(&[][..], |row| &row.methods).iter().map(|one| one.method.label());
+        let heads: Vec<&str> = std::iter::once(head).chain(methods).collect();
+        let cells = |row: &ChartRow| std::iter::once(row.at.to_string()).chain(row.methods.iter().map(cell)).collect();
+        format!("\n{title}\n{}", table(&heads, report.rows.iter().map(cells)))
     };
     let title = format!(
         "Discs found, of {discs}, at the threshold on {} where {} % of the detections are false (mean ± standard error)",
         <&str>::from(setup.ranking),
         (setup.false_fraction * 1000.0).round() / 10.0
     );
-    of_methods(title, &|method| format!("{:.1}", method.true_positives))
+    charts_text(&report.chart, &frames, each, setup.first_seed, setup.seeds)
+        + &snr
+        + &of_methods(title, &|method| format!("{:.1}", method.true_positives))
         + &of_methods("Discs found + false features among all that was detected (means)".to_owned(), &|method| {
             format!("{:.1} + {:.1}", method.default_true_positives.mean, method.default_false_features.mean)
         })
@@ -117,10 +109,14 @@ pub(super) fn burst_frames_table(report: &BurstFramesReport) -> Table {
     Table::new(&report.burst, BURST_FRAMES_COLUMNS, report.rows.iter().map(row).collect())
 }
 
-/// The numbers of each method on charts: of `rows`, each with its SNR and number of frames.
-pub(super) fn methods_table<'a>(rows: impl Iterator<Item = (f64, usize, &'a [MethodReport])>) -> Table {
+/// The numbers of each method on charts: of each ratio, or of each number of frames.
+pub(super) fn methods_table(report: &ChartReport) -> Table {
     let with_error = |mean: Mean| [Cell::of(Some(mean.mean), 1), Cell::of(mean.standard_error, 2)];
-    let row = |(snr, frames, of): (f64, usize, &MethodReport)| {
+    let row = |(at, of): (&ChartRow, &MethodReport)| {
+        let (snr, frames) = match report.snr {
+            Some(snr) => (snr, at.at.value() as usize),
+            None => (at.at.value(), frames_of(&report.chart)),
+        };
         let mut cells = vec![Cell::Text(snr.to_string()), Cell::count(frames), of.method.name().into()];
         let means = [of.true_positives, of.default_true_positives, of.default_false_features];
         cells.extend(means.into_iter().flat_map(with_error));
@@ -130,7 +126,7 @@ pub(super) fn methods_table<'a>(rows: impl Iterator<Item = (f64, usize, &'a [Met
         ]);
         cells
     };
-    let rows = rows.flat_map(|(snr, frames, methods)| methods.iter().map(move |of| (snr, frames, of)));
+    let rows = report.rows.iter().flat_map(|at| at.methods.iter().map(move |of| (at, of)));
     Table::new("Discs found", METHOD_COLUMNS, rows.map(row).collect())
 }
 
@@ -183,7 +179,7 @@ pub(super) fn accuracy_text(crowded: &AccuracyReport, apart: Option<&AccuracyRep
     let titles = ["Crowded charts: neighbours draw features aside", "Charts of discs that stand apart in all frames"];
     for (title, report) in titles.into_iter().zip([Some(crowded), apart]) {
         let Some(report) = report else { continue };
-        let frames = report.chart.frames.to_string();
+        let frames = frames_of(&report.chart).to_string();
         let charts = charts_text(&report.chart, &frames, "SNR", report.first_seed, report.seeds);
         text += &format!("\n{title}\n{charts}");
         text.extend(report.rows.iter().map(errors_text));

@@ -53,7 +53,7 @@ pub(super) fn chart_study(
     charts: &ChartsArgs,
     compared: &ComparedArgs,
     search: &SearchArgs,
-    snrs: Vec<f64>,
+    (snrs, frame_counts): (Vec<f64>, Vec<usize>),
 ) -> Result<ChartStudy, Failure> {
     if search.gives(&doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
@@ -62,6 +62,7 @@ pub(super) fn chart_study(
     Ok(ChartStudy {
         chart: charts.params(compared.max_slope),
         snrs,
+        frame_counts,
         first_seed: charts.seed,
         seeds: charts.seeds,
         methods: once_each(&compared.methods),

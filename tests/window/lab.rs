@@ -7,7 +7,7 @@ use burstscope::app::document::method::MethodId;
 use burstscope::app::document::side::Side;
 use burstscope::app::results::Read;
 use burstscope::evaluate::curves::curves_table;
-use burstscope::evaluate::{BurstMethod, ChartStudy, FramesStudy};
+use burstscope::evaluate::{BurstMethod, ChartStudy, RowStudy};
 use burstscope::study::{Study, StudyReport};
 use burstscope::synth::ChartParams;
 use burstscope::teach::Workspace;
@@ -203,8 +203,8 @@ fn the_number_of_frames_is_studied_on_charts_and_on_the_open_burst() {
     type_snrs(&mut window, "0.9");
     window.app_mut().model.document.lab.counts_text = "2, 4, 8".to_owned();
     run(&mut window);
-    let study = FramesStudy { charts: ChartStudy { snrs: vec![0.9], ..expected() }, frame_counts: vec![2, 4, 8] };
-    let report = StudyReport::Frames(Box::new(study.run(&Monitor::default()).unwrap()));
+    let study = ChartStudy { snrs: vec![0.9], frame_counts: vec![2, 4, 8], ..expected() };
+    let report = StudyReport::Chart(Box::new(study.run(&Monitor::default()).unwrap()));
     assert_eq!(window.app().model.results.studies.current.as_ref().unwrap().report, report);
     window.snapshot("lab_frames");
 

@@ -86,9 +86,10 @@ mod lab {
             let (snrs_text, counts_text) = (snrs.to_owned(), counts.to_owned());
             Lab { question, snrs_text, counts_text, ..Lab::default() }.study(&SearchParams::default(), None)
         };
-        let Ok(Study::Frames(study)) = with("0.6", "2, 10") else { panic!("a study of frames") };
-        assert_eq!((study.frame_counts, study.charts.snrs), (vec![2, 10], vec![0.6]));
+        let Ok(Study::Chart(study)) = with("0.6", "2, 10") else { panic!("a study of frames") };
+        assert_eq!((study.frame_counts, study.snrs), (vec![2, 10], vec![0.6]));
         assert!(with("0.6, 1", "2").expect_err("two ratios").contains("one SNR"));
+        assert!(with("0.6", " ,").expect_err("no number").contains("such as 2, 5, 10"));
         assert!(with("0.6", "2, ten").expect_err("a word").contains("'ten'"));
         let lab = Lab { question: LabQuestion::BurstFrames, ..Lab::default() };
         assert!(lab.study(&SearchParams::default(), None).expect_err("no burst").contains("open a burst"));

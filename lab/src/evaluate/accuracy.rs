@@ -16,9 +16,9 @@
 //! at σ = r/√(2·ln(k²)/(1 − 1/k²)). With 3 levels an octave, k = 2^(1/3), that is 0.633·r, 10.5 % below r/√2. Scale
 //! errors are relative to that σ; no other correction is applied.
 
-use super::chart::{ChartSummary, LookedChart};
+use super::chart::{LookedChart, summary};
 use super::statistics::{Errors, quantile};
-use super::{RatioCharts, Steps, check_lists, run_charts};
+use super::{RowStudy, check_lists};
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
 use burstscope_core::detect::detect;
 use burstscope_core::detector::{DetectorParams, Feature, SlopeGrid};
@@ -83,45 +83,57 @@ pub fn discs_apart(chart: &ChartParams) -> usize {
     (chart.width * chart.height / 24_000).max(1)
 }
 
+/// A disc of a chart, and the strongest feature that finds it.
 #[derive(Debug, Clone)]
-struct FoundDisc {
+pub struct FoundDisc {
     disc: FeatureTruth,
     apart: bool,
     feature: Option<Feature>,
 }
 
-impl AccuracyStudy {
-    /// Makes the charts, searches them and compares the features with the truth.
-    ///
-    /// # Errors
-    /// A parameter of study, chart or detector that makes no sense, or cancellation.
-    pub fn run(&self, monitor: &Monitor) -> Result<AccuracyReport> {
-        self.run_telling(monitor, &|_| {})
+impl RowStudy for AccuracyStudy {
+    type Row = f64;
+    type Cell = Vec<FoundDisc>;
+    type Report = AccuracyReport;
+
+    fn check(&self) -> Result<()> {
+        check_lists(&self.snrs, self.seeds)
     }
 
-    /// Runs the study as `run` does; calls `tell` with the report so far after every chart, one call at a time.
-    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(AccuracyReport) + Sync)) -> Result<AccuracyReport> {
-        check_lists(&self.snrs, self.seeds)?;
-        let discs = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| -> Result<_> {
-            let LookedChart { truth, detection, judged, .. } = self.look(snr, seed, monitor)?;
-            let mut found: Vec<FoundDisc> = truth
-                .features
-                .iter()
-                .map(|&disc| FoundDisc { disc, apart: stands_apart(&disc, &truth), feature: None })
-                .collect();
-            for judged in judged {
-                if let Some(disc) = judged.disc {
-                    found[disc].feature = Some(detection.features[judged.feature]);
-                }
+    fn rows(&self) -> Vec<f64> {
+        self.snrs.clone()
+    }
+
+    fn seeds(&self) -> (u64, u64) {
+        (self.first_seed, self.seeds)
+    }
+
+    fn cell(&self, snr: f64, seed: u64, monitor: &Monitor, done: &(dyn Fn(usize) + Sync)) -> Result<Vec<FoundDisc>> {
+        let LookedChart { truth, detection, judged, .. } = self.look(snr, seed, monitor)?;
+        let unfound = |&disc| FoundDisc { disc, apart: stands_apart(&disc, &truth), feature: None };
+        let mut found: Vec<FoundDisc> = truth.features.iter().map(unfound).collect();
+        for judged in judged {
+            if let Some(disc) = judged.disc {
+                found[disc].feature = Some(detection.features[judged.feature]);
             }
-            steps.done();
-            Ok(found)
-        };
-        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
-        run_charts(&self.snrs, seeds, 1, monitor, discs, |charts| self.report(charts), tell)
+        }
+        done(1);
+        Ok(found)
     }
 
-    /// Makes and searches one chart of the study, for a look at a point of a curve; errors as of [`Self::run`].
+    fn report(&self, charts: &[(f64, Vec<Vec<FoundDisc>>)]) -> AccuracyReport {
+        AccuracyReport {
+            chart: self.chart.clone(),
+            first_seed: self.first_seed,
+            seeds: self.seeds,
+            detector: self.detector.clone(),
+            rows: charts.iter().map(|(snr, charts)| self.row(*snr, charts.iter().flatten())).collect(),
+        }
+    }
+}
+
+impl AccuracyStudy {
+    /// Makes and searches one chart of the study, for a look at a point of a curve; errors as of a run.
     pub fn look(&self, snr: f64, seed: u64, monitor: &Monitor) -> Result<LookedChart> {
         let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
         let detection = detect(&burst, &self.detector, monitor)?;
@@ -134,22 +146,11 @@ impl AccuracyStudy {
         ChartParams { snr, seed, ..self.chart.clone() }
     }
 
-    fn report(&self, charts: &[RatioCharts<Vec<FoundDisc>>]) -> AccuracyReport {
-        AccuracyReport {
-            chart: (&self.chart).into(),
-            first_seed: self.first_seed,
-            seeds: self.seeds,
-            detector: self.detector.clone(),
-            rows: charts.iter().map(|(snr, charts)| self.row(*snr, charts.iter().flatten())).collect(),
-        }
-    }
-
     fn row<'a>(&self, snr: f64, found: impl Iterator<Item = &'a FoundDisc>) -> AccuracyRow {
         let grid = self.detector.used_slopes();
         let (mut within, mut beyond) = (RangeCount::default(), RangeCount::default());
-        let (mut u, mut v, mut scale) = (Vec::new(), Vec::new(), Vec::new());
-        let (mut slope_u, mut slope_v) = (Vec::new(), Vec::new());
-        let (mut apart_u, mut apart_v) = (Vec::new(), Vec::new());
+        // Of each compared disc whether it stands apart, and its errors in u, v, scale, and the two slopes.
+        let mut errors: Vec<(bool, [f64; 5])> = Vec::new();
         for FoundDisc { disc, apart, feature } in found {
             let count = if reaches(&grid, disc) { &mut within } else { &mut beyond };
             count.discs += 1;
@@ -160,29 +161,35 @@ impl AccuracyStudy {
                 count.marked += 1;
                 continue;
             }
-            u.push(f64::from(feature.u) - disc.u);
-            v.push(f64::from(feature.v) - disc.v);
-            if *apart {
-                apart_u.push(f64::from(feature.u) - disc.u);
-                apart_v.push(f64::from(feature.v) - disc.v);
-            }
-            scale.push(f64::from(feature.sigma) / expected_sigma(disc.radius, self.detector.levels) - 1.0);
-            slope_u.push(f64::from(feature.slope.u) - disc.slope_u);
-            slope_v.push(f64::from(feature.slope.v) - disc.slope_v);
+            let of_disc = [
+                f64::from(feature.u) - disc.u,
+                f64::from(feature.v) - disc.v,
+                f64::from(feature.sigma) / expected_sigma(disc.radius, self.detector.levels) - 1.0,
+                f64::from(feature.slope.u) - disc.slope_u,
+                f64::from(feature.slope.v) - disc.slope_v,
+            ];
+            errors.push((*apart, of_disc));
         }
+        let errors_of = |column: usize| Errors::of(&errors.iter().map(|(_, one)| one[column]).collect::<Vec<_>>());
+        let lengths = |[a, b]: [usize; 2], all: bool| {
+            let counted = errors.iter().filter(|(apart, _)| all || *apart);
+            let mut lengths: Vec<f64> = counted.map(|(_, one)| one[a].hypot(one[b])).collect();
+            lengths.sort_by(f64::total_cmp);
+            [quantile(&lengths, 0.5), quantile(&lengths, 0.95)]
+        };
         AccuracyRow {
             snr,
             within,
             beyond,
-            distance: lengths(&u, &v),
-            apart: apart_u.len(),
-            distance_apart: lengths(&apart_u, &apart_v),
-            u: Errors::of(&u),
-            v: Errors::of(&v),
-            scale: Errors::of(&scale),
-            slope_distance: lengths(&slope_u, &slope_v),
-            slope_u: Errors::of(&slope_u),
-            slope_v: Errors::of(&slope_v),
+            distance: lengths([0, 1], true),
+            apart: errors.iter().filter(|(apart, _)| *apart).count(),
+            distance_apart: lengths([0, 1], false),
+            u: errors_of(0),
+            v: errors_of(1),
+            scale: errors_of(2),
+            slope_distance: lengths([3, 4], true),
+            slope_u: errors_of(3),
+            slope_v: errors_of(4),
         }
     }
 }
@@ -215,17 +222,14 @@ pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
     })
 }
 
-fn lengths(u: &[f64], v: &[f64]) -> [f64; 2] {
-    let mut lengths: Vec<f64> = u.iter().zip(v).map(|(u, v)| u.hypot(*v)).collect();
-    lengths.sort_by(f64::total_cmp);
-    [quantile(&lengths, 0.5), quantile(&lengths, 0.95)]
-}
-
 /// Report of a study of accuracy.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)] // the names say it
 pub struct AccuracyReport {
-    pub chart: ChartSummary,
+    /// Parameters of the charts.
+    #[serde(serialize_with = "summary")]
+    pub chart: ChartParams,
+    /// The first seed.
     pub first_seed: u64,
     pub seeds: u64,
     pub detector: DetectorParams,

@@ -3,26 +3,37 @@
 //! For every ratio and seed one chart is made, and every method runs on it with the same parameters. A table shows the
 //! discs found at the threshold where a tenth of the detections are false, the mean over the seeds: the best that any
 //! threshold achieves, which compares methods independently of their defaults. Counts *at* the defaults stand beside.
+//!
+//! Instead of ratios the rows may be numbers of frames, at one ratio (the paper's Fig. 6): every number n has charts of
+//! its own, with n frames and the truth at their own mid-burst. [`super::BurstFramesStudy`] measures a given burst.
 
 use super::methods::{BurstMethod, Searches};
 use super::statistics::Mean;
-use super::{RatioCharts, Steps, check_lists, motion_name, run_charts};
-use crate::synth::{ChartParams, RadiusLaw, Truth, synth_chart};
+use super::{RowStudy, ascending, check_lists, motion_name};
+use crate::synth::{ChartParams, Truth, synth_chart};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::Detection;
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::result::{Curve, Ranking, Scored, judge, mean_curve};
 use burstscope_core::monitor::Monitor;
-use serde::Serialize;
+use serde::ser::SerializeMap;
+use serde::{Serialize, Serializer};
+use std::fmt;
+
+/// Default numbers of frames.
+pub const FRAME_COUNTS: [usize; 9] = [2, 3, 4, 5, 6, 8, 10, 12, 15];
 
 /// Methods to be compared, and their charts.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ChartStudy {
-    /// Parameters of the charts; their ratio and seed are set by the study.
+    /// Parameters of the charts; the study sets ratio, seed and, from `frame_counts`, the number of frames.
     pub chart: ChartParams,
     /// Per-pixel signal-to-noise ratios, one row of the table each.
     pub snrs: Vec<f64>,
+    /// Numbers of frames, one row of the table each, at the one ratio; in any order, duplicates count once. Empty where
+    /// the rows are ratios.
+    pub frame_counts: Vec<usize>,
     /// The first seed.
     pub first_seed: u64,
     /// Number of seeds, counting up from the first; 1 or more.
@@ -43,6 +54,7 @@ impl Default for ChartStudy {
         Self {
             chart: ChartParams::default(),
             snrs: vec![0.2, 0.35, 0.6],
+            frame_counts: Vec::new(),
             first_seed: 1,
             seeds: 5,
             methods: BurstMethod::WITH_GIVEN_SLOPES.to_vec(),
@@ -50,6 +62,40 @@ impl Default for ChartStudy {
             ranking: Ranking::Strength,
             false_fraction: 0.10,
         }
+    }
+}
+
+/// Property in which the charts of a row differ from others.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum RowAt {
+    /// Per-pixel signal-to-noise ratio.
+    Snr(f64),
+    /// Number of frames.
+    Frames(usize),
+}
+
+impl RowAt {
+    /// The ratio, or the number of frames.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Snr(snr) => snr,
+            Self::Frames(frames) => frames as f64,
+        }
+    }
+
+    /// The value with its name.
+    pub fn label(self) -> String {
+        match self {
+            Self::Snr(snr) => format!("SNR {snr}"),
+            Self::Frames(frames) => format!("{frames} frames"),
+        }
+    }
+}
+
+impl fmt::Display for RowAt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.value().fmt(f)
     }
 }
 
@@ -66,9 +112,17 @@ pub struct LookedChart {
     pub judged: Vec<Scored>,
 }
 
-impl ChartStudy {
-    pub(super) fn check(&self) -> Result<()> {
+impl RowStudy for ChartStudy {
+    type Row = RowAt;
+    type Cell = Vec<ChartScore>;
+    type Report = ChartReport;
+
+    fn check(&self) -> Result<()> {
         check_lists(&self.snrs, self.seeds)?;
+        if !self.frame_counts.is_empty() && self.snrs.len() > 1 {
+            let problem = format!("{} ratios", self.snrs.len());
+            return Err(Error::param("snr", problem, "give one; the number of frames is what changes"));
+        }
         if self.methods.is_empty() {
             return Err(Error::param("methods", "none is given", "give one or more, such as sift-mean,buff-1d"));
         }
@@ -76,70 +130,89 @@ impl ChartStudy {
             let remedy = "give a share from 0 to 1, such as 0.1";
             return Err(Error::param("false-fraction", self.false_fraction.to_string(), remedy));
         }
-        // All methods are checked before the first chart is made: a late error would lose the finished charts.
-        for &method in &self.methods {
-            let params = self.searches.params(method).at_given();
-            let positions = self.chart.uneven.whole(self.chart.frames);
-            params.validate_for(&positions, (self.chart.width, self.chart.height))?;
+        for row in self.rows() {
+            let chart = self.chart_of(row, self.first_seed);
+            for &method in &self.methods {
+                let params = self.searches.params(method).at_given();
+                params.validate_for(&chart.uneven.whole(chart.frames), (chart.width, chart.height))?;
+            }
         }
         Ok(())
     }
 
-    pub(super) fn setup(&self) -> ComparisonSetup {
-        ComparisonSetup {
-            first_seed: self.first_seed,
-            seeds: self.seeds,
-            ranking: self.ranking,
-            false_fraction: self.false_fraction,
-            searches: self.searches.clone(),
+    fn rows(&self) -> Vec<RowAt> {
+        if self.frame_counts.is_empty() {
+            return self.snrs.iter().copied().map(RowAt::Snr).collect();
+        }
+        ascending(&self.frame_counts).into_iter().map(RowAt::Frames).collect()
+    }
+
+    fn seeds(&self) -> (u64, u64) {
+        (self.first_seed, self.seeds)
+    }
+
+    fn steps(&self, row: RowAt) -> usize {
+        self.methods.len() * steps_of_method(row)
+    }
+
+    fn cell(&self, row: RowAt, seed: u64, monitor: &Monitor, done: &(dyn Fn(usize) + Sync)) -> Result<Vec<ChartScore>> {
+        let (burst, truth) = synth_chart(&self.chart_of(row, seed), monitor)?;
+        let score = |&method: &BurstMethod| {
+            let detection = self.searches.search(method, &burst, monitor)?.detection;
+            done(steps_of_method(row));
+            Ok(self.score(method, seed, &detection, &truth))
+        };
+        self.methods.iter().map(score).collect()
+    }
+
+    fn report(&self, rows: &[(RowAt, Vec<Vec<ChartScore>>)]) -> ChartReport {
+        let row = |(at, charts): &(RowAt, Vec<Vec<ChartScore>>)| {
+            let method = |(index, &method): (usize, &BurstMethod)| {
+                self.method_report(method, charts.iter().map(|scores| scores[index].clone()).collect())
+            };
+            ChartRow { at: *at, methods: self.methods.iter().enumerate().map(method).collect() }
+        };
+        let last = self.rows().into_iter().next_back().unwrap_or(RowAt::Snr(self.chart.snr));
+        ChartReport {
+            chart: self.chart_of(last, self.first_seed),
+            snr: (!self.frame_counts.is_empty()).then(|| self.snrs[0]),
+            setup: ComparisonSetup {
+                first_seed: self.first_seed,
+                seeds: self.seeds,
+                ranking: self.ranking,
+                false_fraction: self.false_fraction,
+                searches: self.searches.clone(),
+            },
+            rows: rows.iter().map(row).collect(),
         }
     }
+}
 
-    /// Makes the charts, runs the methods and scores their features.
-    ///
-    /// # Errors
-    /// A parameter of study, chart or detector that makes no sense, or cancellation.
-    pub fn run(&self, monitor: &Monitor) -> Result<ChartReport> {
-        self.run_telling(monitor, &|_| {})
+/// A chart of twice as many frames takes about twice as long.
+fn steps_of_method(row: RowAt) -> usize {
+    if let RowAt::Frames(frames) = row { frames } else { 1 }
+}
+
+impl ChartStudy {
+    /// The row whose value is `value`: a ratio, or a number of frames.
+    pub fn row_at(&self, value: f64) -> RowAt {
+        if self.frame_counts.is_empty() { RowAt::Snr(value) } else { RowAt::Frames(value as usize) }
     }
 
-    /// Runs the study as `run` does; calls `tell` with the report so far after every chart, one call at a time.
-    pub fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(ChartReport) + Sync)) -> Result<ChartReport> {
-        self.check()?;
-        let scores = |snr: f64, seed: u64, monitor: &Monitor, steps: &Steps<'_>| {
-            let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
-            let score = |&method: &BurstMethod| {
-                let detection = self.searches.search(method, &burst, monitor)?.detection;
-                steps.done();
-                Ok(self.score(method, seed, &detection, &truth))
-            };
-            self.methods.iter().map(score).collect::<Result<Vec<ChartScore>>>()
-        };
-        let seeds = self.first_seed..self.first_seed.saturating_add(self.seeds);
-        run_charts(&self.snrs, seeds, self.methods.len(), monitor, scores, |charts| self.report(charts), tell)
-    }
-
-    /// Makes one chart and runs `method` on it, for a look at a point of a curve; errors as of [`Self::run`].
-    pub fn look(&self, snr: f64, seed: u64, method: BurstMethod, monitor: &Monitor) -> Result<LookedChart> {
-        let (burst, truth) = synth_chart(&self.chart_of(snr, seed), monitor)?;
+    /// Makes one chart and runs `method` on it, for a look at a point of a curve; errors as of a run.
+    pub fn look(&self, row: RowAt, seed: u64, method: BurstMethod, monitor: &Monitor) -> Result<LookedChart> {
+        let (burst, truth) = synth_chart(&self.chart_of(row, seed), monitor)?;
         let Searched { detection, .. } = self.searches.search(method, &burst, monitor)?;
         let judged = judge(&detection.features, &truth, self.ranking);
         Ok(LookedChart { burst, truth, detection, judged })
     }
 
-    /// The parameters of the chart of a ratio and a seed.
-    pub fn chart_of(&self, snr: f64, seed: u64) -> ChartParams {
-        ChartParams { snr, seed, ..self.chart.clone() }
-    }
-
-    fn report(&self, charts: &[RatioCharts<Vec<ChartScore>>]) -> ChartReport {
-        let row = |(snr, charts): &RatioCharts<Vec<ChartScore>>| {
-            let method = |(index, &method): (usize, &BurstMethod)| {
-                self.method_report(method, charts.iter().map(|scores| scores[index].clone()).collect())
-            };
-            ChartRow { snr: *snr, methods: self.methods.iter().enumerate().map(method).collect() }
-        };
-        ChartReport { chart: (&self.chart).into(), setup: self.setup(), rows: charts.iter().map(row).collect() }
+    /// The parameters of the chart of a row and a seed.
+    pub fn chart_of(&self, row: RowAt, seed: u64) -> ChartParams {
+        match row {
+            RowAt::Snr(snr) => ChartParams { snr, seed, ..self.chart.clone() },
+            RowAt::Frames(frames) => ChartParams { snr: self.snrs[0], frames, seed, ..self.chart.clone() },
+        }
     }
 
     fn score(&self, method: BurstMethod, seed: u64, detection: &Detection, truth: &Truth) -> ChartScore {
@@ -160,9 +233,8 @@ impl ChartStudy {
     }
 
     fn method_report(&self, method: BurstMethod, charts: Vec<ChartScore>) -> MethodReport {
-        let mean = |count: fn(&ChartScore) -> usize| {
-            Mean::of(&charts.iter().map(|chart| count(chart) as f64).collect::<Vec<_>>())
-        };
+        let mean = |of_chart: &dyn Fn(&ChartScore) -> f64| Mean::of(&charts.iter().map(of_chart).collect::<Vec<_>>());
+        let discs = self.chart.discs as f64;
         let ratios: Vec<f64> = charts.iter().filter_map(|chart| chart.noise_estimate_ratio).collect();
         // The paper chooses one peak threshold for all charts together (IV-A), so the curves are pooled, not averaged.
         let by_response = Curve::pooled(&charts.iter().map(|chart| &chart.by_response).collect::<Vec<_>>());
@@ -170,13 +242,10 @@ impl ChartStudy {
         let curves: Vec<&Curve> = charts.iter().map(|chart| &chart.curve).collect();
         MethodReport {
             method,
-            true_positives: mean(|chart| chart.true_positives),
-            default_true_positives: mean(|chart| chart.default_true_positives),
-            default_false_features: mean(|chart| chart.default_false_features),
-            default_false_per_disc: (self.chart.discs > 0).then(|| {
-                let discs = self.chart.discs as f64;
-                Mean::of(&charts.iter().map(|chart| chart.default_false_features as f64 / discs).collect::<Vec<_>>())
-            }),
+            true_positives: mean(&|chart| chart.true_positives as f64),
+            default_true_positives: mean(&|chart| chart.default_true_positives as f64),
+            default_false_features: mean(&|chart| chart.default_false_features as f64),
+            default_false_per_disc: (discs > 0.0).then(|| mean(&|chart| chart.default_false_features as f64 / discs)),
             noise_estimate_ratio: (!ratios.is_empty()).then(|| Mean::of(&ratios)),
             peak_threshold: peak_threshold.is_finite().then_some(peak_threshold),
             roc: mean_curve(&curves, self.chart.discs.div_ceil(2)),
@@ -189,9 +258,16 @@ impl ChartStudy {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)] // the names say it
 pub struct ChartReport {
-    pub chart: ChartSummary,
+    /// Parameters of the charts; of several numbers of frames the largest.
+    #[serde(serialize_with = "summary")]
+    pub chart: ChartParams,
+    /// Per-pixel signal-to-noise ratio, where the rows are numbers of frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub snr: Option<f64>,
+    /// Setup of the comparison of methods.
     #[serde(flatten)]
     pub setup: ComparisonSetup,
+    /// One row for each ratio, or for each number of frames, the smallest first.
     pub rows: Vec<ChartRow>,
 }
 
@@ -211,57 +287,34 @@ pub struct ComparisonSetup {
     pub searches: Searches,
 }
 
-/// Parameters of the charts of a report.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
-#[allow(missing_docs)] // where a name says it
-pub struct ChartSummary {
-    pub width: usize,
-    pub height: usize,
-    pub discs: usize,
-    /// Smallest and largest radius, pixels.
-    pub radius: [f64; 2],
-    /// Distribution of the radii between these.
-    pub radius_law: RadiusLaw,
-    /// Intensity of a disc over that of the background.
-    pub contrast: f64,
-    pub frames: usize,
-    /// Directions of motion, `1d` or `2d`.
-    pub motion: &'static str,
-    /// Largest slope on each axis that moves, pixels per frame.
-    pub max_slope: f64,
-    /// Standard deviation of the read noise, electrons.
-    pub read_noise: f64,
-    pub bits: u32,
+/// Writes what a report says of its charts: `radius` as [smallest, largest], `frames` with all views counted.
+pub(super) fn summary<S: Serializer>(chart: &ChartParams, serializer: S) -> Result<S::Ok, S::Error> {
+    let mut map = serializer.serialize_map(None)?;
+    map.serialize_entry("width", &chart.width)?;
+    map.serialize_entry("height", &chart.height)?;
+    map.serialize_entry("discs", &chart.discs)?;
+    map.serialize_entry("radius", &[*chart.radius.start(), *chart.radius.end()])?;
+    map.serialize_entry("radius_law", &chart.radius_law)?;
+    map.serialize_entry("contrast", &chart.contrast)?;
+    map.serialize_entry("frames", &chart.uneven.count_and_span(chart.frames).0)?;
+    map.serialize_entry("motion", motion_name(chart.motion))?;
+    map.serialize_entry("max_slope", &chart.max_slope)?;
+    map.serialize_entry("read_noise", &chart.read_noise)?;
+    map.serialize_entry("bits", &chart.bits)?;
+    map.end()
 }
 
-impl From<&ChartParams> for ChartSummary {
-    fn from(chart: &ChartParams) -> Self {
-        Self {
-            width: chart.width,
-            height: chart.height,
-            discs: chart.discs,
-            radius: [*chart.radius.start(), *chart.radius.end()],
-            radius_law: chart.radius_law,
-            contrast: chart.contrast,
-            frames: chart.uneven.count_and_span(chart.frames).0,
-            motion: motion_name(chart.motion),
-            max_slope: chart.max_slope,
-            read_noise: chart.read_noise,
-            bits: chart.bits,
-        }
-    }
-}
-
-/// All methods at one ratio.
+/// All methods on the charts of one row.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ChartRow {
-    /// Per-pixel signal-to-noise ratio.
-    pub snr: f64,
+    /// Ratio or number of frames.
+    #[serde(flatten)]
+    pub at: RowAt,
     /// The methods, in the study's order.
     pub methods: Vec<MethodReport>,
 }
 
-/// One method at one ratio; means are over the seeds.
+/// One method in one row; means are over the seeds.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct MethodReport {
     /// The method.
@@ -303,4 +356,54 @@ pub struct ChartScore {
     /// True against false features over all thresholds. Not part of the JSON, which holds the mean over the seeds.
     #[serde(skip)]
     pub curve: Curve,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use burstscope_core::detector::SlopeGrid;
+    use std::sync::{Arc, Mutex};
+
+    fn small(frame_counts: Vec<usize>) -> ChartStudy {
+        let chart = ChartParams {
+            width: 200,
+            height: 150,
+            discs: 8,
+            radius: 4.0..=9.0,
+            max_slope: 1.0,
+            ..ChartParams::default()
+        };
+        ChartStudy {
+            chart,
+            snrs: vec![0.8],
+            frame_counts,
+            seeds: 2,
+            methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d],
+            searches: Searches { slopes_1d: SlopeGrid::line(-1.0..=1.0, 5), ..Searches::default() },
+            ..ChartStudy::default()
+        }
+    }
+
+    #[test]
+    fn a_row_is_what_the_study_of_ratios_says_of_charts_of_so_many_frames() {
+        let heard = Arc::new(Mutex::new(Vec::new()));
+        let sink = heard.clone();
+        let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p.fraction));
+        let report = small(vec![6, 2, 6]).run(&monitor).expect("a report");
+        assert_eq!(report.rows.iter().map(|row| row.at).collect::<Vec<_>>(), [2, 6].map(RowAt::Frames));
+        assert_eq!((report.chart.frames, report.snr), (6, Some(0.8)));
+        let ratios = small(Vec::new());
+        let alone = ChartStudy { chart: ChartParams { frames: 6, ..ratios.chart.clone() }, ..ratios };
+        let alone = alone.run(&Monitor::default()).expect("a report");
+        assert_eq!((alone.chart.frames, alone.snr), (6, None));
+        assert_eq!(report.rows[1].methods, alone.rows[0].methods);
+        let json = serde_json::to_value(&report).expect("JSON");
+        assert_eq!((&json["rows"][0]["frames"], &json["rows"][0]["snr"]), (&2.into(), &serde_json::Value::Null));
+        // More frames have less noise.
+        let buff = |row: usize| report.rows[row].methods[1].true_positives.mean;
+        assert!(buff(1) > buff(0), "{} {}", buff(0), buff(1));
+        let heard = heard.lock().expect("not poisoned");
+        assert_eq!(heard.iter().copied().fold(0.0, f32::max), 1.0);
+        assert!(heard.contains(&(2.0 / 32.0)) || heard.contains(&(6.0 / 32.0)), "a step is a frame: {heard:?}");
+    }
 }

@@ -6,9 +6,9 @@
 
 use super::accuracy::{AccuracyReport, AccuracyRow};
 use super::chart::{ChartReport, ChartRow, MethodReport};
-use super::frames::FramesReport;
 use super::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use super::methods::BurstMethod;
+use super::motion_label;
 use super::statistics::Mean;
 use burstscope_core::export::sheet::{Anchor, Area, BLUE, Colour, Dashes, FAINT, Face, RED, SOLID, Sheet};
 use burstscope_core::export::{
@@ -67,39 +67,28 @@ impl StudyCurve {
     }
 }
 
-/// Plots of a study in the dark: ROC curves of the row `roc_row`, then features and discs found against the ratio.
+/// Plots of a study in the dark: ROC curves of the row `roc_row`, then discs found and false features over the rows.
 pub fn chart_plots(report: &ChartReport, roc_row: usize) -> Vec<StudyPlot> {
-    let rows: Vec<(f64, &[MethodReport])> = report.rows.iter().map(|row| (row.snr, &row.methods[..])).collect();
     let mut plots = Vec::new();
     if let Some(row) = report.rows.get(roc_row) {
-        plots.push(roc_plot(&row.methods, row.snr, format!("ROC at SNR {}", row.snr), report.chart.discs));
+        let title = match report.snr {
+            None => format!("ROC at {}", row.at.label()),
+            Some(snr) => format!("ROC of {} at SNR {snr}", row.at.label()),
+        };
+        plots.push(roc_plot(row, title, report.chart.discs));
     }
-    let share = percent(report.setup.false_fraction);
-    let title = format!("Discs found, {share} false, against SNR");
-    plots.push(against(&rows, title, SNR, found_label(report.chart.discs), |method| method.true_positives));
-    plots.push(against(
-        &rows,
-        "False features per disc, default threshold".to_owned(),
-        SNR,
-        "false features per disc".to_owned(),
-        |method| method.default_false_per_disc.unwrap_or(method.default_false_features),
-    ));
-    plots
-}
-
-/// Plots over the number of frames: ROC curves of the row `roc_row`, then features and discs found.
-pub fn frames_plots(report: &FramesReport, roc_row: usize) -> Vec<StudyPlot> {
-    let rows: Vec<(f64, &[MethodReport])> =
-        report.rows.iter().map(|row| (row.frames as f64, &row.methods[..])).collect();
-    let mut plots = Vec::new();
-    if let Some(row) = report.rows.get(roc_row) {
-        let title = format!("ROC of {} frames at SNR {}", row.frames, report.snr);
-        plots.push(roc_plot(&row.methods, row.frames as f64, title, report.chart.discs));
-    }
-    let title = format!("Discs found, {} false, against frames", percent(report.setup.false_fraction));
-    plots.push(against(&rows, title, FRAMES, found_label(report.chart.discs), |method| method.true_positives));
-    let title = "False features at the default threshold".to_owned();
-    plots.push(against(&rows, title, FRAMES, "false features".to_owned(), |method| method.default_false_features));
+    let (x_label, over) = if report.snr.is_none() { (SNR, "SNR") } else { (FRAMES, "frames") };
+    let title = format!("Discs found, {} false, against {over}", percent(report.setup.false_fraction));
+    let found = found_label(report.chart.discs);
+    plots.push(against(&report.rows, title, x_label, found, |method| method.true_positives));
+    plots.push(if report.snr.is_none() {
+        let (title, label) = ("False features per disc, default threshold", "false features per disc");
+        let per_disc = |method: &MethodReport| method.default_false_per_disc.unwrap_or(method.default_false_features);
+        against(&report.rows, title.to_owned(), x_label, label.to_owned(), per_disc)
+    } else {
+        let (title, label) = ("False features at the default threshold", "false features");
+        against(&report.rows, title.to_owned(), x_label, label.to_owned(), |method| method.default_false_features)
+    });
     plots
 }
 
@@ -135,34 +124,34 @@ pub fn burst_frames_plots(report: &BurstFramesReport) -> Vec<StudyPlot> {
     plots.into_iter().flatten().collect()
 }
 
-fn roc_plot(methods: &[MethodReport], row_value: f64, title: String, discs: usize) -> StudyPlot {
+fn roc_plot(row: &ChartRow, title: String, discs: usize) -> StudyPlot {
     let curve = |method: &MethodReport| {
         // No chart has more false features than this; nothing was measured further right.
         let measured = method.charts.iter().map(|chart| chart.default_false_features).max().unwrap_or(0);
         let points = method.roc.iter().take(measured + 1).enumerate();
         let point = |(count, &y): (usize, &f64)| SeriesPoint { x: count as f64, y, spread: None };
         let mut curve = StudyCurve::of(method.method, points.map(point).collect());
-        curve.row = Some(row_value);
+        curve.row = Some(row.at.value());
         curve.line.dot = Some((method.default_false_features.mean, method.default_true_positives.mean));
         curve
     };
-    let (y_label, curves) = (found_label(discs), methods.iter().map(curve).collect());
+    let (y_label, curves) = (found_label(discs), row.methods.iter().map(curve).collect());
     StudyPlot { title, x_label: "false features", y_label, curves, ..StudyPlot::default() }
 }
 
 /// One number of every method against the value that varies from row to row.
 fn against(
-    rows: &[(f64, &[MethodReport])],
+    rows: &[ChartRow],
     title: String,
     x_label: &'static str,
     y_label: String,
     number: impl Fn(&MethodReport) -> Mean,
 ) -> StudyPlot {
-    let methods = rows.first().map_or(&[][..], |(_, methods)| methods);
+    let methods = rows.first().map_or(&[][..], |row| &row.methods);
     let curve = |(index, method): (usize, &MethodReport)| {
-        let point = |(x, methods): &(f64, &[MethodReport])| {
-            let mean = number(&methods[index]);
-            SeriesPoint { x: *x, y: mean.mean, spread: mean.within_error() }
+        let point = |row: &ChartRow| {
+            let mean = number(&row.methods[index]);
+            SeriesPoint { x: row.at.value(), y: mean.mean, spread: mean.within_error() }
         };
         let mut points: Vec<SeriesPoint> = rows.iter().map(point).collect();
         // Rows may be given in any order, but a line joins its points from left to right.
@@ -237,15 +226,16 @@ pub(crate) const LINE: f64 = 2.2;
 pub fn roc_figure(report: &ChartReport, first_letter: usize) -> Figure {
     let discs = report.chart.discs;
     let plot = |row: &ChartRow| {
-        let title = if row.snr.is_finite() { format!("SNR {}", row.snr) } else { "no noise".to_owned() };
-        let mut plot = roc_plot(&row.methods, row.snr, title, discs);
+        let title = if row.at.value().is_finite() { row.at.label() } else { "no noise".to_owned() };
+        let mut plot = roc_plot(row, title, discs);
         plot.curves.extend(share_line(report));
         plot
     };
     let plots: Vec<StudyPlot> = report.rows.iter().map(plot).collect();
     let chart = &report.chart;
-    let frames = format!("{discs} discs in {} frames of {}×{}", chart.frames, chart.width, chart.height);
-    let caption = format!("{frames}, moving in {}; {}", chart.motion.to_uppercase(), charts(report.setup.seeds));
+    let count = chart.uneven.count_and_span(chart.frames).0;
+    let frames = format!("{discs} discs in {count} frames of {}×{}", chart.width, chart.height);
+    let caption = format!("{frames}, moving in {}; {}", motion_label(chart.motion), charts(report.setup.seeds));
     figure("Discs found against false features", &caption, plots, first_letter)
 }
 
@@ -261,12 +251,13 @@ fn share_line(report: &ChartReport) -> Option<StudyCurve> {
 }
 
 /// Discs found and false features over the number of frames as a figure.
-pub fn frames_figure(report: &FramesReport) -> Figure {
+pub fn frames_figure(report: &ChartReport) -> Figure {
     let chart = &report.chart;
     let discs = format!("{} discs of {}×{} pixels", chart.discs, chart.width, chart.height);
     let charts = charts(report.setup.seeds);
-    let caption = format!("SNR {}, {charts} each; {discs}, moving in {}", report.snr, chart.motion.to_uppercase());
-    figure("The number of frames of a burst", &caption, frames_plots(report, usize::MAX), 0)
+    let snr = report.snr.map_or_else(String::new, |snr| format!("SNR {snr}, "));
+    let caption = format!("{snr}{charts} each; {discs}, moving in {}", motion_label(chart.motion));
+    figure("The number of frames of a burst", &caption, chart_plots(report, usize::MAX), 0)
 }
 
 /// Features, discs and matches of a burst over the number of frames as a figure.

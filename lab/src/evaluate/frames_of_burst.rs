@@ -6,6 +6,7 @@
 //! number of all frames even or the other way round; positions are moved there along their slopes. With a truth, discs
 //! found and false features are counted as well, and with a second burst the matches between the two.
 
+use super::ascending;
 use crate::synth::{FeatureTruth, Truth, TruthKind};
 use burstscope_core::burst::{Burst, Offset};
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
@@ -178,9 +179,7 @@ impl BurstFramesStudy {
             let remedy = "name a burst of 2 frames or more";
             return Err(Error::param("frames", format!("{frames} is all there is"), remedy));
         }
-        let mut counts = if self.frame_counts.is_empty() { (2..=frames).collect() } else { self.frame_counts.clone() };
-        counts.sort_unstable();
-        counts.dedup();
+        let counts = if self.frame_counts.is_empty() { (2..=frames).collect() } else { ascending(&self.frame_counts) };
         if let Some(count) = counts.iter().find(|count| !(2..=frames).contains(*count)) {
             let remedy = "give numbers from 2 to the number of frames of the burst";
             return Err(Error::param("frame-counts", format!("{count} of {frames} frames"), remedy));

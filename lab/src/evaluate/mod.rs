@@ -4,7 +4,7 @@
 //!
 //! - [`chart`]: in the dark. The number of a chart's discs that each method finds before a tenth of its features are
 //!   false, and true against false features over the threshold (the ROC curve).
-//! - [`frames`]: the measures of `chart` over the number of frames of a burst; [`frames_of_burst`] for a given burst.
+//!   The same over the number of frames of a burst; [`frames_of_burst`] for a given burst.
 //! - [`accuracy`]: in enough light. Errors of positions, scales and motions.
 //! - [`pure_noise`]: on noise alone. The number of features found where all are false.
 //! - [`advice`]: the sentence about the slopes, against the truth.
@@ -13,16 +13,15 @@
 //!
 //! And one of camera poses, [`poses`] (`burstscope evaluate poses`): how far a trajectory is from the true one.
 //!
-//! A study of the detector is a set of parameters; its `run` makes the synthetic bursts, runs the detector in parallel
-//! over them and returns a report that can be written as JSON. [`result`](burstscope_core::inspect::result) decides which
-//! discs count as found, [`curves`] draws the curves. The same study gives the same report for any number of threads,
-//! and memory holds at most one burst for each thread.
+//! A study of the detector is a set of parameters, a [`RowStudy`]: its `run` makes the synthetic bursts, runs the
+//! detector in parallel over them and returns a report that can be written as JSON.
+//! [`result`](burstscope_core::inspect::result) decides which discs count as found, [`curves`] draws the curves. A
+//! study gives the same report for any number of threads, and memory holds at most one burst for each thread.
 
 pub mod accuracy;
 pub mod advice;
 pub mod chart;
 pub mod curves;
-pub mod frames;
 pub mod frames_of_burst;
 pub mod matches;
 mod methods;
@@ -33,8 +32,7 @@ pub mod statistics;
 pub use accuracy::{AccuracyReport, AccuracyStudy};
 pub use advice::{AdviceReport, AdviceStudy};
 pub use burstscope_core::inspect::result::{Curve, Ranking};
-pub use chart::{ChartReport, ChartStudy, LookedChart};
-pub use frames::{FramesReport, FramesStudy};
+pub use chart::{ChartReport, ChartStudy, LookedChart, RowAt};
 pub use frames_of_burst::{BurstFramesReport, BurstFramesStudy};
 pub use matches::{MatchReport, MatchStudy, Shot};
 pub use methods::{BurstMethod, Searches, slopes_of};
@@ -44,8 +42,7 @@ use crate::synth::Motion;
 use burstscope_core::error::{Error, Result};
 use burstscope_core::monitor::{Monitor, Stage};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
-use std::ops::Range;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 
@@ -57,39 +54,108 @@ pub fn motion_name(motion: Motion) -> &'static str {
     }
 }
 
-fn check_lists(snrs: &[f64], seeds: u64) -> Result<()> {
-    if snrs.is_empty() {
-        return Err(Error::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
-    }
-    if seeds == 0 {
-        return Err(Error::param("seeds", "0 charts", "give 1 or more"));
-    }
-    Ok(())
+/// Name of a motion in a text.
+pub fn motion_label(motion: Motion) -> String {
+    motion_name(motion).to_uppercase()
 }
 
-/// Counts the steps of all jobs; each job calls [`Self::done`] for every step of its own.
-struct Steps<'a> {
-    monitor: &'a Monitor,
-    finished: AtomicUsize,
-    total: usize,
+/// A study of rows, such as ratios or kinds of noise, each measured on as many synthetic bursts, which differ by their
+/// seeds. A study adds the measurement of one burst, and the report of all measurements.
+pub trait RowStudy: Sync {
+    /// Property that tells a row from others, such as a ratio.
+    type Row: Copy + Sync;
+    /// Measurements on one burst.
+    type Cell: Clone + Send;
+    /// Report of a finished study, and of an unfinished one.
+    type Report;
+
+    /// Checks all parameters before the first burst is made, because a late error would lose the finished ones.
+    ///
+    /// # Errors
+    /// A parameter of study, chart or detector that makes no sense.
+    fn check(&self) -> Result<()>;
+
+    /// The rows, in the order of the report.
+    fn rows(&self) -> Vec<Self::Row>;
+
+    /// The first seed, and the number of seeds.
+    fn seeds(&self) -> (u64, u64);
+
+    /// Cost of a burst of a row, in steps of the progress, beside that of other rows.
+    fn steps(&self, _row: Self::Row) -> usize {
+        1
+    }
+
+    /// Makes and measures a burst; calls `done` with each number of steps that is finished.
+    ///
+    /// # Errors
+    /// As of [`Self::check`], or cancellation.
+    fn cell(&self, row: Self::Row, seed: u64, monitor: &Monitor, done: &(dyn Fn(usize) + Sync)) -> Result<Self::Cell>;
+
+    /// The report of the rows with finished bursts, whose measurements are in the order of their seeds.
+    fn report(&self, rows: &[(Self::Row, Vec<Self::Cell>)]) -> Self::Report;
+
+    /// Makes the bursts, measures them and reports.
+    ///
+    /// # Errors
+    /// As of [`Self::cell`].
+    fn run(&self, monitor: &Monitor) -> Result<Self::Report> {
+        run_rows(self, monitor, None)
+    }
+
+    /// Runs the study as `run` does; calls `tell` with the report so far after every burst, one call at a time.
+    ///
+    /// # Errors
+    /// As of [`Self::cell`].
+    fn run_telling(&self, monitor: &Monitor, tell: &(dyn Fn(Self::Report) + Sync)) -> Result<Self::Report> {
+        run_rows(self, monitor, Some(tell))
+    }
 }
 
-impl Steps<'_> {
-    fn done(&self) {
-        let finished = 1 + self.finished.fetch_add(1, Ordering::Relaxed);
-        self.monitor.report(Stage::Evaluate, finished as f32 / self.total.max(1) as f32);
-    }
+fn run_rows<S: RowStudy + ?Sized>(
+    study: &S,
+    monitor: &Monitor,
+    tell: Option<&(dyn Fn(S::Report) + Sync)>,
+) -> Result<S::Report> {
+    study.check()?;
+    let (rows, (first_seed, seeds)) = (study.rows(), study.seeds());
+    // Seed by seed over all rows, so that every point of a curve exists early and then improves.
+    let jobs: Vec<(usize, u64)> = (0..seeds).flat_map(|turn| (0..rows.len()).map(move |row| (row, turn))).collect();
+    let report_of = |finished: &BTreeMap<(usize, u64), S::Cell>| {
+        let of_row = |(index, &row): (usize, &S::Row)| {
+            let cells: Vec<_> = finished.range((index, 0)..=(index, u64::MAX)).map(|(_, cell)| cell.clone()).collect();
+            (!cells.is_empty()).then_some((row, cells))
+        };
+        study.report(&rows.iter().enumerate().filter_map(of_row).collect::<Vec<_>>())
+    };
+    let finished = Mutex::new(BTreeMap::new());
+    let steps = |&(row, _): &(usize, u64)| study.steps(rows[row]);
+    run_jobs(&jobs, steps, monitor, |&(row, turn), monitor, done| {
+        let cell = study.cell(rows[row], first_seed.wrapping_add(turn), monitor, done)?;
+        let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
+        finished.insert((row, turn), cell);
+        // Under the lock, so that reports arrive one at a time, each with more bursts than the one before.
+        if let Some(tell) = tell {
+            tell(report_of(&finished));
+        }
+        Ok(())
+    })?;
+    Ok(report_of(&finished.into_inner().unwrap_or_else(PoisonError::into_inner)))
 }
 
 /// Runs `f` on every job; results, and the failure that counts, follow the order of the jobs. As many jobs run at a
-/// time as there are threads, so at most that many hold their memory.
+/// time as there are threads, so at most that many hold their memory. `f` reports its steps, of those of `steps`.
 fn run_jobs<J: Sync, R: Send>(
     jobs: &[J],
-    steps_per_job: usize,
+    steps: impl Fn(&J) -> usize,
     monitor: &Monitor,
-    f: impl Fn(&J, &Monitor, &Steps<'_>) -> Result<R> + Sync,
+    f: impl Fn(&J, &Monitor, &(dyn Fn(usize) + Sync)) -> Result<R> + Sync,
 ) -> Result<Vec<R>> {
-    let steps = Steps { monitor, finished: AtomicUsize::new(0), total: jobs.len() * steps_per_job };
+    let (total, finished) = (jobs.iter().map(steps).sum::<usize>().max(1), AtomicUsize::new(0));
+    let done = |steps: usize| {
+        let finished = steps + finished.fetch_add(steps, Ordering::Relaxed);
+        monitor.report(Stage::Evaluate, finished as f32 / total as f32);
+    };
     let silent = monitor.silent();
     monitor.report(Stage::Evaluate, 0.0);
     let mut results = Vec::with_capacity(jobs.len());
@@ -97,7 +163,7 @@ fn run_jobs<J: Sync, R: Send>(
     for group in jobs.chunks(rayon::current_num_threads()) {
         monitor.check()?;
         // One job a piece: a longer piece would leave threads idle at the end.
-        let answers: Vec<Result<R>> = group.par_iter().with_max_len(1).map(|job| f(job, &silent, &steps)).collect();
+        let answers: Vec<Result<R>> = group.par_iter().with_max_len(1).map(|job| f(job, &silent, &done)).collect();
         for answer in answers {
             results.push(answer?);
         }
@@ -106,39 +172,19 @@ fn run_jobs<J: Sync, R: Send>(
     Ok(results)
 }
 
-/// A ratio and the results of its finished charts, in the order of their seeds.
-type RatioCharts<C> = (f64, Vec<C>);
+/// Numbers of frames in ascending order, each once.
+fn ascending(counts: &[usize]) -> Vec<usize> {
+    counts.iter().copied().collect::<BTreeSet<_>>().into_iter().collect()
+}
 
-/// Runs `f`, which has `steps` steps, on every ratio and seed, and returns the `report` of the results. Calls `tell`
-/// with the report so far after every chart, from any thread, one call at a time; ratios without a chart are left out.
-fn run_charts<C: Clone + Send, R>(
-    snrs: &[f64],
-    seeds: Range<u64>,
-    steps: usize,
-    monitor: &Monitor,
-    f: impl Fn(f64, u64, &Monitor, &Steps<'_>) -> Result<C> + Sync,
-    report: impl Fn(&[RatioCharts<C>]) -> R + Sync,
-    tell: &(dyn Fn(R) + Sync),
-) -> Result<R> {
-    // Seed by seed over all ratios, so that every point of a curve exists early and then improves.
-    let jobs: Vec<(usize, u64)> = seeds.flat_map(|seed| (0..snrs.len()).map(move |row| (row, seed))).collect();
-    let report_of = |finished: &BTreeMap<(usize, u64), C>| {
-        let of_ratio = |(row, &snr): (usize, &f64)| {
-            let charts: Vec<C> = finished.range((row, 0)..=(row, u64::MAX)).map(|(_, chart)| chart.clone()).collect();
-            (!charts.is_empty()).then_some((snr, charts))
-        };
-        report(&snrs.iter().enumerate().filter_map(of_ratio).collect::<Vec<_>>())
-    };
-    let finished = Mutex::new(BTreeMap::new());
-    run_jobs(&jobs, steps, monitor, |&(row, seed), monitor, steps| {
-        let chart = f(snrs[row], seed, monitor, steps)?;
-        let mut finished = finished.lock().unwrap_or_else(PoisonError::into_inner);
-        finished.insert((row, seed), chart);
-        // Under the lock, so that reports arrive one at a time, each with more charts than the one before.
-        tell(report_of(&finished));
-        Ok(())
-    })?;
-    Ok(report_of(&finished.into_inner().unwrap_or_else(PoisonError::into_inner)))
+fn check_lists(snrs: &[f64], seeds: u64) -> Result<()> {
+    if snrs.is_empty() {
+        return Err(Error::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
+    }
+    if seeds == 0 {
+        return Err(Error::param("seeds", "0 charts", "give 1 or more"));
+    }
+    Ok(())
 }
 
 #[cfg(test)]
@@ -152,11 +198,16 @@ mod tests {
         let sink = heard.clone();
         let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p.fraction));
         let jobs: Vec<usize> = (0..25).collect();
-        let results = run_jobs(&jobs, 2, &monitor, |&job, _, steps| {
-            steps.done();
-            steps.done();
-            Ok(job * job)
-        });
+        let results = run_jobs(
+            &jobs,
+            |_| 3,
+            &monitor,
+            |&job, _, done| {
+                done(1);
+                done(2);
+                Ok(job * job)
+            },
+        );
         assert_eq!(results, Ok((0..25).map(|job| job * job).collect()));
         let largest = heard.lock().expect("not poisoned").iter().copied().fold(0.0, f32::max);
         assert_eq!(largest, 1.0);
@@ -165,18 +216,23 @@ mod tests {
     #[test]
     fn the_first_failure_in_order_is_the_answer_and_cancelling_ends_it() {
         let jobs: Vec<usize> = (0..40).collect();
-        let fail = |&job: &usize, _: &Monitor, _: &Steps<'_>| {
+        let fail = |&job: &usize, _: &Monitor, _: &(dyn Fn(usize) + Sync)| {
             if job % 7 == 5 { Err(Error::param("seeds", format!("{job}"), "none")) } else { Ok(()) }
         };
-        let error = run_jobs(&jobs, 1, &Monitor::default(), fail).expect_err("job 5 fails");
+        let error = run_jobs(&jobs, |_| 1, &Monitor::default(), fail).expect_err("job 5 fails");
         assert_eq!(error.to_string(), "seeds: 5; none");
         let monitor = Monitor::default();
-        let cancelled = run_jobs(&jobs, 1, &monitor, |&job, monitor, _| {
-            if job == 3 {
-                monitor.cancel();
-            }
-            Ok(monitor.check()?)
-        });
+        let cancelled = run_jobs(
+            &jobs,
+            |_| 1,
+            &monitor,
+            |&job, monitor, _| {
+                if job == 3 {
+                    monitor.cancel();
+                }
+                Ok(monitor.check()?)
+            },
+        );
         assert!(cancelled.is_err_and(|error| error.is_cancelled()));
     }
 }

@@ -4,7 +4,7 @@
 //! rounded to the levels of a converter, and noise as cameras and files produce it ([`NoiseCase`]). The noise gate
 //! promises at most one feature, all being false, in a million pixels of the image, for any noise and number of slopes.
 
-use super::run_jobs;
+use super::RowStudy;
 use crate::synth::NoiseCase;
 use crate::synth::noise::{quantisation_step, quantised_word};
 use crate::synth::random::Stream;
@@ -71,6 +71,10 @@ pub struct NoiseStudy {
 }
 
 impl NoiseStudy {
+    fn burst_megapixels(&self) -> f64 {
+        (self.width * self.height) as f64 * 1e-6
+    }
+
     /// The searches of BuFF 1D and 2D as charts have them: 13 slopes, and 7×7, over ±3 px/frame.
     pub fn searches(detector: &DetectorParams) -> Vec<NoiseSearch> {
         let search = |label: &str, slopes: SlopeGrid| NoiseSearch {
@@ -147,105 +151,106 @@ pub struct NoiseCount {
     pub noise_estimate_ratio: Option<f64>,
 }
 
-impl NoiseStudy {
+impl RowStudy for NoiseStudy {
+    type Row = NoiseLevel;
+    /// Of each search the number of features, and the estimated noise of a frame.
+    type Cell = Vec<(usize, f64)>;
+    type Report = NoiseReport;
+
     fn check(&self) -> Result<()> {
-        for level in &self.levels {
-            if !(level.sigma.is_finite() && level.sigma > 0.0 && level.sigma <= 0.1) {
-                let remedy =
-                    "give standard deviations above 0 and up to 0.1, so that nothing is cut off at black or white";
-                return Err(Error::param("sigma", level.sigma.to_string(), remedy));
-            }
-            if !(level.mean > 0.0 && level.mean < 1.0) {
-                let remedy = "give a level between 0 and 1";
-                return Err(Error::param("case_level", level.mean.to_string(), remedy));
-            }
-            if level.bits.is_some() && level.case != NoiseCase::White {
-                let remedy = "round white noise only";
-                return Err(Error::param("bits", format!("{:?} of {}", level.bits, level.case.name()), remedy));
-            }
-            if level.bits.is_some_and(|bits| !(4..=16).contains(&bits)) {
-                return Err(Error::param("bits", format!("{:?}", level.bits), "give 4 to 16"));
-            }
+        let check = |is_right: bool, parameter, problem: String, remedy| {
+            if is_right { Ok(()) } else { Err(Error::param(parameter, problem, remedy)) }
+        };
+        for &NoiseLevel { sigma, bits, case, mean } in &self.levels {
+            let remedy = "give standard deviations above 0 and up to 0.1, so that nothing is cut off at black or white";
+            check(sigma > 0.0 && sigma <= 0.1, "sigma", sigma.to_string(), remedy)?;
+            check(mean > 0.0 && mean < 1.0, "case_level", mean.to_string(), "give a level between 0 and 1")?;
+            let is_white = bits.is_none() || case == NoiseCase::White;
+            check(is_white, "bits", format!("{bits:?} of {}", case.name()), "round white noise only")?;
+            let can_round = bits.is_none_or(|bits| (4..=16).contains(&bits));
+            check(can_round, "bits", format!("{bits:?}"), "give 4 to 16")?;
         }
-        if self.levels.is_empty() || self.searches.is_empty() {
-            return Err(Error::param("sigma", "no noise or no search is given", "give one or more"));
-        }
-        let pixels = self.width as f64 * self.height as f64;
-        if !(16..=32768).contains(&self.width) || !(16..=32768).contains(&self.height) || pixels > 1e8 {
-            let problem = format!("{}×{} pixels", self.width, self.height);
-            return Err(Error::param("width", problem, "give 16 to 32768 a side, 100 million at most"));
-        }
+        let is_any = !self.levels.is_empty() && !self.searches.is_empty();
+        check(is_any, "sigma", "no noise or no search is given".to_owned(), "give one or more")?;
+        let (size, pixels) = (format!("{}×{}", self.width, self.height), self.width as f64 * self.height as f64);
+        let fits = [self.width, self.height].iter().all(|side| (16..=32768).contains(side)) && pixels <= 1e8;
+        check(fits, "width", format!("{size} pixels"), "give 16 to 32768 a side, 100 million at most")?;
         // As f32 the largest burst takes 8 GB, and each thread holds a burst.
-        if !(1..=4096).contains(&self.frames) || pixels * self.frames as f64 > 2e9 {
-            let problem = format!("{} frames of {}×{}", self.frames, self.width, self.height);
-            return Err(Error::param("frames", problem, "give 1 to 4096 frames, 2000 million pixels at most"));
-        }
-        if self.seeds.is_some_and(|seeds| !(1..=1_000_000).contains(&seeds)) {
-            return Err(Error::param("seeds", format!("{:?}", self.seeds), "give 1 to a million"));
-        }
-        if !(self.megapixels > 0.0 && self.megapixels <= 1e6) {
-            let remedy = "give millions of pixels, above 0 and up to a million";
-            return Err(Error::param("megapixels", self.megapixels.to_string(), remedy));
-        }
+        let fits = (1..=4096).contains(&self.frames) && pixels * self.frames as f64 <= 2e9;
+        let remedy = "give 1 to 4096 frames, 2000 million pixels at most";
+        check(fits, "frames", format!("{} frames of {size}", self.frames), remedy)?;
+        let can_count = self.seeds.is_none_or(|seeds| (1..=1_000_000).contains(&seeds));
+        check(can_count, "seeds", format!("{:?}", self.seeds), "give 1 to a million")?;
+        let remedy = "give millions of pixels, above 0 and up to a million";
+        let is_area = self.megapixels > 0.0 && self.megapixels <= 1e6;
+        check(is_area, "megapixels", self.megapixels.to_string(), remedy)?;
         for search in &self.searches {
             search.detector.validate_for(&Positions::even(self.frames), (self.width, self.height))?;
         }
         Ok(())
     }
 
-    /// Makes the bursts, searches them and counts the features.
-    ///
-    /// # Errors
-    /// A parameter of study or detector that makes no sense, or cancellation.
-    pub fn run(&self, monitor: &Monitor) -> Result<NoiseReport> {
-        self.check()?;
-        let burst_megapixels = (self.width * self.height) as f64 * 1e-6;
-        let bursts = self.seeds.unwrap_or((self.megapixels / burst_megapixels).ceil().max(1.0) as usize);
-        let jobs: Vec<(NoiseLevel, u64)> = self
-            .levels
-            .iter()
-            .flat_map(|&level| (0..bursts as u64).map(move |i| (level, self.first_seed.wrapping_add(i))))
-            .collect();
+    fn rows(&self) -> Vec<NoiseLevel> {
+        self.levels.clone()
+    }
+
+    fn seeds(&self) -> (u64, u64) {
+        let bursts = self.seeds.unwrap_or((self.megapixels / self.burst_megapixels()).ceil().max(1.0) as usize);
+        (self.first_seed, bursts as u64)
+    }
+
+    fn steps(&self, _: NoiseLevel) -> usize {
+        self.searches.len()
+    }
+
+    fn cell(
+        &self,
+        level: NoiseLevel,
+        seed: u64,
+        monitor: &Monitor,
+        done: &(dyn Fn(usize) + Sync),
+    ) -> Result<Vec<(usize, f64)>> {
         // All searches share a burst, so that the columns of a row differ by the search alone.
-        let found = run_jobs(&jobs, self.searches.len(), monitor, |&(level, seed), monitor, steps| {
-            let burst = noise_burst(level, (self.width, self.height), self.frames, seed, monitor)?;
-            let search = |search: &NoiseSearch| {
-                let detection = detect(&burst, &search.detector, monitor)?;
-                steps.done();
-                Ok((detection.features.len(), f64::from(detection.frame_noise)))
-            };
-            self.searches.iter().map(search).collect::<Result<Vec<(usize, f64)>>>()
-        })?;
-        let megapixels = bursts as f64 * burst_megapixels;
-        // Jobs go level by level, so that the bursts of one row lie together.
-        let row = |(&level, found): (&NoiseLevel, &[Vec<(usize, f64)>])| NoiseRow {
-            level,
-            searches: (self.searches.iter().enumerate())
-                .map(|(i, search)| {
-                    let false_features = found.iter().map(|burst| burst[i].0).sum::<usize>();
-                    let noise = found.iter().map(|burst| burst[i].1).sum::<f64>() / bursts as f64;
-                    NoiseCount {
-                        label: search.label.clone(),
-                        slopes: search.detector.used_slopes().len(),
-                        noise_gate_factor: gate_factor(&search.detector),
-                        false_features,
-                        of_bursts: found.iter().map(|burst| burst[i].0).collect(),
-                        per_megapixel: false_features as f64 / megapixels,
-                        standard_error: (false_features as f64).sqrt() / megapixels,
-                        noise_estimate_ratio: (level.case == NoiseCase::White).then(|| noise / level.total_sigma()),
-                    }
-                })
-                .collect(),
+        let burst = noise_burst(level, (self.width, self.height), self.frames, seed, monitor)?;
+        let search = |search: &NoiseSearch| {
+            let detection = detect(&burst, &search.detector, monitor)?;
+            done(1);
+            Ok((detection.features.len(), f64::from(detection.frame_noise)))
         };
-        Ok(NoiseReport {
+        self.searches.iter().map(search).collect()
+    }
+
+    fn report(&self, rows: &[(NoiseLevel, Vec<Vec<(usize, f64)>>)]) -> NoiseReport {
+        let bursts = self.seeds().1 as usize;
+        let megapixels = bursts as f64 * self.burst_megapixels();
+        let count = |level: NoiseLevel, found: &[Vec<(usize, f64)>], (i, search): (usize, &NoiseSearch)| {
+            let of_bursts: Vec<usize> = found.iter().map(|burst| burst[i].0).collect();
+            let false_features = of_bursts.iter().sum::<usize>();
+            let noise = found.iter().map(|burst| burst[i].1).sum::<f64>() / bursts as f64;
+            NoiseCount {
+                label: search.label.clone(),
+                slopes: search.detector.used_slopes().len(),
+                noise_gate_factor: gate_factor(&search.detector),
+                false_features,
+                of_bursts,
+                per_megapixel: false_features as f64 / megapixels,
+                standard_error: (false_features as f64).sqrt() / megapixels,
+                noise_estimate_ratio: (level.case == NoiseCase::White).then(|| noise / level.total_sigma()),
+            }
+        };
+        let row = |(level, found): &(NoiseLevel, Vec<Vec<(usize, f64)>>)| NoiseRow {
+            level: *level,
+            searches: self.searches.iter().enumerate().map(|search| count(*level, found, search)).collect(),
+        };
+        NoiseReport {
             width: self.width,
             height: self.height,
             frames: self.frames,
             first_seed: self.first_seed,
             bursts,
             megapixels,
-            rows: self.levels.iter().zip(found.chunks(bursts)).map(row).collect(),
-        })
+            rows: rows.iter().map(row).collect(),
+        }
     }
 }
 

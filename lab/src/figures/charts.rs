@@ -5,7 +5,7 @@ use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use crate::evaluate::curves::{frames_figure, lettered, roc_figure};
 use crate::evaluate::statistics::Mean;
-use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, FramesStudy, Ranking, Searches, motion_name};
+use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, Ranking, RowStudy, Searches, motion_name};
 use crate::synth::{ChartParams, Motion, synth_chart};
 use burstscope_core::burst::Burst;
 use burstscope_core::detector::{Detection, DetectorParams, NoiseGate, SlopeGrid};
@@ -71,7 +71,7 @@ fn write_curves(csv: &mut String, motion: &str, report: &ChartReport) {
     for row in &report.rows {
         for method in &row.methods {
             for (count, found) in method.roc.iter().enumerate() {
-                *csv += &format!("{motion},{},{},{count},{found}\n", row.snr, method.method.name());
+                *csv += &format!("{motion},{},{},{count},{found}\n", row.at, method.method.name());
             }
         }
     }
@@ -82,7 +82,7 @@ fn counts(report: &ChartReport) -> String {
     let of_row = |row: &crate::evaluate::chart::ChartRow| {
         let of_method =
             |m: &crate::evaluate::chart::MethodReport| format!("{} {:.1}", m.method.label(), m.true_positives.mean);
-        format!("at SNR {} {}", row.snr, row.methods.iter().map(of_method).collect::<Vec<_>>().join(", "))
+        format!("at {} {}", row.at.label(), row.methods.iter().map(of_method).collect::<Vec<_>>().join(", "))
     };
     let rows: Vec<String> = report.rows.iter().map(of_row).collect();
     format!(
@@ -95,16 +95,15 @@ fn counts(report: &ChartReport) -> String {
 
 #[derive(Debug)]
 pub(super) struct FramesFigure {
-    study: FramesStudy,
+    study: ChartStudy,
 }
 
 impl FramesFigure {
     pub fn new(size: FigureSize) -> Self {
         let methods =
             [BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d, BurstMethod::Buff2d].to_vec();
-        let frame_counts = size.pick(crate::evaluate::frames::FRAME_COUNTS.to_vec(), vec![2, 5, 10]);
-        let charts = ChartStudy { methods, ..study(size, vec![size.pick(0.35, 0.6)]) };
-        Self { study: FramesStudy { charts, frame_counts } }
+        let frame_counts = size.pick(crate::evaluate::chart::FRAME_COUNTS.to_vec(), vec![2, 5, 10]);
+        Self { study: ChartStudy { methods, frame_counts, ..study(size, vec![size.pick(0.35, 0.6)]) } }
     }
 }
 
@@ -120,7 +119,7 @@ impl MakeFigure for FramesFigure {
                 format!("{:.4},{error}", mean.mean)
             };
             let means = [method.true_positives, method.default_true_positives, method.default_false_features].map(pair);
-            csv += &format!("{},{},{}\n", row.frames, method.method.name(), means.join(","));
+            csv += &format!("{},{},{}\n", row.at, method.method.name(), means.join(","));
         }
         Ok(Made { svg: frames_figure(&report).drawing.svg(), csv, notes: Vec::new() })
     }

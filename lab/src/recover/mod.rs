@@ -293,6 +293,7 @@ impl RecoverStudy {
         Ok((copy, truth))
     }
 
+    /// The things of a copy, planted and searched, with their fates.
     fn copy(
         &self,
         burst: &Burst,

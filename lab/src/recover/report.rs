@@ -129,8 +129,7 @@ impl RecoverReport {
     pub(super) fn begun(study: &RecoverStudy, burst: &Burst, ground: &Ground, levels: Levels) -> Self {
         let (width, height) = burst.size();
         let detection = ground.cache.detection();
-        let factor = f64::from(detection.noise_gate_factor);
-        let prior = Prior::of_gate(factor, levels.expected_half.max(1e-9).ln());
+        let prior = prior(detection.noise_gate_factor, &levels);
         Self {
             burst: burst.name.clone(),
             size: [width, height],
@@ -225,8 +224,7 @@ impl RecoverReport {
         // Things beyond the searched slopes are missed at any strength, and would flatten the curve.
         let outcomes: Vec<Outcome> =
             self.planted.iter().filter(|one| one.varied == Varied::Snr && one.is_in_range).map(of).collect();
-        let prior = Prior::of_gate(f64::from(self.noise_gate_factor), self.levels.expected_half.max(1e-9).ln());
-        self.curve = fitted(&outcomes, &prior);
+        self.curve = fitted(&outcomes, &prior(self.noise_gate_factor, &self.levels));
         let (snr, error) = (self.curve.strength_at(0.5), self.curve.error_at_half());
         let planted = self.levels.snrs.first().zip(self.levels.snrs.last());
         let is_measured = planted.is_some_and(|(first, last)| (*first..=*last).contains(&snr));
@@ -406,6 +404,10 @@ impl RecoverReport {
         }
         text
     }
+}
+
+fn prior(noise_gate_factor: f32, levels: &Levels) -> Prior {
+    Prior::of_gate(f64::from(noise_gate_factor), levels.expected_half.max(1e-9).ln())
 }
 
 /// Share of the standard normal distribution below `x`.

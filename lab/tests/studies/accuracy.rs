@@ -9,6 +9,7 @@ use burstscope_core::synth::{ChartParams, Motion, synth_chart};
 use burstscope_core::{Burst, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
 use burstscope_lab::evaluate::accuracy::{AccuracyReport, AccuracyStudy};
 use burstscope_lab::evaluate::statistics::Errors;
+use burstscope_lab::evaluate::{RowStudy, motion_name};
 
 /// Bounds at one signal-to-noise ratio. All are medians of magnitudes.
 struct Bar {
@@ -40,11 +41,12 @@ const CROWDED_SCALE_BIAS: f64 = 0.03;
 fn check(report: &AccuracyReport, bars: &[Bar], crowded: bool) {
     for (row, bar) in report.rows.iter().zip(bars) {
         let median = |e: &Errors| e.median_magnitude;
-        let slopes = if report.chart.motion == "2d" { vec![&row.slope_u, &row.slope_v] } else { vec![&row.slope_u] };
+        let slopes =
+            if report.chart.motion == Motion::TwoD { vec![&row.slope_u, &row.slope_v] } else { vec![&row.slope_u] };
         println!(
             "{} {} SNR {}: {} of {} found; median errors: distance {:.4} px (bar {}), scale {:.4} (bar {}), slope {:.4?} px/frame (bar {}); \
              bias in scale {:.4}; beyond the grid {} of {} found discs are marked",
-            report.chart.motion,
+            motion_name(report.chart.motion),
             if crowded { "crowded" } else { "apart" },
             row.snr,
             row.within.found,

@@ -6,7 +6,7 @@ use burstscope_core::{DetectorParams, Monitor, SlopeGrid};
 use burstscope_lab::evaluate::curves::{burst_frames_figure, frames_figure, roc_figure};
 use burstscope_lab::evaluate::pure_noise::NoiseLevel;
 use burstscope_lab::evaluate::{
-    BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, FramesStudy, NoiseStudy, Searches,
+    BurstFramesStudy, BurstMethod, ChartReport, ChartStudy, NoiseStudy, RowStudy, Searches,
 };
 use burstscope_lab::study::StudyReport;
 
@@ -182,7 +182,7 @@ fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
 fn figures_over_the_number_of_frames_are_valid_pictures() {
     let methods = vec![BurstMethod::SiftMean, BurstMethod::Buff1d];
     let charts = ChartStudy { methods, ..small_study() };
-    let report = FramesStudy { charts, frame_counts: vec![2, 5] }.run(&Monitor::default()).expect("a report");
+    let report = ChartStudy { frame_counts: vec![2, 5], ..charts }.run(&Monitor::default()).expect("a report");
     let svg = frames_figure(&report).drawing.svg();
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let dots = document.descendants().filter(|n| n.has_tag_name("circle")).count();

@@ -5,7 +5,7 @@ use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, SlopeAx
 use burstscope_core::monitor::Monitor;
 use burstscope_core::synth::{ChartParams, Truth, synth_chart};
 use burstscope_core::{Burst, Plane};
-use burstscope_lab::evaluate::{BurstMethod, ChartStudy, Searches};
+use burstscope_lab::evaluate::{BurstMethod, ChartStudy, RowStudy, Searches};
 use burstscope_lab::recover::plots::{recover_figure, recover_plots};
 use burstscope_lab::recover::report::planted_table;
 use burstscope_lab::recover::{Contrast, RecoverReport, RecoverStudy, Shape, Varied};

@@ -1,8 +1,8 @@
 //! The Lab: its questions with the settings of their studies.
 
 use crate::detector::{SearchParams, SlopeGrid};
-use crate::evaluate::frames::FRAME_COUNTS;
-use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, FramesStudy, Searches};
+use crate::evaluate::chart::FRAME_COUNTS;
+use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, Searches};
 use crate::recover::RecoverStudy;
 use crate::study::{BurstsOfStudy, Study, StudyPoint, StudyReport};
 use crate::synth::{ChartParams, NoisyParams};
@@ -118,14 +118,13 @@ impl LabQuestion {
     }
 
     pub fn asks_for(self, report: &StudyReport) -> bool {
-        matches!(
-            (self, report),
-            (Self::Dark, StudyReport::Chart(_))
-                | (Self::Frames, StudyReport::Frames(_))
-                | (Self::Accuracy, StudyReport::Accuracy(_))
-                | (Self::BurstFrames, StudyReport::BurstFrames(_))
-                | (Self::InBurst, StudyReport::Recover(_))
-        )
+        self == match report {
+            StudyReport::Chart(report) if report.snr.is_some() => Self::Frames,
+            StudyReport::Chart(_) => Self::Dark,
+            StudyReport::Accuracy(_) => Self::Accuracy,
+            StudyReport::BurstFrames(_) => Self::BurstFrames,
+            StudyReport::Recover(_) => Self::InBurst,
+        }
     }
 }
 
@@ -162,7 +161,11 @@ impl Lab {
                 if charts.snrs.len() > 1 {
                     return Err("give one SNR; the number of frames is what changes".to_owned());
                 }
-                Study::Frames(Box::new(FramesStudy { charts, frame_counts: self.frame_counts()? }))
+                let frame_counts = self.frame_counts()?;
+                if frame_counts.is_empty() {
+                    return Err("no number of frames is given; give one or more, such as 2, 5, 10".to_owned());
+                }
+                Study::Chart(Box::new(ChartStudy { frame_counts, ..charts }))
             }
             LabQuestion::Accuracy => {
                 let slopes = given.unwrap_or(AccuracyStudy::with_motion(self.chart.motion).detector.slopes);

@@ -1,5 +1,6 @@
 //! Chart behind a point of a curve: the mean of its frames, with the found and missed discs and the false features.
 
+use super::{FOUND, MISSED};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
 use crate::app::document::lab::{Lab, LabSet};
@@ -12,8 +13,6 @@ use crate::plane::display::Display;
 use crate::study::{ShownChart, StudyPoint};
 use egui::{Color32, ComboBox, Pos2, Sense, Stroke, Ui, vec2};
 
-const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
-const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
 const FALSE: Color32 = Color32::from_rgb(213, 94, 0);
 
 pub fn lab_chart_ui(ui: &mut Ui, model: Read<'_>, texture: &mut PlaneTexture, queue: &mut Queue) {

@@ -39,7 +39,7 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let (summary, is_whole) = (first.report.summary(), first.is_whole);
     let rows = first.report.roc_rows();
     let row_label = rows.get(lab.roc_row).or(rows.last()).cloned();
-    let mut plots = merged(&results, row_label.as_deref());
+    let mut plots = merged(model);
     let selected = lab.selected;
     let mut chosen_row = None;
     ui.horizontal(|ui| {
@@ -62,7 +62,7 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     }
     let hidden = &mut lab.hidden;
     legend_ui(ui, &plots, hidden);
-    for (.., curves) in &mut plots {
+    for (_, curves) in &mut plots {
         curves.retain(|one| !hidden.contains(&one.name));
     }
     let mut pointed = None;
@@ -75,9 +75,9 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             ui.vertical(|ui| {
                 ui.set_width(column);
                 let each = height / group.len().max(1) as f32;
-                for (title, plot, curves) in group {
+                for (plot, curves) in group {
                     let size = vec2(column, (each - 26.0).max(80.0));
-                    if let Some(found) = plot_ui(ui, title, plot, curves, selected, size) {
+                    if let Some(found) = plot_ui(ui, plot, curves, selected, size) {
                         pointed = Some(found);
                     }
                 }
@@ -124,11 +124,11 @@ fn same_false_rate_ui(ui: &mut Ui, model: Read<'_>, rate: SameFalseRate, queue: 
 }
 
 /// Draws the legend of all plots above them, where it covers no curve; a click hides or shows the curves of a name.
-fn legend_ui(ui: &mut Ui, plots: &[(String, StudyPlot, Vec<Drawn>)], hidden: &mut BTreeSet<String>) {
+fn legend_ui(ui: &mut Ui, plots: &[(StudyPlot, Vec<Drawn>)], hidden: &mut BTreeSet<String>) {
     let mut shown = BTreeSet::new();
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
-        for one in plots.iter().flat_map(|(.., curves)| curves).filter(|one| shown.insert(&one.name)) {
+        for one in plots.iter().flat_map(|(_, curves)| curves).filter(|one| shown.insert(&one.name)) {
             let (is_hidden, colour) = (hidden.contains(&one.name), curve_colour(ui, one.curve.line.colour));
             let colour = if is_hidden { colour.gamma_multiply(0.3) } else { colour };
             let (rect, _) = ui.allocate_exact_size(vec2(20.0, 12.0), Sense::hover());
@@ -160,6 +160,7 @@ fn empty_ui(ui: &mut Ui) {
     });
 }
 
+/// The plots of all results that are drawn, each with its name; ROC curves are those of one row, where a result has it.
 pub fn shown_plots(model: Read<'_>) -> Vec<(String, Vec<StudyPlot>)> {
     let results = model.lab_results();
     let rows = results.first().map(|(.., first)| first.report.roc_rows()).unwrap_or_default();
@@ -172,27 +173,19 @@ pub fn shown_plots(model: Read<'_>) -> Vec<(String, Vec<StudyPlot>)> {
 }
 
 /// Plots of all results; plots of one subject lie over one another.
-fn merged(
-    results: &[(LabSet, Option<&str>, &LabResult)],
-    row_label: Option<&str>,
-) -> Vec<(String, StudyPlot, Vec<Drawn>)> {
-    let mut plots: Vec<(String, StudyPlot, Vec<Drawn>)> = Vec::new();
-    for (set, name, result) in results {
-        // Another result's ROC curves are those of the same ratio, if it has them.
-        let rows = result.report.roc_rows();
-        let row = row_label.and_then(|label| rows.iter().position(|row| row == label));
-        for plot in result.report.plots(row.unwrap_or(usize::MAX)) {
+fn merged(model: Read<'_>) -> Vec<(StudyPlot, Vec<Drawn>)> {
+    let mut plots: Vec<(StudyPlot, Vec<Drawn>)> = Vec::new();
+    for ((set, name, _), (_, of_set)) in model.lab_results().into_iter().zip(shown_plots(model)) {
+        for plot in of_set {
             let drawn = plot.curves.iter().map(|curve| {
-                let name = match name {
-                    Some(name) => format!("{}  {name}", curve.line.label),
-                    None => curve.line.label.clone(),
-                };
-                Drawn { set: *set, name, curve: curve.clone() }
+                let label = &curve.line.label;
+                let name = name.map_or_else(|| label.clone(), |name| format!("{label}  {name}"));
+                Drawn { set, name, curve: curve.clone() }
             });
             let drawn: Vec<Drawn> = drawn.collect();
-            match plots.iter_mut().find(|(title, ..)| *title == plot.title) {
-                Some((.., all)) => all.extend(drawn),
-                None => plots.push((plot.title.clone(), plot, drawn)),
+            match plots.iter_mut().find(|(there, _)| there.title == plot.title) {
+                Some((_, all)) => all.extend(drawn),
+                None => plots.push((plot, drawn)),
             }
         }
     }
@@ -202,12 +195,12 @@ fn merged(
 /// Draws one plot; returns the point under the pointer, and whether it was clicked.
 fn plot_ui(
     ui: &mut Ui,
-    title: &str,
     plot: &StudyPlot,
     curves: &[Drawn],
     selected: Option<(LabSet, StudyPoint)>,
     size: egui::Vec2,
 ) -> Option<(LabSet, StudyPoint, bool)> {
+    let title = plot.title.as_str();
     ui.horizontal(|ui| {
         ui.label(RichText::new(title).small().strong());
         ui.add(egui::Label::new(RichText::new(plot.spread).small().weak()).truncate());

@@ -1,5 +1,6 @@
 //! Things planted in the open burst: how faint a thing is seen at each place, and what became of one.
 
+use super::{FOUND, MISSED};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Action;
 use crate::app::document::lab::Lab;
@@ -9,63 +10,11 @@ use crate::app::results::Read;
 use crate::detector::Test;
 use crate::inspect::words::number;
 use crate::plane::display::{ColourMap, Display};
-use crate::recover::{Contrast, Planted, RecoverReport, RecoverStudy, Shape, bounds};
-use egui::{Color32, DragValue, Grid, Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
+use crate::recover::{Planted, RecoverReport};
+use egui::{Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
 
-const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
-const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
 /// Maximum distance of the pointer from a thing, in points of the window.
 const REACH_UI: f32 = 10.0;
-
-pub fn planted_settings_ui(ui: &mut Ui, study: &mut RecoverStudy) {
-    Grid::new("lab planted").num_columns(2).show(ui, |ui| {
-        ui.label("Shape").on_hover_text("Discs of even brightness, or Gaussian blobs of σ = radius/√2");
-        ui.horizontal(|ui| {
-            ui.selectable_value(&mut study.shape, Shape::Disc, "Discs");
-            ui.selectable_value(&mut study.shape, Shape::Blob, "Blobs");
-        });
-        ui.end_row();
-        ui.label("Contrast").on_hover_text("Brighter or darker than what is around them");
-        ui.horizontal(|ui| {
-            ui.selectable_value(&mut study.contrast, Contrast::Bright, "Bright");
-            ui.selectable_value(&mut study.contrast, Contrast::Dark, "Dark");
-            ui.selectable_value(&mut study.contrast, Contrast::Both, "Both");
-        });
-        ui.end_row();
-        field!(
-            ui,
-            "At radius",
-            "Radius at which SNRs and slopes are varied",
-            DragValue::new(&mut study.at_radius).range(bounds::RADIUS.span()).speed(0.1).max_decimals(1).suffix(" px")
-        );
-        field!(
-            ui,
-            "Copies",
-            "Copies of the burst, each with other things; more give smaller errors",
-            DragValue::new(&mut study.copies).range(bounds::COPIES.span())
-        );
-        field!(
-            ui,
-            "First seed",
-            "Seed of the first copy; the next copies count up from it",
-            DragValue::new(&mut study.first_seed)
-        );
-    });
-    let mut has_own = study.at_snr.is_some();
-    ui.horizontal(|ui| {
-        let help = "SNR of one pixel in one frame at which slopes and sizes are varied; otherwise 1.7 times the SNR at which half are expected to be found";
-        if ui.checkbox(&mut has_own, "At SNR").on_hover_text(help).changed() {
-            study.at_snr = has_own.then_some(1.0);
-        }
-        if let Some(snr) = &mut study.at_snr {
-            ui.add(DragValue::new(snr).range(bounds::SNR.span()).speed(0.01).max_decimals(2)).on_hover_text(help);
-        }
-    });
-    ui.checkbox(&mut study.inside, "Inside in all frames")
-        .on_hover_text("Plant only where a thing stays inside the picture in all frames");
-    ui.checkbox(&mut study.on_features, "On strong features too")
-        .on_hover_text("Otherwise strong features of the burst are left alone");
-}
 
 pub fn lab_planted_ui(ui: &mut Ui, model: Read<'_>, texture: &mut PlaneTexture, queue: &mut Queue) {
     let Some((_, report)) = model.results.studies.recovered() else {

@@ -4,12 +4,12 @@
 //! keypoints that became points) and `points3D` (place, reprojection error, length of the track); intrinsics, positions
 //! of keypoints and colours are skipped. Format: <https://colmap.github.io/format.html>.
 
-mod binary;
-mod text;
+mod reader;
 
 use super::{Pose, corrupt, no_pose, unread};
 use burstscope_core::error::{Error, ErrorKind, Result};
 use nalgebra::{Isometry3, Quaternion, Translation3};
+use reader::Reader;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
@@ -70,10 +70,11 @@ pub struct ModelSummary {
 impl SparseModel {
     /// Parses the text of a model; `name` is for messages. Errors as of [`read_sparse_model`].
     pub fn of_text(images: &str, points: &str, name: &Path) -> Result<Self> {
-        Self::of((text::images(images.as_bytes(), name)?, text::points(points.as_bytes(), name)?), name)
+        let of = |text| Reader::new(str::as_bytes(text), None, name);
+        Self::of(of(images).images()?, of(points).points()?, name)
     }
 
-    fn of((mut images, points): (Vec<SparseImage>, Vec<SparsePoint>), name: &Path) -> Result<Self> {
+    fn of(mut images: Vec<SparseImage>, points: Vec<SparsePoint>, name: &Path) -> Result<Self> {
         if images.is_empty() {
             return Err(no_pose(name));
         }
@@ -126,7 +127,7 @@ pub(super) fn folder_of_file(path: &Path) -> Option<&Path> {
 /// # Errors
 /// There is no model, a file of it cannot be read or is damaged, or no image is registered.
 pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
-    if let Some(model) = model_in(folder) {
+    if let Some(model) = read_folder(folder) {
         return model;
     }
     let fail = |e: std::io::Error| unread(folder, &e);
@@ -134,11 +135,11 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
     let mut folders: Vec<PathBuf> = entries.into_iter().map(|e| e.path()).filter(|p| p.is_dir()).collect();
     folders.sort();
     let mut models = Vec::new();
-    for subfolder in folders {
-        match model_in(&subfolder) {
+    for model in folders.iter().filter_map(|subfolder| read_folder(subfolder)) {
+        match model {
             // A model without a registered image is no model; a damaged one is reported.
-            Some(Err(error)) if error.kind == ErrorKind::NotFound => {}
-            model => models.extend(model.transpose()?),
+            Err(error) if error.kind == ErrorKind::NotFound => {}
+            model => models.push(model?),
         }
     }
     let other_models = models.len().saturating_sub(1);
@@ -155,17 +156,17 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
     }
 }
 
-/// The model whose files lie in `folder` itself, in binary or else in text; `None` where there is none.
-fn model_in(folder: &Path) -> Option<Result<SparseModel>> {
-    let files = |ending: &str| ["images", "points3D"].map(|name| folder.join(format!("{name}.{ending}")));
-    let are_there = |files: &[PathBuf; 2]| files.iter().all(|file| file.is_file());
-    let read = if let Some([images, points]) = Some(files("bin")).filter(are_there) {
-        binary::read_images(&images).and_then(|images| Ok((images, binary::read_points(&points)?)))
-    } else {
-        let [images, points] = Some(files("txt")).filter(are_there)?;
-        text::read_images(&images).and_then(|images| Ok((images, text::read_points(&points)?)))
-    };
-    Some(read.and_then(|read| SparseModel::of(read, folder)))
+/// The model that lies in `folder` itself, if there is one.
+fn read_folder(folder: &Path) -> Option<Result<SparseModel>> {
+    let is_there = |ending: &&str| ["images", "points3D"].iter().all(|name| file(folder, name, ending).is_file());
+    let ending = ["bin", "txt"].into_iter().find(is_there)?;
+    let reader = |name| Reader::open(&file(folder, name, ending), ending == "bin");
+    let read = || SparseModel::of(reader("images")?.images()?, reader("points3D")?.points()?, folder);
+    Some(read())
+}
+
+fn file(folder: &Path, name: &str, ending: &str) -> PathBuf {
+    folder.join(format!("{name}.{ending}"))
 }
 
 /// The camera in the world, from the world in the camera as a model has it: quaternion `w x y z` and translation.
@@ -216,6 +217,10 @@ mod tests {
             (0..track).for_each(|k| points.extend([(k as u32).to_le_bytes(), 0u32.to_le_bytes()].concat()));
         }
         (images, points)
+    }
+
+    fn binary<'a>(bytes: &'a [u8], path: &Path) -> Reader<&'a [u8]> {
+        Reader::new(bytes, Some(bytes.len() as u64), path)
     }
 
     fn written(folder: &Path, format: &str) {
@@ -293,15 +298,15 @@ mod tests {
         images[..8].copy_from_slice(&u64::MAX.to_le_bytes());
         points[..8].copy_from_slice(&(1u64 << 40).to_le_bytes());
         let path = Path::new("x.bin");
-        let error = binary::images(&images[..], images.len() as u64, path).expect_err("too many").to_string();
+        let error = binary(&images, path).images().expect_err("too many").to_string();
         assert!(error.starts_with("the number of images: it announces 18446744073709551615 entries"), "{error}");
-        let error = binary::points(&points[..], points.len() as u64, path).expect_err("too many").to_string();
+        let error = binary(&points, path).points().expect_err("too many").to_string();
         assert!(error.contains("1099511627776"), "{error}");
         // A name without an end.
         let mut endless = binary_files().0;
         endless.truncate(8 + 4 + 56 + 4);
         endless.extend([b'a'; 10_000]);
-        let error = binary::images(&endless[..], endless.len() as u64, path).expect_err("no name").to_string();
+        let error = binary(&endless, path).images().expect_err("no name").to_string();
         assert!(error.contains("image 1 of 2") && error.contains("4096"), "{error}");
     }
 
@@ -312,8 +317,8 @@ mod tests {
             let cut = |bytes: &[u8]| bytes[..(bytes.len() as f64 * part) as usize].to_vec();
             let (images, points) = (cut(&images), cut(&points));
             let path = Path::new("x.bin");
-            prop_assert!(binary::images(&images[..], images.len() as u64, path).is_err());
-            prop_assert!(binary::points(&points[..], points.len() as u64, path).is_err());
+            prop_assert!(binary(&images, path).images().is_err());
+            prop_assert!(binary(&points, path).points().is_err());
         }
     }
 }
