@@ -164,11 +164,16 @@ impl AdviceStudy {
         let kinds = kinds();
         let of_kind = |kind| self.snrs.iter().flat_map(move |&snr| seeds().map(move |seed| (kind, snr, seed)));
         let jobs: Vec<(&Kind, f64, u64)> = kinds.iter().flat_map(of_kind).collect();
-        let bursts = run_jobs(&jobs, 1, monitor, |(kind, snr, seed), monitor, steps| {
-            let advised = advised(kind, *snr, *seed, monitor)?;
-            steps.done();
-            Ok(advised)
-        })?;
+        let bursts = run_jobs(
+            &jobs,
+            |_| 1,
+            monitor,
+            |(kind, snr, seed), monitor, done| {
+                let advised = advised(kind, *snr, *seed, monitor)?;
+                done(1);
+                Ok(advised)
+            },
+        )?;
         let count = |said, truth| bursts.iter().filter(|burst| (burst.said, burst.truth) == (said, truth)).count();
         let counts = |said| Statement::ALL.map(|truth| (truth, count(said, truth))).into();
         let said = Statement::ALL.map(|said| (said, counts(said))).into();

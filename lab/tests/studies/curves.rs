@@ -5,7 +5,7 @@ use burstscope_core::export::{Series, SeriesPoint};
 use burstscope_core::monitor::Monitor;
 use burstscope_lab::evaluate::chart::ChartReport;
 use burstscope_lab::evaluate::curves::{StudyCurve, StudyPlot, chart_plots, curves_figure, curves_table};
-use burstscope_lab::evaluate::{BurstMethod, ChartStudy};
+use burstscope_lab::evaluate::{BurstMethod, ChartStudy, RowStudy};
 use burstscope_lab::synth::ChartParams;
 
 fn report() -> ChartReport {
