@@ -1,12 +1,13 @@
 //! `evaluate`: measures the detector against known truth.
 
 use super::console::Console;
-use super::evaluate_args::{AccuracyArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
-use super::evaluate_tables::{accuracy_table, accuracy_text, chart_text, methods_table, noise_table, noise_text};
+use super::evaluate_args::{AccuracyArgs, AdviceArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
+use super::evaluate_tables::{
+    accuracy_table, accuracy_text, advice_tables, chart_text, methods_table, noise_table, noise_text,
+};
 use super::failure::Failure;
-use super::figure_file::write_figure;
-use super::study::{StudySearch, chart_study, searched};
-use super::{evaluate_advice, evaluate_frames, evaluate_matches, evaluate_poses};
+use super::study::{StudySearch, chart_study, searched, write_figure};
+use super::{evaluate_frames, evaluate_matches, evaluate_poses};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
@@ -22,7 +23,7 @@ pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
         EvaluateStudy::Frames(args) => evaluate_frames::run(args),
         EvaluateStudy::Accuracy(args) => accuracy(args),
         EvaluateStudy::Noise(args) => noise(args),
-        EvaluateStudy::Advice(args) => evaluate_advice::run(args),
+        EvaluateStudy::Advice(args) => advice(args),
         EvaluateStudy::Matches(args) => evaluate_matches::run(args),
         EvaluateStudy::Poses(args) => evaluate_poses::run(args),
     }
@@ -100,4 +101,11 @@ fn noise(args: &NoiseArgs) -> Result<(), Failure> {
     console.say(&noise_text(&report))?;
     write_figure(&console, args.file.table.as_deref(), &rules, || noise_table(&report).into())?;
     console.say_document("evaluate noise", &report)
+}
+
+fn advice(args: &AdviceArgs) -> Result<(), Failure> {
+    let console = Console::new(&args.output)?;
+    let report = args.study.run(&console.monitor)?;
+    console.say(&advice_tables(&report))?;
+    console.say_document("evaluate advice", &report)
 }

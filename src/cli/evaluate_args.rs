@@ -2,14 +2,14 @@
 
 use super::args::{OutputArgs, OverwriteArgs};
 use super::charts_args::{ChartsArgs, ComparedArgs};
-use super::evaluate_advice::AdviceArgs;
 use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
-use super::figure_file::{FIGURE_FILE, TableArgs, figure_file};
 use super::search_options::SearchArgs;
+use super::study::{FIGURE_FILE, TableArgs, figure_file};
 use crate::burst::ViewGrid;
 use crate::evaluate::NoiseStudy;
+use crate::evaluate::advice::AdviceStudy;
 use crate::synth::NoiseCase;
 use clap::{Args, Subcommand};
 use std::path::PathBuf;
@@ -170,3 +170,23 @@ fn parse_bits(text: &str) -> Result<Bits, String> {
     }
     text.parse().map(|bits| Bits(Some(bits))).map_err(|_| format!("'{text}' is neither 'none' nor a number of bits"))
 }
+
+/// Count how often the sentence about the slopes is right, on bursts whose motion is known.
+///
+/// Layered scenes are searched with slopes that are found (line, plane, layers, masked), with wrong ones (narrow,
+/// coarse, beside, wide, still), and with frames that do not fit (exchanged, curved, noise). What 'detect' and 'slopes'
+/// say of the slopes is counted against what is true. 'unknown', said where the frames show too little, is never wrong.
+#[derive(Debug, Clone, Args)]
+#[command(after_long_help = ADVICE_HELP)]
+pub struct AdviceArgs {
+    #[command(flatten)]
+    pub study: AdviceStudy,
+    #[command(flatten)]
+    pub output: OutputArgs,
+}
+
+const ADVICE_HELP: &str = "\
+JSON (--json):
+  {\"version\", \"command\": \"evaluate advice\", \"snrs\", \"seeds\", \"first_seed\",
+   \"said\": {statement: {what is true: bursts}}, each of fits, range, step, direction, cost, times, frames and unknown,
+   \"wrong_share\" of what is said and not unknown, or null, \"bursts\": [{\"kind\", \"snr\", \"seed\", \"said\", \"true\", \"sentence\"}]}";

@@ -3,10 +3,9 @@
 use super::args::{BurstSearchArgs, SequenceArgs};
 use super::console::Console;
 use super::failure::Failure;
-use super::figure_file::{TableArgs, write_figure};
 use super::inputs::{Input, open_options, resolve_bursts};
 use super::matching_args::MatchingArgs;
-use super::study::{StudySearch, once_each, searched_by};
+use super::study::{StudySearch, TableArgs, once_each, searched_by, write_figure};
 use super::synth::levels_of;
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;

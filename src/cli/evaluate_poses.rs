@@ -3,7 +3,7 @@
 use super::args::OutputArgs;
 use super::console::Console;
 use super::failure::Failure;
-use super::figure_file::{TableArgs, write_figure};
+use super::study::{TableArgs, write_figure};
 use crate::burst::OpenOptions;
 use crate::evaluate::poses::{ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory};
 use crate::export::{Cell, POSE_COLUMNS, Table};

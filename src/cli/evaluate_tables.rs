@@ -1,6 +1,7 @@
 //! Tables of reports: printed for people, and written into files.
 
 use crate::evaluate::accuracy::{AccuracyReport, AccuracyRow, RangeCount};
+use crate::evaluate::advice::{AdviceReport, AdviceStudy, AdvisedBurst, Statement};
 use crate::evaluate::chart::{ChartReport, ChartRow, MethodReport};
 use crate::evaluate::frames_of_burst::{BurstFramesReport, BurstFramesRow};
 use crate::evaluate::motion_label;
@@ -246,4 +247,33 @@ pub(super) fn noise_text(report: &NoiseReport) -> String {
         "{bursts} bursts of {frames} frames of {width}×{height} for each row, {megapixels:.1} Mpx of image, seeds from {first_seed}\n\n\
          False features in a million pixels of the image (± standard error), how many there were, and most in a burst\n{table}"
     )
+}
+
+pub(super) fn advice_tables(report: &AdviceReport) -> String {
+    let AdviceReport { study: AdviceStudy { snrs, seeds, first_seed }, said, bursts, .. } = report;
+    let name = |statement: &Statement| format!("{statement:?}").to_lowercase();
+    let heads: Vec<String> = ["said \\ true".to_owned()].into_iter().chain(Statement::ALL.iter().map(name)).collect();
+    let rows = said.iter().map(|(said, of)| {
+        // Most are 0, and would hide the others.
+        let counts = of.values().map(|&count| if count > 0 { count.to_string() } else { "·".to_owned() });
+        [name(said)].into_iter().chain(counts).collect()
+    });
+    let share = or_dash(report.wrong_share, |share| format!("{:.1} %", 100.0 * share));
+    let text = format!(
+        "{seeds} bursts for each kind and SNR, seeds from {first_seed}\n\n{}wrong, of what is said and not unknown: {share}\n\n",
+        table(&heads, rows)
+    );
+    let heads: Vec<String> =
+        ["right, wrong, unknown".to_owned()].into_iter().chain(snrs.iter().map(|snr| format!("SNR {snr}"))).collect();
+    // All bursts of a kind lie together, and so do those of a ratio.
+    let by_kind = bursts.chunk_by(|a, b| a.kind == b.kind).map(|of_kind| {
+        let cell = |of_snr: &[AdvisedBurst]| {
+            let right = of_snr.iter().filter(|burst| burst.said == burst.truth).count();
+            let wrong = of_snr.iter().filter(|burst| burst.is_wrong()).count();
+            format!("{right} {wrong} {}", of_snr.len() - right - wrong)
+        };
+        let cells = of_kind.chunks(*seeds as usize).map(cell);
+        [of_kind[0].kind.to_owned()].into_iter().chain(cells).collect()
+    });
+    text + &table(&heads, by_kind)
 }

@@ -3,7 +3,7 @@
 //! Names and help texts are those of [`crate::matching::params::doc`].
 
 use super::failure::Failure;
-use super::param_args::{Given, option};
+use super::search_options::{Given, option};
 use crate::dataset::camera::read_camera;
 use crate::matching::params::doc;
 use crate::matching::{Camera, MatchParams};

@@ -15,14 +15,12 @@ mod console;
 pub mod decoys;
 mod detect;
 mod evaluate;
-pub mod evaluate_advice;
 pub mod evaluate_args;
 pub mod evaluate_frames;
 pub mod evaluate_matches;
 pub mod evaluate_poses;
 mod evaluate_tables;
 mod failure;
-pub mod figure_file;
 mod figures;
 #[cfg(feature = "app")]
 pub mod film;
@@ -32,7 +30,6 @@ pub mod match_bursts;
 pub mod matching_args;
 #[cfg(feature = "app")]
 mod opening;
-mod param_args;
 pub mod probe;
 pub mod recover;
 #[cfg(feature = "app")]
@@ -42,15 +39,14 @@ pub mod search_options;
 pub mod set_up;
 mod signals;
 mod stack;
-mod study;
+pub mod study;
 pub mod synth;
-mod synthetic;
 #[cfg(feature = "app")]
 mod window;
 
 pub use failure::Failure;
 pub use report::burst_document;
-pub use synthetic::synthetic_burst;
+pub use synth::synthetic_burst;
 
 use crate::burst::{DecodeWorker, serve_decoding};
 use crate::files::MAX_INTEGER;

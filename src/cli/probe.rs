@@ -3,9 +3,9 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, two};
 use super::console::Console;
 use super::failure::Failure;
-use super::figure_file::{FIGURE_FILE, figure_file};
 use super::inputs::OneBurst;
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
+use super::study::{FIGURE_FILE, figure_file};
 use crate::burst::Positions;
 use crate::error::Error;
 use crate::files::path_text;

@@ -2,8 +2,8 @@
 
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
 use super::failure::Failure;
-use super::figure_file::{FIGURE_FILE, figure_file, write_figure};
 use super::inputs::{OneBurst, check_ending};
+use super::study::{FIGURE_FILE, figure_file, write_figure};
 use crate::detector::SearchParams;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::recover::RecoverStudy;

@@ -4,13 +4,13 @@
 //! option overrides its value; the result is checked once.
 
 use super::failure::Failure;
-use super::param_args::{Given, option};
 use crate::detector::SearchParams;
-use crate::detector::params::{AUTO, Param, doc};
+use crate::detector::params::{AUTO, Field, Param, doc};
 use crate::export::case::{is_case, read_about};
 use crate::files::{MAX_SETTINGS_BYTES, explained, read_text};
 use anyhow::Context;
-use clap::{ArgMatches, Args, Command, FromArgMatches};
+use clap::builder::PossibleValuesParser;
+use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
 use std::path::{Path, PathBuf};
 
 /// The parameter file.
@@ -100,6 +100,50 @@ impl SearchArgs {
 
     pub fn gives(&self, record: &Param<SearchParams>) -> bool {
         self.given.has(record)
+    }
+}
+
+/// Values that options give for parameters of `P`; each can be read by its record.
+#[derive(Debug, Clone)]
+pub(super) struct Given<P: 'static>(Vec<(Param<P>, String)>);
+
+impl<P> Default for Given<P> {
+    fn default() -> Self {
+        Self(Vec::new())
+    }
+}
+
+impl<P: Default + 'static> Given<P> {
+    pub(super) fn among(records: &[Param<P>], matches: &ArgMatches) -> Self {
+        let value = |record: &Param<P>| Some((*record, matches.get_one::<String>(record.name)?.clone()));
+        Self(records.iter().filter_map(value).collect())
+    }
+
+    pub(super) fn has(&self, record: &Param<P>) -> bool {
+        self.0.iter().any(|(given, _)| given == record)
+    }
+
+    pub(super) fn iter(&self) -> impl Iterator<Item = &(Param<P>, String)> {
+        self.0.iter()
+    }
+}
+
+pub(super) fn option<P: Default + 'static>(record: Param<P>) -> Arg {
+    let arg = Arg::new(record.name)
+        .long(record.name)
+        .value_name(record.placeholder)
+        .help(record.short_help())
+        .long_help(record.long_help());
+    // A value that may begin with a minus would be taken for an option.
+    let negative = record.bounds.is_some_and(|bounds| *bounds.span().start() < 0.0);
+    let mut default = P::default();
+    let field = (record.field)(&mut default);
+    let hyphens = negative || matches!(field, Field::Axis(_) | Field::Slopes(..));
+    match field.words() {
+        Some(words) => arg.value_parser(PossibleValuesParser::new(words.iter().map(|(word, _)| *word))),
+        None => arg
+            .allow_hyphen_values(hyphens)
+            .value_parser(move |text: &str| record.read(&mut P::default(), text).map(|()| text.to_owned())),
     }
 }
 

@@ -1,11 +1,18 @@
-//! Parts that the studies of `evaluate` share: their search parameters, and the study of charts.
+//! Parts that the studies share: search parameters, the study of charts, and files of plots and tables.
 
+use super::args::OverwriteArgs;
 use super::charts_args::{ChartsArgs, ComparedArgs};
+use super::console::Console;
 use super::failure::Failure;
 use super::search_options::SearchArgs;
+use crate::burst::OpenOptions;
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SlopeGrid, Slopes};
 use crate::evaluate::{BurstMethod, ChartStudy, Searches};
+use crate::export::{Figure, FigureFormat, OutputRules};
+use clap::Args;
+use clap::builder::{PathBufValueParser, TypedValueParser};
+use std::path::{Path, PathBuf};
 
 pub(super) struct StudySearch {
     pub detector: DetectorParams,
@@ -70,4 +77,44 @@ pub(super) fn chart_study(
         ranking: compared.ranking,
         false_fraction: compared.false_fraction,
     })
+}
+
+/// Name of the file in help texts: its ending says what is written.
+pub(super) const FIGURE_FILE: &str = "FILE.svg|pdf|png|csv|tex";
+
+/// The name of a figure's file. Other endings are refused before anything is opened.
+pub(super) fn figure_file() -> impl TypedValueParser<Value = PathBuf> {
+    PathBufValueParser::new().try_map(|path| FigureFormat::of(&path, &FigureFormat::ALL).map(|_| path))
+}
+
+/// The file of a command's table.
+#[derive(Debug, Clone, Args)]
+pub struct TableArgs {
+    /// Write the table as CSV or LaTeX (.tex), or drawn as SVG, PDF or PNG.
+    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
+    pub table: Option<PathBuf>,
+    #[command(flatten)]
+    pub overwrite: OverwriteArgs,
+}
+
+impl TableArgs {
+    /// The rules for overwriting of a command that opens no burst, once they let the table be written.
+    pub(super) fn checked(&self, search: &SearchArgs) -> Result<OutputRules, Failure> {
+        let rules = self.overwrite.rules(&[], &OpenOptions::default(), &[search.file.params.as_ref()]);
+        self.table.iter().try_for_each(|path| rules.check(path))?;
+        Ok(rules)
+    }
+}
+
+/// Writes a figure that was asked for, and says so.
+pub(super) fn write_figure(
+    console: &Console,
+    path: Option<&Path>,
+    rules: &OutputRules,
+    figure: impl FnOnce() -> Figure,
+) -> Result<(), Failure> {
+    let Some(path) = path else { return Ok(()) };
+    rules.check(path)?;
+    figure().write(path)?;
+    console.say(&format!("\nwrote {}\n", path.display()))
 }

@@ -12,7 +12,6 @@ pub mod gather;
 mod kept;
 #[cfg(feature = "colmap")]
 mod kept_pairs;
-mod pair_list;
 pub mod pairs;
 mod picture;
 #[cfg(feature = "colmap")]
@@ -26,8 +25,9 @@ pub use colmap::{ColmapJob, export_colmap, export_detections};
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
-pub use pair_list::read_pairs;
-pub use pairs::{BurstSide, DetectedBurst, KeptBursts, MatchedPair, PairSource, match_bursts, match_pairs, match_rows};
+pub use pairs::{
+    BurstSide, DetectedBurst, KeptBursts, MatchedPair, PairSource, match_bursts, match_pairs, match_rows, read_pairs,
+};
 pub use picture::{BurstPicture, ImageKind, burst_plane, thumbnail};
 #[cfg(feature = "colmap")]
 pub use report::{ColmapReport, ImageReport, Joined, PairReport};

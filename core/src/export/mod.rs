@@ -10,7 +10,6 @@ mod colmap;
 mod csv;
 mod density;
 mod drawing;
-mod error;
 pub mod film;
 mod floats;
 mod format;

@@ -7,7 +7,6 @@
 
 pub(super) mod around_field;
 pub mod extrema;
-pub(super) mod known;
 pub(super) mod setup;
 pub mod slope_window;
 
@@ -18,8 +17,7 @@ use crate::detector::refine::{Fit, Limits, refine};
 use crate::detector::scale_space::planes::next_level;
 use crate::detector::scale_space::{DogTile, OctaveFilters, Pixels, SIGMA_BASE, dog_tile, octave_size, stack_tiles};
 use crate::detector::search::extrema::{Candidate, Thresholds, own_slope_extrema, scale_ease};
-use crate::detector::search::known::KnownSlopes;
-use crate::detector::search::setup::{FirstLevels, HELD, Search, SlopeGroup, TileScratch};
+use crate::detector::search::setup::{FirstLevels, HELD, KnownSlopes, Search, SlopeGroup, TileScratch};
 use crate::detector::search::slope_window::{OtherSlopes, SlopeWindow, capacity};
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::gaussian_bank::FilterScratch;

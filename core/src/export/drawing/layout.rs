@@ -1,12 +1,12 @@
 //! Layout of a figure: positions of all its parts.
 
-use super::fan::{FAN_OPACITY, fan};
 use super::links::{FigureMatches, lines_of};
 use super::panel::{
     ColourBar, FigureMark, FigureOptions, FigurePanel, FigureWidth, LegendEntry, LegendMark, POINTS_PER_MM,
 };
 use super::shape::{Anchor, Colour, DASH, Drawing, Face, FigureRect, FigureShape, FigureStroke, Style as ShapeStyle};
 use crate::plane::display::direction_colour;
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Gap between panels, in heights of letters.
 const GAP: f32 = 0.8;
@@ -397,6 +397,29 @@ fn area(points: Vec<[f32; 2]>, color: Colour, opacity: f32) -> FigureShape {
 pub fn round_length(max: f64) -> f64 {
     let power = 10f64.powf(max.log10().floor());
     [5.0, 2.0, 1.0].into_iter().map(|step| step * power).find(|length| *length <= max).unwrap_or(power)
+}
+
+/// Opacity of fans.
+pub const FAN_OPACITY: f32 = 0.16;
+/// Smallest standard deviation that has a fan, pixels of the drawing.
+const MIN_SIGMA_PX: f32 = 3.0;
+const PIECES: usize = 16;
+
+/// Outline of the fan of an arrow: from its `middle` around the circle of one standard deviation `sigma` at its `tip`,
+/// pixels of the drawing; the circle alone where it holds the middle. `None` where `sigma` is too small, or unknown.
+pub fn fan(middle: [f32; 2], tip: [f32; 2], sigma: f32) -> Option<Vec<[f32; 2]>> {
+    if !(MIN_SIGMA_PX..1e9).contains(&sigma) {
+        return None;
+    }
+    let (along_x, along_y) = (tip[0] - middle[0], tip[1] - middle[1]);
+    let (length, angle) = (along_x.hypot(along_y), along_y.atan2(along_x));
+    // Up to the tangents from the middle; within the circle there is nothing to point from.
+    let (from, half) = if length > sigma { (middle, FRAC_PI_2 + (sigma / length).asin()) } else { (tip, PI) };
+    let around = (0..=PIECES).map(|piece| {
+        let (sin, cos) = (angle + half * (2.0 * piece as f32 / PIECES as f32 - 1.0)).sin_cos();
+        [tip[0] + sigma * cos, tip[1] + sigma * sin]
+    });
+    Some(std::iter::once(from).chain(around).collect())
 }
 
 #[cfg(test)]

@@ -5,7 +5,6 @@
 //! with their overlays for papers. A [`Figure`] is a drawing with its numbers, and [`Figure::write`] writes either, as
 //! the ending of the file's name says: the one list of endings is [`FigureFormat`].
 
-mod fan;
 mod font;
 mod layout;
 mod links;
@@ -19,8 +18,7 @@ mod svg;
 mod table;
 mod write;
 
-pub use fan::{FAN_OPACITY, fan};
-pub use layout::{lay_out, round_length};
+pub use layout::{FAN_OPACITY, fan, lay_out, round_length};
 pub use links::{FigureAmount, FigureLink, FigureMatches, MatchKind};
 pub use panel::{
     ColourBar, FigureMark, FigureOptions, FigurePanel, FigureWidth, LegendEntry, LegendMark, motion_over, sigma_over,
