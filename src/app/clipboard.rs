@@ -103,11 +103,12 @@ mod tests {
     fn the_command_has_the_calibration_with_which_files_were_opened() {
         let mut model = Model::default();
         model.document.calibration.full_scale = Some(4095.0);
-        let of_files = command_text(&BurstSource::Paths(vec!["a.npy".into()]), Side::A, model.read()).expect("files");
+        let of_files =
+            command_text(&BurstSource::Paths(vec!["a.npy".into()]), Side::A, Read::of(&model)).expect("files");
         assert!(of_files.contains("a.npy") && of_files.contains("4095"), "{of_files}");
-        let built_in = command_text(&BurstSource::Demo, Side::A, model.read()).expect("built in");
+        let built_in = command_text(&BurstSource::Demo, Side::A, Read::of(&model)).expect("built in");
         assert!(built_in.contains("demo") && !built_in.contains("4095"), "{built_in}");
         let dark = BurstSource::DarkCopy { of: Box::new(BurstSource::Demo), noise: model.document.lab.dark_copy };
-        assert!(command_text(&dark, Side::A, model.read()).is_err_and(|why| why.contains("synth")));
+        assert!(command_text(&dark, Side::A, Read::of(&model)).is_err_and(|why| why.contains("synth")));
     }
 }

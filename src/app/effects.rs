@@ -54,10 +54,10 @@ impl BurstscopeApp {
         }
         let pointer = ctx.input(|i| i.pointer.latest_pos());
         let is_there = |rect: &egui::Rect| pointer.is_some_and(|pos| rect.contains(pos));
-        let places = drop_places(self.model.read(), &self.widgets);
+        let places = drop_places(Read::of(&self.model), &self.widgets);
         let on_b = places.iter().any(|(rect, side)| *side == Side::B && is_there(rect));
         let side = if on_b { Side::B } else { Side::A };
-        let purpose = purpose_of_dropped(&paths, side, self.overlays.calibration.as_ref(), self.model.read());
+        let purpose = purpose_of_dropped(&paths, side, self.overlays.calibration.as_ref(), Read::of(&self.model));
         self.apply([Effect::UseFiles(purpose, paths)]);
     }
 
@@ -70,7 +70,7 @@ impl BurstscopeApp {
 
     /// Takes an action that is no row of the table.
     pub(super) fn change(&mut self, action: Action) {
-        self.journal.take(&action, self.model.read().is_in_lesson());
+        self.journal.take(&action, Read::of(&self.model).is_in_lesson());
         match action {
             Action::Open(Side::A, source) => match of_case(&source) {
                 Some(OfCase::Session(session)) => self.restore(session),
@@ -117,7 +117,7 @@ impl BurstscopeApp {
 
     /// Runs an action, as if it had been chosen from a menu. A disabled action does nothing.
     pub fn run_action(&mut self, ctx: &egui::Context, id: ActionId) {
-        if !actions::enabled(id, self.model.read()) || self.overlays.open(id, self.model.read()) {
+        if !actions::enabled(id, Read::of(&self.model)) || self.overlays.open(id, Read::of(&self.model)) {
             return;
         }
         let Self { model, widgets, journal, .. } = self;
@@ -144,7 +144,7 @@ impl BurstscopeApp {
                 ctx.copy_text(journal.to_toml());
                 model.shell.messages.note("Copied what you did");
             }
-            ActionId::CopyRow => self.note(clipboard::copy_row(ctx, self.model.read(), &self.widgets)),
+            ActionId::CopyRow => self.note(clipboard::copy_row(ctx, Read::of(&self.model), &self.widgets)),
             ActionId::CopyCommand => match clipboard::copy_command(ctx, Read::of(model)) {
                 Some(Err(why)) => model.shell.messages.error("Copy as command", why),
                 copied => self.note(copied.and_then(Result::ok)),
@@ -153,7 +153,7 @@ impl BurstscopeApp {
                 ctx.copy_text(include_str!("../../assets/burstscope.bib").to_owned());
                 model.shell.messages.note("Copied the program and the paper as BibTeX");
             }
-            ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, self.model.read())),
+            ActionId::CopyPicture => self.note(clipboard::copy_picture(ctx, Read::of(&self.model))),
             _ => self.stage([id]),
         }
     }

@@ -408,17 +408,20 @@ mod tests {
     fn what_is_missing_is_said_with_what_to_do() {
         let model = Model::default();
         for kind in EXPORTS {
-            match prepared(Purpose::Export(kind), model.read()) {
+            match prepared(Purpose::Export(kind), Read::of(&model)) {
                 // Curves that are not there are a file without lines.
                 Ok(_) => assert!(matches!(kind, ExportKind::CurvesCsv | ExportKind::CurvesSvg), "{kind:?}"),
                 Err(why) => assert!(why.contains("first") && why.starts_with("there") || why.contains(';'), "{why}"),
             }
         }
         assert_eq!(
-            prepared(Purpose::SaveSession, model.read()).err().as_deref(),
+            prepared(Purpose::SaveSession, Read::of(&model)).err().as_deref(),
             Some("no burst is open; open one first")
         );
-        assert!(prepared(Purpose::OpenFolder, model.read()).is_err(), "nothing is written when something is opened");
+        assert!(
+            prepared(Purpose::OpenFolder, Read::of(&model)).is_err(),
+            "nothing is written when something is opened"
+        );
     }
 
     #[test]
@@ -428,14 +431,14 @@ mod tests {
         opening::take_burst(&mut model, burst.clone());
         let params = SearchParams { levels: 3, ..model.document.params.clone() };
         model.document.params = params.clone();
-        let grid = model.read().grid_of(Side::A);
+        let grid = Read::of(&model).grid_of(Side::A);
         let features = vec![feature(10.0, 10.0, 4, &grid), feature(30.0, 20.0, 2, &grid)];
         let found = detected(&burst, &params, features);
         detection::take_detection(&mut model, Side::A, found.clone(), Duration::ZERO);
         let home = tempfile::tempdir().expect("a folder");
         let (csv, toml) = (home.path().join("f.csv"), home.path().join("p.toml"));
         let work = [(Purpose::Export(ExportKind::Csv), &csv), (Purpose::SaveParams, &toml)]
-            .map(|(purpose, path)| (prepared(purpose, model.read()).expect("all is there"), path));
+            .map(|(purpose, path)| (prepared(purpose, Read::of(&model)).expect("all is there"), path));
         // Later changes do not matter.
         opening::take_burst(&mut model, open((32, 32), 2));
         model.document.params = SearchParams::default();
@@ -450,7 +453,7 @@ mod tests {
         // A folder that is made is fine; a file in place of a folder is not.
         let nowhere = csv.join("p.toml");
         let why =
-            prepared(Purpose::SaveParams, model.read()).expect("always")(&nowhere).expect_err("that is no folder");
+            prepared(Purpose::SaveParams, Read::of(&model)).expect("always")(&nowhere).expect_err("that is no folder");
         assert!(why.contains("f.csv"), "{why}");
     }
 }

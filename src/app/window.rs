@@ -121,9 +121,9 @@ impl BurstscopeApp {
     pub(super) fn rests(&self) -> bool {
         self.engine.is_idle()
             && !self.chooser.is_asking()
-            && self.model.read().is_settled()
+            && Read::of(&self.model).is_settled()
             && !self.thumbnails.is_waiting()
-            && self.lessons.is_settled(self.model.read())
+            && self.lessons.is_settled(Read::of(&self.model))
     }
 
     pub fn is_asking(&self) -> bool {
@@ -144,13 +144,13 @@ impl BurstscopeApp {
         let recovery_asks = self.recovery.as_ref().is_some_and(Recovery::is_asking);
         if !self.overlays.are_modal(&self.lessons) && !recovery_asks && !self.chooser.is_asking() {
             self.overlays.glossary.take_escape(&ctx);
-            asked = take_hall_keys(&ctx, &self.lessons, self.model.read());
-            actions::take_shortcuts(&ctx, self.model.read(), &mut queue);
+            asked = take_hall_keys(&ctx, &self.lessons, Read::of(&self.model));
+            actions::take_shortcuts(&ctx, Read::of(&self.model), &mut queue);
             if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
                 queue.push(ActionId::Palette);
             }
             if clipboard::is_asked(&ctx) {
-                self.note(clipboard::copy_row(&ctx, self.model.read(), &self.widgets));
+                self.note(clipboard::copy_row(&ctx, Read::of(&self.model), &self.widgets));
             }
         }
         let plays_on = self.play_step(&ctx);
@@ -163,10 +163,10 @@ impl BurstscopeApp {
         }
         asked = self.layout_ui(ui, &mut queue).or(asked);
         if !self.overlays.are_modal(&self.lessons) {
-            rings_ui(&ctx, &self.lessons, self.model.read(), &self.widgets);
+            rings_ui(&ctx, &self.lessons, Read::of(&self.model), &self.widgets);
         }
         about_ui(&ctx, &mut self.overlays.about_open, &self.engine, &mut self.settings);
-        let effects = self.overlays.ui(&ctx, self.model.read(), &mut self.lessons, &mut queue);
+        let effects = self.overlays.ui(&ctx, Read::of(&self.model), &mut self.lessons, &mut queue);
         self.apply(effects);
         self.act(&ctx, queue);
         self.go_on_with_lesson(&ctx, asked);
@@ -239,8 +239,8 @@ impl BurstscopeApp {
     fn go_on_with_lesson(&mut self, ctx: &egui::Context, asked: Option<LessonAction>) {
         let mut asked = asked;
         loop {
-            let is_restoring = self.restoring.waits_for(self.model.read()).is_some();
-            let staged = self.lessons.go_on(asked.take(), is_restoring, self.model.read());
+            let is_restoring = self.restoring.waits_for(Read::of(&self.model)).is_some();
+            let staged = self.lessons.go_on(asked.take(), is_restoring, Read::of(&self.model));
             if staged.is_empty() {
                 break;
             }
@@ -257,14 +257,14 @@ impl BurstscopeApp {
     }
 
     fn keep_session(&mut self, ctx: &egui::Context) {
-        let waits_for = self.restoring.waits_for(self.model.read());
+        let waits_for = self.restoring.waits_for(Read::of(&self.model));
         let Some(recovery) = &mut self.recovery else { return };
         recovery.give_up_unless(waits_for);
         // A burst that is being opened would be missing; the session is saved in a pass after that.
         if self.model.results.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
             return;
         }
-        if let Some(rest) = recovery.keep(self.model.read().project_of_user(), &self.journal, &self.engine) {
+        if let Some(rest) = recovery.keep(Read::of(&self.model).project_of_user(), &self.journal, &self.engine) {
             ctx.request_repaint_after(rest);
         }
     }
@@ -272,7 +272,7 @@ impl BurstscopeApp {
     /// Saves the session at once: another window goes on with it, and if that fails it is offered later.
     pub(super) fn keep_session_now(&mut self) {
         let Some(recovery) = &self.recovery else { return };
-        if let Err((title, error)) = recovery.keep_now(self.model.read().project_of_user(), &self.journal) {
+        if let Err((title, error)) = recovery.keep_now(Read::of(&self.model).project_of_user(), &self.journal) {
             self.model.shell.messages.error(title, error);
         }
     }
@@ -282,19 +282,20 @@ impl BurstscopeApp {
 
         Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
             ui.horizontal(|ui| {
-                menu_bar_ui(ui, self.model.read(), &self.settings, queue);
-                switch_ui(ui, self.model.read(), queue);
+                menu_bar_ui(ui, Read::of(&self.model), &self.settings, queue);
+                switch_ui(ui, Read::of(&self.model), queue);
             });
         });
         let in_toolbar = |part: &Part| matches!(part, Part::Kinds | Part::Detect);
         if !self.model.document.panels.hall || self.lessons.highlighted().iter().any(in_toolbar) {
             Panel::top("toolbar")
                 .frame(bar(ui))
-                .show(ui, |ui| panel::toolbar::toolbar_ui(ui, self.model.read(), queue));
+                .show(ui, |ui| panel::toolbar::toolbar_ui(ui, Read::of(&self.model), queue));
         }
         let status = Panel::bottom("status bar").frame(bar(ui));
         let readout = self.readout();
-        let status_ui = |ui: &mut egui::Ui| panel::status::status_ui(ui, self.model.read(), readout.as_deref(), queue);
+        let status_ui =
+            |ui: &mut egui::Ui| panel::status::status_ui(ui, Read::of(&self.model), readout.as_deref(), queue);
         let types_path = !self.model.document.panels.hall && status.show(ui, status_ui).inner;
         if let Some((purpose, name)) = self.model.shell.messages.unanswered().filter(|_| types_path).cloned() {
             self.overlays.open_path_field(purpose, name, false);
@@ -303,14 +304,15 @@ impl BurstscopeApp {
         self.offers_ui(ui, bar(ui), queue);
         if self.model.results.datasets.open.is_some() && self.model.document.panels.filmstrip {
             Panel::bottom("filmstrip").frame(bar(ui)).exact_size(filmstrip::HEIGHT).show(ui, |ui| {
-                filmstrip::filmstrip_ui(ui, self.model.read(), &mut self.thumbnails, queue);
+                filmstrip::filmstrip_ui(ui, Read::of(&self.model), &mut self.thumbnails, queue);
             });
         }
         let asked = self.lesson_panel_ui(ui, queue);
         let mut start_lesson = None;
         if self.model.results.slots.a.burst.is_none() && self.model.document.workspace.needs_burst() {
             CentralPanel::default().show(ui, |ui| {
-                start_lesson = panel::welcome::welcome_ui(ui, self.model.read(), &self.settings, &self.lessons, queue);
+                start_lesson =
+                    panel::welcome::welcome_ui(ui, Read::of(&self.model), &self.settings, &self.lessons, queue);
             });
         } else {
             self.workspace_ui(ui, queue);
@@ -333,7 +335,7 @@ impl BurstscopeApp {
                 let path = recovery.settle(choice, &mut self.model.shell.messages);
                 if let Some(path) = path {
                     self.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
-                    let waits_for = self.restoring.waits_for(self.model.read());
+                    let waits_for = self.restoring.waits_for(Read::of(&self.model));
                     self.recovery.iter_mut().for_each(|recovery| recovery.wait_for(waits_for));
                 }
             }
@@ -341,12 +343,12 @@ impl BurstscopeApp {
         if let Some(own) = &self.model.results.left_behind {
             Panel::top("left behind").frame(bar).show(ui, |ui| panel::status::left_behind_ui(ui, own, queue));
         }
-        if self.overlays.offers_cut(self.model.read()) {
-            let (frames, length) = (self.model.read().frame_count(), self.settings.burst_length);
+        if self.overlays.offers_cut(Read::of(&self.model)) {
+            let (frames, length) = (Read::of(&self.model).frame_count(), self.settings.burst_length);
             match Panel::top("cut offer").frame(bar).show(ui, |ui| cut_offer_ui(ui, frames, length)).inner {
                 Some(CutChoice::Cut) => queue.push(Action::CutOpenBurst(length)),
                 Some(CutChoice::Ask) => queue.push(ActionId::CutSequence),
-                Some(CutChoice::Keep) => self.overlays.keep_whole(self.model.read()),
+                Some(CutChoice::Keep) => self.overlays.keep_whole(Read::of(&self.model)),
                 None => {}
             }
         }
@@ -364,7 +366,7 @@ impl BurstscopeApp {
             .frame(frame)
             .default_size(width)
             .size_range(270.0..=520.0)
-            .show(ui, |ui| lesson_ui(ui, &mut self.lessons, self.model.read(), &mut self.captions, queue))
+            .show(ui, |ui| lesson_ui(ui, &mut self.lessons, Read::of(&self.model), &mut self.captions, queue))
             .inner;
         if let Some(word) = &clicks.word {
             self.overlays.glossary.open(Some(word));
@@ -374,7 +376,7 @@ impl BurstscopeApp {
 
     fn workspace_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) {
         let mut parts = WorkspaceParts {
-            model: self.model.read(),
+            model: Read::of(&self.model),
             widgets: &mut self.widgets,
             pair: &mut self.pair_panels,
             selection: &mut self.selection,
@@ -387,7 +389,7 @@ impl BurstscopeApp {
     }
 
     fn drop_hint_ui(&self, ui: &egui::Ui) {
-        let places = drop_places(self.model.read(), &self.widgets);
+        let places = drop_places(Read::of(&self.model), &self.widgets);
         if places.is_empty() {
             panel::welcome::drop_hint_ui(ui.ctx(), &[(ui.ctx().content_rect(), "Let go to open")]);
         } else {
@@ -403,7 +405,7 @@ impl BurstscopeApp {
     }
 
     pub fn read(&self) -> Read<'_> {
-        self.model.read()
+        Read::of(&self.model)
     }
 
     pub fn ui_from_image_of(&self, side: Side, pos_image: egui::Pos2) -> Option<egui::Pos2> {
@@ -485,7 +487,7 @@ impl eframe::App for BurstscopeApp {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         // Settings made by a lesson are not stored.
-        self.settings.take_from(self.model.read().project_of_user().document);
+        self.settings.take_from(Read::of(&self.model).project_of_user().document);
         (self.settings.theme, self.settings.lessons) = (self.model.document.theme, self.lessons.progress.clone());
         self.settings.store(storage);
     }

@@ -394,29 +394,31 @@ mod tests {
         let first = |text: &str, model: Read<'_>| found_by(text, model).first().cloned();
         use ActionId as A;
         for (text, id) in [("open dem", A::OpenDemo), ("light", A::ThemeLight), ("keyb", A::Shortcuts)] {
-            assert_eq!(first(text, model.read()), Some(Entry::Action(id)), "{text}");
+            assert_eq!(first(text, Read::of(&model)), Some(Entry::Action(id)), "{text}");
         }
         assert_eq!(
-            (first("opth", model.read()), first("qqqq", model.read())),
+            (first("opth", Read::of(&model)), first("qqqq", Read::of(&model))),
             (None, None),
             "letters that are not together"
         );
-        assert_eq!(first("first oct", model.read()), Some(Entry::Parameter("first-octave", None)));
+        assert_eq!(first("first oct", Read::of(&model)), Some(Entry::Parameter("first-octave", None)));
         let set = Entry::Parameter("first-octave", Some("-1".to_owned()));
-        assert_eq!(first("first octave -1", model.read()), Some(set.clone()));
-        assert!(is_possible(&set, model.read()));
+        assert_eq!(first("first octave -1", Read::of(&model)), Some(set.clone()));
+        assert!(is_possible(&set, Read::of(&model)));
         let mut queue = Queue::default();
-        set_or_show("first-octave", Some("-1"), model.read(), &mut queue);
+        set_or_show("first-octave", Some("-1"), Read::of(&model), &mut queue);
         let Some(Action::Change(changes)) = queue.into_iter().next() else { panic!("it is set") };
         assert_eq!(changes, [ParamChange::new(doc::FIRST_OCTAVE, -1)]);
         let wrong = Entry::Parameter("first-octave", Some("99".to_owned()));
-        assert!(found_by("first octave 99", model.read()).contains(&wrong) && !is_possible(&wrong, model.read()));
+        assert!(
+            found_by("first octave 99", Read::of(&model)).contains(&wrong) && !is_possible(&wrong, Read::of(&model))
+        );
         // What is not possible now is there, after what is, with the reason.
-        let swap = found_by("swap a and b", model.read());
+        let swap = found_by("swap a and b", Read::of(&model));
         assert_eq!(swap, [Entry::Action(A::SwapSides)]);
-        assert!(!is_possible(&swap[0], model.read()));
-        assert_eq!(why_not(A::SwapSides.action(), model.read()), "open a burst first");
+        assert!(!is_possible(&swap[0], Read::of(&model)));
+        assert_eq!(why_not(A::SwapSides.action(), Read::of(&model)), "open a burst first");
         opening::take_burst(&mut model, bench::open((64, 48), 5));
-        assert_eq!(why_not(A::SwapSides.action(), model.read()), "open a second burst first");
+        assert_eq!(why_not(A::SwapSides.action(), Read::of(&model)), "open a second burst first");
     }
 }

@@ -38,16 +38,12 @@ impl Bench {
             effects.extend(asking::take_answers(&mut self.model, &self.engine));
             params::check_params(&mut self.model);
             asking::ask(&mut self.model, &self.engine, false);
-            if done(self.model.read(), &effects) {
+            if done(Read::of(&self.model), &effects) {
                 return effects;
             }
             assert!(Instant::now() < end, "it does not come to rest");
             std::thread::sleep(Duration::from_millis(1));
         }
-    }
-
-    pub fn read(&self) -> Read<'_> {
-        self.model.read()
     }
 
     pub fn settle(&mut self) {
@@ -104,7 +100,7 @@ pub(crate) fn detected(burst: &OpenBurst, asked: &SearchParams, features: Vec<Fe
 }
 
 fn find(model: &mut Model, places: &[(f32, f32, usize)]) {
-    let (burst, grid) = (model.results.slots.a.burst.clone().expect("open"), model.read().grid_of(Side::A));
+    let (burst, grid) = (model.results.slots.a.burst.clone().expect("open"), Read::of(&model).grid_of(Side::A));
     let features = places.iter().map(|&(u, v, slope_index)| feature(u, v, slope_index, &grid)).collect();
     let detected = detected(&burst, &model.document.params, features);
     detection::take_detection(model, Side::A, detected, Duration::from_millis(10));
@@ -125,11 +121,11 @@ fn answers_of_another_burst_are_dropped() {
     let request = PictureRequest::new(other.clone(), PictureKind::Frame(0), DetectorParams::default());
     let id = model.document.focus();
     panes::take_picture(&mut model, id, request.compute(&Work::alone(&Monitor::default())).expect("frame 0 is there"));
-    assert!(model.read().picture().is_none());
-    let before = model.read().features().len();
+    assert!(Read::of(&model).picture().is_none());
+    let before = Read::of(&model).features().len();
     let detected = detected(&other, &SearchParams::default(), Vec::new());
     detection::take_detection(&mut model, Side::A, detected, Duration::ZERO);
-    assert_eq!(model.read().features().len(), before);
+    assert_eq!(Read::of(&model).features().len(), before);
 }
 
 #[test]
@@ -171,10 +167,12 @@ fn a_new_burst_forgets_the_old_one_and_a_single_frame_still_shows() {
     model.document.selected = Some(0);
     opening::take_burst(&mut model, open((40, 40), 1));
     assert!(
-        model.results.slots.a.found.is_none() && model.document.selected.is_none() && model.read().picture().is_none()
+        model.results.slots.a.found.is_none()
+            && model.document.selected.is_none()
+            && Read::of(&model).picture().is_none()
     );
     assert_eq!(model.results.slots.a.param_error.as_ref().map(|e| e.subject.as_str()), Some("frames"));
-    let wanted = model.read().wanted(model.document.focus()).expect("open");
+    let wanted = Read::of(&model).wanted(model.document.focus()).expect("open");
     assert!(wanted.compute(&Work::alone(&Monitor::default())).is_ok());
 }
 
@@ -187,10 +185,10 @@ fn the_pane_in_focus_sets_the_range_whichever_picture_comes_first() {
         assert_eq!(ids.len(), 2);
         order(&mut ids);
         for id in ids {
-            let wanted = model.read().wanted(id).expect("its burst is open");
+            let wanted = Read::of(&model).wanted(id).expect("its burst is open");
             let picture = wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled");
             panes::take_picture(&mut model, id, picture);
-            let seen = model.read().display_of(id);
+            let seen = Read::of(&model).display_of(id);
             assert_ne!((seen.min, seen.max), (0.0, 1.0), "what is seen first is seen in a range of its own");
         }
         model.document.look.ranges
@@ -204,13 +202,13 @@ fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it
     panes::lay_out(&mut model, Preset::FrameAndStack);
     let mut pictures = Vec::new();
     for id in model.document.panes.shown() {
-        let wanted = model.read().wanted(id).expect("its burst is open");
+        let wanted = Read::of(&model).wanted(id).expect("its burst is open");
         let picture = wanted.compute(&Work::alone(&Monitor::default())).expect("not cancelled");
         panes::take_picture(&mut model, id, picture.clone());
         pictures.push((id, picture));
     }
     for (id, picture) in &pictures {
-        let (display, values) = (model.read().display_of(*id), picture.plane.data());
+        let (display, values) = (Read::of(&model).display_of(*id), picture.plane.data());
         let clipped = values.iter().filter(|value| !(display.min..=display.max).contains(*value)).count();
         assert!(clipped * 100 <= values.len(), "{clipped} of {} are black or white", values.len());
     }
@@ -237,16 +235,16 @@ fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range(
         let panes = model.document.panes.shown().into_iter().filter_map(|id| model.document.panes.get(id));
         panes.map(|pane| pane.cursor.slope.u).collect()
     };
-    assert_eq!(slopes(model.read()), [0.0, 1.0, 2.0]);
+    assert_eq!(slopes(Read::of(&model)), [0.0, 1.0, 2.0]);
     opening::take_burst(&mut model, open((40, 30), 3));
-    assert_eq!(slopes(model.read()), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
+    assert_eq!(slopes(Read::of(&model)), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
     let focus = model.document.focus();
     model.document.show_slope(focus, Slope::new(100.0, 0.0));
     params::check_params(&mut model);
     let limit = crate::app::document::cursor::slope_limit(&model.results.slots.a.usable_params.slopes);
-    assert_eq!(slopes(model.read()), [limit - 1.0, limit, limit + 1.0]);
+    assert_eq!(slopes(Read::of(&model)), [limit - 1.0, limit, limit + 1.0]);
     let last = model.document.panes.shown()[2];
-    let PictureKind::Stack { slope } = model.read().wanted(last).expect("open").kind else { panic!("a stack") };
+    let PictureKind::Stack { slope } = Read::of(&model).wanted(last).expect("open").kind else { panic!("a stack") };
     assert_eq!(slope.u, limit, "what is beyond is shown at the rim");
 }
 

@@ -129,8 +129,8 @@ mod tests {
         assert_eq!(on_a, [MethodId::Sift, MethodId::Merge, MethodId::Buff1d, MethodId::Buff2d]);
         assert!(done[..4].iter().all(|(_, side)| *side == Side::A), "all of A first: {done:?}");
         assert_eq!(done.len(), 12, "on A, on B, and matched");
-        assert!(model.read().method_matches(MethodId::Buff1d).is_some());
-        assert!(model.read().next_compare_job().is_none());
+        assert!(Read::of(&model).method_matches(MethodId::Buff1d).is_some());
+        assert!(Read::of(&model).next_compare_job().is_none());
     }
 
     #[test]
@@ -144,21 +144,21 @@ mod tests {
         let again = do_all(&mut model);
         assert!(again.iter().any(|(method, _)| *method == MethodId::Buff2d), "{again:?}");
         opening::take_burst(&mut model, open((64, 48), 5));
-        assert!(model.read().method_found(MethodId::Sift, Side::A).is_none());
+        assert!(Read::of(&model).method_found(MethodId::Sift, Side::A).is_none());
     }
 
     #[test]
     fn what_failed_is_not_tried_again_until_asked_or_changed() {
         let mut model = methods();
-        let job = model.read().next_compare_job().expect("nothing is there yet");
+        let job = Read::of(&model).next_compare_job().expect("nothing is there yet");
         model.results.compare.take_failure(job.clone(), "cancelled".into());
         assert_eq!(model.results.compare.problem(job.method), Some("cancelled"));
-        assert_ne!(model.read().next_compare_job().map(|next| next.method), Some(job.method));
+        assert_ne!(Read::of(&model).next_compare_job().map(|next| next.method), Some(job.method));
         model.results.compare.forget_failures();
-        assert_eq!(model.read().next_compare_job().map(|next| next.method), Some(job.method));
+        assert_eq!(Read::of(&model).next_compare_job().map(|next| next.method), Some(job.method));
         model.results.compare.take_failure(job.clone(), "cancelled".into());
         model.document.params.edge_threshold *= 2.0;
-        assert_eq!(model.read().next_compare_job().map(|next| next.method), Some(job.method));
+        assert_eq!(Read::of(&model).next_compare_job().map(|next| next.method), Some(job.method));
     }
 
     #[test]
@@ -166,9 +166,9 @@ mod tests {
         let mut model = methods();
         share_what_is_found(&mut model);
         let shared =
-            model.read().method_found(MethodId::Buff1d, Side::A).expect("the window searches one line of slopes");
-        assert!(Arc::ptr_eq(&shared.detection, &model.read().found_of(Side::A).expect("found").detection));
-        assert!(model.read().method_found(MethodId::Sift, Side::A).is_none());
+            Read::of(&model).method_found(MethodId::Buff1d, Side::A).expect("the window searches one line of slopes");
+        assert!(Arc::ptr_eq(&shared.detection, &Read::of(&model).found_of(Side::A).expect("found").detection));
+        assert!(Read::of(&model).method_found(MethodId::Sift, Side::A).is_none());
     }
 
     #[test]

@@ -237,7 +237,7 @@ pub(in crate::app) mod tests {
         let (a, b) = (open((64, 48), 5), open((64, 48), 5));
         opening::take_burst(&mut model, a.clone());
         take_second_burst(&mut model, b.clone());
-        let grid = model.read().grid_of(Side::A);
+        let grid = Read::of(&model).grid_of(Side::A);
         let at = |du: f32| -> Vec<_> {
             (0..4).map(|i| feature(8.0 + 12.0 * i as f32 + du, 10.0 + 7.0 * i as f32, i, &grid)).collect()
         };
@@ -255,7 +255,7 @@ pub(in crate::app) mod tests {
     }
 
     fn make_matches(model: &mut Model) {
-        let request = model.read().wanted_matches().expect("both sides have features");
+        let request = Read::of(&model).wanted_matches().expect("both sides have features");
         let matched = request.matched(&Monitor::default()).expect("valid");
         take_made_matches(model, Matches::new(matched, Duration::ZERO));
     }
@@ -264,14 +264,14 @@ pub(in crate::app) mod tests {
     fn a_second_burst_has_the_parameters_as_far_as_it_can_use_them() {
         let mut model = pair();
         model.document.params.frames = Some(FrameRange { start: 1, end: 5 });
-        assert_eq!(model.read().params_of(Side::B).frames, model.document.params.frames);
+        assert_eq!(Read::of(&model).params_of(Side::B).frames, model.document.params.frames);
         take_second_burst(&mut model, open((64, 48), 3));
-        assert_eq!(model.read().params_of(Side::B).frames, None);
+        assert_eq!(Read::of(&model).params_of(Side::B).frames, None);
         take_second_burst(&mut model, open((64, 48), 1));
         params::check_params(&mut model);
-        assert_eq!(model.read().params_of(Side::B).method, Method::Sift);
+        assert_eq!(Read::of(&model).params_of(Side::B).method, Method::Sift);
         assert_eq!(model.results.slots.b.param_error, None, "a single sharp image can be B");
-        assert_eq!(model.read().params_of(Side::A).method, Method::Buff);
+        assert_eq!(Read::of(&model).params_of(Side::A).method, Method::Buff);
     }
 
     #[test]
@@ -297,11 +297,11 @@ pub(in crate::app) mod tests {
         let mut model = pair();
         make_matches(&mut model);
         model.document.selected_match = Some(2);
-        let place = model.read().saved_match().expect("selected");
+        let place = Read::of(&model).saved_match().expect("selected");
         model.document.matching.geometry = crate::matching::Geometry::None;
         make_matches(&mut model);
         assert_eq!(model.document.selected_match, Some(2));
-        assert_eq!(model.read().saved_match(), Some(place));
+        assert_eq!(Read::of(&model).saved_match(), Some(place));
         let moved = SavedMatch { a: [place.a[0] + 3.0, place.a[1]], ..place };
         assert_eq!(model.results.pair.matches.as_ref().and_then(|m| m.find_again(&moved)), None);
     }
@@ -310,11 +310,11 @@ pub(in crate::app) mod tests {
     fn sides_are_swapped_with_everything_that_is_theirs() {
         let mut model = pair();
         make_matches(&mut model);
-        let ids = [Side::A, Side::B].map(|side| model.read().burst_of(side).expect("open").id);
-        let found = model.read().found_of(Side::B).expect("found").detection.clone();
+        let ids = [Side::A, Side::B].map(|side| Read::of(&model).burst_of(side).expect("open").id);
+        let found = Read::of(&model).found_of(Side::B).expect("found").detection.clone();
         swap_sides(&mut model);
-        assert_eq!([Side::B, Side::A].map(|side| model.read().burst_of(side).expect("open").id), ids);
-        assert!(Arc::ptr_eq(&model.read().found_of(Side::A).expect("found").detection, &found));
-        assert!(model.results.pair.matches.is_none() && model.read().needs_matches());
+        assert_eq!([Side::B, Side::A].map(|side| Read::of(&model).burst_of(side).expect("open").id), ids);
+        assert!(Arc::ptr_eq(&Read::of(&model).found_of(Side::A).expect("found").detection, &found));
+        assert!(model.results.pair.matches.is_none() && Read::of(&model).needs_matches());
     }
 }

@@ -193,11 +193,11 @@ mod tests {
         let mut model = Model::default();
         model.shell.window_width_points = 720.0;
         open_left(&mut model);
-        assert!(model.read().shows_left() && !model.read().folds_left());
+        assert!(Read::of(&model).shows_left() && !Read::of(&model).folds_left());
         model.document.panels.right = Visibility::Auto;
         model.document.selected = Some(0);
-        assert!(!model.read().shows_left() && model.read().folds_left() && model.read().shows_right());
+        assert!(!Read::of(&model).shows_left() && Read::of(&model).folds_left() && Read::of(&model).shows_right());
         open_left(&mut model);
-        assert!(model.read().shows_left() && !model.read().shows_right());
+        assert!(Read::of(&model).shows_left() && !Read::of(&model).shows_right());
     }
 }

@@ -217,18 +217,18 @@ mod tests {
         let mut history = std::mem::take(&mut model.shell.history);
         let slopes = |model: Read<'_>| Side::BOTH.map(|side| model.document.cursor_of(side).slope.u);
         model.document.focus_on_side(Side::B);
-        let (a, before) = (slopes(model.read())[0], slopes(model.read())[1]);
+        let (a, before) = (slopes(Read::of(&model))[0], slopes(Read::of(&model))[1]);
         pass(&mut history, &mut model.document, false, |m| m.focused_mut().cursor.slope.u = 0.25);
-        assert_eq!(slopes(model.read()), [a, 0.25]);
+        assert_eq!(slopes(Read::of(&model)), [a, 0.25]);
         history.undo(&mut model.document);
-        assert_eq!(slopes(model.read()), [a, before]);
+        assert_eq!(slopes(Read::of(&model)), [a, before]);
         history.redo(&mut model.document);
         model.shell.history = history;
         pair::swap_sides(&mut model);
         history = std::mem::take(&mut model.shell.history);
-        assert_eq!(slopes(model.read()), [0.25, a]);
+        assert_eq!(slopes(Read::of(&model)), [0.25, a]);
         history.undo(&mut model.document);
-        assert_eq!(slopes(model.read()), [before, a], "the burst that was B");
+        assert_eq!(slopes(Read::of(&model)), [before, a], "the burst that was B");
     }
 
     #[test]

@@ -121,7 +121,7 @@ proptest! {
         let mut bench = bench();
         for action in actions {
             pass(&mut bench, action);
-            assert_valid(bench.read());
+            assert_valid(Read::of(&bench.model));
         }
         // What is still asked for ends, and is not asked for again; studies take long.
         for id in [ActionId::CancelStudy, ActionId::Cancel, ActionId::AutoDetect] {
@@ -130,7 +130,7 @@ proptest! {
             }
         }
         bench.settle();
-        assert_valid(bench.read());
+        assert_valid(Read::of(&bench.model));
         let text = toml::to_string(&bench.model.document).expect("plain values");
         let read: Document = toml::from_str(&text).expect("it was written so");
         prop_assert_eq!(&read, &bench.model.document, "{}", text);

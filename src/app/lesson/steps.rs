@@ -184,7 +184,7 @@ mod tests {
             Layout::Methods,
         ] {
             panes::lay_out(&mut model, layout_made);
-            assert_eq!(layout(model.read()), Some(layout_made));
+            assert_eq!(layout(Read::of(&model)), Some(layout_made));
         }
     }
 }

@@ -174,12 +174,15 @@ mod tests {
         let mut model = Model::default();
         opening::take_burst(&mut model, open((64, 48), 5));
         let first = model.document.focus();
-        assert_eq!(measured_panes(model.read(), first), [first]);
+        assert_eq!(measured_panes(Read::of(&model), first), [first]);
         let second = model.document.panes.split(first, Direction::Right).expect("there is space");
         model.document.panes.close(first);
-        assert_eq!((measured_panes(model.read(), first), measured_on(model.read(), first)), (vec![second], second));
+        assert_eq!(
+            (measured_panes(Read::of(&model), first), measured_on(Read::of(&model), first)),
+            (vec![second], second)
+        );
         // In another workspace it is not drawn.
         model.document.open_workspace(Workspace::Pair);
-        assert_eq!(measured_panes(model.read(), PaneId(99)), []);
+        assert_eq!(measured_panes(Read::of(&model), PaneId(99)), []);
     }
 }

@@ -336,20 +336,23 @@ mod tests {
     #[test]
     fn an_empty_list_says_the_next_step() {
         let mut model = Model::default();
-        assert!(what_to_do(model.read(), Side::A).starts_with("Pin a result"));
+        assert!(what_to_do(Read::of(&model), Side::A).starts_with("Pin a result"));
         model.document.comparisons.a.with = Some(Reference::Truth);
-        assert!(what_to_do(model.read(), Side::A).starts_with("Press Detect"));
+        assert!(what_to_do(Read::of(&model), Side::A).starts_with("Press Detect"));
         let burst = open((64, 48), 3);
         opening::take_burst(&mut model, burst.clone());
         let engine = crate::engine::Engine::new(std::sync::Arc::new(|| {}), 1 << 20);
         detection::start_detection(&mut model, Side::A, &engine);
-        assert_eq!((what_to_do(model.read(), Side::A), model.read().takes_advice(Side::A)), ("Detecting…", false));
+        assert_eq!(
+            (what_to_do(Read::of(&model), Side::A), Read::of(&model).takes_advice(Side::A)),
+            ("Detecting…", false)
+        );
         model.results.slots.a.detecting.forget();
-        assert!(model.read().takes_advice(Side::A));
+        assert!(Read::of(&model).takes_advice(Side::A));
         let params = model.document.params.clone();
-        let features = vec![feature(10.0, 10.0, 1, &model.read().grid_of(Side::A))];
+        let features = vec![feature(10.0, 10.0, 1, &Read::of(&model).grid_of(Side::A))];
         detection::take_detection(&mut model, Side::A, detected(&burst, &params, features), Duration::ZERO);
         model.document.comparisons.a.with = Some(Reference::Truth);
-        assert_eq!(what_to_do(model.read(), Side::A), "Comparing…");
+        assert_eq!(what_to_do(Read::of(&model), Side::A), "Comparing…");
     }
 }

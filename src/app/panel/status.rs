@@ -223,11 +223,11 @@ mod tests {
     #[test]
     fn all_warnings_about_a_file_are_listed() {
         let mut model = Model::default();
-        assert!(warnings(model.read()).is_empty());
+        assert!(warnings(Read::of(&model)).is_empty());
         let mut burst = (*open((64, 48), 3).burst).clone();
         (burst.encoding, burst.suggested_full_scale) = (crate::burst::Encoding::Srgb, Some(4095.0));
         let expected: Vec<String> = burst.notes().iter().map(|note| note.for_window()).collect();
         opening::take_burst(&mut model, crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
-        assert_eq!((warnings(model.read()), expected.len()), (expected, 2), "not only the last one");
+        assert_eq!((warnings(Read::of(&model)), expected.len()), (expected, 2), "not only the last one");
     }
 }

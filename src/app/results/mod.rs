@@ -141,16 +141,10 @@ impl From<Document> for Model {
     }
 }
 
-impl Model {
-    pub fn read(&self) -> Read<'_> {
-        let Self { document, results, shell } = self;
-        Read { document, results, shell }
-    }
-}
-
 impl<'a> Read<'a> {
     pub fn of(model: &'a Model) -> Self {
-        model.read()
+        let Model { document, results, shell } = model;
+        Self { document, results, shell }
     }
 
     /// (columns, rows) of the open burst's frames; (0, 0) without one.
