@@ -94,12 +94,12 @@ fn names_that_are_no_text_work_everywhere() {
     }
     let rec = home.path().join(OsStr::from_bytes(b"rec\xff"));
     assert!(rec.join("database.db").is_file() && names(&rec.join("features")).len() == 2);
-    // Finished features are found again.
+    // Finished features and the matched pair are found again.
     let output = run_os(
         home.path(),
         &[&[os("colmap"), &folder, os("--out"), OsStr::from_bytes(b"rec\xff")][..], &search].concat(),
     );
-    assert!(String::from_utf8_lossy(&output.stdout).matches("from an earlier run").count() == 2, "{}", stderr(&output));
+    assert!(String::from_utf8_lossy(&output.stdout).matches("from an earlier run").count() == 3, "{}", stderr(&output));
 }
 
 #[test]

@@ -57,8 +57,7 @@ fn a_report_says_what_the_other_commands_say() {
 fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     let home = tempfile::tempdir().expect("a folder");
     let line = |out: &'static str| [&["report", "--out", out, "--quiet", "--at", "92,58"], &LINE[..]].concat();
-    let endings: &[&str] = if cfg!(feature = "app") { &["r.md", "r.svg", "r.pdf"] } else { &["r.md", "r.svg"] };
-    for out in endings {
+    for out in ["r.md", "r.svg", "r.pdf", "r.png"] {
         // The second run replaces what the first one wrote.
         (0..2).for_each(|_| assert_eq!(run_well(home.path(), &line(out)), ""));
         std::fs::write(home.path().join(out), "mine").expect("written");
@@ -77,16 +76,14 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     let height =
         document.root_element().attribute("viewBox").and_then(|view| view.rsplit(' ').next()?.parse::<f64>().ok());
     assert!(height.is_some_and(|height| (100.0..height - 20.0).contains(&lowest)), "{lowest} of {height:?}");
-    if cfg!(feature = "app") {
-        assert!(std::fs::read(home.path().join("r.pdf")).expect("a file").starts_with(b"%PDF"));
-    }
+    assert!(std::fs::read(home.path().join("r.pdf")).expect("a file").starts_with(b"%PDF"));
 }
 
 #[test]
 fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
     let home = tempfile::tempdir().expect("a folder");
     for (line, code, words) in [
-        ("report demo --out r.docx", 2, "name the file .md, .svg or .pdf"),
+        ("report demo --out r.docx", 2, "name the file .md, .svg, .pdf or .png"),
         ("report demo", 2, "--out"),
         ("report gone --out r.md", 1, "gone"),
         ("report demo --out r.md --at 900,5", 2, "is outside the"),

@@ -201,12 +201,12 @@ pub fn match_pairs<E: From<Error>>(
     on: &mut dyn FnMut(MatchedPair<'_>) -> Result<(), E>,
     monitor: &Monitor,
 ) -> Result<usize, E> {
-    let mut on = |(indices, sides, found): Found<'_, Unaligned>| on(MatchedPair { indices, sides, found: &found });
+    let mut on = |(indices, sides, found): MadePair<'_, Unaligned>| on(MatchedPair { indices, sides, found: &found });
     for_pairs(pairs, params, source, (&|_, found| Ok(found), &mut on), monitor)
 }
 
 /// A pair with what was made of its matches.
-type Found<'a, T> = ((usize, usize), [&'a BurstSide; 2], T);
+type MadePair<'a, T> = ((usize, usize), [&'a BurstSide; 2], T);
 
 type Make<'a, T> = &'a (dyn Fn((usize, usize), Unaligned) -> Result<T> + Sync);
 
@@ -216,7 +216,7 @@ pub(super) fn for_pairs<E: From<Error>, T: Send>(
     pairs: &[(usize, usize)],
     params: &MatchParams,
     source: &mut dyn PairSource<E>,
-    (make, on): (Make<'_, T>, &mut dyn FnMut(Found<'_, T>) -> Result<(), E>),
+    (make, on): (Make<'_, T>, &mut dyn FnMut(MadePair<'_, T>) -> Result<(), E>),
     monitor: &Monitor,
 ) -> Result<usize, E> {
     params.validate()?;

@@ -10,7 +10,7 @@ use std::fmt;
 use std::str::FromStr;
 
 /// Half a pixel: the centre of the first pixel in COLMAP's convention.
-pub(crate) const FIRST_PIXEL: f64 = 0.5;
+const FIRST_PIXEL: f64 = 0.5;
 
 /// Mapping from directions to pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

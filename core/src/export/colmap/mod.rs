@@ -10,5 +10,8 @@ mod text;
 pub use database::{
     DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
 };
+/// Centre of the first pixel in COLMAP's convention.
+const FIRST_PIXEL: f64 = 0.5;
+
 pub(super) use text::is_colmap_text;
 pub use text::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};

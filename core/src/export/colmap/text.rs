@@ -3,12 +3,12 @@
 //! The descriptors are in UBC order, which is the order of [`Descriptor`] and of COLMAP's own SIFT. Numbers read back
 //! exactly. Format: <https://colmap.github.io/tutorial.html#feature-detection-and-extraction>.
 
+use super::FIRST_PIXEL;
 use crate::detector::{Descriptor, Feature};
 use crate::error::{Error, Result};
 use crate::export::atomic::write_whole;
 use crate::export::csv::first_line;
 use crate::files::{MAX_TABLE_BYTES, read_text};
-use crate::matching::camera::FIRST_PIXEL;
 use std::io::{self, Write};
 use std::path::Path;
 use std::str::FromStr;
