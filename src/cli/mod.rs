@@ -44,9 +44,9 @@ pub mod synth;
 #[cfg(feature = "app")]
 mod window;
 
+pub use commands::synthetic_burst;
 pub use failure::Failure;
 pub use report::burst_document;
-pub use synth::synthetic_burst;
 
 use crate::burst::{DecodeWorker, serve_decoding};
 use crate::files::MAX_INTEGER;

@@ -39,7 +39,7 @@ pub struct BurstFeatures {
     pub image_name: String,
     /// Size of its frames (columns, rows).
     pub size: (usize, usize),
-    /// Number of frames in which they were found.
+    /// Number of frames that were searched.
     pub frames: usize,
     /// Positions, scales and orientations, strongest first.
     pub keypoints: Vec<ColmapKeypoint>,

@@ -26,7 +26,7 @@ use std::sync::{Mutex, PoisonError};
 const MATRIX_WORDS: usize = 18;
 const INLIER_WORDS: usize = 10;
 
-/// What a database and the joint solution need of a matched pair.
+/// Parts of a matched pair that a database and the joint solution need.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct PairFound {
     pub matches: Vec<[u32; 2]>,
@@ -98,7 +98,7 @@ impl PairFound {
 pub(super) struct PairedImage {
     pub name: String,
     pub features: usize,
-    /// What its features were made from; `None` for a burst in memory.
+    /// Source of its features: `None` for a burst in memory.
     pub key: Option<Value>,
 }
 
@@ -146,7 +146,7 @@ impl<'a> KeptPairs<'a> {
         self.file(pair).and_then(|(path, head)| self.read(pair, &path, &head)).is_some()
     }
 
-    /// A pair that is kept; one in memory leaves it.
+    /// A kept pair. From memory it is removed.
     pub fn take(&self, pair: (usize, usize)) -> Result<PairFound> {
         let Some((path, head)) = self.file(pair) else {
             let found = self.in_memory.lock().unwrap_or_else(PoisonError::into_inner).remove(&pair);

@@ -37,7 +37,7 @@ pub struct PairReport {
     pub counts: MatchCounts,
 }
 
-/// What verified pairs join.
+/// Images that verified pairs join.
 #[derive(Debug, Clone, PartialEq, Eq, Default, Serialize)]
 pub struct Joined {
     /// Bursts of each part that verified pairs join, the largest first. A mapper makes a model of one part.
@@ -51,7 +51,7 @@ pub struct Joined {
 }
 
 impl Joined {
-    /// What the verified ones of `pairs` join of `images`.
+    /// Images, of `images`, that the verified ones of `pairs` join.
     pub(super) fn of(images: &[ImageReport], pairs: &[PairReport]) -> Self {
         let mut part_of: BTreeMap<u32, u32> = images.iter().map(|image| (image.id, image.id)).collect();
         for PairReport { ids, .. } in pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)) {
@@ -87,7 +87,7 @@ pub struct ColmapReport {
     pub images: Vec<ImageReport>,
     /// Pairs, in order.
     pub pairs: Vec<PairReport>,
-    /// What verified pairs join.
+    /// Images that verified pairs join.
     pub joined: Joined,
     /// Distances by which the database's keypoints moved from those in the files; `None` if they were not aligned.
     pub moved: Option<Moved>,

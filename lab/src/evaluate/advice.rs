@@ -104,7 +104,7 @@ pub struct AdviceStudy {
     pub first_seed: u64,
 }
 
-/// What was said of one burst, and what is true.
+/// Statement and truth about one burst.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct AdvisedBurst {
     /// Kind of burst and search.
@@ -113,9 +113,9 @@ pub struct AdvisedBurst {
     pub snr: f64,
     /// Seed.
     pub seed: u64,
-    /// What the judgement says.
+    /// Statement of the judgement.
     pub said: Statement,
-    /// What is true.
+    /// The truth.
     #[serde(rename = "true")]
     pub truth: Statement,
     /// The judgement's sentence.
@@ -224,7 +224,7 @@ fn burst_of(
     Ok((truth.masked(burst), Some(truth)))
 }
 
-/// What is true of slopes that were found: that they hold the motions of all layers, or why not.
+/// The truth about slopes that were found: whether the motions of all layers lie in the range, or why not.
 fn truth_of(truth: &Truth, grid: &SlopeGrid, positions: &Positions) -> Statement {
     let beside = (0.5 * grid.u.step().hypot(grid.v.step())).max(BESIDE_PX / positions.reach() as f32);
     let is_far = |slope: &Slope| {

@@ -69,7 +69,7 @@ impl Pieces {
         Self { records: Records::of(folder).below(PIECES_FOLDER) }
     }
 
-    /// The piece `name` of these settings: the one that is kept, or else what `make` gives, which is kept then.
+    /// The piece `name` of these settings: the kept one, or else the result of `make`, which is kept then.
     pub fn kept_or<T: Serialize + DeserializeOwned>(
         &self,
         name: &str,

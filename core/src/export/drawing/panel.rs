@@ -151,7 +151,7 @@ pub struct FigurePanel {
 
 pub(super) const POINTS_PER_MM: f32 = 72.0 / 25.4;
 
-/// Width of a figure, which decides its unit.
+/// Width of a figure; it decides the unit.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum FigureWidth {

@@ -150,7 +150,7 @@ pub enum FigureShape {
     Line {
         /// Points; a `None` is a gap of the line.
         points: Vec<Option<[f32; 2]>>,
-        /// Its style; an area that is filled ends where it begins.
+        /// Style; a filled area ends where it begins.
         style: Style,
         /// Part of the figure, for editing it: `orientation`, `motion`, `scale`, `match`, `legend`, `fan`,
         /// `curve`; or none, for a straight line.

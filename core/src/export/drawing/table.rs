@@ -15,7 +15,7 @@ pub enum Cell {
 }
 
 impl Cell {
-    /// A number that may be missing; one that is not finite is.
+    /// A number; missing if `None` or not finite.
     pub fn of(value: Option<f64>, decimals: usize) -> Self {
         value.filter(|x| x.is_finite()).map_or(Self::Missing, |x| Self::Number(x, decimals))
     }

@@ -69,7 +69,7 @@ impl<'a> BurstPage<'a> {
         })
     }
 
-    /// The page as Markdown. It begins with a comment, so that its mark is one.
+    /// The page as Markdown, with a comment as the first line, so that the mark is a comment too.
     pub fn markdown(&self) -> String {
         let head = format!("<!-- Burstscope {} -->\n\n", env!("CARGO_PKG_VERSION"));
         head + &written(|out| {
@@ -167,7 +167,7 @@ fn write_place(out: &mut String, index: usize, probe: &Probe) -> std::fmt::Resul
     write_table(out, ["test", "value", "limit", "margin", "outcome"], rows)
 }
 
-/// Sentences, each with the option that mends what it says, which may be empty.
+/// Sentences, each with the option that mends the fault, or an empty text.
 fn write_items(out: &mut String, items: impl IntoIterator<Item = (String, String)>) -> std::fmt::Result {
     items.into_iter().try_for_each(|(words, option)| {
         let option = if option.is_empty() { option } else { format!(": try {option}") };
