@@ -145,9 +145,11 @@ pub fn export_detections(
 /// A burst of an export: its features, what is seen of its image, and what both were made from if it is not in memory.
 type Exported = (BurstFeatures, Seen, Option<Value>);
 
+/// Opens the burst at a place, with the parameters of its search.
+type Opening<'a> = &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>;
+
 /// Bursts of an export: their number, and by their places what is exported, and the frames with the parameters of search.
-type AllExported<'a> =
-    (usize, &'a dyn Fn(usize) -> Result<Exported>, &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>);
+type AllExported<'a> = (usize, &'a dyn Fn(usize) -> Result<Exported>, Opening<'a>);
 
 fn write_database(
     store: &FeatureStore,
@@ -217,7 +219,7 @@ struct Waiting {
 struct InDatabase<'a, 'b> {
     database: &'a DatabaseWriter<'b>,
     blobs: &'a [Vec<Blob>],
-    open: &'a dyn Fn(usize) -> Result<(Burst, DetectorParams)>,
+    open: Opening<'a>,
 }
 
 impl PairSource<Error> for InDatabase<'_, '_> {
@@ -236,7 +238,7 @@ fn match_all(
     database: &DatabaseWriter<'_>,
     (pairs, blobs): (&[(usize, usize)], &[Vec<Blob>]),
     matching: &MatchParams,
-    (kept, open): (&KeptPairs<'_>, &dyn Fn(usize) -> Result<(Burst, DetectorParams)>),
+    (kept, open): (&KeptPairs<'_>, Opening<'_>),
     monitor: &Monitor,
 ) -> Result<Vec<bool>> {
     let has = |pair: &(usize, usize)| Ok(monitor.check().map(|()| kept.has(*pair))?);

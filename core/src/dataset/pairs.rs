@@ -210,13 +210,16 @@ type MadePair<'a, T> = ((usize, usize), [&'a BurstSide; 2], T);
 
 type Make<'a, T> = &'a (dyn Fn((usize, usize), Unaligned) -> Result<T> + Sync);
 
+/// Takes a pair, in their order.
+type On<'a, T, E> = &'a mut dyn FnMut(MadePair<'_, T>) -> Result<(), E>;
+
 /// Matches pairs as [`match_pairs`] does. `make` gets the matches of a pair on the thread that has found them, at once;
 /// what it makes of them is passed on, a few pairs at a time.
 pub(super) fn for_pairs<E: From<Error>, T: Send>(
     pairs: &[(usize, usize)],
     params: &MatchParams,
     source: &mut dyn PairSource<E>,
-    (make, on): (Make<'_, T>, &mut dyn FnMut(MadePair<'_, T>) -> Result<(), E>),
+    (make, on): (Make<'_, T>, On<'_, T, E>),
     monitor: &Monitor,
 ) -> Result<usize, E> {
     params.validate()?;

@@ -100,7 +100,7 @@ pub(crate) fn detected(burst: &OpenBurst, asked: &SearchParams, features: Vec<Fe
 }
 
 fn find(model: &mut Model, places: &[(f32, f32, usize)]) {
-    let (burst, grid) = (model.results.slots.a.burst.clone().expect("open"), Read::of(&model).grid_of(Side::A));
+    let (burst, grid) = (model.results.slots.a.burst.clone().expect("open"), Read::of(model).grid_of(Side::A));
     let features = places.iter().map(|&(u, v, slope_index)| feature(u, v, slope_index, &grid)).collect();
     let detected = detected(&burst, &model.document.params, features);
     detection::take_detection(model, Side::A, detected, Duration::from_millis(10));

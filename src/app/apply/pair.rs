@@ -255,7 +255,7 @@ pub(in crate::app) mod tests {
     }
 
     fn make_matches(model: &mut Model) {
-        let request = Read::of(&model).wanted_matches().expect("both sides have features");
+        let request = Read::of(model).wanted_matches().expect("both sides have features");
         let matched = request.matched(&Monitor::default()).expect("valid");
         take_made_matches(model, Matches::new(matched, Duration::ZERO));
     }

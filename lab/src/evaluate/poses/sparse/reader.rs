@@ -206,7 +206,7 @@ impl<R: BufRead> Reader<R> {
             return self.count(bytes);
         }
         let there = self.line[self.read..].split_whitespace().count();
-        if there % words == 0 { Ok((there / words) as u64) } else { Err(self.fail(odd(there))) }
+        if there.is_multiple_of(words) { Ok((there / words) as u64) } else { Err(self.fail(odd(there))) }
     }
 
     /// A number of entries of at least `entry_bytes` bytes each, which must all fit into the remaining bytes.
