@@ -24,7 +24,6 @@ use crate::files::mark::{Checksum, OutputKind};
 use crate::files::read_bytes;
 use crate::files::unfinished::remove_abandoned;
 use crate::matching::Blob;
-use crate::matching::aligned::Seen;
 use crate::monitor::Monitor;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
@@ -237,11 +236,11 @@ impl FeatureStore {
     /// Reads the features that this store has found or kept in this run, with the part of the image that is seen, and
     /// what both were made from. The frames are not compared again.
     #[cfg(feature = "colmap")]
-    pub(super) fn written(&self, source: &BurstFiles) -> Result<(BurstFeatures, Seen, Value)> {
-        let image_name = image_name(source);
+    pub(super) fn written(&self, of: &BurstFiles) -> Result<(BurstFeatures, crate::matching::aligned::Seen, Value)> {
+        let image_name = image_name(of);
         let record: Option<BurstRecord> = self.records().read(&image_name);
         let record = record.filter(|record| record.made_from == self.made_with).ok_or(NotKept::NoRecord);
-        let read = record.and_then(|record| Ok((self.read(source, &record.of)?, record)));
+        let read = record.and_then(|record| Ok((self.read(of, &record.of)?, record)));
         let (found, record) = read.map_err(|reason| Error::unread_file(&self.feature_file(&image_name), reason))?;
         let key = record.of.key(&record.made_from);
         Ok((found, record.of.seen, key))
