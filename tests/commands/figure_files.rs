@@ -69,9 +69,9 @@ fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
     let slopes = [&["slopes"][..], &line].concat();
     let (rows, latex) = written(home.path(), &slopes, "--plot");
     let bars = &json(home.path(), &[&slopes[..], &["--json"]].concat())["spectrum"]["bars"];
-    assert_eq!(column(&rows, "slope_u"), numbers(bars, |bar| &bar["slope"]["u"]));
-    assert_eq!(column(&rows, "features"), numbers(bars, |bar| &bar["features"]));
-    assert_eq!(column(&rows, "evidence"), numbers(bars, |bar| &bar["evidence"]));
+    assert_same(&column(&rows, "slope_u"), &numbers(bars, |bar| &bar["slope"]["u"]));
+    assert_same(&column(&rows, "features"), &numbers(bars, |bar| &bar["features"]));
+    assert_same(&column(&rows, "evidence"), &numbers(bars, |bar| &bar["evidence"]));
     assert!(has_all(&latex, &column(&rows, "evidence")[..1], 3) || has_all(&latex, &column(&rows, "slope_v"), 3));
 
     let probe = [&["probe"][..], &line, &["--at", "160,120"]].concat();
@@ -88,8 +88,8 @@ fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
     assert!(rows[0].join(",") == "set,plot,curve,x,y,low,high" && rows.len() > 5);
     let (rows, latex) = written(home.path(), &recover, "--table");
     let planted = &json(home.path(), &[&recover[..], &["--json"]].concat())["planted"];
-    assert_eq!(column(&rows, "snr"), numbers(planted, |one| &one["snr"]));
-    assert_eq!(column(&rows, "u"), numbers(planted, |one| &one["truth"]["u"]));
+    assert_same(&column(&rows, "snr"), &numbers(planted, |one| &one["snr"]));
+    assert_same(&column(&rows, "u"), &numbers(planted, |one| &one["truth"]["u"]));
     assert!(has_all(&latex, &column(&rows, "u"), 3));
 }
 
@@ -114,13 +114,13 @@ fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
     let (rows, _) = written(home.path(), &frames, "--table");
     let report = json(home.path(), &[&frames[..], &["--json"]].concat());
     let found = |row: usize| numbers(&report["rows"][row]["methods"], |method| &method["true_positives"]["mean"]);
-    assert_eq!(column(&rows, "found"), [found(0), found(1)].concat());
+    assert_same(&column(&rows, "found"), &[found(0), found(1)].concat());
     written(home.path(), &frames, "--plot");
 
     let burst = ["evaluate", "frames", "demo-low-contrast", "--frame-counts", "3,5", "--slopes-u", "-1:1:3"];
     let (rows, latex) = written(home.path(), &burst, "--table");
     let report = json(home.path(), &[&burst[..], &["--json"]].concat());
-    assert_eq!(column(&rows, "confirmed"), numbers(&report["rows"], |row| &row["confirmed"]));
+    assert_same(&column(&rows, "confirmed"), &numbers(&report["rows"], |row| &row["confirmed"]));
     assert!(has_all(&latex, &column(&rows, "confirmed"), 0));
     written(home.path(), &burst, "--plot");
 
@@ -135,8 +135,8 @@ fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
     let (rows, _) = written(home.path(), &noise, "--table");
     let report = json(home.path(), &[&noise[..], &["--json"]].concat());
     let search = &report["rows"][0]["searches"];
-    assert_eq!(column(&rows, "false_features"), numbers(search, |search| &search["false_features"]));
-    assert_eq!(column(&rows, "per_megapixel"), numbers(search, |search| &search["per_megapixel"]));
+    assert_same(&column(&rows, "false_features"), &numbers(search, |search| &search["false_features"]));
+    assert_same(&column(&rows, "per_megapixel"), &numbers(search, |search| &search["per_megapixel"]));
 }
 
 #[test]
@@ -159,6 +159,6 @@ fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
     let report = json(home.path(), &[&poses[..], &["--json"]].concat());
     let rmse = ["absolute", "relative"].map(|of| ["translation", "rotation_deg"].map(|e| &report[of][e]["rmse"]));
     let rmse: Vec<f64> = rmse.as_flattened().iter().map(|x| x.as_f64().expect("a number")).collect();
-    assert_eq!(column(&rows, "rmse"), rmse);
+    assert_same(&column(&rows, "rmse"), &rmse);
     assert!(has_all(&latex, &rmse, 6));
 }
