@@ -47,7 +47,7 @@ pub struct Trajectory {
 }
 
 /// Reads the poses at `path`: the folder of a sparse model (see [`read_sparse_model`]) or a file in it, a trajectory
-/// file (see [`read_tum`]), or one that is [built in](demo).
+/// file (see [`read_tum`]), or one that is built in.
 ///
 /// # Errors
 /// The file or model cannot be read, is damaged, or has no pose.
