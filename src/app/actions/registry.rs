@@ -463,8 +463,8 @@ mod tests {
     #[test]
     fn what_asks_first_ends_in_an_ellipsis() {
         use ActionId as A;
-        let others =
-            [A::Palette, A::Lessons, A::OpenGoldA, A::OpenGoldB, A::FigureOptions, A::Calibration, A::PaperFigures];
+        use ActionId::{Calibration, FigureOptions, Lessons, OpenGoldA, OpenGoldB, Palette, PaperFigures, Report};
+        let others = [Palette, Lessons, OpenGoldA, OpenGoldB, FigureOptions, Calibration, PaperFigures, Report];
         let beginnings = ["Open ", "Save ", "Load ", "Export ", "Choose ", "Cut "];
         for action in ACTIONS {
             let asks = beginnings.iter().any(|beginning| action.label.starts_with(beginning));
