@@ -1216,7 +1216,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Seed of the samples of matches [default: 0]
     camera : str
         Intrinsics of the camera of both images: a model of COLMAP's with width, height and parameters, such as
-        PINHOLE,640,480,500,500,320,240. Models: all of COLMAP's, from SIMPLE_PINHOLE to FULL_OPENCV and the fisheyes; or a TOML file
+        PINHOLE,640,480,500,500,320,240. Models: COLMAP's from SIMPLE_PINHOLE to RAD_TAN_THIN_PRISM_FISHEYE (its numbers 0 to 11); or a TOML file
     params : Path
         Parameter file (TOML), as the window saves it, or a case, whose search is taken
     method : {'buff', 'sift', 'merge'}

@@ -19,10 +19,10 @@ use std::path::PathBuf;
 
 /// Write a burst on one page: what it is, its slopes, noise, tests, how many features are false, and places.
 ///
-/// What 'info', 'slopes', 'detect', 'decoys' and 'probe' say of it, together: the input and what was guessed, the slopes
-/// and their judgement, the noise and the gate, the features and how many of them are false by expectation, how many
-/// samples each test rejects, and what became of each place of --at. As Markdown it is text and tables; as SVG or PDF
-/// one sheet with a picture of the burst on top.
+/// The page has the answers of 'info', 'slopes', 'detect', 'decoys' and 'probe': the input with what was guessed, the
+/// slopes with their judgement, the noise and its gate, the features and how many of them are false by expectation, how
+/// many samples each test rejects, and the fate of each place of --at. As Markdown it is text and tables; as SVG, PDF
+/// or PNG one sheet under a picture of the burst.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = REPORT_HELP)]
 pub struct ReportArgs {

@@ -63,16 +63,19 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         failures.push(FailureReport { name: name.to_owned(), error });
     };
     // Bursts that cannot be opened are reported before the long search; the others go on.
-    let mut bursts: Vec<BurstFiles> = Vec::new();
-    for input in inputs {
-        match input.source {
-            Ok(source) => bursts.push(BurstFiles { name: input.name, paths: source.paths().to_vec() }),
-            Err(error) => fail(&input.name, error.to_string()),
+    let (mut bursts, mut failed) = (Vec::new(), Vec::new());
+    for Input { name, source, .. } in inputs {
+        match source {
+            Ok(source) => bursts.push(BurstFiles { name, paths: source.paths().to_vec() }),
+            Err(error) => {
+                fail(&name, error.to_string());
+                failed.push(BurstFiles { name, paths: Vec::new() });
+            }
         }
     }
     let pairs = match &args.pairs {
         (pairs, None) => pairs.clone(),
-        (_, Some(list)) => PairSelection::Listed(read_pairs(list, &bursts)?),
+        (_, Some(list)) => PairSelection::Listed(read_pairs(list, &[&bursts[..], &failed].concat())?),
     };
     let job = ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs, camera };
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
@@ -141,7 +144,7 @@ fn some_of<S: AsRef<str>>(names: &[S]) -> String {
     some.join(", ") + &if more == 0 { String::new() } else { format!(" and {more} more") }
 }
 
-/// What verified pairs join, and how many were refused and why.
+/// Lines on the images that verified pairs join, and on the number of refused pairs with their reasons.
 fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_pictures }: &Joined) -> String {
     let mut text = String::new();
     if let Some((largest, others)) = parts.split_first() {
@@ -256,7 +259,7 @@ Files in DIR:
   records/pairs/             the pairs that are matched, before the places are aligned: A.png/B.png.pair
 
 Camera file: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each. One camera is shared by all images;
-without one, COLMAP's guess is taken. Models: all of COLMAP's up to
+without one, COLMAP's guess is taken. Models: COLMAP's up to
 RAD_TAN_THIN_PRISM_FISHEYE, with its parameters in its order: SIMPLE_PINHOLE f,cx,cy; PINHOLE fx,fy,cx,cy; SIMPLE_RADIAL f,cx,cy,k; OPENCV fx,fy,cx,cy,k1,k2,p1,p2;
 OPENCV_FISHEYE fx,fy,cx,cy,k1,k2,k3,k4; …. The centre of the first pixel is at (0.5, 0.5). With a known camera matches are verified by the essential matrix, otherwise by the fundamental matrix.
 

@@ -187,6 +187,6 @@ pub struct AdviceArgs {
 
 const ADVICE_HELP: &str = "\
 JSON (--json):
-  {\"version\", \"command\": \"evaluate advice\", \"snrs\", \"seeds\", \"first_seed\",
+  {\"version\", \"detector_revision\", \"command\": \"evaluate advice\", \"snrs\", \"seeds\", \"first_seed\",
    \"said\": {statement: {what is true: bursts}}, each of fits, range, step, direction, cost, times, frames and unknown,
    \"wrong_share\" of what is said and not unknown, or null, \"bursts\": [{\"kind\", \"snr\", \"seed\", \"said\", \"true\", \"sentence\"}]}";

@@ -316,6 +316,9 @@ fn what_several_runs_have_found_is_gathered() {
     assert!(text.contains("gathered the features of 3 of 4 bursts"), "{text}");
     assert_eq!(text.matches("from an earlier run").count(), 3, "{text}");
     same(&home.path().join("all"), &made(&home.path().join("whole")), "gathered");
+    let manifest = fs::read_to_string(home.path().join("all/manifest.json")).expect("a manifest");
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    assert_eq!(manifest["claims"]["settings"]["export"]["pairs"], "all", "{manifest}");
     // A burst that is not taken is named with the reason, on the standard error and in the JSON.
     let gather = |more: &[&str]| run(home.path(), &[&["colmap", "nights"][..], &search, more].concat());
     let output = gather(&["--out", "again", "--gather", "one", "--gather", "two"]);

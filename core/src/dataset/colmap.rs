@@ -60,7 +60,6 @@ pub fn export_colmap(
         return Err(too_few(bursts.len()));
     }
     let out = store.folder.clone();
-    store.exported_with = job.words();
     // Outputs are checked before the search, which may take hours.
     store.protect(bursts)?;
     store.check_output(&out.join(DATABASE_FILE))?;
@@ -80,10 +79,11 @@ pub fn export_colmap(
         // A list is of all bursts, also of those that cannot be opened.
         PairSelection::Listed(pairs) => {
             let place = |burst: usize| done.binary_search_by_key(&burst, |(index, _)| *index).ok();
-            pairs.iter().filter_map(|&(a, b)| Some((place(a)?, place(b)?))).collect()
+            PairSelection::Listed(pairs.iter().filter_map(|&(a, b)| Some((place(a)?, place(b)?))).collect())
         }
-        other => other.pairs(done.len()),
+        other => other.clone(),
     };
+    let pairs = pairs.pairs(done.len());
     on(BurstEvent::Matching(pairs.len()));
     // Where all bursts are resumed, nothing has locked the folder yet.
     store.begin_writing()?;
@@ -94,6 +94,7 @@ pub fn export_colmap(
     };
     let open = |place: usize| store.open_burst(&bursts[done[place].0], &monitor.silent());
     let report = write_database(store, (job, &matching, &pairs), (done.len(), &written, &open), monitor)?;
+    store.exported_with = job.words();
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
     Ok(report)
@@ -119,7 +120,6 @@ pub fn export_detections(
     make_file_names_unique(sources.iter_mut().map(|source| &mut source.name));
     let params = bursts.iter().map(|of| SearchParams::from(of.params.clone()).to_toml()).collect();
     let mut store = FeatureStore::of_detections(folder, &job.features, params)?;
-    store.exported_with = job.words();
     store.protect(&sources)?;
     store.check_output(&folder.join(DATABASE_FILE))?;
     // A camera of another size fails before anything is written.
@@ -138,6 +138,7 @@ pub fn export_detections(
         (found.len(), &written, &open),
         monitor,
     )?;
+    store.exported_with = job.words();
     store.begin_writing()?;
     Ok(report)
 }

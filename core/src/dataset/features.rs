@@ -20,7 +20,7 @@ use crate::export::{
     parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
 };
 use crate::files::lock::FolderLock;
-use crate::files::mark::{Checksum, OutputKind};
+use crate::files::mark::{Checksum, OutputKind, claims};
 use crate::files::read_bytes;
 use crate::files::unfinished::remove_abandoned;
 use crate::matching::Blob;
@@ -141,7 +141,10 @@ impl FeatureStore {
     }
 
     fn new(folder: &Path, job: &FeatureJob, made_with: MadeFrom) -> Self {
-        let (folder, job, exported_with) = (folder.into(), job.clone(), Value::Null);
+        // Until another export is done the database is of the last one.
+        let before = claims::<MadeFrom>(folder, OutputKind::Dataset);
+        let exported_with = before.map_or(Value::Null, |made| made.settings()["export"].clone());
+        let (folder, job) = (folder.into(), job.clone());
         let (comparison, opened, rules) = (Comparison::default(), Vec::new(), OutputRules::default());
         Self { folder, job, made_with, exported_with, comparison, opened, rules, lock: None }
     }
@@ -378,22 +381,22 @@ impl FeatureStore {
         Checksum::of_file(&path).map_err(|e| Error::unwritten(&path, &e))
     }
 
-    /// First locks the folder, removes rests of killed runs and writes the manifest; later checks the lock.
+    /// Locks the folder and removes rests of killed runs, or checks the lock, and brings the manifest up to date.
     pub(super) fn begin_writing(&mut self) -> Result<()> {
         if let Some(lock) = &self.lock {
-            return lock.check();
+            lock.check()?;
+        } else {
+            let lock = FolderLock::take(&self.folder)?;
+            let folders = [IMAGES_FOLDER, MASKS_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
+            for folder in folders.iter().chain([&self.folder, &self.records().folder().to_path_buf()]) {
+                remove_abandoned(folder);
+            }
+            tidy_pairs(&self.folder)?;
+            self.lock = Some(lock);
         }
-        let lock = FolderLock::take(&self.folder)?;
-        let folders = [IMAGES_FOLDER, MASKS_FOLDER, FEATURES_FOLDER].map(|name| self.folder.join(name));
-        for folder in folders.iter().chain([&self.folder, &self.records().folder().to_path_buf()]) {
-            remove_abandoned(folder);
-        }
-        tidy_pairs(&self.folder)?;
         let mut settings = self.made_with.settings().clone();
         settings["export"] = self.exported_with.clone();
-        write_manifest(&self.folder, &MadeFrom::new(settings))?;
-        self.lock = Some(lock);
-        Ok(())
+        write_manifest(&self.folder, &MadeFrom::new(settings))
     }
 
     fn find(&self, source: &BurstFiles, camera: &CameraChoice, monitor: &Monitor) -> Result<(BurstFeatures, Burst)> {

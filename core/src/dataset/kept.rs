@@ -98,7 +98,7 @@ pub(super) fn pairs_folder(dataset: &Path) -> PathBuf {
 pub(super) fn tidy_pairs(dataset: &Path) -> Result<()> {
     let folder = pairs_folder(dataset);
     let below = std::fs::read_dir(&folder).into_iter().flatten().flatten().map(|entry| entry.path());
-    for folder in below.chain([folder.clone()]) {
+    for folder in [folder.clone()].into_iter().chain(below) {
         if folder.is_symlink() {
             return Err(Error::link(&folder));
         }

@@ -152,7 +152,7 @@ impl<'a> KeptPairs<'a> {
             let found = self.in_memory.lock().unwrap_or_else(PoisonError::into_inner).remove(&pair);
             return Ok(found.expect("each pair is matched before it is taken, once"));
         };
-        let altered = || Error::unread_file(&path, "it was altered or removed while the command ran");
+        let altered = || Error::unread_file(&path, "it was altered or removed while the command ran; run it again");
         self.read(pair, &path, &head).ok_or_else(altered)
     }
 

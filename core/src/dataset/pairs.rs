@@ -1,7 +1,7 @@
 //! The matching of pairs of bursts, with the features of a few bursts in memory at a time, however many there are.
 
 use super::{BurstFeatures, FeatureStore};
-use crate::burst::{Burst, BurstFiles};
+use crate::burst::{Burst, BurstFiles, supported_extensions};
 use crate::detect::prepare;
 use crate::detector::{Descriptor, Detection, DetectorParams, Feature};
 use crate::error::{Error, Result};
@@ -277,9 +277,9 @@ fn next_together(pairs: &[(usize, usize)]) -> (usize, BTreeSet<usize>) {
     (pairs.len().min(PAIRS_AT_ONCE), needed)
 }
 
-/// Reads the pairs that the list at `path` names, as those of hloc and COLMAP do: two images a line, by the indices in `bursts`: the earlier burst first, each
-/// pair once, in order. A name may have the extension of a picture, and spaces; blank lines and those that begin with
-/// `#` are skipped.
+/// Reads the pairs that the list at `path` names, two images a line as in lists of hloc and COLMAP. Returns indices in
+/// `bursts`, the earlier first, each pair once, in order. A name may have the extension of a picture, and spaces; blank
+/// lines and those that begin with `#` are skipped.
 ///
 /// # Errors
 /// A list that cannot be read or names no pair; a line that does not name two of the bursts, with its number.
@@ -289,18 +289,27 @@ pub fn read_pairs(path: &Path, bursts: &[BurstFiles]) -> Result<Vec<(usize, usiz
     let forms = |of: &BurstFiles| [safe_file_name(&of.name), of.name.clone()];
     let known = bursts.iter().enumerate().flat_map(|(index, burst)| forms(burst).map(|name| (name, index)));
     let known: HashMap<String, usize> = known.collect();
-    let named = |word: &str| known.get(word).or_else(|| known.get(word.rsplit_once('.')?.0)).copied();
+    let pictures = supported_extensions();
+    let is_picture = |end: &str| pictures.iter().any(|of| of.eq_ignore_ascii_case(end));
+    let bare = |word: &str| word.rsplit_once('.').filter(|(_, end)| is_picture(end)).and_then(|of| known.get(of.0));
+    let named = |word: &str| known.get(word).or_else(|| bare(word)).copied();
     let mut pairs = BTreeSet::new();
-    let lines = text.lines().map(str::trim).enumerate();
+    let lines = text.trim_start_matches('\u{feff}').lines().map(str::trim).enumerate();
     for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
         let at = |(at, _)| Some((named(line[..at].trim_end())?, named(line[at..].trim_start())?));
-        let (a, b) = line.match_indices(char::is_whitespace).find_map(at).filter(|(a, b)| a != b).ok_or_else(|| {
+        // No two names are longer: a file of another kind may be one line.
+        let spaces = || line.match_indices(char::is_whitespace).filter(|_| line.len() < 4096);
+        let (a, b) = spaces().find_map(at).filter(|(a, b)| a != b).ok_or_else(|| {
             let unknown = line.split_whitespace().find(|word| named(word).is_none()).unwrap_or(line);
-            let right: Vec<&str> = bursts.iter().take(2).map(|burst| burst.name.as_str()).collect();
-            let problem = format!("this does not name two bursts ({unknown}); right is such as: {}", right.join(" "));
+            let right = bursts.iter().take(2).map(|burst| burst.name.as_str()).collect::<Vec<_>>().join(" ");
+            let problem = format!("this does not name two bursts ({unknown:.80}); right is such as: {right}");
             Error::in_line(path, number + 1, &problem)
         })?;
         pairs.insert((a.min(b), a.max(b)));
     }
-    if pairs.is_empty() { Err(Error::unread_file(path, "it names no pair")) } else { Ok(pairs.into_iter().collect()) }
+    if pairs.is_empty() {
+        Err(Error::unread_file(path, "it names no pair; write the names of two bursts in a line"))
+    } else {
+        Ok(pairs.into_iter().collect())
+    }
 }

@@ -101,13 +101,15 @@ const INLIERS_TO_START: usize = 30;
 impl ColmapReport {
     /// Says why a mapper will not be able to start from these pairs.
     pub(super) fn why_no_start(&self) -> Option<String> {
-        let best = self.pairs.iter().max_by_key(|pair| pair.counts.inliers);
-        let most = best.and_then(|best| best.counts.inliers).unwrap_or(0);
+        let Some(best) = self.pairs.iter().max_by_key(|pair| pair.counts.inliers) else {
+            return Some("a mapper will not be able to start from it: there is no pair of bursts".to_owned());
+        };
+        let most = best.counts.inliers.unwrap_or(0);
         if most >= INLIERS_TO_START {
             return None;
         }
         let name = |id: u32| self.images.iter().find(|image| image.id == id).map_or("", |image| &image.burst);
-        let why = if let Some(best) = best.filter(|_| most > 0) {
+        let why = if most > 0 {
             let [a, b] = best.ids.map(name);
             format!("the most inliers of a pair are {most}, of {a} and {b}")
         } else {

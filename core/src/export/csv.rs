@@ -127,7 +127,7 @@ pub const NOISE_COLUMNS: &str =
 /// Header of tables of the matches of methods.
 pub const METHOD_MATCH_COLUMNS: &str = "method,keypoints_per_image,putative_per_image,inliers_per_image,match_ratio,match_score,inlier_ratio,verified_pairs,on_gold_geometry_per_image";
 /// Header of tables of errors of poses.
-pub const POSE_COLUMNS: &str = "error,rmse,mean,median,max";
+pub const POSE_COLUMNS: &str = "pose_error,rmse,mean,median,max";
 /// Headers of tables that commands write where they are asked to.
 const OF_COMMANDS: [&str; 8] = [
     SPECTRUM_COLUMNS,

@@ -8,12 +8,13 @@ use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
+use strum::{EnumCount, VariantArray};
 
 /// Half a pixel: the centre of the first pixel in COLMAP's convention.
 const FIRST_PIXEL: f64 = 0.5;
 
 /// Mapping from directions to pixels.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, EnumCount, VariantArray)]
 #[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
 #[cfg_attr(feature = "cli", value(rename_all = "SCREAMING_SNAKE_CASE"))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
@@ -52,21 +53,8 @@ pub enum CameraModel {
 }
 
 impl CameraModel {
-    /// All models, in the order of COLMAP's numbers.
-    pub const ALL: [Self; 12] = [
-        Self::SimplePinhole,
-        Self::Pinhole,
-        Self::SimpleRadial,
-        Self::Radial,
-        Self::OpenCv,
-        Self::OpenCvFisheye,
-        Self::FullOpenCv,
-        Self::Fov,
-        Self::SimpleRadialFisheye,
-        Self::RadialFisheye,
-        Self::ThinPrismFisheye,
-        Self::RadTanThinPrismFisheye,
-    ];
+    /// All models that are known here, in the order of COLMAP's numbers.
+    pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
     /// Number of the model in COLMAP's databases and binary models.
     pub fn id(self) -> u32 {
@@ -116,22 +104,11 @@ pub struct Camera {
     pub params: Vec<f64>,
 }
 
-/// Angle of a ray off the axis as a lens maps it: its tangent is r = √(x² + y²).
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-enum Lens {
-    /// The tangent itself.
-    #[default]
-    Straight,
-    /// The angle.
-    Equidistant,
-    /// By a field of view ω, radians.
-    FieldOfView(f64),
-}
-
 /// Distortion by a lens and polynomials of r² after it. Those that a model lacks are 0.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Distortion {
-    lens: Lens,
+    /// Field of view ω in radians, by which a lens bends rays; 0 for an equidistant fisheye, `None` for no bending.
+    lens: Option<f64>,
     /// Radial: 1 + first·r² + second·r⁴ + …, over the same of `divisor`.
     radial: [f64; 6],
     divisor: [f64; 3],
@@ -145,16 +122,16 @@ struct Distortion {
 
 /// atan(r) / r, 1 at 0.
 fn atan_over(r: f64) -> f64 {
-    if r < 1e-8 { 1.0 } else { r.atan() / r }
+    if r.abs() < 1e-8 { 1.0 } else { r.atan() / r }
 }
 
 impl Distortion {
     /// The distorted position of the direction (x, y, 1).
     fn apply(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let bent = match self.lens {
-            Lens::Straight => 1.0,
-            Lens::Equidistant => atan_over(x.hypot(y)),
-            Lens::FieldOfView(omega) => {
+            None => 1.0,
+            Some(0.0) => atan_over(x.hypot(y)),
+            Some(omega) => {
                 let twice = 2.0 * (0.5 * omega).tan();
                 twice / omega * atan_over(twice * x.hypot(y))
             }
@@ -256,10 +233,8 @@ impl Camera {
         use CameraModel as M;
         let (_, rest) = self.pinhole();
         let lens = match self.model {
-            M::OpenCvFisheye | M::SimpleRadialFisheye | M::RadialFisheye => Lens::Equidistant,
-            M::ThinPrismFisheye | M::RadTanThinPrismFisheye => Lens::Equidistant,
-            M::Fov if rest[0] != 0.0 => Lens::FieldOfView(rest[0]),
-            _ => Lens::Straight,
+            M::Fov => Some(rest[0]).filter(|omega| *omega != 0.0),
+            model => model.name().ends_with("FISHEYE").then_some(0.0),
         };
         let (mut radial, plain) = ([0.0; 6], Distortion { lens, ..Distortion::default() });
         match (self.model, rest) {

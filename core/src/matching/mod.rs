@@ -36,6 +36,7 @@ use crate::detector::{Descriptor, Feature, Slope};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
@@ -317,7 +318,7 @@ pub enum PairSelection {
     All,
     /// Each image with the next few after it, for a camera path that does not return: about N times as many pairs.
     Sequential(usize),
-    /// These pairs of images, by their indices: the earlier one first, each once, in order.
+    /// These pairs of images, by their indices, the earlier one first; taken once each, in order.
     Listed(Vec<(usize, usize)>),
 }
 
@@ -327,7 +328,10 @@ impl PairSelection {
         let reach = match self {
             Self::All => count,
             Self::Sequential(reach) => *reach,
-            Self::Listed(pairs) => return pairs.iter().copied().filter(|pair| pair.1 < count).collect(),
+            Self::Listed(pairs) => {
+                let pairs = pairs.iter().copied().filter(|&(a, b)| a < b && b < count);
+                return pairs.collect::<BTreeSet<_>>().into_iter().collect();
+            }
         };
         (0..count)
             .flat_map(|a| (a + 1..count.min(a.saturating_add(reach).saturating_add(1))).map(move |b| (a, b)))

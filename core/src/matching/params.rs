@@ -209,7 +209,7 @@ pub mod doc {
         Param::<MatchParams>::new("N", Stage::Matching, |p| Field::U64(&mut p.seed)).used_if(verified);
 
         CAMERA: "camera", "Camera", "", "geometry";
-        "Intrinsics of the camera of both images: a model of COLMAP's with width, height and parameters, such as PINHOLE,640,480,500,500,320,240. Models: all of COLMAP's, from SIMPLE_PINHOLE to FULL_OPENCV and the fisheyes.",
+        "Intrinsics of the camera of both images: a model of COLMAP's with width, height and parameters, such as PINHOLE,640,480,500,500,320,240. Models: COLMAP's from SIMPLE_PINHOLE to RAD_TAN_THIN_PRISM_FISHEYE (its numbers 0 to 11).",
         "Needed for the essential matrix; the centre of the first pixel is at (0.5, 0.5) in it, as in COLMAP.",
         Param::<MatchParams>::new("CAMERA", Stage::Matching, |p| Field::Text(&mut p.camera))
             .used_if(|p| matches!(p.geometry, Geometry::Essential));

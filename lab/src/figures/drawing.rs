@@ -1,4 +1,4 @@
-//! What several figures are drawn from: pictures with marks on them.
+//! Pictures with marks on them, parts of several figures.
 
 use burstscope_core::detector::Feature;
 use burstscope_core::export::FigureStroke;

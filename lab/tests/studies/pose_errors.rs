@@ -1,10 +1,8 @@
 //! Errors of poses and their report.
 
-use burstscope_lab::evaluate::poses::Pose;
-use burstscope_lab::evaluate::poses::Trajectory;
 use burstscope_lab::evaluate::poses::report::*;
-use nalgebra::Isometry3;
-use nalgebra::Vector3;
+use burstscope_lab::evaluate::poses::{Pose, Trajectory};
+use nalgebra::{Isometry3, Vector3};
 use std::f64::consts::FRAC_PI_2;
 
 fn trajectory(centres: &[[f64; 3]]) -> Trajectory {
@@ -15,6 +13,34 @@ fn trajectory(centres: &[[f64; 3]]) -> Trajectory {
         world_from_camera: Isometry3::new(Vector3::from(centre), Vector3::zeros()),
     };
     Trajectory { poses: centres.iter().enumerate().map(pose).collect(), model: None }
+}
+
+#[test]
+fn a_square_with_one_corner_off_by_hand() {
+    // The estimate is twice as large. One of five cameras, the one in the middle, is too high: by symmetry nothing
+    // is turned, and the least-squares fit is a fifth of the height too high.
+    let truth = trajectory(&[[1.0, 1.0, 0.0], [-1.0, 1.0, 0.0], [-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [0.0, 0.0, 0.0]]);
+    let estimate =
+        trajectory(&[[2.0, 2.0, 0.0], [-2.0, 2.0, 0.0], [-2.0, -2.0, 0.0], [2.0, -2.0, 0.0], [0.0, 0.0, 1.0]]);
+    let report =
+        evaluate_poses(&estimate, &truth, &PoseStudy { images: Some(10), ..PoseStudy::default() }).expect("a report");
+    // Σ|x|² of the estimate about its mean: 4·(8 + 0.04) + 0.64 = 32.8; Σxy = 16. Scale 16/32.8.
+    let scale = 16.0 / 32.8;
+    assert!((report.scale - scale).abs() < 1e-12, "{}", report.scale);
+    let corner = (2.0 * (1.0 - 2.0 * scale).powi(2) + (0.2 * scale).powi(2)).sqrt();
+    let middle = 0.8 * scale;
+    assert!(
+        (report.absolute.translation.rmse - ((4.0 * corner * corner + middle * middle) / 5.0).sqrt()).abs() < 1e-12
+    );
+    assert!((report.absolute.translation.median - corner).abs() < 1e-12);
+    assert!((report.absolute.translation.max - middle).abs() < 1e-12);
+    assert!(report.absolute.rotation_deg.max < 1e-6);
+    assert_eq!((report.absolute.count, report.relative.count, report.images_pass_percent()), (5, 4, 50.0));
+    // Three sides are (1 − 2·scale)·2 too short, the last motion also goes up.
+    let side = 2.0 * (1.0 - 2.0 * scale);
+    assert!((report.relative.translation.median - side).abs() < 1e-12);
+    assert_eq!(report.pairs[4].label, "4.png");
+    assert!((report.pairs[4].translation_error - middle).abs() < 1e-12);
 }
 
 #[test]

@@ -156,7 +156,9 @@ fn each_missed_thing_has_a_fate_and_the_map_shows_where_the_noise_is() {
     assert!(mean(&right) > 1.25 * mean(&left), "{left:?} {right:?}");
     let svg = recover_figure(&report).drawing.svg();
     roxmltree::Document::parse(&svg).expect("sound XML");
-    assert_eq!(planted_table(&report.planted).rows.len(), report.planted.len());
+    let table = planted_table(&report.planted);
+    assert!(table.rows.iter().all(|row| row.len() == table.columns.len()));
+    assert_eq!(table.csv().lines().count(), 1 + report.planted.len());
     assert_eq!(recover_plots(&report).len(), 3);
     assert!(report.text().contains("noise and gate let expect"), "{}", report.text());
 }

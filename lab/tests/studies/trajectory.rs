@@ -192,6 +192,8 @@ fn nonsense_is_named_with_its_remedy() {
         (TrajectoryParams { width: 8000, height: 8000, frames: 1, ..small() }, "width"),
         (TrajectoryParams { max_slope: 90.0, ..small() }, "max-slope"),
         (TrajectoryParams { bits: 17, ..small() }, "bits"),
+        (TrajectoryParams { bursts: 0, ..small() }, "bursts"),
+        (TrajectoryParams { planes: 17, ..small() }, "planes"),
     ];
     for (params, name) in cases {
         let error = Trajectory::new(&params, &Monitor::default()).expect_err(name).to_string();

@@ -64,10 +64,11 @@ pub fn button_ui(
 pub fn take_shortcuts(ctx: &egui::Context, model: Read<'_>, queue: &mut Queue) {
     let plain_keys_are_taken = ctx.egui_wants_keyboard_input() || egui::Popup::is_any_open(ctx);
     ctx.input_mut(|input| {
-        // Shortcuts with more modifiers first: a plain key would otherwise swallow the same key with Shift.
+        // More modifiers first: a plain key would swallow the same key with Shift. Escape clears before it cancels.
         let mut with_keys: Vec<_> = ACTIONS.iter().filter_map(|a| a.shortcut.map(|s| (a.id, s))).collect();
-        with_keys.sort_by_key(|(_, s)| {
-            std::cmp::Reverse(u8::from(s.modifiers.shift) + u8::from(s.modifiers.command) + u8::from(s.modifiers.alt))
+        with_keys.sort_by_key(|(id, shortcut)| {
+            let held = [shortcut.modifiers.shift, shortcut.modifiers.command, shortcut.modifiers.alt];
+            (std::cmp::Reverse(held.map(u8::from).iter().sum::<u8>()), *id == ActionId::Cancel)
         });
         let opens = |id: ActionId| {
             id.action().label.ends_with('…') || matches!(id, ActionId::Shortcuts | ActionId::About | ActionId::Glossary)

@@ -442,7 +442,7 @@ mod tests {
         for action in ACTIONS {
             assert!(labels.insert(action.label), "{} twice", action.label);
             assert!(!action.help.is_empty() && !action.help.ends_with('.'), "{}", action.label);
-            // Escape ends the first of its actions that is possible: a search before a selection.
+            // Escape does the first of its actions that is possible: a selection is cleared before work is cancelled.
             if let Some(shortcut) = action.shortcut.filter(|_| action.id != ActionId::Cancel) {
                 assert!(shortcuts.insert(format!("{shortcut:?}")), "{} has another's keys", action.label);
             }

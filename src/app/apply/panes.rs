@@ -37,7 +37,8 @@ pub fn go_to_selected(model: &mut Model) {
 }
 
 pub fn auto_contrast(model: &mut Model) {
-    let Some(picture) = Read::of(model).picture().cloned() else { return };
+    let has_range = |picture: &&PictureAnswer| RangeClass::of(&picture.request) != RangeClass::Motion;
+    let Some(picture) = Read::of(model).picture().filter(has_range).cloned() else { return };
     model.document.focused_ranges_mut().take_percentiles(&picture);
 }
 

@@ -1,7 +1,7 @@
 //! Searching only new slopes: a search of the same frames goes on from the results of an earlier one.
 //!
-//! Noise, cleaned frames and [keypoints](crate::detector::search::setup::KnownSlopes) at slopes that both searches have are taken
-//! over, and features of keypoints whose neighbouring slopes are the same too. The choice of features, their field of
+//! Noise, cleaned frames and [keypoints](KnownSlopes) at slopes that both searches have are taken over,
+//! and features of keypoints whose neighbouring slopes are the same too. The choice of features, their field of
 //! motion and the marks at the ends of the range are computed again.
 
 use super::outcome::{Outcome, are_as_strict, sigma_d};
@@ -10,8 +10,7 @@ use crate::burst::Burst;
 use crate::detector::describe::Described;
 use crate::detector::feature::{Feature, Tally};
 use crate::detector::params::{DetectorParams, NoiseGate, NoiseModelKind, SearchSlopes, Slope, SlopeGrid};
-use crate::detector::search::setup::KnownSlopes;
-use crate::detector::search::setup::{Inputs, Search};
+use crate::detector::search::setup::{Inputs, KnownSlopes, Search};
 use crate::detector::search::slope_window::OtherSlopes;
 use std::collections::HashMap;
 use std::sync::Arc;

@@ -96,23 +96,27 @@ mod pair_list {
     fn lists_name_bursts_with_or_without_an_extension_and_wrong_lines_are_numbered() {
         let home = tempfile::tempdir().expect("a folder");
         let path = home.path().join("pairs.txt");
-        let bursts = ["a", "b 1", "c/2", "d.5"].map(|name| BurstFiles { name: name.into(), paths: Vec::new() });
+        let bursts = ["a", "b 1", "c/2", "d.5", "d"].map(|name| BurstFiles { name: name.into(), paths: Vec::new() });
         let read = |text: &str| {
             std::fs::write(&path, text).expect("written");
             read_pairs(&path, &bursts)
         };
-        let text = "# by retrieval\n\nb 1.png a.png\n  c_2.png\td.5.jpg \r\na b 1\nd.5 a\nc/2 b 1\n";
+        let text = "\u{feff}# by retrieval\n\nb 1.png a.png\n  c_2.png\td.5.jpg \r\na b 1\nd.5 a\nc/2 b 1\n";
         assert_eq!(read(text), Ok(vec![(0, 1), (0, 3), (1, 2), (2, 3)]));
         for (text, line, words) in [
             ("a d.5\na e.png\n", 2, "e.png"),
             ("a\n", 1, "two bursts"),
             ("\na a\n", 2, "two"),
             ("a d.5 0.7\n", 1, "0.7"),
+            // The end of a name is no extension of a picture.
+            ("a d.7\n", 1, "d.7"),
         ] {
             let error = read(text).expect_err(text).to_string();
             assert!(error.contains(&format!("line {line}: ")) && error.contains(words), "{error}");
             assert!(error.contains("pairs.txt"), "{error}");
         }
+        let long = read(&"a ".repeat(1 << 20)).expect_err("one line").to_string();
+        assert!(long.contains("line 1: ") && long.len() < 1000, "{}", long.len());
         assert!(read("# nothing\n").expect_err("empty").to_string().contains("it names no pair"));
     }
 }

@@ -113,6 +113,17 @@ mod camera {
     }
 
     #[test]
+    fn a_field_of_view_has_no_sign_and_none_bends_nothing() {
+        let seen = |omega: &str| {
+            let camera: Camera = format!("FOV 640 480 400 410 320 240 {omega}").parse().expect("a camera");
+            camera.pixel_of([0.4, -0.3])
+        };
+        assert_eq!(seen("-0.9"), seen("0.9"));
+        let straight: Camera = "PINHOLE 640 480 400 410 320 240".parse().expect("a camera");
+        assert_eq!(seen("0"), straight.pixel_of([0.4, -0.3]));
+    }
+
+    #[test]
     fn beyond_the_edge_of_a_fisheye_nothing_is_endless() {
         for model in ["OPENCV_FISHEYE 640 480 100 100 320 240 0 0 0 0", "FOV 640 480 100 100 320 240 1.5"] {
             let camera: Camera = model.parse().expect("a camera");

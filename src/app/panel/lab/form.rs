@@ -79,11 +79,11 @@ fn settings() -> Vec<Setting> {
         "At radius", " px", bounds::RADIUS.span(), planted, |lab| F64(&mut lab.planted.at_radius, 0.1, 1);
         "Radius at which SNRs and slopes are varied";
         "At SNR", "", bounds::SNR.span(), planted, |lab| Maybe(&mut lab.planted.at_snr, 1.0);
-        "SNR of one pixel in one frame at which slopes and sizes are varied; otherwise 1.7 times the one of which half are expected to be found";
+        "SNR of one pixel in one frame at which slopes and sizes are varied; otherwise 1.7 times the SNR at which half are expected to be found";
         "Copies", "", bounds::COPIES.span(), planted, |lab| U64(&mut lab.planted.copies);
         "Copies of the burst, each with other things; more give smaller errors";
         "First seed", "", ANY, planted, |lab| U64(&mut lab.planted.first_seed);
-        "Seed of the first copy; those of the others count up from it";
+        "Seed of the first copy; the next copies count up from it";
         "Inside", "", ANY, planted, |lab| Flag(&mut lab.planted.inside);
         "Plant only where a thing stays inside the picture in all frames";
         "On features", "", ANY, planted, |lab| Flag(&mut lab.planted.on_features);
