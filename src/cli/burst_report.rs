@@ -51,15 +51,11 @@ JSON (--json), beside version, params, inputs and file:
   {\"info\": {as of 'info'}, \"notes\": [text], \"features\", \"frame_noise\", \"noise_gate_factor\", \"tally\": {as of 'detect'}, \"spectrum\": {as of 'slopes'},
    \"decoys\": {as of 'decoys'} or null, \"no_decoys\": the reason or null, \"places\": [{as \"probe\" of 'probe'}]}";
 
-const ENDINGS: &[&str] = &["md", "svg", "pdf", "png"];
-
-const NO_REPORT: &str = "--out: reports are Markdown, SVG, PDF or PNG; name the file .md, .svg, .pdf or .png";
-
 const SEARCH_SHARE: f32 = 0.3;
 
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
-    check_ending(&args.out, ENDINGS, NO_REPORT)?;
+    check_ending(&args.out, &["md", "svg", "pdf", "png"], "--out: name the report .md, .svg, .pdf or .png")?;
     let OneBurst { console, input, options, rules } =
         args.run.begin("report", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let silent = console.monitor.silent();

@@ -109,11 +109,11 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let report = export_colmap(&mut store, &bursts, &job, &mut on, &console.monitor)?;
     said?;
     let [make, map, python] = next_commands(&args.out, report.known_camera);
-    let next = [make, map];
-    let then = format!("\nNext:\n  {}\n  {}\nor:\n  {python}\n", next[0], next[1]);
+    let then = format!("\nNext:\n  {make}\n  {map}\nor:\n  {python}\n");
     console
         .say(&(summary(&report, job.features.detector.method) + if report.no_start.is_none() { &then } else { "" }))?;
     let (params, matching, report, failures) = (&job.features.detector, &job.matching, &report, &failures[..]);
+    let next = [make, map];
     console.say_document("colmap", &ColmapDocument { params, matching, report, gathered, failures, next })?;
     if let Some(why) = &report.no_start {
         console.note(&format!("{why}; `burstscope match` shows what a pair lacks"));

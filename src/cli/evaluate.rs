@@ -6,7 +6,7 @@ use super::evaluate_tables::{
     accuracy_table, accuracy_text, advice_tables, chart_text, methods_table, noise_table, noise_text,
 };
 use super::failure::Failure;
-use super::study::{StudySearch, chart_study, searched, write_figure};
+use super::study::{StudySearch, chart_study, check_figures, searched, write_figure};
 use super::{evaluate_frames, evaluate_matches, evaluate_poses};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
@@ -34,7 +34,7 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     study.chart.uneven.views = args.views;
     let console = Console::new(&args.output)?;
     let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
-    args.plot.iter().chain(&args.table).try_for_each(|path| rules.check(path))?;
+    check_figures([&args.plot, &args.table], &rules)?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_text(&report))?;
     write_figure(&console, args.plot.as_deref(), &rules, || roc_figure(&report, 0))?;

@@ -6,7 +6,7 @@ use super::console::Console;
 use super::evaluate_tables::{burst_frames_table, burst_frames_text, chart_text, methods_table};
 use super::failure::Failure;
 use super::inputs::{Input, open_options, resolve_one, resolve_pair};
-use super::study::{FIGURE_FILE, chart_study, figure_file, write_figure};
+use super::study::{FIGURE_FILE, chart_study, check_figures, figure_file, write_figure};
 use crate::burst::Burst;
 use crate::detector::params::doc;
 use crate::evaluate::chart::FRAME_COUNTS;
@@ -87,7 +87,7 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
     let study = chart_study(&args.charts, &args.compared, &args.run.search, (vec![args.snr], counts))?;
     let console = Console::new(&args.run.output)?;
     let rules = rules(args, &[]);
-    args.plot.iter().chain(&args.table).try_for_each(|path| rules.check(path))?;
+    check_figures([&args.plot, &args.table], &rules)?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_text(&report))?;
     write_figure(&console, args.plot.as_deref(), &rules, || frames_figure(&report))?;
@@ -109,7 +109,7 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
     };
     let options = open_options(&inputs, &args.run.calibration)?;
     let rules = rules(args, &inputs);
-    args.plot.iter().chain(&args.table).try_for_each(|path| rules.check(path))?;
+    check_figures([&args.plot, &args.table], &rules)?;
     let silent = console.monitor.silent();
     let bursts = inputs.iter().map(|i| i.open(&options, &silent)).collect::<Result<Vec<Burst>, _>>()?;
     let truth = truth_of(&bursts[0]).map_err(|e| Failure::Failed(e.into()))?;

@@ -169,9 +169,8 @@ pub struct MatchArgs {
     /// Formats of the features, separated by commas: csv, colmap, npz.
     #[arg(long, value_name = "FORMAT", value_delimiter = ',', default_value = "csv")]
     pub format: Vec<ExportFormat>,
-    /// Format of the picture: PDF and SVG are vectors, PNG has 300 pixels an inch. A build without the window draws
-    /// SVG alone.
-    #[arg(long, value_enum, value_name = "FORMAT", default_value = if cfg!(feature = "app") { "png" } else { "svg" })]
+    /// Format of the picture: PDF and SVG are vectors, PNG has 300 pixels an inch.
+    #[arg(long, value_enum, value_name = "FORMAT", default_value = "png")]
     pub picture: FigureFormat,
     /// What the picture shows of each burst: its motion stack at the slope with most features, its middle frame, or its
     /// frames merged; dark ones are stretched.

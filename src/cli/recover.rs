@@ -3,7 +3,7 @@
 use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
 use super::failure::Failure;
 use super::inputs::{OneBurst, check_ending};
-use super::study::{FIGURE_FILE, figure_file, write_figure};
+use super::study::{FIGURE_FILE, check_figures, figure_file, write_figure};
 use crate::detector::SearchParams;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::recover::RecoverStudy;
@@ -65,11 +65,10 @@ pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
     let outputs = [args.plot.as_ref(), args.table.as_ref(), args.case.as_ref()];
     let OneBurst { console, input, options, rules } =
         args.run.begin("recover", &args.inputs, args.overwrite, &outputs)?;
+    check_figures([&args.plot, &args.table], &rules)?;
     let burst = input.open_to_search(&options, &study.search, &console.monitor.silent())?;
     let report = study.run(&burst, &console.monitor)?;
     console.say(&report.text())?;
-    write_figure(&console, args.plot.as_deref(), &rules, || recover_figure(&report))?;
-    write_figure(&console, args.table.as_deref(), &rules, || planted_table(&report.planted).into())?;
     if let Some(path) = &args.case {
         // With the slopes that were searched.
         let search = SearchParams::from(report.detector.clone());
@@ -82,5 +81,7 @@ pub(super) fn run(args: &RecoverArgs) -> Result<(), Failure> {
         write_case(path, (&case, &copy), &enclosed, &console.monitor.silent())?;
         console.say(&format!("wrote {}\n", path.display()))?;
     }
+    write_figure(&console, args.plot.as_deref(), &rules, || recover_figure(&report))?;
+    write_figure(&console, args.table.as_deref(), &rules, || planted_table(&report.planted).into())?;
     console.say_document("recover", &report)
 }

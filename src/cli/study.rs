@@ -106,6 +106,14 @@ impl TableArgs {
     }
 }
 
+/// Checks before the work that a plot and a table are two files, and may be written.
+pub(super) fn check_figures([plot, table]: [&Option<PathBuf>; 2], rules: &OutputRules) -> Result<(), Failure> {
+    if plot.is_some() && plot == table {
+        return Err(Failure::usage("--table: --plot names this file too; choose another name"));
+    }
+    Ok(plot.iter().chain(table).try_for_each(|path| rules.check(path))?)
+}
+
 /// Writes a figure that was asked for, and says so.
 pub(super) fn write_figure(
     console: &Console,

@@ -63,6 +63,17 @@ fn has_all(latex: &str, numbers: &[f64], decimals: usize) -> bool {
 }
 
 #[test]
+fn a_plot_and_a_table_are_two_files() {
+    let home = tempfile::tempdir().expect("a folder");
+    for line in ["recover demo", "evaluate chart --slopes-u -1:1:3", "evaluate frames --slopes-u -1:1:3"] {
+        let line = format!("{line} --plot x.svg --table x.svg");
+        let told = run_badly(home.path(), &line.split(' ').collect::<Vec<_>>(), 2);
+        assert!(told.contains("--plot names this file too"), "{told}");
+    }
+    assert_eq!(names(home.path()), [""; 0]);
+}
+
+#[test]
 fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
     let home = tempfile::tempdir().expect("a folder");
     let line = ["demo-low-contrast", "--slopes-u", "-2:2:5", "--octaves", "2"];

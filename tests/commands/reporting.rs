@@ -83,7 +83,7 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
 fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
     let home = tempfile::tempdir().expect("a folder");
     for (line, code, words) in [
-        ("report demo --out r.docx", 2, "name the file .md, .svg, .pdf or .png"),
+        ("report demo --out r.docx", 2, "name the report .md, .svg, .pdf or .png"),
         ("report demo", 2, "--out"),
         ("report gone --out r.md", 1, "gone"),
         ("report demo --out r.md --at 900,5", 2, "is outside the"),

@@ -53,8 +53,7 @@ fn guessed(model: CameraModel, (width, height): (usize, usize)) -> Camera {
         "f" | "fx" | "fy" => focal,
         "cx" => width as f64 / 2.0,
         "cy" => height as f64 / 2.0,
-        // As COLMAP: from 0 a mapper would not move it.
-        "omega" => 0.01,
+        "omega" => 0.01, // As COLMAP: from 0 a mapper would not move it.
         _ => 0.0,
     };
     Camera { model, width, height, params: model.param_names().iter().map(value).collect() }

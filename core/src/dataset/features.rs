@@ -107,7 +107,7 @@ pub struct FeatureStore {
     pub(super) folder: PathBuf,
     job: FeatureJob,
     made_with: MadeFrom,
-    /// Options of the export into the folder, for its manifest.
+    /// Options of the last export into the folder, of which its database is; for the manifest.
     pub(super) exported_with: Value,
     comparison: Comparison,
     /// Files that were opened beside frames and calibration, such as parameters.
@@ -141,7 +141,6 @@ impl FeatureStore {
     }
 
     fn new(folder: &Path, job: &FeatureJob, made_with: MadeFrom) -> Self {
-        // Until another export is done the database is of the last one.
         let before = claims::<MadeFrom>(folder, OutputKind::Dataset);
         let exported_with = before.map_or(Value::Null, |made| made.settings()["export"].clone());
         let (folder, job) = (folder.into(), job.clone());

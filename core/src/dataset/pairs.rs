@@ -297,8 +297,7 @@ pub fn read_pairs(path: &Path, bursts: &[BurstFiles]) -> Result<Vec<(usize, usiz
     let lines = text.trim_start_matches('\u{feff}').lines().map(str::trim).enumerate();
     for (number, line) in lines.filter(|(_, line)| !line.is_empty() && !line.starts_with('#')) {
         let at = |(at, _)| Some((named(line[..at].trim_end())?, named(line[at..].trim_start())?));
-        // No two names are longer: a file of another kind may be one line.
-        let spaces = || line.match_indices(char::is_whitespace).filter(|_| line.len() < 4096);
+        let spaces = || line.match_indices(char::is_whitespace).filter(|_| line.len() < 4096); // No two names are longer.
         let (a, b) = spaces().find_map(at).filter(|(a, b)| a != b).ok_or_else(|| {
             let unknown = line.split_whitespace().find(|word| named(word).is_none()).unwrap_or(line);
             let right = bursts.iter().take(2).map(|burst| burst.name.as_str()).collect::<Vec<_>>().join(" ");

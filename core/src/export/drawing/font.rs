@@ -15,7 +15,7 @@ pub(super) fn font_of(face: Face) -> &'static [u8] {
     if face == Face::Mono { HACK_REGULAR } else { UBUNTU_LIGHT }
 }
 
-/// How far left of its position a text of `size` begins.
+/// Distance from the begin of a text of `size` to its position.
 pub(super) fn overhang(face: Face, size: f32, anchor: Anchor, text: &str) -> f32 {
     let part = match anchor {
         Anchor::Start => return 0.0,

@@ -127,7 +127,7 @@ fn draw(surface: &mut Surface<'_>, shape: &FigureShape, fonts: &[Font; 2]) {
             let way = shape.way(TOLERANCE).and_then(|(way, style)| Some((way_of(&way)?, style)));
             let Some((way, style)) = way else { return };
             surface.set_fill(style.fill.map(|(color, opacity)| filled(color, opacity)));
-            surface.set_stroke(style.stroke.as_ref().map(stroked));
+            surface.set_stroke(style.stroke.filter(|stroke| stroke.width > 0.0).as_ref().map(stroked));
             surface.draw_path(&way);
         }
     }

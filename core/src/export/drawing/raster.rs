@@ -23,7 +23,7 @@ pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
     let [width, height] = drawing.size.map(|side| (side * pixels_per_unit - 1e-3).ceil());
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
         return Err(format!(
-            "the figure would have {width:.0} × {height:.0} pixels, and at most {MAX_SIDE_PX:.0} a side are drawn; choose a smaller scale"
+            "the figure would have {width:.0} × {height:.0} pixels, and at most {MAX_SIDE_PX:.0} a side are drawn; choose a smaller scale, or write PDF or SVG"
         ));
     }
     let (width, height) = (width as u16, height as u16);

@@ -184,7 +184,7 @@ pub enum FigureShape {
     },
     /// Shapes that are moved.
     Moved {
-        /// How far, (x, y).
+        /// Shift, (x, y).
         by: [f32; 2],
         /// Shapes, the first at the bottom.
         shapes: Vec<FigureShape>,

@@ -64,7 +64,7 @@ pub struct Table {
     pub title: String,
     /// Heads of the columns.
     pub columns: Vec<Head>,
-    /// Rows, each with a cell for every column.
+    /// Rows, each with a cell for every column; a shorter one panics where it is drawn.
     pub rows: Vec<Vec<Cell>>,
     /// Notes below it, sentences.
     pub notes: Vec<String>,
@@ -190,6 +190,7 @@ impl Table {
 fn latex_text(text: &str) -> String {
     let letter = |c: char| match c {
         '&' | '%' | '$' | '#' | '_' | '{' | '}' => format!("\\{c}"),
+        '[' | ']' | '*' | '<' | '>' | '|' => format!("{{${c}$}}"), // A line break before would take brackets.
         '\\' => "\\textbackslash{}".to_owned(),
         '~' => "\\textasciitilde{}".to_owned(),
         '^' => "\\textasciicircum{}".to_owned(),

@@ -53,9 +53,8 @@ fn probe_drawing(probe: &Probe, name: &str) -> Drawing {
     if let Some(fate) = probe.subject_fate().or_else(|| probe.fates.first()) {
         end = end.max(tests(&mut sheet, (RIGHT, second), fate));
     }
-    for suspicion in &probe.suspicions {
-        let text = format!("{:?}? {}.", suspicion.kind, suspicion.evidence);
-        end = sheet.paragraph((24.0, end), 12.0, WIDTH - 48.0, &text);
+    for (text, _) in super::doubts(probe) {
+        end = sheet.paragraph((24.0, end), 12.0, WIDTH - 48.0, &sentence(&text));
     }
     sheet.finish(end + 12.0)
 }
@@ -158,7 +157,7 @@ fn patches(sheet: &mut Sheet, area: Area, shares: &Shares) {
     let display = Display::default().over_percentiles(&Plane::from_vec(values.len(), 1, values), MOST);
     for (index, (frame, patch)) in shares.frames.iter().zip(&shares.patches).enumerate() {
         let x = area.x + (index as f64 + 0.5) / count as f64 * area.width - 0.5 * side;
-        let place = Area { x: x + 1.0, y: area.y, width: side - 2.0, height: side - 2.0 };
+        let place = Area { x: x + 0.02 * side, y: area.y, width: 0.96 * side, height: 0.96 * side };
         sheet.picture(place, patch, &display);
         if count <= 16 {
             sheet.text((x + 0.5 * side, area.y + side + 11.0), 10.0, Anchor::Middle, &frame.frame.to_string());

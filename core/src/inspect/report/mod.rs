@@ -1,4 +1,4 @@
-//! How is an answer written down? As text here, for commands and messages; as a figure in `figure`; all of a burst on
+//! Answers written down: as text here, for commands and messages; as a figure in `figure`; all of a burst on
 //! one page in `page`.
 
 mod figure;

@@ -7,7 +7,7 @@ use crate::detector::Test;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
 use crate::error::Result;
-use crate::export::sheet::{Anchor, Colour, Face};
+use crate::export::sheet::{Anchor, Colour, Face, INK, RED};
 use crate::export::{Drawing, FigureRect, FigureShape, FigureStroke, FigureUnit};
 use crate::inspect::ProbeCache;
 use crate::inspect::place::{Outcome, Probe, ProbeOptions, probe};
@@ -185,7 +185,7 @@ fn write_table<const N: usize>(
 }
 
 /// Marks that Markdown would read: names of files may hold any.
-const MARKS: &str = "\\`*_[]<|#";
+const MARKS: &str = "\\`*_[]<|#&~";
 
 fn escaped(text: &str) -> String {
     let marked = |letter: char| [MARKS.contains(letter).then_some('\\'), Some(letter)];
@@ -200,9 +200,8 @@ const PICTURE_HEIGHT: f32 = 260.0;
 const SIZE: f32 = 8.0;
 /// Width of a letter over its height, estimated.
 const LETTER: f32 = 0.53;
-/// Okabe and Ito's yellow, seen on dark pictures and on bright ones, and vermilion.
+/// Okabe and Ito's yellow, seen on dark pictures and on bright ones.
 const RING: [u8; 3] = [240, 228, 66];
-const NAME: [u8; 3] = [213, 94, 0];
 
 struct Sheet {
     shapes: Vec<FigureShape>,
@@ -212,7 +211,7 @@ struct Sheet {
 
 impl Sheet {
     fn text(&mut self, x: f32, size: f32, text: &str) {
-        self.shapes.push(words_at([x, self.y + size], size, [36, 41, 47], text.to_owned()));
+        self.shapes.push(words_at([x, self.y + size], size, INK, text.to_owned()));
     }
 
     /// A line of Markdown, broken where it is too long.
@@ -267,7 +266,7 @@ impl Sheet {
             radius: scale * feature.circle_radius_px(),
             style: if feature.at_slope_limit { stroke.dashed([2.4; 2]) } else { stroke }.into(),
         });
-        let name = |(index, place): (usize, &Probe)| words_at(at(place.pos_image), 1.3 * SIZE, NAME, index.to_string());
+        let name = |(index, place): (usize, &Probe)| words_at(at(place.pos_image), 1.3 * SIZE, RED, index.to_string());
         let shapes = rings.chain((1..).zip(&page.places).map(name)).collect();
         self.shapes.push(FigureShape::Clipped { rect, round: false, shapes });
         self.y += rect.size[1] + 0.5 * SIZE;

@@ -128,6 +128,9 @@ fn what_is_missing_is_said_in_the_picture_and_empty_in_the_file() {
     assert!(svg.contains(">98.2<") && svg.contains(">–<") && svg.contains("– means missing"), "{svg}");
     let latex = table.latex();
     assert!(latex.starts_with("% Numbers\n\\begin{tabular}{lr}\n") && latex.ends_with("% – means missing\n"));
+    // A bracket at the begin of a row would be an option of the line break before.
+    let row = Table::new("", "a,b", vec![vec!["[1] x*".into(), Cell::Number(2.0, 0)]]).latex();
+    assert!(row.contains("\n{$[$}1{$]$} x{$*$} & 2 "), "{row}");
     assert!(latex.contains("method & images pass, \\% \\\\\n") && latex.contains("\nC\\_1 \\& $\\sigma$ & -- \\\\\n"));
 }
 
