@@ -242,9 +242,9 @@ class ChartKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     width: int
@@ -314,9 +314,9 @@ class SceneKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     width: int
@@ -372,9 +372,9 @@ class TrajectoryKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     width: int
@@ -464,9 +464,9 @@ class NoisyKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     snr: float
@@ -600,9 +600,9 @@ class EvaluateChartKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     snr: Union[float, Sequence[float]]
@@ -805,9 +805,9 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     frame_counts: Union[int, Sequence[int]]
@@ -967,9 +967,9 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     snr: Union[float, Sequence[float]]
@@ -1115,9 +1115,9 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     sigma: Union[float, Sequence[float]]
@@ -1216,7 +1216,8 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Seed of the samples of matches [default: 0]
     camera : str
         Intrinsics of the camera of both images: a model of COLMAP's with width, height and parameters, such as
-        PINHOLE,640,480,500,500,320,240. Models: COLMAP's from SIMPLE_PINHOLE to RAD_TAN_THIN_PRISM_FISHEYE (its numbers 0 to 11); or a TOML file
+        PINHOLE,640,480,500,500,320,240. Models: COLMAP's from SIMPLE_PINHOLE to RAD_TAN_THIN_PRISM_FISHEYE (its
+        numbers 0 to 11); or a TOML file
     params : Path
         Parameter file (TOML), as the window saves it, or a case, whose search is taken
     method : {'buff', 'sift', 'merge'}
@@ -1341,9 +1342,9 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     methods: Union[Union[str, float], Sequence[Union[str, float]]]
@@ -1433,9 +1434,9 @@ class EvaluatePosesKeywords(TypedDict, total=False):
     threads : str or float
         Number of threads; results are the same for any number [default: one for each core]
     memory : str
-        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's; one that needs
-        more is done in groups of slopes, with the same result, or refused before it starts where that is not
-        enough. A film keeps fewer pictures at a time [default: 75%]
+        Memory that a search may take beside its burst, such as 8G, 500M or 50% of the machine's. A larger
+        search runs in groups of slopes, with the same result, or is refused before it starts. A film keeps
+        fewer pictures at a time [default: 75%]
     """
 
     estimate: Path
@@ -1528,6 +1529,7 @@ COMMANDS = (
     "probe",
     "recover",
     "decoys",
+    "report",
     "film",
     "case",
     "synth",

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 /// Write a burst on one page: what it is, its slopes, noise, tests, how many features are false, and places.
 ///
 /// The page has the answers of 'info', 'slopes', 'detect', 'decoys' and 'probe': the input with what was guessed, the
-/// slopes with their judgement, the noise and its gate, the features and how many of them are false by expectation, how
+/// slopes with their judgement, the noise and its gate, the features and how many copies in other orders have, how
 /// many samples each test rejects, and the fate of each place of --at. As Markdown it is text and tables; as SVG, PDF
 /// or PNG one sheet under a picture of the burst.
 #[derive(Debug, Clone, Args)]

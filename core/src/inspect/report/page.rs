@@ -13,7 +13,7 @@ use crate::inspect::ProbeCache;
 use crate::inspect::place::{Outcome, Probe, ProbeOptions, probe};
 use crate::inspect::result::{DecoyReport, DecoyStudy, decoys};
 use crate::inspect::slopes::{Spectrum, spectrum};
-use crate::inspect::words::{counted, number, sentence};
+use crate::inspect::words::{capitalised, counted, number, sentence};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
@@ -95,7 +95,7 @@ impl<'a> BurstPage<'a> {
 
     fn write_slopes(&self, out: &mut String) -> std::fmt::Result {
         let Spectrum { finding, judgement, advice, .. } = &self.spectrum;
-        writeln!(out, "\n## Slopes\n\nThe frames show {}.\n", escaped(&finding.summary_beside_judgement()))?;
+        writeln!(out, "\n## Slopes\n\nThe frames: {}.\n", escaped(&finding.summary_beside_judgement()))?;
         if let Some(fits) = judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
             writeln!(out, "{}\n", escaped(&sentence(&fits.sentence)))?;
         }
@@ -117,8 +117,8 @@ impl<'a> BurstPage<'a> {
             Err(why) => writeln!(out, "{found}. How many are false is not known: {}.", escaped(why))?,
             Ok(report) => {
                 let all = report.rates.first().map_or(0.0, |all| all.mean_in_copies());
-                let words = "are false by expectation: as many are found on average with the frames in other orders";
-                writeln!(out, "{found}, of which {all:.1} {words}; {}.\n", report.sentence())?;
+                let words = "are found on average with the frames in other orders: at most about as many are false";
+                writeln!(out, "{found}; {all:.1} {words}. {}.\n", capitalised(&report.sentence()))?;
                 write_items(out, report.doubt().map(|doubt| (sentence(&doubt), String::new())))?;
                 let heads = ["SNR from", "found here", "in a copy", "there for each here"];
                 write_table(out, heads, report.rates.iter().map(decoy_cells))?;
@@ -170,8 +170,8 @@ fn write_place(out: &mut String, index: usize, probe: &Probe) -> std::fmt::Resul
 /// Sentences, each with the option that mends the fault, or an empty text.
 fn write_items(out: &mut String, items: impl IntoIterator<Item = (String, String)>) -> std::fmt::Result {
     items.into_iter().try_for_each(|(words, option)| {
-        let option = if option.is_empty() { option } else { format!(": try {option}") };
-        writeln!(out, "- {}", escaped(&(words + &option)))
+        let told = if option.is_empty() { words } else { format!("{}: try {option}", words.trim_end_matches('.')) };
+        writeln!(out, "- {}", escaped(&told))
     })
 }
 
