@@ -19,10 +19,8 @@ use crate::export::{
     ColmapKeypoint, MadeFrom, OpenedFiles, OutputRules, Overwrite, RECORDS_FOLDER, Record, Records, may_begin,
     parse_colmap, safe_file_name, write_colmap_keypoints, write_png,
 };
-use crate::files::lock::FolderLock;
 use crate::files::mark::{Checksum, OutputKind, claims};
-use crate::files::read_bytes;
-use crate::files::unfinished::remove_abandoned;
+use crate::files::{lock::FolderLock, read_bytes, unfinished::remove_abandoned};
 use crate::matching::Blob;
 use crate::monitor::Monitor;
 use serde_json::Value;

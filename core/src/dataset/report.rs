@@ -1,8 +1,7 @@
 //! Report of an export to COLMAP: what the database holds, and whether a mapper can start from it.
 
 use crate::files::serialize_path;
-use crate::matching::aligned::Moved;
-use crate::matching::{Camera, MatchCounts, Refusal};
+use crate::matching::{Camera, MatchCounts, Refusal, aligned::Moved};
 use serde::Serialize;
 use std::cmp::Reverse;
 use std::collections::BTreeMap;

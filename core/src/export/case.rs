@@ -9,8 +9,7 @@ use super::atomic::write_marked;
 use crate::burst::{Burst, Encoding, Limits, Positions};
 use crate::detector::SearchParams;
 use crate::error::{Error, ErrorKind, Result};
-use crate::files::mark::OutputKind;
-use crate::files::{self, MAX_SESSION_BYTES, MAX_SETTINGS_BYTES};
+use crate::files::{self, MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, mark::OutputKind};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::{Mask, Plane, memory};
 use crate::synth::{FeatureTruth, Truth};
@@ -448,8 +447,7 @@ fn frame(path: &Path, zip: &mut Zip, case: &Case, name: &str) -> Result<Plane> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::synth::random::Stream;
-    use crate::synth::{ChartParams, synth_chart};
+    use crate::synth::{ChartParams, random::Stream, synth_chart};
 
     #[test]
     fn damaged_and_hostile_cases_are_refused_and_never_panic() {

@@ -3,8 +3,7 @@
 //! Where no frame sees a place, the filled values are averaged, since a hidden sample keeps a small weight.
 
 use crate::kernel::offset::FrameOffset;
-use crate::plane::Plane;
-use crate::plane::mask::HIDDEN_WEIGHT;
+use crate::plane::{Plane, mask::HIDDEN_WEIGHT};
 use multiversion::multiversion;
 use std::ops::Range;
 

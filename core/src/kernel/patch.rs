@@ -8,9 +8,7 @@
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};
 use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows, any_masked};
-use crate::plane::Plane;
-use crate::plane::blur::GaussianKernel;
-use crate::plane::vectors::Aligned;
+use crate::plane::{Plane, blur::GaussianKernel, vectors::Aligned};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 
@@ -345,8 +343,7 @@ mod tests {
     use super::*;
     use crate::burst::Positions;
     use crate::detector::params::{Interpolation, Slope};
-    use crate::detector::scale_space::Base;
-    use crate::detector::stack::frame_offsets;
+    use crate::detector::{scale_space::Base, stack::frame_offsets};
     use crate::kernel::patch::PatchScratch;
     use crate::plane::blur::gaussian_blur;
 

@@ -8,8 +8,7 @@ use super::align::{Chip, ChipSource, Link, Measured, PairFrame, Places, Solved, 
 use super::geometry::{PointPair, Verification, verify};
 use super::{Blob, Match, MatchParams, MatchResult, MatchSide, Refusal};
 use crate::burst::Burst;
-use crate::detector::DetectorParams;
-use crate::detector::stack::FrameTimes;
+use crate::detector::{DetectorParams, stack::FrameTimes};
 use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;

@@ -391,8 +391,7 @@ fn nearest_among(
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::detector::memory::on_threads;
-    use crate::detector::{Descriptor, Slope};
+    use crate::detector::{Descriptor, Slope, memory::on_threads};
     use crate::matching::geometry::tests::{camera, places_in_space};
     use crate::matching::{Blob, Geometry, MatchResult, match_pair};
 

@@ -14,8 +14,7 @@ use crate::burst::Burst;
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
-use crate::synth::random::Stream;
-use crate::synth::truth::disc_sigma;
+use crate::synth::{random::Stream, truth::disc_sigma};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 

@@ -119,10 +119,7 @@ pub fn check_camera(read_noise: f64, bits: u32) -> Result<()> {
     if !(read_noise.is_finite() && read_noise >= 0.0) {
         return Err(Error::param("read-noise", format!("{read_noise}"), "give 0 or more electrons"));
     }
-    if !(4..=16).contains(&bits) {
-        return Err(Error::param("bits", format!("{bits} bits"), "give 4 to 16"));
-    }
-    Ok(())
+    if !(4..=16).contains(&bits) { Err(Error::param("bits", format!("{bits} bits"), "give 4 to 16")) } else { Ok(()) }
 }
 
 /// Frame t takes its noise from stream t + 1 of the seed, whatever the threads and whichever frames are left out.

@@ -181,10 +181,7 @@ fn check_lists(snrs: &[f64], seeds: u64) -> Result<()> {
     if snrs.is_empty() {
         return Err(Error::param("snr", "no ratio is given", "give one or more, such as 0.2,0.35,0.6"));
     }
-    if seeds == 0 {
-        return Err(Error::param("seeds", "0 charts", "give 1 or more"));
-    }
-    Ok(())
+    if seeds == 0 { Err(Error::param("seeds", "0 charts", "give 1 or more")) } else { Ok(()) }
 }
 
 #[cfg(test)]

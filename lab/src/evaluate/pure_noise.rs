@@ -5,13 +5,11 @@
 //! promises at most one feature, all being false, in a million pixels of the image, for any noise and number of slopes.
 
 use super::RowStudy;
-use crate::synth::NoiseCase;
 use crate::synth::noise::{quantisation_step, quantised_word};
-use crate::synth::random::Stream;
+use crate::synth::{NoiseCase, random::Stream};
 use burstscope_core::burst::{Burst, Positions};
 use burstscope_core::detect::detect;
-use burstscope_core::detector::noise::gate_factor;
-use burstscope_core::detector::{DetectorParams, SlopeGrid};
+use burstscope_core::detector::{DetectorParams, SlopeGrid, noise::gate_factor};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;

@@ -16,8 +16,7 @@ use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Colour, Sheet};
 use burstscope_core::matching::{Geometry, MatchParams};
 use burstscope_core::monitor::{Monitor, Stage};
-use burstscope_core::plane::Plane;
-use burstscope_core::plane::display::Display;
+use burstscope_core::plane::{Plane, display::Display};
 
 const WIDTH: f64 = 960.0;
 const GAP: f64 = 14.0;

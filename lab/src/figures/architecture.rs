@@ -12,9 +12,7 @@ use burstscope_core::error::Result;
 use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Area, INK, RED, Sheet, short};
 use burstscope_core::monitor::{Monitor, Stage};
-use burstscope_core::plane::Plane;
-use burstscope_core::plane::display::Display;
-use burstscope_core::plane::sample::bilinear;
+use burstscope_core::plane::{Plane, display::Display, sample::bilinear};
 
 const WIDTH: f64 = 1240.0;
 /// Width of a small picture on the sheet, and distance of the columns.

@@ -13,8 +13,7 @@ use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Sheet, stacked};
 use burstscope_core::inspect::result::{Curve, Scored, judge};
 use burstscope_core::monitor::{Monitor, Stage};
-use burstscope_core::plane::Plane;
-use burstscope_core::plane::display::Display;
+use burstscope_core::plane::{Plane, display::Display};
 
 fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
     let small =

@@ -13,8 +13,7 @@ use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::matching::MatchParams;
 use burstscope_core::monitor::{Monitor, Stage};
-use burstscope_core::plane::Plane;
-use burstscope_core::plane::display::Display;
+use burstscope_core::plane::{Plane, display::Display};
 
 use crate::synth::trajectory::world::nearest_point;
 use crate::synth::{Light, Trajectory, TrajectoryParams};

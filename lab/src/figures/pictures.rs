@@ -8,15 +8,13 @@ use crate::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD, disc_place};
 use crate::synth::{Example, FrameLevels, Trajectory, TrajectoryParams};
 use burstscope_core::burst::Burst;
 use burstscope_core::detect::detect;
-use burstscope_core::detector::view::stack_view;
-use burstscope_core::detector::{DetectorParams, Feature, Slope, SlopeGrid};
+use burstscope_core::detector::{DetectorParams, Feature, Slope, SlopeGrid, view::stack_view};
 use burstscope_core::error::Result;
 use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::monitor::{Monitor, Stage};
-use burstscope_core::plane::Plane;
-use burstscope_core::plane::display::Display;
 use burstscope_core::plane::statistics::{Region, summary};
+use burstscope_core::plane::{Plane, display::Display};
 
 const WIDTH: f64 = 900.0;
 const GAP: f64 = 16.0;

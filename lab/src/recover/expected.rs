@@ -5,9 +5,7 @@
 //! the mean over the frames, each with the thing displaced by what its slope differs from the grid's.
 
 use super::thing::Shape;
-use burstscope_core::detector::scale_space::SIGMA_INPUT;
-use burstscope_core::detector::stack::interpolation_blur;
-use burstscope_core::detector::{Scale, Slope, Trail};
+use burstscope_core::detector::{Scale, Slope, Trail, scale_space::SIGMA_INPUT, stack::interpolation_blur};
 use burstscope_core::inspect::place::nearest_slope;
 
 /// Expected response of a thing of amplitude 1.
@@ -148,8 +146,7 @@ fn scaled_bessel_i0(x: f64) -> f64 {
 mod tests {
     use super::*;
     use crate::synth::chart::draw_disc;
-    use burstscope_core::plane::Plane;
-    use burstscope_core::plane::blur::GaussianKernel;
+    use burstscope_core::plane::{Plane, blur::GaussianKernel};
 
     #[test]
     fn a_filtered_disc_has_the_value_of_a_filtered_picture() {

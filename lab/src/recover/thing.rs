@@ -5,9 +5,7 @@
 //! takes light away: a part 1 − p of the photons is removed, which scales what is there by p, and the noise that a
 //! frame with so much less light would have is made up.
 
-use crate::synth::chart::draw_disc;
-use crate::synth::random::Stream;
-use crate::synth::truth::disc_sigma;
+use crate::synth::{chart::draw_disc, random::Stream, truth::disc_sigma};
 use burstscope_core::monitor::{Cancelled, Monitor};
 use burstscope_core::plane::Plane;
 use serde::{Deserialize, Serialize};

@@ -9,14 +9,12 @@
 
 use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, ErrorKind, Result};
-use burstscope_core::files::lock::FolderLock;
 use burstscope_core::files::mark::{OutputKind, is_unchanged, seal_folder};
 use burstscope_core::files::unfinished::{Unfinished, is_free};
-use burstscope_core::files::write_problem;
+use burstscope_core::files::{lock::FolderLock, write_problem};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::Plane;
-use burstscope_core::synth::noise::quantised_word;
-use burstscope_core::synth::truth::Truth;
+use burstscope_core::synth::{noise::quantised_word, truth::Truth};
 use image::ImageFormat;
 use std::io::Cursor;
 use std::path::Path;

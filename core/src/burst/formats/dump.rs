@@ -3,8 +3,7 @@
 use super::{Input, Numbers, Rank, Record, Start, named};
 use crate::burst::layout::Dump as Shape;
 use crate::burst::options::{Limits, OpenOptions};
-use crate::burst::reading::plain::Plain;
-use crate::burst::reading::{Reading, Ticker};
+use crate::burst::reading::{Reading, Ticker, plain::Plain};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use crate::plane::Plane;

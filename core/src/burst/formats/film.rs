@@ -5,12 +5,8 @@
 
 use super::y4m::Film as Stream;
 use super::{Format, Input, Rank, Record, Start};
-use crate::burst::number::Number;
-use crate::burst::options::OpenOptions;
-use crate::burst::reading::confined::Running;
-use crate::burst::reading::plain::Plain;
-use crate::burst::reading::{Declared, RawFrame, Reading};
-use crate::burst::times::Times;
+use crate::burst::reading::{Declared, RawFrame, Reading, confined::Running, plain::Plain};
+use crate::burst::{number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::{self, shell_path};
 use crate::monitor::Monitor;
@@ -338,10 +334,7 @@ fn frames(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
                 return Err(Error::corrupt(path, KIND, "its last frame is not whole"));
             }
         }
-        if frames.is_empty() {
-            return Err(Error::corrupt(path, KIND, "ffmpeg finds no frame in it"));
-        }
-        Ok(frames)
+        if frames.is_empty() { Err(Error::corrupt(path, KIND, "ffmpeg finds no frame in it")) } else { Ok(frames) }
     })
 }
 

@@ -7,9 +7,8 @@
 
 use super::{Input, Numbers, Rank, Record, Start};
 use crate::burst::layout::{Axis, AxisChoice, Dump, ViewGrid, ViewsChoice};
-use crate::burst::number::Number;
-use crate::burst::options::OpenOptions;
 use crate::burst::reading::plain::{Index, Plain};
+use crate::burst::{number::Number, options::OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
 use std::fs::File;
 use std::io::{BufReader, Error as IoError, Read};

@@ -7,12 +7,10 @@
 use super::tiff::directories::{Directories, OF_SENSORS, begins as is_tiff};
 use super::tiff::is_of_sensor;
 use super::{Format, Input, Rank, Record, Start, has_extension};
-use crate::burst::layout::Mosaic;
-use crate::burst::options::OpenOptions;
-use crate::burst::reading::confined::wire::Part;
-use crate::burst::reading::confined::{self, Budget};
+use crate::burst::reading::confined::{self, Budget, wire::Part};
 use crate::burst::reading::pixels::{Curve, binned, grey_from_interleaved, turned};
 use crate::burst::reading::{Declared, FileScale, RawFrame, Reading, read_at};
+use crate::burst::{layout::Mosaic, options::OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::read_bytes;
 use crate::plane::{Plane, memory};

@@ -4,11 +4,8 @@
 //! byte first, but the first programs wrote 0, and all others follow them: 1 is big endian here, as in Siril.
 
 use super::{Input, Numbers, Rank, Record, Start};
-use crate::burst::layout::Mosaic;
-use crate::burst::number::Number;
-use crate::burst::options::OpenOptions;
 use crate::burst::reading::plain::Plain;
-use crate::burst::times::Times;
+use crate::burst::{layout::Mosaic, number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, Result};
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};

@@ -1,12 +1,8 @@
 //! A format for the test of this room: what one needs is this file and its line of the list.
 
 use super::{Input, Numbers, Rank, Record, Start, file_formats};
-use crate::burst::Burst;
-use crate::burst::info::Info;
-use crate::burst::number::Number;
-use crate::burst::options::OpenOptions;
-use crate::burst::reading::plain::Plain;
-use crate::burst::reading::read_at;
+use crate::burst::reading::{plain::Plain, read_at};
+use crate::burst::{Burst, info::Info, number::Number, options::OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use std::path::Path;

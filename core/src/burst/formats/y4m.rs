@@ -4,10 +4,8 @@
 //! stored. Format: <https://wiki.multimedia.cx/index.php/YUV4MPEG2>.
 
 use super::{Input, Numbers, Rank, Record, Start};
-use crate::burst::number::Number;
-use crate::burst::options::OpenOptions;
 use crate::burst::reading::plain::Plain;
-use crate::burst::times::Times;
+use crate::burst::{number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, Result};
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -183,10 +181,7 @@ fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<
         options.limits.check_burst(path, places.len() as u64, width, height)?;
         reader.seek(SeekFrom::Start(place + film.frame_bytes)).map_err(fail)?;
     }
-    if places.is_empty() {
-        return Err(Error::corrupt(path, KIND, "it has no frame"));
-    }
-    Ok(film.plain(places))
+    if places.is_empty() { Err(Error::corrupt(path, KIND, "it has no frame")) } else { Ok(film.plain(places)) }
 }
 
 #[cfg(test)]

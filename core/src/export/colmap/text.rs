@@ -6,8 +6,7 @@
 use super::FIRST_PIXEL;
 use crate::detector::{Descriptor, Feature};
 use crate::error::{Error, Result};
-use crate::export::atomic::write_whole;
-use crate::export::csv::first_line;
+use crate::export::{atomic::write_whole, csv::first_line};
 use crate::files::{MAX_TABLE_BYTES, read_text};
 use std::io::{self, Write};
 use std::path::Path;

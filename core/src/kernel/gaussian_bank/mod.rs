@@ -12,9 +12,8 @@ mod weights;
 pub use weights::Axis;
 
 use crate::kernel::machine::{BATCH_ROWS, MAX_LEVEL_ROWS};
-use crate::plane::blur::GaussianKernel;
 use crate::plane::tile::{Region, Tile};
-use crate::plane::vectors::Aligned;
+use crate::plane::{blur::GaussianKernel, vectors::Aligned};
 use passes::{BLOCK, Band, Blocks, Packed, Sink, convolve_row, edge_columns, edge_rows, inner_rows, packed};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -263,8 +262,7 @@ impl<L: Lines + ?Sized> FilterJob<'_, L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::plane::Plane;
-    use crate::plane::blur::gaussian_blur;
+    use crate::plane::{Plane, blur::gaussian_blur};
 
     fn chain() -> Vec<GaussianKernel> {
         [1.5, 1.2, 1.6, 2.0, 2.5].map(GaussianKernel::new).to_vec()

@@ -38,10 +38,7 @@ pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>> {
         }
         poses.push(pose);
     }
-    if poses.is_empty() {
-        return Err(no_pose(path));
-    }
-    Ok(poses)
+    if poses.is_empty() { Err(no_pose(path)) } else { Ok(poses) }
 }
 
 fn parse_line(line: &str, order: u32) -> Result<Pose, String> {

@@ -2,8 +2,7 @@
 
 use super::mapper::{self, How, Matched, Reconstructed, Run};
 use crate::evaluate::{BurstMethod, MatchStudy, Searches, Shot, motion_name};
-use crate::figures::FigureSize;
-use crate::figures::record::Pieces;
+use crate::figures::{FigureSize, record::Pieces};
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
 use burstscope_core::burst::Burst;
 use burstscope_core::error::Result;

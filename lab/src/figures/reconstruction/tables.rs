@@ -2,9 +2,7 @@
 
 use super::mapper::{Matched, Reconstructed, Run};
 use super::study::Study;
-use crate::evaluate::curves::LINE;
-use crate::evaluate::poses::Projection;
-use crate::evaluate::{BurstMethod, motion_name};
+use crate::evaluate::{BurstMethod, curves::LINE, motion_name, poses::Projection};
 use crate::figures::Made;
 use crate::synth::{Light, Motion};
 use burstscope_core::export::sheet::{Area, INK, SOLID, Sheet};

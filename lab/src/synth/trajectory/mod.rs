@@ -23,8 +23,7 @@ use burstscope_core::plane::Plane;
 use burstscope_core::synth::noise::{Camera, quantisation_step};
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::motions;
-use burstscope_core::synth::truth::NoiseTruth;
-use burstscope_core::synth::{Motion, check_common};
+use burstscope_core::synth::{Motion, check_common, truth::NoiseTruth};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;

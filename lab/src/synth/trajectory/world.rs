@@ -9,9 +9,8 @@
 
 use super::TrajectoryParams;
 use super::leaves::paint_leaves;
-use crate::synth::Motion;
 use crate::synth::paint::{Area, OVERSAMPLING, Sheet};
-use crate::synth::random::Stream;
+use crate::synth::{Motion, random::Stream};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::monitor::{Cancelled, Monitor};
 use burstscope_core::plane::{Plane, memory};

@@ -1,10 +1,8 @@
 //! ROS messages `sensor_msgs/Image` and `CompressedImage`, in ROS 1's form and as CDR of either byte order.
 
 use super::records::Wire;
-use crate::burst::layout::Mosaic;
-use crate::burst::number::Number;
-use crate::burst::options::Limits;
 use crate::burst::reading::plain::Plain;
+use crate::burst::{layout::Mosaic, number::Number, options::Limits};
 use crate::error::{Error, Result};
 use crate::plane::memory;
 use std::borrow::Cow;

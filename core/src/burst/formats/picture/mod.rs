@@ -6,8 +6,7 @@ mod midway;
 
 use super::{Format, Input, Rank, Record, Start, alone};
 use crate::burst::options::{Encoding, Limits, OpenOptions};
-use crate::burst::reading::confined::wire::Part;
-use crate::burst::reading::confined::{self, Budget};
+use crate::burst::reading::confined::{self, Budget, wire::Part};
 use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, turned, turned_size};
 use crate::burst::reading::{
     Asked, Declared, FileScale, RawFrame, Reading, corrupt, exif, frame_of_plane, read_at, too_few_bytes,

@@ -9,12 +9,10 @@ mod sensor;
 pub(super) use directories::is_of_sensor;
 
 use super::{Format, Input, Rank, Record, Start, found};
-use crate::burst::layout::Mosaic;
 use crate::burst::options::{Limits, OpenOptions};
 use crate::burst::reading::pixels::{turned, turned_size};
-use crate::burst::reading::plain::Plain;
-use crate::burst::reading::{Asked, Declared, Expected, RawFrame, Reading, exif, in_order};
-use crate::burst::times::Times;
+use crate::burst::reading::{Asked, Declared, Expected, RawFrame, Reading, exif, in_order, plain::Plain};
+use crate::burst::{layout::Mosaic, times::Times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use described::{Axes, Described, Page};
