@@ -9,12 +9,9 @@ use crate::evaluate::{
     LookedChart, RowStudy, motion_label,
 };
 use crate::synth::{ChartParams, Truth};
-use burstscope_core::baseline::plain_mean;
-use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::result::{Curve, Scored};
-use burstscope_core::monitor::Monitor;
-use burstscope_core::plane::Plane;
+use burstscope_core::{baseline::plain_mean, burst::Burst, monitor::Monitor, plane::Plane};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

@@ -3,9 +3,7 @@
 use super::number::Number;
 use crate::files::whole_number;
 use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::path::PathBuf;
-use std::str::FromStr;
+use std::{fmt, path::PathBuf, str::FromStr};
 
 /// Shape of a file without header: frames of one size, one after the other, from a place in the file on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -40,16 +40,14 @@ pub use layout::{Axis, AxisChoice, Dump, FrameRange, Mosaic, Tiling, TimesChoice
 pub use notes::{Note, Remark, RemarkKind};
 pub use options::{Encoding, Limits, OpenOptions, RawColour};
 pub use positions::{Offset, Positions};
-pub use reading::confined::DecodeWorker;
-pub use reading::pixels::LUMA_WEIGHTS;
+pub use reading::{confined::DecodeWorker, pixels::LUMA_WEIGHTS};
 pub use source::{
     BurstFiles, Entries, SequenceCut, cut_sequence, files_at, find_bursts, find_entries, name_among_several,
     supported_extensions,
 };
 
 use crate::plane::Plane;
-use std::path::PathBuf;
-use std::sync::Arc;
+use std::{path::PathBuf, sync::Arc};
 
 /// A sequence of frames of one size, in time order. Cheap to clone: the pixels are shared.
 #[derive(Debug, Clone)]

@@ -195,8 +195,7 @@ impl OpenOptions {
 
 mod as_text {
     use super::FrameRange;
-    use serde::de::Error;
-    use serde::{Deserialize, Deserializer, Serialize, Serializer};
+    use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 
     pub(super) fn serialize<S: Serializer>(take: &Option<FrameRange>, to: S) -> Result<S::Ok, S::Error> {
         take.as_ref().map(ToString::to_string).serialize(to)

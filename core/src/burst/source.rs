@@ -12,11 +12,8 @@ use super::options::OpenOptions;
 use super::stamps::in_order_of_times;
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::path_text;
-use std::cmp::Ordering;
-use std::collections::HashSet;
-use std::ffi::OsStr;
-use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::{cmp::Ordering, collections::HashSet, ffi::OsStr, ops::Range};
 
 /// The files of one burst: its name, and the paths for [`Burst::open_with`](super::Burst::open_with).
 #[derive(Debug, Clone, PartialEq, Eq)]

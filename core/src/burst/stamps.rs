@@ -11,12 +11,10 @@ use super::times::{
     HEADED, List, PARTS, Stamp, Stamps, Times, Unit, Written, base_name, likeness, parts, seconds_of, stem,
 };
 use crate::error::{Error, ErrorKind, Result};
-use crate::files::read_bytes;
-use crate::monitor::Monitor;
-use std::cmp::Ordering;
+use crate::{files::read_bytes, monitor::Monitor};
 use std::collections::{BTreeMap, HashMap, HashSet};
-use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::{cmp::Ordering, ops::Range};
 
 #[derive(Debug, Clone, Copy)]
 struct Run<'a> {

@@ -10,8 +10,7 @@ use super::reading::RawFrame;
 use super::stamps::Timing;
 use super::times::{base_name, stem};
 use crate::error::{Error, ErrorKind, Result};
-use crate::monitor::Monitor;
-use crate::plane::Plane;
+use crate::{monitor::Monitor, plane::Plane};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 

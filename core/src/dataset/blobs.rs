@@ -3,10 +3,8 @@
 //! One text of hexadecimal digits: a checksum, and for each feature in order seven `f32`, little end first: scale σ,
 //! orientation, slope (u, v), motion of its place (u, v) and standard deviation of that motion, infinite where unknown.
 
-use crate::detector::Slope;
-use crate::matching::Blob;
-use serde::de::Error;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use crate::{detector::Slope, matching::Blob};
+use serde::{Deserialize, Deserializer, Serialize, Serializer, de::Error};
 use std::fmt::Write;
 
 #[derive(Debug, Clone, PartialEq)]

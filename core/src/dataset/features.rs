@@ -21,8 +21,7 @@ use crate::export::{
 };
 use crate::files::mark::{Checksum, OutputKind, claims};
 use crate::files::{lock::FolderLock, read_bytes, unfinished::remove_abandoned};
-use crate::matching::Blob;
-use crate::monitor::Monitor;
+use crate::{matching::Blob, monitor::Monitor};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

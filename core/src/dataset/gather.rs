@@ -6,11 +6,9 @@
 use super::BurstFeatures;
 use super::features::{FEATURES_FOLDER, FeatureStore, IMAGES_FOLDER, image_name};
 use super::kept::{KeptBurst, NotKept};
-use crate::burst::BurstFiles;
 use crate::error::{Error, Result};
-use crate::export::write_whole;
 use crate::files::{read_bytes, serialize_path};
-use crate::monitor::Monitor;
+use crate::{burst::BurstFiles, export::write_whole, monitor::Monitor};
 use serde::{Serialize, Serializer};
 use std::io::Write;
 use std::path::{Path, PathBuf};

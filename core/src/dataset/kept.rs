@@ -9,18 +9,16 @@ use super::ImageKind;
 use super::blobs::StoredBlobs;
 use super::stamp::FileStamp;
 use crate::burst::{OpenOptions, files_at};
-use crate::detector::SearchParams;
 use crate::error::{Error, Result};
 use crate::export::{MadeFrom, RECORDS_FOLDER, Record, write_whole};
 use crate::files::mark::{Checksum, OutputKind, claiming, claims};
 use crate::files::unfinished::remove_abandoned;
 use crate::matching::aligned::Seen;
-use crate::monitor::Monitor;
+use crate::{detector::SearchParams, monitor::Monitor};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
-use std::io::Write;
 use std::path::{Path, PathBuf};
+use std::{collections::BTreeSet, io::Write};
 
 pub(super) const DETECTOR_KEY: &str = "detector";
 

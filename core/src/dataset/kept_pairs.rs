@@ -13,10 +13,9 @@ use crate::files::{MAX_TABLE_BYTES, lock::FolderLock, mark::PAIR_MARK, read_byte
 use crate::matching::{MatchParams, Refusal, TwoViewModel, Unaligned, align::Measured, aligned::Inlier};
 use nalgebra::Matrix3;
 use serde_json::{Value, json};
-use std::collections::BTreeMap;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, PoisonError};
+use std::{collections::BTreeMap, io::Write};
 
 /// Words of a matrix of nine `f64`, and of an inlier: its features, its rank, and seven numbers of its measurement.
 const MATRIX_WORDS: usize = 18;

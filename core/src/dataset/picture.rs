@@ -1,13 +1,10 @@
 //! Pictures of bursts, 8 bit, stretched so that dark content is visible: for other programs, and as thumbnails.
 
 use crate::burst::{Burst, BurstFiles, OpenOptions, ViewsChoice};
-use crate::detect::prepare;
 use crate::detector::{DetectorParams, Method};
 use crate::error::{Error, Result};
-use crate::export::Bitmap;
-use crate::monitor::Monitor;
-use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
+use crate::{detect::prepare, export::Bitmap, monitor::Monitor, plane::Plane};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 

@@ -3,9 +3,7 @@
 use crate::files::serialize_path;
 use crate::matching::{Camera, MatchCounts, Refusal, aligned::Moved};
 use serde::Serialize;
-use std::cmp::Reverse;
-use std::collections::BTreeMap;
-use std::path::PathBuf;
+use std::{cmp::Reverse, collections::BTreeMap, path::PathBuf};
 
 /// Report of one image of the database.
 #[derive(Debug, Clone, PartialEq, Serialize)]

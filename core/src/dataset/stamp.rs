@@ -7,10 +7,9 @@ use crate::error::{Error, Result};
 use crate::files::{self, path_text};
 use crate::monitor::Monitor;
 use serde::{Deserialize, Serialize};
-use std::fs::Metadata;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::time::UNIX_EPOCH;
+use std::{fs::Metadata, time::UNIX_EPOCH};
 
 /// Thoroughness of the comparison of files with their stamps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

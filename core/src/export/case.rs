@@ -14,13 +14,9 @@ use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::{Mask, Plane, memory};
 use crate::synth::{FeatureTruth, Truth};
 use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
-use std::fs::File;
 use std::io::{self, BufReader, Cursor, Read, Write};
-use std::path::Path;
-use std::sync::Arc;
-use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, ZipArchive, ZipWriter};
+use std::{borrow::Cow, fs::File, path::Path, sync::Arc};
+use zip::{CompressionMethod, ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 /// Ending of the names of cases.
 pub const CASE_EXTENSION: &str = "burstcase";

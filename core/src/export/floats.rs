@@ -2,17 +2,14 @@
 //! also as colour PFM (portable float map), which programs for optical flow and stereo read.
 
 use super::atomic::write_whole;
-use crate::detector::MotionField;
 use crate::error::{Error, Result};
 use crate::files::mark::{Checksum, Mark, OutputKind, SOFTWARE};
-use crate::plane::Plane;
-use std::io;
+use crate::{detector::MotionField, plane::Plane};
 use std::io::{Seek, Write};
-use std::path::Path;
-use tiff::TiffResult;
+use std::{io, path::Path};
 use tiff::encoder::colortype::{ColorType, Gray32Float, RGB32Float};
 use tiff::encoder::{TiffEncoder, TiffKind};
-use tiff::tags::Tag;
+use tiff::{TiffResult, tags::Tag};
 
 /// Maximum size of a plain TIFF's values, because its offsets end at 4 GiB; larger planes become BigTIFF.
 const MAX_PLAIN_BYTES: usize = 0xf000_0000;

@@ -5,10 +5,8 @@ use super::csv::{FeatureVerdict, write_csv};
 use super::npz::write_npz;
 use crate::detector::Detection;
 use crate::error::{Error, Result};
-use std::collections::HashSet;
-use std::fmt;
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use std::{collections::HashSet, fmt, str::FromStr};
 
 /// Export format of features.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

@@ -9,8 +9,7 @@ use crate::error::Result;
 use crate::files::mark::OutputKind;
 use ndarray::{Array1, Array2, Array3, ArrayView2};
 use ndarray_npy::NpzWriter;
-use std::io;
-use std::path::Path;
+use std::{io, path::Path};
 
 /// Writes a field of motion, a value for each cell of `cell_px`² pixels: `motion` `[rows, columns, 2]` float32 to the
 /// right and down and `covariance` `[rows, columns, 3]` (of u, of u with v, of v), pixels per frame; `known` and

@@ -8,9 +8,8 @@ use super::colmap::is_colmap_text;
 use super::csv::is_table;
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::mark::{Checksum, has_mark};
-use std::collections::HashSet;
-use std::fs::Metadata;
 use std::path::{Path, PathBuf};
+use std::{collections::HashSet, fs::Metadata};
 
 /// Whether this program wrote the file at `path` as it is now: by its [`mark`](crate::files::mark); a table by its
 /// header and the form of its lines, COLMAP's text by its numbers. False for a file that cannot be read.

@@ -4,9 +4,8 @@ use super::atomic::write_marked;
 use crate::error::{Error, Result};
 use crate::files::mark::{OutputKind, SOFTWARE};
 use png::{BitDepth, ColorType, Compression, EncodingError, Filter};
-use std::borrow::Cow;
 use std::io::{self, Write};
-use std::path::Path;
+use std::{borrow::Cow, path::Path};
 
 /// 8-bit pixels in memory, row by row.
 #[derive(Debug, Clone, Copy)]

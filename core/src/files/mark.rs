@@ -7,15 +7,11 @@
 //! [`is_ours`](crate::export::is_ours).
 
 use super::{MAX_TABLE_BYTES, path_text, read_text};
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
 use serde_json::Value;
-use std::collections::BTreeMap;
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom, Write};
-use std::path::Path;
-use tiff::decoder::Decoder;
-use tiff::tags::Tag;
+use std::{collections::BTreeMap, fs::File, path::Path};
+use tiff::{decoder::Decoder, tags::Tag};
 
 /// The program's name and version, for the `Software` field of pictures.
 pub(crate) const SOFTWARE: &str = concat!("Burstscope ", env!("CARGO_PKG_VERSION"));

@@ -6,12 +6,11 @@
 use super::lock::{HIDDEN_PREFIX, is_lock};
 use super::mark::{OutputKind, claiming, claims};
 use serde::{Deserialize, Serialize};
-use std::collections::HashSet;
-use std::ffi::OsStr;
 use std::fs::{File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 use std::sync::{LazyLock, Mutex, PoisonError};
+use std::{collections::HashSet, ffi::OsStr};
 use tempfile::TempDir;
 
 const SUFFIX: &str = ".tmp";

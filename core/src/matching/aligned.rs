@@ -7,11 +7,9 @@
 use super::align::{Chip, ChipSource, Link, Measured, PairFrame, Places, Solved, View, measure, pair, solve};
 use super::geometry::{PointPair, Verification, verify};
 use super::{Blob, Match, MatchParams, MatchResult, MatchSide, Refusal};
-use crate::burst::Burst;
 use crate::detector::{DetectorParams, stack::FrameTimes};
-use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::Plane;
+use crate::{burst::Burst, error::Result, plane::Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 

@@ -6,8 +6,7 @@
 use crate::error::{Error, Result};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
-use std::fmt;
-use std::str::FromStr;
+use std::{fmt, str::FromStr};
 use strum::{EnumCount, VariantArray};
 
 /// Half a pixel: the centre of the first pixel in COLMAP's convention.

@@ -36,9 +36,7 @@ use crate::detector::{Descriptor, Feature, Slope};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use serde::Serialize;
-use std::collections::BTreeSet;
-use std::fmt;
-use std::str::FromStr;
+use std::{collections::BTreeSet, fmt, str::FromStr};
 
 /// The matches of two images, A and B.
 #[derive(Debug, Clone, PartialEq)]

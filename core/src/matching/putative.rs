@@ -8,9 +8,8 @@
 //! ways: the mutual check needs no second search. Ties go to the lowest index, for any number of threads.
 
 use super::params::MatchParams;
-use crate::detector::Descriptor;
-use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor, Stage};
+use crate::{detector::Descriptor, error::Result};
 use pulp::{Arch, Simd, WithSimd};
 use rayon::prelude::*;
 use serde::Serialize;

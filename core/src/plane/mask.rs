@@ -7,8 +7,7 @@
 use super::Plane;
 use super::sample::bilinear;
 use super::statistics::Region;
-use std::ops::Range;
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 /// Weight of a hidden sample beside 1 for a seen one: it decides only where no frame sees a place.
 pub(crate) const HIDDEN_WEIGHT: f32 = 1.0 / 1024.0;

@@ -10,11 +10,9 @@ use super::options::{SNR_HELP, motions, parse_range, words};
 use super::truth::{FeatureTruth, Truth, TruthKind};
 use super::uneven::Uneven;
 use super::{Motion, capture_burst, check_common, check_snr, outermost};
-use crate::burst::Burst;
 use crate::error::{Error, Result};
-use crate::monitor::Monitor;
-use crate::plane::Plane;
 use crate::synth::{random::Stream, truth::disc_sigma};
+use crate::{burst::Burst, monitor::Monitor, plane::Plane};
 use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 

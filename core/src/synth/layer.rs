@@ -7,9 +7,8 @@
 use super::outermost;
 use super::paint::{OVERSAMPLING, Sheet};
 use super::truth::{FeatureTruth, LayerTruth, disc_sigma};
-use crate::burst::Offset;
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::Plane;
+use crate::{burst::Offset, plane::Plane};
 
 /// Disc painted on a layer, recorded for the truth: at mid-burst, pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -20,11 +20,9 @@ use super::chart::{LookedChart, summary};
 use super::statistics::{Errors, quantile};
 use super::{RowStudy, check_lists};
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
-use burstscope_core::detect::detect;
 use burstscope_core::detector::{DetectorParams, Feature, SlopeGrid};
-use burstscope_core::error::Result;
 use burstscope_core::inspect::result::{Ranking, judge};
-use burstscope_core::monitor::Monitor;
+use burstscope_core::{detect::detect, error::Result, monitor::Monitor};
 use serde::Serialize;
 
 /// The σ at which a DoG pyramid of `levels` levels an octave reports a disc of `radius` pixels (see the module).

@@ -10,11 +10,9 @@ use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::{SearchParams, Slope, SlopeGrid, Slopes, find_slopes};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::slopes::{AdviceSubject, SlopeJudgement, judgement};
-use burstscope_core::monitor::Monitor;
-use burstscope_core::plane::Plane;
+use burstscope_core::{monitor::Monitor, plane::Plane};
 use serde::Serialize;
-use std::collections::BTreeMap;
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 /// Statement about the slopes of a search, said or true.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Serialize)]

@@ -11,14 +11,10 @@ use super::methods::{BurstMethod, Searches};
 use super::statistics::Mean;
 use super::{RowStudy, ascending, check_lists, motion_name};
 use crate::synth::{ChartParams, Truth, synth_chart};
-use burstscope_core::burst::Burst;
-use burstscope_core::detect::Searched;
-use burstscope_core::detector::Detection;
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::result::{Curve, Ranking, Scored, judge, mean_curve};
-use burstscope_core::monitor::Monitor;
-use serde::ser::SerializeMap;
-use serde::{Serialize, Serializer};
+use burstscope_core::{burst::Burst, detect::Searched, detector::Detection, monitor::Monitor};
+use serde::{Serialize, Serializer, ser::SerializeMap};
 use std::fmt;
 
 /// Default numbers of frames.

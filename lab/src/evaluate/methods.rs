@@ -1,12 +1,9 @@
 //! The compared methods: SIFT on one frame, two merges or a sharp image; BuFF over a line, a plane or slopes found.
 
-use burstscope_core::baseline::plain_mean;
-use burstscope_core::burst::Burst;
 use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::{DetectorParams, Method, SearchParams, SlopeAxis, SlopeGrid, Slopes};
-use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{BLUE, Colour, Dashes, GREEN, RED, SOLID};
-use burstscope_core::monitor::Monitor;
+use burstscope_core::{baseline::plain_mean, burst::Burst, error::Result, monitor::Monitor};
 use serde::{Deserialize, Serialize};
 
 /// Method from the frames of a view to features.

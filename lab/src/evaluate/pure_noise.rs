@@ -8,11 +8,9 @@ use super::RowStudy;
 use crate::synth::noise::{quantisation_step, quantised_word};
 use crate::synth::{NoiseCase, random::Stream};
 use burstscope_core::burst::{Burst, Positions};
-use burstscope_core::detect::detect;
 use burstscope_core::detector::{DetectorParams, SlopeGrid, noise::gate_factor};
 use burstscope_core::error::{Error, Result};
-use burstscope_core::monitor::Monitor;
-use burstscope_core::plane::Plane;
+use burstscope_core::{detect::detect, monitor::Monitor, plane::Plane};
 use serde::Serialize;
 
 /// One kind of noise.

@@ -7,16 +7,13 @@ use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use crate::evaluate::statistics::quantile;
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
-use burstscope_core::burst::Burst;
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
-use burstscope_core::detect::detect;
 use burstscope_core::detector::{Detection, DetectorParams, FrameRange, Method};
-use burstscope_core::error::Result;
-use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Colour, Sheet};
 use burstscope_core::matching::{Geometry, MatchParams};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::{Plane, display::Display};
+use burstscope_core::{burst::Burst, detect::detect, error::Result, export::FigureStroke};
 
 const WIDTH: f64 = 960.0;
 const GAP: f64 = 14.0;

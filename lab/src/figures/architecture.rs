@@ -5,14 +5,12 @@ use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use crate::evaluate::curves::lettered;
 use crate::synth::demo_burst;
-use burstscope_core::detect::detect;
 use burstscope_core::detector::view::{dog_view, stack_view};
 use burstscope_core::detector::{DetectorParams, Feature, Scale, Slope, SlopeGrid};
-use burstscope_core::error::Result;
-use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Area, INK, RED, Sheet, short};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::{Plane, display::Display, sample::bilinear};
+use burstscope_core::{detect::detect, error::Result, export::FigureStroke};
 
 const WIDTH: f64 = 1240.0;
 /// Width of a small picture on the sheet, and distance of the columns.

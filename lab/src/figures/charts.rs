@@ -7,13 +7,12 @@ use crate::evaluate::curves::{frames_figure, lettered, roc_figure};
 use crate::evaluate::statistics::Mean;
 use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, Ranking, RowStudy, Searches, motion_name};
 use crate::synth::{ChartParams, Motion, synth_chart};
-use burstscope_core::burst::Burst;
 use burstscope_core::detector::{Detection, DetectorParams, NoiseGate, SlopeGrid};
-use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Sheet, stacked};
 use burstscope_core::inspect::result::{Curve, Scored, judge};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::{Plane, display::Display};
+use burstscope_core::{burst::Burst, error::Result};
 
 fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
     let small =

@@ -1,9 +1,8 @@
 //! Pictures with marks on them, parts of several figures.
 
-use burstscope_core::detector::Feature;
-use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Area, Colour, Sheet};
 use burstscope_core::plane::{Plane, display::Display};
+use burstscope_core::{detector::Feature, export::FigureStroke};
 
 pub(super) const RIGHT: Colour = [0x4f, 0xa3, 0xff];
 pub(super) const WRONG: Colour = [0xff, 0x8c, 0x1a];

@@ -2,15 +2,13 @@
 
 use super::record::{FigureRecord, KeptFigure, Pieces, begin, check_folder, read_record};
 use super::{FigureSize, Made, PaperFigure};
-use burstscope_core::error::Result;
 use burstscope_core::export::{Escaped, MadeFrom, OutputRules, Record, Records, write_text, write_whole};
 use burstscope_core::files::lock::FolderLock;
 use burstscope_core::files::mark::{Checksum, OutputKind, sealed};
-use burstscope_core::monitor::Monitor;
+use burstscope_core::{error::Result, monitor::Monitor};
 use serde::Serialize;
-use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::time::Instant;
+use std::{io::Write, time::Instant};
 
 /// Figures to make, and their folder.
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -20,8 +20,7 @@ mod which;
 pub use job::{FigureReport, FiguresEvent, FiguresJob, FiguresReport, find_colmap};
 pub use which::{FigureSize, PaperFigure};
 
-use burstscope_core::error::Result;
-use burstscope_core::monitor::Monitor;
+use burstscope_core::{error::Result, monitor::Monitor};
 use record::Pieces;
 
 /// Files of a figure, in memory.

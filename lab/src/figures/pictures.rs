@@ -6,15 +6,12 @@ use super::{FigureSize, Made, MakeFigure};
 use crate::evaluate::curves::lettered;
 use crate::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD, disc_place};
 use crate::synth::{Example, FrameLevels, Trajectory, TrajectoryParams};
-use burstscope_core::burst::Burst;
-use burstscope_core::detect::detect;
 use burstscope_core::detector::{DetectorParams, Feature, Slope, SlopeGrid, view::stack_view};
-use burstscope_core::error::Result;
-use burstscope_core::export::FigureStroke;
 use burstscope_core::export::sheet::{Anchor, Sheet};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::statistics::{Region, summary};
 use burstscope_core::plane::{Plane, display::Display};
+use burstscope_core::{burst::Burst, detect::detect, error::Result, export::FigureStroke};
 
 const WIDTH: f64 = 900.0;
 const GAP: f64 = 16.0;

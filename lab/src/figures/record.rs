@@ -8,10 +8,8 @@ use burstscope_core::error::{Error, ErrorKind, Result};
 use burstscope_core::export::{MadeFrom, RECORDS_FOLDER, Record, Records, may_begin, write_whole};
 use burstscope_core::files::mark::{Checksum, OutputKind, claiming};
 use burstscope_core::files::unfinished::{Unfinished, remove_abandoned};
-use serde::de::DeserializeOwned;
-use serde::{Deserialize, Serialize};
-use std::io::Write;
-use std::path::Path;
+use serde::{Deserialize, Serialize, de::DeserializeOwned};
+use std::{io::Write, path::Path};
 
 const PIECES_FOLDER: &str = "pieces";
 

@@ -12,8 +12,7 @@ use burstscope_core::inspect::{ProbeCache, result::finds};
 use burstscope_core::monitor::{Cancelled, Monitor};
 use burstscope_core::plane::{Plane, blur::smoothed, sample::bilinear};
 use burstscope_core::synth::outermost;
-use std::ops::Range;
-use std::sync::Arc;
+use std::{ops::Range, sync::Arc};
 
 /// Side of a cell of the map of noise, pixels.
 const CELL_PX: f32 = 16.0;

@@ -21,21 +21,18 @@ pub use thing::Shape;
 
 use crate::synth::random::Stream;
 use crate::synth::truth::{FeatureTruth, Truth, TruthKind, disc_sigma};
-use burstscope_core::burst::Burst;
 use burstscope_core::detector::{SearchParams, Slope, SlopeAxis, Test};
 use burstscope_core::error::{Error, Result};
-use burstscope_core::inspect::ProbeCache;
 use burstscope_core::inspect::result::{Ranking, judge_by_discs, miss};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
-use burstscope_core::plane::Plane;
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::words;
+use burstscope_core::{burst::Burst, inspect::ProbeCache, plane::Plane};
 use expected::expected;
 use ground::Ground;
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
-use std::time::Instant;
+use std::{sync::Arc, time::Instant};
 use thing::Painting;
 
 /// Brightness of the planted things relative to what is around them.

@@ -3,11 +3,10 @@
 use super::fit::{FittedCurve, Outcome, Prior, fitted, share_interval};
 use super::ground::Ground;
 use super::{Contrast, Levels, Planted, RecoverStudy, RecoverTimes, Shape, Varied};
-use burstscope_core::burst::Burst;
 use burstscope_core::detector::{DetectorParams, Slope, SlopeGrid, Test};
 use burstscope_core::export::{Cell, PLANTED_COLUMNS, Table};
 use burstscope_core::inspect::words::{counted, number};
-use burstscope_core::plane::Plane;
+use burstscope_core::{burst::Burst, plane::Plane};
 use serde::Serialize;
 use std::sync::Arc;
 

@@ -9,17 +9,15 @@
 //! of the pixels' standard deviation to that of the noise at the mean.
 
 use super::write::{io, write_folder, write_frame};
-use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, Result};
 use burstscope_core::files::mark::OutputKind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
-use burstscope_core::plane::Plane;
 use burstscope_core::synth::{check_camera, check_snr, noise::Camera, random::Stream, truth::NoiseTruth};
+use burstscope_core::{burst::Burst, plane::Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 /// Parameters of the noise of the copies.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]

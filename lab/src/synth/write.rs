@@ -7,17 +7,15 @@
 //! beside the target keeps two processes from making the same folder. The mark of the folder claims all of its files:
 //! one to which anything was added, or in which anything was changed, is not replaced.
 
-use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, ErrorKind, Result};
 use burstscope_core::files::mark::{OutputKind, is_unchanged, seal_folder};
 use burstscope_core::files::unfinished::{Unfinished, is_free};
 use burstscope_core::files::{lock::FolderLock, write_problem};
 use burstscope_core::monitor::{Monitor, Stage};
-use burstscope_core::plane::Plane;
 use burstscope_core::synth::{noise::quantised_word, truth::Truth};
+use burstscope_core::{burst::Burst, plane::Plane};
 use image::ImageFormat;
-use std::io::Cursor;
-use std::path::Path;
+use std::{io::Cursor, path::Path};
 
 /// Writes `burst` as `frame_000.png` …, a light field as `view_00_00.png` …, its mask as `masks/mask.png`, and `truth`
 /// as `truth.json` into the folder `dir`, which is created. An earlier synthetic burst in it is replaced as a whole; a

@@ -5,8 +5,7 @@ use crate::burst::layout::Dump as Shape;
 use crate::burst::options::{Limits, OpenOptions};
 use crate::burst::reading::{Reading, Ticker, plain::Plain};
 use crate::error::{Error, ErrorKind, Result};
-use crate::monitor::Monitor;
-use crate::plane::Plane;
+use crate::{monitor::Monitor, plane::Plane};
 use std::path::Path;
 
 pub(super) const NAME: &str = "headerless";

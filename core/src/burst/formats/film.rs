@@ -10,10 +10,9 @@ use crate::burst::{number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::{self, shell_path};
 use crate::monitor::Monitor;
-use std::ffi::OsString;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::{ffi::OsString, process::Command};
 
 const KIND: &str = "film";
 

@@ -14,9 +14,8 @@ use crate::burst::times::{Times, seconds_of};
 use crate::error::{Error, ErrorKind, Result};
 use fitsio_pure::header::{Card, parse_card};
 use fitsio_pure::value::Value;
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::{fs::File, path::Path};
 
 const KIND: &str = "FITS";
 const MAGIC: &[u8] = b"SIMPLE  =";

@@ -30,12 +30,10 @@ use super::reading::{Declared, RawFrame, Reading, Ticker, exif};
 use super::times::Times;
 use crate::error::{Error, ErrorKind, Result, one_line};
 use crate::files::{self, shell_path};
-use crate::monitor::Monitor;
-use crate::plane::memory;
+use crate::{monitor::Monitor, plane::memory};
 use rayon::prelude::*;
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::Path;
+use std::{fs::File, path::Path};
 
 /// All formats, in the order in which they are asked for a file; a list of extensions has this order too.
 static ALL: &[&dyn Format] = &[

@@ -10,9 +10,8 @@ use crate::burst::layout::{Axis, AxisChoice, Dump, ViewGrid, ViewsChoice};
 use crate::burst::reading::plain::{Index, Plain};
 use crate::burst::{number::Number, options::OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
-use std::fs::File;
 use std::io::{BufReader, Error as IoError, Read};
-use std::path::Path;
+use std::{fs::File, path::Path};
 use zip::{CompressionMethod, ZipArchive};
 
 pub(super) struct Npy;

@@ -19,11 +19,9 @@ use rawler::decoders::{RawDecodeParams, WellKnownIFD};
 use rawler::formats::tiff::IFD;
 use rawler::imgop::{Dim2, Point, Rect};
 use rawler::rawimage::{BlackLevel, RawPhotometricInterpretation};
-use rawler::rawsource::RawSource;
 use rawler::tags::{DngTag, TiffCommonTag};
-use rawler::{RawImage, RawImageData};
-use std::io::BufReader;
-use std::path::Path;
+use rawler::{RawImage, RawImageData, rawsource::RawSource};
+use std::{io::BufReader, path::Path};
 
 /// Largest file per allowed pixel, bytes: float values, and the file's other data.
 const BYTES_PER_PIXEL: u64 = 8;

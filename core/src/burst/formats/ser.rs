@@ -7,9 +7,8 @@ use super::{Input, Numbers, Rank, Record, Start};
 use crate::burst::reading::plain::Plain;
 use crate::burst::{layout::Mosaic, number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, Result};
-use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
-use std::path::Path;
+use std::{fs::File, path::Path};
 
 const KIND: &str = "SER";
 const MAGIC: &[u8] = b"LUCAM-RECORDER";

@@ -7,9 +7,8 @@ use super::{Input, Numbers, Rank, Record, Start};
 use crate::burst::reading::plain::Plain;
 use crate::burst::{number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, Result};
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::{fs::File, path::Path};
 
 pub(super) const KIND: &str = "Y4M";
 const MAGIC: &[u8] = b"YUV4MPEG2 ";

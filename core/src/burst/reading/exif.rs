@@ -2,9 +2,7 @@
 
 use crate::burst::times::{Times, seconds_of};
 use exif::{DateTime, Exif, Field, In, Reader, Tag, Value};
-use std::fs::File;
-use std::io::BufReader;
-use std::path::Path;
+use std::{fs::File, io::BufReader, path::Path};
 
 /// Largest file that is read for its time, bytes: of a TIFF all of it is.
 const MAX_BYTES: u64 = 1 << 30;

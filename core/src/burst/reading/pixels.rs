@@ -12,8 +12,7 @@ use crate::burst::options::{OpenOptions, RawColour};
 use crate::error::{Error, ErrorKind, Result};
 use crate::plane::{Plane, memory};
 use image::metadata::Orientation;
-use std::path::Path;
-use std::sync::LazyLock;
+use std::{path::Path, sync::LazyLock};
 
 /// Weights of Rec. 709 for red, green and blue. They sum to 1.
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];

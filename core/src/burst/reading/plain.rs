@@ -12,10 +12,8 @@ use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::times::Times;
 use crate::error::{Error, Result};
 use crate::plane::{Plane, memory};
-use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
-use std::ops::Range;
-use std::path::Path;
+use std::{fs::File, ops::Range, path::Path};
 use zip::ZipArchive;
 
 /// Bytes read and converted at once: whole numbers and groups of packed ones of every size, few enough for the cache.

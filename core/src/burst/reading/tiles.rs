@@ -10,14 +10,10 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::plane::memory;
 use fitsio_pure::bintable::{BinaryColumnType, parse_binary_table_columns};
 use fitsio_pure::hdu::{Hdu, HduInfo};
-use fitsio_pure::header::Card;
-use fitsio_pure::image::serialize_image;
-use fitsio_pure::tiled::read_tiled_image;
-use fitsio_pure::value::Value;
+use fitsio_pure::{header::Card, image::serialize_image, tiled::read_tiled_image, value::Value};
 use flate2::bufread::GzDecoder;
-use std::fs::File;
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::{fs::File, path::Path};
 
 const KIND: &str = "FITS";
 const MAX_COLUMNS: usize = 999;

@@ -12,9 +12,7 @@ use crate::export::atomic::replace;
 use crate::files::mark::DATABASE_ID;
 use nalgebra::{Isometry3, Matrix3};
 use rusqlite::{Connection, Params, params};
-use std::fs::File;
-use std::io;
-use std::path::Path;
+use std::{fs::File, io, path::Path};
 
 /// Largest id of an image, and the factor by which two ids are combined into one number.
 pub const MAX_IMAGE_ID: u64 = 2_147_483_647;

@@ -9,8 +9,7 @@ use crate::error::{Error, Result};
 use crate::export::{atomic::write_whole, csv::first_line};
 use crate::files::{MAX_TABLE_BYTES, read_text};
 use std::io::{self, Write};
-use std::path::Path;
-use std::str::FromStr;
+use std::{path::Path, str::FromStr};
 
 /// Writes features and descriptors for COLMAP's importer; panics if the numbers of them differ.
 ///

@@ -4,17 +4,12 @@
 use super::font::{BOLD, font_of, overhang};
 use super::shape::{Colour, Drawing, Face, FigureShape, FigureStroke, FigureUnit};
 use crate::export::png::Bitmap;
-use krilla::color::rgb;
 use krilla::geom::{Path as Way, PathBuilder, Point, Size, Transform};
 use krilla::image::{BitsPerComponent, CustomImage, Image, ImageColorspace};
-use krilla::metadata::Metadata;
-use krilla::num::NormalizedF32;
-use krilla::page::PageSettings;
 use krilla::paint::{Fill, FillRule, LineCap, Stroke, StrokeDash};
-use krilla::surface::Surface;
 use krilla::text::{Font, TextDirection};
-use std::io;
-use std::sync::Arc;
+use krilla::{color::rgb, metadata::Metadata, num::NormalizedF32, page::PageSettings, surface::Surface};
+use std::{io, sync::Arc};
 use vello_cpu::kurbo::{BezPath, PathEl, Shape};
 
 /// Points in a pixel of a figure that is measured in pixels: 96 of them make an inch, as in SVG.

@@ -5,8 +5,7 @@ use super::shape::{Colour, Drawing, Face, FigureRect, FigureShape, FigureStroke,
 use crate::plane::memory;
 use image::imageops::{FilterType, resize};
 use image::{ImageBuffer, Rgba, RgbaImage};
-use std::borrow::Cow;
-use std::sync::Arc;
+use std::{borrow::Cow, sync::Arc};
 use vello_cpu::color::{AlphaColor, PremulRgba8, Srgb};
 use vello_cpu::kurbo::{Affine, BezPath, Cap, Shape, Stroke};
 use vello_cpu::peniko::{ImageQuality, ImageSampler};

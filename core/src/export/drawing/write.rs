@@ -10,8 +10,7 @@ use crate::export::atomic::{write_marked, write_text, write_whole};
 use crate::export::png::{Bitmap, write_png};
 use crate::files::mark::OutputKind;
 use serde::{Deserialize, Serialize};
-use std::io::Write;
-use std::path::Path;
+use std::{io::Write, path::Path};
 
 /// Format of the file of a figure.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, strum::IntoStaticStr)]

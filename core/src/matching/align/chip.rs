@@ -8,8 +8,7 @@ use crate::detector::stack::{FrameTimes, frame_offsets, interpolation_blur};
 use crate::kernel::patch::{Patch, PatchScratch, stack_patch};
 use crate::plane::Plane;
 use rayon::prelude::*;
-use std::borrow::Cow;
-use std::ops::Range;
+use std::{borrow::Cow, ops::Range};
 
 /// Samples from the middle of a chip to each side: 15.75 σ.
 pub(super) const REACH: usize = 21;

@@ -21,8 +21,7 @@ pub use tum::read_tum;
 
 use burstscope_core::error::{Error, ErrorKind, Result};
 use nalgebra::Isometry3;
-use std::fmt::Display;
-use std::path::Path;
+use std::{fmt::Display, path::Path};
 
 /// The pose of a camera.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,10 +2,8 @@
 
 use crate::evaluate::BurstMethod;
 use crate::synth::{Motion, Trajectory};
-use burstscope_core::detector::SearchParams;
 use burstscope_core::error::{Error, ErrorKind, Result};
-use burstscope_core::matching::MatchParams;
-use burstscope_core::monitor::Monitor;
+use burstscope_core::{detector::SearchParams, matching::MatchParams, monitor::Monitor};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 

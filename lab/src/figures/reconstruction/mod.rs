@@ -9,8 +9,7 @@ mod tables;
 
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
-use burstscope_core::error::Result;
-use burstscope_core::monitor::Monitor;
+use burstscope_core::{error::Result, monitor::Monitor};
 use std::path::{Path, PathBuf};
 use study::Study;
 

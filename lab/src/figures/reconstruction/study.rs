@@ -4,11 +4,9 @@ use super::mapper::{self, How, Matched, Reconstructed, Run};
 use crate::evaluate::{BurstMethod, MatchStudy, Searches, Shot, motion_name};
 use crate::figures::{FigureSize, record::Pieces};
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
-use burstscope_core::burst::Burst;
-use burstscope_core::error::Result;
 use burstscope_core::matching::{MatchParams, PairSelection};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
-use burstscope_core::plane::Plane;
+use burstscope_core::{burst::Burst, error::Result, plane::Plane};
 use std::path::Path;
 use std::time::{Duration, Instant};
 

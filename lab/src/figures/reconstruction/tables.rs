@@ -267,8 +267,7 @@ fn ranges(all: &[Series], width_over_height: f64) -> ((f64, f64), (f64, f64)) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::evaluate::BurstMethod;
-    use crate::figures::FigureSize;
+    use crate::{evaluate::BurstMethod, figures::FigureSize};
 
     fn run(motion: Motion, seed: u64, method: BurstMethod, reconstructed: Option<Reconstructed>) -> Run {
         let k = seed as f64;

@@ -15,15 +15,14 @@ pub use world::{BurstCamera, Lens, ScenePlane};
 
 use super::noisy::{CLEARANCE_SIGMAS, FrameLevels, NoisyExposure};
 use crate::synth::write::{frame_name, io, write_folder, write_frame};
-use burstscope_core::burst::Burst;
 use burstscope_core::error::{Error, Result};
 use burstscope_core::files::mark::OutputKind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
-use burstscope_core::plane::Plane;
 use burstscope_core::synth::noise::{Camera, quantisation_step};
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::motions;
 use burstscope_core::synth::{Motion, check_common, truth::NoiseTruth};
+use burstscope_core::{burst::Burst, plane::Plane};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::path::Path;

@@ -5,8 +5,7 @@ use crate::burst::reading::plain::Plain;
 use crate::burst::{layout::Mosaic, number::Number, options::Limits};
 use crate::error::{Error, Result};
 use crate::plane::memory;
-use std::borrow::Cow;
-use std::path::Path;
+use std::{borrow::Cow, path::Path};
 
 /// Encodings of pictures: name, numbers, samples of a pixel, whether blue comes first, mosaic.
 const ENCODINGS: [(&str, Number, usize, bool, Option<Mosaic>); 24] = [

@@ -22,10 +22,9 @@ use message::{PictureMessage, STAMP_BYTES, stamp_ns};
 use records::{Channel, Message, Wire, Work};
 use segment::{Segment, UNCHECKED, WHOLE};
 use std::collections::{BTreeMap, HashSet};
-use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::{fs::File, sync::Arc};
 
 pub(super) struct Bag;
 

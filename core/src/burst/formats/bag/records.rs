@@ -2,8 +2,7 @@
 //! numbers and texts, which reads and reserves no more than the file has; and the work that all may take.
 
 pub(super) use crate::burst::reading::corrupt;
-use crate::error::one_line;
-use crate::monitor::Monitor;
+use crate::{error::one_line, monitor::Monitor};
 use std::collections::{BTreeMap, HashMap};
 use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::sync::atomic::{AtomicU64, Ordering::Relaxed};

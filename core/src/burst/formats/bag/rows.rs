@@ -1,15 +1,11 @@
 //! ROS 2 bags in SQLite (`.db3`): a table of topics, and one of messages. The file is taken as one that nobody writes.
 
 use super::records::{Channel, Message, Wire, Work};
-use crate::error::one_line;
-use crate::files;
-use crate::plane::memory;
-use rusqlite::limits::Limit;
-use rusqlite::{Connection, OpenFlags};
-use std::collections::BTreeMap;
+use crate::{error::one_line, files, plane::memory};
+use rusqlite::{Connection, OpenFlags, limits::Limit};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::sync::Arc;
+use std::{collections::BTreeMap, sync::Arc};
 
 /// Largest number of topics that are looked at, and of characters of a name.
 const MAX_TOPICS: usize = 4096;

@@ -4,10 +4,8 @@
 //! mode, and its end marker must be there. After it cameras put films and second pictures.
 
 use crate::burst::reading::{Asked, too_few_bytes};
-use crate::monitor::Monitor;
-use crate::plane::memory;
-use std::borrow::Cow;
-use std::io::Cursor;
+use crate::{monitor::Monitor, plane::memory};
+use std::{borrow::Cow, io::Cursor};
 use zune_jpeg::JpegDecoder;
 use zune_jpeg::zune_core::{colorspace::ColorSpace, options::DecoderOptions};
 

@@ -20,10 +20,8 @@ use image::error::{DecodingError, ImageFormatHint, LimitError, LimitErrorKind};
 use image::metadata::Orientation;
 use image::{AnimationDecoder, ColorType, Frames, ImageDecoder, ImageError, ImageFormat, ImageReader, ImageResult};
 use png::{BitDepth, DecodeOptions, Decoder, Reader, Transformations};
-use std::borrow::Cow;
-use std::fs::File;
 use std::io::{self, BufRead, BufReader, Cursor, Read, Seek, SeekFrom};
-use std::path::Path;
+use std::{borrow::Cow, fs::File, path::Path};
 
 /// Memory that a decoder may take beyond the pixels, bytes.
 const BESIDES_BYTES: u64 = 1 << 26;

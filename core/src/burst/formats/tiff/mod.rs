@@ -20,12 +20,9 @@ use directories::Directories;
 use image::metadata::Orientation;
 use page::PageReader;
 use sensor::AsGrey;
-use std::fs::File;
-use std::io::BufReader;
 use std::path::{Path, PathBuf};
-use tiff::ColorType;
-use tiff::decoder::Decoder;
-use tiff::tags::Tag;
+use std::{fs::File, io::BufReader};
+use tiff::{ColorType, decoder::Decoder, tags::Tag};
 
 const NAME: &str = "TIFF";
 

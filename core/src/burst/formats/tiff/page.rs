@@ -19,8 +19,7 @@ use flate2::{Decompress, FlushDecompress, Status};
 use std::io::{Read, Seek, SeekFrom};
 use std::path::Path;
 use tiff::decoder::{ChunkType, DecodingResult};
-use tiff::tags::Tag;
-use tiff::{ColorType, TiffResult};
+use tiff::{ColorType, TiffResult, tags::Tag};
 
 /// Bytes that deflated strips and tiles may have besides their pixels.
 const FILLING_BYTES: u64 = 1 << 20;

@@ -89,8 +89,7 @@ mod confined {
     use seccompiler::{
         BackendError, BpfProgram, SeccompAction, SeccompCondition, SeccompFilter, SeccompRule, TargetArch, apply_filter,
     };
-    use std::collections::BTreeMap;
-    use std::path::Path;
+    use std::{collections::BTreeMap, path::Path};
 
     /// Newest interface of Landlock whose rights are given up; an older kernel offers fewer of them.
     const NEWEST: ABI = ABI::V10;
@@ -178,13 +177,10 @@ mod tests {
     use landlock::RulesetStatus;
     use seccompiler::sock_filter;
     use std::fs::{self, File, OpenOptions, Permissions};
-    use std::io::ErrorKind::PermissionDenied;
-    use std::io::{self, Read};
+    use std::io::{self, ErrorKind::PermissionDenied, Read};
     use std::net::{TcpStream, UdpSocket};
-    use std::os::unix::fs::PermissionsExt;
-    use std::os::unix::net::UnixStream;
-    use std::path::Path;
-    use std::process::Command;
+    use std::os::unix::{fs::PermissionsExt, net::UnixStream};
+    use std::{path::Path, process::Command};
 
     /// Runs `test` with the paths of two files and their folder, in a thread: rights once given up do not come back.
     fn with_files(test: impl FnOnce(&Path, &Path, &Path) + Send) {

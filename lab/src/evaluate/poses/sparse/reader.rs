@@ -8,11 +8,9 @@ use super::{SparseImage, SparsePoint, world_from_camera};
 use crate::evaluate::poses::{corrupt, unread};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::files;
-use std::fmt::Display;
-use std::fs::File;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::str::FromStr;
+use std::{fmt::Display, fs::File, str::FromStr};
 
 /// Id of the point of a keypoint without one.
 const NO_POINT: i64 = -1;
