@@ -15,13 +15,8 @@ pub(super) struct Dump;
 impl Numbers for Dump {
     fn record(&self) -> Record {
         let opens = "frames one after the other, in one file or in several, of any name";
-        Record {
-            name: NAME,
-            rank: Rank::Other,
-            extensions: &["raw", "bin", "dat"],
-            opens,
-            options: "`--raw 1600x1200:u16le+512`; without it the window shows the first frame in each likely shape to choose from, and the error of a command lists them",
-        }
+        let options = "`--raw 1600x1200:u16le+512`; without it the window shows the first frame in each likely shape to choose from, and the error of a command lists them";
+        Record { name: NAME, rank: Rank::Other, extensions: &["raw", "bin", "dat"], opens, options }
     }
 
     /// A file may begin like another format by chance: the options alone decide.
@@ -34,24 +29,19 @@ impl Numbers for Dump {
     }
 
     fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {
-        plain(path, input.length, options)
+        let (length, limits) = (input.length, &options.limits);
+        let Some(dump) = options.raw else { return Err(without_shape(path, length, limits)) };
+        let there = length.saturating_sub(dump.skip);
+        let step = dump.frame_bytes();
+        let frames = there / step;
+        if frames == 0 || !there.is_multiple_of(step) {
+            let problem = format!("{there} bytes are no whole number of frames of {dump}, {step} bytes each");
+            return Err(refused(path, problem, length, limits));
+        }
+        let shape = (frames, dump.size.1 as u64, dump.size.0 as u64);
+        let places = Plain::places_in(path, NAME, shape, (dump.skip, step, length), limits)?;
+        Ok(Plain { big_endian: dump.big_endian, ..Plain::new(NAME, dump.size, places, dump.number) })
     }
-}
-
-/// Frames of a file of `length` bytes. Its bytes must fill a whole number of frames.
-fn plain(path: &Path, length: u64, options: &OpenOptions) -> Result<Plain> {
-    let Some(dump) = options.raw else { return Err(without_shape(path, length, &options.limits)) };
-    let there = length.saturating_sub(dump.skip);
-    let step = dump.frame_bytes();
-    let frames = there / step;
-    if frames == 0 || !there.is_multiple_of(step) {
-        let problem = format!("{there} bytes are no whole number of frames of {dump}, {step} bytes each");
-        return Err(refused(path, problem, length, &options.limits));
-    }
-    let (width, height) = dump.size;
-    let shape = (frames, height as u64, width as u64);
-    let places = Plain::places_in(path, NAME, shape, (dump.skip, step, length), &options.limits)?;
-    Ok(Plain { big_endian: dump.big_endian, ..Plain::new(NAME, dump.size, places, dump.number) })
 }
 
 pub(super) fn without_shape(path: &Path, length: u64, limits: &Limits) -> Error {

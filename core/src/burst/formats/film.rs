@@ -22,13 +22,8 @@ impl Format for Film {
     fn record(&self) -> Record {
         let extensions = &["mp4", "mkv", "avi", "mov", "webm", "mpg", "gif"];
         let opens = "decoded by the `ffmpeg` in `PATH`, with all bits of grey films (FFV1, 16 bit) and at the times that frames are shown; luma as it is stored, and of RGB films and GIFs that of their colours; what `ffmpeg` says of a film is an error with its words";
-        Record {
-            name: KIND,
-            rank: Rank::Other,
-            extensions,
-            opens,
-            options: "without `ffmpeg` the error says the command",
-        }
+        let options = "without `ffmpeg` the error says the command";
+        Record { name: KIND, rank: Rank::Other, extensions, opens, options }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {
@@ -40,15 +35,50 @@ impl Format for Film {
     }
 
     fn declared(&self, _input: Input, reading: Reading<'_>) -> Result<Declared> {
-        declared(reading)
+        let Reading { path, options, ticker, .. } = reading;
+        let monitor = ticker.monitor();
+        let whole = &options.of_whole();
+        let mut times = run(path, (&LIST, usize::MAX), options, monitor, |reader| times(path, reader, whole))?;
+        let film = run_frames(reading, 1, |reader, is_ppm| Piped::read(path, reader, is_ppm))?;
+        let size = film.plain(0).size;
+        let (width, height) = (size.0 as u64, size.1 as u64);
+        options.limits.check_frame(path, width, height)?;
+        times.seconds = options.taken(path, times.seconds, size)?;
+        options.limits.check_burst(path, times.seconds.len() as u64, width, height)?;
+        let plain = film.plain(times.seconds.len());
+        Ok(Declared { kind: KIND, times, ..plain.declared() })
     }
 
-    fn times(&self, _input: Input, reading: Reading<'_>) -> Result<Times> {
-        Ok(declared(reading)?.times)
+    fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
+        Ok(self.declared(input, reading)?.times)
     }
 
     fn frames(&self, _input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
-        frames(reading)
+        let Reading { path, options, .. } = reading;
+        // `ffmpeg` decodes from the start: frames before the range are read and dropped.
+        let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
+        run_frames(reading, range.end, |mut reader, is_ppm| {
+            let film = Piped::read(path, reader, is_ppm)?;
+            let plain = film.plain(1);
+            let (width, height) = (plain.size.0 as u64, plain.size.1 as u64);
+            options.limits.check_frame(path, width, height)?;
+            let (mut frames, mut count) = (Vec::new(), 0);
+            while count < range.end && film.next_frame(path, reader, count)? {
+                let mut rest = film.rest_bytes();
+                if count < range.start {
+                    rest += plain.frame_bytes();
+                } else {
+                    options.limits.check_burst(path, frames.len() as u64 + 1, width, height)?;
+                    frames.push(plain.read(reading, frames.len(), &mut reader)?);
+                }
+                count += 1;
+                let skipped = io::copy(&mut (&mut reader).take(rest), &mut io::sink());
+                if skipped.map_err(|e| Error::from_read(path, KIND, &e))? < rest {
+                    return Err(Error::corrupt(path, KIND, "its last frame is not whole"));
+                }
+            }
+            if frames.is_empty() { Err(Error::corrupt(path, KIND, "ffmpeg finds no frame in it")) } else { Ok(frames) }
+        })
     }
 
     fn only(&self, _input: Input, reading: Reading<'_>) -> Result<RawFrame> {
@@ -266,21 +296,6 @@ impl Piped {
     }
 }
 
-fn declared(reading: Reading<'_>) -> Result<Declared> {
-    let Reading { path, options, ticker, .. } = reading;
-    let monitor = ticker.monitor();
-    let whole = &options.of_whole();
-    let mut times = run(path, (&LIST, usize::MAX), options, monitor, |reader| times(path, reader, whole))?;
-    let film = run_frames(reading, 1, |reader, is_ppm| Piped::read(path, reader, is_ppm))?;
-    let size = film.plain(0).size;
-    let (width, height) = (size.0 as u64, size.1 as u64);
-    options.limits.check_frame(path, width, height)?;
-    times.seconds = options.taken(path, times.seconds, size)?;
-    options.limits.check_burst(path, times.seconds.len() as u64, width, height)?;
-    let plain = film.plain(times.seconds.len());
-    Ok(Declared { kind: KIND, times, ..plain.declared() })
-}
-
 /// Times in a list of frames, each a line: number of the stream, two times, duration, length and checksum.
 fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result<Times> {
     let (mut unit_s, mut seconds) = (1.0, Vec::new());
@@ -307,34 +322,6 @@ fn times(path: &Path, reader: &mut dyn BufRead, options: &OpenOptions) -> Result
     let first = *seconds.first().ok_or_else(|| Error::corrupt(path, KIND, "ffmpeg finds no frame in it"))?;
     seconds.iter_mut().for_each(|time| *time -= first);
     Ok(Times { seconds, is_absolute: false })
-}
-
-fn frames(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
-    let Reading { path, options, .. } = reading;
-    // `ffmpeg` decodes from the start: frames before the range are read and dropped.
-    let range = options.take.map_or(0..usize::MAX, |range| range.start..range.end);
-    run_frames(reading, range.end, |mut reader, is_ppm| {
-        let film = Piped::read(path, reader, is_ppm)?;
-        let plain = film.plain(1);
-        let (width, height) = (plain.size.0 as u64, plain.size.1 as u64);
-        options.limits.check_frame(path, width, height)?;
-        let (mut frames, mut count) = (Vec::new(), 0);
-        while count < range.end && film.next_frame(path, reader, count)? {
-            let mut rest = film.rest_bytes();
-            if count < range.start {
-                rest += plain.frame_bytes();
-            } else {
-                options.limits.check_burst(path, frames.len() as u64 + 1, width, height)?;
-                frames.push(plain.read(reading, frames.len(), &mut reader)?);
-            }
-            count += 1;
-            let skipped = io::copy(&mut (&mut reader).take(rest), &mut io::sink());
-            if skipped.map_err(|e| Error::from_read(path, KIND, &e))? < rest {
-                return Err(Error::corrupt(path, KIND, "its last frame is not whole"));
-            }
-        }
-        if frames.is_empty() { Err(Error::corrupt(path, KIND, "ffmpeg finds no frame in it")) } else { Ok(frames) }
-    })
 }
 
 #[cfg(test)]

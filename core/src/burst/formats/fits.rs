@@ -36,14 +36,8 @@ pub(super) struct Fits;
 impl Numbers for Fits {
     fn record(&self) -> Record {
         let opens = "the first image: two axes, or three for frames; of three pictures it has to be said whether they are colours; BITPIX 8 to 64, -32, -64, BSCALE, BZERO; also compressed in tiles, as `fpack` and astropy write it (RICE_1, GZIP_1, GZIP_2, HCOMPRESS_1, PLIO_1); the mosaic of BAYERPAT is binned; undefined values (BLANK, NaN) are masked, and a note says how many; rows in the file's order, as astropy reads them";
-        let extensions = &["fits", "fit", "fts", "fz"];
-        Record {
-            name: KIND,
-            rank: Rank::Film,
-            extensions,
-            opens,
-            options: "`--array NAME` for another extension, `--axis C` for colours, `--axis last` for frames",
-        }
+        let options = "`--array NAME` for another extension, `--axis C` for colours, `--axis last` for frames";
+        Record { name: KIND, rank: Rank::Film, extensions: &["fits", "fit", "fts", "fz"], opens, options }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {

@@ -19,13 +19,8 @@ pub(super) struct Npy;
 impl Numbers for Npy {
     fn record(&self) -> Record {
         let opens = "`[N,H,W]`, `[H,W]`, `[N,H,W,1]`, `[N,H,W,3]`, `[N,1,H,W]`; `[H,W,N]` where the last axis is eight times shorter than the others, which a note tells; `[rows,columns,H,W]` with five columns or more, and `[rows,columns,H,W,3]`, of the views of a light field";
-        Record {
-            name: "NPY",
-            rank: Rank::Picture,
-            extensions: &["npy"],
-            opens,
-            options: "`--axis first`, `--axis last`; `--views 3x3` for arrays with fewer columns of views",
-        }
+        let options = "`--axis first`, `--axis last`; `--views 3x3` for arrays with fewer columns of views";
+        Record { name: "NPY", rank: Rank::Picture, extensions: &["npy"], opens, options }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {
@@ -45,14 +40,8 @@ pub(super) struct Npz;
 
 impl Numbers for Npz {
     fn record(&self) -> Record {
-        let opens = "the one array of such a shape";
-        Record {
-            name: "NPZ",
-            rank: Rank::Other,
-            extensions: &["npz"],
-            opens,
-            options: "`--array NAME` where there are several",
-        }
+        let (opens, options) = ("the one array of such a shape", "`--array NAME` where there are several");
+        Record { name: "NPZ", rank: Rank::Other, extensions: &["npz"], opens, options }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {

@@ -31,69 +31,69 @@ impl Numbers for Ser {
     }
 
     fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {
-        plain(path, input.file, input.length, options)
-    }
-}
-
-fn plain(path: &Path, mut file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
-    let fail = |e: std::io::Error| Error::from_read(path, KIND, &e);
-    let mut header = [0; HEADER_BYTES];
-    file.read_exact(&mut header).map_err(fail)?;
-    // Six numbers follow the signature and the camera's number (LuID).
-    let number = |index: usize| {
-        let at = 18 + 4 * index;
-        u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
-    };
-    let [colour, low_byte_last, width, height, bits, announced] = std::array::from_fn(number);
-    let corrupt = |reason: String| Error::corrupt(path, KIND, reason);
-    if !(1..=16).contains(&bits) {
-        return Err(corrupt(format!("PixelDepthPerPlane is {bits} bits, and 1 to 16 are possible")));
-    }
-    let (channels, mosaic) = match colour {
-        0 => (1, None),
-        8 => (1, Some(Mosaic::Rggb)),
-        9 => (1, Some(Mosaic::Grbg)),
-        10 => (1, Some(Mosaic::Gbrg)),
-        11 => (1, Some(Mosaic::Bggr)),
-        100 | 101 => (3, None),
-        16..=19 => {
-            let reason = "its mosaic is of cyan, yellow, green and magenta; save it as RGB";
-            return Err(Error::unsupported(path, KIND, reason));
+        let Input { mut file, length } = input;
+        let fail = |e: std::io::Error| Error::from_read(path, KIND, &e);
+        let mut header = [0; HEADER_BYTES];
+        file.read_exact(&mut header).map_err(fail)?;
+        // Six numbers follow the signature and the camera's number (LuID).
+        let number = |index: usize| {
+            let at = 18 + 4 * index;
+            u32::from_le_bytes([header[at], header[at + 1], header[at + 2], header[at + 3]])
+        };
+        let [colour, low_byte_last, width, height, bits, announced] = std::array::from_fn(number);
+        let corrupt = |reason: String| Error::corrupt(path, KIND, reason);
+        if !(1..=16).contains(&bits) {
+            return Err(corrupt(format!("PixelDepthPerPlane is {bits} bits, and 1 to 16 are possible")));
         }
-        _ => return Err(corrupt(format!("ColorID is {colour}, which the format does not know"))),
-    };
-    let (width, height, kind) = (u64::from(width), u64::from(height), if bits > 8 { Number::U16 } else { Number::U8 });
-    let step = kind.bytes(height.saturating_mul(width).saturating_mul(channels as u64));
-    // A recording that was stopped has no number of frames.
-    let there = length.saturating_sub(HEADER_BYTES as u64) / step.max(1);
-    let shape = (if announced == 0 { there } else { announced.into() }, height, width);
-    if shape.0 == 0 {
-        return Err(corrupt("FrameCount is 0, and no whole frame follows".to_owned()));
+        let (channels, mosaic) = match colour {
+            0 => (1, None),
+            8 => (1, Some(Mosaic::Rggb)),
+            9 => (1, Some(Mosaic::Grbg)),
+            10 => (1, Some(Mosaic::Gbrg)),
+            11 => (1, Some(Mosaic::Bggr)),
+            100 | 101 => (3, None),
+            16..=19 => {
+                let reason = "its mosaic is of cyan, yellow, green and magenta; save it as RGB";
+                return Err(Error::unsupported(path, KIND, reason));
+            }
+            _ => return Err(corrupt(format!("ColorID is {colour}, which the format does not know"))),
+        };
+        let (width, height, kind) =
+            (u64::from(width), u64::from(height), if bits > 8 { Number::U16 } else { Number::U8 });
+        let step = kind.bytes(height.saturating_mul(width).saturating_mul(channels as u64));
+        // A recording that was stopped has no number of frames.
+        let there = length.saturating_sub(HEADER_BYTES as u64) / step.max(1);
+        let shape = (if announced == 0 { there } else { announced.into() }, height, width);
+        if shape.0 == 0 {
+            return Err(corrupt("FrameCount is 0, and no whole frame follows".to_owned()));
+        }
+        let places = Plain::places_in(path, KIND, shape, (HEADER_BYTES as u64, step, length), &options.limits)?;
+        let end = HEADER_BYTES as u64 + step * shape.0;
+        let mut taken = Vec::new();
+        if announced == 0 {
+            taken.push(format!(
+                "FrameCount is 0, as of a recording that was stopped; the {there} whole frames are taken"
+            ));
+        }
+        if bits > 8 {
+            let order = if low_byte_last == 1 { "high" } else { "low" };
+            taken.push(format!(
+                "the {order} byte of a number is taken for the first, as programs write the field LittleEndian"
+            ));
+        }
+        let plain = Plain {
+            big_endian: low_byte_last == 1,
+            channels,
+            is_bgr: colour == 101,
+            white: Some(((1u32 << bits) - 1) as f32),
+            mosaic,
+            times: times(path, &mut file, (end, length), shape.0 as usize, options, &mut taken)?,
+            taken,
+            ..Plain::new(KIND, (width as usize, height as usize), places, kind)
+        };
+        let order = if low_byte_last == 1 { u16::from_be_bytes } else { u16::from_le_bytes };
+        aligned(plain, bits, &mut file, order).map_err(fail)
     }
-    let places = Plain::places_in(path, KIND, shape, (HEADER_BYTES as u64, step, length), &options.limits)?;
-    let end = HEADER_BYTES as u64 + step * shape.0;
-    let mut taken = Vec::new();
-    if announced == 0 {
-        taken.push(format!("FrameCount is 0, as of a recording that was stopped; the {there} whole frames are taken"));
-    }
-    if bits > 8 {
-        let order = if low_byte_last == 1 { "high" } else { "low" };
-        taken.push(format!(
-            "the {order} byte of a number is taken for the first, as programs write the field LittleEndian"
-        ));
-    }
-    let plain = Plain {
-        big_endian: low_byte_last == 1,
-        channels,
-        is_bgr: colour == 101,
-        white: Some(((1u32 << bits) - 1) as f32),
-        mosaic,
-        times: times(path, &mut file, (end, length), shape.0 as usize, options, &mut taken)?,
-        taken,
-        ..Plain::new(KIND, (width as usize, height as usize), places, kind)
-    };
-    let order = if low_byte_last == 1 { u16::from_be_bytes } else { u16::from_le_bytes };
-    aligned(plain, bits, &mut file, order).map_err(fail)
 }
 
 /// Most bytes of the first frame that are looked at.

@@ -8,7 +8,7 @@ use crate::burst::reading::plain::Plain;
 use crate::burst::{number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, Result};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
-use std::{fs::File, path::Path};
+use std::path::Path;
 
 pub(super) const KIND: &str = "Y4M";
 const MAGIC: &[u8] = b"YUV4MPEG2 ";
@@ -159,28 +159,24 @@ impl Numbers for Y4m {
     }
 
     fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {
-        plain(path, input.file, input.length, options)
-    }
-}
-
-fn plain(path: &Path, file: File, length: u64, options: &OpenOptions) -> Result<Plain> {
-    let fail = |e: io::Error| Error::from_read(path, KIND, &e);
-    let mut reader = BufReader::with_capacity(256, file);
-    let film = Film::read(path, &mut reader)?;
-    let (width, height) = (film.size.0 as u64, film.size.1 as u64);
-    options.limits.check_frame(path, width, height)?;
-    let mut places = Vec::new();
-    // Lines of frames may have parameters, so frames are not evenly spaced: each line is visited.
-    while Film::next_frame(path, &mut reader)? {
-        let place = reader.stream_position().map_err(fail)?;
-        if length.saturating_sub(place) < film.frame_bytes {
-            return Err(Error::corrupt(path, KIND, format!("it ends within frame {}", places.len())));
+        let fail = |e: io::Error| Error::from_read(path, KIND, &e);
+        let mut reader = BufReader::with_capacity(256, input.file);
+        let film = Film::read(path, &mut reader)?;
+        let (width, height) = (film.size.0 as u64, film.size.1 as u64);
+        options.limits.check_frame(path, width, height)?;
+        let mut places = Vec::new();
+        // Lines of frames may have parameters, so frames are not evenly spaced: each line is visited.
+        while Film::next_frame(path, &mut reader)? {
+            let place = reader.stream_position().map_err(fail)?;
+            if input.length.saturating_sub(place) < film.frame_bytes {
+                return Err(Error::corrupt(path, KIND, format!("it ends within frame {}", places.len())));
+            }
+            places.push(place);
+            options.limits.check_burst(path, places.len() as u64, width, height)?;
+            reader.seek(SeekFrom::Start(place + film.frame_bytes)).map_err(fail)?;
         }
-        places.push(place);
-        options.limits.check_burst(path, places.len() as u64, width, height)?;
-        reader.seek(SeekFrom::Start(place + film.frame_bytes)).map_err(fail)?;
+        if places.is_empty() { Err(Error::corrupt(path, KIND, "it has no frame")) } else { Ok(film.plain(places)) }
     }
-    if places.is_empty() { Err(Error::corrupt(path, KIND, "it has no frame")) } else { Ok(film.plain(places)) }
 }
 
 #[cfg(test)]

@@ -31,13 +31,8 @@ pub(super) struct Bag;
 impl Format for Bag {
     fn record(&self) -> Record {
         let opens = "one topic of `sensor_msgs/Image` (mono, Bayer mosaic, RGB and float encodings) or `CompressedImage` (JPEG, PNG, also of a mosaic), in the order of its stamps; ROS 1 serialisation and CDR; ROS 2 bags as a database, MCAP, or a folder with `metadata.yaml`; chunks packed by lz4, zstd, bz2; what unpacks to more than 1000 times its length and 256 MiB is refused, and messages in a `-wal` beside a `.db3` are not read, which a note says; of a bag or MCAP file that was not closed the whole messages";
-        Record {
-            name: "bag",
-            rank: Rank::Other,
-            extensions: &["bag", "mcap", "db3"],
-            opens,
-            options: "`--topic /camera/image_raw` where several have pictures: the error lists them with counts and sizes; `--times header`",
-        }
+        let options = "`--topic /camera/image_raw` where several have pictures: the error lists them with counts and sizes; `--times header`";
+        Record { name: "bag", rank: Rank::Other, extensions: &["bag", "mcap", "db3"], opens, options }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {
@@ -49,11 +44,50 @@ impl Format for Bag {
     }
 
     fn count(&self, _input: Input, reading: Reading<'_>) -> Result<usize> {
-        frame_count(reading.path, reading.options)
+        let Reading { path, options, .. } = reading;
+        // A quick look may run out of its budget: 2 stands for any number then.
+        let quiet = Monitor::default();
+        match count(path, options, Work::new(&quiet, true), &quiet) {
+            Err(error) if error.kind == ErrorKind::TooLarge => Ok(2),
+            count => count,
+        }
     }
 
     fn declared(&self, _input: Input, reading: Reading<'_>) -> Result<Declared> {
-        declared(reading.path, reading.options, reading.ticker.monitor())
+        let Reading { path, options, ticker, .. } = reading;
+        let monitor = ticker.monitor();
+        let segments = segments(path, options, Work::new(monitor, false))?;
+        let topic = Topic::chosen(path, &segments, options, monitor)?;
+        let (header, silent) = (topic.header(options)?, monitor.silent());
+        let (width, height) = (header.width as u64, header.height as u64);
+        options.limits.check_burst(path, topic.frames() as u64, width, height)?;
+        let mut stamps = Vec::new();
+        for (segment, _, messages) in &topic.parts {
+            let ticker = Ticker::new(&silent, messages.len());
+            let stamp = |_, message: &[u8]| stamp_ns(message, topic.wire).map_err(|reason| segment.wrong(reason));
+            stamps.extend(segment.each(messages, STAMP_BYTES, &ticker, stamp)?);
+        }
+        let others = match &topic.others[..] {
+            [] => String::new(),
+            others => format!("; the others are {}", few(others.iter().cloned())),
+        };
+        let mut taken = vec![format!("the topic is {}, of {}{others}", topic.channel.topic, topic.channel.of)];
+        taken.extend(header.taken);
+        taken.extend(segments.iter().filter_map(|segment| segment.unread.clone()));
+        // Stamps, of the exposure, come before times of the recording.
+        let times = if are_stamps(stamps.iter()) {
+            if !stamps.is_sorted() {
+                taken
+                    .push("the frames are in the order of their stamps, which is not that of the recording".to_owned());
+                stamps.sort_unstable();
+            }
+            times(&stamps)
+        } else {
+            taken.push("the pictures have no stamps; their times are those of the recording".to_owned());
+            let recorded = topic.parts.iter().flat_map(|(.., messages)| messages.iter().map(|one| one.recorded_ns));
+            times(&recorded.collect::<Vec<_>>())
+        };
+        Ok(Declared { frames: topic.frames(), times, taken, ..header })
     }
 
     fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
@@ -61,15 +95,49 @@ impl Format for Bag {
     }
 
     fn frames(&self, _input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
-        stack(reading)
+        let Reading { path, options, ticker, .. } = reading;
+        let segments = segments(path, options, Work::new(ticker.monitor(), false))?;
+        let topic = Topic::chosen(path, &segments, options, ticker.monitor())?;
+        let header = topic.header(options)?;
+        let size = (header.width, header.height);
+        let mut frames: Vec<(u64, RawFrame)> = Vec::with_capacity(topic.frames());
+        for (segment, numbers, messages) in &topic.parts {
+            let before = frames.len();
+            let number = |k: usize| numbers.get(k).copied().unwrap_or(k);
+            let frame =
+                |k, message: &[u8]| topic.frame(segment, (number(k), before + k), size, message, options, ticker);
+            frames.extend(segment.each(messages, WHOLE, ticker, frame)?);
+        }
+        if are_stamps(frames.iter().map(|(stamp, _)| stamp)) {
+            frames.sort_by_key(|(stamp, _)| *stamp);
+        }
+        Ok(frames.into_iter().map(|(_, frame)| frame).collect())
     }
 
-    fn only(&self, _input: Input, reading: Reading<'_>) -> Result<RawFrame> {
-        only(reading)
+    fn only(&self, input: Input, reading: Reading<'_>) -> Result<RawFrame> {
+        let Reading { path, options, ticker, .. } = reading;
+        match count(path, options, Work::new(ticker.monitor(), false), ticker.monitor())? {
+            1 => {
+                let frame = self
+                    .frames(input, Reading { ticker: &Ticker::new(&ticker.monitor().silent(), 1), ..reading })?
+                    .remove(0);
+                reading.check(frame.plane.size())?;
+                Ok(frame)
+            }
+            frames => Err(Error::stack_among_frames(path, frames)),
+        }
     }
 
     fn page(&self, _input: Input, reading: Reading<'_>, page: usize, frame: usize) -> Result<RawFrame> {
-        self::page(reading, page, frame)
+        let Reading { path, options, ticker, .. } = reading;
+        let segments = segments(path, options, Work::new(ticker.monitor(), false))?;
+        let topic = Topic::chosen(path, &segments, options, ticker.monitor())?;
+        let (segment, _, messages) = &topic.parts[0];
+        let message = messages.get(page..=page).ok_or_else(|| segment.wrong("it became shorter"))?;
+        let header = topic.header(options)?;
+        let size = (header.width, header.height);
+        let decode = |_, message: &[u8]| topic.frame(segment, (page, frame), size, message, options, ticker);
+        Ok(segment.each(message, UNCHECKED, ticker, decode)?.remove(0).1)
     }
 }
 
@@ -346,51 +414,8 @@ fn few(topics: impl Iterator<Item = String>) -> String {
     topics.join(", ")
 }
 
-/// Number of pictures of the topic; 2 where a quick look runs out of its budget.
-fn frame_count(path: &Path, options: &OpenOptions) -> Result<usize> {
-    let quiet = Monitor::default();
-    match count(path, options, Work::new(&quiet, true), &quiet) {
-        Err(error) if error.kind == ErrorKind::TooLarge => Ok(2),
-        count => count,
-    }
-}
-
 fn count(path: &Path, options: &OpenOptions, work: Work, monitor: &Monitor) -> Result<usize> {
     Ok(Topic::chosen(path, &segments(path, options, work)?, options, monitor)?.frames())
-}
-
-fn declared(path: &Path, options: &OpenOptions, monitor: &Monitor) -> Result<Declared> {
-    let segments = segments(path, options, Work::new(monitor, false))?;
-    let topic = Topic::chosen(path, &segments, options, monitor)?;
-    let (header, silent) = (topic.header(options)?, monitor.silent());
-    let (width, height) = (header.width as u64, header.height as u64);
-    options.limits.check_burst(path, topic.frames() as u64, width, height)?;
-    let mut stamps = Vec::new();
-    for (segment, _, messages) in &topic.parts {
-        let ticker = Ticker::new(&silent, messages.len());
-        let stamp = |_, message: &[u8]| stamp_ns(message, topic.wire).map_err(|reason| segment.wrong(reason));
-        stamps.extend(segment.each(messages, STAMP_BYTES, &ticker, stamp)?);
-    }
-    let others = match &topic.others[..] {
-        [] => String::new(),
-        others => format!("; the others are {}", few(others.iter().cloned())),
-    };
-    let mut taken = vec![format!("the topic is {}, of {}{others}", topic.channel.topic, topic.channel.of)];
-    taken.extend(header.taken);
-    taken.extend(segments.iter().filter_map(|segment| segment.unread.clone()));
-    // Stamps, of the exposure, come before times of the recording.
-    let times = if are_stamps(stamps.iter()) {
-        if !stamps.is_sorted() {
-            taken.push("the frames are in the order of their stamps, which is not that of the recording".to_owned());
-            stamps.sort_unstable();
-        }
-        times(&stamps)
-    } else {
-        taken.push("the pictures have no stamps; their times are those of the recording".to_owned());
-        let recorded = topic.parts.iter().flat_map(|(.., messages)| messages.iter().map(|one| one.recorded_ns));
-        times(&recorded.collect::<Vec<_>>())
-    };
-    Ok(Declared { frames: topic.frames(), times, taken, ..header })
 }
 
 /// Whether pictures have stamps: some programs leave them 0.
@@ -406,47 +431,4 @@ fn times(ns: &[u64]) -> Times {
     // The whole seconds and the rest each keep their digits.
     let seconds = |ns: u64| (ns / 1_000_000_000) as f64 + (ns % 1_000_000_000) as f64 * 1e-9;
     Times { seconds: ns.iter().map(|ns| seconds(ns - begin)).collect(), is_absolute }
-}
-
-fn stack(reading: Reading<'_>) -> Result<Vec<RawFrame>> {
-    let Reading { path, options, ticker, .. } = reading;
-    let segments = segments(path, options, Work::new(ticker.monitor(), false))?;
-    let topic = Topic::chosen(path, &segments, options, ticker.monitor())?;
-    let header = topic.header(options)?;
-    let size = (header.width, header.height);
-    let mut frames: Vec<(u64, RawFrame)> = Vec::with_capacity(topic.frames());
-    for (segment, numbers, messages) in &topic.parts {
-        let before = frames.len();
-        let number = |k: usize| numbers.get(k).copied().unwrap_or(k);
-        let frame = |k, message: &[u8]| topic.frame(segment, (number(k), before + k), size, message, options, ticker);
-        frames.extend(segment.each(messages, WHOLE, ticker, frame)?);
-    }
-    if are_stamps(frames.iter().map(|(stamp, _)| stamp)) {
-        frames.sort_by_key(|(stamp, _)| *stamp);
-    }
-    Ok(frames.into_iter().map(|(_, frame)| frame).collect())
-}
-
-fn only(reading: Reading<'_>) -> Result<RawFrame> {
-    let Reading { path, options, ticker, .. } = reading;
-    match count(path, options, Work::new(ticker.monitor(), false), ticker.monitor())? {
-        1 => {
-            let frame = stack(Reading { ticker: &Ticker::new(&ticker.monitor().silent(), 1), ..reading })?.remove(0);
-            reading.check(frame.plane.size())?;
-            Ok(frame)
-        }
-        frames => Err(Error::stack_among_frames(path, frames)),
-    }
-}
-
-fn page(reading: Reading<'_>, page: usize, frame: usize) -> Result<RawFrame> {
-    let Reading { path, options, ticker, .. } = reading;
-    let segments = segments(path, options, Work::new(ticker.monitor(), false))?;
-    let topic = Topic::chosen(path, &segments, options, ticker.monitor())?;
-    let (segment, _, messages) = &topic.parts[0];
-    let message = messages.get(page..=page).ok_or_else(|| segment.wrong("it became shorter"))?;
-    let header = topic.header(options)?;
-    let size = (header.width, header.height);
-    let decode = |_, message: &[u8]| topic.frame(segment, (page, frame), size, message, options, ticker);
-    Ok(segment.each(message, UNCHECKED, ticker, decode)?.remove(0).1)
 }

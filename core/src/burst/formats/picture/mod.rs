@@ -59,13 +59,8 @@ pub(super) static BMP: PictureFormat = PictureFormat::new(ImageFormat::Bmp, &["b
 impl Format for PictureFormat {
     fn record(&self) -> Record {
         let Self { format, extensions, opens } = *self;
-        Record {
-            name: name(format),
-            rank: Rank::Picture,
-            extensions,
-            opens,
-            options: "`--mosaic rggb` for a Bayer mosaic without a header of its own (all formats)",
-        }
+        let options = "`--mosaic rggb` for a Bayer mosaic without a header of its own (all formats)";
+        Record { name: name(format), rank: Rank::Picture, extensions, opens, options }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {

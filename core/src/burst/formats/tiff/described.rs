@@ -138,9 +138,7 @@ fn of_ome(text: &str, path: &Path, pages: usize, array: Option<&str>) -> Result<
             None => Err(wrong(format!("is in the file '{name:.200}', which does not lie beside it or says nothing"))),
         };
     }
-    let images: Images<'_> = root
-        .children()
-        .filter(|node| node.has_tag_name_of("Image"))
+    let images: Images<'_> = children(root, "Image")
         .filter_map(|image| {
             let name = image.attribute("Name").or_else(|| image.attribute("ID")).unwrap_or_default();
             child(image, "Pixels").map(|pixels| (name, pixels))
@@ -176,11 +174,8 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
     };
     let order = pixels.attribute("DimensionOrder").and_then(|order| order.strip_prefix("XY"));
     let order = order.filter(|order| order.len() == 3).ok_or("has no DimensionOrder that is one")?;
-    let channels: Vec<usize> = pixels
-        .children()
-        .filter(|node| node.has_tag_name_of("Channel"))
-        .map(|channel| number(channel, "SamplesPerPixel", Some(1)))
-        .collect::<Result<_, _>>()?;
+    let samples = |channel| number(channel, "SamplesPerPixel", Some(1));
+    let channels = children(pixels, "Channel").map(samples).collect::<Result<Vec<usize>, _>>()?;
     let mut axes = Axes::new();
     // The order names the fastest axis first; here the slowest comes first.
     for axis in order.chars().rev() {
@@ -200,7 +195,7 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
         let of_colours = axes.iter_mut().find(|(axis, length)| *axis == 'C' && *length == colours);
         of_colours.into_iter().for_each(|(_, length)| *length = 1);
     }
-    let data: Vec<Node<'_, '_>> = pixels.children().filter(|node| node.has_tag_name_of("TiffData")).collect();
+    let data: Vec<Node<'_, '_>> = children(pixels, "TiffData").collect();
     let mut found = Described { pages: vec![None; product(&axes)], axes, said: Vec::new() };
     if data.is_empty() {
         return Ok(Described::in_order(found.axes, pages));
@@ -235,16 +230,10 @@ fn planes(pixels: Node<'_, '_>, (path, uuid): (&Path, Option<&str>), pages: usiz
     Ok(found)
 }
 
-trait Named {
-    fn has_tag_name_of(&self, name: &str) -> bool;
-}
-
-impl Named for Node<'_, '_> {
-    fn has_tag_name_of(&self, name: &str) -> bool {
-        self.is_element() && self.tag_name().name() == name
-    }
+fn children<'a>(node: Node<'a, 'a>, name: &str) -> impl Iterator<Item = Node<'a, 'a>> {
+    node.children().filter(move |node| node.is_element() && node.tag_name().name() == name)
 }
 
 fn child<'a>(node: Node<'a, 'a>, name: &str) -> Option<Node<'a, 'a>> {
-    node.children().find(|node| node.has_tag_name_of(name))
+    children(node, name).next()
 }

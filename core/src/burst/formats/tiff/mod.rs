@@ -31,13 +31,8 @@ pub(super) struct Tiff;
 impl Format for Tiff {
     fn record(&self) -> Record {
         let opens = "pages of 8 to 64 bits, integers or floats, grey or RGB, BigTIFF too; of the axes of ImageJ, OME (in the order of its TiffData, also of a set of files), Micro-Manager, LSM, STK and tifffile only time makes frames: depths and channels, and descriptions that do not fit, are an error; frames behind one another of which one directory tells";
-        Record {
-            name: NAME,
-            rank: Rank::Picture,
-            extensions: &["tif", "tiff", "stk", "lsm"],
-            opens,
-            options: "`--axis Z`, `--axis T,C=1` to choose, `--axis first` for all pages, `--array NAME` for one of several images",
-        }
+        let options = "`--axis Z`, `--axis T,C=1` to choose, `--axis first` for all pages, `--array NAME` for one of several images";
+        Record { name: NAME, rank: Rank::Picture, extensions: &["tif", "tiff", "stk", "lsm"], opens, options }
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {
@@ -51,7 +46,13 @@ impl Format for Tiff {
     }
 
     fn count(&self, input: Input, reading: Reading<'_>) -> Result<usize> {
-        frame_count(reading.path, input, reading.options)
+        // Reads no further than the second frame.
+        let limits = Limits { max_frames: 1, ..Limits::default() };
+        match Pages::read(reading.path, input, &OpenOptions { limits, ..reading.options.clone() }) {
+            Ok(pages) => Ok(pages.count()),
+            Err(error) if matches!(error.kind, ErrorKind::TooLarge | ErrorKind::Mismatch) => Ok(2),
+            Err(error) => Err(error),
+        }
     }
 
     fn declared(&self, input: Input, reading: Reading<'_>) -> Result<Declared> {
@@ -67,7 +68,44 @@ impl Format for Tiff {
     }
 
     fn frames(&self, input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
-        stack(reading, input)
+        let Reading { path, options, ticker, .. } = reading;
+        let length = input.length;
+        let pages = Pages::taken(path, input, options)?;
+        // One directory stands for all frames: the decoder would find the first alone.
+        if let Some(plain) = &pages.plain {
+            let frames = plain.stack(reading)?;
+            let turn = |frame: RawFrame| RawFrame { plane: turned(frame.plane, pages.orientation), ..frame };
+            return Ok(frames.into_iter().map(turn).collect());
+        }
+        // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages of a file.
+        let most = pages.list.len().div_ceil(4 * rayon::current_num_threads()).max(1);
+        let of_file = pages.list.chunk_by(|a, b| a.file == b.file);
+        let runs: Vec<&[Page]> = of_file.flat_map(|pages| pages.chunks(most)).collect();
+        let starts: Vec<usize> =
+            runs.iter().scan(0, |sum, run| Some(std::mem::replace(sum, *sum + run.len()))).collect();
+        let frames = in_order(runs.len(), |i| {
+            let other = runs[i][0].file.as_ref().map(|name| beside(path, name));
+            let mut reader = match &other {
+                None => PageReader::open(reading, path, length)?,
+                Some(other) => {
+                    let (_, input) = found(other, options)?;
+                    // Another file of the set has not been checked yet.
+                    Tiff.check(&input, other, usize::MAX)?;
+                    PageReader::open(Reading { path: other, ..reading }, other, input.length)?
+                }
+            };
+            let mut frames = Vec::with_capacity(runs[i].len());
+            for (k, page) in runs[i].iter().enumerate() {
+                ticker.check()?;
+                let frame = reader.read(page.number, starts[i] + k)?;
+                let expected = Some(Expected { first: path, size: pages.size });
+                Reading { path: other.as_deref().unwrap_or(path), expected, ..reading }.check(frame.plane.size())?;
+                frames.push(frame);
+                ticker.tick();
+            }
+            Ok(frames)
+        })?;
+        Ok(frames.into_iter().flatten().collect())
     }
 
     fn only(&self, input: Input, reading: Reading<'_>) -> Result<RawFrame> {
@@ -81,63 +119,9 @@ impl Format for Tiff {
     }
 
     fn page(&self, input: Input, reading: Reading<'_>, page: usize, frame: usize) -> Result<RawFrame> {
-        self::page(reading, input, page, frame)
+        // A page of another file of a set is asked of that file.
+        PageReader::open(reading, reading.path, input.length)?.read(page, frame)
     }
-}
-
-/// Number of frames, 2 standing for any larger number: reads no further than the second.
-fn frame_count(path: &Path, input: Input, options: &OpenOptions) -> Result<usize> {
-    let limits = Limits { max_frames: 1, ..Limits::default() };
-    match Pages::read(path, input, &OpenOptions { limits, ..options.clone() }) {
-        Ok(pages) => Ok(pages.count()),
-        Err(error) if matches!(error.kind, ErrorKind::TooLarge | ErrorKind::Mismatch) => Ok(2),
-        Err(error) => Err(error),
-    }
-}
-
-fn page(reading: Reading<'_>, input: Input, page: usize, frame: usize) -> Result<RawFrame> {
-    // A page of another file of a set is asked of that file.
-    PageReader::open(reading, reading.path, input.length)?.read(page, frame)
-}
-
-fn stack(reading: Reading<'_>, input: Input) -> Result<Vec<RawFrame>> {
-    let Reading { path, options, ticker, .. } = reading;
-    let length = input.length;
-    let pages = Pages::taken(path, input, options)?;
-    // One directory stands for all frames: the decoder would find the first alone.
-    if let Some(plain) = &pages.plain {
-        let frames = plain.stack(reading)?;
-        let turn = |frame: RawFrame| RawFrame { plane: turned(frame.plane, pages.orientation), ..frame };
-        return Ok(frames.into_iter().map(turn).collect());
-    }
-    // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages of a file.
-    let most = pages.list.len().div_ceil(4 * rayon::current_num_threads()).max(1);
-    let of_file = pages.list.chunk_by(|a, b| a.file == b.file);
-    let runs: Vec<&[Page]> = of_file.flat_map(|pages| pages.chunks(most)).collect();
-    let starts: Vec<usize> = runs.iter().scan(0, |sum, run| Some(std::mem::replace(sum, *sum + run.len()))).collect();
-    let frames = in_order(runs.len(), |i| {
-        let other = runs[i][0].file.as_ref().map(|name| beside(path, name));
-        let mut reader = match &other {
-            None => PageReader::open(reading, path, length)?,
-            Some(other) => {
-                let (_, input) = found(other, options)?;
-                // Another file of the set has not been checked yet.
-                Tiff.check(&input, other, usize::MAX)?;
-                PageReader::open(Reading { path: other, ..reading }, other, input.length)?
-            }
-        };
-        let mut frames = Vec::with_capacity(runs[i].len());
-        for (k, page) in runs[i].iter().enumerate() {
-            ticker.check()?;
-            let frame = reader.read(page.number, starts[i] + k)?;
-            let expected = Some(Expected { first: path, size: pages.size });
-            Reading { path: other.as_deref().unwrap_or(path), expected, ..reading }.check(frame.plane.size())?;
-            frames.push(frame);
-            ticker.tick();
-        }
-        Ok(frames)
-    })?;
-    Ok(frames.into_iter().flatten().collect())
 }
 
 /// A file of a set, which lies beside the first one.
