@@ -30,12 +30,10 @@ pub enum Study {
 
 /// The bursts of [`Study::BurstFrames`] and [`Study::Recover`]; equal if identical, not if of equal content.
 #[derive(Debug, Clone)]
+#[allow(missing_docs)] // where a name says it
 pub struct BurstsOfStudy {
-    /// The burst.
     pub burst: Arc<Burst>,
-    /// Second burst, with which the first is matched.
     pub second: Option<Arc<Burst>>,
-    /// Truth of the burst, if known.
     pub truth: Option<Arc<Truth>>,
 }
 
@@ -85,23 +83,19 @@ impl SameFalseRate {
 
 /// One chart of a study, identified by a point and a seed.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct ChartOfStudy {
-    /// The study.
     pub study: Study,
-    /// Point of a curve.
     pub point: StudyPoint,
-    /// The chart's seed.
     pub seed: u64,
 }
 
 /// A chart of a study that was made and searched again, for a look at it. Cheap to clone.
 #[derive(Debug, Clone)]
+#[allow(missing_docs)] // where a name says it
 pub struct ShownChart {
-    /// Identity of the chart.
     pub of: ChartOfStudy,
-    /// The chart and its search.
     pub looked: Arc<LookedChart>,
-    /// Plain mean of its frames.
     pub mean: Arc<Plane>,
 }
 

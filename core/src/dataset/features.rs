@@ -69,12 +69,10 @@ pub struct FinishedBurst {
 
 /// Parameters of finding features, and the kind of picture stored for each burst.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct FeatureJob {
-    /// Parameters of the detector, and the choice of slopes.
     pub detector: SearchParams,
-    /// Options for opening bursts.
     pub open: OpenOptions,
-    /// Kind of picture that represents a burst.
     pub images: ImageKind,
 }
 

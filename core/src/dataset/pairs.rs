@@ -71,12 +71,10 @@ pub(super) fn seen_part(burst: &Burst, params: &DetectorParams, monitor: &Monito
 
 /// A burst with the result of a search.
 #[derive(Debug, Clone, Copy)]
+#[allow(missing_docs)] // where a name says it
 pub struct DetectedBurst<'a> {
-    /// Burst that was searched.
     pub burst: &'a Burst,
-    /// Parameters with which it was searched.
     pub params: &'a DetectorParams,
-    /// Features and descriptors that were found.
     pub detection: &'a Detection,
 }
 
@@ -169,12 +167,10 @@ pub trait PairSource<E> {
 
 /// Bursts whose features are in the files of a store; those that are not finished are left out.
 #[derive(Debug, Clone, Copy)]
+#[allow(missing_docs)] // where a name says it
 pub struct KeptBursts<'a> {
-    /// Store that the features are read from.
     pub store: &'a FeatureStore,
-    /// The bursts, by their indices.
     pub bursts: &'a [BurstFiles],
-    /// Monitor of the reading.
     pub monitor: &'a Monitor,
 }
 

@@ -7,16 +7,14 @@ use std::{cmp::Reverse, collections::BTreeMap, path::PathBuf};
 
 /// Report of one image of the database.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct ImageReport {
     /// Id in the database.
     pub id: u32,
-    /// Name of the burst.
     pub burst: String,
     /// File below the folder of images.
     pub image: String,
-    /// Number of frames in which its features were found.
     pub frames: usize,
-    /// Number of features.
     pub features: usize,
     /// Whether an earlier run had found the features.
     pub resumed: bool,
@@ -69,20 +67,17 @@ impl Joined {
 
 /// Report of an export.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct ColmapReport {
-    /// Path of the database.
     #[serde(serialize_with = "serialize_path")]
     pub database: PathBuf,
-    /// Folder of images.
     #[serde(serialize_with = "serialize_path")]
     pub images_folder: PathBuf,
-    /// Cameras, one for each size of image.
     pub cameras: Vec<Camera>,
     /// Whether the focal length is known.
     pub known_camera: bool,
     /// Images, in ascending id.
     pub images: Vec<ImageReport>,
-    /// Pairs, in order.
     pub pairs: Vec<PairReport>,
     /// Images that verified pairs join.
     pub joined: Joined,

@@ -37,12 +37,11 @@ pub struct Enclosed {
 /// Settings, place and note of a case, and the form of its frames.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[allow(missing_docs)] // where a name says it
 pub struct Case {
     /// Version of the format: 1.
     pub version: u32,
-    /// Name of the burst.
     pub name: String,
-    /// A note, in any words.
     #[serde(default)]
     pub note: String,
     /// The place that is asked about, pixels of the case's frames at mid-burst.
@@ -52,7 +51,6 @@ pub struct Case {
     pub corner: [usize; 2],
     /// Columns and rows of the case's frames.
     pub size: [usize; 2],
-    /// Number of frames.
     pub frames: usize,
     /// Position of each frame from the first one, frame intervals; empty for even ones: 0, 1, 2, ….
     #[serde(default, skip_serializing_if = "Vec::is_empty")]

@@ -250,12 +250,10 @@ impl MatchCounts {
 
 /// Statistics of many images that were matched with one another, as in the paper's table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct ImageCounts {
-    /// Mean number of features of an image.
     pub keypoints_per_image: f64,
-    /// Mean number of putative matches of an image.
     pub putative_per_image: f64,
-    /// Mean number of inliers of an image.
     pub inliers_per_image: f64,
     /// Putative matches over keypoints, mean over the images.
     pub match_ratio: f64,
@@ -263,7 +261,6 @@ pub struct ImageCounts {
     pub match_score: f64,
     /// Inliers over putative matches, of all pairs together; `None` without matches.
     pub inlier_ratio: Option<f64>,
-    /// Number of pairs with inliers.
     pub verified_pairs: usize,
 }
 

@@ -36,28 +36,18 @@ words!(
 /// Parameters of matching and verification. The same features and parameters give the same bits.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
+#[allow(missing_docs)] // each is described by the record of its name in `doc`
 pub struct MatchParams {
-    /// See [`doc::RATIO`].
     pub ratio: f32,
-    /// See [`doc::MUTUAL`].
     pub mutual: bool,
-    /// See [`doc::PREDICT`].
     pub predict: bool,
-    /// See [`doc::ALIGN`].
     pub align: bool,
-    /// See [`doc::GEOMETRY`].
     pub geometry: Geometry,
-    /// See [`doc::MAX_ERROR_PX`].
     pub max_error_px: f32,
-    /// See [`doc::MIN_INLIERS`].
     pub min_inliers: usize,
-    /// See [`doc::CONFIDENCE`].
     pub confidence: f32,
-    /// See [`doc::MAX_ITERATIONS`].
     pub max_iterations: usize,
-    /// See [`doc::SEED`].
     pub seed: u64,
-    /// See [`doc::CAMERA`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
 }

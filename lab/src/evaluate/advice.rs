@@ -104,19 +104,14 @@ pub struct AdviceStudy {
 
 /// Statement and truth about one burst.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct AdvisedBurst {
-    /// Kind of burst and search.
     pub kind: &'static str,
-    /// Ratio of signal to noise.
     pub snr: f64,
-    /// Seed.
     pub seed: u64,
-    /// Statement of the judgement.
     pub said: Statement,
-    /// The truth.
     #[serde(rename = "true")]
     pub truth: Statement,
-    /// The judgement's sentence.
     pub sentence: String,
 }
 

@@ -97,12 +97,10 @@ impl fmt::Display for RowAt {
 
 /// One chart with its search, for a look at it.
 #[derive(Debug, Clone)]
+#[allow(missing_docs)] // where a name says it
 pub struct LookedChart {
-    /// Frames of the chart.
     pub burst: Burst,
-    /// Discs of the chart.
     pub truth: Truth,
-    /// Detection of the method.
     pub detection: Detection,
     /// Judgements of the features, strongest first.
     pub judged: Vec<Scored>,
@@ -269,16 +267,12 @@ pub struct ChartReport {
 
 /// Setup of a comparison of methods: the part before the rows of every report of charts.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct ComparisonSetup {
-    /// The first seed.
     pub first_seed: u64,
-    /// Number of seeds.
     pub seeds: u64,
-    /// Quantity by which features were ranked.
     pub ranking: Ranking,
-    /// Share of false detections at which methods were compared.
     pub false_fraction: f64,
-    /// Parameters of the methods' searches.
     #[serde(flatten)]
     pub searches: Searches,
 }

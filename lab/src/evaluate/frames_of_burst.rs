@@ -34,35 +34,30 @@ pub struct BurstFramesStudy {
 
 /// Report of a study of the middle frames of a burst.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct BurstFramesReport {
-    /// Name of the burst.
     pub burst: String,
-    /// Name of the second burst.
     pub second: Option<String>,
     /// The detector's parameters with the slopes that were searched in the burst.
     pub detector: DetectorParams,
-    /// Slopes searched in the second burst.
     pub second_slopes: Option<SlopeGrid>,
     /// Number of features that the search of all frames found; the orientations of one keypoint count once.
     pub features: usize,
     /// Number of known discs; absent without a truth.
     pub discs: Option<usize>,
-    /// One row for each number of frames, the smallest first.
     pub rows: Vec<BurstFramesRow>,
 }
 
 /// Result of the search of the middle frames. The orientations of one keypoint count as one feature, except in matches.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct BurstFramesRow {
-    /// Number of frames.
     pub frames: usize,
     /// Index of the first of them.
     pub first_frame: usize,
-    /// Number of features found.
     pub features: usize,
     /// Number of features that the search of all frames found too.
     pub confirmed: usize,
-    /// Number of missed features.
     pub unconfirmed: usize,
     /// Number of discs of the truth that were found; absent without a truth.
     pub discs_found: Option<usize>,

@@ -33,16 +33,13 @@ pub enum Shot {
 
 /// Methods to be compared, with the parameters of search and matching.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct MatchStudy {
     /// The rows, each at most once.
     pub methods: Vec<BurstMethod>,
-    /// Whether there are sharp images.
     pub has_gold: bool,
-    /// Parameters of their searches.
     pub searches: Searches,
-    /// Parameters of matching and verification.
     pub matching: MatchParams,
-    /// Selection of the pairs of bursts that are matched.
     pub pairs: PairSelection,
 }
 

@@ -128,12 +128,10 @@ pub struct NoiseRow {
 
 /// Result of one search in one kind of noise.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct NoiseCount {
-    /// The search's name.
     pub label: String,
-    /// Number of slopes searched.
     pub slopes: usize,
-    /// The noise gate's factor.
     pub noise_gate_factor: f32,
     /// Number of features, all of them false.
     pub false_features: usize,

@@ -56,12 +56,10 @@ pub struct FigureReport {
 
 /// Result of a job.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct FiguresReport {
-    /// Path of the page that shows all figures.
     pub page: PathBuf,
-    /// Size of the material.
     pub size: FigureSize,
-    /// The requested figures.
     pub figures: Vec<FigureReport>,
 }
 

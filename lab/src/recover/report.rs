@@ -12,26 +12,20 @@ use std::sync::Arc;
 
 /// Report of a study, complete or partial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct RecoverReport {
-    /// Name of the burst.
     pub burst: String,
-    /// Columns and rows of the frames.
     pub size: [usize; 2],
-    /// Number of frames that take part.
     pub frames: usize,
     /// Parameters of the search, with the slopes that were searched.
     pub detector: DetectorParams,
-    /// Slopes that were searched.
     pub grid: SlopeGrid,
-    /// Factor of the noise gate.
     pub noise_gate_factor: f32,
     /// σ of one frame's noise, fraction of full scale.
     pub frame_noise: f32,
     /// Features of the burst itself.
     pub features: usize,
-    /// Shape of the things.
     pub shape: Shape,
-    /// Brightness of the things relative to what is around them.
     pub contrast: Contrast,
     /// SNRs, slopes and radii at which things are planted.
     pub levels: Levels,
@@ -53,7 +47,6 @@ pub struct RecoverReport {
     pub fates: Vec<FateCount>,
     /// Amplitude of which half are found, by place.
     pub map: FaintnessMap,
-    /// Seconds spent on planting, searching and explaining misses.
     pub times: RecoverTimes,
     /// Things of all copies searched so far, with their fates.
     pub planted: Vec<Planted>,

@@ -13,12 +13,10 @@ use std::sync::Arc;
 
 /// Mark of an entry of a legend.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[allow(missing_docs)] // where a name says it
 pub enum LegendMark {
-    /// A filled square.
     Square,
-    /// A line.
     Line,
-    /// A dashed line.
     Dashes,
     /// The colours of all directions, those of the longest motions on the rim. It has no colour of its own.
     Wheel,
@@ -26,12 +24,10 @@ pub enum LegendMark {
 
 /// Meaning of a colour of the figure.
 #[derive(Debug, Clone, PartialEq, Eq)]
+#[allow(missing_docs)] // where a name says it
 pub struct LegendEntry {
-    /// Shape that has the colour.
     pub mark: LegendMark,
-    /// Colour as red, green, blue.
     pub color: Colour,
-    /// Meaning of the colour.
     pub label: String,
 }
 
@@ -49,10 +45,10 @@ impl LegendEntry {
 
 /// Mark of a feature over a picture; positions and lengths in image pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct FigureMark {
     /// Centre, (u, v).
     pub centre: [f32; 2],
-    /// Radius of the circle.
     pub radius: f32,
     /// Direction of the tick, radians from +u towards +v; `None` for no tick.
     pub orientation: Option<f32>,
@@ -60,13 +56,11 @@ pub struct FigureMark {
     pub motion: Option<[[f32; 2]; 2]>,
     /// Standard deviation of the arrow's end, of which the arrow has a [`fan()`](super::fan()); 0 for none.
     pub motion_sigma: f32,
-    /// Colour of the mark.
     pub color: Colour,
     /// Opacity, 0 … 1.
     pub opacity: f32,
     /// Width of the strokes as a multiple of the figure's.
     pub weight: f32,
-    /// Whether the circle is dashed.
     pub dashed: bool,
 }
 
@@ -130,6 +124,7 @@ impl ColourBar {
 
 /// One picture with its overlays.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct FigurePanel {
     /// Columns and rows of the picture.
     pub size: (usize, usize),
@@ -139,13 +134,9 @@ pub struct FigurePanel {
     pub origin_image: [f32; 2],
     /// Width of a pixel of the picture, in image pixels.
     pub image_px_per_px: f32,
-    /// Marks of features, in the order of drawing.
     pub marks: Vec<FigureMark>,
-    /// Title above the picture.
     pub title: Option<String>,
-    /// Meanings of the marks' colours, below the picture.
     pub legend: Vec<LegendEntry>,
-    /// Meaning of the picture's colours, below the picture.
     pub bar: Option<ColourBar>,
 }
 

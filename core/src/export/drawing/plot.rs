@@ -5,14 +5,11 @@ use super::sheet::{Area, GRID, INK, Sheet, WHITE, ticks};
 
 /// A line of a plot.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct Series {
-    /// Label in the legend.
     pub label: String,
-    /// Colour of the line.
     pub colour: Colour,
-    /// Dashes of the line.
     pub dashes: Dashes,
-    /// Width, pixels.
     pub width: f64,
     /// Points, from left to right. Points that are not finite break the line.
     pub points: Vec<SeriesPoint>,
@@ -33,18 +30,13 @@ pub struct SeriesPoint {
 
 /// Axes and the lines over them.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct Plot<'a> {
-    /// Title above the plot.
     pub title: &'a str,
-    /// Label of the horizontal axis.
     pub label_x: &'a str,
-    /// Label of the vertical axis.
     pub label_y: &'a str,
-    /// Values at the left and the right end.
     pub range_x: (f64, f64),
-    /// Values at the lower and the upper end.
     pub range_y: (f64, f64),
-    /// Whether each point is marked.
     pub has_dots: bool,
     /// Lines, the first at the bottom.
     pub series: &'a [Series],

@@ -36,14 +36,12 @@ pub struct FigureRect {
 
 /// Style of a line.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct FigureStroke {
-    /// Width of the line.
     pub width: f32,
-    /// Colour of the line.
     pub color: Colour,
     /// Opacity, 0 … 1.
     pub opacity: f32,
-    /// Dashes of the line.
     pub dashes: Dashes,
 }
 
@@ -96,61 +94,44 @@ impl From<FigureStroke> for Style {
 
 /// Alignment of a text to its position.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[allow(missing_docs)] // where a name says it
 pub enum Anchor {
-    /// The text begins there.
     #[default]
     Start,
-    /// The text's middle is there.
     Middle,
-    /// The text ends there.
     End,
 }
 
 /// Letters of a text.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[allow(missing_docs)] // where a name says it
 pub enum Face {
-    /// Letters of the window.
     #[default]
     Plain,
-    /// Bold letters.
     Bold,
-    /// Letters of equal width.
     Mono,
 }
 
 /// Shape of a drawing; all lengths in the drawing's unit.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub enum FigureShape {
     /// Pixels, each a rectangle of one colour.
     Picture {
-        /// Place of the picture.
         rect: FigureRect,
-        /// Columns and rows.
         size: (usize, usize),
         /// Red, green, blue, alpha, row by row.
         rgba: Arc<Vec<u8>>,
     },
     /// A rectangle.
-    Rect {
-        /// Place of the rectangle.
-        rect: FigureRect,
-        /// Its style.
-        style: Style,
-    },
+    Rect { rect: FigureRect, style: Style },
     /// A circle.
-    Circle {
-        /// Centre of the circle.
-        centre: [f32; 2],
-        /// Radius of the circle.
-        radius: f32,
-        /// Its style.
-        style: Style,
-    },
+    Circle { centre: [f32; 2], radius: f32, style: Style },
     /// A line through points, or an area within them.
     Line {
         /// Points; a `None` is a gap of the line.
         points: Vec<Option<[f32; 2]>>,
-        /// Style; a filled area ends where it begins.
+        /// A filled area ends where it begins.
         style: Style,
         /// Part of the figure, for editing it: `orientation`, `motion`, `scale`, `match`, `legend`, `fan`,
         /// `curve`; or none, for a straight line.
@@ -160,33 +141,20 @@ pub enum FigureShape {
     Text {
         /// Place on the baseline.
         at: [f32; 2],
-        /// Part of the text that is there.
         anchor: Anchor,
-        /// Height of the letters.
         size: f32,
-        /// Its letters.
         face: Face,
-        /// Colour of the text.
         color: Colour,
         /// Whether it reads upwards.
         upwards: bool,
-        /// The text.
         text: String,
     },
     /// Shapes clipped to a rectangle.
-    Clipped {
-        /// Rectangle outside which nothing is drawn.
-        rect: FigureRect,
-        /// Whether lines have round ends.
-        round: bool,
-        /// Shapes, the first at the bottom.
-        shapes: Vec<FigureShape>,
-    },
+    Clipped { rect: FigureRect, round: bool, shapes: Vec<FigureShape> },
     /// Shapes that are moved.
     Moved {
         /// Shift, (x, y).
         by: [f32; 2],
-        /// Shapes, the first at the bottom.
         shapes: Vec<FigureShape>,
     },
 }

@@ -26,14 +26,11 @@ const LETTER: f64 = 0.52;
 
 /// A rectangle of the sheet, pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct Area {
-    /// Left side.
     pub x: f64,
-    /// Upper side.
     pub y: f64,
-    /// Width.
     pub width: f64,
-    /// Height.
     pub height: f64,
 }
 

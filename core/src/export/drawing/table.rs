@@ -59,14 +59,12 @@ pub type Head = ([String; 2], String);
 
 /// Table with a head for each column.
 #[derive(Debug, Clone, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct Table {
-    /// Title above it.
     pub title: String,
-    /// Heads of the columns.
     pub columns: Vec<Head>,
     /// Rows, each with a cell for every column; a shorter one panics where it is drawn.
     pub rows: Vec<Vec<Cell>>,
-    /// Notes below it, sentences.
     pub notes: Vec<String>,
 }
 

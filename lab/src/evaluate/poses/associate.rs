@@ -17,12 +17,10 @@ use std::{collections::HashMap, path::Path};
 /// A rule by which poses are paired.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
+#[allow(missing_docs)] // where a name says it
 pub enum Association {
-    /// Poses of the same image.
     Name,
-    /// Poses at nearly the same time.
     Time,
-    /// Poses at the same position in the sequence.
     Order,
 }
 

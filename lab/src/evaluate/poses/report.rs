@@ -64,12 +64,11 @@ pub struct PairReport {
 
 /// Result of a comparison of trajectories.
 #[derive(Debug, Clone, PartialEq, Serialize)]
+#[allow(missing_docs)] // where a name says it
 pub struct PoseReport {
     /// Number of images to be registered.
     pub images: usize,
-    /// Number of poses of the estimate.
     pub registered: usize,
-    /// Rule by which poses were paired.
     pub associated: Association,
     /// Scale from the estimate's world to the truth's.
     pub scale: f64,
@@ -78,15 +77,12 @@ pub struct PoseReport {
     pub truth_from_estimate: Similarity,
     /// Whether the cameras lie on a straight line, see [`super::align()`].
     pub straight: bool,
-    /// Absolute trajectory error, over all pairs.
     pub absolute: PoseErrors,
     /// Number of poses from start to end of a motion.
     pub step: usize,
-    /// Relative pose error, over all motions.
     pub relative: PoseErrors,
     /// Summary of the sparse model; absent if the estimate is none.
     pub model: Option<ModelSummary>,
-    /// Pairs, in the truth's order.
     pub pairs: Vec<PairReport>,
 }
 

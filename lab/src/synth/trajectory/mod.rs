@@ -291,16 +291,14 @@ impl Trajectory {
 /// Truth of a trajectory without pictures, poses and lens: its `trajectory.json`. Metres; slopes in px/frame.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
+#[allow(missing_docs)] // where a name says it
 pub struct TrajectoryTruth {
-    /// Columns of a frame.
     pub width: usize,
-    /// Rows of a frame.
     pub height: usize,
     /// Number of frames of a burst, N.
     pub frames: usize,
     /// Reference time, (N − 1)/2, in frames.
     pub t0: f64,
-    /// Seed from which everything is derived.
     pub seed: u64,
     /// Largest apparent motion on an axis.
     pub max_slope: f64,
@@ -318,7 +316,6 @@ pub struct TrajectoryTruth {
     pub gold_white: f64,
     /// Planes of the scene, far to near.
     pub planes: Vec<PlaneTruth>,
-    /// The bursts, in order.
     pub bursts: Vec<BurstTruth>,
 }
 

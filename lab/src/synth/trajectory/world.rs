@@ -208,12 +208,10 @@ const FIRST_PIXEL: f64 = 0.5;
 
 /// Pinhole camera whose principal point is the middle of the image.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[allow(missing_docs)] // where a name says it
 pub struct Lens {
-    /// Columns.
     pub width: usize,
-    /// Rows.
     pub height: usize,
-    /// Focal length, pixels.
     pub focal_px: f64,
 }
 
