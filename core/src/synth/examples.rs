@@ -54,17 +54,7 @@ impl Example {
 
     /// Name on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Aliasing => "demo-aliasing",
-            Self::LowContrast => "demo-low-contrast",
-            Self::Depths => "demo-depths",
-            Self::Crossing => "demo-crossing",
-            Self::Tripod => "demo-tripod",
-            Self::HotPixels => "demo-hot-pixels",
-            Self::Street => "demo-street",
-            Self::StreetLater => "demo-street-later",
-            Self::Views => "demo-views",
-        }
+        self.words().0
     }
 
     /// The example of this name.
@@ -74,16 +64,21 @@ impl Example {
 
     /// Label in menus.
     pub fn label(self) -> &'static str {
+        self.words().1
+    }
+
+    /// Name and label.
+    fn words(self) -> (&'static str, &'static str) {
         match self {
-            Self::Aliasing => "Example: aliasing",
-            Self::LowContrast => "Example: low contrast",
-            Self::Depths => "Example: many depths",
-            Self::Crossing => "Example: two ways that cross",
-            Self::Tripod => "Example: still tripod",
-            Self::HotPixels => "Example: hot pixels",
-            Self::Street => "Example: dark street",
-            Self::StreetLater => "Example: dark street, later",
-            Self::Views => "Example: light field",
+            Self::Aliasing => ("demo-aliasing", "Example: aliasing"),
+            Self::LowContrast => ("demo-low-contrast", "Example: low contrast"),
+            Self::Depths => ("demo-depths", "Example: many depths"),
+            Self::Crossing => ("demo-crossing", "Example: two ways that cross"),
+            Self::Tripod => ("demo-tripod", "Example: still tripod"),
+            Self::HotPixels => ("demo-hot-pixels", "Example: hot pixels"),
+            Self::Street => ("demo-street", "Example: dark street"),
+            Self::StreetLater => ("demo-street-later", "Example: dark street, later"),
+            Self::Views => ("demo-views", "Example: light field"),
         }
     }
 

@@ -68,37 +68,29 @@ impl PaperFigure {
 
     /// Name on the command line, and of its files.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Fig1 => "fig1",
-            Self::Fig2 => "fig2",
-            Self::Fig3 => "fig3",
-            Self::Fig4 => "fig4",
-            Self::Fig5 => "fig5",
-            Self::Fig6 => "fig6",
-            Self::Fig7 => "fig7",
-            Self::Fig8 => "fig8",
-            Self::Fig9 => "fig9",
-            Self::Table1 => "table1",
-            Self::Table2 => "table2",
-            Self::Table3 => "table3",
-        }
+        self.words().0
     }
 
     /// Title, with its number in the paper.
     pub fn title(self) -> &'static str {
+        self.words().1
+    }
+
+    /// Name and title.
+    fn words(self) -> (&'static str, &'static str) {
         match self {
-            Self::Fig1 => "Fig. 1: matching in the dark",
-            Self::Fig2 => "Fig. 2: apparent motion",
-            Self::Fig3 => "Fig. 3: the architecture",
-            Self::Fig4 => "Fig. 4: the test target",
-            Self::Fig5 => "Fig. 5: true against false features",
-            Self::Fig6 => "Fig. 6: the number of frames",
-            Self::Fig7 => "Fig. 7: bright, gold and dark frames",
-            Self::Fig8 => "Fig. 8: trajectories",
-            Self::Fig9 => "Fig. 9: failure cases",
-            Self::Table1 => "Table 1: matching and reconstruction",
-            Self::Table2 => "Table 2: errors of the camera poses",
-            Self::Table3 => "Table 3: time",
+            Self::Fig1 => ("fig1", "Fig. 1: matching in the dark"),
+            Self::Fig2 => ("fig2", "Fig. 2: apparent motion"),
+            Self::Fig3 => ("fig3", "Fig. 3: the architecture"),
+            Self::Fig4 => ("fig4", "Fig. 4: the test target"),
+            Self::Fig5 => ("fig5", "Fig. 5: true against false features"),
+            Self::Fig6 => ("fig6", "Fig. 6: the number of frames"),
+            Self::Fig7 => ("fig7", "Fig. 7: bright, gold and dark frames"),
+            Self::Fig8 => ("fig8", "Fig. 8: trajectories"),
+            Self::Fig9 => ("fig9", "Fig. 9: failure cases"),
+            Self::Table1 => ("table1", "Table 1: matching and reconstruction"),
+            Self::Table2 => ("table2", "Table 2: errors of the camera poses"),
+            Self::Table3 => ("table3", "Table 3: time"),
         }
     }
 
