@@ -23,12 +23,17 @@ pub fn plain_mean(burst: &Burst, monitor: &Monitor) -> Result<Burst, Cancelled> 
     let count = burst.len() as f64;
     let mean = Plane::from_vec(width, height, sums.into_iter().map(|sum| (sum / count) as f32).collect());
     let mask = burst.frames[burst.len() / 2].mask().cloned();
-    let mut merged = Burst::from_planes(format!("mean of {}", burst.name), vec![mean.with_mask(mask)]);
+    Ok(of_one_image(burst, "mean", mean.with_mask(mask), burst.len()))
+}
+
+/// The burst of one image that some way of averaging, its name, made of `count` frames of `burst`.
+fn of_one_image(burst: &Burst, way: &str, image: Plane, count: usize) -> Burst {
+    let mut merged = Burst::from_planes(format!("{way} of {}", burst.name), vec![image]);
     merged.full_scale = burst.full_scale;
     // The mean of N numbers on a lattice lies on a lattice N times as fine.
     merged.quantisation_step = burst.quantisation_step / count as f32;
     merged.sources.clone_from(&burst.sources);
-    Ok(merged)
+    merged
 }
 
 #[cfg(test)]

@@ -28,12 +28,8 @@ pub fn merge_burst(burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Resu
     monitor.report(Stage::Merge, 0.0);
     let noise = frame_noise(burst, used.clone(), monitor)?.max(MIN_NOISE);
     let image = merge_frames(&burst.frames[used.clone()].iter().map(|f| &**f).collect::<Vec<_>>(), noise, monitor)?;
-    let mut merged = Burst::from_planes(format!("merge of {}", burst.name), vec![image]);
-    merged.full_scale = burst.full_scale;
-    // As for a mean: a sum of N numbers on a lattice.
-    merged.quantisation_step = burst.quantisation_step / used.len() as f32;
+    let mut merged = super::of_one_image(burst, "merge", image, used.len());
     merged.frame_names = vec![burst.frame_names[middle].clone()];
-    merged.sources.clone_from(&burst.sources);
     Ok(merged)
 }
 
