@@ -8,7 +8,7 @@ use super::layout::TimesChoice;
 use super::options::OpenOptions;
 use super::positions::{Positions, unevenness};
 use super::times::{
-    HEADED, List, PARTS, Stamp, Stamps, Times, Unit, Written, base_name, likeness, parts, seconds_of, stem,
+    HEADED, List, PARTS, Stamp, Stamps, Times, Unit, Written, base_name, digit_runs, likeness, parts, seconds_of, stem,
 };
 use crate::error::{Error, ErrorKind, Result};
 use crate::{files::read_bytes, monitor::Monitor};
@@ -24,16 +24,14 @@ struct Run<'a> {
 }
 
 fn runs(name: &str) -> Vec<Run<'_>> {
-    let mut runs = Vec::new();
-    let mut rest = name;
-    while let Some(start) = rest.find(|c: char| c.is_ascii_digit()) {
-        let end = rest[start..].find(|c: char| !c.is_ascii_digit()).map_or(rest.len(), |length| start + length);
-        let (before, digits) = (&rest[..start], &rest[start..end]);
-        rest = &rest[end..];
-        let after = rest.find(|c: char| c.is_ascii_digit()).map_or(rest, |next| &rest[..next]);
-        runs.push(Run { before, digits, after });
-    }
-    runs
+    let runs = digit_runs(name);
+    let run = |at: usize| {
+        let Range { start, end } = runs[at];
+        let from = if at > 0 { runs[at - 1].end } else { 0 };
+        let to = runs.get(at + 1).map_or(name.len(), |next| next.start);
+        Run { before: &name[from..start], digits: &name[start..end], after: &name[end..to] }
+    };
+    (0..runs.len()).map(run).collect()
 }
 
 /// The whole seconds of a name.
@@ -68,7 +66,7 @@ fn seconds_in<'a>(runs: &[Run<'a>]) -> Option<Seconds<'a>> {
         let next = first + day_runs + time_runs;
         let digits: String = runs[first..next].iter().map(|run| run.digits).collect();
         let last = runs[next - 1].digits;
-        let part = |range: std::ops::Range<usize>| &digits[range];
+        let part = |range: Range<usize>| &digits[range];
         let [year, month, day, hour, minute, second] = [0..4, 4..6, 6..8, 8..10, 10..12, 12..14].map(part);
         let value = seconds_of(&format!("{year}-{month}-{day}T{hour}:{minute}:{second}"))? as i128;
         let rest = &last[last.len() - (digits.len() - DATE_DIGITS)..];

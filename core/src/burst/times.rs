@@ -4,7 +4,7 @@
 //! the size of a number that counts from 1970, and else from its digits and the distance of the frames.
 
 use chrono::{DateTime, NaiveDateTime, SecondsFormat};
-use std::collections::HashMap;
+use std::{collections::HashMap, ops::Range};
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(super) struct Times {
@@ -334,6 +334,16 @@ fn is_decimal(field: &str) -> bool {
     field.trim_start_matches('-').split_once(',').is_some_and(|(whole, fraction)| {
         !whole.is_empty() && !fraction.is_empty() && are_digits(whole) && are_digits(fraction)
     })
+}
+
+/// Where the runs of digits of a name begin and end.
+pub(super) fn digit_runs(name: &str) -> Vec<Range<usize>> {
+    let mut end = 0;
+    let runs = name.as_bytes().chunk_by(|a, b| a.is_ascii_digit() == b.is_ascii_digit()).map(|run| {
+        end += run.len();
+        end - run.len()..end
+    });
+    runs.filter(|run| name.as_bytes()[run.start].is_ascii_digit()).collect()
 }
 
 pub(super) fn base_name(path: &str) -> &str {

@@ -8,11 +8,11 @@ use super::options::OpenOptions;
 use super::positions::Positions;
 use super::reading::RawFrame;
 use super::stamps::Timing;
-use super::times::{base_name, stem};
+use super::times::{base_name, digit_runs, stem};
 use crate::error::{Error, ErrorKind, Result};
 use crate::{monitor::Monitor, plane::Plane};
-use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
+use std::{collections::BTreeSet, ops::Range};
 
 /// Positions of the frames of `files`, one each, of which those to be taken stay; or of those taken `in_one` file, with
 /// the grid that it declares. Views by the choice in `options`, that grid, or LFToolbox's names, in the order of rows;
@@ -68,14 +68,14 @@ pub(super) fn placed(
                 let said = "the axes of the array are taken for those of a light field, [rows, columns] of views";
                 grid(views, said.to_owned())
             }
-            // Names as LFToolbox writes them need no option; other files are frames in time.
-            None if options.times.is_none() && is_apart => {
-                match usual(files).and_then(|places| by_name(files, &places)) {
+            None => {
+                // Names as LFToolbox writes them need no option; other files are frames in time.
+                let places = if options.times.is_none() && is_apart { usual(files) } else { None };
+                match places.and_then(|places| by_name(files, &places)) {
                     Some(timing) => Ok(timing),
                     None => Timing::of(files, in_one.map(|_| frames), options, monitor),
                 }
             }
-            None => Timing::of(files, in_one.map(|_| frames), options, monitor),
         },
     }
 }
@@ -95,21 +95,13 @@ struct Named {
 
 /// Pairs of numbers joined by `_` or `-` in a name: where each begins, row, column, and where it ends.
 fn pairs(name: &str) -> Vec<(usize, [usize; 2], usize)> {
-    let is_digit = |c: char| c.is_ascii_digit();
-    let mut runs: Vec<(usize, usize)> = Vec::new();
-    let mut from = 0;
-    while let Some(start) = name[from..].find(is_digit).map(|at| from + at) {
-        let end = name[start..].find(|c| !is_digit(c)).map_or(name.len(), |at| start + at);
-        runs.push((start, end));
-        from = end;
-    }
-    let pair = |two: &[(usize, usize)]| {
-        let [(start, row_end), (column_start, end)] = [two[0], two[1]];
-        let is_joined = matches!(&name[row_end..column_start], "_" | "-");
-        let number = |range: std::ops::Range<usize>| name[range].parse::<usize>().ok().filter(|n| *n <= MAX_SIDE);
-        is_joined.then(|| Some((start, [number(start..row_end)?, number(column_start..end)?], end)))?
+    let number = |range: &Range<usize>| name[range.clone()].parse::<usize>().ok().filter(|n| *n <= MAX_SIDE);
+    let pair = |two: &[Range<usize>]| {
+        let [row, column] = [&two[0], &two[1]];
+        let is_joined = matches!(&name[row.end..column.start], "_" | "-");
+        is_joined.then(|| Some((row.start, [number(row)?, number(column)?], column.end)))?
     };
-    runs.windows(2).filter_map(pair).collect()
+    digit_runs(name).windows(2).filter_map(pair).collect()
 }
 
 /// Rows and columns in the `names` of views: the first pair that differs in all names, with equal text before.

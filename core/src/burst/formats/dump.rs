@@ -3,7 +3,8 @@
 use super::{Input, Numbers, Rank, Record, Start, named};
 use crate::burst::layout::Dump as Shape;
 use crate::burst::options::{Limits, OpenOptions};
-use crate::burst::reading::{Reading, Ticker, plain::Plain};
+use crate::burst::reading::plain::{Places, Plain};
+use crate::burst::reading::{Reading, Ticker};
 use crate::error::{Error, ErrorKind, Result};
 use crate::{monitor::Monitor, plane::Plane};
 use std::path::Path;
@@ -62,9 +63,6 @@ pub struct LikelyShape {
 }
 
 /// Shapes of usual sensors that fill the file at `path`, best first by the likeness of neighbouring rows.
-///
-/// # Errors
-/// A file that cannot be read, or cancellation.
 pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<Vec<LikelyShape>> {
     let length = std::fs::metadata(path).map_err(|e| Error::from_read(path, NAME, &e))?.len();
     let options = OpenOptions::default();
@@ -72,7 +70,7 @@ pub fn likely_shapes(path: &Path, limits: &Limits, monitor: &Monitor) -> Result<
     let ticker = Ticker::new(monitor, 1);
     for (dump, frames) in Shape::likely(length, limits.max_frames as u64) {
         let Shape { size, number, skip, .. } = dump;
-        let one = Plain::new(NAME, size, vec![skip], number);
+        let one = Plain::new(NAME, size, Places::Listed(vec![skip]), number);
         // A wrong shape shows in the first frame already.
         let Some(frame) = one.stack(Reading::new(path, &options, &ticker))?.into_iter().next() else { continue };
         let likeness = likeness_of_rows(&frame.plane);

@@ -5,7 +5,8 @@
 
 use super::y4m::Film as Stream;
 use super::{Format, Input, Rank, Record, Start};
-use crate::burst::reading::{Declared, RawFrame, Reading, confined::Running, plain::Plain};
+use crate::burst::reading::plain::{Places, Plain};
+use crate::burst::reading::{Declared, RawFrame, Reading, confined::Running};
 use crate::burst::{number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::{self, shell_path};
@@ -289,7 +290,8 @@ impl Piped {
             Self::Y4m(film) => film.plain(vec![0; count]),
             Self::Ppm([width, height, largest]) => {
                 let number = if *largest > 255 { Number::U16 } else { Number::U8 };
-                let plain = Plain::new(KIND, (*width as usize, *height as usize), vec![0; count], number);
+                let plain =
+                    Plain::new(KIND, (*width as usize, *height as usize), Places::Listed(vec![0; count]), number);
                 Plain { big_endian: true, channels: 3, white: Some(*largest as f32), is_encoded: true, ..plain }
             }
         }

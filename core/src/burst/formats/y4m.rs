@@ -4,7 +4,7 @@
 //! stored. Format: <https://wiki.multimedia.cx/index.php/YUV4MPEG2>.
 
 use super::{Input, Numbers, Rank, Record, Start};
-use crate::burst::reading::plain::Plain;
+use crate::burst::reading::plain::{Places, Plain};
 use crate::burst::{number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, Result};
 use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
@@ -102,7 +102,7 @@ impl Film {
             if self.interval_s > 0.0 { (0..frames).map(|t| t as f64 * self.interval_s).collect() } else { Vec::new() };
         let times = Times { seconds, is_absolute: false };
         let number = if self.bits > 8 { Number::U16 } else { Number::U8 };
-        let plain = Plain::new(KIND, self.size, places, number);
+        let plain = Plain::new(KIND, self.size, Places::Listed(places), number);
         Plain { white: Some(range), is_encoded: self.has_colour, times, taken, ..plain }
     }
 }

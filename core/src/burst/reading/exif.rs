@@ -12,7 +12,7 @@ const TAGS: [(Tag, Tag); 3] = [
     (Tag::DateTime, Tag::SubSecTime),
 ];
 
-pub(in crate::burst) fn times(path: &Path) -> Times {
+pub fn times(path: &Path) -> Times {
     let read = || {
         let file = File::open(path).ok().filter(|file| file.metadata().is_ok_and(|of| of.len() <= MAX_BYTES))?;
         let found = Reader::new().continue_on_error(true).read_from_container(&mut BufReader::new(file));

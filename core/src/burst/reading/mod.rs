@@ -2,11 +2,11 @@
 //! ([`Declared`]), conversion of samples to planes ([`plain`], [`pixels`]), and the process in which
 //! decoders of others run ([`confined`]) where they could take much memory, and always for raw files.
 
-pub(in crate::burst) mod confined;
-pub(in crate::burst) mod exif;
-pub(in crate::burst) mod pixels;
-pub(in crate::burst) mod plain;
-pub(in crate::burst) mod tiles;
+pub mod confined;
+pub mod exif;
+pub mod pixels;
+pub mod plain;
+pub mod tiles;
 
 use super::layout::{Mosaic, ViewGrid};
 use super::options::{Encoding, OpenOptions};
@@ -21,7 +21,7 @@ use std::path::Path;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
-pub(in crate::burst) enum FileScale {
+pub enum FileScale {
     /// Integers of up to 16 bit: the largest value of the type. The plane is already divided by it.
     Range(f32),
     /// Values as the sensor gave them: the plane is a fraction of the range from black to white.
@@ -39,7 +39,7 @@ pub(in crate::burst) enum FileScale {
 
 impl FileScale {
     /// Name of the file's samples; frames whose samples differ are not in one unit. A raw file declares its own white.
-    pub(in crate::burst) fn samples(self) -> String {
+    pub fn samples(self) -> String {
         match self {
             Self::Range(127.0) => "8 bit with a sign".to_owned(),
             Self::Range(32767.0) => "16 bit with a sign".to_owned(),
@@ -52,7 +52,7 @@ impl FileScale {
 }
 
 #[derive(Debug)]
-pub(in crate::burst) struct RawFrame {
+pub struct RawFrame {
     pub plane: Plane,
     pub scale: FileScale,
     pub encoding: Encoding,
@@ -69,19 +69,19 @@ pub(in crate::burst) struct RawFrame {
 
 impl RawFrame {
     /// Frame whose values are proportional to light, as far as the file tells.
-    pub(in crate::burst) fn linear(plane: Plane, scale: FileScale) -> Self {
+    pub fn linear(plane: Plane, scale: FileScale) -> Self {
         let (encoding, damage, misnamed, mosaic) = (Encoding::Linear, None, None, None);
         Self { plane, scale, encoding, binning: 1, damage, misnamed, is_colour: false, mosaic }
     }
 
-    pub(in crate::burst) fn like(&self, plane: Plane) -> Self {
+    pub fn like(&self, plane: Plane) -> Self {
         let Self { scale, encoding, binning, misnamed, is_colour, mosaic, .. } = *self;
         Self { plane, scale, encoding, binning, damage: self.damage.clone(), misnamed, is_colour, mosaic }
     }
 }
 
 #[derive(Debug)]
-pub(in crate::burst) struct Declared {
+pub struct Declared {
     pub kind: &'static str,
     /// Size before a mosaic is binned.
     pub width: usize,
@@ -99,7 +99,7 @@ pub(in crate::burst) struct Declared {
 }
 
 impl Declared {
-    pub(in crate::burst) fn new(
+    pub fn new(
         kind: &'static str,
         (width, height): (usize, usize),
         frames: usize,
@@ -112,13 +112,13 @@ impl Declared {
 }
 
 #[derive(Debug, Clone, Copy)]
-pub(in crate::burst) struct Expected<'a> {
+pub struct Expected<'a> {
     pub first: &'a Path,
     pub size: (usize, usize),
 }
 
 #[derive(Clone, Copy)]
-pub(in crate::burst) struct Reading<'a> {
+pub struct Reading<'a> {
     pub path: &'a Path,
     /// Size of the frames before, which this frame must have too.
     pub expected: Option<Expected<'a>>,
@@ -127,11 +127,11 @@ pub(in crate::burst) struct Reading<'a> {
 }
 
 impl<'a> Reading<'a> {
-    pub(in crate::burst) fn new(path: &'a Path, options: &'a OpenOptions, ticker: &'a Ticker<'a>) -> Self {
+    pub fn new(path: &'a Path, options: &'a OpenOptions, ticker: &'a Ticker<'a>) -> Self {
         Self { path, expected: None, options, ticker }
     }
 
-    pub(in crate::burst) fn check(&self, size: (usize, usize)) -> Result<()> {
+    pub fn check(&self, size: (usize, usize)) -> Result<()> {
         match self.expected {
             Some(Expected { first, size: first_size }) if size != first_size => Err(Error::different_sizes(
                 (&first.display().to_string(), first_size),
@@ -143,7 +143,7 @@ impl<'a> Reading<'a> {
 }
 
 /// Makes a frame of a plane in file units, in which NaN is an undefined value. Fails at the first infinite one.
-pub(in crate::burst) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame> {
+pub fn frame_of_plane(path: &Path, frame: usize, plane: Plane, integer: bool) -> Result<RawFrame> {
     let values = plane.data();
     // Positive floats are ordered as their bits, infinity and NaN last; integers are compared several at a time.
     let (magnitude, largest) = values.iter().fold((0, 0), |(magnitude, largest): (i32, i32), v| {
@@ -161,19 +161,19 @@ pub(in crate::burst) fn frame_of_plane(path: &Path, frame: usize, plane: Plane, 
     Ok(RawFrame::linear(plane, FileScale::Data { integer, largest }))
 }
 
-pub(in crate::burst) fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: &mut [u8]) -> io::Result<()> {
+pub fn read_at(file: &mut (impl Read + Seek), at: u64, buffer: &mut [u8]) -> io::Result<()> {
     file.seek(SeekFrom::Start(at))?;
     file.read_exact(buffer)
 }
 
 /// Reader that fails once the work is cancelled. A decoder takes that for damage: check the monitor first.
-pub(in crate::burst) struct Asked<R> {
+pub struct Asked<R> {
     pub inner: R,
     pub monitor: Monitor,
 }
 
 impl<R> Asked<R> {
-    pub(in crate::burst) fn new(inner: R, monitor: &Monitor) -> Self {
+    pub fn new(inner: R, monitor: &Monitor) -> Self {
         Self { inner, monitor: monitor.silent() }
     }
 
@@ -207,43 +207,43 @@ impl<R: Seek> Seek for Asked<R> {
 }
 
 /// Error of a file that announces the impossible; `reason` is the end of a sentence about it.
-pub(in crate::burst) fn corrupt(reason: impl Into<String>) -> io::Error {
+pub fn corrupt(reason: impl Into<String>) -> io::Error {
     io::Error::new(io::ErrorKind::InvalidData, reason.into())
 }
 
 /// Damage of a file of `length` bytes that announces more pixels than at most `pixels_a_byte` in each of them.
-pub(in crate::burst) fn too_few_bytes(length: u64, width: u64, height: u64, pixels_a_byte: u64) -> Option<String> {
+pub fn too_few_bytes(length: u64, width: u64, height: u64, pixels_a_byte: u64) -> Option<String> {
     let is_possible = width.saturating_mul(height) / pixels_a_byte <= length;
     (!is_possible).then(|| format!("its {length} bytes are too few for {width}×{height} pixels"))
 }
 
-pub(in crate::burst) struct Ticker<'a> {
+pub struct Ticker<'a> {
     monitor: &'a Monitor,
     done: AtomicUsize,
     total: usize,
 }
 
 impl<'a> Ticker<'a> {
-    pub(in crate::burst) fn new(monitor: &'a Monitor, total: usize) -> Self {
+    pub fn new(monitor: &'a Monitor, total: usize) -> Self {
         Self { monitor, done: AtomicUsize::new(0), total }
     }
 
-    pub(in crate::burst) fn monitor(&self) -> &'a Monitor {
+    pub fn monitor(&self) -> &'a Monitor {
         self.monitor
     }
 
-    pub(in crate::burst) fn check(&self) -> Result<()> {
+    pub fn check(&self) -> Result<()> {
         Ok(self.monitor.check()?)
     }
 
-    pub(in crate::burst) fn tick(&self) {
+    pub fn tick(&self) {
         let done = 1 + self.done.fetch_add(1, Ordering::Relaxed);
         self.monitor.report(Stage::Open, done as f32 / self.total.max(1) as f32);
     }
 }
 
 /// Computes `f(0) … f(count − 1)` in parallel. Of several errors the lowest index counts, with any threads.
-pub(in crate::burst) fn in_order<T: Send>(count: usize, f: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
+pub fn in_order<T: Send>(count: usize, f: impl Fn(usize) -> Result<T> + Sync) -> Result<Vec<T>> {
     let first_failure = AtomicUsize::new(usize::MAX);
     let answers: Vec<Option<Result<T>>> = (0..count)
         .into_par_iter()

@@ -17,7 +17,7 @@ use std::{path::Path, sync::LazyLock};
 /// Weights of Rec. 709 for red, green and blue. They sum to 1.
 pub const LUMA_WEIGHTS: [f32; 3] = [0.2126, 0.7152, 0.0722];
 
-pub(in crate::burst) trait Sample: Copy {
+pub trait Sample: Copy {
     fn to_f32(self) -> f32;
 }
 
@@ -46,7 +46,7 @@ fn luma(r: f32, g: f32, b: f32) -> f32 {
 
 /// Conversion of stored samples to fractions of full scale.
 #[derive(Debug, Clone, Copy)]
-pub(in crate::burst) enum Curve {
+pub enum Curve {
     Linear(f32),
     /// Inverse of the sRGB encoding (IEC 61966-2-1) of samples up to this value; the result is proportional to light.
     Srgb(f32),
@@ -74,7 +74,7 @@ fn sample_linear<T: Sample>(largest: f32) -> impl Fn(T) -> f32 {
 }
 
 /// One value for each pixel of interleaved `samples` (1 to 4 channels: grey or RGB, without or with alpha), by `curve`.
-pub(in crate::burst) fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, curve: Curve) -> Vec<f32> {
+pub fn grey_from_interleaved<T: Sample>(samples: &[T], channels: usize, curve: Curve) -> Vec<f32> {
     // The curve is chosen here, not for each sample: a loop over pixels without a branch is vectorised.
     match curve {
         Curve::Linear(divisor) => interleaved(samples, channels, T::to_f32, divisor),
@@ -94,7 +94,7 @@ fn interleaved<T: Sample>(samples: &[T], channels: usize, value: impl Fn(T) -> f
     grey
 }
 
-pub(in crate::burst) fn grey_from_planes<T: Sample>(red: &[T], green: &[T], blue: &[T], curve: Curve) -> Vec<f32> {
+pub fn grey_from_planes<T: Sample>(red: &[T], green: &[T], blue: &[T], curve: Curve) -> Vec<f32> {
     match curve {
         Curve::Linear(divisor) => of_planes([red, green, blue], T::to_f32, divisor),
         Curve::Srgb(255.0) => of_planes([red, green, blue], byte_linear, 1.0),
@@ -108,7 +108,7 @@ fn of_planes<T: Sample>([red, green, blue]: [&[T]; 3], value: impl Fn(T) -> f32,
     grey
 }
 
-pub(in crate::burst) fn turned_size((width, height): (usize, usize), orientation: Orientation) -> (usize, usize) {
+pub fn turned_size((width, height): (usize, usize), orientation: Orientation) -> (usize, usize) {
     match orientation {
         Orientation::Rotate90 | Orientation::Rotate270 | Orientation::Rotate90FlipH | Orientation::Rotate270FlipH => {
             (height, width)
@@ -117,14 +117,14 @@ pub(in crate::burst) fn turned_size((width, height): (usize, usize), orientation
     }
 }
 
-pub(in crate::burst) fn turned_mosaic(mosaic: Mosaic, size: (usize, usize), orientation: Orientation) -> Mosaic {
+pub fn turned_mosaic(mosaic: Mosaic, size: (usize, usize), orientation: Orientation) -> Mosaic {
     // A small picture that ends as the whole one does: odd sides shift the pattern in turning.
     let colours = Plane::from_fn(2 + size.0 % 2, 2 + size.1 % 2, |u, v| mosaic.colour_at(u, v) as f32);
     let colours = turned(colours, orientation);
     Mosaic::of(|u, v| colours.at(u, v) as usize).unwrap_or(mosaic)
 }
 
-pub(in crate::burst) fn turned(plane: Plane, orientation: Orientation) -> Plane {
+pub fn turned(plane: Plane, orientation: Orientation) -> Plane {
     let (width, height) = plane.size();
     let (right, bottom) = (width - 1, height - 1);
     let (new_width, new_height) = turned_size((width, height), orientation);
@@ -157,7 +157,7 @@ impl RawColour {
 }
 
 /// Mean of the wanted pixels of each square of 2×2, of an area of `size`; `None` for one smaller than a square.
-pub(in crate::burst) fn binned(
+pub fn binned(
     size: (usize, usize),
     colour: RawColour,
     colour_at: impl Fn(usize, usize) -> usize,
@@ -175,7 +175,7 @@ pub(in crate::burst) fn binned(
     }))
 }
 
-pub(in crate::burst) fn with_mosaic(path: &Path, frame: RawFrame, options: &OpenOptions) -> Result<RawFrame> {
+pub fn with_mosaic(path: &Path, frame: RawFrame, options: &OpenOptions) -> Result<RawFrame> {
     // A raw frame's mosaic is known to its decoder.
     let is_raw = matches!(frame.scale, FileScale::Raw { .. });
     let Some(mosaic) = options.mosaic_of(frame.mosaic).filter(|_| !is_raw) else { return Ok(frame) };

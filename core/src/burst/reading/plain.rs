@@ -20,7 +20,7 @@ use zip::ZipArchive;
 const BLOCK_BYTES: usize = 15 << 14;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::burst) enum Index {
+pub enum Index {
     Frame,
     Row,
     Column,
@@ -28,7 +28,7 @@ pub(in crate::burst) enum Index {
 }
 
 #[derive(Debug, Clone)]
-pub(in crate::burst) enum Places {
+pub enum Places {
     /// One after the other, in steps from the first one on: however many are announced, they take no memory.
     Even { first: u64, step: u64, count: u64 },
     /// Those that were seen in the file.
@@ -36,14 +36,14 @@ pub(in crate::burst) enum Places {
 }
 
 impl Places {
-    pub(in crate::burst) fn len(&self) -> usize {
+    pub fn len(&self) -> usize {
         match self {
             Self::Even { count, .. } => usize::try_from(*count).unwrap_or(usize::MAX),
             Self::Listed(places) => places.len(),
         }
     }
 
-    pub(in crate::burst) fn at(&self, t: usize) -> u64 {
+    pub fn at(&self, t: usize) -> u64 {
         match self {
             Self::Even { first, step, .. } => first + t as u64 * step,
             Self::Listed(places) => places[t],
@@ -58,14 +58,8 @@ impl Places {
     }
 }
 
-impl From<Vec<u64>> for Places {
-    fn from(places: Vec<u64>) -> Self {
-        Self::Listed(places)
-    }
-}
-
 #[derive(Debug, Clone)]
-pub(in crate::burst) struct Plain {
+pub struct Plain {
     pub kind: &'static str,
     /// Size (columns, rows) of a frame.
     pub size: (usize, usize),
@@ -96,16 +90,11 @@ pub(in crate::burst) struct Plain {
 }
 
 impl Plain {
-    pub(in crate::burst) fn new(
-        kind: &'static str,
-        size: (usize, usize),
-        places: impl Into<Places>,
-        number: Number,
-    ) -> Self {
+    pub fn new(kind: &'static str, size: (usize, usize), places: Places, number: Number) -> Self {
         Self {
             kind,
             size,
-            places: places.into(),
+            places,
             number,
             big_endian: false,
             channels: 1,
@@ -124,7 +113,7 @@ impl Plain {
         }
     }
 
-    pub(in crate::burst) fn declared(self) -> Declared {
+    pub fn declared(self) -> Declared {
         let samples = self.white.map_or_else(|| self.number.words(), |white| FileScale::Range(white).samples());
         let declared =
             Declared::new(self.kind, self.size, self.places.len(), samples, self.channels > 2 || self.planes > 0);
@@ -133,7 +122,7 @@ impl Plain {
     }
 
     /// These frames, or the part of `--take`.
-    pub(in crate::burst) fn part(mut self, path: &Path, options: &OpenOptions) -> Result<Self> {
+    pub fn part(mut self, path: &Path, options: &OpenOptions) -> Result<Self> {
         if options.take.is_none() {
             return Ok(self);
         }
@@ -148,7 +137,7 @@ impl Plain {
         Ok(Self { places: self.places.part(range), views: None, ..self })
     }
 
-    pub(in crate::burst) fn frame_bytes(&self) -> u64 {
+    pub fn frame_bytes(&self) -> u64 {
         self.number.bytes(self.samples() as u64)
     }
 
@@ -156,7 +145,7 @@ impl Plain {
         self.size.0 * self.size.1 * self.channels
     }
 
-    pub(in crate::burst) fn only(&self, reading: Reading<'_>) -> Result<RawFrame> {
+    pub fn only(&self, reading: Reading<'_>) -> Result<RawFrame> {
         if self.places.len() != 1 {
             return Err(Error::stack_among_frames(reading.path, self.places.len()));
         }
@@ -164,7 +153,7 @@ impl Plain {
         Ok(self.stack(Reading { ticker: &Ticker::new(&reading.ticker.monitor().silent(), 1), ..reading })?.remove(0))
     }
 
-    pub(in crate::burst) fn stack(&self, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
+    pub fn stack(&self, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
         let path = reading.path;
         if self.planes > 0 {
             return self.merged(reading);
@@ -209,8 +198,8 @@ impl Plain {
 
     fn merged(&self, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
         let frame = |t: usize| {
-            let places = (0..3).map(|colour| self.places.at(t) + colour * self.planes).collect::<Vec<_>>();
-            let planes = Self { planes: 0, mosaic: None, places: places.into(), ..self.clone() };
+            let places = (0..3).map(|colour| self.places.at(t) + colour * self.planes).collect();
+            let planes = Self { planes: 0, mosaic: None, places: Places::Listed(places), ..self.clone() };
             let colours = planes.stack(reading)?;
             let [red, green, blue] = [0, 1, 2].map(|colour| colours[colour].plane.data());
             let values = grey_from_planes(red, green, blue, Curve::Linear(1.0));
@@ -257,7 +246,7 @@ impl Plain {
         Ok(frames.into_iter().flatten().collect())
     }
 
-    pub(in crate::burst) fn page(mut self, reading: Reading<'_>, page: usize) -> Result<RawFrame> {
+    pub fn page(mut self, reading: Reading<'_>, page: usize) -> Result<RawFrame> {
         if page >= self.places.len() {
             return Err(Error::corrupt(reading.path, self.kind, "it became shorter"));
         }
@@ -265,7 +254,7 @@ impl Plain {
         Ok(self.stack(reading)?.remove(0))
     }
 
-    pub(in crate::burst) fn read(&self, reading: Reading<'_>, t: usize, from: &mut dyn Read) -> Result<RawFrame> {
+    pub fn read(&self, reading: Reading<'_>, t: usize, from: &mut dyn Read) -> Result<RawFrame> {
         let count = self.samples();
         // Colours are weighted, and an encoding is undone, after the conversion.
         let whole = self.channels > 1 || self.is_encoded && reading.options.linearise;
@@ -363,7 +352,7 @@ impl Plain {
     }
 
     /// Checks frames of this size, of `step` bytes from `first` on, against the limits and the file's `length`.
-    pub(in crate::burst) fn places_in(
+    pub fn places_in(
         path: &Path,
         kind: &str,
         (frames, height, width): (u64, u64, u64),

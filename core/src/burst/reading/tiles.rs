@@ -46,7 +46,7 @@ enum Code {
 }
 
 #[derive(Debug, Clone)]
-pub(in crate::burst) struct Tiles {
+pub struct Tiles {
     /// Header of the decoder's table, but for what differs from layer to layer.
     cards: Vec<Card>,
     first_noise: i64,
@@ -99,7 +99,7 @@ fn card(name: &str, value: Value) -> Card {
 impl Tiles {
     /// Checks the sizes that the header `cards` of a table declares: rows of the axes `table` (bytes, rows) from byte
     /// `data` of the file's `length` bytes on, and an image of this shape (frames, rows, columns).
-    pub(in crate::burst) fn of(
+    pub fn of(
         path: &Path,
         cards: &[Card],
         table: &[u64],
@@ -266,7 +266,7 @@ impl Tiles {
         })
     }
 
-    pub(in crate::burst) fn layer_of(&self, frame: u64) -> u64 {
+    pub fn layer_of(&self, frame: u64) -> u64 {
         frame / self.layer_frames
     }
 
@@ -276,7 +276,7 @@ impl Tiles {
         (across, across * down)
     }
 
-    pub(in crate::burst) fn layer_bytes(&self) -> u64 {
+    pub fn layer_bytes(&self) -> u64 {
         let pixels = self.layer_frames * self.size[0] * self.size[1];
         // Packed, unpacked and written out; numbers of one tile in the decoder; rows with what surrounds their pixels.
         let tile = self.layer_frames * self.tile[0] * self.tile[1];
@@ -284,7 +284,7 @@ impl Tiles {
     }
 
     /// Numbers of the frames of a layer, as an image without compression has them, and the first frame of it.
-    pub(in crate::burst) fn layer(&self, reading: Reading<'_>, layer: u64) -> Result<(Vec<u8>, u64)> {
+    pub fn layer(&self, reading: Reading<'_>, layer: u64) -> Result<(Vec<u8>, u64)> {
         let corrupt = |reason: String| Error::corrupt(reading.path, KIND, reason);
         let first = layer * self.layer_frames;
         let depth = self.layer_frames.min(self.frames - first);

@@ -1,7 +1,7 @@
 //! ROS messages `sensor_msgs/Image` and `CompressedImage`, in ROS 1's form and as CDR of either byte order.
 
 use super::records::Wire;
-use crate::burst::reading::plain::Plain;
+use crate::burst::reading::plain::{Places, Plain};
 use crate::burst::{layout::Mosaic, number::Number, options::Limits};
 use crate::error::{Error, Result};
 use crate::plane::memory;
@@ -173,7 +173,7 @@ impl<'a> PictureMessage<'a> {
             is_bgr,
             mosaic,
             is_encoded: channels > 1 && number == Number::U8,
-            ..Plain::new(kind, (width as usize, rows), vec![0], number)
+            ..Plain::new(kind, (width as usize, rows), Places::Listed(vec![0]), number)
         };
         Ok((plain, packed))
     }

@@ -13,7 +13,7 @@ use zune_jpeg::zune_core::{colorspace::ColorSpace, options::DecoderOptions};
 const PIXELS_A_BYTE: u64 = 8 * 64;
 
 /// Samples of a whole JPEG in its own colours, or `as_rgb` unless grey; the error is its damage, or a cancellation.
-pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool, monitor: &Monitor) -> Result<Vec<u8>, String> {
+pub fn samples(bytes: &[u8], as_rgb: bool, monitor: &Monitor) -> Result<Vec<u8>, String> {
     if !has_end(bytes) {
         return Err("its end marker is missing: it is cut off".to_owned());
     }
@@ -39,7 +39,7 @@ pub(in crate::burst::formats) fn samples(bytes: &[u8], as_rgb: bool, monitor: &M
 const USUAL_TABLES: &[u8] = include_bytes!("samples/usual_tables.dht");
 
 /// A JPEG without bytes between segments and with the tables that it omits. The error says why nothing here reads it.
-pub(in crate::burst::formats) fn normalised(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
+pub fn normalised(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
     const START_OF_SCAN: u8 = 0xda;
     let mut clean = bytes.get(..2).unwrap_or(bytes).to_vec();
     let (mut at, mut has_tables) = (2, false);

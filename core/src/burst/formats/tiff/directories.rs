@@ -13,17 +13,17 @@ use std::collections::HashSet;
 use std::io::{self, BufReader, Read, Seek};
 
 /// Extensions of files with the values of a sensor, of which many are TIFFs by their structure.
-pub(in crate::burst::formats) const OF_SENSORS: &[&str] = &[
+pub const OF_SENSORS: &[&str] = &[
     "dng", "nef", "nrw", "cr2", "cr3", "crw", "arw", "raf", "orf", "rw2", "rwl", "pef", "srw", "3fr", "fff", "iiq",
     "kdc", "dcr", "mrw", "erf", "mef", "mos", "x3f",
 ];
 
-pub(in crate::burst::formats) fn begins(start: &[u8]) -> bool {
+pub fn begins(start: &[u8]) -> bool {
     [b"II*\0", b"MM\0*", b"II+\0", b"MM\0+"].iter().any(|magic| start.starts_with(*magic))
 }
 
 /// Whether a file holds the values of a sensor: by its name, or as a DNG of any name.
-pub(in crate::burst::formats) fn is_of_sensor(start: &Start<'_>) -> bool {
+pub fn is_of_sensor(start: &Start<'_>) -> bool {
     let is_dng = || {
         let found = Directories::read(&mut BufReader::with_capacity(512, start.file), start.length, false, 1);
         found.is_ok_and(|found| found.is_dng)
@@ -89,7 +89,7 @@ impl Planes {
 }
 
 #[derive(Debug, Default)]
-pub(in crate::burst::formats) struct Directories {
+pub struct Directories {
     /// Largest size, columns × rows.
     pub pixels: u64,
     pub is_dng: bool,
@@ -102,12 +102,7 @@ pub(in crate::burst::formats) struct Directories {
 impl Directories {
     /// Checks at most `most` pages of `file`, a TIFF of `length` bytes; of a file that is `raw` by its name, and of a
     /// DNG, all directories, because its decoder reads them. A DNG must hold the data of all its pictures.
-    pub(in crate::burst::formats) fn read(
-        file: &mut (impl Read + Seek),
-        length: u64,
-        raw: bool,
-        most: usize,
-    ) -> io::Result<Self> {
+    pub fn read(file: &mut (impl Read + Seek), length: u64, raw: bool, most: usize) -> io::Result<Self> {
         let mut start = [0; 16];
         let have = start.len().min(usize::try_from(length).unwrap_or(usize::MAX));
         read_at(file, 0, &mut start[..have])?;

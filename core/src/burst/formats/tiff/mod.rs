@@ -11,7 +11,8 @@ pub(super) use directories::is_of_sensor;
 use super::{Format, Input, Rank, Record, Start, found};
 use crate::burst::options::{Limits, OpenOptions};
 use crate::burst::reading::pixels::{turned, turned_size};
-use crate::burst::reading::{Asked, Declared, Expected, RawFrame, Reading, exif, in_order, plain::Plain};
+use crate::burst::reading::plain::{Places, Plain};
+use crate::burst::reading::{Asked, Declared, Expected, RawFrame, Reading, exif, in_order};
 use crate::burst::{layout::Mosaic, times::Times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
@@ -243,11 +244,11 @@ impl Pages {
             let whole = turned_size(size, orientation);
             let plain = page::plain(&mut decoder, (path, length), (pages as u64, whole), limits)?;
             let place = |page: &Page| plain.places.at(page.number);
-            let places: Vec<u64> = chosen.pages.iter().map(place).collect();
+            let places = chosen.pages.iter().map(place).collect();
             if times.seconds.len() == pages {
                 times.seconds = chosen.pages.iter().map(|page| times.seconds[page.number]).collect();
             }
-            Ok::<_, Error>(Plain { places: places.into(), times, ..plain })
+            Ok::<_, Error>(Plain { places: Places::Listed(places), times, ..plain })
         });
         let plain = plain.transpose()?;
         // Chosen pages are counted without thumbnails, which the decoder counts.

@@ -4,8 +4,8 @@
 //! takes much memory, are decoded by a child process ([`serve_decoding`](crate::burst::serve_decoding)), with a limit
 //! of memory and of time, which may read this file and nothing else. A failure of the child is an error about the file.
 
-pub(in crate::burst) mod serve;
-pub(in crate::burst) mod wire;
+pub mod serve;
+pub mod wire;
 
 use super::{RawFrame, Reading};
 use crate::burst::options::OpenOptions;
@@ -52,13 +52,13 @@ const CLOCK_FACTOR: u64 = 4;
 const POLL: Duration = Duration::from_millis(10);
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(in crate::burst) struct Budget {
+pub struct Budget {
     memory_bytes: u64,
     cpu_seconds: u64,
 }
 
 impl Budget {
-    pub(in crate::burst) fn new(file_bytes: u64, pixels: u64, decoder_bytes: u64) -> Self {
+    pub fn new(file_bytes: u64, pixels: u64, decoder_bytes: u64) -> Self {
         Self {
             memory_bytes: BASE_BYTES.saturating_add(decoder_bytes).saturating_add(file_bytes.saturating_mul(4)),
             cpu_seconds: BASE_SECONDS + file_bytes / FILE_BYTES_A_SECOND + pixels / PIXELS_A_SECOND,
@@ -67,21 +67,16 @@ impl Budget {
 }
 
 /// Whether decoding that takes `bytes` is to be done in a child process, and a program for it is set.
-pub(in crate::burst) fn takes(bytes: u64) -> bool {
+pub fn takes(bytes: u64) -> bool {
     bytes > LARGE_BYTES && is_installed()
 }
 
-pub(in crate::burst) fn is_installed() -> bool {
+pub fn is_installed() -> bool {
     WORKER.get().is_some()
 }
 
 /// Decodes `part` of a file in a child process. An end without an answer is damage, unless others ended the child.
-pub(in crate::burst) fn decode(
-    reading: Reading<'_>,
-    kind: &'static str,
-    part: Part,
-    budget: Budget,
-) -> Result<RawFrame> {
+pub fn decode(reading: Reading<'_>, kind: &'static str, part: Part, budget: Budget) -> Result<RawFrame> {
     let Reading { path, expected, options, ticker } = reading;
     let monitor = ticker.monitor();
     monitor.check()?;
@@ -130,7 +125,7 @@ enum Ending {
 }
 
 /// A child process, which is killed when it is dropped.
-pub(in crate::burst) struct Running {
+pub struct Running {
     child: Mutex<Child>,
 }
 
@@ -143,7 +138,7 @@ impl Running {
         Self::spawn(command, path)
     }
 
-    pub(in crate::burst) fn spawn(mut command: Command, path: &Path) -> Result<Self> {
+    pub fn spawn(mut command: Command, path: &Path) -> Result<Self> {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         // Signals from the terminal (Ctrl-C) are for the program, which ends its children itself.
         #[cfg(unix)]
@@ -159,7 +154,7 @@ impl Running {
     }
 
     /// Does `work`; another thread kills the child at a cancellation, or at the time `until`.
-    pub(in crate::burst) fn watched<T>(
+    pub fn watched<T>(
         &self,
         path: &Path,
         monitor: &Monitor,
@@ -184,7 +179,7 @@ impl Running {
         })
     }
 
-    pub(in crate::burst) fn kill(&self) {
+    pub fn kill(&self) {
         let mut child = self.child.lock().unwrap_or_else(PoisonError::into_inner);
         // The child's own processes hold the pipes open; they belong to the child's process group.
         #[cfg(unix)]
@@ -197,11 +192,11 @@ impl Running {
         let _ = child.kill();
     }
 
-    pub(in crate::burst) fn ends_well(&mut self) -> bool {
+    pub fn ends_well(&mut self) -> bool {
         self.child.get_mut().unwrap_or_else(PoisonError::into_inner).wait().is_ok_and(|status| status.success())
     }
 
-    pub(in crate::burst) fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
+    pub fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
         let pipes = child.stdin.take().zip(child.stdout.take()).zip(child.stderr.take());
         let ((stdin, stdout), stderr) = pipes.expect("it was started with these pipes, and nobody took them");

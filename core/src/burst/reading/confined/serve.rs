@@ -11,7 +11,7 @@ use crate::monitor::Monitor;
 use std::io::{self, Read, Write};
 use std::path::Path;
 
-pub(in crate::burst) fn serve_decoding(path: &Path, decode: fn(Reading<'_>, Part) -> Result<RawFrame>) -> u8 {
+pub fn serve_decoding(path: &Path, decode: fn(Reading<'_>, Part) -> Result<RawFrame>) -> u8 {
     // A panic becomes an error about the file, which is sent; its message is dropped.
     std::panic::set_hook(Box::new(|_| {}));
     // 1: there was no request, or the answer could not be sent.
@@ -95,7 +95,7 @@ mod confined {
     const NEWEST: ABI = ABI::V10;
 
     /// Gives up all files but reading `path`, TCP, signals and privileges; returns how much of this the kernel offers.
-    pub(in crate::burst) fn to_file(path: &Path) -> Result<RulesetStatus, RulesetError> {
+    pub fn to_file(path: &Path) -> Result<RulesetStatus, RulesetError> {
         let rules = Ruleset::default()
             .handle_access(AccessFs::from_all(NEWEST))?
             .handle_access(AccessNet::from_all(NEWEST))?
@@ -146,7 +146,7 @@ mod confined {
         [0x0002_0000, 0x0200_0000, 0x0400_0000, 0x0800_0000, 0x1000_0000, 0x2000_0000, 0x4000_0000];
 
     /// The filters, which all hold: denied calls fail with `EPERM`, calls that libraries can replace with `ENOSYS`.
-    pub(in crate::burst) fn filters() -> Result<[BpfProgram; 2], BackendError> {
+    pub fn filters() -> Result<[BpfProgram; 2], BackendError> {
         let rule = |argument, operator, value| {
             SeccompRule::new(vec![SeccompCondition::new(argument, Dword, operator, value)?])
         };
@@ -166,7 +166,7 @@ mod confined {
         Ok([filter(calls, libc::EPERM)?, filter(newer, libc::ENOSYS)?])
     }
 
-    pub(in crate::burst) fn without_calls() -> Result<(), seccompiler::Error> {
+    pub fn without_calls() -> Result<(), seccompiler::Error> {
         filters()?.iter().try_for_each(|filter| apply_filter(filter))
     }
 }

@@ -12,7 +12,7 @@ use std::path::Path;
 const MAX_JSON_BYTES: u32 = 1 << 20;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-pub(in crate::burst) enum Part {
+pub enum Part {
     Only,
     /// A page of a TIFF, or a picture of a bag's topic, by its index in the file, which is this frame of the burst.
     Page {
@@ -23,7 +23,7 @@ pub(in crate::burst) enum Part {
 
 /// Request to decode one file. Its path is an argument of the process, because a path need not be text.
 #[derive(Debug, Serialize, Deserialize)]
-pub(in crate::burst) struct DecodeRequest {
+pub struct DecodeRequest {
     /// The program's version, which must be that of both processes.
     pub version: String,
     pub part: Part,
@@ -47,14 +47,14 @@ struct FrameHead {
     mosaic: Option<Mosaic>,
 }
 
-pub(in crate::burst) fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
+pub fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
     let text = serde_json::to_vec(value)?;
     let length = u32::try_from(text.len()).map_err(io::Error::other)?;
     to.write_all(&length.to_le_bytes())?;
     to.write_all(&text)
 }
 
-pub(in crate::burst) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T> {
+pub fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T> {
     let mut length = [0; 4];
     from.read_exact(&mut length)?;
     let length = u32::from_le_bytes(length);
@@ -66,7 +66,7 @@ pub(in crate::burst) fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io
     Ok(serde_json::from_slice(&text)?)
 }
 
-pub(in crate::burst) fn send_reply(to: &mut impl Write, reply: Result<RawFrame>) -> io::Result<()> {
+pub fn send_reply(to: &mut impl Write, reply: Result<RawFrame>) -> io::Result<()> {
     match reply {
         Ok(RawFrame { plane, scale, encoding, binning, damage, is_colour, mosaic, misnamed: _ }) => {
             let head = FrameHead { size: plane.size(), scale, encoding, binning, damage, is_colour, mosaic };
@@ -78,7 +78,7 @@ pub(in crate::burst) fn send_reply(to: &mut impl Write, reply: Result<RawFrame>)
 }
 
 /// Receives the reply about the file `path`. The outer error is a damaged reply, the inner one the child's own.
-pub(in crate::burst) fn receive_reply(from: &mut impl Read, path: &Path, max: &Limits) -> io::Result<Result<RawFrame>> {
+pub fn receive_reply(from: &mut impl Read, path: &Path, max: &Limits) -> io::Result<Result<RawFrame>> {
     let FrameHead { size, scale, encoding, binning, damage, is_colour, mosaic } = match receive(from)? {
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),
