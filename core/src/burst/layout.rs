@@ -4,6 +4,7 @@ use super::number::Number;
 use crate::files::whole_number;
 use serde::{Deserialize, Serialize};
 use std::{fmt, path::PathBuf, str::FromStr};
+use strum::{EnumString, IntoStaticStr};
 
 /// Shape of a file without header: frames of one size, one after the other, from a place in the file on.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -133,7 +134,8 @@ impl Mosaic {
 }
 
 /// Axis of a file that has several, as `--axis` names it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, EnumString, IntoStaticStr)]
+#[strum(ascii_case_insensitive)]
 pub enum Axis {
     /// Time.
     T,
@@ -142,21 +144,16 @@ pub enum Axis {
     /// Channel: wavelengths or dyes.
     C,
     /// The first axis of an array whose axes have no names.
+    #[strum(serialize = "first")]
     First,
     /// The last axis of such an array.
+    #[strum(serialize = "last")]
     Last,
 }
 
-const AXES: [(&str, Axis); 5] =
-    [("T", Axis::T), ("Z", Axis::Z), ("C", Axis::C), ("first", Axis::First), ("last", Axis::Last)];
-
 impl Axis {
     pub(super) fn name(self) -> &'static str {
-        AXES.iter().find(|(_, axis)| *axis == self).map_or("", |found| found.0)
-    }
-
-    fn named(name: &str) -> Option<Self> {
-        AXES.iter().find(|(own, _)| own.eq_ignore_ascii_case(name)).map(|found| found.1)
+        self.into()
     }
 }
 
@@ -174,10 +171,10 @@ impl FromStr for AxisChoice {
     fn from_str(text: &str) -> Result<Self, String> {
         let read = || {
             let mut parts = text.split(',');
-            let along = Axis::named(parts.next()?)?;
+            let along = parts.next()?.parse().ok()?;
             let at = parts.map(|part| {
                 let (axis, place) = part.split_once('=')?;
-                let axis = Axis::named(axis).filter(|axis| matches!(axis, Axis::T | Axis::Z | Axis::C))?;
+                let axis = axis.parse().ok().filter(|axis| matches!(axis, Axis::T | Axis::Z | Axis::C))?;
                 Some((axis, place.parse().ok()?))
             });
             Some(Self { along, at: at.collect::<Option<_>>()? })
@@ -332,15 +329,14 @@ impl fmt::Display for ViewGrid {
 }
 
 /// Places of the pixels of all views in one picture.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, EnumString, strum::Display)]
+#[strum(serialize_all = "lowercase")]
 pub enum Tiling {
     /// Views side by side, in rows and columns.
     Tiled,
     /// Interleaved, as in Lytro cameras' ESLF files: pixel (v·rows + t, u·columns + s) is pixel (v, u) of view (t, s).
     Eslf,
 }
-
-const TILINGS: [(&str, Tiling); 2] = [("tiled", Tiling::Tiled), ("eslf", Tiling::Eslf)];
 
 /// Statement that frames are the views of a light field: `names`, `9x9`, `9x9:tiled` or `9x9:eslf`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -368,10 +364,7 @@ impl FromStr for ViewsChoice {
         let read = || match text.split_once(':') {
             _ if text == "names" => Some(Self::Names),
             None => text.parse().ok().map(Self::Grid),
-            Some((grid, name)) => {
-                let (_, tiling) = TILINGS.iter().find(|(own, _)| *own == name)?;
-                Some(Self::Picture(grid.parse().ok()?, *tiling))
-            }
+            Some((grid, tiling)) => Some(Self::Picture(grid.parse().ok()?, tiling.parse().ok()?)),
         };
         read().ok_or_else(|| {
             format!("'{text}' is neither names nor ROWSxCOLUMNS, such as 9x9, or 9x9:tiled or 9x9:eslf for one picture")
@@ -384,10 +377,7 @@ impl fmt::Display for ViewsChoice {
         match self {
             Self::Names => f.write_str("names"),
             Self::Grid(grid) => grid.fmt(f),
-            Self::Picture(grid, tiling) => {
-                let name = TILINGS.iter().find(|(_, own)| own == tiling).map_or("", |found| found.0);
-                write!(f, "{grid}:{name}")
-            }
+            Self::Picture(grid, tiling) => write!(f, "{grid}:{tiling}"),
         }
     }
 }

@@ -34,8 +34,7 @@ pub fn write_field_npz(path: &Path, field: &MotionField) -> Result<()> {
         npz.add_array("layer", &bytes(field.layer.clone())).map_err(io::Error::other)?;
         npz.add_array("layers", &layers).map_err(io::Error::other)?;
         npz.add_array("cell_px", &ndarray::arr0(field.cell_px as f32)).map_err(io::Error::other)?;
-        npz.finish().map_err(io::Error::other)?;
-        Ok(())
+        npz.finish().map(drop).map_err(io::Error::other)
     })
 }
 
@@ -64,7 +63,6 @@ pub fn write_npz(
             npz.add_array("verdict", &codes).map_err(io::Error::other)?;
             npz.add_array("coherence", &coherences).map_err(io::Error::other)?;
         }
-        npz.finish().map_err(io::Error::other)?;
-        Ok(())
+        npz.finish().map(drop).map_err(io::Error::other)
     })
 }

@@ -14,8 +14,7 @@ const FIRST_PIXEL: f64 = 0.5;
 
 /// Mapping from directions to pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, EnumCount, VariantArray)]
-#[cfg_attr(feature = "cli", derive(clap::ValueEnum))]
-#[cfg_attr(feature = "cli", value(rename_all = "SCREAMING_SNAKE_CASE"))]
+#[cfg_attr(feature = "cli", derive(clap::ValueEnum), value(rename_all = "SCREAMING_SNAKE_CASE"))]
 #[serde(rename_all = "SCREAMING_SNAKE_CASE")]
 pub enum CameraModel {
     /// f, cx, cy.

@@ -224,10 +224,8 @@ pub fn stands_apart(disc: &FeatureTruth, truth: &Truth) -> bool {
 #[derive(Debug, Clone, PartialEq, Serialize)]
 #[allow(missing_docs)] // the names say it
 pub struct AccuracyReport {
-    /// Parameters of the charts.
     #[serde(serialize_with = "summary")]
     pub chart: ChartParams,
-    /// The first seed.
     pub first_seed: u64,
     pub seeds: u64,
     pub detector: DetectorParams,

@@ -258,7 +258,6 @@ pub struct ChartReport {
     /// Per-pixel signal-to-noise ratio, where the rows are numbers of frames.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub snr: Option<f64>,
-    /// Setup of the comparison of methods.
     #[serde(flatten)]
     pub setup: ComparisonSetup,
     /// One row for each ratio, or for each number of frames, the smallest first.
