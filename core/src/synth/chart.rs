@@ -55,7 +55,7 @@ pub struct ChartParams {
     /// Share of the columns that a textured thing hides, on the left, which stands still in all frames, as a robot's
     /// arm. Its mask is written to masks/mask.png, and what it hides is not among the known features.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SHARE", default_value_t = 0.0))]
-    #[serde(default, skip_serializing_if = "is_zero")]
+    #[serde(default, skip_serializing_if = "super::is_default")]
     pub mask: f64,
     /// Directions of motion: 1d is horizontal, 2d any.
     #[cfg_attr(feature = "cli", arg(long, value_name = "DIRECTIONS", default_value = "1d", value_parser = motions()))]
@@ -222,11 +222,6 @@ pub fn draw_disc(plane: &mut Plane, u: f64, v: f64, radius: f64, value: f32) {
             }
         }
     }
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands references")]
-fn is_zero(share: &f64) -> bool {
-    *share == 0.0
 }
 
 /// Draws positions, radii and slopes at random; large discs first, because they are hardest to place.

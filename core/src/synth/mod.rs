@@ -61,6 +61,11 @@ pub enum Motion {
 /// Maximum number of pixels of a synthetic burst, over all its frames: 2^31, 8 GiB in memory.
 pub const MAX_PIXELS: u64 = 1 << 31;
 
+/// Whether a value is the usual one, which files leave out.
+fn is_default<T: Default + PartialEq>(value: &T) -> bool {
+    *value == T::default()
+}
+
 /// Largest displacements (u, v), pixels, at `offsets` from mid-burst, of what moves by a slope (u, v).
 pub fn outermost(offsets: &[Offset], slope: (f64, f64)) -> (f64, f64) {
     offsets

@@ -40,7 +40,7 @@ pub struct Truth {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub views: Vec<[f64; 2]>,
     /// Columns, from the left, that a thing which stands still hides in all frames; no feature is behind it.
-    #[serde(default, skip_serializing_if = "is_nothing")]
+    #[serde(default, skip_serializing_if = "super::is_default")]
     pub mask_columns: usize,
     /// Seed from which everything is derived.
     pub seed: u64,
@@ -154,11 +154,6 @@ impl Truth {
         }
         Ok(())
     }
-}
-
-#[expect(clippy::trivially_copy_pass_by_ref, reason = "serde hands references")]
-fn is_nothing(columns: &usize) -> bool {
-    *columns == 0
 }
 
 impl NoiseTruth {

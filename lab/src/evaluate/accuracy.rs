@@ -17,7 +17,7 @@
 //! errors are relative to that σ; no other correction is applied.
 
 use super::chart::{LookedChart, summary};
-use super::statistics::{Errors, quantile};
+use super::statistics::{Errors, quantiles};
 use super::{RowStudy, check_lists};
 use crate::synth::{ChartParams, FeatureTruth, Motion, Truth, synth_chart};
 use burstscope_core::detector::{DetectorParams, Feature, SlopeGrid};
@@ -171,9 +171,7 @@ impl AccuracyStudy {
         let errors_of = |column: usize| Errors::of(&errors.iter().map(|(_, one)| one[column]).collect::<Vec<_>>());
         let lengths = |[a, b]: [usize; 2], all: bool| {
             let counted = errors.iter().filter(|(apart, _)| all || *apart);
-            let mut lengths: Vec<f64> = counted.map(|(_, one)| one[a].hypot(one[b])).collect();
-            lengths.sort_by(f64::total_cmp);
-            [quantile(&lengths, 0.5), quantile(&lengths, 0.95)]
+            quantiles(counted.map(|(_, one)| one[a].hypot(one[b])), [0.5, 0.95])
         };
         AccuracyRow {
             snr,

@@ -64,19 +64,20 @@ pub struct Errors {
 impl Errors {
     /// The statistics of `signed` errors.
     pub fn of(signed: &[f64]) -> Self {
-        let mut magnitudes: Vec<f64> = signed.iter().map(|x| x.abs()).collect();
-        magnitudes.sort_by(f64::total_cmp);
-        Self {
-            count: signed.len(),
-            signed: Mean::of(signed),
-            median_magnitude: quantile(&magnitudes, 0.5),
-            magnitude_95: quantile(&magnitudes, 0.95),
-        }
+        let [median_magnitude, magnitude_95] = quantiles(signed.iter().map(|x| x.abs()), [0.5, 0.95]);
+        Self { count: signed.len(), signed: Mean::of(signed), median_magnitude, magnitude_95 }
     }
 }
 
+/// The quantiles `of` the values, which come in any order.
+pub(crate) fn quantiles<const N: usize>(values: impl Iterator<Item = f64>, of: [f64; N]) -> [f64; N] {
+    let mut sorted: Vec<f64> = values.collect();
+    sorted.sort_by(f64::total_cmp);
+    of.map(|q| quantile(&sorted, q))
+}
+
 /// The `q`-quantile of sorted values, linear between neighbours; NaN of none.
-pub fn quantile(sorted: &[f64], q: f64) -> f64 {
+fn quantile(sorted: &[f64], q: f64) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
     let at = q.clamp(0.0, 1.0) * last as f64;
     let below = at.floor() as usize;

@@ -5,7 +5,7 @@
 use super::drawing::Panel;
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
-use crate::evaluate::statistics::quantile;
+use crate::evaluate::statistics::quantiles;
 use crate::synth::{Light, Motion, Trajectory, TrajectoryParams};
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
 use burstscope_core::detector::{Detection, DetectorParams, FrameRange, Method};
@@ -150,13 +150,10 @@ impl MakeFigure for ApparentMotion {
             let middle: &Plane = &burst.frames[burst.len() / 2];
             let panel = draw(&mut sheet, at, half, middle, &tracks, name);
             end = end.max(panel.area.bottom());
-            let deviations = sorted(tracks.iter().map(|track| track.deviation_px));
+            let [median, most] = quantiles(tracks.iter().map(|track| track.deviation_px), [0.5, 0.95]);
+            let (count, frames) = (tracks.len(), burst.len());
             let text = format!(
-                "{} features followed through {} frames; off a straight line at constant speed: median {:.2} px, 95 % below {:.2} px",
-                tracks.len(),
-                burst.len(),
-                quantile(&deviations, 0.5),
-                quantile(&deviations, 0.95)
+                "{count} features followed through {frames} frames; off a straight line at constant speed: median {median:.2} px, 95 % below {most:.2} px"
             );
             sheet.paragraph((at.0, panel.area.bottom() + 20.0), 12.0, half, &text);
         }
@@ -164,12 +161,6 @@ impl MakeFigure for ApparentMotion {
         sheet.text((GAP, end + 62.0), 12.0, Anchor::Start, key);
         Ok(Made { svg: sheet.finish(end + 74.0).svg(), csv, notes: Vec::new() })
     }
-}
-
-fn sorted(values: impl Iterator<Item = f64>) -> Vec<f64> {
-    let mut values: Vec<f64> = values.collect();
-    values.sort_by(f64::total_cmp);
-    values
 }
 
 fn write_csv(csv: &mut String, motion: &str, tracks: &[Track]) {

@@ -6,7 +6,7 @@
 //! true motion; unlike the absolute error it does not accumulate along the trajectory.
 
 use super::{Association, ModelSummary, Similarity, Trajectory, align, associate};
-use crate::evaluate::statistics::quantile;
+use crate::evaluate::statistics::quantiles;
 use burstscope_core::error::{Error, Result};
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::words;
@@ -162,13 +162,12 @@ impl ErrorSummary {
     /// Statistics of magnitudes, given in any order.
     pub fn of(magnitudes: &[f64]) -> Self {
         let n = magnitudes.len() as f64;
-        let mut sorted = magnitudes.to_vec();
-        sorted.sort_by(f64::total_cmp);
+        let all = || magnitudes.iter().copied();
         Self {
-            rmse: (magnitudes.iter().map(|x| x * x).sum::<f64>() / n).sqrt(),
-            mean: magnitudes.iter().sum::<f64>() / n,
-            median: quantile(&sorted, 0.5),
-            max: sorted.last().copied().unwrap_or(f64::NAN),
+            rmse: (all().map(|x| x * x).sum::<f64>() / n).sqrt(),
+            mean: all().sum::<f64>() / n,
+            median: quantiles(all(), [0.5])[0],
+            max: all().max_by(f64::total_cmp).unwrap_or(f64::NAN),
         }
     }
 }

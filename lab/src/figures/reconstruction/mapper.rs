@@ -63,7 +63,7 @@ mod with_database {
         let (data, out) = (folder.join("way"), folder.join("out"));
         write_trajectory(&data, way, &silent)?;
         let bursts = match how.is_gold {
-            false => bursts_in(&data.join("bursts"))?,
+            false => DatasetSource::of_bursts(vec![data.join("bursts")]).bursts(&OpenOptions::default())?,
             // Each view is a burst of one frame.
             true => (0..way.cameras.len())
                 .map(|index| {
@@ -101,10 +101,6 @@ mod with_database {
         // A mapper that fails after it has written a model still has a result.
         let gave_up = gave_up.filter(|_| compared.registered == 0);
         Ok(Reconstructed { mapper_secs, gave_up, ..compared })
-    }
-
-    fn bursts_in(folder: &Path) -> Result<Vec<BurstFiles>> {
-        DatasetSource::of_bursts(vec![folder.to_path_buf()]).bursts(&OpenOptions::default())
     }
 
     /// Runs the mapper, or ends it once `monitor` is cancelled; returns its last line if it gave up.
