@@ -56,9 +56,7 @@ pub fn export_colmap(
     monitor: &Monitor,
 ) -> Result<ColmapReport> {
     let matching = job.verified_matching()?;
-    if bursts.len() < 2 {
-        return Err(too_few(bursts.len()));
-    }
+    check_enough(bursts.len())?;
     let out = store.folder.clone();
     // Outputs are checked before the search, which may take hours.
     store.protect(bursts)?;
@@ -72,9 +70,7 @@ pub fn export_colmap(
         on(event);
     };
     detect_all(store, bursts, &job.camera, &mut tell, monitor)?;
-    if done.len() < 2 {
-        return Err(too_few(done.len()));
-    }
+    check_enough(done.len())?;
     let pairs = match &job.pairs {
         // A list is of all bursts, also of those that cannot be opened.
         PairSelection::Listed(pairs) => {
@@ -111,9 +107,7 @@ pub fn export_detections(
     monitor: &Monitor,
 ) -> Result<ColmapReport> {
     let matching = job.verified_matching()?;
-    if bursts.len() < 2 {
-        return Err(too_few(bursts.len()));
-    }
+    check_enough(bursts.len())?;
     let of = |of: &DetectedBurst<'_>| BurstFiles { name: of.burst.name.clone(), paths: of.burst.sources.clone() };
     let mut sources: Vec<BurstFiles> = bursts.iter().map(of).collect();
     // Bursts in memory may share a name, and their files must not.
@@ -334,11 +328,14 @@ fn align_all(
     Ok(())
 }
 
-fn too_few(bursts: usize) -> Error {
+fn check_enough(bursts: usize) -> Result<()> {
+    if bursts > 1 {
+        return Ok(());
+    }
     let have = if bursts == 1 { "1 burst has".into() } else { format!("{bursts} bursts have") };
     let problem = format!("{have} features, and matching needs two or more");
     let remedy = "name a folder of bursts, or cut a long sequence with --burst-length";
-    Error::new(ErrorKind::Failed, problem, remedy)
+    Err(Error::new(ErrorKind::Failed, problem, remedy))
 }
 
 impl ColmapJob {
