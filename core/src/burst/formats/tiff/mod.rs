@@ -78,7 +78,7 @@ impl Format for Tiff {
             let turn = |frame: RawFrame| RawFrame { plane: turned(frame.plane, pages.orientation), ..frame };
             return Ok(frames.into_iter().map(turn).collect());
         }
-        // A decoder finds a page by following the chain from the first one, so each thread takes runs of pages of a file.
+        // A decoder finds a page by following the chain from the first one: each thread takes runs of pages of a file.
         let most = pages.list.len().div_ceil(4 * rayon::current_num_threads()).max(1);
         let of_file = pages.list.chunk_by(|a, b| a.file == b.file);
         let runs: Vec<&[Page]> = of_file.flat_map(|pages| pages.chunks(most)).collect();
