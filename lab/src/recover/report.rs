@@ -47,6 +47,7 @@ pub struct RecoverReport {
     pub fates: Vec<FateCount>,
     /// Amplitude of which half are found, by place.
     pub map: FaintnessMap,
+    /// Seconds spent on planting, searching and explaining misses.
     pub times: RecoverTimes,
     /// Things of all copies searched so far, with their fates.
     pub planted: Vec<Planted>,

@@ -10,6 +10,7 @@ pub struct Series {
     pub label: String,
     pub colour: Colour,
     pub dashes: Dashes,
+    /// Width, pixels.
     pub width: f64,
     /// Points, from left to right. Points that are not finite break the line.
     pub points: Vec<SeriesPoint>,
