@@ -3,8 +3,7 @@
 use super::canvas::Readout;
 use super::inspector::PaneWidgets;
 use super::pane::PaneId;
-use crate::app::document::pair::MatchColumn;
-use crate::app::document::side::Side;
+use crate::app::document::{MatchColumn, Side};
 use crate::app::results::Read;
 use crate::app::results::pair::MatchRow;
 use crate::app::view::fixed;

@@ -6,8 +6,7 @@ use super::dialogs::Question;
 use super::document::Action;
 use super::session::Session;
 use crate::app::document::datasets::Which;
-use crate::app::document::export::{ExportKind, Purpose};
-use crate::app::document::side::Side;
+use crate::app::document::{ExportKind, Purpose, Side};
 use crate::app::figure::drawing_of;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{mask_of, profiles_of};
@@ -392,7 +391,6 @@ mod tests {
     use crate::app::apply::bench::{detected, feature, open};
     use crate::app::apply::{detection, opening};
     use crate::app::results::Model;
-    use crate::detector::SearchParams;
     use std::time::Duration;
 
     const EXPORTS: [ExportKind; 11] = {

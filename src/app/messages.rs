@@ -1,6 +1,6 @@
 //! Messages of the window: errors stay until they are dismissed, a note until the next one.
 
-use crate::app::document::export::Purpose;
+use crate::app::document::Purpose;
 use crate::requests::JobError;
 
 #[derive(Debug, Clone, PartialEq, Eq)]

@@ -3,9 +3,7 @@
 use super::actions::ActionId;
 use super::document::{Action, Document, Queue};
 use super::lesson::Progress;
-use crate::app::document::export::FigureChoice;
-use crate::app::document::pair::MatchLook;
-use crate::app::document::panes::Panels;
+use crate::app::document::{FigureChoice, MatchLook, Panels};
 use crate::app::pane::PaneLinks;
 use crate::dataset::DatasetSource;
 use crate::engine::DEFAULT_CACHE_BYTES;

@@ -5,7 +5,7 @@ use super::dialogs::{FileDialogs, SystemDialogs};
 use super::document::{Action, Queue, Steps};
 use super::recovery::KeptIn;
 use super::settings::Settings;
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;

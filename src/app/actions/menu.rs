@@ -1,9 +1,7 @@
 //! Menu bar, command palette and sheet of the shortcuts, drawn from the registry.
 
 use super::{ACTIONS, ActionId, ActionRow, Menu, Queue, checked, enabled, keys_text, tooltip};
-use crate::app::document::Action;
-use crate::app::document::panes::Panels;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Panels, Side};
 use crate::app::results::Read;
 use crate::app::settings::Settings;
 use crate::app::words::explained;

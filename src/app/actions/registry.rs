@@ -3,12 +3,8 @@
 
 use super::when;
 use crate::app::apply::{change, comparison, dataset_answers, datasets, opening, pair, panes, probe, studies};
-use crate::app::document::Document;
-use crate::app::document::comparison::Reference;
-use crate::app::document::cursor::{Cursor, snapped, stepped};
-use crate::app::document::export::{ExportKind, Purpose};
-use crate::app::document::panes::Visibility;
-use crate::app::document::side::Side;
+use crate::app::document::cursor::{snapped, stepped};
+use crate::app::document::{Cursor, Document, ExportKind, Purpose, Reference, Side, Visibility};
 use crate::app::measure::Tool;
 use crate::app::pane::{Direction, Link, Preset};
 use crate::app::results::{Effect, Model, Read};

@@ -1,8 +1,7 @@
 //! When actions are possible, and whether they are on: what rows of the table have in common.
 
-use crate::app::document::comparison::Reference;
 use crate::app::document::panes::Tool;
-use crate::app::document::side::Side;
+use crate::app::document::{Reference, Side};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::{MAX_PANES, Over};
 use crate::app::results::Read;

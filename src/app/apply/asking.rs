@@ -3,7 +3,7 @@
 //! in this room, as it may move a cursor or a selection too.
 
 use crate::app::apply::{comparison, dataset_answers, detection, explained, methods, pair, panes, probe, studies};
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::app::results::compare::MethodFound;
 use crate::app::results::pair::Matches;
 use crate::app::results::{Effect, Model, Read, Results};
@@ -277,7 +277,7 @@ mod tests {
     use crate::app::apply::opening;
     use crate::app::results::Stale;
     use crate::detector::{NoiseGate, SlopeGrid};
-    use crate::requests::{BurstSource, JobError};
+    use crate::requests::BurstSource;
     use crate::synth::Example;
 
     fn bench_with(example: Example) -> Bench {

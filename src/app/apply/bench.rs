@@ -2,9 +2,7 @@
 //! dropped, a feature found again stays selected.
 
 use crate::app::apply::{asking, change, detection, opening, pair, panes, params};
-use crate::app::document::Document;
-use crate::app::document::look::Ranges;
-use crate::app::document::side::Side;
+use crate::app::document::{Document, Ranges, Side};
 use crate::app::pane::{PaneId, Preset};
 use crate::app::results::*;
 use crate::app::results::{Model, Read};

@@ -3,12 +3,9 @@
 use crate::app::actions::when;
 use crate::app::apply::{comparison, detection, explained, opening, pair, panes, probe};
 use crate::app::canvas::overlay::ColourBy;
-use crate::app::document::Document;
-use crate::app::document::comparison::Reference;
 use crate::app::document::filter::neighbour;
 use crate::app::document::method::plane_of;
-use crate::app::document::panes::Visibility;
-use crate::app::document::side::Side;
+use crate::app::document::{Document, Reference, Side, Visibility};
 use crate::app::pane::Pane;
 use crate::app::results::{Model, Read};
 use crate::detector::{Method, SlopeGrid};

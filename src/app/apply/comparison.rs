@@ -1,9 +1,6 @@
 //! Comparisons with a reference: which one is on show, what is pinned, and the answers.
 
-use crate::app::document::comparison::{Compared, Comparison, Reference};
-use crate::app::document::look::FeaturesShown;
-use crate::app::document::pair::PairTab;
-use crate::app::document::side::Side;
+use crate::app::document::{Compared, Comparison, FeaturesShown, PairTab, Reference, Side};
 use crate::app::results::comparison::ComparisonResults;
 use crate::app::results::{Model, Read};
 use crate::engine::Ended;

@@ -1,8 +1,7 @@
 //! Bursts of the open dataset that are gone to, and what answers about the dataset change.
 
 use crate::app::apply::{datasets, opening};
-use crate::app::document::datasets::DatasetChoice;
-use crate::app::document::side::{Side, Sides};
+use crate::app::document::{DatasetChoice, Side, Sides};
 use crate::app::results::datasets::{Dataset, Work};
 use crate::app::results::{Effect, Model, Read};
 use crate::engine::{Ended, Engine};

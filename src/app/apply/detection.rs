@@ -1,8 +1,8 @@
 //! Detections of either burst: asked for, taken, and the slope that the cursor goes to with the first of them.
 
 use crate::app::apply::{explained, panes, params};
+use crate::app::document::Side;
 use crate::app::document::filter::at_slope;
-use crate::app::document::side::Side;
 use crate::app::pane::PaneId;
 use crate::app::results::{FoundFeatures, Model, Read};
 use crate::app::view::fixed;

@@ -1,7 +1,7 @@
 //! Explanations of a detection and the list of its features: the answers, advice that is applied, and the neighbours in
 //! the list.
 
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::app::results::slot::{ListedFor, listed};
 use crate::app::results::{Model, Read};
 use crate::detector::params::doc;

@@ -1,8 +1,7 @@
 //! Methods that are compared: one piece of work at a time, so that times can be compared; what other workspaces found is
 //! shared; and the panes follow the methods that are shown.
 
-use crate::app::document::method::MethodId;
-use crate::app::document::side::Side;
+use crate::app::document::{MethodId, Side};
 use crate::app::pane::{MethodsPreset, PaneGroup};
 use crate::app::results::compare::MethodFound;
 use crate::app::results::{Effect, Model, Read};
@@ -85,11 +84,9 @@ mod tests {
     use crate::app::apply::opening;
     use crate::app::apply::pair::tests::pair;
 
-    use crate::app::document::method::{CompareLook, MethodId};
-    use crate::app::document::side::Side;
+    use crate::app::document::CompareLook;
     use crate::app::results::compare::*;
     use crate::app::results::pair::Matches;
-    use crate::app::results::{Model, Read};
     use crate::requests::CompareRequest;
     use std::sync::Arc;
     use std::time::Duration;

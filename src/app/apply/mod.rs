@@ -22,11 +22,8 @@ pub mod studies;
 mod tests;
 
 use crate::app::actions::registry::{ActionId, Does};
-use crate::app::document::look::Look;
-use crate::app::document::pair::PairTab;
-use crate::app::document::panes::{Change, Visibility};
-use crate::app::document::side::Side;
-use crate::app::document::{Action, Document, Pointed};
+use crate::app::document::panes::Change;
+use crate::app::document::{Action, Document, Look, PairTab, Pointed, Side, Visibility};
 use crate::app::pane::Content;
 use crate::app::results::{Effect, Model, Read};
 use crate::app::view::View;

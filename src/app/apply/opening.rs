@@ -1,9 +1,7 @@
 //! Opening a burst: what is left behind for the next one, calibration, and the panes that begin with it.
 
 use crate::app::apply::{comparison, datasets, pair, panes, params, probe};
-use crate::app::document::cursor::Cursor;
-use crate::app::document::filter::Filter;
-use crate::app::document::side::Side;
+use crate::app::document::{Cursor, Filter, Side};
 use crate::app::results::own::Own;
 use crate::app::results::{Effect, Model, Read};
 use crate::burst::OpenOptions;

@@ -1,9 +1,7 @@
 //! Two bursts: B beside A, their matches and what is selected of them, and why a feature has no match.
 
 use crate::app::apply::{comparison, explained, panes, params, probe};
-use crate::app::document::comparison::Comparison;
-use crate::app::document::cursor::Cursor;
-use crate::app::document::side::Side;
+use crate::app::document::{Comparison, Cursor, Side};
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::pair::Matches;
 use crate::app::results::pair::lost::{CANDIDATES, LostFeatures, Why};
@@ -220,14 +218,11 @@ pub(in crate::app) mod tests {
     use super::*;
     use crate::app::apply::bench::{detected, feature, open};
     use crate::app::apply::{detection, opening};
-    use crate::app::document::filter::SavedMatch;
-    use crate::app::document::side::Side;
-    use crate::app::results::Model;
+    use crate::app::document::SavedMatch;
     use crate::app::results::pair::*;
     use crate::detector::{Detection, FrameRange, Method};
     use crate::monitor::Monitor;
     use crate::teach::Workspace;
-    use std::sync::Arc;
     use std::time::Duration;
 
     /// A model with two bursts and the features of both; B's are A's, moved by (2, 0).

@@ -1,11 +1,9 @@
 //! Panes and their pictures: the arrangement, playing through the slopes, pictures that come, and their value ranges.
 
 use crate::app::apply::{methods, params};
-use crate::app::document::cursor::{Cursor, PlayOver, ViewKind, back_and_forth};
-use crate::app::document::look::RangeClass;
-use crate::app::document::panes::{Change, Destination, Visibility};
-use crate::app::document::side::Side;
-use crate::app::document::{Action, Document};
+use crate::app::document::cursor::{ViewKind, back_and_forth};
+use crate::app::document::panes::Change;
+use crate::app::document::{Action, Cursor, Destination, Document, PlayOver, RangeClass, Side, Visibility};
 use crate::app::pane::{PaneId, Preset};
 use crate::app::results::panes::Play;
 use crate::app::results::{Model, Read};

@@ -1,6 +1,6 @@
 //! Parameters that are checked against the open bursts, and the cursors that are brought into their range.
 
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::app::results::{Model, Read};
 use crate::detector::{DetectorParams, Method, Slope, SlopeGrid};
 use crate::error::Error;

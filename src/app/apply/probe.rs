@@ -1,8 +1,7 @@
 //! The probe: what is asked of a place, the trail and the answers that come, and what a new burst leaves of it.
 
 use crate::app::apply::{panes, params};
-use crate::app::document::probe::Probe;
-use crate::app::document::side::Side;
+use crate::app::document::{Probe, Side};
 use crate::app::results::probe::ProbeResults;
 use crate::app::results::{Model, Read};
 use crate::detector::{Slope, SlopeGrid, Slopes};

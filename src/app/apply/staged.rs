@@ -1,11 +1,7 @@
 //! Lessons begin and end, documents of sessions are put in place of the one on show, and steps are undone.
 
 use crate::app::apply::{change, datasets, explained, methods, opening, pair, panes, params, probe, studies};
-use crate::app::document::Document;
-use crate::app::document::action::{Reselect, Staged};
-use crate::app::document::datasets::DatasetChoice;
-use crate::app::document::history::History;
-use crate::app::document::side::{Side, Sides};
+use crate::app::document::{DatasetChoice, Document, History, Reselect, Side, Sides, Staged};
 use crate::app::pane::Preset;
 use crate::app::results::comparison::ComparisonResults;
 use crate::app::results::probe::ProbeResults;
@@ -185,7 +181,6 @@ fn begin_with(model: &mut Model, document: Document, layout: Option<Preset>, pro
 mod tests {
     use super::*;
     use crate::app::apply::pair::tests::pair;
-    use crate::app::document::side::Side;
     use crate::matching::MatchParams;
     use crate::teach::Workspace;
 

@@ -2,9 +2,8 @@
 //! are read, compared and closed.
 
 use crate::app::apply::{opening, probe};
-use crate::app::document::datasets::{Trajectories, Which};
-use crate::app::document::lab::LabSet;
-use crate::app::document::side::Side;
+use crate::app::document::datasets::Which;
+use crate::app::document::{LabSet, Side, Trajectories};
 use crate::app::results::studies::LabResult;
 use crate::app::results::studies::{ReadModel, TrajectoryResults};
 use crate::app::results::{Effect, Model, Read};

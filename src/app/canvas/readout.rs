@@ -150,7 +150,6 @@ pub fn readable_on(colour: [u8; 3]) -> Color32 {
 mod tests {
     use super::*;
     use crate::plane::{Mask, Plane};
-    use egui::pos2;
     use std::sync::Arc;
 
     #[test]

@@ -1,8 +1,7 @@
 //! Panel of the trajectories: their files, the settings of the comparison, the errors, and the reconstruction.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Action;
-use crate::app::document::datasets::Trajectories;
+use crate::app::document::{Action, Trajectories};
 use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
 use crate::app::results::Read;
 use crate::app::results::datasets::Dataset;

@@ -1,8 +1,7 @@
 //! Filmstrip: a dataset's bursts in order, each with a thumbnail, its state, and whether it is A or B.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Action;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Side};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{middle_elided, named, paint, progress_text};
 use crate::app::results::Read;

@@ -2,9 +2,8 @@
 
 use super::filmstrip::side_colour;
 use crate::app::actions::Queue;
-use crate::app::document::Action;
-use crate::app::document::datasets::{BurstPair, DatasetChoice, PairColumn, pair_of};
-use crate::app::document::side::Side;
+use crate::app::document::datasets::pair_of;
+use crate::app::document::{Action, BurstPair, DatasetChoice, PairColumn, Side};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::{instead_ui, middle_elided};
 use crate::app::results::datasets::pairs::PairTable;

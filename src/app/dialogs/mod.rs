@@ -8,7 +8,7 @@ mod shape;
 pub use path_field::{PathField, ReplaceFile, path_from_text};
 pub use shape::ShapeDialog;
 
-use crate::app::document::export::Purpose;
+use crate::app::document::Purpose;
 use crate::engine::OnUpdate;
 use std::path::PathBuf;
 use std::sync::{Arc, mpsc};

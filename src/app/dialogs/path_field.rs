@@ -1,6 +1,6 @@
 //! Field to type a path into, and the question whether a file there may be replaced.
 
-use crate::app::document::export::Purpose;
+use crate::app::document::Purpose;
 use crate::app::panel::widgets::{confirm_ui, name_field};
 use crate::export::is_ours;
 use std::path::PathBuf;

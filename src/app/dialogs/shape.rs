@@ -1,6 +1,6 @@
 //! Question for the shape of a file without header: the first frame in each likely shape, or a shape that is typed.
 
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::app::panel::widgets::{error_ui, named, weak_ui};
 use crate::burst::Dump;
 use crate::inspect::words::counted;

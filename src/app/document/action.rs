@@ -2,19 +2,13 @@
 //! drawn; they are applied after the drawing, by one function (`apply::apply`).
 
 use crate::app::actions::registry::ActionId;
-use crate::app::document::Document;
-use crate::app::document::comparison::{Compared, Reference};
-use crate::app::document::cursor::Playing;
-use crate::app::document::datasets::{BurstPair, PairChoice, PairColumn, Which};
-use crate::app::document::export::{FigureChoice, FilmChoice};
-use crate::app::document::filter::{Filter, Order, SavedMatch, SavedSelection};
-use crate::app::document::lab::Lab;
-use crate::app::document::look::{Look, RangeClass};
-use crate::app::document::method::{CompareLook, MethodId};
-use crate::app::document::pair::{MatchColumn, MatchLook, PairTab};
-use crate::app::document::panes::{Change, Destination, Measure, Panels};
-use crate::app::document::probe::SetUpState;
-use crate::app::document::side::{Side, Sides};
+use crate::app::document::datasets::Which;
+use crate::app::document::panes::Change;
+use crate::app::document::{
+    BurstPair, CompareLook, Compared, Destination, Document, FigureChoice, FilmChoice, Filter, Lab, Look, MatchColumn,
+    MatchLook, Measure, MethodId, Order, PairChoice, PairColumn, PairTab, Panels, Playing, RangeClass, Reference,
+    SavedMatch, SavedSelection, SetUpState, Side, Sides,
+};
 use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks, Preset};
 use crate::app::session::Session;
 use crate::app::view::{ColourBy, View};
@@ -379,9 +373,7 @@ pub enum Reselect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::document::datasets::{DatasetChoice, Which};
-    use crate::app::document::side::Side;
-    use crate::app::document::{Document, Journal};
+    use crate::app::document::{DatasetChoice, Journal};
 
     #[test]
     fn what_was_done_and_what_is_set_name_files_from_any_folder() {

@@ -1,6 +1,6 @@
 //! The dataset and the trajectories as they are set.
 
-use crate::app::document::side::{Side, Sides};
+use crate::app::document::{Side, Sides};
 use crate::app::view::View;
 use crate::dataset::DatasetSource;
 use crate::evaluate::poses::{PoseStudy, Projection};

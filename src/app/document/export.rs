@@ -1,6 +1,6 @@
 //! What is exported: contents and style of a figure, the film, and the purposes for which the user is asked for files.
 
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::export::case::CASE_EXTENSION;
 use crate::export::{FigureAmount, FigureFormat, FigureOptions, FigureWidth};
 use serde::{Deserialize, Serialize};

@@ -1,9 +1,6 @@
 //! Two bursts as they are set: the look and order of their matches, and the panes of each.
 
-use crate::app::document::Document;
-use crate::app::document::cursor::Cursor;
-use crate::app::document::look::Ranges;
-use crate::app::document::side::Side;
+use crate::app::document::{Cursor, Document, Ranges, Side};
 use crate::app::pane::{Link, PaneGroup, PaneId, PaneLinks};
 use serde::{Deserialize, Serialize};
 

@@ -1,9 +1,7 @@
 //! Panels and panes as they are set: what is open, cursors that follow the one in focus, views, links and ranges.
 
-use crate::app::document::Document;
-use crate::app::document::cursor::{Cursor, ViewKind};
-use crate::app::document::look::Ranges;
-use crate::app::document::side::Side;
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::{Cursor, Document, Ranges, Side};
 use crate::app::pane::{Direction, Link, MethodsPreset, Pane, PaneGroup, PaneId, Preset, SidesPreset};
 use crate::app::view::View;
 use crate::detector::Slope;

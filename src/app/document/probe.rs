@@ -1,6 +1,6 @@
 //! The probe as it is set, and the set-up of camera and scene as the user typed it.
 
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::app::view::KnownOfFeature;
 use crate::detector::{Feature, Slope};
 use crate::inspect::place::Judged;
@@ -48,7 +48,7 @@ impl SetUpState {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::detector::{Moves, Slope};
+    use crate::detector::Moves;
 
     #[test]
     fn only_a_sound_set_up_gives_depths() {

@@ -1,9 +1,8 @@
 //! The workspaces, a record each: which bursts are on show, and what keys and panels that all of them have do there.
 
 use super::Document;
-use crate::app::document::look::FeaturesShown;
 use crate::app::document::panes::{Change, Tool};
-use crate::app::document::side::Side;
+use crate::app::document::{FeaturesShown, Side};
 use crate::app::pane::{PaneGroup, PaneId, Preset, SidesPreset};
 use crate::teach::Workspace;
 

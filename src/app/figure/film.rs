@@ -1,8 +1,7 @@
 //! Export of a film: the dialog that chooses its contents and says its size and rate.
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::document::Action;
-use crate::app::document::export::{FilmChoice, FilmContent};
+use crate::app::document::{Action, FilmChoice, FilmContent};
 use crate::app::results::Read;
 use crate::detector::Detection;
 use crate::export::film::{FILM_RATES, estimated_film_bytes};

@@ -9,10 +9,8 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas;
 use crate::app::canvas::overlay::{ColourBy, ColourScale};
 use crate::app::canvas::{RectTransform, number};
-use crate::app::document::export::{FigureChoice, ONE_COLUMN_MM, TWO_COLUMNS_MM};
-use crate::app::document::look::RangeClass;
-use crate::app::document::method::MethodId;
-use crate::app::document::side::Side;
+use crate::app::document::export::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
+use crate::app::document::{FigureChoice, MethodId, RangeClass, Side};
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
@@ -401,7 +399,7 @@ fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, are_features: bool, label: 
 mod tests {
     use super::*;
     use crate::app::apply::bench::open;
-    use crate::requests::{PictureAnswer, PictureKind, PictureRequest};
+    use crate::requests::{PictureKind, PictureRequest};
     use egui::{Rect, pos2, vec2};
 
     #[test]

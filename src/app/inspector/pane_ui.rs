@@ -4,12 +4,8 @@
 use super::widgets::PaneWidgets;
 use crate::app::actions::Queue;
 use crate::app::canvas::{Canvas, CanvasOutput};
-use crate::app::document::Action;
 use crate::app::document::cursor::{ViewKind, stepped};
-use crate::app::document::filter::Filter;
-use crate::app::document::look::RangeClass;
-use crate::app::document::panes::Visibility;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Filter, RangeClass, Side, Visibility};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;

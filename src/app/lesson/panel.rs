@@ -4,7 +4,7 @@
 use super::snr::{shown_spot, snr_ui};
 use super::state::{LessonAction, Lessons, OpenLesson};
 use crate::app::actions::{ActionId, Queue};
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::Content;
 use crate::app::panel::widgets::{named, weak_ui};

@@ -2,9 +2,7 @@
 
 use super::snr::SnrTrace;
 use super::steps;
-use crate::app::document::action::Staged;
-use crate::app::document::panes::Panels;
-use crate::app::document::side::{Side, Sides};
+use crate::app::document::{Panels, Side, Sides, Staged};
 use crate::app::results::Read;
 use crate::requests::BurstSource;
 use crate::teach::{Lesson, Part, Step, built_in, lessons_at};

@@ -1,14 +1,8 @@
 //! Steps and the project: sets it up as a step begins, and reads from it what the goals of tasks ask about.
 
 use crate::app::canvas::{View, Zoom};
-use crate::app::document::Document;
-use crate::app::document::action::Staged;
-use crate::app::document::cursor::{Cursor, ViewKind};
-use crate::app::document::datasets::Trajectories;
-use crate::app::document::look::FeaturesShown;
-use crate::app::document::panes::Panels;
-use crate::app::document::probe::SetUpState;
-use crate::app::document::side::Side;
+use crate::app::document::cursor::ViewKind;
+use crate::app::document::{Cursor, Document, FeaturesShown, Panels, SetUpState, Side, Staged, Trajectories};
 use crate::app::pane::{Content, PaneId, PaneLinks, Panes};
 use crate::app::results::Read;
 use crate::detector::{SearchParams, SlopeGrid};

@@ -3,8 +3,7 @@
 use super::{Hidden, MaskShape, Measure, Tool, strokes};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
-use crate::app::document::Action;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Side};
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;

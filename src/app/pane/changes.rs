@@ -3,7 +3,7 @@
 use super::preset::Laid;
 use super::set::PaneGroup;
 use super::{Arrangement, Content, Direction, MAX_PANES, Pane, PaneId, Panes, Preset};
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::detector::DetectorParams;
 use std::collections::BTreeMap;
 

@@ -1,7 +1,7 @@
 //! Links between panes: a pane with a link moves, and is moved by, every other pane with that link.
 
 use super::{Over, Pane, PaneId, Panes};
-use crate::app::document::cursor::Cursor;
+use crate::app::document::Cursor;
 use crate::app::view::View;
 use serde::{Deserialize, Serialize};
 

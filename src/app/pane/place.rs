@@ -1,6 +1,6 @@
 //! Corresponding places of a scene in two panes.
 
-use crate::app::document::cursor::Cursor;
+use crate::app::document::Cursor;
 use crate::burst::{Offset, Positions};
 use crate::requests::PictureKind;
 use egui::{Pos2, vec2};

@@ -2,10 +2,8 @@
 
 use super::set::PaneGroup;
 use super::{Arrangement, Content, Link, MAX_PANES, Over, Pane, PaneId, Panes, SliceAxis};
-use crate::app::document::cursor::{Cursor, ViewKind, level_range, nearest_on_grid, stepped};
-use crate::app::document::look::Ranges;
-use crate::app::document::method::MethodId;
-use crate::app::document::side::Side;
+use crate::app::document::cursor::{ViewKind, level_range, nearest_on_grid, stepped};
+use crate::app::document::{Cursor, MethodId, Ranges, Side};
 use crate::detector::{DetectorParams, Slope};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

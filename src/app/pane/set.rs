@@ -1,8 +1,7 @@
 //! All panes, their arrangement in each workspace, and the focus.
 
 use super::{Arrangement, Over, Pane, PaneId};
-use crate::app::document::method::MethodId;
-use crate::app::document::side::Side;
+use crate::app::document::{MethodId, Side};
 use crate::teach::Workspace;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;

@@ -3,10 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
-use crate::app::document::comparison::{Compared, Reference};
-use crate::app::document::panes::Destination;
-use crate::app::document::side::Side;
-use crate::app::document::{Action, Pointed};
+use crate::app::document::{Action, Compared, Destination, Pointed, Reference, Side};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::panel::legend;
@@ -329,7 +326,6 @@ mod tests {
     use super::*;
     use crate::app::apply::bench::{detected, feature, open};
     use crate::app::apply::{detection, opening};
-    use crate::app::document::comparison::Reference;
     use crate::app::results::Model;
     use std::time::Duration;
 

@@ -3,9 +3,8 @@
 
 use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Action;
-use crate::app::document::cursor::{PlayOver, level_range, octave_range, slope_limit, stepped};
-use crate::app::document::side::Side;
+use crate::app::document::cursor::{level_range, octave_range, slope_limit, stepped};
+use crate::app::document::{Action, PlayOver, Side};
 use crate::app::panel::widgets::{CursorRow, hint, named, section_ui, slider_track, wheel_over};
 use crate::app::results::Read;
 use crate::detector::localise::rim_radius;

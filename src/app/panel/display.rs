@@ -3,8 +3,8 @@
 use crate::app::actions::Queue;
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::ColourBy;
-use crate::app::document::Action;
-use crate::app::document::look::{FeaturesShown, Look, RangeClass, SMOOTHING_PX};
+use crate::app::document::look::SMOOTHING_PX;
+use crate::app::document::{Action, FeaturesShown, Look, RangeClass};
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;

@@ -1,10 +1,8 @@
 //! Methods that are compared: how their panes are laid out, their gold standards, and the table of their numbers.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Action;
-use crate::app::document::method::MethodId;
 use crate::app::document::panes::Change;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, MethodId, Side};
 use crate::app::pane::{MethodsPreset, Over};
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
 use crate::app::panel::widgets::{in_time, label_ui, progress_text, progress_ui, section_ui};

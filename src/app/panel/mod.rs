@@ -28,8 +28,7 @@ pub mod widgets;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::app::document::comparison::Reference;
-    use crate::app::document::{Action, Document, Queue};
+    use crate::app::document::{Action, Document, Queue, Reference};
     use crate::app::results::{Model, Read};
     use crate::app::{dataset, workspace};
     use crate::detector::{Quantity, SlopeGrid, Test};

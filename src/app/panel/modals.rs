@@ -1,7 +1,7 @@
 //! Small dialogs: the calibration of files, the choice of one burst of several, and the box about the program.
 
 use crate::app::actions::ActionId;
-use crate::app::document::export::Purpose;
+use crate::app::document::Purpose;
 use crate::app::panel::widgets::named;
 use crate::app::settings::Settings;
 use crate::burst::{FrameRange, OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};

@@ -2,8 +2,7 @@
 
 use crate::app::actions::Queue;
 use crate::app::canvas::number as in_digits;
-use crate::app::document::Action;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Side};
 use crate::app::panel::widgets::{instead_ui, warning_ui};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::noise_model::NoiseModel;

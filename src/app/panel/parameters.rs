@@ -1,9 +1,7 @@
 //! Parameters of the detector: slopes, gate and number of features, and folded below them all others.
 
 use crate::app::actions::{ActionId, Queue, button_ui, enabled};
-use crate::app::document::Action;
-use crate::app::document::panes::Panels;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Panels, Side};
 use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::widgets::section_ui;

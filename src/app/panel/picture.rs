@@ -2,8 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{Quantity, Readout, overlay};
-use crate::app::document::filter::Filter;
-use crate::app::document::look::{FeaturesShown, RangeClass};
+use crate::app::document::{FeaturesShown, Filter, RangeClass};
 use crate::app::measure::Tool;
 use crate::app::panel::widgets::paint;
 use crate::app::results::{Read, Stale};

@@ -1,7 +1,7 @@
 //! Selected feature: its numbers, patches and descriptor. The last two are also drawn for matches.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
 use crate::app::results::Read;

@@ -1,8 +1,7 @@
 //! Status bar, and the messages above it: errors, the offer to restore a session, and advice after a detection.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Action;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Side};
 use crate::app::messages::Messages;
 use crate::app::panel::widgets::{confirm_ui, named, progress_text, text_width, with_whole_numbers};
 use crate::app::recovery::{Offer, RecoveryChoice};

@@ -3,9 +3,8 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::clipboard::feature_text;
-use crate::app::document::filter::{Filter, Interval, Order, at_slope, range_name, ranged, ranged_quantities};
-use crate::app::document::side::Side;
-use crate::app::document::{Action, Pointed};
+use crate::app::document::filter::{at_slope, range_name, ranged, ranged_quantities};
+use crate::app::document::{Action, Filter, Interval, Order, Pointed, Side};
 use crate::app::inspector::copy_ui;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
 use crate::app::results::Read;

@@ -3,9 +3,7 @@
 use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
-use crate::app::document::panes::Destination;
-use crate::app::document::side::Side;
-use crate::app::document::{Action, Pointed};
+use crate::app::document::{Action, Destination, Pointed, Side};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};

@@ -1,8 +1,8 @@
 //! Toolbar: open, the kind of picture, detect.
 
 use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled, keys_text, shown_by, tooltip};
+use crate::app::document::Side;
 use crate::app::document::cursor::ViewKind;
-use crate::app::document::side::Side;
 use crate::app::panel::widgets::{in_time, progress_text, progress_ui};
 use crate::app::parts::mark;
 use crate::app::results::Read;

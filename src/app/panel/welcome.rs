@@ -3,8 +3,7 @@
 
 use crate::app::actions::menu::dataset_label;
 use crate::app::actions::{ActionId, Queue, keys_text, tooltip};
-use crate::app::document::Action;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Side};
 use crate::app::lesson::{Chosen, Lessons};
 use crate::app::panel::widgets::{named, progress_ui};
 use crate::app::results::Read;

@@ -1,8 +1,7 @@
 //! Explanations of detections: the slopes and the candidates of the one on show, and how evenly the frames contribute
 //! to each feature of either burst (its coherence).
 
-use crate::app::document::look::FeaturesShown;
-use crate::app::document::side::{Side, Sides};
+use crate::app::document::{FeaturesShown, Side, Sides};
 use crate::app::results::Read;
 use crate::app::view::ColourBy;
 use crate::detector::{Detection, Feature, Method, Moves, Quantity};

@@ -3,11 +3,7 @@
 //! Nothing in this room changes what is set. Panels and panes get `Read`, whose methods are values of the document and
 //! the results; `app/apply` takes the answers and requests what is missing.
 
-use crate::app::document::Document;
-use crate::app::document::export::Purpose;
-use crate::app::document::filter::SavedSelection;
-use crate::app::document::history::History;
-use crate::app::document::side::{Side, Sides};
+use crate::app::document::{Document, History, Purpose, SavedSelection, Side, Sides};
 use crate::app::messages::Messages;
 use crate::app::pane::PaneId;
 use crate::app::results::own::Own;

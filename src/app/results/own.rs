@@ -1,8 +1,7 @@
 //! What is set for one burst and is not that of the next: its mask, times, views and part, its slopes and frames used, and
 //! the filter of its features. Another burst begins without them, and the line that says so offers them to it.
 
-use crate::app::document::filter::Filter;
-use crate::app::document::side::Side;
+use crate::app::document::{Filter, Side};
 use crate::app::results::Read;
 use crate::burst::OpenOptions;
 use crate::detector::{FrameRange, SlopeGrid, Slopes};

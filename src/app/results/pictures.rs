@@ -2,11 +2,8 @@
 //! Panes get the same range in whichever order their pictures are made: a shared one is set by the pane in focus, or by
 //! the first in reading order that shows the class.
 
-use crate::app::document::Action;
-use crate::app::document::cursor::{PlayOver, ViewKind, octave_range, row_of};
-use crate::app::document::export::FilmContent;
-use crate::app::document::look::RangeClass;
-use crate::app::document::side::Side;
+use crate::app::document::cursor::{ViewKind, octave_range, row_of};
+use crate::app::document::{Action, FilmContent, PlayOver, RangeClass, Side};
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeAxis};

@@ -3,8 +3,7 @@
 //! One place of one burst is probed at a time. Swapping the sides takes the probe along with its burst.
 
 use crate::app::document::cursor::ViewKind;
-use crate::app::document::probe::Probe;
-use crate::app::document::side::Side;
+use crate::app::document::{Probe, Side};
 use crate::app::pane::{Pane, PaneId};
 use crate::app::results::Read;
 use crate::detector::scale_space::ScaleSpace;

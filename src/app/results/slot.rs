@@ -1,9 +1,8 @@
 //! Slot of one of the two bursts: the burst, its features, their comparison with others, and the requests for it. What
 //! was opened is never overwritten.
 
-use crate::app::document::filter::{Filter, Order, SavedSelection, near_slope};
-use crate::app::document::probe::SetUpState;
-use crate::app::document::side::Side;
+use crate::app::document::filter::near_slope;
+use crate::app::document::{Filter, Order, SavedSelection, SetUpState, Side};
 use crate::app::results::Read;
 use crate::app::results::comparison::ComparisonResults;
 use crate::app::results::own::Own;

@@ -1,7 +1,6 @@
 //! Studies: the Lab's, with the curves so far and the chart on show, and that of estimated and true trajectories.
 
-use crate::app::document::lab::{LabQuestion, LabSet};
-use crate::app::document::side::Side;
+use crate::app::document::{LabQuestion, LabSet, Side};
 use crate::app::results::Read;
 use crate::engine::Wanted;
 use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};

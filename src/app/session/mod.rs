@@ -5,10 +5,7 @@ mod restoring;
 pub use restoring::{OfCase, Restoring, of_case};
 
 use super::document::{Document, Steps};
-use crate::app::document::comparison::{Comparison, Reference};
-use crate::app::document::filter::{SavedMatch, SavedSelection};
-use crate::app::document::probe::Probe;
-use crate::app::document::side::Side;
+use crate::app::document::{Comparison, Probe, Reference, SavedMatch, SavedSelection, Side};
 use crate::app::pane::{PaneGroup, Panes};
 use crate::app::results::Read;
 use crate::detector::Slopes;

@@ -2,9 +2,7 @@
 
 use super::Session;
 use crate::app::actions::ActionId;
-use crate::app::document::action::{Reselect, Staged};
-use crate::app::document::side::Side;
-use crate::app::document::{Action, Document};
+use crate::app::document::{Action, Document, Reselect, Side, Staged};
 use crate::app::results::Read;
 use crate::export::case::{is_case, read_about};
 use crate::requests::{BurstSource, JobId, OpenRequest};

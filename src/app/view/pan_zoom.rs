@@ -257,7 +257,6 @@ impl RectTransform {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::pos2;
     use proptest::prelude::*;
 
     const SIZE: (usize, usize) = (1600, 1200);

@@ -292,7 +292,6 @@ pub fn circle_at(
 mod tests {
     use super::*;
     use crate::detector::params::slope_grid::Slope;
-    use egui::pos2;
 
     pub(super) fn feature(u: f32, v: f32, sigma: f32, slope: (f32, f32), response: f32) -> Feature {
         let slope = Slope::new(slope.0, slope.1);

@@ -2,8 +2,7 @@
 
 use super::{FOUND, MISSED};
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Action;
-use crate::app::document::lab::{Lab, LabSet};
+use crate::app::document::{Action, Lab, LabSet};
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
 use crate::app::results::Read;

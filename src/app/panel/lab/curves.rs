@@ -2,10 +2,7 @@
 
 use super::curve_colour;
 use crate::app::actions::Queue;
-use crate::app::document::Action;
-use crate::app::document::lab::LabSet;
-use crate::app::document::method::{CompareLook, MethodId};
-use crate::app::document::side::Side;
+use crate::app::document::{Action, CompareLook, LabSet, MethodId, Side};
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::Read;
 use crate::app::results::studies::LabResult;

@@ -1,6 +1,6 @@
 //! The form of a study: a row for each setting that its question asks for, made from the record of the setting.
 
-use crate::app::document::lab::{Lab, LabQuestion};
+use crate::app::document::{Lab, LabQuestion};
 use crate::app::panel::widgets::name_field;
 use crate::recover::{Contrast, Shape, bounds};
 use crate::synth::Motion;

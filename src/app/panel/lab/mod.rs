@@ -6,8 +6,7 @@ mod form;
 pub mod planted;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Action;
-use crate::app::document::lab::{Lab, LabQuestion};
+use crate::app::document::{Action, Lab, LabQuestion};
 use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui};
 use crate::app::results::Read;
 use crate::app::results::studies::Studies;

@@ -6,10 +6,7 @@ mod response;
 mod shares;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Action;
-use crate::app::document::look::FeaturesShown;
-use crate::app::document::panes::Destination;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Destination, FeaturesShown, Side};
 use crate::app::panel::selection::texture_of;
 use crate::app::panel::widgets::{named, paint, progress_ui, section_ui, warning_ui, weak_ui};
 use crate::app::parts::mark;

@@ -3,9 +3,8 @@
 use super::colour_bar::{ColourBar, range_of};
 use super::{PlaneTexture, colour_bar, strength_text};
 use crate::app::actions::Queue;
-use crate::app::document::Action;
 use crate::app::document::cursor::ViewKind;
-use crate::app::document::panes::Destination;
+use crate::app::document::{Action, Destination};
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use crate::detector::Slope;

@@ -2,9 +2,8 @@
 
 use super::PlaneTexture;
 use crate::app::actions::Queue;
-use crate::app::document::Action;
 use crate::app::document::cursor::ViewKind;
-use crate::app::document::panes::Destination;
+use crate::app::document::{Action, Destination};
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::Read;
 use crate::app::style::ACCENT;

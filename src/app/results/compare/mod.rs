@@ -3,8 +3,7 @@
 //! With a second burst open, each method also runs on that one, and its features of both are matched, so that matches
 //! can be compared too.
 
-use crate::app::document::method::MethodId;
-use crate::app::document::side::{Side, Sides};
+use crate::app::document::{MethodId, Side, Sides};
 use crate::app::results::Read;
 use crate::app::results::pair::Matches;
 use crate::detector::{Detection, DetectorParams};

@@ -6,8 +6,7 @@ mod rows;
 
 pub use rows::Row;
 
-use crate::app::document::comparison::{Compared, Comparison, Reference};
-use crate::app::document::side::Side;
+use crate::app::document::{Compared, Comparison, Reference, Side};
 use crate::app::results::Read;
 use crate::detector::{Detection, SearchParams};
 use crate::engine::Wanted;

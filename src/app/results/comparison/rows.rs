@@ -1,6 +1,6 @@
 //! Rows of a comparison: one for each feature of ours or theirs, with its kind.
 
-use crate::app::document::comparison::{Compared, Reference};
+use crate::app::document::{Compared, Reference};
 use crate::detector::{Detection, Feature, Sample, Slope};
 use crate::inspect::place::ProbeSubject;
 use crate::inspect::result::{AgainstTruth, Changes, Spot};

@@ -1,7 +1,6 @@
 //! A dataset with the states of its bursts and the matches of its pairs.
 
-use crate::app::document::datasets::DatasetChoice;
-use crate::app::document::side::Sides;
+use crate::app::document::{DatasetChoice, Sides};
 use crate::app::results::datasets::pairs::PairTable;
 use crate::burst::BurstFiles;
 use crate::dataset::{FinishedBurst, image_name};

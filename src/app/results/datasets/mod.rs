@@ -1,6 +1,6 @@
 //! State of datasets, as plain values: the bursts with their states, the matches of their pairs, the work in progress.
 
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::app::results::{Effect, Read};
 use crate::engine::{Engine, Wanted};
 use crate::requests::{BurstSource, DatasetRequest};

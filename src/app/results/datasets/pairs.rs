@@ -1,7 +1,6 @@
 //! The matches of a dataset's pairs in numbers, and in which order they are listed.
 
-use crate::app::document::datasets::{BurstPair, PairColumn};
-use crate::app::document::filter::Order;
+use crate::app::document::{BurstPair, Order, PairColumn};
 use crate::matching::{MatchCounts, MatchParams};
 use std::collections::BTreeMap;
 

@@ -1,6 +1,6 @@
 //! Losses on the way to a match: the step at which each feature of A was lost, and the details of one feature.
 
-use crate::app::document::side::Side;
+use crate::app::document::Side;
 use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches};
 use crate::detector::Feature;

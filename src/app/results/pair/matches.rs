@@ -1,8 +1,6 @@
 //! Matches of two bursts with what they were made from, the columns of their table, and their display settings.
 
-use crate::app::document::filter::{Order, SavedMatch};
-use crate::app::document::pair::{MatchColumn, MatchLook};
-use crate::app::document::side::Side;
+use crate::app::document::{MatchColumn, MatchLook, Order, SavedMatch, Side};
 use crate::app::view::{fixed, number, signed};
 use crate::detector::quantity::Form;
 use crate::detector::{Detection, Feature};

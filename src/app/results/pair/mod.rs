@@ -9,9 +9,7 @@ pub use lost::{LostFeatures, PATCHES, lost_label};
 
 pub use matches::{MatchRow, Matches};
 
-use crate::app::document::filter::{Order, SavedMatch};
-use crate::app::document::pair::{MatchColumn, MatchLook};
-use crate::app::document::side::Side;
+use crate::app::document::{MatchColumn, MatchLook, Order, SavedMatch, Side};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::Wanted;

@@ -2,8 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
-use crate::app::document::Action;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Side};
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
 use crate::app::results::Read;

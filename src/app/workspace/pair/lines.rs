@@ -3,10 +3,7 @@
 use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
 use crate::app::canvas::{CanvasOutput, overlay};
-use crate::app::document::method::MethodId;
-use crate::app::document::pair::MatchesAs;
-use crate::app::document::side::Side;
-use crate::app::document::{Action, Pointed};
+use crate::app::document::{Action, MatchesAs, MethodId, Pointed, Side};
 use crate::app::inspector::{Drawn, JoinedPanes, chip_ui, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};

@@ -1,8 +1,7 @@
 //! Parameters of matching: all of them, with unit, default, effect of raising it, and error.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::Action;
-use crate::app::document::side::Side;
+use crate::app::document::{Action, Side};
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::parameter_rows::ParamTable;
 use crate::app::panel::parameters::fold_ui;

@@ -1,9 +1,7 @@
 //! Tables of two bursts: the matches, and where the other features of A were lost; and the numbers of the pair.
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::document::Action;
-use crate::app::document::pair::{MatchColumn, PairTab};
-use crate::app::document::side::Side;
+use crate::app::document::{Action, MatchColumn, PairTab, Side};
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
