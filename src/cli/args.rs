@@ -1,6 +1,6 @@
 //! Arguments that several commands share, and those of the plain commands: names, kinds and help texts.
 
-use super::search_options::SearchArgs;
+use super::SearchArgs;
 use crate::burst::{FrameRange, OpenOptions};
 use crate::detector::params::doc;
 use crate::detector::{Combine, Slope, memory};

@@ -1,9 +1,7 @@
 //! `report`: a burst on one page.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
-use super::failure::Failure;
-use super::inputs::{OneBurst, check_ending};
 use super::probe::parse_place;
+use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, check_ending};
 use crate::burst::Info;
 use crate::export::{write_drawing, write_text};
 use crate::files::mark::OutputKind;

@@ -1,9 +1,7 @@
 //! `case` writes a burst, its settings and the question about it into one file.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
-use super::failure::Failure;
-use super::inputs::{OneBurst, check_ending};
 use super::probe::{check_inside, parse_place};
+use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, check_ending};
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::files::path_text;
 use crate::inspect::result::truth_of;

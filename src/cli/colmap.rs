@@ -1,11 +1,7 @@
 //! `colmap`: writes the input of COLMAP's mapper from a dataset of bursts.
 
-use super::args::{BurstSearchArgs, SequenceArgs};
-use super::console::Console;
-use super::failure::Failure;
-use super::inputs::{Input, open_options, resolve_bursts};
-use super::matching_args::MatchingArgs;
 use super::report::FailureReport;
+use super::{BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, open_options, resolve_bursts};
 use crate::burst::BurstFiles;
 use crate::dataset::{
     BurstEvent, CameraChoice, ColmapJob, ColmapReport, Comparison, FeatureJob, FeatureStore, GatherReport, ImageKind,

@@ -1,8 +1,7 @@
 //! Terminal of a command: results on the standard output, progress on the standard error, signals cancel the work.
 
-use super::args::OutputArgs;
-use super::failure::{Failure, complain, print, print_json, printable};
-use super::signals;
+use super::failure::{complain, print, print_json, printable};
+use super::{Failure, OutputArgs, signals};
 use crate::detector::{REVISION, memory};
 use crate::monitor::Monitor;
 use anyhow::Context;

@@ -1,8 +1,6 @@
 //! `decoys` reports how much of a search's features it finds as well when the frames are in other orders.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
-use super::failure::Failure;
-use super::inputs::OneBurst;
+use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs};
 use crate::inspect::ProbeCache;
 use crate::inspect::report::decoys_text;
 use crate::inspect::result::{DecoyStudy, decoys};

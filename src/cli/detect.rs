@@ -1,10 +1,8 @@
 //! `detect`: features of one or many bursts.
 
 use super::args::DetectArgs;
-use super::console::Console;
-use super::failure::Failure;
-use super::inputs::{Input, open_options, resolve_bursts};
 use super::report::{BurstReport, DetectReport, FailureReport, summary};
+use super::{Console, Failure, Input, open_options, resolve_bursts};
 use crate::burst::{Burst, OpenOptions};
 use crate::dataset::CameraChoice;
 use crate::detect::{Searched, search};

@@ -1,13 +1,11 @@
 //! `evaluate`: measures the detector against known truth.
 
-use super::console::Console;
 use super::evaluate_args::{AccuracyArgs, AdviceArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
 use super::evaluate_tables::{
     accuracy_table, accuracy_text, advice_tables, chart_text, methods_table, noise_table, noise_text,
 };
-use super::failure::Failure;
 use super::study::{StudySearch, chart_study, check_figures, searched, write_figure};
-use super::{evaluate_frames, evaluate_matches, evaluate_poses};
+use super::{Console, Failure, evaluate_frames, evaluate_matches, evaluate_poses};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
 use crate::evaluate::accuracy::{AccuracyReport, discs_apart};

@@ -1,12 +1,10 @@
 //! The arguments of `evaluate` as they are written.
 
-use super::args::{OutputArgs, OverwriteArgs};
-use super::charts_args::{ChartsArgs, ComparedArgs};
 use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
-use super::search_options::SearchArgs;
 use super::study::{FIGURE_FILE, TableArgs, figure_file};
+use super::{ChartsArgs, ComparedArgs, OutputArgs, OverwriteArgs, SearchArgs};
 use crate::burst::ViewGrid;
 use crate::evaluate::NoiseStudy;
 use crate::evaluate::advice::AdviceStudy;

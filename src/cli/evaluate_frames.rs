@@ -1,12 +1,11 @@
 //! `evaluate frames`: measures how results depend on the number of frames, on charts or in a given burst.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
-use super::charts_args::{ChartsArgs, ComparedArgs};
-use super::console::Console;
 use super::evaluate_tables::{burst_frames_table, burst_frames_text, chart_text, methods_table};
-use super::failure::Failure;
-use super::inputs::{Input, open_options, resolve_one, resolve_pair};
 use super::study::{FIGURE_FILE, chart_study, check_figures, figure_file, write_figure};
+use super::{
+    BurstSearchArgs, ChartsArgs, ComparedArgs, Console, Failure, INPUT_HELP, Input, OverwriteArgs, open_options,
+    resolve_one, resolve_pair,
+};
 use crate::burst::Burst;
 use crate::detector::params::doc;
 use crate::evaluate::chart::FRAME_COUNTS;

@@ -1,12 +1,8 @@
 //! `evaluate matches`: counts the matches of a dataset's bursts, method by method.
 
-use super::args::{BurstSearchArgs, SequenceArgs};
-use super::console::Console;
-use super::failure::Failure;
-use super::inputs::{Input, open_options, resolve_bursts};
-use super::matching_args::MatchingArgs;
 use super::study::{StudySearch, TableArgs, once_each, searched_by, write_figure};
 use super::synth::levels_of;
+use super::{BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, open_options, resolve_bursts};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;

@@ -1,9 +1,7 @@
 //! `evaluate poses`: compares an estimated trajectory with the true one.
 
-use super::args::OutputArgs;
-use super::console::Console;
-use super::failure::Failure;
 use super::study::{TableArgs, write_figure};
+use super::{Console, Failure, OutputArgs};
 use crate::burst::OpenOptions;
 use crate::evaluate::poses::{ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory};
 use crate::export::{Cell, POSE_COLUMNS, Table};

@@ -1,9 +1,7 @@
 //! `figures`: remakes every figure and table of the paper.
 
-use super::args::OutputArgs;
-use super::console::Console;
-use super::failure::Failure;
 use super::study::once_each;
+use super::{Console, Failure, OutputArgs};
 use crate::figures::{FigureSize, FiguresEvent, FiguresJob, PaperFigure, find_colmap};
 use clap::Args;
 use std::path::PathBuf;

@@ -1,8 +1,7 @@
 //! `film` writes a sweep over slope, scale or frames as an animation.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, parse_slope};
-use super::failure::Failure;
-use super::inputs::OneBurst;
+use super::args::parse_slope;
+use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs};
 use crate::detect::search;
 use crate::detector::{Method, SearchParams, Slope};
 use crate::export::film::{estimated_film_bytes, is_film};

@@ -1,10 +1,7 @@
 //! `info`: what an input is, from the headers of its files.
 
-use super::args::{INPUT_HELP, OutputArgs};
-use super::console::Console;
-use super::failure::Failure;
-use super::inputs::{open_options, resolve};
 use super::report::FailureReport;
+use super::{Console, Failure, INPUT_HELP, OutputArgs, open_options, resolve};
 use crate::burst::{Info, OpenOptions};
 use clap::Args;
 use serde::Serialize;

@@ -3,9 +3,7 @@
 //! Each folder is resolved on its own, so that an unreadable one does not stop the others. Files are resolved together:
 //! several pictures are the frames of one burst.
 
-use super::args::{BurstSearchArgs, OverwriteArgs, SequenceArgs};
-use super::console::Console;
-use super::failure::Failure;
+use super::{BurstSearchArgs, Console, Failure, OverwriteArgs, SequenceArgs};
 use crate::burst::{
     Burst, BurstFiles, Entries, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries, name_among_several,
 };

@@ -1,13 +1,9 @@
 //! `match`: finds the features of two bursts and matches them.
 
-use super::args::{BurstSearchArgs, OverwriteArgs};
-use super::console::Console;
 use super::detect::{DetectJob, detect_burst};
 use super::evaluate_tables::or_dash;
-use super::failure::Failure;
-use super::inputs::{open_options, resolve_pair};
-use super::matching_args::MatchingArgs;
 use super::report::BurstReport;
+use super::{BurstSearchArgs, Console, Failure, MatchingArgs, OverwriteArgs, open_options, resolve_pair};
 use crate::burst::Burst;
 use crate::dataset::{DetectedBurst, match_bursts, match_rows};
 use crate::detector::params::Word;

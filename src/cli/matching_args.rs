@@ -2,7 +2,7 @@
 //!
 //! Names and help texts are those of [`crate::matching::params::doc`].
 
-use super::failure::Failure;
+use super::Failure;
 use super::search_options::{Given, option};
 use crate::dataset::camera::read_camera;
 use crate::matching::params::doc;

@@ -51,8 +51,16 @@ pub use report::burst_document;
 use crate::burst::{DecodeWorker, serve_decoding};
 use crate::files::MAX_INTEGER;
 use crate::plane::memory;
+use args::{BurstSearchArgs, INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs};
+use charts_args::{ChartsArgs, ComparedArgs};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use commands::{Cli, Command};
+use console::Console;
+use inputs::{
+    DEMO, Input, OneBurst, check_ending, open_options, opened, resolve, resolve_bursts, resolve_one, resolve_pair,
+};
+use matching_args::MatchingArgs;
+use search_options::SearchArgs;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 use std::process::ExitCode;

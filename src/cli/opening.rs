@@ -1,8 +1,7 @@
 //! Resolves typed arguments to what the window opens: one burst, two side by side, a dataset, or a session.
 
-use super::args::SequenceArgs;
-use super::failure::{Failure, complain};
-use super::inputs::{Input, resolve, resolve_one};
+use super::failure::complain;
+use super::{Failure, Input, SequenceArgs, resolve, resolve_one};
 use crate::burst::{OpenOptions, SequenceCut};
 use crate::dataset::DatasetSource;
 use crate::error::ErrorKind;

@@ -1,11 +1,9 @@
 //! `probe` reports why a place has a feature, or why not; `slopes` reports the slopes that a burst needs.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs, two};
-use super::console::Console;
-use super::failure::Failure;
-use super::inputs::OneBurst;
+use super::args::two;
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use super::study::{FIGURE_FILE, figure_file};
+use super::{BurstSearchArgs, Console, Failure, INPUT_HELP, OneBurst, OverwriteArgs};
 use crate::burst::Positions;
 use crate::error::Error;
 use crate::files::path_text;

@@ -1,9 +1,7 @@
 //! `recover` plants things in a burst and reports which of them the search finds.
 
-use super::args::{BurstSearchArgs, INPUT_HELP, OverwriteArgs};
-use super::failure::Failure;
-use super::inputs::{OneBurst, check_ending};
 use super::study::{FIGURE_FILE, check_figures, figure_file, write_figure};
+use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, check_ending};
 use crate::detector::SearchParams;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::recover::RecoverStudy;

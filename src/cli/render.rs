@@ -1,11 +1,8 @@
 //! `render`: draws the window into a PNG file, without a display.
 
-use super::args::{INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs, parse_slope};
-use super::console::Console;
-use super::failure::Failure;
-use super::inputs::resolve;
+use super::args::parse_slope;
 use super::opening::{Opening, what_to_open};
-use super::search_options::SearchArgs;
+use super::{Console, Failure, INPUT_HELP, OutputArgs, OverwriteArgs, SearchArgs, SequenceArgs, resolve};
 use crate::app::actions::registry::ActionId;
 use crate::app::document::cursor::ViewKind;
 use crate::app::document::journal::read_steps;

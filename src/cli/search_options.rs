@@ -3,7 +3,7 @@
 //! Names and help texts are those of [`crate::detector::params::doc`]. A parameter file is read first, then each given
 //! option overrides its value; the result is checked once.
 
-use super::failure::Failure;
+use super::Failure;
 use crate::detector::SearchParams;
 use crate::detector::params::{AUTO, Field, Param, doc};
 use crate::export::case::{is_case, read_about};

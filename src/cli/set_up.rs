@@ -1,9 +1,8 @@
 //! `slopes --speed …`: slopes from the set-up of camera and scene, and the depths that slopes then mean.
 
 use super::args::two;
-use super::console::Console;
 use super::evaluate_tables::{or_dash, table};
-use super::failure::Failure;
+use super::{Console, Failure};
 use crate::burst::Positions;
 use crate::detector::{DetectorParams, Slope};
 use crate::inspect::slopes::{SetUp, SetUpSlopes, Spectrum};

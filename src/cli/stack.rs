@@ -1,9 +1,7 @@
 //! `stack` writes a motion stack, its DoG response, all in focus or the field as TIFF; `merge` the merged frames.
 
 use super::args::{MergeArgs, StackArgs};
-use super::console::Console;
-use super::failure::Failure;
-use super::inputs::{OneBurst, check_ending, open_options, resolve_one};
+use super::{Console, Failure, OneBurst, check_ending, open_options, resolve_one};
 use crate::SlopeGrid;
 use crate::baseline::merge_burst;
 use crate::detect::prepare;

@@ -1,10 +1,6 @@
 //! Parts that the studies share: search parameters, the study of charts, and files of plots and tables.
 
-use super::args::OverwriteArgs;
-use super::charts_args::{ChartsArgs, ComparedArgs};
-use super::console::Console;
-use super::failure::Failure;
-use super::search_options::SearchArgs;
+use super::{ChartsArgs, ComparedArgs, Console, Failure, OverwriteArgs, SearchArgs};
 use crate::burst::OpenOptions;
 use crate::detector::params::doc;
 use crate::detector::{DetectorParams, SlopeGrid, Slopes};

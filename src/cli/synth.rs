@@ -1,9 +1,6 @@
 //! `synth`: writes bursts with exactly known truth, and noisy copies of real ones.
 
-use super::args::{INPUT_HELP, OutputArgs};
-use super::console::Console;
-use super::failure::Failure;
-use super::inputs::{Input, open_options, opened, resolve};
+use super::{Console, Failure, INPUT_HELP, Input, OutputArgs, open_options, opened, resolve};
 use crate::burst::{Burst, OpenOptions};
 use crate::export::{OutputRules, Overwrite, safe_file_name};
 use crate::files::path_text;

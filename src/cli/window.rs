@@ -1,15 +1,11 @@
 //! Opens the window when no command is given; without a display draws it into a file and prints the features.
 
-use super::args::OutputArgs;
-use super::commands::{Cli, Command};
-use super::console::Console;
-use super::failure::{Failure, print};
-use super::inputs::{DEMO, Input};
+use super::failure::print;
 use super::opening::{Opening, what_to_open};
 use super::render::{drawn, startup_of};
 use super::report::unsigned_zero;
 use super::search_options::read_params;
-use super::signals;
+use super::{Cli, Command, Console, DEMO, Failure, Input, OutputArgs, signals};
 use crate::app::{RenderOptions, Startup};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;

@@ -1,8 +1,8 @@
 //! Kinds of background work: each with its urgency, a function from requests to answers, and a place where these are
 //! polled. Before the one answer, work may report partial results.
 
-use super::queue::{JobKey, JobQueue, Lane, Manner, Publish, QueuedJob, Standing};
-use super::{OnUpdate, fault};
+use super::queue::{JobKey, Lane, Manner, Publish, QueuedJob, Standing};
+use super::{JobQueue, OnUpdate, fault};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, JobId, Running, Urgency};
 use std::convert::Infallible;

@@ -1,7 +1,7 @@
 //! Tasks: small work that must not block the window, such as writing a file, finished even when the window closes.
 
+use super::JobQueue;
 use super::jobs::{JobAnswer, Jobs};
-use super::queue::JobQueue;
 use crate::monitor::Monitor;
 use crate::requests::{JobError, Urgency};
 use std::collections::HashMap;

@@ -1,8 +1,6 @@
 //! Comparison of the features of a burst with others: an earlier result, features of a file, or the truth.
 
-use super::error::JobError;
-use super::open::OpenBurst;
-use super::request::{Request, Work};
+use super::{JobError, OpenBurst, Request, Work};
 use crate::detect::search;
 use crate::detector::{Detection, DetectorParams, SearchParams};
 use crate::inspect::result::{AgainstTruth, Changes, ForeignFeature, Spot, against_truth, compare, read_features};

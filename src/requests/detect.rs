@@ -1,10 +1,7 @@
 //! Opening a burst, finding its features, matching those of two, and the steps of the comparison of methods, which are
 //! the last two with times that can be compared; and the command line that finds the same features.
 
-use super::error::JobError;
-use super::open::{BurstId, OpenBurst};
-use super::request::{Request, Work};
-use super::source::BurstSource;
+use super::{BurstId, BurstSource, JobError, OpenBurst, Request, Work};
 use crate::burst::OpenOptions;
 use crate::dataset::{DetectedBurst, match_bursts};
 use crate::detect;

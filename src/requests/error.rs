@@ -1,6 +1,6 @@
 //! Errors of requests.
 
-use super::source::BurstSource;
+use super::BurstSource;
 use crate::burst::Dump;
 use crate::dataset::BurstPicture;
 use crate::error::Error;

@@ -1,11 +1,8 @@
 //! Explanations of a detection: the spectrum of slopes, the survey of candidates and the false rate by decoys, the
 //! losses of features whose truth is known, the fate of single places and candidates, and the shares of the frames.
 
-use super::detect::MatchRequest;
-use super::error::JobError;
-use super::open::BurstId;
-use super::request::{Caches, Request, Urgency, Work};
-use super::trail::{DetectionSource, trail_and_rest};
+use super::trail::trail_and_rest;
+use super::{BurstId, Caches, DetectionSource, JobError, MatchRequest, Request, Urgency, Work};
 use crate::detector::{Detection, ParamChange, Slope, Test};
 use crate::inspect::ProbeCache;
 use crate::inspect::pair::{ComparedPair, Losses, Lost, NearestOfBoth};

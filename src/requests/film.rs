@@ -1,8 +1,7 @@
 //! A sweep over slope, scale or frames as a film: each step as a figure with its features, its numbers and the meaning of
 //! the colours.
 
-use super::map::SlopeColours;
-use super::open::OpenBurst;
+use super::{OpenBurst, SlopeColours};
 use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{dog_view, stack_view};
 use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Scale, Slope, SlopeGrid, memory};

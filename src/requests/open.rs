@@ -1,7 +1,6 @@
 //! Open bursts, and how they are opened.
 
-use super::error::{JobError, PossibleShape};
-use super::source::BurstSource;
+use super::{BurstSource, JobError, PossibleShape};
 use crate::burst::{Burst, LikelyShape, OpenOptions, find_bursts, likely_shapes};
 use crate::dataset::BurstPicture;
 use crate::error::{Error, ErrorKind};

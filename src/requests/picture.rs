@@ -1,8 +1,6 @@
 //! Pictures of a burst: a frame, a motion stack, a DoG response, a map, the merged frames, or a difference of two.
 
-use super::kind::{PictureKind, RangeClass, ViewKind};
-use super::map::MotionMap;
-use super::open::{BurstId, OpenBurst};
+use super::{BurstId, MotionMap, OpenBurst, PictureKind, RangeClass, ViewKind};
 use crate::detector::params::Stage;
 use crate::detector::{DetectorParams, Feature, FrameRange, Method, Scale};
 use crate::monitor::{Cancelled, Monitor};

@@ -1,10 +1,8 @@
 //! Computation of pictures, one or several at a time.
 
-use super::error::JobError;
-use super::kind::{PictureKind, ViewKind};
-use super::map::MotionMap;
-use super::picture::{PictureAnswer, PictureRequest};
-use super::request::{Caches, Request, Urgency, Work};
+use super::{
+    Caches, JobError, MotionMap, PictureAnswer, PictureKind, PictureRequest, Request, Urgency, ViewKind, Work,
+};
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
 use crate::detector::Interpolation;

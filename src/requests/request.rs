@@ -1,8 +1,6 @@
 //! Trait of all requests (an answer, an urgency, equality of two requests), and the progress of one that runs.
 
-use super::error::JobError;
-use super::picture::{PictureAnswer, PictureRequest};
-use super::trail::{NothingKept, TrailStore};
+use super::{JobError, NothingKept, PictureAnswer, PictureRequest, TrailStore};
 use crate::monitor::{Monitor, Progress};
 use std::time::{Duration, Instant};
 

@@ -1,8 +1,6 @@
 //! Measurements: studies of charts or the open burst, their single charts, the paper's figures, camera poses.
 
-use super::error::JobError;
-use super::open::OpenBurst;
-use super::request::{Request, Urgency, Work};
+use super::{JobError, OpenBurst, Request, Urgency, Work};
 use crate::evaluate::poses::{PoseReport, PoseStudy, Trajectory, evaluate_poses, read_trajectory};
 use crate::figures::{FiguresJob, FiguresReport};
 use crate::monitor::Stage;

@@ -1,7 +1,6 @@
 //! Trail of a detection: all that its search left behind, found in a store or made again.
 
-use super::error::JobError;
-use super::open::OpenBurst;
+use super::{JobError, OpenBurst};
 use crate::detector::{DetectorParams, SearchParams, SlopeFinding};
 use crate::inspect::ProbeCache;
 use crate::monitor::Monitor;

@@ -1,8 +1,7 @@
 //! Goals of a lesson's tasks: conditions that all have to hold.
 
 use super::part::{field_of, parameters};
-use super::state::{BottomTab, Layout, Workspace};
-use super::values::{Between, Near};
+use super::{Between, BottomTab, Layout, Near, Workspace};
 use crate::detector::{DetectorParams, Slope};
 use crate::matching::MatchParams;
 use crate::requests::ViewKind;

@@ -1,9 +1,7 @@
 //! Lessons: reading from a file or a folder, with errors that name the line, and those built into the program.
 
-use super::goal::Goal;
-use super::part::Part;
-use super::state::{Layout, State, Workspace};
 use super::values::{Text, text};
+use super::{Goal, Layout, Part, State, Workspace};
 use crate::error::{Error, ErrorKind};
 use crate::files::read_text;
 use serde::Deserialize;

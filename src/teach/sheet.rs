@@ -1,6 +1,6 @@
 //! A lesson on paper: its tasks with room for what was seen, its questions, and on a page of their own the answers.
 
-use super::lesson::{Lesson, Step};
+use super::{Lesson, Step};
 use std::fmt::Write as _;
 
 const ROOM: &str = "\n&nbsp;\n\n&nbsp;\n";

@@ -4,8 +4,7 @@ use crate::app::document::panes::Tool;
 use crate::app::document::{Reference, Side};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::{MAX_PANES, Over};
-use crate::app::results::Read;
-use crate::app::results::slot::Slot;
+use crate::app::results::{Read, Slot};
 use crate::detector::{Method, SlopeGrid};
 use crate::requests::BurstSource;
 

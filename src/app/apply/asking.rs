@@ -4,9 +4,7 @@
 
 use crate::app::apply::{comparison, dataset_answers, detection, explained, methods, pair, panes, probe, studies};
 use crate::app::document::Side;
-use crate::app::results::compare::MethodFound;
-use crate::app::results::pair::Matches;
-use crate::app::results::{Effect, Model, Read, Results};
+use crate::app::results::{Effect, Matches, MethodFound, Model, Read, Results};
 use crate::engine::{Ended, Engine, Want, Wanted};
 use crate::requests::{Compared, Detected, JobError, Request, Urgency};
 

@@ -1,8 +1,7 @@
 //! Comparisons with a reference: which one is on show, what is pinned, and the answers.
 
 use crate::app::document::{Compared, Comparison, FeaturesShown, PairTab, Reference, Side};
-use crate::app::results::comparison::ComparisonResults;
-use crate::app::results::{Model, Read};
+use crate::app::results::{ComparisonResults, Model, Read};
 use crate::engine::Ended;
 use crate::requests::{ComparisonRequest, JobError};
 use std::path::PathBuf;

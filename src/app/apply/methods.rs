@@ -3,8 +3,7 @@
 
 use crate::app::document::{MethodId, Side};
 use crate::app::pane::{MethodsPreset, PaneGroup};
-use crate::app::results::compare::MethodFound;
-use crate::app::results::{Effect, Model, Read};
+use crate::app::results::{Effect, MethodFound, Model, Read};
 use crate::burst::OpenOptions;
 use crate::engine::{Ended, Engine};
 use crate::requests::{BurstSource, Detected, OpenRequest};
@@ -85,8 +84,8 @@ mod tests {
     use crate::app::apply::pair::tests::pair;
 
     use crate::app::document::CompareLook;
+    use crate::app::results::Matches;
     use crate::app::results::compare::*;
-    use crate::app::results::pair::Matches;
     use crate::requests::CompareRequest;
     use std::sync::Arc;
     use std::time::Duration;

@@ -2,8 +2,7 @@
 
 use crate::app::apply::{comparison, datasets, pair, panes, params, probe};
 use crate::app::document::{Cursor, Filter, Side};
-use crate::app::results::own::Own;
-use crate::app::results::{Effect, Model, Read};
+use crate::app::results::{Effect, Model, Own, Read};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::detector::Slopes;

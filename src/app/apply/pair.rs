@@ -3,10 +3,8 @@
 use crate::app::apply::{comparison, explained, panes, params, probe};
 use crate::app::document::{Comparison, Cursor, Side};
 use crate::app::pane::{Content, Pane, PaneId};
-use crate::app::results::pair::Matches;
 use crate::app::results::pair::lost::{CANDIDATES, LostFeatures, Why};
-use crate::app::results::slot::Slot;
-use crate::app::results::{Model, Read};
+use crate::app::results::{Matches, Model, Read, Slot};
 use crate::engine::{Ended, Engine};
 use crate::inspect::pair::Losses;
 use crate::requests::{LossesRequest, MatchRequest, OpenBurst, PicturesRequest, are_stacked};

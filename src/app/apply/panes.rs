@@ -1,7 +1,7 @@
 //! Panes and their pictures: the arrangement, playing through the slopes, pictures that come, and their value ranges.
 
 use crate::app::apply::{methods, params};
-use crate::app::document::cursor::{ViewKind, back_and_forth};
+use crate::app::document::cursor::back_and_forth;
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Cursor, Destination, Document, PlayOver, RangeClass, Side, Visibility};
 use crate::app::pane::{PaneId, Preset};
@@ -10,7 +10,7 @@ use crate::app::results::{Model, Read};
 use crate::app::view::View;
 use crate::detector::{Feature, FrameRange};
 use crate::engine::Ended;
-use crate::requests::{PictureAnswer, PictureRequest};
+use crate::requests::{PictureAnswer, PictureRequest, ViewKind};
 use std::time::{Duration, Instant};
 
 pub fn change_panes(model: &mut Model, change: Change) {

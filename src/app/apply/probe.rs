@@ -2,8 +2,7 @@
 
 use crate::app::apply::{panes, params};
 use crate::app::document::{Probe, Side};
-use crate::app::results::probe::ProbeResults;
-use crate::app::results::{Model, Read};
+use crate::app::results::{Model, ProbeResults, Read};
 use crate::detector::{Slope, SlopeGrid, Slopes};
 use crate::engine::Ended;
 use crate::inspect::place::{ProbeSubject, nearest_slope};

@@ -3,9 +3,7 @@
 use crate::app::apply::{change, datasets, explained, methods, opening, pair, panes, params, probe, studies};
 use crate::app::document::{DatasetChoice, Document, History, Reselect, Side, Sides, Staged};
 use crate::app::pane::Preset;
-use crate::app::results::comparison::ComparisonResults;
-use crate::app::results::probe::ProbeResults;
-use crate::app::results::{Effect, Model, Read, Results, UserProject};
+use crate::app::results::{ComparisonResults, Effect, Model, ProbeResults, Read, Results, UserProject};
 use crate::burst::OpenOptions;
 use crate::engine::Engine;
 use crate::requests::{BurstSource, OpenRequest};

@@ -4,8 +4,7 @@
 use crate::app::apply::{opening, probe};
 use crate::app::document::datasets::Which;
 use crate::app::document::{LabSet, Side, Trajectories};
-use crate::app::results::studies::LabResult;
-use crate::app::results::studies::{ReadModel, TrajectoryResults};
+use crate::app::results::studies::{LabResult, ReadModel, TrajectoryResults};
 use crate::app::results::{Effect, Model, Read};
 use crate::app::view::View;
 use crate::engine::{Ended, Engine};

@@ -1,8 +1,7 @@
 //! Cameras of an estimated and a true trajectory: in a plane, as a strip of their 3D points, and as a list.
 
-use crate::app::actions::Queue;
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
-use crate::app::document::{Action, Pointed};
+use crate::app::document::{Action, Pointed, Queue};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::instead_ui;
 use crate::app::results::Read;

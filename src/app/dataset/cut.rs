@@ -1,7 +1,7 @@
 //! Questions before work on a dataset: whether and how a film is cut, and whether features may be replaced.
 
 use crate::app::panel::widgets::confirm_ui;
-use crate::app::results::datasets::Datasets;
+use crate::app::results::Datasets;
 use crate::burst::SequenceCut;
 use crate::dataset::DatasetSource;
 use crate::inspect::words::counted;

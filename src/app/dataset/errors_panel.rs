@@ -3,8 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Trajectories};
 use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
-use crate::app::results::Read;
-use crate::app::results::datasets::Dataset;
+use crate::app::results::{Dataset, Read};
 use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection};
 use crate::matching::ImageCounts;
 use egui::{DragValue, Grid, Label, RichText, Ui};

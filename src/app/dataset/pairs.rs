@@ -1,9 +1,8 @@
 //! Matches of all pairs of bursts: a matrix whose cells show inliers as colour and number, and a list.
 
 use super::filmstrip::side_colour;
-use crate::app::actions::Queue;
 use crate::app::document::datasets::pair_of;
-use crate::app::document::{Action, BurstPair, DatasetChoice, PairColumn, Side};
+use crate::app::document::{Action, BurstPair, DatasetChoice, PairColumn, Queue, Side};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::{instead_ui, middle_elided};
 use crate::app::results::datasets::pairs::PairTable;

@@ -15,8 +15,7 @@ use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
-use crate::app::results::Read;
-use crate::app::results::pair::{MatchRow, Matches};
+use crate::app::results::{MatchRow, Matches, Read};
 use crate::detector::{Feature, Quantity};
 use crate::export::{
     ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,

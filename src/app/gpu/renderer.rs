@@ -1,7 +1,7 @@
 //! Contents of the card between frames (pipeline, colour maps, pictures, bind groups), and the paint callback.
 
-use super::PictureId;
-use super::texture::{DeviceLimits, Layout, PictureTexture, wait_for_card};
+use super::texture::{Layout, PictureTexture, wait_for_card};
+use super::{DeviceLimits, PictureId};
 use crate::app::canvas::RectTransform;
 use crate::plane::Plane;
 use crate::plane::display::{ColourMap, Display};

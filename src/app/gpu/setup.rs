@@ -1,8 +1,8 @@
 //! Setup of the graphics device, and copies of the toolkit's own textures (letters, icons, small pictures): the toolkit
 //! hands each to the card once and forgets it, and a new device in place of a lost one must get them all again.
 
-use super::renderer::{Failures, PictureRenderer};
-use super::texture::DeviceLimits;
+use super::renderer::Failures;
+use super::{DeviceLimits, PictureRenderer};
 use egui::epaint::{ColorImage, ImageData, ImageDelta, TextureId};
 use egui::{Context, FullOutput, TextureOptions};
 use egui_wgpu::{RenderState, WgpuConfiguration, WgpuSetup, WgpuSetupCreateNew};

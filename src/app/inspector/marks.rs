@@ -1,10 +1,9 @@
 //! Marks of the place under the pointer in all linked panes, and of the probed place in the panes of its burst.
 
-use super::pane_ui::{Drawn, chip_ui, full_scale};
-use super::widgets::{PaneWidgets, PlaceValue};
-use crate::app::actions::Queue;
+use super::pane_ui::full_scale;
+use super::{Drawn, PaneWidgets, PlaceValue, chip_ui};
 use crate::app::canvas::CanvasOutput;
-use crate::app::document::{Action, Cursor, MethodId, Pointed, Side};
+use crate::app::document::{Action, Cursor, MethodId, Pointed, Queue, Side};
 use crate::app::pane::{Content, Link, PaneId, place_in};
 use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::dashed_circle;

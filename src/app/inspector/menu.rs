@@ -1,21 +1,19 @@
 //! Menus of a pane: of its header, and of its picture, with items for the feature or match and the place there.
 
 use super::marks::mid_burst;
-use super::pane_ui::Drawn;
-use super::widgets::{MenuPlace, PaneWidgets};
+use super::widgets::MenuPlace;
+use super::{Drawn, PaneWidgets};
 use crate::app::actions::menu::item_ui;
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::number;
 use crate::app::clipboard;
-use crate::app::document::cursor::ViewKind;
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Side};
 use crate::app::pane::{Content, Direction, Link, Over, PaneId, SliceAxis};
-use crate::app::results::Read;
-use crate::app::results::pair::MatchRow;
+use crate::app::results::{MatchRow, Read};
 use crate::app::words::explained;
 use crate::inspect::place::ProbeSubject;
-use crate::requests::ProbeQuestion;
+use crate::requests::{ProbeQuestion, ViewKind};
 use crate::teach::glossary::glossary;
 use egui::{Button, RichText, ScrollArea, Ui};
 

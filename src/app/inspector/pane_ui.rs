@@ -1,11 +1,10 @@
 //! Content of one pane: a picture, with another one over it; or a slice through the frames at the probed place, with a
 //! row for each frame, in which moving objects are slanted and the slope of the pane is a line that can be dragged.
 
-use super::widgets::PaneWidgets;
-use crate::app::actions::Queue;
+use super::PaneWidgets;
 use crate::app::canvas::{Canvas, CanvasOutput};
-use crate::app::document::cursor::{ViewKind, stepped};
-use crate::app::document::{Action, Filter, RangeClass, Side, Visibility};
+use crate::app::document::cursor::stepped;
+use crate::app::document::{Action, Filter, Queue, RangeClass, Side, Visibility};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
@@ -17,7 +16,7 @@ use crate::detector::Slope;
 use crate::inspect::place::Slice;
 use crate::inspect::words::{counted, number};
 use crate::plane::Plane;
-use crate::requests::Probed;
+use crate::requests::{Probed, ViewKind};
 use egui::{
     Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
 };

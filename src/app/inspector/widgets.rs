@@ -3,14 +3,13 @@
 use super::aside::HeldPlace;
 use crate::app::canvas;
 use crate::app::canvas::{Readout, RectTransform};
-use crate::app::document::cursor::ViewKind;
 use crate::app::document::{MethodId, Side};
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::panel::display::DisplayState;
 use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::probe::PlaneTexture;
 use crate::app::results::Read;
-use crate::requests::PictureKind;
+use crate::requests::{PictureKind, ViewKind};
 use egui::{Pos2, Rect};
 use std::collections::HashMap;
 

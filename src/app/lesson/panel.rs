@@ -2,7 +2,7 @@
 //! all lessons.
 
 use super::snr::{shown_spot, snr_ui};
-use super::state::{LessonAction, Lessons, OpenLesson};
+use super::{LessonAction, Lessons, OpenLesson};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Side;
 use crate::app::inspector::PaneWidgets;

@@ -1,15 +1,13 @@
 //! Signal-to-noise ratio of a spot, measured in the shown picture, while frames are added one by one.
 
-use crate::app::actions::Queue;
-use crate::app::document::Action;
-use crate::app::document::cursor::ViewKind;
+use crate::app::document::{Action, Queue};
 use crate::app::pane::Content;
 use crate::app::panel::widgets::{CursorRow, still_plot};
 use crate::app::parts;
 use crate::app::results::Read;
 use crate::detector::Slope;
 use crate::inspect::place::{SpotSnr, spot_snr};
-use crate::requests::PictureKind;
+use crate::requests::{PictureKind, ViewKind};
 use crate::teach::{Part, Spot};
 use egui::{Color32, RichText, Ui};
 use egui_plot::{Line, PlotPoints, Points};

@@ -7,9 +7,8 @@ pub use crate::app::document::panes::{Hidden, MaskShape, Measure, MeasuredLine, 
 pub use hidden::{hidden_ui, mask_of};
 pub use panels::{RegionCache, profile_ui, region_ui};
 
-use crate::app::actions::Queue;
 use crate::app::canvas::{CanvasOutput, Picture};
-use crate::app::document::Action;
+use crate::app::document::{Action, Queue};
 use crate::app::inspector::{PaneWidgets, compact_description, same_place};
 use crate::app::pane::{Link, PaneId};
 use crate::app::results::Read;

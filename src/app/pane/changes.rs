@@ -1,8 +1,7 @@
 //! Changes of the set of panes: splitting, closing, new layouts, sessions, and following the open bursts.
 
 use super::preset::Laid;
-use super::set::PaneGroup;
-use super::{Arrangement, Content, Direction, MAX_PANES, Pane, PaneId, Panes, Preset};
+use super::{Arrangement, Content, Direction, MAX_PANES, Pane, PaneGroup, PaneId, Panes, Preset};
 use crate::app::document::Side;
 use crate::detector::DetectorParams;
 use std::collections::BTreeMap;

@@ -19,13 +19,13 @@ pub use preset::{MethodsPreset, Preset, SidesPreset};
 pub use set::{PaneGroup, Panes};
 pub use tiles::{arrangement_of, tree_of};
 
-use crate::app::document::cursor::{Cursor, ViewKind};
+use crate::app::document::cursor::Cursor;
 use crate::app::document::look::Ranges;
 use crate::app::document::method::MethodId;
 use crate::app::document::side::Side;
 use crate::app::view::View;
 use crate::detector::{DetectorParams, Method};
-use crate::requests::{OpenBurst, PictureKind, PictureRequest};
+use crate::requests::{OpenBurst, PictureKind, PictureRequest, ViewKind};
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]

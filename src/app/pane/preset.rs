@@ -1,7 +1,6 @@
 //! Presets of *One burst*, of its methods, and of *Two bursts*; panes of methods come and go as these are switched.
 
-use super::set::PaneGroup;
-use super::{Arrangement, Content, Link, MAX_PANES, Over, Pane, PaneId, Panes, SliceAxis};
+use super::{Arrangement, Content, Link, MAX_PANES, Over, Pane, PaneGroup, PaneId, Panes, SliceAxis};
 use crate::app::document::cursor::{ViewKind, level_range, nearest_on_grid, stepped};
 use crate::app::document::{Cursor, MethodId, Ranges, Side};
 use crate::detector::{DetectorParams, Slope};

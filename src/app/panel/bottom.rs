@@ -1,7 +1,6 @@
 //! Tabs below the pictures: the table of features, the tally, the noise, and measurements on the pictures.
 
-use crate::app::actions::Queue;
-use crate::app::document::Action;
+use crate::app::document::{Action, Queue};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
 use crate::app::panel::{against, methods, noise, slopes, status, table, tally};

@@ -1,10 +1,9 @@
 //! Display of the pictures: range, gamma, colour map and overlays; and the colour bar in the corner of a map.
 
-use crate::app::actions::Queue;
 use crate::app::canvas::number;
 use crate::app::canvas::overlay::ColourBy;
 use crate::app::document::look::SMOOTHING_PX;
-use crate::app::document::{Action, FeaturesShown, Look, RangeClass};
+use crate::app::document::{Action, FeaturesShown, Look, Queue, RangeClass};
 use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;

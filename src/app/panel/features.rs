@@ -1,10 +1,8 @@
 //! Features over the picture: drawing, hovering, selection, and the legend.
 
-use crate::app::actions::Queue;
-use crate::app::canvas::RectTransform;
-use crate::app::canvas::{CanvasOutput, overlay, signed_number};
+use crate::app::canvas::{CanvasOutput, RectTransform, overlay, signed_number};
 use crate::app::document::filter::moves_by;
-use crate::app::document::{Action, FeaturesShown, MethodId, Pointed, Side};
+use crate::app::document::{Action, FeaturesShown, MethodId, Pointed, Queue, Side};
 use crate::app::measure::Tool;
 use crate::app::pane::PaneId;
 use crate::app::panel::against::{RowsInPane, marks_ui};

@@ -1,8 +1,7 @@
 //! Noise of the burst as the last detection estimated it: over brightness, as a map, and what is wrong with it.
 
-use crate::app::actions::Queue;
 use crate::app::canvas::number as in_digits;
-use crate::app::document::{Action, Side};
+use crate::app::document::{Action, Queue, Side};
 use crate::app::panel::widgets::{instead_ui, warning_ui};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::noise_model::NoiseModel;

@@ -1,9 +1,8 @@
 //! Tests of the search: how many samples each rejected, and the candidates that one of them rejected, over the picture.
 
-use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
-use crate::app::document::{Action, Destination, Pointed, Side};
+use crate::app::document::{Action, Destination, Pointed, Queue, Side};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};

@@ -6,7 +6,6 @@
 use crate::app::document::{Document, History, Purpose, SavedSelection, Side, Sides};
 use crate::app::messages::Messages;
 use crate::app::pane::PaneId;
-use crate::app::results::own::Own;
 use crate::burst::Positions;
 use crate::dataset::DatasetSource;
 use crate::detector::SearchParams;
@@ -15,11 +14,8 @@ use crate::figures::FiguresJob;
 use crate::requests::{BurstSource, OpenRequest, PictureAnswer, PictureRequest, PossibleShape};
 use crate::teach::Lesson;
 use compare::Compare;
-use datasets::Datasets;
 use explained::{CoherenceState, ExplainedState};
 use pair::PairState;
-use probe::ProbeResults;
-use slot::Slot;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -37,7 +33,14 @@ pub mod probe;
 pub mod slot;
 pub mod studies;
 
-pub use slot::{FoundFeatures, Stale};
+pub use compare::MethodFound;
+pub use comparison::ComparisonResults;
+pub use datasets::{Dataset, Datasets};
+pub use own::Own;
+pub use pair::{MatchRow, Matches};
+pub use probe::ProbeResults;
+pub use slot::{FoundFeatures, Slot, Stale};
+pub use studies::LabResult;
 
 /// All of the window: what the user has set, what was found by it, and what belongs to no project.
 #[derive(Debug, Default)]

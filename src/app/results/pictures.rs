@@ -2,13 +2,15 @@
 //! Panes get the same range in whichever order their pictures are made: a shared one is set by the pane in focus, or by
 //! the first in reading order that shows the class.
 
-use crate::app::document::cursor::{ViewKind, octave_range, row_of};
+use crate::app::document::cursor::{octave_range, row_of};
 use crate::app::document::{Action, FilmContent, PlayOver, RangeClass, Side};
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeAxis};
 use crate::plane::display::Display;
-use crate::requests::{Film, MAX_FILM_PICTURES, OpenBurst, PictureAnswer, PictureKind, PictureRequest, Sweep};
+use crate::requests::{
+    Film, MAX_FILM_PICTURES, OpenBurst, PictureAnswer, PictureKind, PictureRequest, Sweep, ViewKind,
+};
 use std::borrow::Cow;
 use std::sync::Arc;
 

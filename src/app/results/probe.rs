@@ -2,7 +2,6 @@
 //!
 //! One place of one burst is probed at a time. Swapping the sides takes the probe along with its burst.
 
-use crate::app::document::cursor::ViewKind;
 use crate::app::document::{Probe, Side};
 use crate::app::pane::{Pane, PaneId};
 use crate::app::results::Read;
@@ -11,7 +10,7 @@ use crate::detector::{ParamChange, Slope};
 use crate::engine::Wanted;
 use crate::inspect::place::{AT_PLACE_PX, Fate, ProbeSubject, time_factor};
 use crate::inspect::words::capitalised;
-use crate::requests::{DetectionSource, ProbeQuestion, ProbeRequest, Probed, Traced};
+use crate::requests::{DetectionSource, ProbeQuestion, ProbeRequest, Probed, Traced, ViewKind};
 
 #[derive(Debug, Default)]
 pub struct ProbeResults {

@@ -2,7 +2,7 @@
 //!
 //! In each cell ([`crate::export::Cells`]) the strongest [`IN_A_CELL`] are drawn, up to [`SEEN_IN_A_CELL`] as dots.
 
-use super::match_lines::{MatchLine, Pane};
+use super::{MatchLine, Pane};
 use crate::app::canvas::RectTransform;
 use crate::detector::feature::Feature;
 use crate::export::{Cells, IN_A_CELL, MatchKind};

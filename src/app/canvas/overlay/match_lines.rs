@@ -2,8 +2,7 @@
 //!
 //! Colours and dashes are those of [`MatchKind`]. A small ring marks an end whose other end is outside its pane.
 
-use super::super::RectTransform;
-use super::strokes::Strokes;
+use super::{RectTransform, Strokes};
 use crate::export::MatchKind;
 use egui::{Color32, Painter, Pos2, Rect};
 

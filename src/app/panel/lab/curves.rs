@@ -1,11 +1,9 @@
 //! Curves of the Lab: one large plot, smaller ones beside it. Clicking a point shows its chart.
 
 use super::curve_colour;
-use crate::app::actions::Queue;
-use crate::app::document::{Action, CompareLook, LabSet, MethodId, Side};
+use crate::app::document::{Action, CompareLook, LabSet, MethodId, Queue, Side};
 use crate::app::panel::widgets::{named, still_plot};
-use crate::app::results::Read;
-use crate::app::results::studies::LabResult;
+use crate::app::results::{LabResult, Read};
 use crate::detector::ParamChange;
 use crate::detector::params::doc;
 use crate::evaluate::curves::{StudyCurve, StudyPlot, percent};

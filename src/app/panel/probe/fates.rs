@@ -1,8 +1,7 @@
 //! Candidates near the place: the tests that they fail, and the one setting that would keep the selected one.
 
 use super::{apply_ui, go_to_ui};
-use crate::app::actions::Queue;
-use crate::app::document::Action;
+use crate::app::document::{Action, Queue};
 use crate::app::panel::widgets::{named, weak_ui};
 use crate::app::results::Read;
 use crate::app::style;

@@ -2,9 +2,7 @@
 
 use super::colour_bar::{ColourBar, range_of};
 use super::{PlaneTexture, colour_bar, strength_text};
-use crate::app::actions::Queue;
-use crate::app::document::cursor::ViewKind;
-use crate::app::document::{Action, Destination};
+use crate::app::document::{Action, Destination, Queue};
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use crate::detector::Slope;
@@ -12,7 +10,7 @@ use crate::inspect::place::{Fate, FineAxis, MapScale, PlaceMotion, ProbeSubject,
 use crate::inspect::words::{number, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
-use crate::requests::Probed;
+use crate::requests::{Probed, ViewKind};
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
 const ROW: f32 = 9.0;

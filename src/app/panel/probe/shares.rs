@@ -1,9 +1,7 @@
 //! Share of each frame: the pixels along the motion, and the response of each frame alone, with its noise.
 
 use super::PlaneTexture;
-use crate::app::actions::Queue;
-use crate::app::document::cursor::ViewKind;
-use crate::app::document::{Action, Destination};
+use crate::app::document::{Action, Destination, Queue};
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::Read;
 use crate::app::style::ACCENT;
@@ -11,7 +9,7 @@ use crate::detector::coherence::{FrameResponse, Shape};
 use crate::inspect::place::Shares;
 use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
-use crate::requests::Probed;
+use crate::requests::{Probed, ViewKind};
 use egui::{Color32, Label, RichText, Sense, Stroke, Ui, vec2};
 use egui_plot::{HLine, Line, PlotPoints, Points};
 

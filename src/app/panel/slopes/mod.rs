@@ -3,9 +3,8 @@
 pub(super) mod chart;
 mod set_up;
 
-use crate::app::actions::Queue;
 use crate::app::canvas::number;
-use crate::app::document::{Action, Side};
+use crate::app::document::{Action, Queue, Side};
 use crate::app::panel::status::advice_ui;
 use crate::app::panel::widgets::{named, warning_ui, weak_ui, with_whole_numbers};
 use crate::app::results::Read;

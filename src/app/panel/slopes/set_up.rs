@@ -1,7 +1,6 @@
 //! Slopes from the set-up (speed, turning, frame rate, lens and depths), and slopes read as depths.
 
-use crate::app::actions::Queue;
-use crate::app::document::{Action, Side};
+use crate::app::document::{Action, Queue, Side};
 use crate::app::panel::widgets::error_ui;
 use crate::app::results::Read;
 use crate::app::view::{number, signed_slope};

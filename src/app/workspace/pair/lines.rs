@@ -1,9 +1,8 @@
 //! Lines of the matches between panes of A and of B, and the marks of an unmatched feature and its candidates.
 
-use crate::app::actions::Queue;
 use crate::app::canvas::overlay::{ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
 use crate::app::canvas::{CanvasOutput, overlay};
-use crate::app::document::{Action, MatchesAs, MethodId, Pointed, Side};
+use crate::app::document::{Action, MatchesAs, MethodId, Pointed, Queue, Side};
 use crate::app::inspector::{Drawn, JoinedPanes, chip_ui, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
