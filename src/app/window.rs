@@ -145,9 +145,7 @@ impl BurstscopeApp {
             self.overlays.glossary.take_escape(&ctx);
             asked = take_hall_keys(&ctx, &self.lessons, Read::of(&self.model));
             actions::take_shortcuts(&ctx, Read::of(&self.model), &mut queue);
-            if ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)) {
-                queue.push(ActionId::Palette);
-            }
+            queue.push_if(ctx.input_mut(|i| i.consume_shortcut(&actions::registry::PALETTE_ALSO)), ActionId::Palette);
             if clipboard::is_asked(&ctx) {
                 self.note(clipboard::copy_row(&ctx, Read::of(&self.model), &self.widgets));
             }

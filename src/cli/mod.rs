@@ -56,9 +56,7 @@ use charts_args::{ChartsArgs, ComparedArgs};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use commands::{Cli, Command};
 use console::Console;
-use inputs::{
-    DEMO, Input, OneBurst, check_ending, open_options, opened, resolve, resolve_bursts, resolve_one, resolve_pair,
-};
+use inputs::{Input, OneBurst, check_ending, open_options, opened, resolve, resolve_bursts, resolve_one, resolve_pair};
 use matching_args::MatchingArgs;
 use search_options::SearchArgs;
 use std::ffi::OsString;

@@ -1,11 +1,12 @@
 //! Opens the window when no command is given; without a display draws it into a file and prints the features.
 
 use super::failure::print;
+use super::inputs::DEMO;
 use super::opening::{Opening, what_to_open};
 use super::render::{drawn, startup_of};
 use super::report::unsigned_zero;
 use super::search_options::read_params;
-use super::{Cli, Command, Console, DEMO, Failure, Input, OutputArgs, signals};
+use super::{Cli, Command, Console, Failure, Input, OutputArgs, signals};
 use crate::app::{RenderOptions, Startup};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;

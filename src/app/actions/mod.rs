@@ -54,9 +54,7 @@ pub fn button_ui(
     let response = ui.add_enabled(enabled(id, model), button);
     let tip = tooltip(ui.ctx(), action);
     let response = explained(response, &tip, id.word()).on_disabled_hover_text(&tip);
-    if response.clicked() {
-        queue.push(id);
-    }
+    queue.push_if(response.clicked(), id);
     response
 }
 

@@ -290,7 +290,7 @@ mod tests {
         let mut bench = bench_with(Example::LowContrast);
         bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3).into();
         bench.settle();
-        let all = Read::of(&bench.model).features().len();
+        let all = bench.read().features().len();
         assert!(all > 3);
         let mut dragged = |change: fn(&mut Model)| {
             change(&mut bench.model);
@@ -304,7 +304,7 @@ mod tests {
                     let _ = take_answers(&mut bench.model, &bench.engine);
                 }
             }
-            (asks, Read::of(&bench.model).features().len(), Read::of(&bench.model).features_are_current(Side::A))
+            (asks, bench.read().features().len(), bench.read().features_are_current(Side::A))
         };
         assert_eq!(dragged(|model| model.document.params.max_features = 2), (true, 2, true));
         assert_eq!(dragged(|model| model.document.params.max_features = 3), (true, 3, true));
@@ -324,19 +324,19 @@ mod tests {
         bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 13, -3.0..=3.0, 13).into();
         bench.run_until(|model, _| model.results.slots.a.found.is_some());
         let found = bench.model.results.slots.a.found.clone().expect("found");
-        assert_eq!(Read::of(&bench.model).stale(), Some(Stale::FirstSlope));
+        assert_eq!(bench.read().stale(), Some(Stale::FirstSlope));
         assert!(bench.model.results.slots.a.detecting.is_pending());
-        assert!(!Read::of(&bench.model).features_are_current(Side::A));
+        assert!(!bench.read().features_are_current(Side::A));
         assert_eq!(found.detection.slopes, SlopeGrid::single(bench.model.document.cursor().slope), "it is on show");
         assert!(found.judgement.is_none() && found.advice.is_none(), "one slope tells nothing about the range");
         assert!(
-            Read::of(&bench.model).found_source(Side::A).is_none(),
+            bench.read().found_source(Side::A).is_none(),
             "nothing is asked of features that no search finds alone"
         );
         bench.settle();
-        assert!(Read::of(&bench.model).features_are_current(Side::A) && Read::of(&bench.model).stale().is_none());
+        assert!(bench.read().features_are_current(Side::A) && bench.read().stale().is_none());
         let first = found.detection.features.len();
-        assert!((1..Read::of(&bench.model).features().len()).contains(&first), "{first}");
+        assert!((1..bench.read().features().len()).contains(&first), "{first}");
     }
 
     #[test]
@@ -344,15 +344,15 @@ mod tests {
         let mut bench = bench_with(Example::Street);
         bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 31, -3.0..=3.0, 31).into();
         bench.run_until(|model, _| model.results.slots.a.detecting.is_pending());
-        assert!(Read::of(&bench.model).is_searching());
-        Read::of(&bench.model).cancel_searches();
+        assert!(bench.read().is_searching());
+        bench.read().cancel_searches();
         bench.settle();
-        assert!(bench.model.results.slots.a.found.is_none() && !Read::of(&bench.model).wants_detection(Side::A));
+        assert!(bench.model.results.slots.a.found.is_none() && !bench.read().wants_detection(Side::A));
         assert!(bench.model.results.slots.a.detecting.failure().is_some_and(|(_, why)| *why == JobError::Cancelled));
         assert!(bench.model.shell.messages.errors().is_empty(), "a person did not want it");
         // Other parameters are another detection.
         bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3).into();
         bench.settle();
-        assert!(Read::of(&bench.model).features_are_current(Side::A));
+        assert!(bench.read().features_are_current(Side::A));
     }
 }

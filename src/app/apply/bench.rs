@@ -30,6 +30,10 @@ impl Bench {
         Self { model: Model::from(document), engine: Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES) }
     }
 
+    pub fn read(&self) -> Read<'_> {
+        Read::of(&self.model)
+    }
+
     pub fn run_until(&mut self, done: impl Fn(Read<'_>, &[Effect]) -> bool) -> Vec<Effect> {
         let (end, mut effects) = (Instant::now() + Duration::from_secs(60), Vec::new());
         loop {

@@ -124,16 +124,14 @@ mod tests {
         show_comparison(&mut bench.model, Side::B, Some(Reference::Truth));
         assert!(bench.model.document.match_look.features, "the comparison is seen");
         bench.run_until(|model, _| model.shown_comparison(Side::B).is_some());
-        assert!(Read::of(&bench.model).shown_comparison(Side::A).is_none());
+        assert!(bench.read().shown_comparison(Side::A).is_none());
         show_comparison(&mut bench.model, Side::A, Some(Reference::Truth));
         bench.run_until(|model, _| model.shown_comparison(Side::A).is_some());
         let summaries =
             |model: Read<'_>| Side::BOTH.map(|side| model.shown_comparison(side).map(|s| s.summary.clone()));
         for side in Side::BOTH {
-            let (slot, shown) = (
-                &bench.model.results.slots[side],
-                Read::of(&bench.model).shown_comparison(side).expect("there").clone(),
-            );
+            let (slot, shown) =
+                (&bench.model.results.slots[side], bench.read().shown_comparison(side).expect("there").clone());
             assert!(Arc::ptr_eq(&shown.detection, &slot.found.as_ref().expect("found").detection));
             // All discs of the side's own chart are found or missed.
             let discs = shown.count(Compared::Same) + shown.count(Compared::Theirs);
@@ -141,10 +139,10 @@ mod tests {
             assert_eq!(discs, truth.expect("a chart").features.len());
             assert!(shown.count(Compared::Same) > 0, "{}", shown.summary);
         }
-        let before = summaries(Read::of(&bench.model));
+        let before = summaries(bench.read());
         pair::swap_sides(&mut bench.model);
         bench.settle();
-        let [a, b] = summaries(Read::of(&bench.model));
+        let [a, b] = summaries(bench.read());
         assert_eq!([b, a], before);
     }
 }

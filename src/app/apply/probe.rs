@@ -207,14 +207,13 @@ mod tests {
         bench.settle();
         let scales =
             |model: Read<'_>| model.results.probed.answer.as_ref().expect("answered").probe.response.scales.clone();
-        let shown =
-            scales(Read::of(&bench.model)).into_iter().find(|s| (s.octave, s.level) == (1, 2)).expect("searched");
+        let shown = scales(bench.read()).into_iter().find(|s| (s.octave, s.level) == (1, 2)).expect("searched");
         assert_eq!(bench.model.document.probe.near_sigma, Some(shown.sigma));
-        let finest = scales(Read::of(&bench.model))[0].sigma;
+        let finest = scales(bench.read())[0].sigma;
         bench.model.document.probe.near_sigma = Some(finest);
-        assert!(!Read::of(&bench.model).probe_is_current(), "another scale is another question");
+        assert!(!bench.read().probe_is_current(), "another scale is another question");
         bench.settle();
-        assert!(Read::of(&bench.model).probe_is_current());
+        assert!(bench.read().probe_is_current());
         let pane = bench.model.document.panes.of_mut(Side::A);
         (pane.cursor.slope, pane.cursor.kind) = (Slope::new(0.25, 0.0), ViewKind::Stack);
         probe_place(&mut bench.model, Side::A, place);
@@ -232,20 +231,20 @@ mod tests {
         let mut bench = Bench::with_two_charts();
         probe_place(&mut bench.model, Side::B, [20.0, 40.0]);
         bench.settle();
-        let (_, burst, place) = answered(Read::of(&bench.model));
+        let (_, burst, place) = answered(bench.read());
         pair::swap_sides(&mut bench.model);
         bench.settle();
-        assert_eq!(answered(Read::of(&bench.model)), (Side::A, burst, place));
+        assert_eq!(answered(bench.read()), (Side::A, burst, place));
         pair::close_second(&mut bench.model, &bench.engine);
         bench.settle();
-        assert_eq!(answered(Read::of(&bench.model)), (Side::A, burst, place), "another burst was closed");
+        assert_eq!(answered(bench.read()), (Side::A, burst, place), "another burst was closed");
         let mut bench = Bench::with_two_charts();
         probe_place(&mut bench.model, Side::B, [20.0, 40.0]);
         bench.settle();
         start_probe(&mut bench.model, None);
-        assert_eq!(Read::of(&bench.model).probed_place(), Some([20.0, 40.0]), "another burst was opened as A");
+        assert_eq!(bench.read().probed_place(), Some([20.0, 40.0]), "another burst was opened as A");
         pair::close_second(&mut bench.model, &bench.engine);
-        assert!(!Read::of(&bench.model).has_probe());
+        assert!(!bench.read().has_probe());
         bench.settle();
     }
 

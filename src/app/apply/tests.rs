@@ -120,7 +120,7 @@ proptest! {
         let mut bench = bench();
         for action in actions {
             pass(&mut bench, action);
-            assert_valid(Read::of(&bench.model));
+            assert_valid(bench.read());
         }
         // What is still asked for ends, and is not asked for again; studies take long.
         for id in [ActionId::CancelStudy, ActionId::Cancel, ActionId::AutoDetect] {
@@ -129,7 +129,7 @@ proptest! {
             }
         }
         bench.settle();
-        assert_valid(Read::of(&bench.model));
+        assert_valid(bench.read());
         let text = toml::to_string(&bench.model.document).expect("plain values");
         let read: Document = toml::from_str(&text).expect("it was written so");
         prop_assert_eq!(&read, &bench.model.document, "{}", text);

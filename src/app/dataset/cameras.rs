@@ -50,9 +50,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if response.hovered() {
         queue.point(&model.results.poses.hovered, pair, Pointed::Camera);
     }
-    if response.clicked() {
-        queue.push(Action::SelectCamera(pair));
-    }
+    queue.push_if(response.clicked(), Action::SelectCamera(pair));
     if let Some((of_truth, spot)) = pointed.filter(|_| response.double_clicked()) {
         queue.push(Action::OpenCamera(label_of(model, of_truth, spot).to_owned()));
         // A double click fits the view, except on a camera.
@@ -278,9 +276,7 @@ pub fn points_strip_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if response.hovered() {
         queue.point(&model.results.poses.hovered, pair, Pointed::Camera);
     }
-    if response.clicked() {
-        queue.push(Action::SelectCamera(pair));
-    }
+    queue.push_if(response.clicked(), Action::SelectCamera(pair));
     for (k, bar) in bars.iter().enumerate() {
         let column = bar_at(k);
         let marked = bar.pair.is_some()
@@ -345,9 +341,7 @@ pub fn camera_list_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         if row.hovered() {
             queue.point(&model.results.poses.hovered, Some(index), Pointed::Camera);
         }
-        if row.clicked() {
-            queue.push(Action::SelectCamera(Some(index)));
-        }
+        queue.push_if(row.clicked(), Action::SelectCamera(Some(index)));
         if row.double_clicked() {
             queue.push(Action::OpenCamera(report.pairs[index].label.clone()));
         }

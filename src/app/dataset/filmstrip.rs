@@ -54,9 +54,7 @@ pub fn filmstrip_ui(ui: &mut Ui, model: Read<'_>, thumbnails: &mut Thumbnails, q
         for place in first..last {
             let picture = thumbnails.get(&dataset.bursts[place]);
             let response = cell_ui(ui, dataset, place, cell(place), picture, shown == Some(place), fraction);
-            if response.clicked() {
-                queue.push(Action::OpenBurstAt(place));
-            }
+            queue.push_if(response.clicked(), Action::OpenBurstAt(place));
             for side in Side::BOTH {
                 let is_chosen = model.document.dataset.as_ref().is_some_and(|set| set.pair[side] == Some(place));
                 side_ui(ui, dataset, place, side, is_chosen, cell(place), queue);
@@ -69,9 +67,7 @@ pub fn filmstrip_ui(ui: &mut Ui, model: Read<'_>, thumbnails: &mut Thumbnails, q
 
 fn menu_ui(ui: &mut Ui, dataset: &Dataset, place: usize, queue: &mut Queue) {
     ui.set_min_width(150.0);
-    if ui.button("Open").clicked() {
-        queue.push(Action::OpenBurstAt(place));
-    }
+    queue.push_if(ui.button("Open").clicked(), Action::OpenBurstAt(place));
     for side in Side::BOTH {
         if ui.button(format!("Use as {}", side.name())).on_hover_text("Of a pair to be matched").clicked() {
             queue.push(Action::ChooseBurst(side, place));

@@ -63,9 +63,7 @@ pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mu
         if let Some((row, column)) = pointed
             && let Some(pair) = pair_of(row, column)
         {
-            if response.clicked() {
-                queue.push(Action::SelectPair(pair));
-            }
+            queue.push_if(response.clicked(), Action::SelectPair(pair));
             if response.double_clicked() {
                 opened = Some(pair);
             }

@@ -277,6 +277,10 @@ impl Queue {
         self.0.push(action.into());
     }
 
+    pub fn push_if(&mut self, is_asked_for: bool, action: impl Into<Action>) {
+        self.0.extend(is_asked_for.then(|| action.into()));
+    }
+
     /// Pushes an action that sets a field of the document, unless the field has that value.
     pub fn edit(&mut self, document: &Document, action: Action) {
         if !action.changes_nothing(document) {

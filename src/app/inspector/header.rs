@@ -232,9 +232,7 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, queu
         let response = ui.add(button).on_hover_text(format!("{}: {}", link.label(), link.help()));
         let name = format!("{} of pane {number}", link.label());
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, &name));
-        if response.clicked() {
-            queue.push(Action::SetLink(id, link, !on));
-        }
+        queue.push_if(response.clicked(), Action::SetLink(id, link, !on));
     }
 }
 

@@ -43,18 +43,14 @@ fn view_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     }
     ui.separator();
     for (label, direction) in [("Split right", Direction::Right), ("Split down", Direction::Down)] {
-        if ui.button(label).clicked() {
-            queue.push(Action::ChangePanes(Change::Split(id, direction)));
-        }
+        queue.push_if(ui.button(label).clicked(), Action::ChangePanes(Change::Split(id, direction)));
     }
     if ui.add_enabled(model.document.panes.are_many(), Button::new("Close pane")).clicked() {
         queue.push(Action::ChangePanes(Change::Close(id)));
     }
     ui.menu_button("Layout", |ui| {
         for (label, help, change) in (model.document.workspace.record().layouts)(id) {
-            if ui.button(label).on_hover_text(help).clicked() {
-                queue.push(Action::ChangePanes(change));
-            }
+            queue.push_if(ui.button(label).on_hover_text(help).clicked(), Action::ChangePanes(change));
         }
     });
 }
@@ -72,9 +68,7 @@ fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     for kind in ViewKind::ALL {
         let about = kind.about();
         let radio = ui.radio(pane.shows(kind), about.label);
-        if explained(radio, about.help, glossary().of_picture(about.key)).clicked() {
-            queue.push(Action::Show(id, kind));
-        }
+        queue.push_if(explained(radio, about.help, glossary().of_picture(about.key)).clicked(), Action::Show(id, kind));
     }
     for axis in SliceAxis::ALL {
         let radio = ui.radio(pane.content == Content::Slice(axis), axis.label());
@@ -140,9 +134,7 @@ fn over_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
             });
         }
     });
-    if pane.over.is_some() && ui.button("Nothing over it").clicked() {
-        queue.push(Action::SetOver(id, None));
-    }
+    queue.push_if(pane.over.is_some() && ui.button("Nothing over it").clicked(), Action::SetOver(id, None));
 }
 
 fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
@@ -223,9 +215,7 @@ pub(super) fn picture_menu_ui(
 fn feature_menu_ui(ui: &mut Ui, model: Read<'_>, index: usize, queue: &mut Queue) {
     let Some(feature) = model.features().get(index).copied() else { return };
     ui.label(RichText::new(format!("Feature {index}")).small().weak());
-    if ui.button("Select").clicked() {
-        queue.push(Action::Select(Some(index)));
-    }
+    queue.push_if(ui.button("Select").clicked(), Action::Select(Some(index)));
     if ui.button("Go to feature").on_hover_text("Show the motion stack at its slope, with it in the middle").clicked() {
         queue.push(Action::Select(Some(index)));
         queue.push(ActionId::GoToFeature);

@@ -49,9 +49,7 @@ fn gold_ui(ui: &mut Ui, side: Side, queue: &mut Queue) {
         let text = format!("Open a sharp image of {}'s view, taken with enough light", side.name());
         weak_ui(ui, text);
         let id = if side == Side::A { ActionId::OpenGoldA } else { ActionId::OpenGoldB };
-        if ui.button(id.action().label).on_hover_text(tooltip(ui.ctx(), id.action())).clicked() {
-            queue.push(id);
-        }
+        queue.push_if(ui.button(id.action().label).on_hover_text(tooltip(ui.ctx(), id.action())).clicked(), id);
     });
 }
 
@@ -67,9 +65,7 @@ fn second_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         }
         for id in [ActionId::OpenFolderB, ActionId::OpenFilesB, ActionId::OpenPathB, ActionId::OpenDemoB] {
             let button = egui::Button::new(id.action().label).min_size(vec2(220.0, 26.0));
-            if ui.add(button).on_hover_text(tooltip(ui.ctx(), id.action())).clicked() {
-                queue.push(id);
-            }
+            queue.push_if(ui.add(button).on_hover_text(tooltip(ui.ctx(), id.action())).clicked(), id);
         }
         ui.add_space(8.0);
         ui.weak("or drop it here");

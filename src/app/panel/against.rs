@@ -38,9 +38,7 @@ fn switch_ui(ui: &mut Ui, model: Read<'_>, side: Side, queue: &mut Queue) {
         let (on, there) = (model.document.comparisons[side].with == Some(with), model.has_reference(side, with));
         let button = Button::selectable(on, with.label()).frame_when_inactive(true);
         let response = ui.add_enabled(there, button).on_hover_text(with.help()).on_disabled_hover_text(with.help());
-        if response.clicked() {
-            queue.push(Action::CompareWith(side, (!on).then_some(with)));
-        }
+        queue.push_if(response.clicked(), Action::CompareWith(side, (!on).then_some(with)));
     }
     ui.separator();
     button_ui(ui, model, queue, ActionId::PinResult, Some("Pin"));

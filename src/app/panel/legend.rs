@@ -70,7 +70,5 @@ pub fn legend_ui(
         }
     });
     let help = if is_open { "Colours of the features; click to fold (L)" } else { "Colours of the features (L)" };
-    if response.on_hover_text(help).clicked() {
-        queue.push(ActionId::ToggleLegend);
-    }
+    queue.push_if(response.on_hover_text(help).clicked(), ActionId::ToggleLegend);
 }

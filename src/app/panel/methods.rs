@@ -50,9 +50,7 @@ fn layout_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 .add_enabled(enabled, egui::Button::new(name))
                 .on_hover_text(help)
                 .on_disabled_hover_text("Matches need a second burst: open one as B");
-            if response.clicked() {
-                queue.push(Action::ChangePanes(Change::LayOutMethods(preset)));
-            }
+            queue.push_if(response.clicked(), Action::ChangePanes(Change::LayOutMethods(preset)));
         }
     });
 }

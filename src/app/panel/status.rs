@@ -61,9 +61,7 @@ pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mu
                 ),
             ] {
                 let Some(running) = running else { continue };
-                if ui.small_button(format!("Cancel {}", what.to_lowercase())).clicked() {
-                    queue.push(cancel);
-                }
+                queue.push_if(ui.small_button(format!("Cancel {}", what.to_lowercase())).clicked(), cancel);
                 ui.label(format!("{what}  {}", progress_text(&running))).on_hover_text(tip);
             }
             let help = "Type the path, if no dialog appeared or it cannot be used";
@@ -129,9 +127,7 @@ pub fn messages_ui(ctx: &egui::Context, messages: &Messages, below: f32, queue: 
                         let name = format!("Dismiss: {}", message.title);
                         let close = ui.add(egui::Button::new("✖").frame(false)).on_hover_text("Dismiss");
                         named(&close, egui::Role::Button, name);
-                        if close.clicked() {
-                            queue.push(Action::DismissMessage(message.id));
-                        }
+                        queue.push_if(close.clicked(), Action::DismissMessage(message.id));
                         if ui.small_button("Copy").on_hover_text("Copy the message").clicked() {
                             ui.ctx().copy_text(format!("{}: {}", message.title, message.text));
                         }
@@ -150,9 +146,7 @@ pub fn left_behind_ui(ui: &mut Ui, own: &Own, queue: &mut Queue) {
         ui.label(sentence);
         let choices = [(use_it, "Set this burst as the one before was", true), ("Dismiss", "Leave it as it is", false)];
         for (words, tip, uses) in choices {
-            if ui.button(words).on_hover_text(tip).clicked() {
-                queue.push(Action::TakeLeftBehind(uses));
-            }
+            queue.push_if(ui.button(words).on_hover_text(tip).clicked(), Action::TakeLeftBehind(uses));
         }
     });
 }

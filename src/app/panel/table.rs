@@ -66,9 +66,7 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let pointed = sorted_table_ui(ui, &columns, model.document.order, &listed, text, name, menu);
     queue.edit(model.document, Action::SetOrder(pointed.order));
     queue.edit(model.document, Action::Select(chosen.or(pointed.selected)));
-    if chosen.is_some() {
-        queue.push(ActionId::GoToFeature);
-    }
+    queue.push_if(chosen.is_some(), ActionId::GoToFeature);
     // The pointer may be over a picture instead, which then sets the hovered feature.
     if is_pointed_at {
         queue.point(&model.results.hovered, pointed.hovered, Pointed::Feature);

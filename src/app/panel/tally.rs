@@ -219,12 +219,8 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     let pointed = pointed.map(|place| shown[place]);
     // The pointer meets the topmost marks, not the features below them.
     queue.point(&model.results.explained.pointed, pointed, Pointed::Candidate);
-    if pointed.is_some() {
-        queue.push(Pointed::Feature(None));
-    }
-    if output.response.clicked() {
-        queue.push(Action::SelectCandidate(pointed));
-    }
+    queue.push_if(pointed.is_some(), Pointed::Feature(None));
+    queue.push_if(output.response.clicked(), Action::SelectCandidate(pointed));
     if let Some(index) = pointed.filter(|_| !output.response.dragged()) {
         let text = mark_text(&survey.marks[index], slopes.slope(survey.marks[index].sample.slope_index));
         tip_ui(ui, "candidate tip", |ui| {

@@ -26,9 +26,7 @@ pub fn toolbar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             // A narrow window has the keys and the menu.
             if ui.available_width() > ROOM_FOR_FIND {
                 let find = Button::new(RichText::new("Find action").weak()).shortcut_text(RichText::new(keys).weak());
-                if ui.add(find).on_hover_text(tooltip(ui.ctx(), palette)).clicked() {
-                    queue.push(ActionId::Palette);
-                }
+                queue.push_if(ui.add(find).on_hover_text(tooltip(ui.ctx(), palette)).clicked(), ActionId::Palette);
             }
         });
     });
@@ -65,15 +63,11 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     };
     let response = ui.add_enabled(enabled(ActionId::Detect, model), button);
     mark(ui, Part::Detect, response.rect);
-    if response.on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked() {
-        queue.push(ActionId::Detect);
-    }
+    queue.push_if(response.on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked(), ActionId::Detect);
     let mut auto = checked(ActionId::AutoDetect, model).unwrap_or(false);
     let tip = tooltip(ui.ctx(), ActionId::AutoDetect.action());
     // As long as it is on, as it is at first, the menu alone switches it off.
-    if !auto && ui.checkbox(&mut auto, "Auto").on_hover_text(tip).clicked() {
-        queue.push(ActionId::AutoDetect);
-    }
+    queue.push_if(!auto && ui.checkbox(&mut auto, "Auto").on_hover_text(tip).clicked(), ActionId::AutoDetect);
     if in_pair {
         pair_found_ui(ui, model);
     } else if let Some(found) = &model.results.slots.a.found {

@@ -22,9 +22,7 @@ pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: 
         ui.add_space(20.0);
         if let Some(running) = model.results.slots.a.opening.running() {
             progress_ui(ui, &running, Some(280.0), "Opening…");
-            if ui.button("Cancel").clicked() {
-                queue.push(ActionId::Cancel);
-            }
+            queue.push_if(ui.button("Cancel").clicked(), ActionId::Cancel);
             return;
         }
         for id in
@@ -35,9 +33,7 @@ pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: 
             let button = egui::Button::new(action.label).right_text(RichText::new(keys).weak());
             let response = ui.add(button.min_size(vec2(280.0, 28.0)));
             named(&response, egui::Role::Button, action.label);
-            if response.on_hover_text(tooltip(ui.ctx(), action)).clicked() {
-                queue.push(id);
-            }
+            queue.push_if(response.on_hover_text(tooltip(ui.ctx(), action)).clicked(), id);
         }
         ui.add_space(8.0);
         ui.weak("or drop a folder, a folder of bursts, image files, a multi-page TIFF or a .npy stack here");
@@ -49,9 +45,7 @@ pub fn welcome_ui(ui: &mut Ui, model: Read<'_>, remembered: &Settings, lessons: 
             ui.label(RichText::new("Recent").strong());
         }
         for (label, open) in recent {
-            if ui.link(label).clicked() {
-                queue.push(open);
-            }
+            queue.push_if(ui.link(label).clicked(), open);
         }
         ui.add_space(18.0);
         ui.label(RichText::new("Lessons").strong());

@@ -116,12 +116,12 @@ mod tests {
     fn a_session_is_given_up_when_something_else_is_opened() {
         let (mut bench, mut restoring) = (Bench::new(), Restoring::default());
         opening::take_burst(&mut bench.model, open((64, 48), 5));
-        let session = Session::of(Read::of(&bench.model)).expect("a burst is open");
+        let session = Session::of(bench.read()).expect("a burst is open");
         let first = opening::open(&mut bench.model, Side::A, BurstSource::Demo, &bench.engine);
         restoring.wait(Side::A, Some(first), Box::new(session));
-        assert_eq!(restoring.waits_for(Read::of(&bench.model)), Some(first));
+        assert_eq!(restoring.waits_for(bench.read()), Some(first));
         let other = opening::open(&mut bench.model, Side::A, BurstSource::DemoLater, &bench.engine);
-        assert_eq!(restoring.waits_for(Read::of(&bench.model)), None);
+        assert_eq!(restoring.waits_for(bench.read()), None);
         assert!(restoring.take(Side::A, first).is_none() && restoring.take(Side::A, other).is_none());
     }
 }

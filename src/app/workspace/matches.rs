@@ -40,9 +40,7 @@ pub(super) fn matches_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) 
             opened = pairs::matrix_ui(ui, dataset, set, queue).or(opened);
         });
     });
-    if opened.is_some() {
-        queue.push(ActionId::ShowPair);
-    }
+    queue.push_if(opened.is_some(), ActionId::ShowPair);
 }
 
 fn empty_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {

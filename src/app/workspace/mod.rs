@@ -192,9 +192,7 @@ fn strip_ui(ui: &mut Ui, panel: Panel, toggle: ActionId, contents: &str, queue: 
         let text = egui::epaint::TextShape::new(anchor, galley, visuals.text_color())
             .with_angle_and_anchor(std::f32::consts::FRAC_PI_2, Align2::LEFT_CENTER);
         ui.painter().add(Shape::Text(text));
-        if response.on_hover_text(format!("Open the panel: {contents}")).clicked() {
-            queue.push(toggle);
-        }
+        queue.push_if(response.on_hover_text(format!("Open the panel: {contents}")).clicked(), toggle);
     });
 }
 

@@ -194,9 +194,7 @@ fn go_to_ui(
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(slope));
     if ui.button(label).on_hover_text(tip).clicked() {
         let side = model.document.probe.side;
-        if feature.is_some() && side == Side::A {
-            queue.push(Action::Select(feature));
-        }
+        queue.push_if(feature.is_some() && side == Side::A, Action::Select(feature));
         let to = Destination { slope: Some(slope), at: Some(([u, v], 1.0)), ..Destination::default() };
         queue.push(Action::GoTo(side, to));
     }

@@ -63,9 +63,7 @@ fn waiting_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         } else if model.slopes_take_long() && !model.results.explained.slopes_wanted {
             let secs = model.found_of(Side::A).map_or(0.0, |found| found.elapsed.as_secs_f32());
             let tip = format!("It takes about as long as the detection did, {secs:.0} s, in the background");
-            if ui.button("Analyse slopes").on_hover_text(tip).clicked() {
-                queue.push(Action::ExamineSlopes);
-            }
+            queue.push_if(ui.button("Analyse slopes").on_hover_text(tip).clicked(), Action::ExamineSlopes);
         } else {
             ui.weak("Analysing the slopes…");
         }

@@ -70,9 +70,7 @@ fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let can_apply = slopes.is_ok() && model.takes_advice(Side::A);
         let apply = ui.add_enabled(can_apply, Button::new("Apply"));
         apply.widget_info(|| WidgetInfo::labeled(Role::Button, can_apply, "Apply set-up"));
-        if apply.on_hover_text("Search these slopes; Ctrl+Z undoes it").clicked() {
-            queue.push(Action::ApplySetUp);
-        }
+        queue.push_if(apply.on_hover_text("Search these slopes; Ctrl+Z undoes it").clicked(), Action::ApplySetUp);
         let mut reads = model.document.set_up.reads_depths;
         let tip =
             "Give every feature the depth that its motion means, with its error: in the table, in the tips over the picture, and as colours";

@@ -127,9 +127,7 @@ pub fn sides_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                     let name = format!("Cursor of {}", side.name());
                     response
                         .widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, both, active == side, &name));
-                    if response.clicked() && active != side {
-                        queue.push(ActionId::OtherSide);
-                    }
+                    queue.push_if(response.clicked() && active != side, ActionId::OtherSide);
                 }
                 button_ui(ui, model, queue, ActionId::SwapSides, Some("Swap"));
             });

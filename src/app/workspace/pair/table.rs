@@ -45,9 +45,7 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) -> Option<usize
     let pointed = sorted_table_ui(ui, &MatchColumn::ALL, model.document.match_order, &listed, text, name, menu);
     queue.edit(model.document, Action::SetMatchOrder(pointed.order));
     queue.set(&model.document.selected_match, chosen.or(pointed.selected), Action::SelectMatch);
-    if chosen.is_some() {
-        queue.push(ActionId::GoToFeature);
-    }
+    queue.push_if(chosen.is_some(), ActionId::GoToFeature);
     pointed.hovered
 }
 
@@ -98,9 +96,7 @@ pub fn steps_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         for lost in Lost::ALL.into_iter().filter(|lost| *lost != Lost::Not) {
             let text = format!("{} {}", lost_label(lost), model.results.pair.lost.count(lost));
             let mut on = !model.document.hidden_losses.contains(&lost);
-            if ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed() {
-                queue.push(Action::ShowLost(lost, on));
-            }
+            queue.push_if(ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed(), Action::ShowLost(lost, on));
         }
     });
 }
