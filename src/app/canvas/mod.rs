@@ -47,6 +47,14 @@ pub struct CanvasOutput {
     pub screen_px_per_pixel: f32,
 }
 
+impl CanvasOutput {
+    /// Whether the part of the canvas that is in sight was clicked.
+    pub fn clicked_in_sight(&self) -> bool {
+        let pos = self.response.interact_pointer_pos();
+        self.response.clicked() && pos.is_none_or(|pos| self.painter.clip_rect().contains(pos))
+    }
+}
+
 impl<'a> Canvas<'a> {
     pub fn new(name: &'a str) -> Self {
         Self {

@@ -267,11 +267,5 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
 fn swatch_ui(ui: &mut Ui, map: ColourMap) {
     let (rect, _) = ui.allocate_exact_size(vec2(44.0, 12.0), Sense::hover());
     let lut = map.lut();
-    let mut mesh = egui::Mesh::default();
-    for i in 0..32 {
-        let x = |i: usize| rect.left() + rect.width() * i as f32 / 32.0;
-        let [r, g, b] = lut[i * 255 / 31];
-        mesh.add_colored_rect(Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.y_range()), egui::Color32::from_rgb(r, g, b));
-    }
-    ui.painter().add(egui::Shape::mesh(mesh));
+    crate::app::panel::widgets::strip_of_colours(ui.painter(), rect, 32, |i, _| lut[i * 255 / 31]);
 }

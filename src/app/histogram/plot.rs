@@ -1,6 +1,7 @@
 //! The plot of a histogram: its axis, its drawing, and dragging of the range's ends or of the whole range.
 
 use crate::app::canvas::number;
+use crate::app::panel::widgets::strip_of_colours;
 use crate::plane::display::Display;
 use crate::plane::statistics::Histogram;
 use egui::{Align2, Color32, Mesh, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
@@ -94,14 +95,7 @@ fn draw_strip(painter: &Painter, geometry: &PlotGeometry, display: &Display, out
     const STEPS: usize = 192;
     let colours = display.colours();
     let strip = geometry.strip;
-    let mut mesh = Mesh::default();
-    for i in 0..STEPS {
-        let x = |i: usize| strip.left() + strip.width() * i as f32 / STEPS as f32;
-        let [r, g, b] = colours.colour(geometry.value_at(0.5 * (x(i) + x(i + 1))));
-        let rect = Rect::from_x_y_ranges(x(i)..=x(i + 1), strip.y_range());
-        mesh.add_colored_rect(rect, Color32::from_rgb(r, g, b));
-    }
-    painter.add(Shape::mesh(mesh));
+    strip_of_colours(painter, strip, STEPS, |_, middle| colours.colour(geometry.value_at(middle)));
     painter.rect_stroke(strip, 0.0, Stroke::new(1.0, outline.gamma_multiply(0.7)), StrokeKind::Outside);
 }
 

@@ -225,12 +225,12 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, queu
     }
     for link in links {
         let on = model.document.panes.get(id).is_some_and(|pane| pane.links.has(link));
-        let button =
-            Button::selectable(on, RichText::new(if from_the_right { link.word() } else { link.letter() }).small())
-                .min_size(vec2(16.0, 16.0));
+        let [label, word, help] = link.words();
+        let text = RichText::new(if from_the_right { word } else { &word[..1] }).small();
+        let button = Button::selectable(on, text).min_size(vec2(16.0, 16.0));
         ui.spacing_mut().button_padding = vec2(3.0, 0.0);
-        let response = ui.add(button).on_hover_text(format!("{}: {}", link.label(), link.help()));
-        let name = format!("{} of pane {number}", link.label());
+        let response = ui.add(button).on_hover_text(format!("{label}: {help}"));
+        let name = format!("{label} of pane {number}");
         response.widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, true, on, &name));
         queue.push_if(response.clicked(), Action::SetLink(id, link, !on));
     }

@@ -142,9 +142,8 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
         ui.menu_button("Links", |ui| {
             for link in Link::ALL {
                 let mut on = model.document.panes.get(id).is_some_and(|pane| pane.links.has(link));
-                if ui.checkbox(&mut on, link.label()).on_hover_text(link.help()).changed() {
-                    queue.push(Action::SetLink(id, link, on));
-                }
+                let [label, _, help] = link.words();
+                queue.push_if(ui.checkbox(&mut on, label).on_hover_text(help).changed(), Action::SetLink(id, link, on));
             }
         });
     });

@@ -18,36 +18,21 @@ pub enum Link {
 impl Link {
     pub const ALL: [Self; 4] = [Self::View, Self::Display, Self::Cursor, Self::Place];
 
-    pub fn label(self) -> &'static str {
+    /// Its label, the word of a button, and help.
+    pub fn words(self) -> [&'static str; 3] {
+        const CURSOR: &str = "Move frame, slope, octave and level together, by the same steps; other bursts and methods also change the kind of picture";
         match self {
-            Self::View => "Link view",
-            Self::Display => "Link display",
-            Self::Cursor => "Link cursor",
-            Self::Place => "Link place",
-        }
-    }
-
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::View => "View",
-            Self::Display => "Display",
-            Self::Cursor => "Cursor",
-            Self::Place => "Place",
-        }
-    }
-
-    pub fn letter(self) -> &'static str {
-        &self.word()[..1]
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::View => "Zoom and pan together with the other panes that have this link",
-            Self::Display => "Share the value range and the colour map; without it this pane has its own",
-            Self::Cursor => {
-                "Move frame, slope, octave and level together, by the same steps; other bursts and methods also change the kind of picture"
+            Self::View => ["Link view", "View", "Zoom and pan together with the other panes that have this link"],
+            Self::Display => {
+                let help = "Share the value range and the colour map; without it this pane has its own";
+                ["Link display", "Display", help]
             }
-            Self::Place => "Mark the place under the pointer, moved along the slope in frames, with its value",
+            Self::Cursor => ["Link cursor", "Cursor", CURSOR],
+            Self::Place => [
+                "Link place",
+                "Place",
+                "Mark the place under the pointer, moved along the slope in frames, with its value",
+            ],
         }
     }
 }

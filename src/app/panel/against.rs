@@ -8,13 +8,13 @@ use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::panel::legend;
 use crate::app::panel::picture::frames_from_middle;
-use crate::app::panel::table::ROW_HEIGHT;
+use crate::app::panel::table::{ROW_HEIGHT, striped_table};
 use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
 use crate::app::results::Read;
 use crate::app::results::comparison::{Row, Shown};
 use crate::app::view::{fixed, signed_slope};
-use egui::{Align, Button, Color32, Label, Layout, RichText, Sense, Ui, pos2, vec2};
-use egui_extras::{Column, TableBuilder};
+use egui::{Button, Color32, Label, RichText, Sense, Ui, pos2, vec2};
+use egui_extras::Column;
 
 /// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.
 pub fn colour(with: Reference, kind: Compared) -> Color32 {
@@ -124,12 +124,8 @@ fn table_ui(
         (0..shown.rows.len()).filter(|&row| model.document.comparisons[side].shows(shown.rows[row].kind)).collect();
     let (mut clicked, mut hovered, mut probed) = (None, None, None);
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
-    let table = TableBuilder::new(ui)
-        .striped(true)
+    let table = striped_table(ui)
         .sense(Sense::click())
-        .cell_layout(Layout::left_to_right(Align::Center))
-        .min_scrolled_height(0.0)
-        .auto_shrink(false)
         .column(Column::exact(104.0))
         .columns(Column::exact(54.0), 2)
         .column(Column::exact(44.0))
@@ -258,12 +254,7 @@ pub fn marks_ui(ui: &Ui, model: Read<'_>, shown: &Shown, place: &RowsInPane, out
     let elsewhere = model.results.hovered.or(model.document.selected).filter(|_| side == Side::A);
     let highlighted = highlighted.or_else(|| elsewhere.and_then(of_ours));
     draw_compared(output, &marks, highlighted);
-    if on_top
-        && output.response.clicked()
-        && output.response.interact_pointer_pos().is_none_or(|pos| clip.contains(pos))
-    {
-        queue.push(Action::SelectRow(side, pointed.map(|mark| rows[mark])));
-    }
+    queue.push_if(on_top && output.clicked_in_sight(), Action::SelectRow(side, pointed.map(|mark| rows[mark])));
     if let Some(mark) = pointed.filter(|_| !output.response.dragged()) {
         row_tip_ui(ui, shown, &shown.rows[rows[mark]]);
     }

@@ -8,36 +8,29 @@ use crate::app::histogram::HistogramPanel;
 use crate::app::inspector::{PaneWidget, PaneWidgets};
 use crate::app::pane::PaneId;
 use crate::app::panel::legend::{KEY_ROOM, ground, motion_key};
-use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui};
+use crate::app::panel::widgets::{choice_ui, hint, label_ui, named, section_ui, strip_of_colours};
 use crate::app::results::Read;
 use crate::plane::display::Display;
 use crate::requests::line_of;
-use egui::{
-    Align2, Color32, Mesh, Rect, RichText, Sense, Shape, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2,
-};
+use egui::{Align2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, UiBuilder, pos2, vec2};
 
 #[derive(Default)]
 pub struct DisplayState([HistogramPanel; RangeClass::Motion as usize + 1]);
 
-pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) {
+/// Draws the section, with the rows for features where they are drawn.
+pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, with_features: bool, queue: &mut Queue) {
     section_ui(ui, "Display", |ui| {
         range_ui(ui, model, model.document.focus(), widgets, queue);
         let mut look = model.document.look.clone();
         smoothing_ui(ui, &mut look);
-        ui.add_space(4.0);
-        overlay_ui(ui, model, &mut look);
+        if with_features {
+            ui.add_space(4.0);
+            overlay_ui(ui, model, &mut look);
+        }
         queue.set(&model.document.look, look, Action::SetLook);
-        colouring_ui(ui, model, queue);
-    });
-}
-
-/// Draws the section without the rows for features.
-pub fn ranges_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) {
-    section_ui(ui, "Display", |ui| {
-        range_ui(ui, model, model.document.focus(), widgets, queue);
-        let mut look = model.document.look.clone();
-        smoothing_ui(ui, &mut look);
-        queue.set(&model.document.look, look, Action::SetLook);
+        if with_features {
+            colouring_ui(ui, model, queue);
+        }
     });
 }
 
@@ -174,13 +167,7 @@ fn motion_key_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, rect: Rect) {
 pub fn bar_ui(ui: &Ui, bar: Rect, display: &Display) {
     const STEPS: usize = 96;
     let colours = display.colours();
-    let mut mesh = Mesh::default();
-    for i in 0..STEPS {
-        let x = |i: usize| bar.left() + bar.width() * i as f32 / STEPS as f32;
-        let value = display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
-        let [r, g, b] = colours.colour(value);
-        mesh.add_colored_rect(Rect::from_x_y_ranges(x(i)..=x(i + 1), bar.y_range()), Color32::from_rgb(r, g, b));
-    }
-    ui.painter().add(Shape::mesh(mesh));
+    let value = |i: usize| display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
+    strip_of_colours(ui.painter(), bar, STEPS, |i, _| colours.colour(value(i)));
     ui.painter().rect_stroke(bar, 1.0, Stroke::new(1.0, ui.visuals().weak_text_color()), StrokeKind::Outside);
 }

@@ -192,14 +192,7 @@ pub fn features_ui(
     }
     state.drawn_of = Some((in_full.drawn, in_full.in_view));
     draw(&layer, &scale, output, &in_full);
-    let clicked_here = |pos: Pos2| output.painter.clip_rect().contains(pos);
-    if on_top
-        && can_be_pointed_at
-        && output.response.clicked()
-        && output.response.interact_pointer_pos().is_none_or(clicked_here)
-    {
-        queue.push(Action::Select(pointed));
-    }
+    queue.push_if(on_top && can_be_pointed_at && output.clicked_in_sight(), Action::Select(pointed));
     if let Some(i) = pointed
         && !output.response.dragged()
     {

@@ -4,13 +4,13 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, MethodId, Side};
 use crate::app::pane::{MethodsPreset, Over};
-use crate::app::panel::table::{ROW_HEIGHT, cell_ui};
+use crate::app::panel::table::{ROW_HEIGHT, cell_ui, striped_table};
 use crate::app::panel::widgets::{in_time, label_ui, progress_text, progress_ui, section_ui};
 use crate::app::results::Read;
 use crate::evaluate::curves::percent;
 use crate::export::{Cell, Table};
-use egui::{Align, Layout, RichText, Ui};
-use egui_extras::{Column, TableBuilder};
+use egui::{RichText, Ui};
+use egui_extras::Column;
 
 pub fn controls_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Compare", |ui| {
@@ -104,11 +104,7 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 4.0;
     let mut look = model.document.methods.clone();
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
-        TableBuilder::new(ui)
-            .striped(true)
-            .cell_layout(Layout::left_to_right(Align::Center))
-            .min_scrolled_height(0.0)
-            .auto_shrink(false)
+        striped_table(ui)
             .column(Column::exact(116.0))
             .columns(Column::remainder().at_least(55.0), COLUMNS.len())
             .header(20.0, |mut header| {

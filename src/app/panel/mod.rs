@@ -45,8 +45,8 @@ mod tests {
         ("plane of slopes", cursor::slope_pad_ui),
         ("strip", |ui, model, queue| cursor::strip_ui(ui, model, false, queue)),
         ("parameters", parameters::parameters_ui),
-        ("display", |ui, model, queue| display::display_ui(ui, model, &mut Default::default(), queue)),
-        ("ranges", |ui, model, queue| display::ranges_ui(ui, model, &mut Default::default(), queue)),
+        ("display", |ui, model, queue| display::display_ui(ui, model, &mut Default::default(), true, queue)),
+        ("ranges", |ui, model, queue| display::display_ui(ui, model, &mut Default::default(), false, queue)),
         ("selection", |ui, model, queue| selection::selection_ui(ui, model, &mut Default::default(), queue)),
         ("steps of the selection", selection::walk_ui),
         ("probe", |ui, model, queue| {

@@ -144,6 +144,12 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     pointed
 }
 
+/// A table without columns, as large as its room.
+pub(in crate::app) fn striped_table(ui: &mut Ui) -> TableBuilder<'_> {
+    let table = TableBuilder::new(ui).striped(true).cell_layout(Layout::left_to_right(Align::Center));
+    table.min_scrolled_height(0.0).auto_shrink(false)
+}
+
 /// Draws a table. `sorted` is the column by which it is sorted and whether the largest come first; `None` for a table
 /// that is in an order of its own. `text` is the content of the cell of a column and an item, `name` the item's name
 /// for screen readers, and `on_row` takes the response of its row. Returns the column whose heading was clicked.
@@ -160,12 +166,7 @@ pub(in crate::app) fn rows_ui(
     let scroll_id = ui.scope_id().with("scrolled to");
     let scrolled_to: Option<usize> = ui.data(|d| d.get_temp(scroll_id)).flatten();
     let (mut clicked, mut now_selected) = (None, selected);
-    let mut table = TableBuilder::new(ui)
-        .striped(true)
-        .sense(Sense::click())
-        .cell_layout(Layout::left_to_right(Align::Center))
-        .min_scrolled_height(0.0)
-        .auto_shrink(false);
+    let mut table = striped_table(ui).sense(Sense::click());
     for &Heading { width, is_exact, .. } in headings {
         let rest = TableColumn::remainder().at_least(width);
         table = table.column(if is_exact { TableColumn::exact(width) } else { rest });
@@ -248,8 +249,8 @@ pub fn filter_bar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.set_min_width(330.0);
         ranges_ui(ui, model, &mut filter);
         ui.separator();
-        verdict_ui(ui, &mut filter);
-        moves_ui(ui, &mut filter);
+        one_of_ui(ui, ("Verdict", Quantity::Verdict), &mut filter.verdict, "all", &Verdict::ALL, Verdict::word);
+        one_of_ui(ui, ("Moves", Quantity::Moves), &mut filter.moves, "any way", &Moves::ALL, Moves::words);
         layers_ui(ui, model, &mut filter);
         ui.checkbox(&mut filter.hide_slope_limit, "Hide features at the slope limit")
             .on_hover_text("Their slope is at the end of the searched range, so their true motion may lie beyond it");
@@ -294,20 +295,19 @@ fn ranges_ui(ui: &mut Ui, model: Read<'_>, filter: &mut Filter) {
     ui.collapsing("More ranges", |ui| others.for_each(|quantity| row(ui, quantity)));
 }
 
-fn verdict_ui(ui: &mut Ui, filter: &mut Filter) {
+/// Draws the choice of one value of a quantity, or of all.
+fn one_of_ui<T: PartialEq + Copy>(
+    ui: &mut Ui,
+    (label, quantity): (&str, Quantity),
+    chosen: &mut Option<T>,
+    all: &'static str,
+    values: &[T],
+    word: fn(T) -> &'static str,
+) {
     ui.horizontal_wrapped(|ui| {
-        label_ui(ui, "Verdict", 70.0).on_hover_text(Quantity::Verdict.record().help);
-        for verdict in std::iter::once(None).chain(Verdict::ALL.map(Some)) {
-            ui.selectable_value(&mut filter.verdict, verdict, verdict.map_or("all", Verdict::word));
-        }
-    });
-}
-
-fn moves_ui(ui: &mut Ui, filter: &mut Filter) {
-    ui.horizontal_wrapped(|ui| {
-        label_ui(ui, "Moves", 70.0).on_hover_text(Quantity::Moves.record().help);
-        for moves in std::iter::once(None).chain(Moves::ALL.map(Some)) {
-            ui.selectable_value(&mut filter.moves, moves, moves.map_or("any way", Moves::words));
+        label_ui(ui, label, 70.0).on_hover_text(quantity.record().help);
+        for value in std::iter::once(None).chain(values.iter().copied().map(Some)) {
+            ui.selectable_value(chosen, value, value.map_or(all, word));
         }
     });
 }

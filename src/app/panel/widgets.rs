@@ -6,8 +6,8 @@ use crate::monitor::Progress;
 use crate::requests::Running;
 use crate::teach::Part;
 use egui::{
-    Align, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Painter, ProgressBar, Rect, Response,
-    RichText, Role, Sense, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
+    Align, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Mesh, Painter, ProgressBar, Rect, Response,
+    RichText, Role, Sense, Shape, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
 };
 use egui_plot::Plot;
 use std::ops::RangeInclusive;
@@ -127,9 +127,20 @@ pub fn paint(painter: &Painter, texture: TextureId, rect: Rect) {
     painter.image(texture, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
 }
 
+/// Fills `rect` from left to right with `count` colours, by the index and the middle of each.
+pub fn strip_of_colours(painter: &Painter, rect: Rect, count: usize, colour: impl Fn(usize, f32) -> [u8; 3]) {
+    let mut mesh = Mesh::default();
+    for i in 0..count {
+        let x = |i: usize| rect.left() + rect.width() * i as f32 / count as f32;
+        let [r, g, b] = colour(i, 0.5 * (x(i) + x(i + 1)));
+        mesh.add_colored_rect(Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.y_range()), Color32::from_rgb(r, g, b));
+    }
+    painter.add(Shape::mesh(mesh));
+}
+
 pub fn dashed_circle(painter: &Painter, centre: egui::Pos2, radius: f32, stroke: Stroke, (dash, gap): (f32, f32)) {
     let point = |i: u8| centre + radius * egui::Vec2::angled(f32::from(i) / 48.0 * std::f32::consts::TAU);
-    painter.extend(egui::Shape::dashed_line(&(0..=48).map(point).collect::<Vec<_>>(), stroke, dash, gap));
+    painter.extend(Shape::dashed_line(&(0..=48).map(point).collect::<Vec<_>>(), stroke, dash, gap));
 }
 
 pub fn dots_ui(ui: &mut Ui, texts: impl IntoIterator<Item = (Color32, String)>) {

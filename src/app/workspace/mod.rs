@@ -229,7 +229,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
                 if model.document.selected.is_some() {
                     panel::selection::selection_ui(ui, model, selection, queue);
                 }
-                panel::display::display_ui(ui, model, widgets, queue);
+                panel::display::display_ui(ui, model, widgets, true, queue);
                 if model.document.selected.is_none() {
                     panel::selection::selection_ui(ui, model, selection, queue);
                 }

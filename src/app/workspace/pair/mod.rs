@@ -62,7 +62,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
                 if !model.shows_left() || match_is_left {
                     switches_ui(ui, model, queue);
                 }
-                panel::display::ranges_ui(ui, model, widgets, queue);
+                panel::display::display_ui(ui, model, widgets, false, queue);
             });
         };
         let width = side_width(model);
