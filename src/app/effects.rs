@@ -3,14 +3,14 @@
 use super::actions::{ActionId, Queue};
 use super::dataset::CutDialog;
 use super::dialogs::Question;
-use super::document::Action;
 use super::files::{drop_places, purpose_of_dropped};
 use super::session::{OfCase, Session, of_case};
 use super::window::BurstscopeApp;
 use super::{actions, apply, clipboard, files};
 use crate::app::apply::{methods, opening, studies};
-use crate::app::document::{ExportKind, Purpose, Side};
+use crate::app::document::{Action, ExportKind, Purpose, Side};
 use crate::app::results::{Effect, Read};
+use crate::burst::TimesChoice;
 use crate::engine::Ended;
 use crate::inspect::place::ProbeSubject;
 use crate::requests::{OpenRequest, ProbeQuestion};
@@ -208,18 +208,14 @@ impl BurstscopeApp {
         let Self { model, engine, .. } = self;
         let Some(first) = paths.first() else { return };
         match purpose {
-            Purpose::OpenBias => {
-                self.overlays.calibration_draft(&model.document.calibration).bias = Some(first.clone());
-            }
-            Purpose::OpenFlat => {
-                self.overlays.calibration_draft(&model.document.calibration).flat = Some(first.clone());
-            }
-            Purpose::OpenMask | Purpose::OpenMasks => {
-                self.overlays.calibration_draft(&model.document.calibration).mask = Some(first.clone());
-            }
-            Purpose::OpenTimes => {
-                let list = crate::burst::TimesChoice::List(first.clone());
-                self.overlays.calibration_draft(&model.document.calibration).times = Some(list);
+            Purpose::OpenBias | Purpose::OpenFlat | Purpose::OpenMask | Purpose::OpenMasks | Purpose::OpenTimes => {
+                let draft = self.overlays.calibration_draft(&model.document.calibration);
+                match purpose {
+                    Purpose::OpenBias => draft.bias = Some(first.clone()),
+                    Purpose::OpenFlat => draft.flat = Some(first.clone()),
+                    Purpose::OpenTimes => draft.times = Some(TimesChoice::List(first.clone())),
+                    _ => draft.mask = Some(first.clone()),
+                }
             }
             Purpose::OpenLessons => model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => studies::make_figures(model, first.clone(), engine),

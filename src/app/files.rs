@@ -3,10 +3,9 @@
 //! A file that is written is prepared from the shown results, then written in the background, whole or not at all.
 
 use super::dialogs::Question;
-use super::document::Action;
 use super::session::Session;
 use crate::app::document::datasets::Which;
-use crate::app::document::{ExportKind, Purpose, Side};
+use crate::app::document::{Action, ExportKind, Purpose, Side};
 use crate::app::figure::drawing_of;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{mask_of, profiles_of};

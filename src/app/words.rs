@@ -18,7 +18,7 @@ pub fn word_link_ui(ui: &mut Ui, word: &Word) {
         ui.ctx().data_mut(|data| data.insert_temp(asked_id(), word.name.clone()));
     }
     if let Some(origin) = word.origin {
-        ui.add(Label::new(egui::RichText::new(origin.help()).small().weak()).wrap());
+        ui.add(Label::new(egui::RichText::new(origin.words()[1]).small().weak()).wrap());
     }
 }
 

@@ -78,11 +78,8 @@ pub(super) fn resolve(arguments: &[PathBuf], options: &OpenOptions) -> Vec<Input
             inputs.extend(look(std::slice::from_ref(argument), options));
         } else if !files_done {
             files_done = true;
-            let files: Vec<PathBuf> = arguments
-                .iter()
-                .filter(|a| Input::built_in(a).is_none() && !a.is_dir() && !is_case(a))
-                .cloned()
-                .collect();
+            let is_file = |path: &&PathBuf| Input::built_in(path).is_none() && !path.is_dir() && !is_case(path);
+            let files: Vec<PathBuf> = arguments.iter().filter(is_file).cloned().collect();
             inputs.extend(resolve_files(&files, options));
         }
     }

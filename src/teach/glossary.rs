@@ -24,21 +24,13 @@ pub enum Origin {
 }
 
 impl Origin {
-    pub fn label(self) -> &'static str {
+    /// Its label, and help.
+    pub fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Buff => "BuFF paper",
-            Self::Liff => "LiFF",
-            Self::Sift => "SIFT",
-            Self::Ours => "ours",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Buff => "Of the BuFF paper: Ravendran, Bryson, Dansereau, arXiv 2209.09470",
-            Self::Liff => "Of LiFF, which the BuFF paper follows: Dansereau, Girod, Wetzstein, CVPR 2019",
-            Self::Sift => "Of SIFT, which BuFF and LiFF follow: Lowe, IJCV 60, 2004",
-            Self::Ours => "Of this program, not of the paper; docs/METHOD.md says why, and what it measured",
+            Self::Buff => ["BuFF paper", "Of the BuFF paper: Ravendran, Bryson, Dansereau, arXiv 2209.09470"],
+            Self::Liff => ["LiFF", "Of LiFF, which the BuFF paper follows: Dansereau, Girod, Wetzstein, CVPR 2019"],
+            Self::Sift => ["SIFT", "Of SIFT, which BuFF and LiFF follow: Lowe, IJCV 60, 2004"],
+            Self::Ours => ["ours", "Of this program, not of the paper; docs/METHOD.md says why, and what it measured"],
         }
     }
 }

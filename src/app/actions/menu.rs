@@ -324,9 +324,7 @@ pub fn sheet_ui(ctx: &egui::Context, open: &mut bool) {
         let keys = ActionId::Palette.action().shortcut.map(|keys| keys_text(ui.ctx(), &keys)).unwrap_or_default();
         ui.weak(format!("{keys} finds every action by its name, also those without keys"));
     });
-    if modal.should_close() {
-        *open = false;
-    }
+    *open &= !modal.should_close();
 }
 
 fn with_keys(menu: Menu) -> impl Iterator<Item = &'static ActionRow> {

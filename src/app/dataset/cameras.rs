@@ -57,9 +57,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         view = before;
     }
     // Settling alone is no action of the user: only a view that looks different is recorded.
-    if !view.is_drawn_as(&model.document.trajectories.view) {
-        queue.push(Action::MoveCameras(view));
-    }
+    queue.push_if(!view.is_drawn_as(&model.document.trajectories.view), Action::MoveCameras(view));
     draw(ui, &painter, model, &scene, &ui_from_plane);
     frame_ui(ui, &painter, model, &scene, &ui_from_plane, rect);
     if let Some((of_truth, spot)) = pointed.filter(|_| !response.dragged()) {

@@ -108,9 +108,7 @@ fn move_selection(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, response: &Re
         (row.saturating_add_signed(down).min(last), column.saturating_add_signed(right).min(last))
     });
     // The selection is above the diagonal; it stops there.
-    if moved.0 < moved.1 && moved != (row, column) {
-        queue.push(Action::SelectPair(moved));
-    }
+    queue.push_if(moved.0 < moved.1 && moved != (row, column), Action::SelectPair(moved));
 }
 
 pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
@@ -273,7 +271,7 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: 
         (column, counts) => counts.map_or_else(String::new, |counts| column.text(counts)),
     };
     let heading = |column: PairColumn| {
-        let (text, help, is_left) = (column.heading(), column.help(), column == PairColumn::Pair);
+        let ([text, help], is_left) = (column.words(), column == PairColumn::Pair);
         let width = if is_left { 120.0 } else { 50.0 };
         Heading { text, help, width, is_exact: !is_left, is_left, ..Heading::default() }
     };

@@ -297,14 +297,10 @@ pub fn figure_dialog_ui(
             if ui.button("Reset").on_hover_text("Give every choice its default").clicked() {
                 *choice = FigureChoice::default();
             }
-            if ui.button("Close").clicked() {
-                close = true;
-            }
+            close |= ui.button("Close").clicked();
         });
     });
-    if close || modal.should_close() {
-        *open = false;
-    }
+    *open &= !(close || modal.should_close());
 }
 
 fn switches_ui(ui: &mut Ui, choice: &mut FigureChoice) {

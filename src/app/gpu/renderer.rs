@@ -183,12 +183,8 @@ impl PictureRenderer {
         let frame = self.frame;
         let mut bytes = self.resident_bytes();
         if bytes > self.budget_bytes {
-            let mut unseen: Vec<(u64, PictureId)> = self
-                .pictures
-                .iter()
-                .filter(|(_, p)| p.last_used_frame < frame)
-                .map(|(&id, p)| (p.last_used_frame, id))
-                .collect();
+            let unseen = self.pictures.iter().filter(|(_, p)| p.last_used_frame < frame);
+            let mut unseen: Vec<(u64, PictureId)> = unseen.map(|(&id, p)| (p.last_used_frame, id)).collect();
             unseen.sort_unstable();
             for (_, id) in unseen {
                 if bytes <= self.budget_bytes {

@@ -50,19 +50,12 @@ pub enum RangeOf {
 impl RangeOf {
     pub const ALL: [Self; 3] = [Self::All, Self::Percentiles, Self::Visible];
 
-    pub fn label(self) -> &'static str {
+    /// Its label, and help.
+    pub fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Percentiles => "Percentiles",
-            Self::All => "Full range",
-            Self::Visible => "Visible region",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Percentiles => "Leaves out the lowest and the highest 0.1 % of the values",
-            Self::All => "From the smallest to the largest value of the picture",
-            Self::Visible => "The same percentiles, of the part of the picture that can be seen",
+            Self::Percentiles => ["Percentiles", "Leaves out the lowest and the highest 0.1 % of the values"],
+            Self::All => ["Full range", "From the smallest to the largest value of the picture"],
+            Self::Visible => ["Visible region", "The same percentiles, of the part of the picture that can be seen"],
         }
     }
 
@@ -108,8 +101,9 @@ impl HistogramPanel {
             ui.spacing_mut().item_spacing.x = 4.0;
             for of in RangeOf::ALL {
                 let range = picture.and_then(|picture| of.range(picture, visible));
-                let button = ui.add_enabled(range.is_some(), egui::Button::new(of.label()));
-                wanted = range.filter(|_| button.on_hover_text(of.help()).clicked()).or(wanted);
+                let [label, help] = of.words();
+                let button = ui.add_enabled(range.is_some(), egui::Button::new(label));
+                wanted = range.filter(|_| button.on_hover_text(help).clicked()).or(wanted);
             }
         });
         if let Some((min, max)) = wanted {

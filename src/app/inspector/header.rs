@@ -105,7 +105,8 @@ fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> 
         Some(number) => format!("{number}   {text}"),
         None => text,
     };
-    let label = ui.add(Label::new(RichText::new(&text).strong()).truncate().selectable(false).sense(grip_sense(many)));
+    let sense = if many { Sense::click_and_drag() } else { Sense::click() };
+    let label = ui.add(Label::new(RichText::new(&text).strong()).truncate().selectable(false).sense(sense));
     let tip = if many { format!("{long}\nDrag it to put this pane elsewhere") } else { long };
     let label = label.on_hover_text(tip);
     let response = HeaderResponse { clicked: label.clicked(), dragged: label.drag_started() };
@@ -200,7 +201,8 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
         ends_ui(ui, &mut display);
         for choice in RangeOf::ALL {
             let of = picture.and_then(|picture| choice.range(picture, visible_image));
-            let button = ui.add_enabled(of.is_some(), Button::new(choice.label())).on_hover_text(choice.help());
+            let [label, help] = choice.words();
+            let button = ui.add_enabled(of.is_some(), Button::new(label)).on_hover_text(help);
             if let Some((min, max)) = of.filter(|_| button.clicked()) {
                 display = display.with_range(min, max);
             }
@@ -262,10 +264,6 @@ fn buttons_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &mut 
         }
     }
     ui.add_space(4.0);
-}
-
-fn grip_sense(many: bool) -> Sense {
-    if many { Sense::click_and_drag() } else { Sense::click() }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -113,9 +113,7 @@ pub(super) fn probe_ui(
     if !with_shift && !model.document.probe.follows {
         return;
     }
-    if model.document.probe.follows {
-        queue.push(Action::StopFollowing);
-    }
+    queue.push_if(model.document.probe.follows, Action::StopFollowing);
     let Some((side, place)) = pointer else { return };
     // Features can be pointed at where they are listed, and with their circle; the place clicked stays the subject.
     let feature = widgets.get(drawn.shown).and_then(|widget| widget.picture.pointed).filter(|index| {

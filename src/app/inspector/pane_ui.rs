@@ -83,9 +83,7 @@ pub(super) fn picture_ui(
     let state = &mut widgets.of(id).picture;
     (state.ui_from_image, state.visible_image) = (Some(output.ui_from_image), visible);
     // Settling alone is no action of the user: only a view that looks different is recorded.
-    if !view.is_drawn_as(&before) {
-        queue.push(Action::MoveView { pane: id, before, after: view });
-    }
+    queue.push_if(!view.is_drawn_as(&before), Action::MoveView { pane: id, before, after: view });
     Drawn { shown, output, right: None }
 }
 

@@ -285,9 +285,7 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
             }
         });
     });
-    if chosen.is_some() || modal.should_close() {
-        lessons.list_is_open = false;
-    }
+    lessons.list_is_open &= !(chosen.is_some() || modal.should_close());
     chosen
 }
 

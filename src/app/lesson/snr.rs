@@ -125,9 +125,7 @@ fn frames_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, queue: &mut Que
     let label = if is_playing { "⏸ Stop" } else { "▶ Add one by one" };
     if ui.button(label).on_hover_text("Begin with one frame and add the next ones, one after the other").clicked() {
         trace.next = (!is_playing).then(|| Instant::now() + EVERY);
-        if !is_playing {
-            queue.push(Action::UseFrames(1));
-        }
+        queue.push_if(!is_playing, Action::UseFrames(1));
     }
     let Some(next) = trace.next else { return };
     // The next frame is added once the picture of the present ones is shown.

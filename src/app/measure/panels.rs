@@ -191,12 +191,9 @@ pub fn profile_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
     let drawn = plot.show(ui, |plot| {
         for profile in &profiles {
             // The line may leave the picture, or cross what has no value.
-            let points: PlotPoints<'_> = profile
-                .samples
-                .iter()
-                .filter(|sample| sample.value.is_finite())
-                .map(|sample| [f64::from(sample.distance_px), f64::from(sample.value)])
-                .collect();
+            let known = profile.samples.iter().filter(|sample| sample.value.is_finite());
+            let points: PlotPoints<'_> =
+                known.map(|sample| [f64::from(sample.distance_px), f64::from(sample.value)]).collect();
             let name = format!("{}  {}", profile.number, profile.label);
             let colour = CURVES[(profile.number - 1) % CURVES.len()];
             plot.line(Line::new(name, points).color(colour).width(1.5));

@@ -3,7 +3,7 @@
 use crate::app::lesson::Captions;
 use crate::app::panel::widgets::name_field;
 use crate::app::words::asked_for;
-use crate::teach::glossary::{Word, glossary};
+use crate::teach::glossary::{Origin, Word, glossary};
 use egui::{Context, RichText, ScrollArea, Ui, vec2};
 
 #[derive(Default)]
@@ -100,8 +100,8 @@ fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) -
         if let Some(symbol) = &word.symbol {
             ui.label(RichText::new(symbol).monospace().weak()).on_hover_text("Symbol in the paper");
         }
-        if let Some(origin) = word.origin {
-            ui.label(RichText::new(origin.label()).small().weak()).on_hover_text(origin.help());
+        if let Some([label, help]) = word.origin.map(Origin::words) {
+            ui.label(RichText::new(label).small().weak()).on_hover_text(help);
         }
     });
     let clicked = ui.push_id(&word.name, |ui| captions.ui(ui, &word.text)).inner;

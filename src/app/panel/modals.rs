@@ -36,10 +36,16 @@ const TIMES: [(TimesChoice, &str, &str); 4] = [
     ),
 ];
 
+/// Draws the widgets beside the name of a row, and ends it.
+fn row_of(ui: &mut Ui, name: &egui::Response, widgets: impl FnOnce(&mut Ui)) {
+    ui.horizontal(widgets).response.labelled_by(name.id);
+    ui.end_row();
+}
+
 /// Returns whether a list of times is to be chosen.
 fn times_ui(ui: &mut Ui, times: &mut Option<TimesChoice>) -> bool {
     let (name, mut asks) = (ui.label("Times").on_hover_text("When the frames were taken"), false);
-    ui.horizontal(|ui| {
+    row_of(ui, &name, |ui| {
         let chosen = times.clone().unwrap_or_default();
         for (choice, label, tip) in TIMES {
             if ui.radio(choice == chosen, label).on_hover_text(tip).clicked() {
@@ -51,10 +57,7 @@ fn times_ui(ui: &mut Ui, times: &mut Option<TimesChoice>) -> bool {
             ui.radio(true, label).on_hover_text(path.display().to_string());
         }
         asks = ui.button("List…").on_hover_text(Purpose::OpenTimes.hint()).clicked();
-    })
-    .response
-    .labelled_by(name.id);
-    ui.end_row();
+    });
     asks
 }
 
@@ -98,7 +101,7 @@ fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
     const TIP: &str = "Frames that are the views of a light field";
     const MAX_SIDE: usize = 4096;
     let name = ui.label("Views").on_hover_text(TIP);
-    ui.horizontal(|ui| {
+    row_of(ui, &name, |ui| {
         let usual =
             "Views where the names of all of a grid have rows and columns (view_03_07.png), otherwise frames in time";
         ui.radio_value(views, None, "Usual").on_hover_text(usual);
@@ -122,10 +125,7 @@ fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
         }
         let grid = ViewGrid::new(rows, columns).unwrap_or(grid);
         *views = Some(tiling.map_or(ViewsChoice::Grid(grid), |tiling| ViewsChoice::Picture(grid, tiling)));
-    })
-    .response
-    .labelled_by(name.id);
-    ui.end_row();
+    });
 }
 
 /// Draws the dialog if there is a draft; closing it drops the draft.
@@ -156,14 +156,11 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             level_ui(ui, "Full scale", &mut options.full_scale, 65535.0, full);
             level_ui(ui, "Black level", &mut options.black_level, 0.0, black);
             let name = ui.label("Raw colour");
-            ui.horizontal(|ui| {
+            row_of(ui, &name, |ui| {
                 for (colour, label, tip) in COLOURS {
                     ui.radio_value(&mut options.raw_colour, colour, label).on_hover_text(tip);
                 }
-            })
-            .response
-            .labelled_by(name.id);
-            ui.end_row();
+            });
             take_ui(ui, &mut options.take);
             if times_ui(ui, &mut options.times) {
                 choice = Some(CalibrationChoice::Choose(Purpose::OpenTimes));
@@ -187,9 +184,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             if ui.button("Reset").on_hover_text("Use the values of the files as they are").clicked() {
                 *options = OpenOptions::default();
             }
-            if ui.button("Cancel").clicked() {
-                close = true;
-            }
+            close |= ui.button("Cancel").clicked();
         });
     });
     if close || modal.should_close() {
@@ -310,9 +305,7 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings:
             ui.close();
         }
     });
-    if modal.should_close() {
-        *open = false;
-    }
+    *open &= !modal.should_close();
 }
 
 /// Draws the choice among `bursts` if there are any. Returns the chosen one; then, or when the dialog is closed,

@@ -133,9 +133,7 @@ pub fn fold_ui(ui: &mut Ui, model: Read<'_>, is_needed: bool, changed: usize, qu
         }
         title.clicked() || icon.clicked()
     });
-    if toggled.inner {
-        queue.push(Action::SetPanels(Panels { advanced: !is_open, ..model.document.panels }));
-    }
+    queue.push_if(toggled.inner, Action::SetPanels(Panels { advanced: !is_open, ..model.document.panels }));
     is_open
 }
 

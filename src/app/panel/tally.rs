@@ -70,9 +70,7 @@ pub fn tally_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             let mut shown = model.document.shown_test == Some(test);
             let before = shown;
             line_ui(ui, &row, test.takes_candidates().then_some(&mut shown));
-            if shown != before {
-                queue.push(Action::ShowTest(shown.then_some(test)));
-            }
+            queue.push_if(shown != before, Action::ShowTest(shown.then_some(test)));
         }
         let kept = survey.as_ref().map(|survey| survey.kept);
         let row = Row { name: "Kept: keypoints", samples: tally.kept, candidates: kept, bar: Some((most, true)) };

@@ -128,10 +128,8 @@ impl<'a> Read<'a> {
     }
 
     pub fn probed_pane(self) -> &'a Pane {
-        self.document
-            .panes
-            .get(self.probed_pane_id())
-            .unwrap_or_else(|| self.document.panes.of(self.document.probe.side))
+        let panes = &self.document.panes;
+        panes.get(self.probed_pane_id()).unwrap_or_else(|| panes.of(self.document.probe.side))
     }
 
     pub fn probe_is_stale(self) -> bool {

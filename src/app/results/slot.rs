@@ -15,7 +15,7 @@ use crate::inspect::place::Judged;
 use crate::inspect::slopes::SetUp;
 use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, OpenBurst, OpenRequest};
 use std::ops::Deref;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::time::Duration;
 
 #[derive(Debug, Default)]
@@ -202,14 +202,13 @@ impl Read<'_> {
         files.extend(calibration.flat_map(|path| BurstSource::Paths(vec![path]).files()));
         files.extend(self.document.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
         let trajectories = [&self.document.trajectories.estimate, &self.document.trajectories.truth];
-        files.extend(trajectories.into_iter().flatten().flat_map(|path| files_of_model(path)));
+        for path in trajectories.into_iter().flatten() {
+            // A model is a folder.
+            files.extend(std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()));
+            files.push(path.clone());
+        }
         files
     }
-}
-
-fn files_of_model(path: &Path) -> Vec<PathBuf> {
-    let inside = std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path());
-    inside.chain([path.to_path_buf()]).collect()
 }
 
 /// Indices of the features that pass the filter at `slope`, sorted by `order`; `judged` and `set_up` say more of them.

@@ -207,9 +207,7 @@ fn apply_ui(ui: &mut Ui, model: Read<'_>, change: &ParamChange, queue: &mut Queu
     named(&response, egui::Role::Button, format!("Apply {}", change.label()));
     if response.clicked() {
         queue.push(Action::ApplyChanges(model.document.probe.side, vec![change.clone()]));
-        if !model.document.auto_detect {
-            queue.push(ActionId::Detect);
-        }
+        queue.push_if(!model.document.auto_detect, ActionId::Detect);
     }
     ui.label(RichText::new(change.label()).weak());
     if let Some(price) = model.price_text(model.document.probe.side, change) {

@@ -155,9 +155,7 @@ fn slopes_ui(
     };
     let slope = grid.at(place(&plane.u, column), place(&plane.v, row));
     response.on_hover_text_at_pointer(reading(slope, &plane.scale, &strength_text(answer, plane.snr.at(column, row))));
-    if clicked {
-        queue.push(go_to(model, slope, &plane.scale));
-    }
+    queue.push_if(clicked, go_to(model, slope, &plane.scale));
 }
 
 fn go_to(model: Read<'_>, slope: Slope, scale: &MapScale) -> Action {

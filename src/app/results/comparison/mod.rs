@@ -85,11 +85,8 @@ impl<'a> Read<'a> {
     /// The comparison of `side` that is drawn over the pictures: that of the features on show.
     pub fn shown_comparison(self, side: Side) -> Option<&'a Arc<Shown>> {
         let found = self.found_of(side)?;
-        self.results.slots[side]
-            .comparison
-            .shown
-            .as_ref()
-            .filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
+        let shown = self.results.slots[side].comparison.shown.as_ref();
+        shown.filter(|shown| Arc::ptr_eq(&shown.detection, &found.detection))
     }
 }
 

@@ -7,25 +7,15 @@ use std::collections::BTreeMap;
 impl PairColumn {
     pub const ALL: [Self; 6] = [Self::Pair, Self::Putative, Self::Inliers, Self::Ratio, Self::Score, Self::InlierRatio];
 
-    pub fn heading(self) -> &'static str {
+    /// Its heading, and help.
+    pub fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Pair => "pair",
-            Self::Putative => "putative",
-            Self::Inliers => "inliers",
-            Self::Ratio => "ratio",
-            Self::Score => "score",
-            Self::InlierRatio => "inlier ratio",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Pair => "The two bursts",
-            Self::Putative => "Matches by descriptors alone",
-            Self::Inliers => "Matches that a common geometry explains",
-            Self::Ratio => "Match ratio: putative matches over keypoints, mean of both bursts",
-            Self::Score => "Match score: inliers over keypoints, mean of both bursts",
-            Self::InlierRatio => "Inlier ratio: inliers over putative matches",
+            Self::Pair => ["pair", "The two bursts"],
+            Self::Putative => ["putative", "Matches by descriptors alone"],
+            Self::Inliers => ["inliers", "Matches that a common geometry explains"],
+            Self::Ratio => ["ratio", "Match ratio: putative matches over keypoints, mean of both bursts"],
+            Self::Score => ["score", "Match score: inliers over keypoints, mean of both bursts"],
+            Self::InlierRatio => ["inlier ratio", "Inlier ratio: inliers over putative matches"],
         }
     }
 

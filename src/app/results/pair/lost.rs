@@ -81,14 +81,15 @@ impl LostFeatures {
     }
 }
 
-pub fn lost_label(lost: Lost) -> &'static str {
+/// The step where a match was lost, and what it means.
+pub fn lost_words(lost: Lost) -> [&'static str; 2] {
     match lost {
-        Lost::Not => "matched",
-        Lost::NoKeypoint => "no keypoint",
-        Lost::RatioTest => "ratio test",
-        Lost::MutualCheck => "mutual check",
-        Lost::Geometry => "geometry",
-        Lost::Motion => "motion",
+        Lost::Not => ["matched", "Inliers"],
+        Lost::NoKeypoint => ["no keypoint", "B has no keypoint of its size where the geometry expects it"],
+        Lost::RatioTest => ["ratio test", "The second nearest descriptor is almost as near as the nearest"],
+        Lost::MutualCheck => ["mutual check", "The nearest in B is nearer to another feature of A"],
+        Lost::Geometry => ["geometry", "Matched, but the match does not fit the geometry"],
+        Lost::Motion => ["motion", "The descriptors match, but another feature lies where the motion puts it"],
     }
 }
 

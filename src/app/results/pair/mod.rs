@@ -5,7 +5,7 @@ pub mod lost;
 
 mod matches;
 
-pub use lost::{LostFeatures, PATCHES, lost_label};
+pub use lost::{LostFeatures, PATCHES, lost_words};
 
 pub use matches::{MatchRow, Matches};
 

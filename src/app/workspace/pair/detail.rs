@@ -6,7 +6,7 @@ use crate::app::document::{Action, Side};
 use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
 use crate::app::results::Read;
-use crate::app::results::pair::{MatchRow, Matches, PATCHES, lost_label};
+use crate::app::results::pair::{MatchRow, Matches, PATCHES, lost_words};
 use crate::app::view::{fixed, signed, signed_slope};
 use crate::app::workspace::pair::lines::CANDIDATE_COLOURS;
 use crate::detector::Feature;
@@ -244,7 +244,7 @@ fn state_words(lost: Lost) -> String {
     match lost {
         Lost::Not => "matched".to_owned(),
         Lost::NoKeypoint => "no keypoint in B".to_owned(),
-        lost => format!("lost to the {}", if lost == Lost::Geometry { "geometry" } else { lost_label(lost) }),
+        lost => format!("lost to the {}", if lost == Lost::Geometry { "geometry" } else { lost_words(lost)[0] }),
     }
 }
 
@@ -284,13 +284,8 @@ fn candidate_patches_ui(
         for (place, ((side, feature), texture)) in all.into_iter().zip(textures).enumerate() {
             let burst = model.burst_of(side).map(|open| open.id);
             let kind = PictureKind::Stack { slope: feature.slope };
-            let picture = model
-                .results
-                .pair
-                .lost
-                .pictures
-                .iter()
-                .find(|p| Some(p.request.burst.id) == burst && p.request.kind == kind);
+            let mut pictures = model.results.pair.lost.pictures.iter();
+            let picture = pictures.find(|p| Some(p.request.burst.id) == burst && p.request.kind == kind);
             ui.vertical(|ui| {
                 ui.set_width(width);
                 let name =

@@ -6,7 +6,7 @@ use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::results::Read;
-use crate::app::results::pair::{Matches, lost_label};
+use crate::app::results::pair::{Matches, lost_words};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::pair::Lost;
 use crate::matching::{Geometry, MatchCounts};
@@ -94,22 +94,12 @@ pub fn steps_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         }
         ui.label(RichText::new("Lost to").small().weak());
         for lost in Lost::ALL.into_iter().filter(|lost| *lost != Lost::Not) {
-            let text = format!("{} {}", lost_label(lost), model.results.pair.lost.count(lost));
+            let [label, help] = lost_words(lost);
+            let text = format!("{label} {}", model.results.pair.lost.count(lost));
             let mut on = !model.document.hidden_losses.contains(&lost);
-            queue.push_if(ui.checkbox(&mut on, text).on_hover_text(help(lost)).changed(), Action::ShowLost(lost, on));
+            queue.push_if(ui.checkbox(&mut on, text).on_hover_text(help).changed(), Action::ShowLost(lost, on));
         }
     });
-}
-
-fn help(lost: Lost) -> &'static str {
-    match lost {
-        Lost::Not => "Inliers",
-        Lost::NoKeypoint => "B has no keypoint of its size where the geometry expects it",
-        Lost::RatioTest => "The second nearest descriptor is almost as near as the nearest",
-        Lost::MutualCheck => "The nearest in B is nearer to another feature of A",
-        Lost::Geometry => "Matched, but the match does not fit the geometry",
-        Lost::Motion => "The descriptors match, but another feature lies where the motion puts it",
-    }
 }
 
 /// Headings of the features without a match, and their widths, points.
@@ -135,7 +125,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 0 => index.to_string(),
                 more => format!("{index} +{more}"),
             },
-            1 => lost_label(found.lost[index]).to_owned(),
+            1 => lost_words(found.lost[index])[0].to_owned(),
             2 => fixed(f.u, 1),
             3 => fixed(f.v, 1),
             4 => format!("{:.2}", f.sigma),
