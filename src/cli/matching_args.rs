@@ -66,8 +66,7 @@ impl MatchingArgs {
 
     /// Parameters, checked. With a camera and no geometry, matches are verified by the essential matrix.
     pub fn params(&self) -> Result<MatchParams, Failure> {
-        let given = self.given.iter().map(|(record, text)| (*record, text.as_str()));
-        Ok(MatchParams::of_texts(self.camera.clone(), given)?)
+        Ok(MatchParams::of_texts(self.camera.clone(), self.given.iter())?)
     }
 }
 

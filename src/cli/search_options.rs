@@ -94,8 +94,7 @@ impl SearchArgs {
 
     /// As [`Self::params`], for a command with other `defaults`; those of a parameter file are the usual ones.
     pub fn params_over(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
-        let given = self.given.iter().map(|(record, text)| (*record, text.as_str()));
-        Ok(self.file.read_or(defaults)?.with_texts(given)?)
+        Ok(self.file.read_or(defaults)?.with_texts(self.given.iter())?)
     }
 
     pub fn gives(&self, record: &Param<SearchParams>) -> bool {
@@ -104,14 +103,8 @@ impl SearchArgs {
 }
 
 /// Values that options give for parameters of `P`; each can be read by its record.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub(super) struct Given<P: 'static>(Vec<(Param<P>, String)>);
-
-impl<P> Default for Given<P> {
-    fn default() -> Self {
-        Self(Vec::new())
-    }
-}
 
 impl<P: Default + 'static> Given<P> {
     pub(super) fn among(records: &[Param<P>], matches: &ArgMatches) -> Self {
@@ -123,8 +116,8 @@ impl<P: Default + 'static> Given<P> {
         self.0.iter().any(|(given, _)| given == record)
     }
 
-    pub(super) fn iter(&self) -> impl Iterator<Item = &(Param<P>, String)> {
-        self.0.iter()
+    pub(super) fn iter(&self) -> impl Iterator<Item = (Param<P>, &str)> {
+        self.0.iter().map(|(record, text)| (*record, text.as_str()))
     }
 }
 

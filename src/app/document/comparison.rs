@@ -15,21 +15,14 @@ pub enum Reference {
 impl Reference {
     pub const ALL: [Self; 3] = [Self::Pinned, Self::File, Self::Truth];
 
-    pub fn label(self) -> &'static str {
+    /// Its label, and help.
+    pub fn words(self) -> [&'static str; 2] {
+        const FILE: &str = "Features of a file: in both, only theirs, only ours. Open them from the Features menu";
+        const TRUTH: &str = "Known truth: found, missed, repeated and false features, and those at a wrong motion: more than 0.35 px/frame off, or than smears it by its σ. Synthetic bursts and the demo have one; that of a scene is partial, so features elsewhere may be right";
         match self {
-            Self::Pinned => "Pinned result",
-            Self::File => "Opened features",
-            Self::Truth => "Truth",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Pinned => "Gained, lost and moved features against the pinned result",
-            Self::File => "Features of a file: in both, only theirs, only ours. Open them from the Features menu",
-            Self::Truth => {
-                "Known truth: found, missed, repeated and false features, and those at a wrong motion: more than 0.35 px/frame off, or than smears it by its σ. Synthetic bursts and the demo have one; that of a scene is partial, so features elsewhere may be right"
-            }
+            Self::Pinned => ["Pinned result", "Gained, lost and moved features against the pinned result"],
+            Self::File => ["Opened features", FILE],
+            Self::Truth => ["Truth", TRUTH],
         }
     }
 }

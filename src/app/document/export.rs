@@ -81,19 +81,14 @@ pub enum FilmContent {
 impl FilmContent {
     pub const ALL: [Self; 3] = [Self::Slopes, Self::Scales, Self::Frames];
 
-    pub fn label(self) -> &'static str {
+    /// Its label, and help.
+    pub fn words(self) -> [&'static str; 2] {
         match self {
-            Self::Slopes => "Slopes",
-            Self::Scales => "Scales",
-            Self::Frames => "Frames added",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Slopes => "The motion stack at the slopes of the search and half-way between",
-            Self::Scales => "D at the slope of the cursor, from the finest octave and level to the coarsest",
-            Self::Frames => "The motion stack at the slope of the cursor, of one frame to all",
+            Self::Slopes => ["Slopes", "The motion stack at the slopes of the search and half-way between"],
+            Self::Scales => {
+                ["Scales", "D at the slope of the cursor, from the finest octave and level to the coarsest"]
+            }
+            Self::Frames => ["Frames added", "The motion stack at the slope of the cursor, of one frame to all"],
         }
     }
 }

@@ -138,21 +138,13 @@ pub enum FeaturesShown {
 impl FeaturesShown {
     pub const ALL: [Self; 3] = [Self::ThisSlope, Self::All, Self::None];
 
-    pub fn label(self) -> &'static str {
+    /// Its label, and help.
+    pub fn words(self) -> [&'static str; 2] {
+        const HERE: &str = "Features that move by the slope of the picture, by themselves or with their surroundings";
         match self {
-            Self::ThisSlope => "This slope",
-            Self::All => "All",
-            Self::None => "None",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::ThisSlope => {
-                "Features that move by the slope of the picture, by themselves or with their surroundings"
-            }
-            Self::All => "Features of all slopes; other slopes are drawn fainter",
-            Self::None => "No features",
+            Self::ThisSlope => ["This slope", HERE],
+            Self::All => ["All", "Features of all slopes; other slopes are drawn fainter"],
+            Self::None => ["None", "No features"],
         }
     }
 

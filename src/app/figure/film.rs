@@ -99,7 +99,8 @@ fn bytes_per_pixel(model: Read<'_>) -> f64 {
 
 fn choice_ui(ui: &mut Ui, choice: &mut FilmChoice) {
     for content in FilmContent::ALL {
-        ui.radio_value(&mut choice.content, content, content.label()).on_hover_text(content.help());
+        let [label, help] = content.words();
+        ui.radio_value(&mut choice.content, content, label).on_hover_text(help);
     }
     Grid::new("film numbers").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
         let name = ui.label("Rate");

@@ -71,10 +71,9 @@ fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
         queue.push_if(explained(radio, about.help, glossary().of_picture(about.key)).clicked(), Action::Show(id, kind));
     }
     for axis in SliceAxis::ALL {
-        let radio = ui.radio(pane.content == Content::Slice(axis), axis.label());
-        if explained(radio, axis.help(), glossary().of_picture("slice")).clicked() {
-            queue.push(Action::SetContent(id, Content::Slice(axis)));
-        }
+        let ([label, help], slice) = (axis.words(), Content::Slice(axis));
+        let radio = explained(ui.radio(pane.content == slice, label), help, glossary().of_picture("slice"));
+        queue.push_if(radio.clicked(), Action::SetContent(id, slice));
     }
     ui.add_enabled_ui(others.len() > 1, |ui| {
         // Nested by the first pane: a flat list of all ordered pairs would be long.

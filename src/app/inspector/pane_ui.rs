@@ -235,7 +235,7 @@ pub(super) fn slice_ui(
     queue: &mut Queue,
 ) -> bool {
     let (whole, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
-    let name = axis.label();
+    let [name, _] = axis.words();
     named(&response, egui::Role::Image, name);
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();

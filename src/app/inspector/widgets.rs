@@ -112,7 +112,7 @@ fn what(model: Read<'_>, pane: &Pane, id: PaneId, tiny: bool) -> String {
     let scale = format!("{}/{}", cursor.octave, cursor.level);
     match (pane.content, pane.shown()) {
         (Content::Slice(_), _) if tiny => "Slice".to_owned(),
-        (Content::Slice(axis), _) => axis.label().to_owned(),
+        (Content::Slice(axis), _) => axis.words()[0].to_owned(),
         (Content::Difference(a, b), _) => format!("{} − {}", number(a), number(b)),
         (_, Some(ViewKind::Frame)) => format!("Frame {}", cursor.frame),
         (_, Some(ViewKind::Stack)) if tiny => slope,

@@ -74,19 +74,14 @@ pub enum SliceAxis {
 impl SliceAxis {
     pub const ALL: [Self; 2] = [Self::Along, Self::Across];
 
-    pub fn label(self) -> &'static str {
+    /// Its label, and help.
+    pub fn words(self) -> [&'static str; 2] {
+        const ALONG: &str =
+            "A row for each frame through the probed place, along its motion (x–t): what moves is slanted";
+        const ACROSS: &str = "A row for each frame through the probed place, across its motion (y–t)";
         match self {
-            Self::Along => "Slice along the motion",
-            Self::Across => "Slice across the motion",
-        }
-    }
-
-    pub fn help(self) -> &'static str {
-        match self {
-            Self::Along => {
-                "A row for each frame through the probed place, along its motion (x–t): what moves is slanted"
-            }
-            Self::Across => "A row for each frame through the probed place, across its motion (y–t)",
+            Self::Along => ["Slice along the motion", ALONG],
+            Self::Across => ["Slice across the motion", ACROSS],
         }
     }
 }

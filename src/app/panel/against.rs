@@ -36,8 +36,9 @@ fn switch_ui(ui: &mut Ui, model: Read<'_>, side: Side, queue: &mut Queue) {
     }
     for with in Reference::ALL {
         let (on, there) = (model.document.comparisons[side].with == Some(with), model.has_reference(side, with));
-        let button = Button::selectable(on, with.label()).frame_when_inactive(true);
-        let response = ui.add_enabled(there, button).on_hover_text(with.help()).on_disabled_hover_text(with.help());
+        let [label, help] = with.words();
+        let button = Button::selectable(on, label).frame_when_inactive(true);
+        let response = ui.add_enabled(there, button).on_hover_text(help).on_disabled_hover_text(help);
         queue.push_if(response.clicked(), Action::CompareWith(side, (!on).then_some(with)));
     }
     ui.separator();

@@ -101,8 +101,9 @@ pub fn features_shown_ui(
         let is_possible = has_slope || choice != FeaturesShown::ThisSlope;
         let is_shown = *shown == choice || (*shown == FeaturesShown::ThisSlope && choice == FeaturesShown::All);
         let is_lit = if has_slope { *shown == choice } else { is_possible && is_shown };
-        let button = egui::Button::selectable(is_lit, RichText::new(choice.label()).small());
-        let button = ui.add_enabled(is_possible, button).on_hover_text(format!("{} (O)", choice.help()));
+        let [label, help] = choice.words();
+        let button = egui::Button::selectable(is_lit, RichText::new(label).small());
+        let button = ui.add_enabled(is_possible, button).on_hover_text(format!("{help} (O)"));
         if button.on_disabled_hover_text("The picture is of no single slope: features of all are drawn").clicked() {
             *shown = choice;
         }
