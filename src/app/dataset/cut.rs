@@ -1,6 +1,6 @@
 //! Questions before work on a dataset: whether and how a film is cut, and whether features may be replaced.
 
-use crate::app::panel::widgets::confirm_ui;
+use crate::app::panel::widgets::{confirm_ui, modal_ui};
 use crate::app::results::Datasets;
 use crate::burst::SequenceCut;
 use crate::dataset::DatasetSource;
@@ -31,9 +31,7 @@ impl CutDialog {
     /// Draws the dialog. Returns the dataset when it was accepted, and whether the dialog stays open.
     pub fn ui(&mut self, ctx: &egui::Context) -> (Option<DatasetSource>, bool) {
         let mut accepted = None;
-        let modal = egui::Modal::new(egui::Id::unique("cut sequence")).show(ctx, |ui| {
-            ui.set_width(400.0);
-            ui.heading("Cut a sequence into bursts");
+        let modal = modal_ui(ctx, "cut sequence", 400.0, "Cut a sequence into bursts", |ui| {
             let place = self.paths.first().map_or_else(String::new, |p| p.display().to_string());
             ui.weak(format!("{} frames: {place}", self.frames));
             ui.add_space(6.0);

@@ -1,7 +1,7 @@
 //! Field to type a path into, and the question whether a file there may be replaced.
 
 use crate::app::document::Purpose;
-use crate::app::panel::widgets::{confirm_ui, name_field};
+use crate::app::panel::widgets::{confirm_ui, modal_ui, name_field};
 use crate::export::is_ours;
 use std::path::PathBuf;
 
@@ -20,9 +20,7 @@ impl PathField {
 
     pub fn ui(&mut self, ctx: &egui::Context) -> (Option<PathBuf>, bool) {
         let mut accepted = None;
-        let modal = egui::Modal::new(egui::Id::unique("path field")).show(ctx, |ui| {
-            ui.set_width(480.0);
-            ui.heading(self.purpose.title());
+        let modal = modal_ui(ctx, "path field", 480.0, self.purpose.title(), |ui| {
             if self.instead_of_dialog {
                 ui.weak("This system shows no file dialog, so please type the path.");
             }

@@ -1,7 +1,7 @@
 //! Question for the shape of a file without header: the first frame in each likely shape, or a shape that is typed.
 
 use crate::app::document::Side;
-use crate::app::panel::widgets::{error_ui, named, weak_ui};
+use crate::app::panel::widgets::{error_ui, modal_ui, named, weak_ui};
 use crate::burst::Dump;
 use crate::inspect::words::counted;
 use crate::requests::{BurstSource, PossibleShape};
@@ -39,35 +39,39 @@ impl ShapeDialog {
         let path = self.asked.as_ref()?.1.paths().first().cloned().unwrap_or_default();
         let chosen: Result<Dump, String> = self.text.trim().parse();
         let mut accepts = false;
-        let modal = egui::Modal::new(egui::Id::unique("shape of file")).show(ctx, |ui| {
-            ui.set_width(COLUMNS as f32 * (CELL_POINTS.x + 18.0));
-            ui.heading("Shape of a file without header");
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-            weak_ui(ui, name).on_hover_text(path.display().to_string());
-            ui.add_space(6.0);
-            accepts |= self.pictures_ui(ui);
-            ui.add_space(6.0);
-            ui.horizontal(|ui| {
-                let label = ui
-                    .label("Shape")
-                    .on_hover_text("Columns, rows and type of the numbers, with the bytes before the first frame");
-                let field =
-                    TextEdit::singleline(&mut self.text).hint_text("1600x1200:u16le+BYTES").desired_width(220.0);
-                ui.add(field).labelled_by(label.id);
-            });
-            if let (Err(why), false) = (&chosen, self.text.trim().is_empty()) {
-                error_ui(ui, why);
-            }
-            ui.add_space(6.0);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let tip = "Open the file in this shape, and later files without header too";
-                accepts |= ui.add_enabled(chosen.is_ok(), Button::new("Open")).on_hover_text(tip).clicked()
-                    || ui.input(|i| i.key_pressed(Key::Enter));
-                if ui.button("Cancel").clicked() {
-                    ui.close();
+        let modal = modal_ui(
+            ctx,
+            "shape of file",
+            COLUMNS as f32 * (CELL_POINTS.x + 18.0),
+            "Shape of a file without header",
+            |ui| {
+                let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+                weak_ui(ui, name).on_hover_text(path.display().to_string());
+                ui.add_space(6.0);
+                accepts |= self.pictures_ui(ui);
+                ui.add_space(6.0);
+                ui.horizontal(|ui| {
+                    let label = ui
+                        .label("Shape")
+                        .on_hover_text("Columns, rows and type of the numbers, with the bytes before the first frame");
+                    let field =
+                        TextEdit::singleline(&mut self.text).hint_text("1600x1200:u16le+BYTES").desired_width(220.0);
+                    ui.add(field).labelled_by(label.id);
+                });
+                if let (Err(why), false) = (&chosen, self.text.trim().is_empty()) {
+                    error_ui(ui, why);
                 }
-            });
-        });
+                ui.add_space(6.0);
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    let tip = "Open the file in this shape, and later files without header too";
+                    accepts |= ui.add_enabled(chosen.is_ok(), Button::new("Open")).on_hover_text(tip).clicked()
+                        || ui.input(|i| i.key_pressed(Key::Enter));
+                    if ui.button("Cancel").clicked() {
+                        ui.close();
+                    }
+                });
+            },
+        );
         if let (true, Ok(dump)) = (accepts, chosen) {
             let (side, source) = std::mem::take(self).asked?;
             return Some((side, source, dump));

@@ -2,6 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::{Action, FilmChoice, FilmContent};
+use crate::app::panel::widgets::modal_ui;
 use crate::app::results::Read;
 use crate::detector::Detection;
 use crate::export::film::{FILM_RATES, estimated_film_bytes};
@@ -34,9 +35,7 @@ impl FilmDialog {
             return;
         }
         let mut close = false;
-        let modal = egui::Modal::new(egui::Id::unique("film")).show(ctx, |ui| {
-            ui.set_width(380.0);
-            ui.heading("Film");
+        let modal = modal_ui(ctx, "film", 380.0, "Film", |ui| {
             ui.weak("Each picture with its features, numbers, colours, and the response over all of them");
             ui.add_space(6.0);
             let mut film = model.document.film;

@@ -15,6 +15,7 @@ use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
 use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
+use crate::app::panel::widgets::modal_ui;
 use crate::app::results::{MatchRow, Matches, Read};
 use crate::detector::{Feature, Quantity};
 use crate::export::{
@@ -279,9 +280,7 @@ pub fn figure_dialog_ui(
         return;
     }
     let mut close = false;
-    let modal = egui::Modal::new(egui::Id::unique("figure")).show(ctx, |ui| {
-        ui.set_width(380.0);
-        ui.heading("Figure of what is shown");
+    let modal = modal_ui(ctx, "figure", 380.0, "Figure of what is shown", |ui| {
         ui.weak("Features, filter, colours and part of the picture as in the panes");
         ui.add_space(6.0);
         size_ui(ui, choice, has_matches);

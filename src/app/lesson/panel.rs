@@ -7,7 +7,7 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Side;
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::Content;
-use crate::app::panel::widgets::{named, weak_ui};
+use crate::app::panel::widgets::{modal_ui, named, weak_ui};
 use crate::app::results::Read;
 use crate::app::{parts, style};
 use crate::teach::Lesson;
@@ -263,9 +263,7 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
         return None;
     }
     let mut chosen = None;
-    let modal = egui::Modal::new(egui::Id::unique("lessons")).show(ctx, |ui| {
-        ui.set_width(520.0);
-        ui.heading("Lessons");
+    let modal = modal_ui(ctx, "lessons", 520.0, "Lessons", |ui| {
         ui.weak("Each takes a few minutes and runs in this window. What is open now comes back afterwards.");
         ui.add_space(8.0);
         // Of one height in all passes, so that no row moves under the pointer.

@@ -2,7 +2,7 @@
 
 use crate::app::actions::ActionId;
 use crate::app::document::Purpose;
-use crate::app::panel::widgets::named;
+use crate::app::panel::widgets::{modal_ui, named};
 use crate::app::settings::Settings;
 use crate::burst::{FrameRange, OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 use crate::engine::Engine;
@@ -132,9 +132,7 @@ fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
 pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> Option<CalibrationChoice> {
     let options = draft.as_mut()?;
     let (mut choice, mut close) = (None, false);
-    let modal = egui::Modal::new(egui::Id::unique("calibration")).show(ctx, |ui| {
-        ui.set_width(520.0);
-        ui.heading("Calibration");
+    let modal = modal_ui(ctx, "calibration", 520.0, "Calibration", |ui| {
         ui.weak("How values in files become intensities. A calibration frame can be dropped here.");
         ui.add_space(6.0);
         egui::Grid::new("calibration").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
@@ -276,9 +274,7 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings:
     if !*open {
         return;
     }
-    let modal = egui::Modal::new(egui::Id::unique("about")).show(ctx, |ui| {
-        ui.set_width(420.0);
-        ui.heading(format!("Burstscope {}", env!("CARGO_PKG_VERSION")));
+    let modal = modal_ui(ctx, "about", 420.0, &format!("Burstscope {}", env!("CARGO_PKG_VERSION")), |ui| {
         ui.label(env!("CARGO_PKG_DESCRIPTION"));
         ui.add_space(6.0);
         ui.label("The method is that of A. Ravendran, M. Bryson and D. G. Dansereau, “BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction”.");
@@ -315,9 +311,7 @@ pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<
         return None;
     }
     let mut chosen = None;
-    let modal = egui::Modal::new(egui::Id::unique("burst chooser")).show(ctx, |ui| {
-        ui.set_width(360.0);
-        ui.heading(format!("{} bursts in this folder", bursts.len()));
+    let modal = modal_ui(ctx, "burst chooser", 360.0, &format!("{} bursts in this folder", bursts.len()), |ui| {
         ui.weak("Choose the burst to open.");
         ui.add_space(6.0);
         ScrollArea::vertical().max_height(320.0).min_scrolled_height(200.0).show(ui, |ui| {

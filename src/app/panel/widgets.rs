@@ -6,8 +6,8 @@ use crate::monitor::Progress;
 use crate::requests::Running;
 use crate::teach::Part;
 use egui::{
-    Align, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Mesh, Painter, ProgressBar, Rect, Response,
-    RichText, Role, Sense, Shape, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
+    Align, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Mesh, ModalResponse, Painter, ProgressBar,
+    Rect, Response, RichText, Role, Sense, Shape, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
 };
 use egui_plot::Plot;
 use std::ops::RangeInclusive;
@@ -89,12 +89,25 @@ pub fn choice_ui<T: PartialEq + Copy>(
     shown.inner.unwrap_or(false)
 }
 
+/// Draws a dialog over the window, `width` points wide.
+pub fn modal_ui<R>(
+    ctx: &Context,
+    id: &str,
+    width: f32,
+    heading: &str,
+    add_contents: impl FnOnce(&mut Ui) -> R,
+) -> ModalResponse<R> {
+    egui::Modal::new(Id::unique(id)).show(ctx, |ui| {
+        ui.set_width(width);
+        ui.heading(heading);
+        add_contents(ui)
+    })
+}
+
 /// Asks whether to go on, by a button called `verb`. Returns the answer, once it is given.
 pub fn confirm_ui(ctx: &Context, id: &str, heading: &str, verb: &str, texts: impl FnOnce(&mut Ui)) -> Option<bool> {
     let mut answer = None;
-    let modal = egui::Modal::new(Id::unique(id)).show(ctx, |ui| {
-        ui.set_width(420.0);
-        ui.heading(heading);
+    let modal = modal_ui(ctx, id, 420.0, heading, |ui| {
         ui.add_space(4.0);
         texts(ui);
         ui.add_space(6.0);
