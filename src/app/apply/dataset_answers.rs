@@ -2,8 +2,7 @@
 
 use crate::app::apply::{datasets, opening};
 use crate::app::document::{DatasetChoice, Side, Sides};
-use crate::app::results::datasets::{Dataset, Work};
-use crate::app::results::{Effect, Model, Read};
+use crate::app::results::{Dataset, Effect, Model, Read, Work};
 use crate::engine::{Ended, Engine};
 use crate::error::Error;
 use crate::inspect::words::counted;

@@ -1,8 +1,7 @@
 //! Work on a dataset that is asked for: opening it, finding features and matching in it, and writing it for COLMAP.
 
 use crate::app::document::{BurstPair, DatasetChoice};
-use crate::app::results::datasets::Work;
-use crate::app::results::{Effect, Model, Read};
+use crate::app::results::{Effect, Model, Read, Work};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 use crate::engine::Engine;

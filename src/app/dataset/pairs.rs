@@ -6,7 +6,7 @@ use crate::app::document::{Action, BurstPair, DatasetChoice, PairColumn, Queue, 
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::{instead_ui, middle_elided};
 use crate::app::results::datasets::pairs::PairTable;
-use crate::app::results::datasets::{BurstState, Dataset};
+use crate::app::results::{BurstState, Dataset};
 use crate::app::style;
 use crate::plane::display::ColourMap;
 use egui::epaint::TextShape;

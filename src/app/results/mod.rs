@@ -35,12 +35,13 @@ pub mod studies;
 
 pub use compare::MethodFound;
 pub use comparison::ComparisonResults;
-pub use datasets::{Dataset, Datasets};
+pub use datasets::{BurstState, Dataset, Datasets, Work};
+pub use explained::{coherence_words, verdict_words};
 pub use own::Own;
-pub use pair::{MatchRow, Matches};
+pub use pair::{MatchRow, Matches, PATCHES, lost_words};
 pub use probe::ProbeResults;
 pub use slot::{FoundFeatures, Slot, Stale};
-pub use studies::LabResult;
+pub use studies::{LabResult, PlaneScene, Spot};
 
 /// All of the window: what the user has set, what was found by it, and what belongs to no project.
 #[derive(Debug, Default)]

@@ -15,8 +15,7 @@ use crate::detector::SearchParams;
 use crate::error::Error;
 use crate::files::shell_path;
 use crate::matching::{MatchCounts, MatchParams};
-use crate::requests::JobError;
-use crate::requests::request::{Request, Urgency, Work};
+use crate::requests::{JobError, Request, Urgency, Work};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -8,8 +8,7 @@ use crate::dataset::{
 use crate::detector::SearchParams;
 use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Stage};
-use crate::requests::JobError;
-use crate::requests::request::{Request, Urgency, Work};
+use crate::requests::{JobError, Request, Urgency, Work};
 use std::path::PathBuf;
 use std::sync::Arc;
 

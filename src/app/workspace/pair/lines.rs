@@ -7,8 +7,7 @@ use crate::app::inspector::{Drawn, JoinedPanes, chip_ui, is_with_shift, joined_p
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::{at_time, frames_from_middle};
 use crate::app::panel::widgets::tip_ui;
-use crate::app::results::Read;
-use crate::app::results::pair::{MatchRow, Matches, PATCHES};
+use crate::app::results::{MatchRow, Matches, PATCHES, Read};
 use crate::app::view::signed_slope;
 use crate::burst::Offset;
 use crate::detector::Feature;

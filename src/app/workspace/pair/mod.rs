@@ -15,8 +15,7 @@ use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
 use crate::app::panel::widgets::{label_ui, name_field, section_ui};
 use crate::app::parts::mark;
-use crate::app::results::Read;
-use crate::app::results::pair::PATCHES;
+use crate::app::results::{PATCHES, Read};
 use crate::app::workspace::{
     LEFT_WIDTHS, WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width,
 };
