@@ -153,10 +153,7 @@ pub struct ProbeRequest {
 impl Request for ProbeRequest {
     type Answer = Probed;
     type Partial = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Picture
-    }
+    const URGENCY: Urgency = Urgency::Picture;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Probed, JobError> {
         let (cache, monitor) = (&self.traced.cache, work.monitor);

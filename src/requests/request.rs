@@ -10,8 +10,11 @@ pub trait Request: Clone + PartialEq + Send + 'static {
     /// A result reported before the answer, such as one burst of many.
     type Partial: Send + 'static;
 
+    /// Urgency of all requests of this kind, unless [`Self::urgency`] says another.
+    const URGENCY: Urgency = Urgency::Search;
+
     fn urgency(&self) -> Urgency {
-        Urgency::Search
+        Self::URGENCY
     }
 
     /// The answer, if it is kept and needs no work.

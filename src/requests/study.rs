@@ -19,10 +19,7 @@ pub struct StudyRequest {
 impl Request for StudyRequest {
     type Answer = StudyReport;
     type Partial = StudyReport;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Dataset
-    }
+    const URGENCY: Urgency = Urgency::Dataset;
 
     fn compute(self, work: &Work<'_, StudyReport>) -> Result<StudyReport, JobError> {
         let monitor = work.monitor;
@@ -49,10 +46,7 @@ impl Request for ChartOfStudy {
 impl Request for FiguresJob {
     type Answer = FiguresReport;
     type Partial = Infallible;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Dataset
-    }
+    const URGENCY: Urgency = Urgency::Dataset;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FiguresReport, JobError> {
         Ok(self.run(&mut |_| {}, work.monitor)?)

@@ -23,10 +23,6 @@ impl GlossaryWindow {
         }
     }
 
-    pub fn is_open(&self) -> bool {
-        self.is_open
-    }
-
     /// Closes the window if it is open and Escape was pressed, also in its search field. The key then does nothing
     /// else.
     pub fn take_escape(&mut self, ctx: &Context) {
@@ -127,10 +123,10 @@ mod tests {
         };
         pass(&mut window, Vec::new());
         pass(&mut window, Vec::new());
-        assert!(window.is_open() && ctx.egui_wants_keyboard_input(), "the search field has the focus");
+        assert!(window.is_open && ctx.egui_wants_keyboard_input(), "the search field has the focus");
         let key = Key::Escape;
         let event = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
         pass(&mut window, vec![event]);
-        assert!(!window.is_open());
+        assert!(!window.is_open);
     }
 }

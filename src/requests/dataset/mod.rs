@@ -108,10 +108,7 @@ pub struct ThumbnailsRequest {
 impl Request for ThumbnailsRequest {
     type Answer = ();
     type Partial = (BurstFiles, Result<BurstPicture, String>);
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Dataset
-    }
+    const URGENCY: Urgency = Urgency::Dataset;
 
     fn compute(self, work: &Work<'_, Self::Partial>) -> Result<(), JobError> {
         for source in self.bursts {

@@ -15,10 +15,7 @@ use std::sync::Arc;
 impl Request for DatasetRequest {
     type Answer = DatasetAnswer;
     type Partial = DatasetEvent;
-
-    fn urgency(&self) -> Urgency {
-        Urgency::Dataset
-    }
+    const URGENCY: Urgency = Urgency::Dataset;
 
     fn compute(self, work: &Work<'_, DatasetEvent>) -> Result<DatasetAnswer, JobError> {
         let (tell, monitor) = (work.tell, work.monitor);
