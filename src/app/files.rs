@@ -97,7 +97,7 @@ pub(super) fn drop_places(model: Read<'_>, widgets: &PaneWidgets) -> Vec<(egui::
     if !model.document.workspace.shows_pair() || model.results.slots.a.burst.is_none() {
         return Vec::new();
     }
-    let place = |id| Some((widgets.rect_ui(id)?, model.document.panes.get(id)?.side));
+    let place = |id| Some((widgets.rect_ui(id)?, model.pane(id)?.side));
     model.document.panes.shown().into_iter().filter_map(place).collect()
 }
 

@@ -233,10 +233,8 @@ fn frames_and_stacks_have_ranges_of_their_own_and_a_range_is_set_again_unless_it
 fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range() {
     let mut model = with_features();
     panes::lay_out(&mut model, Preset::ThreeSlopes);
-    let slopes = |model: Read<'_>| -> Vec<f32> {
-        let panes = model.document.panes.shown().into_iter().filter_map(|id| model.document.panes.get(id));
-        panes.map(|pane| pane.cursor.slope.u).collect()
-    };
+    let slopes =
+        |model: Read<'_>| -> Vec<f32> { model.document.panes.each_shown().map(|pane| pane.cursor.slope.u).collect() };
     assert_eq!(slopes(Read::of(&model)), [0.0, 1.0, 2.0]);
     opening::take_burst(&mut model, open((40, 30), 3));
     assert_eq!(slopes(Read::of(&model)), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");

@@ -69,7 +69,7 @@ pub fn take_detection(model: &mut Model, side: Side, detected: Detected, elapsed
 /// Unless a slope was chosen since that burst was opened.
 pub(crate) fn go_to_first_slope(model: &mut Model, side: Side) {
     let (focus, own) = (model.document.panes.focus(), PaneId::of(side));
-    let leader = if model.document.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { own };
+    let leader = if model.document.panes.is_on(focus, side) { focus } else { own };
     // The burst's own pane, which other workspaces show, moves too if it is not on the screen.
     let alone = own != leader && !model.document.panes.shown().contains(&own);
     for id in [Some(leader), alone.then_some(own)].into_iter().flatten() {

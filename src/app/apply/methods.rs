@@ -53,10 +53,8 @@ pub fn refresh_workspace(model: &mut Model) {
         return;
     }
     let before = std::mem::replace(&mut model.results.compare.arranged, now.clone());
-    let shown = model.document.panes.shown();
-    let has_pane =
-        |method| shown.iter().filter_map(|id| model.document.panes.get(*id)).any(|pane| pane.method == Some(method));
-    if before.is_empty() && !now.iter().any(|method| has_pane(*method)) {
+    let has_pane = |method: &MethodId| model.document.panes.each_shown().any(|pane| pane.method == Some(*method));
+    if before.is_empty() && !now.iter().any(has_pane) {
         lay_out_methods(model, MethodsPreset::Panes);
         return;
     }

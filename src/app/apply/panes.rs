@@ -151,8 +151,7 @@ pub fn settle_ranges(model: &mut Model) {
 /// The leading pane (that in focus, if it is on `side`) gets the cursor from `begin`; others keep their distance.
 pub(crate) fn start_panes(model: &mut Model, side: Side, begin: impl Fn(&Cursor) -> Cursor) {
     let focus = model.document.panes.focus();
-    let leader =
-        if model.document.panes.get(focus).is_some_and(|pane| pane.side == side) { focus } else { PaneId::of(side) };
+    let leader = if model.document.panes.is_on(focus, side) { focus } else { PaneId::of(side) };
     let Some(before) = model.document.panes.get(leader).map(|pane| pane.cursor) else { return };
     let after = begin(&before);
     let (panes, pictures) = (&mut model.document.panes, &mut model.results.pictures);

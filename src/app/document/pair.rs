@@ -128,8 +128,8 @@ impl Document {
     pub fn pane_for(&self, side: Side) -> PaneId {
         let own = PaneId::of(side);
         let shown = self.panes.shown_in(PaneGroup::Pair);
-        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
-        if shown.contains(&own) { own } else { shown.into_iter().find(is_on).unwrap_or(own) }
+        let first = || shown.iter().copied().find(|id| self.panes.is_on(*id, side));
+        if shown.contains(&own) { own } else { first().unwrap_or(own) }
     }
 
     pub fn ranges_of_side(&self, side: Side) -> &Ranges {
@@ -139,14 +139,14 @@ impl Document {
     /// Links that all panes of *Two bursts* have.
     pub fn pair_links(&self) -> PaneLinks {
         let shown = self.panes.shown_in(PaneGroup::Pair);
-        let all = |link| shown.iter().filter_map(|id| self.panes.get(*id)).all(|pane| pane.links.has(link));
+        let all = |link| shown.iter().all(|id| self.panes.has_link(*id, link));
         let (view, cursor, display) = (all(Link::View), all(Link::Cursor), all(Link::Display));
         PaneLinks { view, cursor, display, ..PaneLinks::default() }
     }
 
     pub fn link_pair(&mut self, link: Link, on: bool) {
         for id in self.panes.shown_in(PaneGroup::Pair) {
-            if on || self.panes.get(id).is_some_and(|pane| pane.side == Side::B) {
+            if on || self.panes.is_on(id, Side::B) {
                 self.set_link(id, link, on);
             }
         }

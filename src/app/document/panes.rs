@@ -47,8 +47,7 @@ impl Document {
         let Some(pane) = self.panes.get(id) else { return };
         let shows_frame =
             |other: &Pane| other.shown() == Some(ViewKind::Frame) && other.links.cursor && other.side == pane.side;
-        let shown = self.panes.shown();
-        let is_beside = pane.links.cursor && shown.iter().filter_map(|id| self.panes.get(*id)).any(shows_frame);
+        let is_beside = pane.links.cursor && self.panes.each_shown().any(shows_frame);
         self.lead(id, |pane| {
             pane.cursor.frame = frame;
             if !is_beside {
@@ -146,9 +145,8 @@ impl Document {
 
     /// Moves the focus to a visible pane on the burst of `side`, if there is one and the focus is not on such a pane.
     pub fn focus_on_side(&mut self, side: Side) {
-        let is_on = |id: &PaneId| self.panes.get(*id).is_some_and(|pane| pane.side == side);
-        if !is_on(&self.panes.focus())
-            && let Some(id) = self.panes.shown().into_iter().find(is_on)
+        if !self.panes.is_on(self.panes.focus(), side)
+            && let Some(id) = self.panes.shown().into_iter().find(|id| self.panes.is_on(*id, side))
         {
             self.panes.set_focus(id);
         }

@@ -170,7 +170,7 @@ fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureC
 /// then what is shown.
 fn title_of(model: Read<'_>, id: PaneId, picture: &PictureAnswer) -> String {
     let shown = describe(picture);
-    let Some(pane) = model.document.panes.get(id) else { return shown };
+    let Some(pane) = model.pane(id) else { return shown };
     match (pane.method, model.burst_of(pane.side)) {
         (Some(method), _) => {
             let counts = model.method_matches(method).and_then(|matches| matches.result.counts.inliers);

@@ -44,7 +44,7 @@ pub fn header_ui(
     let mut answer = HeaderResponse::default();
     let many = model.document.panes.are_many();
     let width = ui.available_width();
-    let is_slice = matches!(model.document.panes.get(id).map(|pane| pane.content), Some(Content::Slice(_)));
+    let is_slice = matches!(model.pane(id).map(|pane| pane.content), Some(Content::Slice(_)));
     widgets.of(id).picture.refresh(model.picture_in(id));
     let margin = if many { Margin::symmetric(4, 1) } else { Margin::symmetric(8, 3) };
     Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill).show(ui, |ui| {
@@ -162,7 +162,7 @@ fn filter_chip_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &
 /// Draws the zoom and the value range, as an icon where there is less room. Dragged sideways the range moves, up and
 /// down it widens; a click opens its ends and the values that it can be set from.
 fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, has_range: bool, queue: &mut Queue) {
-    let Some(pane) = model.document.panes.get(id) else { return };
+    let Some(pane) = model.pane(id) else { return };
     let percent = 100.0 * pane.view.points_per_pixel() * ui.ctx().pixels_per_point();
     ui.weak(format!("{percent:.0} %")).on_hover_text("Zoom: screen pixels per image pixel");
     let class = model.range_class(id);
@@ -226,7 +226,7 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, queu
         links.reverse();
     }
     for link in links {
-        let on = model.document.panes.get(id).is_some_and(|pane| pane.links.has(link));
+        let on = model.document.panes.has_link(id, link);
         let [label, word, help] = link.words();
         let text = RichText::new(if from_the_right { word } else { &word[..1] }).small();
         let button = Button::selectable(on, text).min_size(vec2(16.0, 16.0));

@@ -21,7 +21,7 @@ pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[(Pan
     let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
     let Some((from, first, pos_image)) = pointed else { return };
     widgets.values.extend(value_at(model, widgets, from, first.shown, pos_image));
-    let is_linked = |id: PaneId| model.document.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
+    let is_linked = |id: PaneId| model.document.panes.has_link(id, Link::Place);
     if !is_linked(from) {
         return;
     }
@@ -36,7 +36,7 @@ pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[(Pan
 }
 
 pub(in crate::app) fn same_place(model: Read<'_>, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
-    let (a, b) = (model.document.panes.get(from)?, model.document.panes.get(to)?);
+    let (a, b) = (model.pane(from)?, model.pane(to)?);
     let kinds = [from, to].map(|id| model.picture_in(id).map(|picture| picture.request.kind));
     Some(place_in(pos_image, kinds[0]?, &a.cursor, kinds[1]?, &b.cursor, used(model, a.side)?))
 }
@@ -74,7 +74,7 @@ fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
 /// Maps a place of pane `id` to mid-burst of the pane's burst; `None` for panes without a picture.
 pub(in crate::app) fn mid_burst(model: Read<'_>, id: PaneId, pos_image: Pos2) -> Option<(Side, [f32; 2])> {
     // A gold standard was taken from a place of its own.
-    let pane = model.document.panes.get(id).filter(|pane| pane.method != Some(MethodId::Gold))?;
+    let pane = model.pane(id).filter(|pane| pane.method != Some(MethodId::Gold))?;
     let kind = model.picture_in(id)?.request.kind;
     let middle = PictureKind::Stack { slope: pane.cursor.slope };
     let place = place_in(pos_image, kind, &pane.cursor, middle, &pane.cursor, used(model, pane.side)?);
@@ -83,7 +83,7 @@ pub(in crate::app) fn mid_burst(model: Read<'_>, id: PaneId, pos_image: Pos2) ->
 
 /// Maps a mid-burst place that moves by `slope` to pane `id`; `None` for panes of the burst that is not probed.
 fn in_pane(model: Read<'_>, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
-    let pane = model.document.panes.get(id).filter(|pane| pane.side == model.document.probe.side)?;
+    let pane = model.pane(id).filter(|pane| pane.side == model.document.probe.side)?;
     let kind = model.picture_in(id)?.request.kind;
     let cursor = Cursor { slope, ..pane.cursor };
     let [u, v] = place;
@@ -159,7 +159,7 @@ pub(super) fn focus_ui(ui: &egui::Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)]
     let led = pointed.filter(|_| is_on && model.document.workspace.inspects());
     ui.data_mut(|data| data.insert_temp(flag, led.is_some()));
     let Some((id, drawn, pos)) = led else { return };
-    let (Some(pane), Some((side, [u, v]))) = (model.document.panes.get(id), mid_burst(model, drawn.shown, pos)) else {
+    let (Some(pane), Some((side, [u, v]))) = (model.pane(id), mid_burst(model, drawn.shown, pos)) else {
         return;
     };
     let field = model.found_of(side).and_then(|found| found.detection.field.as_ref());
@@ -200,13 +200,12 @@ pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {
 fn probe_marks_ui(model: Read<'_>, drawn: &[(PaneId, Drawn)]) {
     let Some(place) = model.probed_place() else { return };
     let answer = model.results.probed.answer.as_ref().filter(|_| model.probe_is_current());
-    let is_linked = |id: PaneId| model.document.panes.get(id).is_some_and(|pane| pane.links.has(Link::Place));
-    let is_probed =
-        |id: PaneId| model.document.panes.get(id).is_some_and(|pane| pane.side == model.document.probe.side);
+    let is_linked = |id: PaneId| model.document.panes.has_link(id, Link::Place);
+    let is_probed = |id: PaneId| model.document.panes.is_on(id, model.document.probe.side);
     // B's panes are not linked to A's; where none of the probed burst's panes is linked, all of them show the marks.
     let any_linked = drawn.iter().any(|(id, _)| is_probed(*id) && is_linked(*id));
     for (id, drawn) in drawn.iter().filter(|(id, _)| is_linked(*id) || !any_linked) {
-        let own = model.document.panes.get(*id).map_or_else(Slope::default, |pane| pane.cursor.slope);
+        let own = model.pane(*id).map_or_else(Slope::default, |pane| pane.cursor.slope);
         let slope = answer.map_or(own, |answer| answer.probe.subject.slope);
         if let Some(pos) = in_pane(model, drawn.shown, place, slope) {
             probe_mark(&drawn.output, pos);

@@ -58,13 +58,10 @@ fn view_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
 fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     let mut others = other_panes(model, id);
     // A difference is made of panes that show pictures of their own.
-    others.retain(|(other, _)| {
-        let pane = model.document.panes.get(*other);
-        pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))
-    });
+    others.retain(|(other, _)| model.pane(*other).is_some_and(|pane| pane.shown().is_some()));
     let both = model.burst_of(Side::B).is_some();
     let methods = model.methods_shown();
-    let Some(pane) = model.document.panes.get(id) else { return };
+    let Some(pane) = model.pane(id) else { return };
     for kind in ViewKind::ALL {
         let about = kind.about();
         let radio = ui.radio(pane.shows(kind), about.label);
@@ -118,7 +115,7 @@ fn other_panes(model: Read<'_>, id: PaneId) -> Vec<(PaneId, usize)> {
 
 fn over_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     let others = other_panes(model, id);
-    let Some(pane) = model.document.panes.get(id) else { return };
+    let Some(pane) = model.pane(id) else { return };
     ui.add_enabled_ui(!others.is_empty(), |ui| {
         let wipe = |other| Over::Wipe { other, at: 0.5 };
         let flip = |other| Over::Flip { other, flipped: false };
@@ -140,7 +137,7 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     ui.add_enabled_ui(model.document.panes.are_many(), |ui| {
         ui.menu_button("Links", |ui| {
             for link in Link::ALL {
-                let mut on = model.document.panes.get(id).is_some_and(|pane| pane.links.has(link));
+                let mut on = model.document.panes.has_link(id, link);
                 let [label, _, help] = link.words();
                 queue.push_if(ui.checkbox(&mut on, label).on_hover_text(help).changed(), Action::SetLink(id, link, on));
             }

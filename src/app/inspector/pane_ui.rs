@@ -1,7 +1,7 @@
 //! Content of one pane: a picture, with another one over it; or a slice through the frames at the probed place, with a
 //! row for each frame, in which moving objects are slanted and the slope of the pane is a line that can be dragged.
 
-use super::PaneWidgets;
+use super::widgets::{PaneWidgets, canvas_name};
 use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::document::cursor::stepped;
 use crate::app::document::{Action, Filter, Queue, RangeClass, Side, Visibility};
@@ -38,15 +38,15 @@ impl Drawn {
     }
 }
 
-/// Draws the picture of pane `id` on a canvas called `name`; flipped, that of the pane laid over it.
+/// Draws the picture of pane `id` on a canvas; flipped, that of the pane laid over it.
 pub(super) fn picture_ui(
     ui: &mut Ui,
     model: Read<'_>,
     id: PaneId,
     widgets: &mut PaneWidgets,
-    name: &str,
     queue: &mut Queue,
 ) -> Drawn {
+    let name = canvas_name(model, id);
     let over = model.document.panes.over(id);
     let shown = match over {
         Some(Over::Flip { other, flipped: true }) => other,
@@ -56,7 +56,7 @@ pub(super) fn picture_ui(
     let state = &mut widgets.of(shown).picture;
     state.refresh(picture);
     let problem = model.problem_of(shown);
-    let before = model.document.panes.get(id).map(|pane| pane.view).unwrap_or_default();
+    let before = model.pane(id).map(|pane| pane.view).unwrap_or_default();
     let mut view = before;
     // A panel that comes beside a single picture must not move what was clicked.
     if !model.document.panes.are_many() {
@@ -68,7 +68,7 @@ pub(super) fn picture_ui(
         picture: state.shown().filter(|_| problem.is_none()),
         empty_text: problem.unwrap_or("Computing the picture…"),
         primary_pans: !model.document.workspace.inspects() || model.document.measure.tool == Tool::Pan,
-        ..canvas_of(model, shown, name)
+        ..canvas_of(model, shown, &name)
     };
     let output = canvas.show(ui, &mut view);
     widgets.of(id).aside.leave(view);
@@ -92,7 +92,7 @@ pub(super) fn picture_ui(
 pub(super) fn scrub_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn, queue: &mut Queue) {
     let modifiers = ui.input(|i| i.modifiers);
     let notches = if modifiers.alt { wheel_over(ui, &drawn.output.response) } else { 0 };
-    let Some(pane) = model.document.panes.get(id).filter(|_| notches != 0) else { return };
+    let Some(pane) = model.pane(id).filter(|_| notches != 0) else { return };
     queue.push(Action::Focus(id));
     if pane.shown() == Some(ViewKind::Frame) {
         let frame = pane.cursor.frame.saturating_add_signed(notches as isize);
@@ -155,8 +155,7 @@ pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn,
 /// The filter that holds for pane `id`: where A is inspected.
 pub(super) fn filter_of(model: Read<'_>, id: PaneId) -> Option<&Filter> {
     let is_inspected = model.document.workspace.inspects();
-    let pane =
-        model.document.panes.get(id).filter(|pane| is_inspected && pane.side == Side::A && pane.method.is_none());
+    let pane = model.pane(id).filter(|pane| is_inspected && pane.side == Side::A && pane.method.is_none());
     pane.map(|_| &model.document.filter)
 }
 
@@ -170,8 +169,7 @@ pub(super) fn full_scale(model: Read<'_>, id: PaneId) -> f32 {
     if matches!(model.range_class(id), RangeClass::Share | RangeClass::Motion) {
         return 1.0;
     }
-    let burst = model.document.panes.get(id).and_then(|pane| model.burst_in(pane));
-    burst.map_or(1.0, |open| open.burst.full_scale)
+    model.pane(id).and_then(|pane| model.burst_in(pane)).map_or(1.0, |open| open.burst.full_scale)
 }
 
 /// Draws the line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.
@@ -239,14 +237,14 @@ pub(super) fn slice_ui(
     named(&response, egui::Role::Image, name);
     ui.painter().rect_filled(whole, 0.0, canvas::backdrop(ui));
     let touched = response.clicked() || response.drag_started();
-    let is_probed = model.document.panes.get(id).is_some_and(|pane| pane.side == model.document.probe.side);
+    let is_probed = model.document.panes.is_on(id, model.document.probe.side);
     let Some(answer) = model.results.probed.answer.as_ref().filter(|_| is_probed) else {
         let text = if is_probed && model.document.probe.question.is_some() { "Probing the place…" } else { HOW };
         canvas::message(ui, ui.painter(), whole, text);
         return touched;
     };
     let slice = &answer.probe.slices[axis as usize];
-    let Some(pane) = model.document.panes.get(id) else { return touched };
+    let Some(pane) = model.pane(id) else { return touched };
     let (slope, display) = (pane.cursor.slope, model.document.ranges_of(pane).intensity);
     let area = Area::of(whole, slice);
     widgets.of(id).slice.draw(ui, area.rect, name, &answer.probe, display, || area.over_time.plane(slice));
@@ -411,7 +409,7 @@ fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {
 }
 
 pub(super) fn method_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn) {
-    let Some(pane) = model.document.panes.get(id) else { return };
+    let Some(pane) = model.pane(id) else { return };
     let Some(method) = pane.method.filter(|_| model.document.panes.over(id).is_none()) else { return };
     let count = model.method_found(method, pane.side).map_or_else(
         || if model.results.compare.problem(method).is_some() { "not searched".to_owned() } else { "…".to_owned() },

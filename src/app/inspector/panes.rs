@@ -4,7 +4,7 @@ use super::header::header_ui;
 use super::marks::{focus_ui, marks_ui, probe_ui};
 use super::menu::picture_menu_ui;
 use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, scrub_ui, slice_ui};
-use super::widgets::{PaneWidgets, canvas_name, compact_description};
+use super::widgets::{PaneWidgets, compact_description};
 use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::document::{Action, MethodId, Side};
 use crate::app::measure::{draw_ui, hidden_ui, measure_ui};
@@ -84,7 +84,7 @@ struct Inspector<'a> {
 impl Behavior<PaneId> for Inspector<'_> {
     fn pane_ui(&mut self, ui: &mut Ui, _: TileId, id: &mut PaneId) -> UiResponse {
         let id = *id;
-        let Some(pane) = self.model.document.panes.get(id) else { return UiResponse::None };
+        let Some(pane) = self.model.pane(id) else { return UiResponse::None };
         let (content, side, method) = (pane.content, pane.side, pane.method);
         let is_open = self.model.burst_in(pane).is_some();
         let whole = ui.max_rect();
@@ -134,8 +134,7 @@ impl Behavior<PaneId> for Inspector<'_> {
 impl Inspector<'_> {
     /// Draws the picture of a pane with its overlays; returns whether the pointer touched it.
     fn picture_ui(&mut self, ui: &mut Ui, id: PaneId) -> bool {
-        let name = canvas_name(self.model, id);
-        let mut drawn = picture_ui(ui, self.model, id, self.widgets, &name, self.queue);
+        let mut drawn = picture_ui(ui, self.model, id, self.widgets, self.queue);
         over_ui(ui, self.model, id, self.widgets, &mut drawn, self.queue);
         let rect = drawn.output.response.rect;
         let (inspected, in_focus) = (self.model.document.workspace.inspects(), self.model.document.focus() == id);
@@ -144,7 +143,7 @@ impl Inspector<'_> {
         let state = &mut self.widgets.of(drawn.shown).picture;
         features_ui(ui, self.model, drawn.shown, state, &drawn.output, has_legend, self.queue);
         colour_bar_ui(ui, self.model, drawn.shown, rect);
-        let of_method = self.model.document.panes.get(drawn.shown).is_some_and(|pane| pane.method.is_some());
+        let of_method = self.model.pane(drawn.shown).is_some_and(|pane| pane.method.is_some());
         if inspected && !of_method {
             candidates_ui(ui, self.model, drawn.shown, &drawn.output, self.queue);
         }

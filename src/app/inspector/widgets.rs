@@ -82,7 +82,7 @@ pub fn compact_description(model: Read<'_>, id: PaneId) -> String {
 
 /// Describes the content of a pane in few words; with `tiny` only by what distinguishes it from its neighbours.
 pub(super) fn short_description(model: Read<'_>, id: PaneId, tiny: bool) -> String {
-    let Some(pane) = model.document.panes.get(id) else { return String::new() };
+    let Some(pane) = model.pane(id) else { return String::new() };
     let what = what(model, pane, id, tiny);
     match pane.method {
         Some(method) if tiny => format!("{}{}", side(model, pane), method.label()),
@@ -129,8 +129,7 @@ fn what(model: Read<'_>, pane: &Pane, id: PaneId, tiny: bool) -> String {
 
 /// Describes the pane's picture in full, with the burst's name where there are two; empty while there is no picture.
 pub(super) fn long_description(model: Read<'_>, id: PaneId) -> String {
-    let Some(pane) = model.document.panes.get(id) else { return String::new() };
-    let Some(picture) = model.picture_in(id) else { return String::new() };
+    let (Some(pane), Some(picture)) = (model.pane(id), model.picture_in(id)) else { return String::new() };
     let what = describe(picture);
     match pane.method {
         Some(method) => format!("{}{}  ·  {what}", side(model, pane), method.label()),
@@ -144,7 +143,7 @@ pub(super) fn long_description(model: Read<'_>, id: PaneId) -> String {
 
 /// By its number, or by its burst or method where these stand side by side; unique on the screen.
 pub(super) fn canvas_name(model: Read<'_>, id: PaneId) -> String {
-    let (Some(pane), Some(number)) = (model.document.panes.get(id), model.document.panes.number(id)) else {
+    let (Some(pane), Some(number)) = (model.pane(id), model.document.panes.number(id)) else {
         return String::new();
     };
     let alone = model.document.panes.shown_of(pane.side, pane.method).len() < 2;
@@ -169,8 +168,7 @@ pub struct JoinedPanes {
 /// Visible panes with the input of `method` (`None`: without a method) among `places`; no differences, no slices.
 pub fn joined_panes(model: Read<'_>, places: &[(PaneId, Rect)], method: Option<MethodId>) -> JoinedPanes {
     let is_of = |id: PaneId, side: Side| {
-        let pane = model.document.panes.get(id).filter(|pane| pane.side == side && pane.method == method);
-        pane.is_some_and(|pane| !matches!(pane.content, Content::Difference(..) | Content::Slice(_)))
+        model.pane(id).is_some_and(|pane| pane.side == side && pane.method == method && pane.shown().is_some())
     };
     let sides = Side::BOTH.map(|side| (0..places.len()).filter(|i| is_of(places[*i].0, side)).collect::<Vec<_>>());
     let rects = sides.each_ref().map(|side| side.iter().map(|place| places[*place].1).collect::<Vec<_>>());

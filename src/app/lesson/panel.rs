@@ -6,7 +6,6 @@ use super::{LessonAction, Lessons, OpenLesson};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Side;
 use crate::app::inspector::PaneWidgets;
-use crate::app::pane::Content;
 use crate::app::panel::widgets::{modal_ui, named, weak_ui};
 use crate::app::results::Read;
 use crate::app::{parts, style};
@@ -336,9 +335,7 @@ pub fn rings_ui(ctx: &Context, lessons: &Lessons, model: Read<'_>, widgets: &Pan
         rings.extend([spot.inner, spot.ground[0], spot.ground[1]].map(|radius| (place, radius)));
     }
     for id in model.document.panes.shown() {
-        let is_picture = model.document.panes.get(id).is_some_and(|pane| {
-            pane.side == Side::A && !matches!(pane.content, Content::Slice(_) | Content::Difference(..))
-        });
+        let is_picture = model.pane(id).is_some_and(|pane| pane.side == Side::A && pane.shown().is_some());
         let (Some(ui_from_image), Some(rect_ui)) = (widgets.ui_from_image(id), widgets.rect_ui(id)) else { continue };
         if !is_picture {
             continue;

@@ -125,8 +125,7 @@ pub(super) fn seen(model: Read<'_>) -> Situation<'_> {
 
 /// Layout of the panes, as far as their contents determine it.
 fn layout(model: Read<'_>) -> Option<Layout> {
-    let panes: Vec<_> =
-        model.document.panes.shown().into_iter().filter_map(|id| model.document.panes.get(id)).collect();
+    let panes: Vec<_> = model.document.panes.each_shown().collect();
     let count = |content: fn(&Content) -> bool| panes.iter().filter(|pane| content(&pane.content)).count();
     let kinds = |kind: ViewKind| panes.iter().filter(|pane| pane.shows(kind)).count();
     let (slices, merges) = (count(|c| matches!(c, Content::Slice(_))), count(|c| *c == Content::Merge));

@@ -136,7 +136,7 @@ pub(super) fn add_corner(measure: &mut Measure, output: &CanvasOutput) {
 }
 
 pub(super) fn outlines_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput) {
-    if model.document.panes.get(id).is_none_or(|pane| pane.side != Side::A) {
+    if !model.document.panes.is_on(id, Side::A) {
         return;
     }
     let ui = |points: &[Pos2]| points.iter().map(|pos| output.ui_from_image.pos(*pos)).collect::<Vec<Pos2>>();

@@ -47,7 +47,7 @@ pub fn measured_panes(model: Read<'_>, drawn_on: PaneId) -> Vec<PaneId> {
     if !shown.contains(&drawn_on) {
         return Vec::new();
     }
-    let is_linked = |id: &PaneId| model.document.panes.get(*id).is_some_and(|pane| pane.links.has(Link::Place));
+    let is_linked = |id: &PaneId| model.document.panes.has_link(*id, Link::Place);
     let alone = !is_linked(&drawn_on);
     shown.into_iter().filter(|id| *id == drawn_on || (!alone && is_linked(id))).collect()
 }

@@ -74,8 +74,7 @@ impl PaneLinks {
 impl Panes {
     /// Panes linked to `first` by `link`, in one workspace or over several of them; empty if `first` lacks the link.
     pub(super) fn linked_to(&self, first: PaneId, link: Link) -> Vec<PaneId> {
-        let has = |id: PaneId| self.get(id).is_some_and(|pane| pane.links.has(link));
-        if !has(first) {
+        if !self.has_link(first, link) {
             return Vec::new();
         }
         // Links carry on: a pane that is in two workspaces joins the panes of both.
@@ -83,7 +82,9 @@ impl Panes {
         let mut place = 0;
         while place < linked.len() {
             let beside = self.beside(linked[place]);
-            linked.extend(beside.into_iter().filter(|id| has(*id) && !linked.contains(id)).collect::<Vec<_>>());
+            linked.extend(
+                beside.into_iter().filter(|id| self.has_link(*id, link) && !linked.contains(id)).collect::<Vec<_>>(),
+            );
             place += 1;
         }
         linked.split_off(1)
@@ -119,7 +120,7 @@ impl Panes {
     }
 
     pub fn all_share(&self, link: Link) -> bool {
-        self.shown().into_iter().filter_map(|id| self.get(id)).all(|pane| pane.links.has(link))
+        self.each_shown().all(|pane| pane.links.has(link))
     }
 
     /// Lays the next pane's picture over the focused one: first as a wipe, then as a flip, then not any more.

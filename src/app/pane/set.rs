@@ -1,6 +1,6 @@
 //! All panes, their arrangement in each workspace, and the focus.
 
-use super::{Arrangement, Over, Pane, PaneId};
+use super::{Arrangement, Link, Over, Pane, PaneId};
 use crate::app::document::{MethodId, Side};
 use crate::teach::Workspace;
 use serde::{Deserialize, Serialize};
@@ -90,6 +90,14 @@ impl Panes {
         self.sides.get_mut(id.0 as usize).or_else(|| self.more.get_mut(&id))
     }
 
+    pub fn is_on(&self, id: PaneId, side: Side) -> bool {
+        self.get(id).is_some_and(|pane| pane.side == side)
+    }
+
+    pub fn has_link(&self, id: PaneId, link: Link) -> bool {
+        self.get(id).is_some_and(|pane| pane.links.has(link))
+    }
+
     pub fn of(&self, side: Side) -> &Pane {
         &self.sides[side as usize]
     }
@@ -144,6 +152,10 @@ impl Panes {
 
     pub fn shown(&self) -> Vec<PaneId> {
         self.arrangement().panes()
+    }
+
+    pub fn each_shown(&self) -> impl Iterator<Item = &Pane> {
+        self.shown().into_iter().filter_map(|id| self.get(id))
     }
 
     pub fn shown_in(&self, place: PaneGroup) -> Vec<PaneId> {

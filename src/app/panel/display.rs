@@ -36,7 +36,7 @@ pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, with_
 
 /// Value range, gamma and colours of the picture of pane `id`, with its histogram.
 pub fn range_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, queue: &mut Queue) {
-    let Some(pane) = model.document.panes.get(id) else { return };
+    let Some(pane) = model.pane(id) else { return };
     let PaneWidget { picture: pictures, display: state, .. } = widgets.of(id);
     pictures.refresh(model.picture_in(id));
     let class = model.range_class(id);

@@ -47,7 +47,7 @@ impl FeatureLayer {
     /// A's; where two bursts or methods are compared, all features are drawn and none are listed.
     pub fn of(model: Read<'_>, id: PaneId) -> Option<Self> {
         let are_drawn = (model.document.workspace.record().draws_features)(model.document);
-        let pane = model.document.panes.get(id).filter(|_| are_drawn)?;
+        let pane = model.pane(id).filter(|_| are_drawn)?;
         let inspected = model.document.workspace.inspects() && pane.method.is_none();
         let detection = model.detection_in(pane)?.clone();
         let is_listed = inspected && pane.side == Side::A;
@@ -148,7 +148,7 @@ pub fn features_ui(
         queue.push(Pointed::Dots(Vec::new()));
     }
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
-    let Some(pane) = model.document.panes.get(id) else { return };
+    let Some(pane) = model.pane(id) else { return };
     let (side, is_of_burst) = (pane.side, model.document.workspace.probes() && pane.method.is_none());
     if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst) {
         // The colours now show the comparison's outcome.

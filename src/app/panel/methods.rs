@@ -58,7 +58,7 @@ fn layout_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 fn two_ui(ui: &mut Ui, model: Read<'_>, over: Over, queue: &mut Queue) {
     let methods_shown = model.methods_shown();
     for (id, name) in [(model.document.focus(), "Left"), (over.other(), "Right")] {
-        let Some(before) = model.document.panes.get(id).and_then(|pane| pane.method) else { continue };
+        let Some(before) = model.pane(id).and_then(|pane| pane.method) else { continue };
         let mut chosen = before;
         ui.horizontal(|ui| {
             let label = label_ui(ui, name, 52.0);

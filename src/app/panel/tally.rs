@@ -187,7 +187,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
         queue.point(&model.results.explained.pointed, None, Pointed::Candidate);
         return;
     };
-    if model.document.panes.get(id).is_none_or(|pane| pane.side != Side::A) {
+    if !model.document.panes.is_on(id, Side::A) {
         return;
     }
     let Some(found) = model.found_of(Side::A) else { return };

@@ -73,7 +73,6 @@ impl Read<'_> {
     }
 
     pub fn shows_slice(self) -> bool {
-        let is_slice = |id| self.document.panes.get(id).is_some_and(|pane| matches!(pane.content, Content::Slice(_)));
-        self.document.panes.shown().into_iter().any(is_slice)
+        self.document.panes.each_shown().any(|pane| matches!(pane.content, Content::Slice(_)))
     }
 }

@@ -46,20 +46,24 @@ impl<'a> Read<'a> {
         }
     }
 
+    pub fn pane(self, id: PaneId) -> Option<&'a Pane> {
+        self.document.panes.get(id)
+    }
+
     pub fn picture(self) -> Option<&'a PictureAnswer> {
         self.picture_in(self.document.focus())
     }
 
     /// The last picture of pane `id`, if it is of a burst that the pane shows now.
     pub fn picture_in(self, id: PaneId) -> Option<&'a PictureAnswer> {
-        let pane = self.document.panes.get(id)?;
+        let pane = self.pane(id)?;
         self.results.pictures.get(&id)?.picture.as_ref().filter(|picture| self.fits(pane, picture))
     }
 
     /// Features with whose motions those in the picture of pane `id` share their colours.
     pub fn features_of_motion(self, id: PaneId) -> &'a [Feature] {
         let grid = self.picture_in(id).and_then(|picture| picture.motion.as_ref()).map(|motion| motion.grid);
-        let found = self.document.panes.get(id).and_then(|pane| self.found_of(pane.side));
+        let found = self.pane(id).and_then(|pane| self.found_of(pane.side));
         found.filter(|found| grid == Some(found.detection.slopes)).map_or(&[], |found| &found.detection.features)
     }
 
@@ -134,7 +138,7 @@ impl<'a> Read<'a> {
     }
 
     pub fn wanted(self, id: PaneId) -> Option<PictureRequest> {
-        let pane = self.document.panes.get(id)?;
+        let pane = self.pane(id)?;
         let request = match pane.content {
             Content::Difference(a, b) => {
                 let [a, b] = [a, b].map(|id| self.wanted_alone(id));
@@ -147,7 +151,7 @@ impl<'a> Read<'a> {
     }
 
     fn wanted_alone(self, id: PaneId) -> Option<PictureRequest> {
-        let pane = self.document.panes.get(id)?;
+        let pane = self.pane(id)?;
         pane.wanted(self.burst_in(pane)?, &self.params_in(pane))
     }
 
@@ -197,8 +201,7 @@ impl<'a> Read<'a> {
     }
 
     pub fn display_of(self, id: PaneId) -> Display {
-        let ranges =
-            self.document.panes.get(id).map_or(&self.document.look.ranges, |pane| self.document.ranges_of(pane));
+        let ranges = self.pane(id).map_or(&self.document.look.ranges, |pane| self.document.ranges_of(pane));
         ranges.display(self.range_class(id))
     }
 }

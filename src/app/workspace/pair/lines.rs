@@ -239,7 +239,7 @@ impl<'a> MatchViews<'a> {
             sides.iter().zip(Side::BOTH).flat_map(|(places, side)| places.iter().map(move |i| (*i, side))).collect();
         of_drawn.sort_by_key(|(place, _)| *place);
         let shift = |id: PaneId| {
-            let pane = model.document.panes.get(id)?;
+            let pane = model.pane(id)?;
             frames_from_middle(model.picture_in(id), model.detection_in(pane)?)
         };
         let view = |(place, side): &(usize, Side)| {

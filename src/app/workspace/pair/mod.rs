@@ -101,7 +101,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         queue.point(&model.results.pair.hovered, over_pictures.unwrap_or(in_table), Pointed::Match);
         for side in Side::BOTH {
             let is_over = |(id, drawn): &(PaneId, Drawn)| {
-                drawn.output.pointer_ui.is_some() && model.document.panes.get(*id).is_some_and(|pane| pane.side == side)
+                drawn.output.pointer_ui.is_some() && model.document.panes.is_on(*id, side)
             };
             if !(drawn.iter().any(is_over) || (over_list && model.active_side() == side)) {
                 queue.point(&model.results.slots[side].comparison.hovered, None, |row| Pointed::Row(side, row));
