@@ -10,6 +10,7 @@ use crate::burst::OpenOptions;
 use crate::detector::{Feature, Quantity};
 use crate::export::feature_header;
 use crate::requests::{BurstSource, detect_line};
+use egui::text_selection::LabelSelectionState;
 
 pub fn feature_text(feature: &Feature) -> String {
     let values = Quantity::STORED.map(|quantity| quantity.cell(feature));
@@ -40,9 +41,7 @@ pub fn picture_of(model: Read<'_>, id: PaneId) -> Option<egui::ColorImage> {
 pub fn is_asked(ctx: &egui::Context) -> bool {
     let asked = ctx.input(|i| i.events.iter().any(|event| matches!(event, egui::Event::Copy)));
     // Text that is selected in a label is copied by egui itself.
-    let text_is_selected = ctx
-        .plugin_opt::<egui::text_selection::LabelSelectionState>()
-        .is_some_and(|plugin| plugin.lock().has_selection());
+    let text_is_selected = ctx.plugin_opt::<LabelSelectionState>().is_some_and(|plugin| plugin.lock().has_selection());
     asked && !ctx.egui_wants_keyboard_input() && !text_is_selected
 }
 

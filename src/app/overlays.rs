@@ -13,6 +13,7 @@ use crate::app::panel::modals::CalibrationChoice;
 use crate::app::results::{Effect, Read};
 use crate::burst::OpenOptions;
 use crate::requests::{BurstId, BurstSource};
+use egui::Context;
 use std::path::PathBuf;
 
 #[derive(Default)]
@@ -89,13 +90,7 @@ impl Overlays {
             || !self.choice.is_empty()
     }
 
-    pub fn ui(
-        &mut self,
-        ctx: &egui::Context,
-        model: Read<'_>,
-        lessons: &mut Lessons,
-        queue: &mut Queue,
-    ) -> Vec<Effect> {
+    pub fn ui(&mut self, ctx: &Context, model: Read<'_>, lessons: &mut Lessons, queue: &mut Queue) -> Vec<Effect> {
         let mut effects = Vec::new();
         self.palette.ui(ctx, model, queue);
         menu::sheet_ui(ctx, &mut self.sheet_open);
@@ -145,7 +140,7 @@ impl Overlays {
         effects
     }
 
-    fn path_ui(&mut self, ctx: &egui::Context, model: Read<'_>) -> Option<Effect> {
+    fn path_ui(&mut self, ctx: &Context, model: Read<'_>) -> Option<Effect> {
         if let Some(field) = &mut self.path_field {
             let purpose = field.purpose;
             let (path, stay) = field.ui(ctx);

@@ -31,7 +31,7 @@ use crate::app::view::fixed;
 use crate::engine::{Engine, OnUpdate};
 use crate::requests::BurstSource;
 use crate::teach::Part;
-use egui::{CentralPanel, Frame, Margin, Panel};
+use egui::{CentralPanel, Frame, Margin, Panel, Ui};
 use std::sync::Arc;
 
 pub struct BurstscopeApp {
@@ -129,7 +129,7 @@ impl BurstscopeApp {
         self.chooser.is_asking()
     }
 
-    pub fn show(&mut self, ui: &mut egui::Ui) {
+    pub fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         ctx.set_theme(self.model.document.theme);
         self.model.shell.window_width_points = ctx.content_rect().width();
@@ -274,8 +274,8 @@ impl BurstscopeApp {
         }
     }
 
-    fn layout_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<LessonAction> {
-        let bar = |ui: &egui::Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
+    fn layout_ui(&mut self, ui: &mut Ui, queue: &mut Queue) -> Option<LessonAction> {
+        let bar = |ui: &Ui| Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 3));
 
         Panel::top("menu bar").frame(bar(ui)).show(ui, |ui| {
             ui.horizontal(|ui| {
@@ -291,8 +291,7 @@ impl BurstscopeApp {
         }
         let status = Panel::bottom("status bar").frame(bar(ui));
         let readout = self.readout();
-        let status_ui =
-            |ui: &mut egui::Ui| panel::status::status_ui(ui, Read::of(&self.model), readout.as_deref(), queue);
+        let status_ui = |ui: &mut Ui| panel::status::status_ui(ui, Read::of(&self.model), readout.as_deref(), queue);
         let types_path = !self.model.document.panels.hall && status.show(ui, status_ui).inner;
         if let Some((purpose, name)) = self.model.shell.messages.unanswered().filter(|_| types_path).cloned() {
             self.overlays.open_path_field(purpose, name, false);
@@ -323,11 +322,11 @@ impl BurstscopeApp {
         asked
     }
 
-    fn offers_ui(&mut self, ui: &mut egui::Ui, bar: Frame, queue: &mut Queue) {
+    fn offers_ui(&mut self, ui: &mut Ui, bar: Frame, queue: &mut Queue) {
         if let Some(recovery) = &mut self.recovery
             && let Some(offer) = recovery.offer()
         {
-            let offer_ui = |ui: &mut egui::Ui| panel::status::recovery_ui(ui, &offer);
+            let offer_ui = |ui: &mut Ui| panel::status::recovery_ui(ui, &offer);
             if let Some(choice) = Panel::top("recovery offer").frame(bar).show(ui, offer_ui).inner {
                 let path = recovery.settle(choice, &mut self.model.shell.messages);
                 if let Some(path) = path {
@@ -351,7 +350,7 @@ impl BurstscopeApp {
         }
     }
 
-    fn lesson_panel_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) -> Option<LessonAction> {
+    fn lesson_panel_ui(&mut self, ui: &mut Ui, queue: &mut Queue) -> Option<LessonAction> {
         self.lessons.open.as_ref()?;
         let (id, width) = if self.model.document.panels.hall {
             ("lesson in hall", (0.35 * ui.available_width()).clamp(300.0, 520.0))
@@ -371,7 +370,7 @@ impl BurstscopeApp {
         clicks.asked
     }
 
-    fn workspace_ui(&mut self, ui: &mut egui::Ui, queue: &mut Queue) {
+    fn workspace_ui(&mut self, ui: &mut Ui, queue: &mut Queue) {
         let mut parts = WorkspaceParts {
             model: Read::of(&self.model),
             widgets: &mut self.widgets,
@@ -385,7 +384,7 @@ impl BurstscopeApp {
         workspace_ui(ui, &mut parts);
     }
 
-    fn drop_hint_ui(&self, ui: &egui::Ui) {
+    fn drop_hint_ui(&self, ui: &Ui) {
         let places = drop_places(Read::of(&self.model), &self.widgets);
         if places.is_empty() {
             panel::welcome::drop_hint_ui(ui.ctx(), &[(ui.ctx().content_rect(), "Let go to open")]);
@@ -475,7 +474,7 @@ impl BurstscopeApp {
 }
 
 impl eframe::App for BurstscopeApp {
-    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
         // Drawing on a lost device fails, so nothing is drawn.
         if !self.leaves_lost_device(ui.ctx()) && !self.leaves_when_asked(ui.ctx()) {
             self.show(ui);

@@ -10,6 +10,7 @@ pub use registry::{ACTIONS, ActionId, ActionRow, Menu, checked, enabled, shown_b
 use crate::app::results::Read;
 use crate::app::words::explained;
 use crate::teach::glossary::{Word, glossary};
+use egui::Response;
 
 /// Text of a shortcut: `Ctrl+O`, `[`, `?`.
 pub fn keys_text(ctx: &egui::Context, shortcut: &egui::KeyboardShortcut) -> String {
@@ -40,13 +41,7 @@ pub fn tooltip(ctx: &egui::Context, action: &ActionRow) -> String {
     }
 }
 
-pub fn button_ui(
-    ui: &mut egui::Ui,
-    model: Read<'_>,
-    queue: &mut Queue,
-    id: ActionId,
-    label: Option<&str>,
-) -> egui::Response {
+pub fn button_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, label: Option<&str>) -> Response {
     let action = id.action();
     let text = label.unwrap_or(action.label);
     let on = checked(id, model).unwrap_or(false);

@@ -15,7 +15,7 @@ use crate::app::results::Read;
 use crate::app::{canvas, style};
 use egui::{
     Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
-    Ui, pos2, vec2,
+    Ui, Vec2, pos2, vec2,
 };
 
 // Minimum widths of headers, in points: on one line (others have the links on a second one), with range and zoom, and
@@ -275,7 +275,7 @@ pub enum Icon {
     Close,
 }
 
-pub const ICON_SIZE: egui::Vec2 = vec2(20.0, 18.0);
+pub const ICON_SIZE: Vec2 = vec2(20.0, 18.0);
 
 pub fn icon_button_ui(ui: &mut Ui, icon: Icon, name: &str, tip: &str, enabled: bool) -> Response {
     let sense = if enabled { Sense::click() } else { Sense::hover() };
@@ -306,8 +306,7 @@ fn draw(ui: &Ui, icon: Icon, rect: Rect, stroke: Stroke) {
         Icon::Contrast => {
             let (centre, radius) = (rect.center(), 5.5);
             painter.circle_stroke(centre, radius, stroke);
-            let half =
-                (-6..=6).map(|step| centre + radius * egui::Vec2::angled(step as f32 * std::f32::consts::PI / 12.0));
+            let half = (-6..=6).map(|step| centre + radius * Vec2::angled(step as f32 * std::f32::consts::PI / 12.0));
             painter.add(egui::Shape::convex_polygon(half.collect(), stroke.color, Stroke::NONE));
         }
         Icon::Menu => {

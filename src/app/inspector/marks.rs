@@ -13,7 +13,7 @@ use crate::detector::{Feature, Slope};
 use crate::inspect::place::{AT_PLACE_PX, ProbeSubject};
 use crate::inspect::words::slope_text;
 use crate::requests::{PictureKind, ProbeQuestion};
-use egui::{Align2, Color32, FontId, Key, Pos2, Stroke, pos2, vec2};
+use egui::{Align2, Color32, FontId, Key, Pos2, Stroke, Ui, pos2, vec2};
 use std::ops::Range;
 
 pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
@@ -97,13 +97,7 @@ fn used(model: Read<'_>, side: Side) -> Option<(&Positions, Range<usize>)> {
 }
 
 /// Draws the probe's marks, and takes the place under the pointer: Shift+click probes it, any click ends following.
-pub(super) fn probe_ui(
-    ui: &egui::Ui,
-    model: Read<'_>,
-    widgets: &PaneWidgets,
-    drawn: &[(PaneId, Drawn)],
-    queue: &mut Queue,
-) {
+pub(super) fn probe_ui(ui: &Ui, model: Read<'_>, widgets: &PaneWidgets, drawn: &[(PaneId, Drawn)], queue: &mut Queue) {
     probe_marks_ui(model, drawn);
     let pointed = drawn.iter().find_map(|(_, drawn)| Some((drawn, drawn.output.hover_image?)));
     let pointer = pointed.and_then(|(drawn, pos)| mid_burst(model, drawn.shown, pos));
@@ -140,7 +134,7 @@ pub fn is_led(ctx: &egui::Context) -> bool {
 
 /// Shows the place under the pointer at its own motion, while the switch is on or Ctrl is held. With Ctrl a click stays
 /// at that slope; without one the pane goes back to what it showed.
-pub(super) fn focus_ui(ui: &egui::Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)], queue: &mut Queue) {
+pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)], queue: &mut Queue) {
     let (flag, kept) = (egui::Id::unique(FOCUS), egui::Id::unique((FOCUS, "before")));
     // Ctrl alone: the key itself may be among those that are down.
     let is_ctrl = |key: &Key| matches!(key, Key::ControlLeft | Key::ControlRight | Key::SuperLeft | Key::SuperRight);
@@ -186,7 +180,7 @@ pub(super) fn focus_ui(ui: &egui::Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)]
     chip_ui(ui, &drawn.output, Align2::LEFT_BOTTOM, &text, (FOCUS, id));
 }
 
-pub(in crate::app) fn is_with_shift(ui: &egui::Ui) -> bool {
+pub(in crate::app) fn is_with_shift(ui: &Ui) -> bool {
     ui.input(|i| {
         // The modifiers at the release count: Shift may be up again when the pass sees the click.
         let let_go = i.events.iter().rev().find_map(|event| match event {

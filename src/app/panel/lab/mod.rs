@@ -11,7 +11,7 @@ use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, pr
 use crate::app::results::Read;
 use crate::app::results::studies::Studies;
 use crate::evaluate::BurstMethod;
-use egui::{Color32, DragValue, Label, RichText, TextEdit, Ui};
+use egui::{Color32, DragValue, Label, RichText, Role, TextEdit, Ui};
 
 const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
 const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
@@ -97,9 +97,7 @@ fn kept_ui(ui: &mut Ui, studies: &Studies, queue: &mut Queue) {
         let (mut is_shown, mut name) = (kept.is_shown, kept.name.clone());
         ui.horizontal(|ui| {
             let shown = ui.checkbox(&mut is_shown, "").on_hover_text(kept.result.report.summary());
-            shown.widget_info(|| {
-                egui::WidgetInfo::selected(egui::Role::CheckBox, true, is_shown, format!("Show {name}"))
-            });
+            shown.widget_info(|| egui::WidgetInfo::selected(Role::CheckBox, true, is_shown, format!("Show {name}")));
             let field = ui.add(TextEdit::singleline(&mut name).desired_width(120.0));
             name_field(&field, "Name of kept curves", &name);
             if ui.small_button("Remove").on_hover_text("Remove these curves").clicked() {

@@ -21,7 +21,7 @@ use crate::app::workspace::{
 };
 use crate::export::MatchKind;
 use crate::teach::Part;
-use egui::{CentralPanel, Color32, DragValue, Frame, Margin, Panel, Sense, Stroke, Ui, vec2};
+use egui::{CentralPanel, Color32, DragValue, Frame, Margin, Panel, Role, Sense, Stroke, Ui, vec2};
 
 #[derive(Default)]
 pub struct PairPanels {
@@ -124,8 +124,7 @@ pub fn sides_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                     let button = egui::Button::selectable(active == side, side.name()).frame_when_inactive(true);
                     let response = ui.add(button).on_hover_text(tip);
                     let name = format!("Cursor of {}", side.name());
-                    response
-                        .widget_info(|| egui::WidgetInfo::selected(egui::Role::Button, both, active == side, &name));
+                    response.widget_info(|| egui::WidgetInfo::selected(Role::Button, both, active == side, &name));
                     queue.push_if(response.clicked() && active != side, ActionId::OtherSide);
                 }
                 button_ui(ui, model, queue, ActionId::SwapSides, Some("Swap"));
