@@ -10,9 +10,8 @@ use std::path::PathBuf;
 /// `None` where they are not two bursts: two files may be frames of one, and a folder of bursts is a dataset.
 pub(super) fn two_of(arguments: &[PathBuf], options: &OpenOptions) -> Option<[Input; 2]> {
     let [first, second] = arguments else { return None };
-    let inputs = resolve(arguments, options);
     let each = |argument: &PathBuf| resolve(std::slice::from_ref(argument), options).len() == 1;
-    let two: [Input; 2] = inputs.try_into().ok()?;
+    let two: [Input; 2] = resolve(arguments, options).try_into().ok()?;
     (each(first) && each(second)).then_some(two)
 }
 

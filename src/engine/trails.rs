@@ -189,8 +189,7 @@ impl TrailStore for Trails {
 
 impl State {
     fn used(&mut self, is_it: impl Fn(&StoredTrail) -> bool) -> Option<Arc<ProbeCache>> {
-        let index = self.kept.iter().position(is_it)?;
-        let kept = self.kept.remove(index);
+        let kept = self.kept.remove(self.kept.iter().position(is_it)?);
         let cache = kept.cache.clone();
         self.kept.push(kept);
         Some(cache)

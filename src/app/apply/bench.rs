@@ -238,8 +238,7 @@ fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range(
     assert_eq!(slopes(Read::of(&model)), [0.0, 1.0, 2.0]);
     opening::take_burst(&mut model, open((40, 30), 3));
     assert_eq!(slopes(Read::of(&model)), [-1.0, 0.0, 1.0], "the one in focus begins anew, the others beside it");
-    let focus = model.document.focus();
-    model.document.show_slope(focus, Slope::new(100.0, 0.0));
+    model.document.show_slope(model.document.focus(), Slope::new(100.0, 0.0));
     params::check_params(&mut model);
     let limit = crate::app::document::cursor::slope_limit(&model.results.slots.a.usable_params.slopes);
     assert_eq!(slopes(Read::of(&model)), [limit - 1.0, limit, limit + 1.0]);

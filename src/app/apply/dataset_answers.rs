@@ -81,9 +81,8 @@ pub(in crate::app) fn take_dataset_answer(
     }
     if work == Some(Work::Opening) && answer.result.is_err() {
         // A session may have named another one.
-        let open = model.results.datasets.open.as_ref();
         let choice = |d: &Dataset| model.document.dataset.take_if(|set| set.source == d.source).unwrap_or(d.choice());
-        model.document.dataset = open.map(choice);
+        model.document.dataset = model.results.datasets.open.as_ref().map(choice);
     }
     let title = work.map_or("Dataset", Work::title);
     let mut effects = Vec::new();

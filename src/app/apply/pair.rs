@@ -195,8 +195,7 @@ pub fn refresh_why(model: &mut Model) {
         let LostFeatures { wanted, wanted_pictures, pricing, .. } = std::mem::take(&mut model.results.pair.lost);
         model.results.pair.lost = LostFeatures { wanted, wanted_pictures, pricing, ..LostFeatures::default() };
     }
-    let asked = Read::of(model).asked_feature();
-    let why = match (asked, Read::of(model).losses()) {
+    let why = match (Read::of(model).asked_feature(), Read::of(model).losses()) {
         (Some(feature), Some(found)) if feature < found.lost.len() => {
             let old = model.results.pair.lost.why.as_ref();
             if old.is_some_and(|why| why.feature == feature && why.of == found.request) {

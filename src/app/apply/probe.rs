@@ -209,8 +209,7 @@ mod tests {
             |model: Read<'_>| model.results.probed.answer.as_ref().expect("answered").probe.response.scales.clone();
         let shown = scales(bench.read()).into_iter().find(|s| (s.octave, s.level) == (1, 2)).expect("searched");
         assert_eq!(bench.model.document.probe.near_sigma, Some(shown.sigma));
-        let finest = scales(bench.read())[0].sigma;
-        bench.model.document.probe.near_sigma = Some(finest);
+        bench.model.document.probe.near_sigma = Some(scales(bench.read())[0].sigma);
         assert!(!bench.read().probe_is_current(), "another scale is another question");
         bench.settle();
         assert!(bench.read().probe_is_current());

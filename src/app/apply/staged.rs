@@ -233,8 +233,7 @@ mod tests {
         }
         assert!(!history.can_undo());
         pass(&mut history, &mut model.document, false, |m| {
-            let focus = m.focus();
-            m.panes.split(focus, crate::app::pane::Direction::Right);
+            m.panes.split(m.focus(), crate::app::pane::Direction::Right);
         });
         assert!(!history.can_undo(), "a new pane");
     }

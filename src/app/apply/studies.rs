@@ -139,8 +139,7 @@ pub fn open_trajectory(model: &mut Model, which: Which, path: PathBuf, engine: &
 
 pub(in crate::app) fn set_pose_study(model: &mut Model, study: PoseStudy, engine: &Engine) {
     model.document.trajectories.study = study;
-    let request = model.results.poses.request(study);
-    model.results.poses.reading.ask(engine, request);
+    model.results.poses.reading.ask(engine, model.results.poses.request(study));
 }
 
 pub fn close_trajectories(model: &mut Model) {

@@ -181,8 +181,7 @@ fn cell_ui(
     room.galley(pos2(name_room.left(), name_room.center().y - 0.5 * name.size().y), name, visuals.text_color());
     let stroke = if open { Stroke::new(2.0, style::ACCENT) } else { visuals.widgets.noninteractive.bg_stroke };
     painter.rect_stroke(rect, 4.0, stroke, StrokeKind::Inside);
-    let text = format!("{}\n{}\nClick to open it", burst.name, state.sentence());
-    response.on_hover_text(text)
+    response.on_hover_text(format!("{}\n{}\nClick to open it", burst.name, state.sentence()))
 }
 
 fn side_ui(ui: &Ui, dataset: &Dataset, place: usize, side: Side, on: bool, rect: Rect, queue: &mut Queue) {

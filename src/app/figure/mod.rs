@@ -76,10 +76,8 @@ fn links_between(
         .map(|id| (*id, widgets.rect_ui(*id).unwrap_or(egui::Rect::NOTHING)))
         .filter(|(_, rect)| rect.is_positive())
         .collect();
-    let shift = |id: PaneId, side| {
-        let picture = model.picture_in(id);
-        frames_from_middle(picture, matches.detection(side)).unwrap_or_default()
-    };
+    let shift =
+        |id: PaneId, side| frames_from_middle(model.picture_in(id), matches.detection(side)).unwrap_or_default();
     let panel = |id: PaneId| panes.iter().position(|pane| *pane == id).unwrap_or(usize::MAX);
     let mut links = Vec::new();
     for (a, b) in joined_panes(model, &places, method).pairs {

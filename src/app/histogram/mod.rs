@@ -134,8 +134,7 @@ impl HistogramPanel {
         };
         let response = response.on_hover_and_drag_cursor(cursor);
         if let Some(pointer) = response.hover_pos().filter(|p| geometry.bars.contains(*p) && !response.dragged()) {
-            let text = bin_text(&counts, geometry.value_at(pointer.x));
-            response.on_hover_text_at_pointer(text);
+            response.on_hover_text_at_pointer(bin_text(&counts, geometry.value_at(pointer.x)));
         }
     }
 

@@ -69,9 +69,7 @@ pub fn header_ui(
                 if !is_slice && (!many || width >= ONE_LINE) {
                     drawn_ui(ui, model, id, widgets, !many && width >= ROOM_FOR_FEATURES, queue);
                 }
-                let current = model.is_current(id);
-                let has_picture = model.picture_in(id).is_some();
-                if has_picture && !current && width >= ROOM_FOR_SPLITS {
+                if model.picture_in(id).is_some() && !model.is_current(id) && width >= ROOM_FOR_SPLITS {
                     ui.label(RichText::new("updating…").small().color(style::warning(ui)));
                 }
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {

@@ -47,8 +47,7 @@ pub(super) fn picture_ui(
     queue: &mut Queue,
 ) -> Drawn {
     let name = canvas_name(model, id);
-    let over = model.document.panes.over(id);
-    let shown = match over {
+    let shown = match model.document.panes.over(id) {
         Some(Over::Flip { other, flipped: true }) => other,
         _ => id,
     };

@@ -272,8 +272,7 @@ impl Panes {
         let mut ids = Vec::new();
         for side in sides {
             let id = self.fresh();
-            let pane = self.of_method(method, *side);
-            self.more.insert(id, pane);
+            self.more.insert(id, self.of_method(method, *side));
             ids.push(id);
         }
         self.placed[PaneGroup::Methods as usize].arrangement.append(&ids);

@@ -217,8 +217,7 @@ fn marks_of(model: Read<'_>, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, 
     });
     drawn
         .map(|(index, row)| {
-            let slope = row.slope.unwrap_or_default();
-            let (moved_u, moved_v) = slope.displacement(dt);
+            let (moved_u, moved_v) = row.slope.unwrap_or_default().displacement(dt);
             let at = |pos: [f32; 2]| pos2(pos[0] + moved_u, pos[1] + moved_v);
             let mark = ComparedMark {
                 pos_image: at(row.pos_image),

@@ -70,8 +70,7 @@ impl GlossaryWindow {
                 let top = ui.cursor().min;
                 clicked = clicked.take().or(word_ui(ui, word, is_wanted, &mut self.captions));
                 if is_wanted {
-                    let bottom = ui.min_rect().right_bottom();
-                    let rect = egui::Rect::from_min_max(top, bottom);
+                    let rect = egui::Rect::from_min_max(top, ui.min_rect().right_bottom());
                     ui.scroll_to_rect(rect, Some(egui::Align::TOP));
                     // Scrolls to the entry only once, so that the user can scroll on.
                     if ui.clip_rect().contains(rect.left_top()) {

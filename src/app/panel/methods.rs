@@ -81,8 +81,7 @@ fn gold_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.weak("Gold standard");
         for (side, id) in [(Side::A, ActionId::OpenGoldA), (Side::B, ActionId::OpenGoldB)] {
-            let is_there = model.results.compare.gold[side].is_some();
-            let mark = if is_there { " ✔" } else { "…" };
+            let mark = if model.results.compare.gold[side].is_some() { " ✔" } else { "…" };
             button_ui(ui, model, queue, id, Some(&format!("{}{mark}", side.name())));
         }
     });

@@ -70,8 +70,7 @@ impl Recovery {
         // A session that this program cannot read, of a newer version for example, is left in place.
         let readable = |record: Record| {
             let text = read_text(record.session(), MAX_SESSION_BYTES).ok()?;
-            let session = Session::from_toml(&text).ok()?;
-            Some((record, session.burst.label()))
+            Some((record, Session::from_toml(&text).ok()?.burst.label()))
         };
         let left = Record::left_behind(&kept.folder).into_iter().filter_map(readable).collect();
         let (written, given, failed) = (None, None, None);

@@ -73,8 +73,7 @@ impl<'a> Read<'a> {
 
     pub fn spectrum(self) -> Option<&'a Arc<Spectrum>> {
         let (request, spectrum) = self.results.explained.slopes.as_ref()?;
-        let wanted = self.explain_request(ExplainQuestion::Slopes)?;
-        (*request == wanted).then_some(spectrum)
+        (*request == self.explain_request(ExplainQuestion::Slopes)?).then_some(spectrum)
     }
 
     /// By what the frames show once that is examined, by the detection until then; `None` for stale features.
@@ -90,8 +89,7 @@ impl<'a> Read<'a> {
 
     pub fn survey_counts(self) -> Option<&'a Arc<Survey>> {
         let (request, survey) = self.results.explained.candidates.as_ref()?;
-        let wanted = self.explain_request(request.question)?;
-        (request.of == wanted.of).then_some(survey)
+        (request.of == self.explain_request(request.question)?.of).then_some(survey)
     }
 
     pub fn selected_candidate(self) -> Option<&'a CandidateMark> {

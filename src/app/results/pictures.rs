@@ -82,9 +82,8 @@ impl<'a> Read<'a> {
     }
 
     pub fn problem_of(self, id: PaneId) -> Option<&'a str> {
-        let wanted = self.wanted(id)?;
         let (request, why) = self.results.pictures.get(&id)?.problem.as_ref()?;
-        (*request == wanted).then_some(why.as_str())
+        (*request == self.wanted(id)?).then_some(why.as_str())
     }
 
     pub fn burst_of(self, side: Side) -> Option<&'a OpenBurst> {
@@ -138,8 +137,7 @@ impl<'a> Read<'a> {
     }
 
     pub fn wanted(self, id: PaneId) -> Option<PictureRequest> {
-        let pane = self.pane(id)?;
-        let request = match pane.content {
+        let request = match self.pane(id)?.content {
             Content::Difference(a, b) => {
                 let [a, b] = [a, b].map(|id| self.wanted_alone(id));
                 a?.less(&b?)

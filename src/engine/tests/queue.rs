@@ -90,8 +90,7 @@ fn slots_do_not_disturb_one_another() {
     let old = jobs.submit_for(0, 1);
     wait_for(|| jobs.running());
     let (other, new) = (jobs.submit_for(8, 2), jobs.submit_for(0, 3));
-    let superseded = answers_of(&jobs, 1);
-    assert_eq!(superseded, [(0, old, Err(JobError::Superseded))]);
+    assert_eq!(answers_of(&jobs, 1), [(0, old, Err(JobError::Superseded))]);
     go.send(()).expect("the work listens");
     go.send(()).expect("the work listens");
     let mut answers = answers_of(&jobs, 2);
@@ -105,8 +104,7 @@ fn what_is_there_already_comes_at_once_and_the_older_one_never() {
     let old = jobs.submit_for(0, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
     let new = jobs.publish_for(0, 5);
-    let answers = answers_of(&jobs, 2);
-    assert_eq!(answers, [(0, new, Ok(5)), (0, old, Err(JobError::Superseded))]);
+    assert_eq!(answers_of(&jobs, 2), [(0, new, Ok(5)), (0, old, Err(JobError::Superseded))]);
 }
 
 /// All threads for searches and datasets do work that ends only when it is cancelled, each of another kind: one runs.

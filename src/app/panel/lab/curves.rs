@@ -248,8 +248,7 @@ fn draw_curve(
         }
         let of_point = StudyPoint { row_value: one.curve.row_value(point), method: one.curve.method };
         if marks_points {
-            let is_selected = selected == Some((one.set, of_point));
-            let radius = if is_selected { 5.0 } else { 2.8 };
+            let radius = if selected == Some((one.set, of_point)) { 5.0 } else { 2.8 };
             area.points(Points::new("", [point.x, point.y]).color(colour).radius(radius).filled(true));
         }
     }

@@ -82,8 +82,7 @@ fn map_ui(
     let pos_ui = |one: &Planted| rect.min + scale * vec2(one.truth.u as f32 + 0.5, one.truth.v as f32 + 0.5);
     let in_range = || report.planted.iter().filter(|one| one.is_in_range);
     for one in in_range() {
-        let is_selected = selected == Some((one.seed, one.truth.id));
-        let radius = if is_selected { 5.0 } else { 2.2 };
+        let radius = if selected == Some((one.seed, one.truth.id)) { 5.0 } else { 2.2 };
         match one.found {
             Some(_) => painter.circle_filled(pos_ui(one), radius, FOUND),
             None => painter.circle_stroke(pos_ui(one), radius, Stroke::new(1.2, MISSED)),

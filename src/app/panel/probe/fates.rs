@@ -139,8 +139,7 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
 }
 
 fn fate_ui(ui: &mut Ui, model: Read<'_>, fate: &Fate, outlook: Option<&Needed>, queue: &mut Queue) {
-    let verdict = &fate.verdict;
-    ui.add(Label::new(RichText::new(sentence(verdict)).strong()).wrap());
+    ui.add(Label::new(RichText::new(sentence(&fate.verdict)).strong()).wrap());
     if let Some(remedy) = &fate.remedy {
         let rejected = |test: Test| format!(" It would then be rejected as {}.", test.reason());
         let then = remedy.then_fails.map_or_else(String::new, rejected);

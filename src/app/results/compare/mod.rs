@@ -81,8 +81,7 @@ impl<'a> Read<'a> {
     }
 
     pub fn method_params(self, method: MethodId, side: Side) -> DetectorParams {
-        let params = method.params(&self.params_of(side));
-        self.document.methods.at_same_false_rate(method, params)
+        self.document.methods.at_same_false_rate(method, method.params(&self.params_of(side)))
     }
 
     pub fn method_found(self, method: MethodId, side: Side) -> Option<&'a MethodFound> {

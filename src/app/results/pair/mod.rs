@@ -114,8 +114,7 @@ impl Read<'_> {
     }
 
     pub fn patches_request(self) -> Option<PicturesRequest> {
-        let matches = self.results.pair.matches.as_ref()?;
-        let row = matches.row(self.match_in_focus()?)?;
+        let row = self.results.pair.matches.as_ref()?.row(self.match_in_focus()?)?;
         let request = |side: Side, slope| {
             let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
             Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))

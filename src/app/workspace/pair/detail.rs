@@ -198,8 +198,7 @@ pub fn why_ui(ui: &mut Ui, model: Read<'_>, textures: &mut [PatchTexture; PATCHE
             warning_ui(ui, line);
         }
         if let Some(twin) = model.results.pair.lost.twin(why.feature) {
-            let is_matched = found.lost[twin] == Lost::Not;
-            let fate = if is_matched { ", which is matched" } else { "" };
+            let fate = if found.lost[twin] == Lost::Not { ", which is matched" } else { "" };
             weak_ui(ui, format!("Another orientation of feature {}{fate}.", twin));
         }
         ui.add_space(4.0);
@@ -347,8 +346,7 @@ fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
 }
 
 fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
-    let has_model = found.request.result.verification.as_ref().is_some_and(|v| v.model.is_some());
-    if !has_model {
+    if !found.request.result.verification.as_ref().is_some_and(|v| v.model.is_some()) {
         return "No geometry is known, so its place in B is not either.".to_owned();
     }
     let place = match &unmatched.expected[..] {

@@ -238,10 +238,7 @@ impl<'a> MatchViews<'a> {
         let mut of_drawn: Vec<(usize, Side)> =
             sides.iter().zip(Side::BOTH).flat_map(|(places, side)| places.iter().map(move |i| (*i, side))).collect();
         of_drawn.sort_by_key(|(place, _)| *place);
-        let shift = |id: PaneId| {
-            let pane = model.pane(id)?;
-            frames_from_middle(model.picture_in(id), model.detection_in(pane)?)
-        };
+        let shift = |id: PaneId| frames_from_middle(model.picture_in(id), model.detection_in(model.pane(id)?)?);
         let view = |(place, side): &(usize, Side)| {
             let drawn = &drawn[*place].1;
             MatchView { side: *side, output: &drawn.output, shift: shift(drawn.shown).unwrap_or_default() }
