@@ -228,12 +228,11 @@ fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<W
         Purpose::Export(ExportKind::Colmap) => features_work(model, ExportFormat::Colmap),
         Purpose::Export(ExportKind::Npz) => features_work(model, ExportFormat::Npz),
         Purpose::Export(ExportKind::Matches) => matches_work(model),
-        Purpose::Export(ExportKind::Methods) => Ok(methods_work(model)),
+        Purpose::Export(ExportKind::Methods) => Ok(values_work(methods_table(model))),
         Purpose::Export(ExportKind::Profile) => profile_work(model, widgets),
         Purpose::Export(ExportKind::Sheet) => Err("no lesson is open; open one first".to_owned()),
         Purpose::Export(ExportKind::CurvesCsv | ExportKind::CurvesSvg) => {
-            let figure = curves_figure(&shown_plots(model));
-            Ok(work(move |path| figure.write(path)))
+            Ok(values_work(curves_figure(&shown_plots(model))))
         }
         Purpose::Export(ExportKind::Mask) => mask_work(model),
         Purpose::Export(ExportKind::Case) => case_work(model),
@@ -257,12 +256,9 @@ fn whole_work(text: String) -> Work {
     work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())))
 }
 
-fn text_work(kind: OutputKind, text: String) -> Work {
-    work(move |path| export::write_text(path, kind, text))
-}
-
 fn settings_work(toml: String) -> Work {
-    text_work(OutputKind::Settings, written_by() + &toml)
+    let text = written_by() + &toml;
+    work(move |path| export::write_text(path, OutputKind::Settings, text))
 }
 
 fn case_work(model: Read<'_>) -> Result<Work, String> {
@@ -345,8 +341,7 @@ fn profile_work(model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> 
     if profiles.is_empty() {
         return Err("the pane with the line is closed; draw another line with Q".to_owned());
     }
-    let figure = export::Figure::from(export::profiles_table(&profiles));
-    Ok(work(move |path| figure.write(path)))
+    Ok(values_work(export::profiles_table(&profiles)))
 }
 
 fn mask_work(model: Read<'_>) -> Result<Work, String> {
@@ -374,8 +369,8 @@ fn figure_work(model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
     Ok(work(move |path| export::write_drawing(path, &drawing)))
 }
 
-fn methods_work(model: Read<'_>) -> Work {
-    let figure = export::Figure::from(methods_table(model));
+fn values_work(figure: impl Into<export::Figure>) -> Work {
+    let figure = figure.into();
     work(move |path| figure.write(path))
 }
 

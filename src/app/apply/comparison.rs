@@ -1,6 +1,6 @@
 //! Comparisons with a reference: which one is on show, what is pinned, and the answers.
 
-use crate::app::document::{Compared, Comparison, FeaturesShown, PairTab, Reference, Side};
+use crate::app::document::{Compared, FeaturesShown, PairTab, Reference, Side};
 use crate::app::results::{ComparisonResults, Model, Read};
 use crate::engine::Ended;
 use crate::requests::{ComparisonRequest, JobError};
@@ -94,13 +94,8 @@ pub(super) fn check_references(model: &mut Model) {
 }
 
 pub(in crate::app) fn begin_comparison(model: &mut Model, side: Side) {
-    let set = model.document.comparisons[side].of_next_burst();
-    restore_comparison(model, side, set);
-}
-
-pub fn restore_comparison(model: &mut Model, side: Side, set: Comparison) {
     model.results.slots[side].comparison = ComparisonResults::default();
-    model.document.comparisons[side] = set;
+    model.document.comparisons[side] = model.document.comparisons[side].of_next_burst();
 }
 
 /// Of two bursts, the features are drawn too, as the comparison is drawn in their place.

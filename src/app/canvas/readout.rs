@@ -51,10 +51,6 @@ pub fn readout(picture: &Picture, pos_image: Pos2, full_scale: f32) -> Option<Re
 }
 
 impl Readout {
-    pub fn file_value(&self) -> f32 {
-        self.value * self.full_scale
-    }
-
     pub fn short_text(&self) -> String {
         match self.quantity {
             Quantity::Value => number(self.value, 4),
@@ -92,7 +88,7 @@ impl std::fmt::Display for Readout {
             write!(f, " of full scale")?;
         }
         if self.full_scale != 1.0 && matches!(self.quantity, Quantity::Value | Quantity::Sigma) {
-            write!(f, " = {} of {}", number(self.file_value(), 4), number(self.full_scale, 6))?;
+            write!(f, " = {} of {}", number(self.value * self.full_scale, 4), number(self.full_scale, 6))?;
         }
         if self.is_masked {
             write!(f, "  (masked: filled in from around)")?;

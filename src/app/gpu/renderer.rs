@@ -85,10 +85,6 @@ impl PictureRenderer {
         self.uploads
     }
 
-    pub fn resident_bytes(&self) -> u64 {
-        self.pictures.values().map(|p| p.texture.layout.bytes()).sum()
-    }
-
     /// Uploads the picture if it is missing. The caller fills in `uniforms`, except for what depends on its layout.
     pub(super) fn prepare(
         &mut self,
@@ -181,7 +177,7 @@ impl PictureRenderer {
             return;
         }
         let frame = self.frame;
-        let mut bytes = self.resident_bytes();
+        let mut bytes: u64 = self.pictures.values().map(|p| p.texture.layout.bytes()).sum();
         if bytes > self.budget_bytes {
             let unseen = self.pictures.iter().filter(|(_, p)| p.last_used_frame < frame);
             let mut unseen: Vec<(u64, PictureId)> = unseen.map(|(&id, p)| (p.last_used_frame, id)).collect();
