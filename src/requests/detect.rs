@@ -4,8 +4,7 @@
 use super::{BurstId, BurstSource, JobError, OpenBurst, Request, Work};
 use crate::burst::OpenOptions;
 use crate::dataset::{DetectedBurst, match_bursts};
-use crate::detect;
-use crate::detect::Searched;
+use crate::detect::{self, Searched};
 use crate::detector::params::doc;
 use crate::detector::{Detection, DetectorParams, Method, SearchParams, SlopeAxis, SlopeFinding, Slopes};
 use crate::error::Error;

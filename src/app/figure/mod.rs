@@ -6,9 +6,8 @@ mod film;
 pub use film::FilmDialog;
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas;
 use crate::app::canvas::overlay::{ColourBy, ColourScale};
-use crate::app::canvas::{RectTransform, number};
+use crate::app::canvas::{self, RectTransform, number};
 use crate::app::document::export::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::document::{FigureChoice, MethodId, RangeClass, Side};
 use crate::app::inspector::{PaneWidgets, joined_panes};

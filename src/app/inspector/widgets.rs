@@ -1,8 +1,7 @@
 //! Widgets of panes between passes, names of panes, and the pairs of panes between which match lines are drawn.
 
 use super::aside::HeldPlace;
-use crate::app::canvas;
-use crate::app::canvas::{Readout, RectTransform};
+use crate::app::canvas::{self, Readout, RectTransform};
 use crate::app::document::{MethodId, Side};
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::panel::display::DisplayState;
