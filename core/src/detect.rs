@@ -100,7 +100,7 @@ impl PreparedSearch {
         let field = detection.field.as_ref().filter(|_| seen && self.widened < MOST_WIDENED);
         let beyond = field.and_then(|field| field.beyond(&finding.grid, Some(&detection.features)));
         let Some(beyond) = beyond else { return Ok(false) };
-        if !beyond.is_held(&self.burst, detection.frames_used.clone(), &self.rest)? {
+        if !beyond.is_held(None, &self.burst, detection.frames_used.clone(), &self.rest)? {
             return Ok(false);
         }
         self.widened += 1;

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// Part of the field of motion beyond an end of the range from which a wider one is advised, if
 /// [features](FEATURES_BEYOND) confirm it: without them the part is up to 0.34 on bursts whose slopes fit.
-const FIELD_BEYOND: f32 = 0.02;
+pub(crate) const FIELD_BEYOND: f32 = 0.02;
 /// Number of features at an end of the range that confirm a field of motion beyond it. The field is less certain there,
 /// as frames were not compared farther out; noise and aliases leave one or two such features.
 const FEATURES_BEYOND: usize = 3;
@@ -68,14 +68,34 @@ impl MotionField {
         }
         (!beyond.ends.is_empty()).then_some(beyond)
     }
+
+    /// Share (0 … 1) of the picture whose motion is known and lies beyond `grid`, by more than half a step.
+    pub(crate) fn known_beyond(&self, grid: &SlopeGrid) -> f32 {
+        let is_beyond = |slope: Slope| {
+            grid.axes().any(|(second, axis)| {
+                let (at, margin) = (grid.along(slope, second), 0.5 * axis.step());
+                !(axis.min - margin..=axis.max + margin).contains(&at)
+            })
+        };
+        let beyond = self.motions.iter().filter(|motion| self.is_known(motion) && is_beyond(motion.slope)).count();
+        beyond as f32 / self.motions.len() as f32
+    }
 }
 
 impl Beyond {
-    /// Whether a field measured over the wider range has less beyond it: an end hides what lies farther out.
-    pub(crate) fn is_held(&self, burst: &Burst, used: Range<usize>, monitor: &Monitor) -> Result<bool, Cancelled> {
-        let field = field_over(&self.grid, burst, used, monitor)?;
-        let left = field.and_then(|field| field.beyond(&self.grid, None)).map_or(0.0, |left| left.share);
-        Ok(left <= LEFT_BEYOND * self.share)
+    /// Whether a field measured over the wider range has less beyond it: an end hides what lies farther out. Where motion
+    /// `beyond` these slopes is asked for, it must be known there.
+    pub(crate) fn is_held(
+        &self,
+        beyond: Option<&SlopeGrid>,
+        burst: &Burst,
+        used: Range<usize>,
+        monitor: &Monitor,
+    ) -> Result<bool, Cancelled> {
+        let Some(field) = field_over(&self.grid, burst, used, monitor)? else { return Ok(beyond.is_none()) };
+        let left = field.beyond(&self.grid, None).map_or(0.0, |left| left.share);
+        let is_there = beyond.is_none_or(|grid| field.known_beyond(grid) >= LEFT_BEYOND * self.share);
+        Ok(left <= LEFT_BEYOND * self.share && is_there)
     }
 }
 

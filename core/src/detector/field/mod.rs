@@ -24,7 +24,7 @@ use crate::detector::stack::FrameTimes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::plane::blur::smoothed;
-pub(crate) use beyond::{Beyond, field_over};
+pub(crate) use beyond::{Beyond, FIELD_BEYOND, field_over};
 use evidence::{Evidence, MERGED_CELLS, swept};
 pub use in_focus::in_focus;
 use layers::KnownCell;

@@ -185,7 +185,7 @@ impl Judging<'_> {
             return Ok(Some(advice));
         }
         if let Some(beyond) = self.beyond().filter(|beyond| wanted == Some(beyond.grid)) {
-            let is_held = beyond.is_held(self.burst, self.detection.frames_used.clone(), monitor)?;
+            let is_held = beyond.is_held(Some(&self.grid), self.burst, self.detection.frames_used.clone(), monitor)?;
             return Ok(is_held.then_some(advice));
         }
         let own = match advice.subject {

@@ -5,7 +5,7 @@
 use super::{AdviceSubject, SlopeAdvice};
 use crate::burst::{Burst, Positions, TimesChoice};
 use crate::detector::advice::grouped;
-use crate::detector::field::Beyond;
+use crate::detector::field::{Beyond, FIELD_BEYOND};
 use crate::detector::limit::response_loss;
 use crate::detector::params::doc;
 use crate::detector::scale_space::ScaleSpace;
@@ -39,6 +39,9 @@ const ENOUGH_FEATURES: usize = 10;
 const STRAIGHT_PX: f32 = 1.4;
 /// Part of the motion seen that slopes hold at least where they fit.
 const FITS: f32 = 0.8;
+/// Sum of the significances of the evidence from which slopes can fit: in frames that show less, a layer, an exchange of
+/// frames and a bend go unseen (in 22 of 72 bursts at SNR 0.5 and 1; in 6 of 104 that show more).
+const SHOWN: f32 = 500.0;
 /// Smallest number of frames of which an even motion is reported.
 const FEWEST: usize = 3;
 
@@ -119,19 +122,25 @@ impl<'a> Judging<'a> {
             (1, _) => format!("; 1 of {} lies at the limit", counted(features, "feature")),
             _ => format!("; {} of {} lie at the limit", grouped(at_limit as u64), counted(features, "feature")),
         };
-        let advice = self.advice().map(|advice| self.tried(advice, monitor)).transpose()?.flatten();
+        let tried = |advice: Option<SlopeAdvice>| advice.map(|advice| self.tried(advice, monitor)).transpose();
+        let mut advice = tried(self.advice())?.flatten();
+        // Motion beyond the range that the frames refute hides no later fault.
+        if advice.is_none() && self.finding.is_some_and(|finding| finding.grid != self.grid) {
+            advice = tried(self.step().or_else(|| self.cost()))?.flatten();
+        }
         let advice = advice.map(|advice| SlopeAdvice { sentence: advice.sentence + &clause, ..advice });
         let held = self.finding.map_or(0.0, |finding| finding.agreement(&self.grid, self.params, self.positions));
-        let fits = advice.is_none() && !self.evidence.is_empty() && held >= FITS;
+        let shown = self.evidence.iter().map(|evidence| evidence.significance).sum::<f32>();
+        let fits = advice.is_none() && shown >= SHOWN && held >= FITS;
         let sentence = advice.as_ref().map_or_else(
-            || match (self.evidence.is_empty(), self.finding) {
-                (false, _) if fits => format!("the slopes fit the burst{clause}"),
-                (false, _) => format!(
+            || match self.finding {
+                _ if fits => format!("the slopes fit the burst{clause}"),
+                Some(_) if held < FITS && !self.evidence.is_empty() => format!(
                     "too little to judge the slopes: {:.0} % of the motion seen lies within them{clause}",
                     100.0 * held
                 ),
-                (true, Some(_)) => format!("the frames show too little to judge the slopes{clause}"),
-                (true, None) => format!("the slopes fit what was found{clause}"),
+                Some(_) => format!("the frames show too little to judge the slopes{clause}"),
+                None => format!("the slopes fit what was found{clause}"),
             },
             |advice| advice.sentence.clone(),
         );
@@ -444,7 +453,9 @@ impl<'a> Judging<'a> {
         let finding = self.finding.filter(|finding| finding.verdict == SlopeVerdict::Found)?;
         let found = finding.grid;
         let is_few = found.len() as f64 <= NEEDED * self.grid.len() as f64;
-        (is_few && (Self { grid: found, ..*self }).beyond().is_none()).then_some(found)
+        // A motion that is not known lies at an end of the grid of now, not beyond the slopes found.
+        let moves_beyond = |field: &MotionField| field.known_beyond(&found) > FIELD_BEYOND;
+        (is_few && !self.field.is_some_and(moves_beyond)).then_some(found)
     }
 
     fn cost(&self) -> Option<SlopeAdvice> {
