@@ -96,6 +96,21 @@ pub fn written_by() -> String {
     format!("{WRITTEN_BY}{VERSION}\n")
 }
 
+/// Text of a TOML file without its table `name`, and the text of that table; lines keep their numbers, for errors.
+pub fn without_table(text: &str, name: &str) -> [String; 2] {
+    let mut parts = [String::new(), String::new()];
+    let mut is_in_table = false;
+    for line in text.lines() {
+        if let Some(head) = line.trim_start().strip_prefix('[') {
+            let rest = head.trim_start_matches('[').trim_start().strip_prefix(name).map(str::trim_start);
+            is_in_table = rest.is_some_and(|rest| rest.starts_with(['.', ']']));
+        }
+        parts[usize::from(is_in_table)] += line;
+        parts.iter_mut().for_each(|part| part.push('\n'));
+    }
+    parts
+}
+
 /// Returns the `problem` with a file of this text; adds that a newer program wrote it, which may know more, if so.
 pub fn explained(text: &str, problem: &str) -> String {
     let numbers = |version: &str| -> Option<Vec<u64>> { version.split('.').map(|part| part.parse().ok()).collect() };

@@ -60,7 +60,7 @@ struct Files<'a> {
 
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
-    let matching = args.matching.params()?;
+    let matching = args.matching.params(&args.run.search.file)?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?.of_camera(matching.camera.clone());
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_pair(&args.a, &args.b, &args.run.calibration)?;

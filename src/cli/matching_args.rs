@@ -3,7 +3,7 @@
 //! Names and help texts are those of [`crate::matching::params::doc`].
 
 use super::Failure;
-use super::search_options::{Given, option};
+use super::search_options::{Given, ParamsFileArg, option};
 use crate::dataset::camera::read_camera;
 use crate::matching::params::doc;
 use crate::matching::{Camera, MatchParams};
@@ -64,9 +64,10 @@ impl MatchingArgs {
         self.camera_file.as_ref()
     }
 
-    /// Parameters, checked. With a camera and no geometry, matches are verified by the essential matrix.
-    pub fn params(&self) -> Result<MatchParams, Failure> {
-        Ok(MatchParams::of_texts(self.camera.clone(), self.given.iter())?)
+    /// Parameters, checked: these over those of `file`. With a camera and no geometry, matches are verified by the
+    /// essential matrix.
+    pub fn params(&self, file: &ParamsFileArg) -> Result<MatchParams, Failure> {
+        Ok(MatchParams::of_texts(&file.text()?, self.camera.clone(), self.given.iter())?)
     }
 }
 

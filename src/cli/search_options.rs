@@ -16,7 +16,8 @@ use std::path::{Path, PathBuf};
 /// The parameter file.
 #[derive(Debug, Clone, Default, Args)]
 pub struct ParamsFileArg {
-    /// Parameter file (TOML), as the window saves it, or a case, whose search is taken.
+    /// Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching] has options
+    /// of matching.
     #[arg(long, value_name = "FILE.toml")]
     pub params: Option<PathBuf>,
 }
@@ -67,9 +68,20 @@ impl ParamsFileArg {
         self.read_or(SearchParams::default())
     }
 
+    /// Text of the file; empty without one, and for a case, which has no options of matching.
+    pub fn text(&self) -> Result<String, Failure> {
+        self.params.as_deref().filter(|path| !is_case(path)).map_or(Ok(String::new()), text_of)
+    }
+
     fn read_or(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
         self.params.as_deref().map_or(Ok(defaults), read_params)
     }
+}
+
+fn text_of(path: &Path) -> Result<String, Failure> {
+    read_text(path, MAX_SETTINGS_BYTES)
+        .with_context(|| format!("cannot read the parameter file {}", path.display()))
+        .map_err(Failure::Failed)
 }
 
 /// Parameters in the file at `path`; those of a case, if it is one.
@@ -77,9 +89,7 @@ pub fn read_params(path: &Path) -> Result<SearchParams, Failure> {
     if is_case(path) {
         return read_about(path).map(|case| case.search).map_err(|error| Failure::usage(error.to_string()));
     }
-    let text = read_text(path, MAX_SETTINGS_BYTES)
-        .with_context(|| format!("cannot read the parameter file {}", path.display()))
-        .map_err(Failure::Failed)?;
+    let text = text_of(path)?;
     SearchParams::from_toml(&text).map_err(|e| {
         let why = explained(&text, e.trim_end());
         Failure::usage(format!("the parameter file {} makes no sense: {why}", path.display()))

@@ -198,6 +198,18 @@ fn every_option_of_matching_reaches_its_parameter() {
     };
     assert_eq!(got, expected);
     assert_eq!(matched("").geometry, Geometry::Essential, "with a camera and no geometry");
+    // The same from a file, whose table other commands leave alone, and under what is given.
+    let table = toml::to_string(&expected).expect("TOML").replace("[camera]", "[matching.camera]");
+    let write = |text: &str| std::fs::write(home.path().join("p.toml"), text).expect("written");
+    write(&format!("levels = 3\n[matching]\n{table}"));
+    assert_eq!(matched("--params p.toml"), expected);
+    assert_eq!(matched("--params p.toml --ratio 0.6"), MatchParams { ratio: 0.6, ..expected });
+    write("levels = 3\n[matching]\ngeometry = \"fundamental\"\n");
+    assert_eq!(matched("--params p.toml").geometry, Geometry::Fundamental, "it is named");
+    run_well(home.path(), &["probe", "demo", "--at", "9,9", "--params", "p.toml"]);
+    write("[matching]\nratoi = 0.7\n");
+    let error = run_badly(home.path(), &["match", "demo", "demo-later", "--out", "o", "--params", "p.toml"], 2);
+    assert!(error.contains("line 2") && error.contains("ratoi"), "{error}");
 }
 
 #[test]

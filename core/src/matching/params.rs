@@ -3,6 +3,7 @@
 use super::camera::Camera;
 use crate::detector::params::{Param, TextValue, words};
 use crate::error::{Error, Result};
+use crate::files::without_table;
 use serde::{Deserialize, Serialize};
 
 /// Geometry of the two views against which the matches are verified.
@@ -87,16 +88,36 @@ impl MatchParams {
         self.align && self.geometry != Geometry::None
     }
 
-    /// Checked parameters with the `given` values as typed; a `camera` without a geometry means the essential matrix.
+    /// Checked parameters: those of the table `[matching]` in the text of a parameter `file`, under the `given` values as
+    /// typed. A `camera` without a geometry means the essential matrix.
     ///
     /// # Errors
-    /// The first value that cannot be read, or the first parameter that makes no sense.
+    /// A table or a value that cannot be read, or the first parameter that makes no sense.
     pub fn of_texts<'a>(
+        file: &str,
         camera: Option<Camera>,
         given: impl IntoIterator<Item = (Param<Self>, &'a str)>,
     ) -> Result<Self> {
-        let geometry = if camera.is_some() { Geometry::Essential } else { Geometry::default() };
-        let mut params = Self { geometry, camera, ..Self::default() };
+        #[derive(Default, Deserialize)]
+        #[serde(default)]
+        struct Tables {
+            matching: MatchParams,
+        }
+        let [_, text] = without_table(file, "matching");
+        let wrong = |e: toml::de::Error| {
+            Error::param(
+                "matching",
+                e.to_string().trim_end(),
+                "name options of matching as on the command line, with _ for -",
+            )
+        };
+        let Tables { matching: mut params } = toml::from_str(&text).map_err(wrong)?;
+        let table = text.parse::<toml::Table>().map_err(wrong)?;
+        let names_geometry = table.get("matching").is_some_and(|matching| matching.get("geometry").is_some());
+        params.camera = camera.or(params.camera);
+        if params.camera.is_some() && !names_geometry {
+            params.geometry = Geometry::Essential;
+        }
         for (record, text) in given {
             record.set(&mut params, text)?;
         }

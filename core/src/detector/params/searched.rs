@@ -6,6 +6,7 @@ use super::doc::SearchParams;
 use super::slope_grid::AUTO;
 use super::{DetectorParams, Param, Slope, SlopeGrid, Slopes, doc};
 use crate::error::{Error, Result};
+use crate::files::without_table;
 use toml::Table;
 
 impl From<DetectorParams> for SearchParams {
@@ -61,7 +62,9 @@ impl SearchParams {
     /// # Errors
     /// TOML's error with its place, or the first parameter that makes no sense.
     pub fn from_toml(text: &str) -> Result<Self, String> {
-        let _: Self = toml::from_str(text).map_err(|e| e.to_string())?;
+        // The commands that match read the table of their options.
+        let [text, _] = without_table(text, "matching");
+        let _: Self = toml::from_str(&text).map_err(|e| e.to_string())?;
         // Errors of the text have a place, those of a table have none.
         let params = Self::of_table(text.parse().map_err(|e: toml::de::Error| e.to_string())?)?;
         params.validate().map_err(|e| e.to_string())?;
