@@ -19,6 +19,7 @@ use crate::detector::SearchParams;
 use crate::engine::Engine;
 use crate::evaluate::curves::curves_figure;
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
+use crate::export::film::film_files;
 use crate::export::{self, ExportFormat, OpenedFiles, OutputRules, Overwrite};
 use crate::files::mark::OutputKind;
 use crate::files::{MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, explained, read_text, written_by};
@@ -70,7 +71,7 @@ fn suggested_name(purpose: Purpose, model: Read<'_>) -> String {
                 ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
                 ExportKind::Case => "case",
                 ExportKind::Report => "report",
-                ExportKind::FilmGif => "film",
+                ExportKind::Film => "film",
                 ExportKind::Mask => "mask",
                 ExportKind::Sheet => "lesson",
                 ExportKind::Tiff | ExportKind::Png => content.key(of_cursor),
@@ -133,13 +134,12 @@ pub(super) fn purpose_of_dropped(
 /// of which a message tells.
 pub(super) fn action_of(purpose: Purpose, paths: Vec<PathBuf>, messages: &mut Messages) -> Option<Action> {
     let first = paths.first()?.clone();
+    // A name that is typed may be that of a built-in burst, as on the command line.
+    let named = first.to_str().filter(|_| !first.exists()).and_then(BurstSource::named);
+    let source = || named.unwrap_or(BurstSource::Paths(paths.clone()));
     Some(match purpose {
-        Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => {
-            Action::Open(Side::A, BurstSource::Paths(paths))
-        }
-        Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => {
-            Action::Open(Side::B, BurstSource::Paths(paths))
-        }
+        Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => Action::Open(Side::A, source()),
+        Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => Action::Open(Side::B, source()),
         Purpose::OpenDataset => Action::OpenDataset(DatasetSource::of_bursts(paths)),
         Purpose::OpenEstimate => Action::OpenTrajectory(Which::Estimate, first),
         Purpose::OpenTruth => Action::OpenTrajectory(Which::Truth, first),
@@ -236,10 +236,16 @@ fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<W
         Purpose::Export(ExportKind::Mask) => mask_work(model),
         Purpose::Export(ExportKind::Case) => case_work(model),
         Purpose::Export(ExportKind::Report) => report_work(model),
-        Purpose::Export(ExportKind::FilmGif) => {
+        Purpose::Export(ExportKind::Film) => {
             let film = model.film_to_export().ok_or("there is no burst; open one first")?;
             let rate = model.document.film.rate;
-            Ok(work(move |path| film.write(path, rate, &export::rasterise, &|| Ok(()), &Monitor::default())))
+            Ok(work(move |path| {
+                let count = film.steps().len();
+                // Nobody was asked whether other pictures with such numbers may be replaced.
+                let pictures = film_files(path, count).into_iter().filter(|file| file != path);
+                let free = || pictures.clone().try_for_each(|file| OutputRules::default().check(&file));
+                film.write(path, rate, &export::rasterise, &free, &Monitor::default())
+            }))
         }
         Purpose::Export(ExportKind::Figure) => figure_work(model, widgets),
         Purpose::Export(kind) => picture_work(model, kind),

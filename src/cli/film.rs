@@ -4,7 +4,7 @@ use super::args::parse_slope;
 use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs};
 use crate::detect::search;
 use crate::detector::{Method, SearchParams, Slope};
-use crate::export::film::{estimated_film_bytes, is_film};
+use crate::export::film::{estimated_film_bytes, film_files, is_film};
 use crate::export::rasterise;
 use crate::files::path_text;
 use crate::requests::{BurstSource, Film, OpenBurst, Sweep};
@@ -39,7 +39,7 @@ pub struct FilmArgs {
     /// Longest side of the pictures, pixels; larger ones are made smaller by a whole number.
     #[arg(long, value_name = "PX", default_value_t = 640, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub max_side: u32,
-    /// The file to write: .gif.
+    /// The file to write: .gif; or .png for a picture each, sweep-000.png, sweep-001.png, … for sweep.png.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     #[command(flatten)]
@@ -52,13 +52,17 @@ const FILM_HELP: &str = "\
 Examples:
   burstscope film night/ --sweep slope-u=-3:3:49 --out sweep.gif
   burstscope film night/ --sweep frames --slope -2.1,0 --out frames.gif
+  burstscope film night/ --sweep scale --out scale.png && ffmpeg -framerate 10 -i scale-%03d.png scale.mp4
 
 JSON (--json): {\"version\", \"detector_revision\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\", \"bytes\"}";
 
 pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
     if !is_film(&args.out) {
-        return Err(Failure::usage(format!("--out: films are GIF; name the file .gif: {}", args.out.display())));
+        return Err(Failure::usage(format!(
+            "--out: films are GIF, or a PNG file for each picture; name the file .gif or .png: {}",
+            args.out.display()
+        )));
     }
     let OneBurst { console, input, options, rules } =
         args.run.begin("film", &args.inputs, args.overwrite, &[Some(&args.out)])?;
@@ -84,19 +88,25 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     // Two pictures come first, because the size of the file is reported before the long work.
     let [first, middle] = film.samples(&rasterise, &console.monitor.part(0.4, 0.1))?;
     let (width, height) = first.dimensions();
-    let estimated = estimated_film_bytes([&first, &middle], count);
+    let estimated = estimated_film_bytes(&args.out, [&first, &middle], count);
     let megabytes = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
     console.say(&format!(
         "{count} pictures of {width}×{height}, {} a second, about {}\n",
         args.rate,
         megabytes(estimated)
     ))?;
-    // Asked again when the file is whole, because somebody may have written there meanwhile.
-    let may_write = || rules.check(&args.out);
+    let files = film_files(&args.out, count);
+    // Asked again when the pictures are made, because somebody may have written there meanwhile.
+    let may_write = || files.iter().try_for_each(|file| rules.check(file));
+    may_write()?;
     film.write(&args.out, args.rate, &rasterise, &may_write, &console.monitor.part(0.5, 0.5))?;
-    let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
-    console.say(&format!("wrote {}, {}\n", args.out.display(), megabytes(bytes)))?;
-    let document = json!({"file": path_text(&args.out), "pictures": count, "width": width, "height": height,
+    let bytes = files.iter().filter_map(|file| Some(std::fs::metadata(file).ok()?.len())).sum();
+    let names = match &files[..] {
+        [first, .., last] => format!("{} to {}", first.display(), last.display()),
+        _ => files[0].display().to_string(),
+    };
+    console.say(&format!("wrote {names}, {}\n", megabytes(bytes)))?;
+    let document = json!({"file": path_text(&files[0]), "pictures": count, "width": width, "height": height,
         "rate": args.rate, "features": features, "estimated_bytes": estimated, "bytes": bytes});
     console.say_document("film", &document)
 }

@@ -113,8 +113,9 @@ fn a_film_or_a_case_that_is_written_stops_and_leaves_nothing() {
     let size = ["--width", "480", "--height", "360", "--frames", "60", "--max-slope", "1"];
     run_well(home.path(), &[&["synth", "chart", "--out", "a", "--quiet"][..], &size].concat());
     let film = ["film", "a", "--sweep", "frames", "--no-features", "--out", "x.gif"];
+    let pictures = ["film", "a", "--sweep", "frames", "--no-features", "--out", "x.png"];
     let case = ["case", "a", "--out", "x.burstcase"];
-    for command in [&film[..], &case] {
+    for command in [&film[..], &pictures, &case] {
         let mut child = program(home.path(), command);
         let mut child = child.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("the program starts");
         while !names(home.path()).iter().any(|name| name.ends_with(".tmp")) {

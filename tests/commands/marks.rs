@@ -162,13 +162,18 @@ fn files_that_speak_of_the_program_are_not_its_own() {
     npz.finish().expect("written");
     put(
         home.path(),
-        &[("x.gif", "GIF89a, a film about Burstscope "), ("x.svg", "<svg><!-- Written by Burstscope 0.1.0 --></svg>")],
+        &[
+            ("y-003.png", "a picture of somebody"),
+            ("x.gif", "GIF89a, a film about Burstscope "),
+            ("x.svg", "<svg><!-- Written by Burstscope 0.1.0 --></svg>"),
+        ],
     );
     let detect = [&["detect", "a", "--out", "out", "--format", "npz"][..], &SEARCH].concat();
     let probe = [&["probe", "a", "--at", "40,40", "--plot", "x.svg"][..], &SEARCH].concat();
     let commands = [
         (&["stack", "a", "--slope", "0,0", "--out", "x.tiff"][..], "x.tiff"),
         (&["film", "a", "--sweep", "frames", "--no-features", "--out", "x.gif"], "x.gif"),
+        (&["film", "a", "--sweep", "frames", "--no-features", "--out", "y.png"], "y-003.png"),
         (&detect, "out/a.npz"),
         (&probe, "x.svg"),
     ];

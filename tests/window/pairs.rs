@@ -359,12 +359,23 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     window.dialogs.will_choose(&svg);
     window.run_action("figure as before");
     window.settle();
-    let text = std::fs::read_to_string(&svg).unwrap();
+    let as_drawn = std::fs::read_to_string(&svg).unwrap();
+    window.app_mut().model.document.figure.matches = burstscope::export::FigureAmount::All;
+    let whole = folder.path().join("all.svg");
+    window.dialogs.will_choose(&whole);
+    window.run_action("figure as before");
+    window.settle();
+    let text = std::fs::read_to_string(&whole).unwrap();
     let inliers = counts.inliers.unwrap();
     assert!(
         text.contains(&format!(">{inliers} inliers<")) && text.contains(">(a) A: ") && text.contains("pt\""),
         "{inliers}"
     );
+    // At first a figure has the lines that the window draws.
+    let count = |text: &str| text.matches("<line").count() + text.matches("<path").count();
+    let (drawn, lines) = window.app().model.results.pair.lines_drawn;
+    assert_eq!(count(&text) - count(&as_drawn), lines - drawn, "{drawn} of {lines}");
+    assert!(0 < drawn && drawn < lines);
 }
 
 /// Panes on the screen.

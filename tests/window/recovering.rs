@@ -149,7 +149,7 @@ fn a_film_says_its_size_and_rate() {
     window.app_mut().model.document.film.content = FilmContent::Slopes;
     let path = home.path().join("sweep.gif");
     window.dialogs.will_choose(&path);
-    window.click("GIF…");
+    window.click("Export…");
     window.wait("it is written", |_| path.is_file());
     window.settle();
     // The extension that gives each picture its time.

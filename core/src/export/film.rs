@@ -1,16 +1,32 @@
-//! Films: pictures of one size one after the other, for ever, as GIF, which is shown everywhere.
+//! Films: pictures of one size one after the other, for ever, as GIF, which is shown everywhere but has 256 colours; or
+//! as PNG files with numbers, with all colours, for a program that makes a film of them.
 
+use super::Bitmap;
 use super::atomic::write_marked;
-use crate::error::Result;
+use super::png::write_png;
+use crate::error::{Error, ErrorKind, Result};
 use crate::files::mark::OutputKind;
 use crate::monitor::{Monitor, Stage};
 use image::RgbaImage;
 use std::io::{self, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-/// Whether the name of a file ends as that of a film.
+/// Whether the name of a file ends as that of a film: `.gif`, or `.png` for pictures with numbers.
 pub fn is_film(path: &Path) -> bool {
-    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gif"))
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("gif")) || is_series(path)
+}
+
+fn is_series(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"))
+}
+
+/// Files of a film of `count` pictures at `path`: the GIF, or for `sweep.png` `sweep-000.png`, `sweep-001.png`, ….
+pub fn film_files(path: &Path, count: usize) -> Vec<PathBuf> {
+    if !is_series(path) {
+        return vec![path.to_owned()];
+    }
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    (0..count).map(|index| path.with_file_name(format!("{stem}-{index:03}.png"))).collect()
 }
 
 /// Pictures per second that a film may have.
@@ -53,22 +69,50 @@ pub fn encode_film(
     Ok(())
 }
 
-/// Bytes of a film of `count` pictures, about, before it is made: the mean size of two of them, times their number.
-pub fn estimated_film_bytes(pictures: [&RgbaImage; 2], count: usize) -> u64 {
+/// Bytes of a film of `count` pictures at `path`, about, before it is made: the mean size of two of them, times their
+/// number.
+pub fn estimated_film_bytes(path: &Path, pictures: [&RgbaImage; 2], count: usize) -> u64 {
     let of_one = |picture: &RgbaImage| {
         let mut bytes = Vec::new();
-        let encoded = encode_film(&mut bytes, (1, [Ok(picture.clone())]), 10, &Monitor::default());
+        let encoded = match is_series(path) {
+            true => bitmap(picture).encode_png(&mut bytes),
+            false => encode_film(&mut bytes, (1, [Ok(picture.clone())]), 10, &Monitor::default()),
+        };
         encoded.map_or(0, |()| bytes.len() as u64)
     };
     (of_one(pictures[0]) + of_one(pictures[1])) / 2 * count as u64
 }
 
-/// Writes a film, which [`encode_film`] encodes.
+fn bitmap(picture: &RgbaImage) -> Bitmap<'_> {
+    Bitmap::rgba(picture.width() as usize, picture.height() as usize, picture.as_raw())
+}
+
+/// Writes a film to its [`film_files`]; [`encode_film`] encodes a GIF.
+///
+/// # Errors
+/// Those of the pictures, a file that cannot be written, and cancellation, which leaves no picture of this film.
 pub fn write_film(
     path: &Path,
-    pictures: (usize, impl IntoIterator<Item = io::Result<RgbaImage>>),
+    (count, pictures): (usize, impl IntoIterator<Item = io::Result<RgbaImage>>),
     per_second: u16,
     monitor: &Monitor,
 ) -> Result<()> {
-    write_marked(path, OutputKind::Film, |mut out| encode_film(&mut out, pictures, per_second, monitor))
+    if !is_series(path) {
+        return write_marked(path, OutputKind::Film, |mut out| {
+            encode_film(&mut out, (count, pictures), per_second, monitor)
+        });
+    }
+    let files = film_files(path, count);
+    let write = |(index, (file, picture)): (usize, (&PathBuf, io::Result<RgbaImage>))| {
+        monitor.check()?;
+        monitor.report(Stage::Write, index as f32 / count.max(1) as f32);
+        let picture = picture.map_err(|e| Error::new(ErrorKind::Unwritten, e.to_string(), "").about(file))?;
+        write_png(file, bitmap(&picture))
+    };
+    let mut written = 0;
+    let result = files.iter().zip(pictures).enumerate().try_for_each(|one| write(one).map(|()| written += 1));
+    if result.is_err() {
+        files[..written].iter().for_each(|file| drop(std::fs::remove_file(file)));
+    }
+    result
 }

@@ -222,7 +222,7 @@ actions! {
     FigureOptions, File 4, "Export figure…", [], "Write the panes with their overlays for a paper: choose PDF, SVG or PNG, width, letters, and what is shown", when when::has_picture;
     ExportFigure, File 4, "Export figure as before…", [], "Write the panes with their overlays with the choices of the last figure" => Ask(Purpose::Export(ExportKind::Figure)), when when::has_picture;
     FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames; its size and rate are said before it is written", when when::has_burst;
-    ExportFilmGif, File 4, "Export film as GIF…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation" => Ask(Purpose::Export(ExportKind::FilmGif)), when when::has_burst;
+    ExportFilmGif, File 4, "Write film…", [], "Write the chosen film, which is a sweep over the slopes at first, as an animation (GIF) or as PNG pictures" => Ask(Purpose::Export(ExportKind::Film)), when when::has_burst;
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes" => Ask(Purpose::Export(ExportKind::Profile)), when |model| model.document.measure.line.is_some() && when::in_inspect(model);
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts" => Ask(Purpose::Export(ExportKind::Matches)), when |model| model.results.pair.matches.is_some();
     ExportMethods, File 5, "Export table of methods…", [], "Write the numbers of all methods as CSV, or as LaTeX to a name that ends in .tex" => Ask(Purpose::Export(ExportKind::Methods)), when |model| model.document.compares_methods() && !model.methods_shown().is_empty();
@@ -298,10 +298,10 @@ actions! {
     NextLayout, Panes 2, "Next way to compare", [NONE W], "Lay the next pane over this one: as a wipe, as a flip, or not at all" => Set(|document| document.panes.next_over()), when when::many_panes;
     Flip, Panes 2, "Flip", [NONE Y], "Show the other of two pictures in the same place" => Set(|document| document.panes.flip()), when when::flips;
 
-    SlopeULess, Cursor 0, "Slope u down", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis" => Slope(|grid, slope| stepped(grid, slope, false, false)), when when::has_burst;
-    SlopeUMore, Cursor 0, "Slope u up", [NONE ArrowRight], "Go to the grid's next slope along the first axis" => Slope(|grid, slope| stepped(grid, slope, false, true)), when when::has_burst;
-    SlopeVLess, Cursor 0, "Slope v down", [NONE ArrowUp], "Go to the grid's previous slope along the second axis" => Slope(|grid, slope| stepped(grid, slope, true, false)), when when::has_burst;
-    SlopeVMore, Cursor 0, "Slope v up", [NONE ArrowDown], "Go to the grid's next slope along the second axis" => Slope(|grid, slope| stepped(grid, slope, true, true)), when when::has_burst;
+    SlopeULess, Cursor 0, "Previous slope along u", [NONE ArrowLeft], "Go to the grid's previous slope along the first axis" => Slope(|grid, slope| stepped(grid, slope, false, false)), when when::has_burst;
+    SlopeUMore, Cursor 0, "Next slope along u", [NONE ArrowRight], "Go to the grid's next slope along the first axis" => Slope(|grid, slope| stepped(grid, slope, false, true)), when when::has_burst;
+    SlopeVLess, Cursor 0, "Previous slope along v", [NONE ArrowUp], "Go to the grid's previous slope along the second axis" => Slope(|grid, slope| stepped(grid, slope, true, false)), when when::has_burst;
+    SlopeVMore, Cursor 0, "Next slope along v", [NONE ArrowDown], "Go to the grid's next slope along the second axis" => Slope(|grid, slope| stepped(grid, slope, true, true)), when when::has_burst;
     SlopeZero, Cursor 0, "Slope to zero", [NONE Z], "Go to slope (0, 0): the plain mean of the frames" => Slope(|_, _| Slope::default()), when when::has_burst;
     SnapSlope, Cursor 0, "Snap slope to grid", [NONE G], "Go to the grid's nearest slope" => Slope(snapped), when when::has_burst;
     BusiestSlope, Cursor 0, "Slope with most features", [NONE B], "Go to the slope at which most features were found, not counting the ends of the range" => Run(change::go_to_busiest_slope), when |model| when::active(model).found.is_some();

@@ -34,7 +34,7 @@ impl Default for FigureChoice {
             stroke_width: 0.75,
             font_size: 8.0,
             features: FigureAmount::Drawn,
-            matches: FigureAmount::All,
+            matches: FigureAmount::Drawn,
             titles: true,
             letters: true,
             legend: true,
@@ -154,7 +154,7 @@ pub enum ExportKind {
     Case,
     /// The burst of the pane in focus on one page.
     Report,
-    FilmGif,
+    Film,
     /// Mask of the outlines that were drawn.
     Mask,
     /// The open lesson's tasks, questions and answers.
@@ -186,7 +186,7 @@ impl ExportKind {
             Self::CurvesSvg => (&["svg", "pdf", "png"], "Export curves as SVG"),
             Self::Case => (&[CASE_EXTENSION], "Save case"),
             Self::Report => (&["pdf", "svg", "png", "md"], "Write a report as PDF, SVG, PNG or Markdown"),
-            Self::FilmGif => (&["gif"], "Export film as GIF"),
+            Self::Film => (&["gif", "png"], "Export film as GIF or PNG pictures"),
             Self::Mask => (&["png"], "Save the mask"),
             Self::Sheet => (&["md"], "Export lesson sheet as Markdown"),
         }

@@ -43,10 +43,11 @@ impl FilmDialog {
             queue.edit(model.document, Action::SetFilm(film));
             ui.add_space(4.0);
             ui.label(self.described(model));
+            ui.weak("GIF has 256 colours; PNG writes a file for each picture, of which ffmpeg makes a film");
             ui.add_space(8.0);
             ui.horizontal(|ui| {
                 let export = ActionId::ExportFilmGif;
-                if ui.button("GIF…").on_hover_text(export.action().help).clicked() {
+                if ui.button("Export…").on_hover_text(export.action().help).clicked() {
                     queue.push(export);
                     close = true;
                 }
@@ -93,7 +94,7 @@ fn bytes_per_pixel(model: Read<'_>) -> f64 {
     let (width, height) = rgba.dimensions();
     let shrink = width.max(height).div_ceil(MEASURED_PX).max(1);
     let small = resize(&rgba, (width / shrink).max(1), (height / shrink).max(1), FilterType::Nearest);
-    estimated_film_bytes([&small, &small], 1) as f64 / f64::from(small.width() * small.height())
+    estimated_film_bytes("a.gif".as_ref(), [&small, &small], 1) as f64 / f64::from(small.width() * small.height())
 }
 
 fn choice_ui(ui: &mut Ui, choice: &mut FilmChoice) {

@@ -6,7 +6,7 @@ mod film;
 pub use film::FilmDialog;
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::overlay::{ColourBy, ColourScale};
+use crate::app::canvas::overlay::{ColourBy, ColourScale, MatchLine, Pane, drawn_lines};
 use crate::app::canvas::{self, RectTransform, number};
 use crate::app::document::export::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::document::{FigureChoice, MethodId, RangeClass, Side};
@@ -25,7 +25,7 @@ use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::requests::{PictureAnswer, slope_legend, titled};
 use egui::{DragValue, Ui};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 /// Matches of the panes as the choice has them. Of one pair the legend counts those drawn, and all of the panes.
@@ -46,9 +46,12 @@ fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: 
     let (mut all, mut drawn) = (Vec::new(), Vec::new());
     for (method, matches, shown) in shown {
         let mut rows: Vec<MatchRow<'_>> = shown.into_iter().filter_map(|index| matches.row(index)).collect();
+        let in_window = (choice.matches == FigureAmount::Drawn)
+            .then(|| drawn_in_window(model, widgets, panes, (method, matches), &rows));
         rows.sort_by(|a, b| a.found.distance.total_cmp(&b.found.distance).then(a.index.cmp(&b.index)));
         all.extend(rows.iter().map(|row| MatchKind::of(row.inlier)));
-        let rows = choice.matches.of(rows);
+        let mut rows = choice.matches.of(rows);
+        rows.retain(|row| in_window.as_ref().is_none_or(|drawn| drawn.contains(&row.index)));
         drawn.extend(rows.iter().map(|row| MatchKind::of(row.inlier)));
         links.extend(links_between(model, widgets, panes, (method, matches), &rows));
     }
@@ -62,6 +65,37 @@ fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: 
     FigureMatches { links, legend }
 }
 
+/// Panes with their places in the window; those hidden behind a tab have no neighbours.
+fn places_of(widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<(PaneId, egui::Rect)> {
+    let place = |id: &PaneId| Some((*id, widgets.rect_ui(*id).filter(egui::Rect::is_positive)?));
+    panes.iter().filter_map(place).collect()
+}
+
+/// Indices of the matches whose lines the window draws between the first two panes that it joins.
+fn drawn_in_window(
+    model: Read<'_>,
+    widgets: &PaneWidgets,
+    panes: &[PaneId],
+    (method, matches): (Option<MethodId>, &Matches),
+    rows: &[MatchRow<'_>],
+) -> BTreeSet<usize> {
+    let places = places_of(widgets, panes);
+    let of_a = joined_panes(model, &places, method).pairs.first().map(|(a, _)| places[*a]);
+    let Some((ui_from_image, (id, rect_ui))) = of_a.and_then(|a| Some((widgets.ui_from_image(a.0)?, a))) else {
+        return rows.iter().map(|row| row.index).collect();
+    };
+    let shift = frames_from_middle(model.picture_in(id), matches.detection(Side::A)).unwrap_or_default();
+    let line = |row: &MatchRow<'_>| {
+        let feature = at_time(row.a, shift);
+        let (a, b, colour) = (egui::pos2(feature.u, feature.v), egui::Pos2::ZERO, egui::Color32::default());
+        MatchLine { index: row.index, a, b, kind: MatchKind::of(row.inlier), colour }
+    };
+    let lines: Vec<MatchLine> = rows.iter().map(line).collect();
+    let is_selected = |index| method.is_none() && model.document.selected_match == Some(index);
+    let flags = drawn_lines(&lines, &Pane { ui_from_image, rect_ui }, false, is_selected);
+    lines.iter().zip(flags).filter(|(_, is_drawn)| *is_drawn).map(|(line, _)| line.index).collect()
+}
+
 fn links_between(
     model: Read<'_>,
     widgets: &PaneWidgets,
@@ -69,12 +103,7 @@ fn links_between(
     (method, matches): (Option<MethodId>, &Matches),
     rows: &[MatchRow<'_>],
 ) -> Vec<FigureLink> {
-    // Panes hidden behind a tab have no neighbours.
-    let places: Vec<_> = panes
-        .iter()
-        .map(|id| (*id, widgets.rect_ui(*id).unwrap_or(egui::Rect::NOTHING)))
-        .filter(|(_, rect)| rect.is_positive())
-        .collect();
+    let places = places_of(widgets, panes);
     let shift =
         |id: PaneId, side| frames_from_middle(model.picture_in(id), matches.detection(side)).unwrap_or_default();
     let panel = |id: PaneId| panes.iter().position(|pane| *pane == id).unwrap_or(usize::MAX);
@@ -358,24 +387,23 @@ fn size_ui(ui: &mut Ui, choice: &mut FigureChoice, has_matches: bool) {
             ui.add(DragValue::new(value).range(range).speed(speed).suffix(unit).max_decimals(2)).labelled_by(name.id);
             ui.end_row();
         }
-        let rows = [(&mut choice.features, "Features", true), (&mut choice.matches, "Matches", false)];
-        for (amount, label, are_features) in rows.into_iter().filter(|(.., are_features)| *are_features || has_matches)
-        {
+        let rows = [(&mut choice.features, "Features", true), (&mut choice.matches, "Matches", has_matches)];
+        for (amount, label, _) in rows.into_iter().filter(|(.., is_there)| *is_there) {
             let name = ui.label(label);
-            ui.horizontal(|ui| amount_ui(ui, amount, are_features, name.id));
+            ui.horizontal(|ui| amount_ui(ui, amount, name.id));
             ui.end_row();
         }
     });
 }
 
-fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, are_features: bool, label: egui::Id) {
+fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, label: egui::Id) {
     let kinds = [
-        (FigureAmount::Drawn, "as drawn", "Features that the window draws as circles, without dots"),
+        (FigureAmount::Drawn, "as drawn", "What the window draws: circles of features without dots, lines of matches"),
         (FigureAmount::All, "all", "All that are shown"),
         (FigureAmount::Strongest(100), "strongest", "The strongest features, and the matches of the smallest distance"),
         (FigureAmount::OneOf(10), "one of", "Every so many-th, along the order of strength"),
     ];
-    for (kind, name, tip) in kinds.into_iter().skip(usize::from(!are_features)) {
+    for (kind, name, tip) in kinds {
         let is_on = std::mem::discriminant(amount) == std::mem::discriminant(&kind);
         if ui.selectable_label(is_on, name).on_hover_text(tip).clicked() && !is_on {
             *amount = kind;

@@ -73,7 +73,7 @@ mod film {
             assert!(off.is_some_and(|off| off <= 4), "{off:?}");
         }
         assert!(decoder.read_next_frame().expect("read").is_none());
-        let estimate = estimated_film_bytes([&pictures()[0], &pictures()[1]], 3) as f64;
+        let estimate = estimated_film_bytes(Path::new("a.gif"), [&pictures()[0], &pictures()[1]], 3) as f64;
         assert!((0.4..3.0).contains(&(estimate / bytes.len() as f64)));
     }
 
@@ -108,6 +108,26 @@ mod film {
         let error = encode_film(&mut Vec::new(), failing, 10, &Monitor::default());
         assert!(error.is_err_and(|error| error.to_string() == "no picture"));
         assert!(is_film(Path::new("a/b.GIF")) && !is_film(Path::new("a.apng")) && !is_film(Path::new("gif")));
+    }
+
+    #[test]
+    fn pictures_with_numbers_are_the_film_and_a_film_that_fails_leaves_none() {
+        let home = tempfile::tempdir().expect("a folder");
+        let names = || {
+            let entries = std::fs::read_dir(home.path()).expect("read");
+            let mut names: Vec<_> = entries.map(|entry| entry.expect("an entry").file_name()).collect();
+            names.sort();
+            names
+        };
+        let (path, silent) = (home.path().join("sweep.png"), Monitor::default());
+        let failing = [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))];
+        let error = write_film(&path, (2, failing), 10, &silent).expect_err("a picture is missing");
+        assert!(error.to_string().contains("no picture") && names().is_empty(), "{error}");
+        write_film(&path, (3, pictures().into_iter().map(Ok)), 10, &silent).expect("written");
+        assert_eq!(names(), ["sweep-000.png", "sweep-001.png", "sweep-002.png"]);
+        for (file, truth) in film_files(&path, 3).iter().zip(pictures()) {
+            assert_eq!(image::open(file).expect("a picture").to_rgba8(), truth, "all of its colours");
+        }
     }
 }
 
@@ -196,6 +216,8 @@ mod outputs {
         write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
         let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
         write_film(&at("a.gif"), pictures, 10, &Monitor::default()).expect("written");
+        let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
+        write_film(&at("film.png"), pictures, 10, &Monitor::default()).expect("written");
         let unit = burstscope_core::export::FigureUnit::Pixel;
         let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], unit, shapes: Vec::new() };
         write_drawing(&at("a.svg"), &drawing).expect("written");
