@@ -43,7 +43,7 @@ const NAMED: usize = 3;
 
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let detector = args.run.search.params_over(defaults())?;
-    let matching = args.matching.params()?;
+    let matching = args.matching.params(&args.run.search.file)?;
     let camera = matching.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     if inputs.iter().any(Input::is_built_in) {
@@ -106,8 +106,12 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     said?;
     let [make, map, python] = next_commands(&args.out, report.known_camera);
     let then = format!("\nNext:\n  {make}\n  {map}\nor:\n  {python}\n");
-    console
-        .say(&(summary(&report, job.features.detector.method) + if report.no_start.is_none() { &then } else { "" }))?;
+    let mut text = summary(&report, job.features.detector.method);
+    let old = args.out.join("sparse");
+    if old.exists() {
+        text += &format!("{} is of an earlier database: its poses are not of this one\n", old.display());
+    }
+    console.say(&(text + if report.no_start.is_none() { &then } else { "" }))?;
     let (params, matching, report, failures) = (&job.features.detector, &job.matching, &report, &failures[..]);
     let next = [make, map];
     console.say_document("colmap", &ColmapDocument { params, matching, report, gathered, failures, next })?;

@@ -88,7 +88,8 @@ fn text(report: &PoseReport) -> String {
     let on_line = "; they lie on a line, so the cameras' directions fixed the rotation about it";
     let (count, paired, scale) = (report.absolute.count, report.associated.phrase(), report.scale);
     let straight = if report.straight { on_line } else { "" };
-    text += &format!("{count} poses paired {paired}, aligned with scale {scale:.6}{straight}\n\n");
+    text += &format!("{count} poses paired {paired}, aligned with scale {scale:.6}{straight}\n");
+    text += if count > 2 { "\n" } else { "two poses always fit: their errors say nothing\n\n" };
     text += &errors_table(report).headed(&[""]).text();
     if report.relative.count == 0 {
         text += &format!("no motion over {} poses: fewer are paired\n", report.step);

@@ -14,7 +14,9 @@ use crate::detect::search;
 use crate::detector::{Detection, SearchParams};
 use crate::export::case::is_case;
 use crate::export::{OutputRules, safe_file_name};
+use crate::requests::BurstSource;
 use crate::teach::{Lesson, built_in, built_in_names, lessons_at};
+use clap::CommandFactory;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -33,8 +35,12 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
     }
     let demo = [PathBuf::from(DEMO)];
     let inputs = if cli.inputs.is_empty() { &demo[..] } else { &cli.inputs };
+    mistyped(inputs).map_or(Ok(()), Err)?;
     let opening = what_to_open(inputs, cli.sequence, &calibration)?;
     // Inputs are resolved first: wrong ones are errors with or without a display.
+    if let Opening::Burst(Input { source: Err(error), .. }) = &opening {
+        return Err(error.clone().into());
+    }
     if !has_display() {
         return match opening {
             Opening::Burst(input) => without_display(input, None, params, calibration),
@@ -44,6 +50,22 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
         };
     }
     show(Startup { params, calibration, ..startup_of(opening)? })
+}
+
+/// The error for a first input that is nothing, but a command with two letters changed; `None` for others.
+fn mistyped(inputs: &[PathBuf]) -> Option<Failure> {
+    let first = inputs.first().filter(|first| !first.exists())?.to_str()?;
+    if BurstSource::named(first).is_some() {
+        return None;
+    }
+    let distance = |command: &str| strsim::damerau_levenshtein(first, command);
+    let cli = Cli::command();
+    let nearest = cli.get_subcommands().map(clap::Command::get_name).min_by_key(|name| distance(name))?;
+    (distance(nearest) <= 2).then(|| {
+        Failure::usage(format!(
+            "there is no such file or folder, and no command '{first}'; did you mean 'burstscope {nearest}'?"
+        ))
+    })
 }
 
 fn show(startup: Startup) -> Result<(), Failure> {

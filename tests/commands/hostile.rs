@@ -8,6 +8,20 @@ use burstscope::requests::{detect_line, next_commands};
 use std::path::Path;
 use std::process::{Command, Stdio};
 
+#[test]
+fn a_misspelt_command_is_asked_about_and_opens_nothing() {
+    let home = tempfile::tempdir().expect("a folder");
+    for (words, meant) in
+        [(&["matchs", "demo", "demo-later"][..], "match"), (&["detct"], "detect"), (&["Film"], "film")]
+    {
+        let error = run_badly(home.path(), words, 2);
+        assert!(error.contains(&format!("did you mean 'burstscope {meant}'?")), "{words:?}: {error}");
+    }
+    let error = run_badly(home.path(), &["night"], 1);
+    assert!(error.contains("there is no such file or folder") && !error.contains("mean"), "{error}");
+    assert_eq!(names(home.path()), [""; 0], "nothing is drawn of what cannot be opened");
+}
+
 const LARGEST: &str = "9223372036854775807";
 
 #[test]

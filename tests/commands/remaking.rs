@@ -55,7 +55,7 @@ fn all_figures_are_made_once_and_kept() {
     for name in ALL {
         assert!(page.contains(&format!("src=\"{name}.svg\"")) && page.contains(&format!("href=\"{name}.csv\"")));
     }
-    assert!(page.contains("COLMAP was not found") && page.contains("--quick"));
+    assert!(page.contains("was not found (pycolmap alone is not enough)") && page.contains("--quick"));
     let table = std::fs::read_to_string(folder.join("table1.csv")).expect("a table");
     assert!(table.contains("1D,BuFF 1D,,,") && table.contains("2D,gold standard,,,"), "{table}");
 

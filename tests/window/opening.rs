@@ -108,6 +108,34 @@ fn files_that_are_dropped_are_opened() {
     assert_eq!(window.app().read().frame_count(), 5);
 }
 
+#[test]
+fn the_name_of_a_built_in_burst_can_be_typed_as_on_the_command_line() {
+    let mut window = Start::without_auto_detect().open();
+    window.click("Open…");
+    window.wait("the dialog's answer", |app| app.is_settled());
+    type_path(&mut window, "demo-later");
+    window.settle();
+    let open = window.app().model.results.slots.a.burst.as_ref();
+    assert_eq!(open.map(|open| &open.source), Some(&BurstSource::DemoLater));
+}
+
+#[test]
+fn what_was_taken_is_a_note_and_what_may_be_wrong_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let picture = |t: u8| image::RgbImage::from_fn(64, 48, |u, v| image::Rgb([(u * 3) as u8, (v * 4) as u8, 40 * t]));
+    (0..3).for_each(|t| picture(t).save(folder.path().join(format!("{t}.jpg"))).unwrap());
+    let mut window = Start::without_auto_detect().open();
+    window.drop_file(folder.path().to_owned());
+    window.settle();
+    let burst = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.clone();
+    let notes: Vec<String> = burst.notes().iter().map(|note| note.for_window()).collect();
+    assert!(notes.len() > burst.taken.len(), "pictures of screens are no measurements");
+    let words = if notes.len() == 1 { "1 warning".to_owned() } else { format!("{} warnings", notes.len()) };
+    window.click(&words);
+    window.settle();
+    notes.iter().for_each(|note| assert!(window.shows(note), "not only the last one: {note}"));
+}
+
 /// Types into the path field and accepts.
 pub fn type_path(window: &mut crate::support::Window, text: &str) {
     use egui::accesskit::Role;

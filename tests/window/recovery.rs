@@ -12,7 +12,7 @@ use egui_kittest::kittest::Queryable;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-const OFFER: &str = "ended unexpectedly";
+const OFFER: &str = "was not closed";
 
 /// Start of a window that saves its session in `folder`, after each change.
 fn keeping(folder: &Path, start: Start) -> Start {

@@ -192,7 +192,7 @@ static RECORDS: [TestRecord; Test::ALL.len()] = [
         ..NONE
     },
     TestRecord {
-        reason: "refinement did not converge",
+        reason: "without a fit that settles",
         name: "fit settles, samples",
         short: "fit settles",
         side: Side::AtMost,

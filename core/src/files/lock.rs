@@ -112,7 +112,7 @@ impl FolderLock {
                 return Ok(lock);
             }
         }
-        Err(refused("it is removed again and again"))
+        Err(refused("it cannot be kept there; name a folder in which files can be made"))
     }
 
     /// Fails when the folder was removed, or another one has its place.

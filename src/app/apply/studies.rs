@@ -164,6 +164,11 @@ pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) -
                 set.view = View::fit();
             }
             set.selected = None;
+            let parts = compared.estimate.as_ref().and_then(|(_, read)| read.model.as_ref());
+            if let Some(part) = parts.filter(|part| part.other_models > 0) {
+                let (folder, of) = (part.folder.display(), part.other_models + 1);
+                model.shell.messages.note(format!("Took {folder}, the largest of {of} parts"));
+            }
             let reading = std::mem::take(&mut model.results.poses.reading);
             model.results.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
         }

@@ -74,6 +74,9 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
     let paired =
         format!("{} poses paired {}, scale {:.5}", report.absolute.count, report.associated.phrase(), report.scale);
     ui.weak(paired).on_hover_text("The estimate is aligned with the truth by the similarity that minimises the squared distances of the camera centres (Umeyama 1991)");
+    if report.absolute.count <= 2 {
+        ui.weak("Two poses always fit: their errors say nothing.");
+    }
     if report.straight {
         ui.weak("The cameras stand on a line; their directions fixed the rotation about it.");
     }

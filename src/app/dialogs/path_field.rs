@@ -36,6 +36,9 @@ impl PathField {
             if let Some(folder) = self.purpose.saves().then(|| new_folder(&path_from_text(&self.text))).flatten() {
                 ui.weak(format!("The folder {} will be made.", folder.display()));
             }
+            if let Some(folder) = std::env::current_dir().ok().filter(|_| path_from_text(&self.text).is_relative()) {
+                ui.weak(format!("From {}", folder.display()));
+            }
             ui.add_space(6.0);
             let entered = edit.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

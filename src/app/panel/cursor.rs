@@ -221,14 +221,12 @@ pub fn strip_ui(ui: &mut Ui, model: Read<'_>, second: bool, queue: &mut Queue) {
         let grip = Rect::from_center_size(pos2(x, rect.center().y), vec2(2.0 * REACH, rect.height()));
         let response = ui.interact(grip, ends_id.with(index), Sense::drag());
         if response.drag_started() {
-            ui.data_mut(|data| data.insert_temp(ends_id, Drag { limit, axis, pulled: 0.0 }));
+            ui.data_mut(|data| data.insert_temp(ends_id, Drag { limit, axis }));
         }
         if response.dragged()
-            && let Some(mut drag) = ui.data(|data| data.get_temp::<Drag>(ends_id))
+            && let (Some(drag), Some(delta)) = (ui.data(|d| d.get_temp::<Drag>(ends_id)), response.total_drag_delta())
         {
-            drag.pulled += response.drag_delta().x * 2.0 * limit / rect.width();
-            ui.data_mut(|data| data.insert_temp(ends_id, drag));
-            set_axis(model, second, moved(drag.axis, index == 1, drag.pulled), queue);
+            set_axis(model, second, moved(drag.axis, index == 1, delta.x * 2.0 * limit / rect.width()), queue);
         }
         if response.drag_stopped() {
             ui.data_mut(|data| data.remove::<Drag>(ends_id));
@@ -250,7 +248,6 @@ pub fn strip_ui(ui: &mut Ui, model: Read<'_>, second: bool, queue: &mut Queue) {
 struct Drag {
     limit: f32,
     axis: SlopeAxis,
-    pulled: f32,
 }
 
 /// Moves the axis's lower or `upper` end by about `pulled`, by whole steps, so that the other slopes stay.

@@ -194,6 +194,7 @@ pub fn features_ui(
     queue.push_if(on_top && can_be_pointed_at && output.clicked_in_sight(), Action::Select(pointed));
     if let Some(i) = pointed
         && !output.response.dragged()
+        && !model.document.playing
     {
         let name = layer.method.map_or_else(|| format!("#{i}"), |method| method.label().to_owned());
         let judged = model.results.coherence.of(&layer.detection).and_then(|values| values.get(i));

@@ -38,7 +38,7 @@ pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mu
         ui.separator();
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add(Label::new(RichText::new(burst_text(model)).weak()).truncate());
-            warnings_ui(ui, &warnings(model));
+            notes_ui(ui, model);
             let opening = [
                 ("Opening…", model.results.slots.a.opening.running()),
                 ("Opening B…", model.results.slots.b.opening.running()),
@@ -77,21 +77,22 @@ pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mu
     types_path
 }
 
-fn warnings(model: Read<'_>) -> Vec<String> {
-    let burst = model.burst_of(model.active_side());
-    burst.map_or_else(Vec::new, |open| open.burst.notes().iter().map(|note| note.for_window()).collect())
-}
-
-/// Draws the number of warnings, if there are any; a click shows them whole, which the status bar has no space for.
-fn warnings_ui(ui: &mut Ui, warnings: &[String]) {
-    if warnings.is_empty() {
+/// Draws the number of notes on how the burst was read, if there are any; a click shows them whole, which the status bar
+/// has no space for.
+fn notes_ui(ui: &mut Ui, model: Read<'_>) {
+    let Some(burst) = model.burst_of(model.active_side()).map(|open| &open.burst) else { return };
+    let notes = burst.notes();
+    if notes.is_empty() {
         return;
     }
-    let title = RichText::new(counted(warnings.len(), "warning")).color(crate::app::style::warning(ui));
-    ui.menu_button(title, |ui| {
+    // What was taken as the files say it is no fault.
+    let is_warning = notes.len() > burst.taken.len();
+    let words = if is_warning { "warning" } else { "note" };
+    let title = RichText::new(counted(notes.len(), words));
+    ui.menu_button(if is_warning { title.color(crate::app::style::warning(ui)) } else { title.weak() }, |ui| {
         ui.set_max_width(420.0);
-        for warning in warnings {
-            ui.add(Label::new(warning).wrap());
+        for note in notes {
+            ui.add(Label::new(note.for_window()).wrap());
         }
     });
 }
@@ -155,8 +156,7 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
     let mut choice = None;
     ui.horizontal_wrapped(|ui| {
         let more = if offer.more == 0 { String::new() } else { format!(" ({} more)", offer.more) };
-        let text =
-            format!("Burstscope ended unexpectedly. Its session was saved {}: {}{more}.", ago(offer.age), offer.label);
+        let text = format!("The last session was not closed. It was saved {}: {}{more}.", ago(offer.age), offer.label);
         ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
         let restore = ui.add_enabled(!offer.is_restoring, Button::new("Restore"));
         if restore.on_hover_text("Open the saved session in place of what is open now").clicked() {
@@ -202,24 +202,5 @@ pub(crate) fn advice_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
             }
         });
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::apply::bench::open;
-    use crate::app::apply::opening;
-    use crate::app::results::Model;
-
-    #[test]
-    fn all_warnings_about_a_file_are_listed() {
-        let mut model = Model::default();
-        assert!(warnings(Read::of(&model)).is_empty());
-        let mut burst = (*open((64, 48), 3).burst).clone();
-        (burst.encoding, burst.suggested_full_scale) = (crate::burst::Encoding::Srgb, Some(4095.0));
-        let expected: Vec<String> = burst.notes().iter().map(|note| note.for_window()).collect();
-        opening::take_burst(&mut model, crate::requests::OpenBurst::new(burst, crate::requests::BurstSource::Demo));
-        assert_eq!((warnings(Read::of(&model)), expected.len()), (expected, 2), "not only the last one");
     }
 }

@@ -14,7 +14,7 @@ use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
 use crate::inspect::place::{CandidateMark, ProbeSubject, Survey};
 use crate::inspect::result::DecoyStudy;
-use crate::inspect::words::{capitalised, sentence};
+use crate::inspect::words::{capitalised, counted, sentence};
 use crate::plane::display::ColourMap;
 use crate::requests::{ProbeQuestion, ViewKind};
 use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
@@ -31,9 +31,9 @@ pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
         word => format!("{word}, {:.2} σ", detection.noise_gate_factor),
     };
     let text = format!(
-        "Frame noise {} of full scale  ·  noise gate {gate}  ·  {} slopes  ·  octaves {} … {}",
+        "Frame noise {} of full scale  ·  noise gate {gate}  ·  {}  ·  octaves {} … {}",
         number(detection.frame_noise, 3),
-        detection.slopes.len(),
+        counted(detection.slopes.len(), "slope"),
         detection.octaves.start,
         detection.octaves.end - 1,
     );

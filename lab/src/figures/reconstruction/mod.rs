@@ -54,7 +54,7 @@ impl MakeFigure for ReconstructionFigure {
     fn make(&self, pieces: &Pieces, monitor: &Monitor) -> Result<Made> {
         let runs = self.study.runs(pieces, self.colmap.as_deref(), monitor)?;
         let missing = self.colmap.is_none().then_some(match cfg!(feature = "colmap") {
-            true => "COLMAP was not found, so the columns that need a reconstruction are empty (–). Install it and run the command again: finished results are kept.",
+            true => "COLMAP's program was not found (pycolmap alone is not enough), so the columns that need a reconstruction are empty (–). Install it and run the command again: finished results are kept.",
             false => "This program was built without the feature colmap, so the columns that need a reconstruction are empty (–).",
         });
         Ok(match self.shown {

@@ -13,6 +13,7 @@ use crate::burst::OpenOptions;
 use crate::detector::Method;
 use crate::detector::advice::grouped;
 use crate::inspect::slopes::{AdviceSubject, SlopeAdvice, SlopeJudgement, Spectrum};
+use crate::inspect::words::counted;
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
@@ -26,7 +27,7 @@ pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
     };
     let judged = spectrum.judgement.as_ref().map_or("", |judgement| judgement.sentence.as_str());
     let features = grouped(spectrum.features as u64);
-    let text = format!("{features} features at {} slopes  ·  {judged}", spectrum.cost.slopes);
+    let text = format!("{features} features at {}  ·  {judged}", counted(spectrum.cost.slopes, "slope"));
     let tip = format!("{}\nThe frames: {}", sentence_of(judged), spectrum.finding.summary_beside_judgement());
     ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
 }
@@ -82,7 +83,7 @@ fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue:
         }
         set_up::set_up_ui(ui, model, queue);
         let cost = &spectrum.cost;
-        let text = format!("Cost: {} slopes, {} samples", cost.slopes, grouped(cost.samples));
+        let text = format!("Cost: {}, {} samples", counted(cost.slopes, "slope"), grouped(cost.samples));
         let tip = format!("Search time: {} s", number(cost.search_secs, 2));
         weak_ui(ui, text).on_hover_text(tip);
         if let Some(alias) = spectrum.aliases.first() {
