@@ -531,7 +531,8 @@ class EvaluateChartKeywords(TypedDict, total=False):
     radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
@@ -682,7 +683,8 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
@@ -898,7 +900,8 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
@@ -1046,7 +1049,8 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     height : int
         Rows [default: 600]
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:
@@ -1219,7 +1223,8 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         PINHOLE,640,480,500,500,320,240. Models: COLMAP's from SIMPLE_PINHOLE to RAD_TAN_THIN_PRISM_FISHEYE (its
         numbers 0 to 11); or a TOML file
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
         merge aligns the frames to the middle one, averages them robustly and searches that image [default:

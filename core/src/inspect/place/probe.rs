@@ -529,7 +529,8 @@ mod tests {
         let nothing = "No candidate lies within 3 px of this place";
         assert!(text.starts_with(&format!("{nothing}. The nearest is 4 px away, with σ 2 px: below")), "{text}");
         assert_eq!(summary(&fates[2..], 0), format!("{nothing}; 2 larger blobs reach over it."));
-        assert!(summary(&[one(1.0, 2.0)], 1).starts_with("Nothing was kept here. The candidate here has SNR"));
+        let gated = summary(&[one(1.0, 2.0)], 1);
+        assert!(gated.starts_with("Nothing was kept here. The candidate here, σ 2 px, is below the noise"), "{gated}");
         // The place is examined at the slope that is looked at, not at that of another place's candidate.
         let slope = Slope::new(-0.8, 0.0);
         let looked_at = Nearness { slopes: vec![slope], ..nearness.clone() };

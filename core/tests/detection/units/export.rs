@@ -251,7 +251,7 @@ mod outputs {
             }
             known += 1;
         }
-        assert_eq!(known, 13);
+        assert_eq!(known, 15);
     }
 
     const KEYPOINT: ColmapKeypoint = ColmapKeypoint { x: 10.25, y: 0.1, scale: 1.6, orientation: -3.0 };
