@@ -346,7 +346,7 @@ fn cells(candidate: &Rivalry, max_error_px: f32) -> [(String, bool); 5] {
 }
 
 fn expected_words(unmatched: &Unmatched, found: &FoundLosses) -> String {
-    if !found.request.result.verification.as_ref().is_some_and(|v| v.model.is_some()) {
+    if found.request.result.verification.as_ref().is_none_or(|v| v.model.is_none()) {
         return "No geometry is known, so its place in B is not either.".to_owned();
     }
     let place = match &unmatched.expected[..] {
