@@ -531,7 +531,7 @@ class EvaluateChartKeywords(TypedDict, total=False):
     radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table 'matching'
         has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
@@ -683,7 +683,7 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table 'matching'
         has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
@@ -900,7 +900,7 @@ class EvaluateAccuracyKeywords(TypedDict, total=False):
     radius_law : {'uniform', 'log'}
         Law of the radii: uniform, or log, by which every octave of radii is equally likely [default: uniform]
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table 'matching'
         has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
@@ -1049,7 +1049,7 @@ class EvaluateNoiseKeywords(TypedDict, total=False):
     height : int
         Rows [default: 600]
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table 'matching'
         has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
@@ -1223,7 +1223,7 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         PINHOLE,640,480,500,500,320,240. Models: COLMAP's from SIMPLE_PINHOLE to RAD_TAN_THIN_PRISM_FISHEYE (its
         numbers 0 to 11); or a TOML file
     params : Path
-        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table [matching]
+        Parameter file (TOML), as the window saves it, or a case, whose search is taken; its table 'matching'
         has options of matching
     method : {'buff', 'sift', 'merge'}
         The detector: buff searches the burst over place, scale and slope; sift searches only the middle frame;
