@@ -55,9 +55,7 @@ pub(super) fn open(cli: &Cli) -> Result<(), Failure> {
 /// The error for a first input that is nothing, but a command with two letters changed; `None` for others.
 fn mistyped(inputs: &[PathBuf]) -> Option<Failure> {
     let first = inputs.first().filter(|first| !first.exists())?.to_str()?;
-    if BurstSource::named(first).is_some() {
-        return None;
-    }
+    let first = Some(first).filter(|first| BurstSource::named(first).is_none())?;
     let distance = |command: &str| strsim::damerau_levenshtein(first, command);
     let cli = Cli::command();
     let nearest = cli.get_subcommands().map(clap::Command::get_name).min_by_key(|name| distance(name))?;

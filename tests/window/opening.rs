@@ -134,6 +134,13 @@ fn what_was_taken_is_a_note_and_what_may_be_wrong_a_warning() {
     window.click(&words);
     window.settle();
     notes.iter().for_each(|note| assert!(window.shows(note), "not only the last one: {note}"));
+    // The axes of an array are only taken for something.
+    let array = ndarray::Array4::from_shape_fn((5, 5, 40, 48), |(j, i, v, u)| ((i + 2 * j + u * v) % 17) as f32 / 17.0);
+    let views = folder.path().join("views.npy");
+    ndarray_npy::write_npy(&views, &array).unwrap();
+    window.drop_file(views);
+    window.settle();
+    assert!(window.shows("1 note") && !window.shows("warning"));
 }
 
 /// Types into the path field and accepts.

@@ -73,6 +73,7 @@ pub struct ColmapReport {
     pub database: PathBuf,
     #[serde(serialize_with = "serialize_path")]
     pub images_folder: PathBuf,
+    /// Cameras, one for each size of image.
     pub cameras: Vec<Camera>,
     /// Whether the focal length is known.
     pub known_camera: bool,

@@ -69,8 +69,7 @@ pub fn encode_film(
     Ok(())
 }
 
-/// Bytes of a film of `count` pictures at `path`, about, before it is made: the mean size of two of them, times their
-/// number.
+/// Bytes, about, of a film of `count` pictures at `path`: the mean size of two of them, times their number.
 pub fn estimated_film_bytes(path: &Path, pictures: [&RgbaImage; 2], count: usize) -> u64 {
     let of_one = |picture: &RgbaImage| {
         let mut bytes = Vec::new();

@@ -45,6 +45,7 @@ pub struct BurstFramesReport {
     pub features: usize,
     /// Number of known discs; absent without a truth.
     pub discs: Option<usize>,
+    /// One row for each number of frames, the smallest first.
     pub rows: Vec<BurstFramesRow>,
 }
 

@@ -15,6 +15,7 @@ use std::sync::Arc;
 #[allow(missing_docs)] // where a name says it
 pub struct RecoverReport {
     pub burst: String,
+    /// Columns and rows of the frames.
     pub size: [usize; 2],
     pub frames: usize,
     /// Parameters of the search, with the slopes that were searched.

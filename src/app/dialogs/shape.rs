@@ -39,39 +39,34 @@ impl ShapeDialog {
         let path = self.asked.as_ref()?.1.paths().first().cloned().unwrap_or_default();
         let chosen: Result<Dump, String> = self.text.trim().parse();
         let mut accepts = false;
-        let modal = modal_ui(
-            ctx,
-            "shape of file",
-            COLUMNS as f32 * (CELL_POINTS.x + 18.0),
-            "Shape of a file without header",
-            |ui| {
-                let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
-                weak_ui(ui, name).on_hover_text(path.display().to_string());
-                ui.add_space(6.0);
-                accepts |= self.pictures_ui(ui);
-                ui.add_space(6.0);
-                ui.horizontal(|ui| {
-                    let label = ui
-                        .label("Shape")
-                        .on_hover_text("Columns, rows and type of the numbers, with the bytes before the first frame");
-                    let field =
-                        TextEdit::singleline(&mut self.text).hint_text("1600x1200:u16le+BYTES").desired_width(220.0);
-                    ui.add(field).labelled_by(label.id);
-                });
-                if let (Err(why), false) = (&chosen, self.text.trim().is_empty()) {
-                    error_ui(ui, why);
+        let width = COLUMNS as f32 * (CELL_POINTS.x + 18.0);
+        let modal = modal_ui(ctx, "shape of file", width, "Shape of a file without header", |ui| {
+            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+            weak_ui(ui, name).on_hover_text(path.display().to_string());
+            ui.add_space(6.0);
+            accepts |= self.pictures_ui(ui);
+            ui.add_space(6.0);
+            ui.horizontal(|ui| {
+                let label = ui
+                    .label("Shape")
+                    .on_hover_text("Columns, rows and type of the numbers, with the bytes before the first frame");
+                let field =
+                    TextEdit::singleline(&mut self.text).hint_text("1600x1200:u16le+BYTES").desired_width(220.0);
+                ui.add(field).labelled_by(label.id);
+            });
+            if let (Err(why), false) = (&chosen, self.text.trim().is_empty()) {
+                error_ui(ui, why);
+            }
+            ui.add_space(6.0);
+            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                let tip = "Open the file in this shape, and later files without header too";
+                accepts |= ui.add_enabled(chosen.is_ok(), Button::new("Open")).on_hover_text(tip).clicked()
+                    || ui.input(|i| i.key_pressed(Key::Enter));
+                if ui.button("Cancel").clicked() {
+                    ui.close();
                 }
-                ui.add_space(6.0);
-                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    let tip = "Open the file in this shape, and later files without header too";
-                    accepts |= ui.add_enabled(chosen.is_ok(), Button::new("Open")).on_hover_text(tip).clicked()
-                        || ui.input(|i| i.key_pressed(Key::Enter));
-                    if ui.button("Cancel").clicked() {
-                        ui.close();
-                    }
-                });
-            },
-        );
+            });
+        });
         if let (true, Ok(dump)) = (accepts, chosen) {
             let (side, source) = std::mem::take(self).asked?;
             return Some((side, source, dump));

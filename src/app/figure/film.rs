@@ -82,7 +82,7 @@ fn tell(model: Read<'_>) -> String {
     let rate = model.document.film.rate;
     let bytes = bytes_per_pixel(model) * count as f64 * f64::from(width * height);
     format!(
-        "{count} pictures of {width} × {height}, {rate} a second: {:.1} s; about {:.1} MB",
+        "{count} pictures of {width} × {height}, {rate} a second: {:.1} s; about {:.1} MB as GIF",
         count as f64 / f64::from(rate),
         1e-6 * bytes
     )

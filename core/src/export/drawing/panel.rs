@@ -134,6 +134,7 @@ pub struct FigurePanel {
     pub origin_image: [f32; 2],
     /// Width of a pixel of the picture, in image pixels.
     pub image_px_per_px: f32,
+    /// Marks, the first at the bottom.
     pub marks: Vec<FigureMark>,
     pub title: Option<String>,
     pub legend: Vec<LegendEntry>,

@@ -36,7 +36,9 @@ pub struct Plot<'a> {
     pub title: &'a str,
     pub label_x: &'a str,
     pub label_y: &'a str,
+    /// Values at the left and the right end.
     pub range_x: (f64, f64),
+    /// Values at the lower and the upper end.
     pub range_y: (f64, f64),
     pub has_dots: bool,
     /// Lines, the first at the bottom.

@@ -119,6 +119,7 @@ pub enum FigureShape {
     /// Pixels, each a rectangle of one colour.
     Picture {
         rect: FigureRect,
+        /// Columns and rows.
         size: (usize, usize),
         /// Red, green, blue, alpha, row by row.
         rgba: Arc<Vec<u8>>,
@@ -149,9 +150,9 @@ pub enum FigureShape {
         upwards: bool,
         text: String,
     },
-    /// Shapes clipped to a rectangle.
+    /// Shapes, the first at the bottom, outside a rectangle cut off; `round` lines have round ends.
     Clipped { rect: FigureRect, round: bool, shapes: Vec<FigureShape> },
-    /// Shapes that are moved.
+    /// Shapes, the first at the bottom, that are moved.
     Moved {
         /// Shift, (x, y).
         by: [f32; 2],

@@ -455,15 +455,16 @@ fn summary_of(nearness: &Nearness, (fates, near): (&[Fate], usize), reasons: &[C
             Some(sigma) => format!("The candidate nearest to σ {} px", number(sigma, 1)),
             None => "The strongest candidate here".to_owned(),
         };
-        let is_how = match first.snr {
-            // The gate's verdict has its own number, of the sample that it compares.
-            _ if first.first_failed == Some(Test::NoiseGate) => ", σ",
-            snr if snr.is_finite() => &format!(" has SNR {} at σ", number(snr, 1)),
-            _ => &format!(" has |D| {:.2e} at σ", first.value.abs()),
-        };
-        let then = if first.first_failed == Some(Test::NoiseGate) { ", is" } else { ":" };
         let sigma = number(first.sigma, 1);
-        return format!("Nothing was kept here. {who}{is_how} {sigma} px{then} {}.", first.verdict);
+        // The gate's verdict has its own number, of the sample that it compares.
+        if first.first_failed == Some(Test::NoiseGate) {
+            return format!("Nothing was kept here. {who}, σ {sigma} px, is {}.", first.verdict);
+        }
+        let strength = match first.snr {
+            snr if snr.is_finite() => format!("SNR {}", number(snr, 1)),
+            _ => format!("|D| {:.2e}", first.value.abs()),
+        };
+        return format!("Nothing was kept here. {who} has {strength} at σ {sigma} px: {}.", first.verdict);
     }
     let nothing = format!("No candidate lies within {AT_PLACE_PX} px of this place");
     if let Some(first) = fates[..near].first() {
