@@ -74,6 +74,10 @@ impl Console {
         }
     }
 
+    pub fn writes_json(&self) -> bool {
+        self.output.json
+    }
+
     /// Prints the JSON document of `command`: its version, its name, and the fields of `report`, if JSON was asked for.
     pub fn say_document(&self, command: &str, report: &impl Serialize) -> Result<(), Failure> {
         #[derive(Serialize)]

@@ -12,7 +12,7 @@ use crate::files::lock::FolderLock;
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
 use crate::inspect::place::{Verdict, kept};
-use crate::inspect::slopes::judgement;
+use crate::inspect::slopes::{is_doubtful, judgement};
 use crate::matching::Camera;
 use crate::monitor::Stage;
 use std::path::{Path, PathBuf};
@@ -123,10 +123,14 @@ pub(super) fn detect_burst(
         }
     };
     let Searched { detection, params, finding, mut slopes_secs } = searched;
-    // Given slopes are compared with those that the frames show.
+    // Comparing given slopes with those that the frames show takes as long as the noise and the field: only where it is
+    // asked for, or the search makes them doubtful.
     let judging = Instant::now();
+    let is_asked = || console.writes_json() || is_doubtful(&detection, &params, &burst);
     let shown = match &finding {
-        None if params.method == Method::Buff => Some(find_slopes(&burst, &params, None, &console.monitor)?),
+        None if params.method == Method::Buff && is_asked() => {
+            Some(find_slopes(&burst, &params, None, &console.monitor)?)
+        }
         found => found.clone(),
     };
     let judged = judgement(&detection, &params, shown.as_ref(), &burst, &console.monitor)?;
@@ -164,26 +168,6 @@ mod tests {
     use crate::requests::detect_line;
     use clap::Parser;
 
-    fn split(line: &str) -> Vec<String> {
-        let (mut words, mut word, mut inside, mut any) = (Vec::new(), String::new(), false, false);
-        let mut letters = line.chars();
-        while let Some(c) = letters.next() {
-            match c {
-                '\'' => (inside, any) = (!inside, true),
-                '\\' if !inside => word.extend(letters.next()),
-                ' ' if !inside => {
-                    if any || !word.is_empty() {
-                        words.push(std::mem::take(&mut word));
-                    }
-                    any = false;
-                }
-                c => word.push(c),
-            }
-        }
-        words.push(word);
-        words
-    }
-
     fn understood(
         inputs: &[&str],
         params: &SearchParams,
@@ -191,7 +175,8 @@ mod tests {
     ) -> (Vec<PathBuf>, SearchParams, OpenOptions) {
         let inputs: Vec<String> = inputs.iter().map(|input| (*input).to_owned()).collect();
         let line = detect_line(&inputs, params, calibration);
-        let cli = Cli::try_parse_from(split(&line)).unwrap_or_else(|e| panic!("{line}: {e}"));
+        let cli =
+            Cli::try_parse_from(shlex::split(&line).expect("closed quotes")).unwrap_or_else(|e| panic!("{line}: {e}"));
         let Some(Command::Detect(args)) = cli.command else { panic!("{line} is another command") };
         let params = args.run.search.params().unwrap_or_else(|e| panic!("{line}: {e:?}"));
         (args.inputs, params, args.run.calibration.clone())

@@ -117,8 +117,13 @@ fn slopes_and_detect_judge_the_slopes_in_the_same_words() {
         let sentence = answer["spectrum"]["judgement"]["sentence"].as_str().expect("a sentence");
         assert!(sentence.contains(words), "{sentence}");
         assert!(run_well(home.path(), &[&["slopes"], options].concat()).contains(sentence), "{sentence}");
-        let found = run_well(home.path(), &[&["detect", "--out", "found"], options].concat());
-        assert!(found.contains(sentence), "{sentence}\n{found}");
+        let found = json(home.path(), &[&["detect", "--out", "found", "--json"], options].concat());
+        assert_eq!(found["bursts"][0]["slopes_judged"]["sentence"], sentence);
+        // Slopes that cost too much give the same features: for people they are not compared with the frames.
+        let text = run_well(home.path(), &[&["detect", "--out", "found"], options].concat());
+        let said =
+            if words.starts_with("one slope") { "the slopes were not compared with the frames" } else { sentence };
+        assert!(text.contains(said), "{said}\n{text}");
     }
 }
 

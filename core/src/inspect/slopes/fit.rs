@@ -73,6 +73,15 @@ pub fn judgement(
     judging.map(|judging| judging.judgement(monitor)).transpose()
 }
 
+/// Whether a search by itself makes its slopes doubtful: steps that are too coarse, or features or places of its field
+/// beyond an end. Nothing is measured; [`judgement`] with what the frames show finds out what is so.
+pub fn is_doubtful(detection: &Detection, params: &DetectorParams, burst: &Burst) -> bool {
+    Judging::new(detection, params, None, &[], burst).is_some_and(|judging| {
+        let field = judging.field.and_then(|field| field.beyond(&judging.grid, Some(judging.features)));
+        field.is_some() || judging.range_by_features().is_some() || judging.coarse().next().is_some()
+    })
+}
+
 #[derive(Clone, Copy)]
 pub(super) struct Judging<'a> {
     pub detection: &'a Detection,
@@ -140,7 +149,7 @@ impl<'a> Judging<'a> {
                     100.0 * held
                 ),
                 Some(_) => format!("the frames show too little to judge the slopes{clause}"),
-                None => format!("the slopes fit what was found{clause}"),
+                None => format!("the slopes were not compared with the frames, as 'slopes' does{clause}"),
             },
             |advice| advice.sentence.clone(),
         );

@@ -9,7 +9,7 @@ mod fit;
 mod set_up;
 
 pub use advice::{AdviceSubject, SlopeAdvice};
-pub use fit::{SlopeJudgement, judgement};
+pub use fit::{SlopeJudgement, is_doubtful, judgement};
 pub use set_up::{SetUp, SetUpSlopes, set_up_bounds};
 
 use super::ProbeCache;
