@@ -14,15 +14,13 @@ pub(super) const NAME: &str = "headerless";
 pub(super) struct Dump;
 
 impl Numbers for Dump {
+    // A file may begin like another format by chance.
+    const MAGIC: Option<&'static [u8]> = None;
+
     fn record(&self) -> Record {
         let opens = "frames one after the other, in one file or in several, of any name";
         let options = "`--raw 1600x1200:u16le+512`; without it the window shows the first frame in each likely shape to choose from, and the error of a command lists them";
         Record { name: NAME, rank: Rank::Other, extensions: &["raw", "bin", "dat"], opens, options }
-    }
-
-    /// A file may begin like another format by chance: the options alone decide.
-    fn begins(&self, _start: &Start<'_>) -> bool {
-        false
     }
 
     fn is_asked_for(&self, start: &Start<'_>, options: &OpenOptions) -> bool {

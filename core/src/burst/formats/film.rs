@@ -50,10 +50,6 @@ impl Format for Film {
         Ok(Declared { kind: KIND, times, ..plain.declared() })
     }
 
-    fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
-        Ok(self.declared(input, reading)?.times)
-    }
-
     fn frames(&self, _input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
         let Reading { path, options, .. } = reading;
         // `ffmpeg` decodes from the start: frames before the range are read and dropped.

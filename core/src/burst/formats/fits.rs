@@ -4,7 +4,7 @@
 //! Rows are in the file's order, as astropy reads them; many programs show the first one at the bottom. Format: the
 //! FITS standard 4.0, <https://fits.gsfc.nasa.gov/fits_standard.html>; tiles are section 10 of it.
 
-use super::{Input, Numbers, Rank, Record, Start};
+use super::{Input, Numbers, Rank, Record};
 use crate::burst::layout::{Axis, Mosaic};
 use crate::burst::number::{Number, Scaling};
 use crate::burst::options::OpenOptions;
@@ -18,7 +18,6 @@ use std::io::{self, BufReader, Read, Seek, SeekFrom};
 use std::{fs::File, path::Path};
 
 const KIND: &str = "FITS";
-const MAGIC: &[u8] = b"SIMPLE  =";
 const BLOCK_BYTES: u64 = 2880;
 const CARD_BYTES: usize = 80;
 /// Largest number of cards of a header, and of headers of a file.
@@ -34,14 +33,12 @@ const NOT_TIME: [&str; 12] =
 pub(super) struct Fits;
 
 impl Numbers for Fits {
+    const MAGIC: Option<&'static [u8]> = Some(b"SIMPLE  =");
+
     fn record(&self) -> Record {
         let opens = "the first image: two axes, or three for frames; of three pictures it has to be said whether they are colours; BITPIX 8 to 64, -32, -64, BSCALE, BZERO; also compressed in tiles, as `fpack` and astropy write it (RICE_1, GZIP_1, GZIP_2, HCOMPRESS_1, PLIO_1); the mosaic of BAYERPAT is binned; undefined values (BLANK, NaN) are masked, and a note says how many; rows in the file's order, as astropy reads them";
         let options = "`--array NAME` for another extension, `--axis C` for colours, `--axis last` for frames";
         Record { name: KIND, rank: Rank::Film, extensions: &["fits", "fit", "fts", "fz"], opens, options }
-    }
-
-    fn begins(&self, start: &Start<'_>) -> bool {
-        start.bytes.starts_with(MAGIC)
     }
 
     fn verify(&self, input: &Input, reading: Reading<'_>) -> Result<()> {

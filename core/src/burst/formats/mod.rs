@@ -26,7 +26,7 @@ use super::options::{Limits, OpenOptions};
 use super::reading::confined::{self, wire::Part};
 use super::reading::pixels::with_mosaic;
 use super::reading::plain::Plain;
-use super::reading::{Declared, RawFrame, Reading, Ticker, exif};
+use super::reading::{Declared, RawFrame, Reading, Ticker};
 use super::times::Times;
 use crate::error::{Error, ErrorKind, Result, one_line};
 use crate::files::{self, shell_path};
@@ -131,9 +131,9 @@ pub(super) trait Format: Sync {
     /// Declarations before any pixel is read; the limits are checked.
     fn declared(&self, input: Input, reading: Reading<'_>) -> Result<Declared>;
 
-    /// Times that the file gives for its frames; by default those of photographs. Decodes nothing.
-    fn times(&self, _input: Input, reading: Reading<'_>) -> Result<Times> {
-        Ok(exif::times(reading.path))
+    /// Times that the file gives for its frames. Decodes nothing.
+    fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
+        Ok(self.declared(input, reading)?.times)
     }
 
     fn frames(&self, input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
@@ -150,9 +150,10 @@ pub(super) trait Format: Sync {
 }
 
 pub(super) trait Numbers: Sync {
-    fn record(&self) -> Record;
+    /// First bytes of the files; `None` where the options alone say what is of the format.
+    const MAGIC: Option<&'static [u8]>;
 
-    fn begins(&self, start: &Start<'_>) -> bool;
+    fn record(&self) -> Record;
 
     fn is_asked_for(&self, _start: &Start<'_>, _options: &OpenOptions) -> bool {
         false
@@ -173,7 +174,7 @@ impl<N: Numbers> Format for N {
     }
 
     fn begins(&self, start: &Start<'_>) -> bool {
-        Numbers::begins(self, start)
+        N::MAGIC.is_some_and(|magic| start.bytes.starts_with(magic))
     }
 
     fn is_asked_for(&self, start: &Start<'_>, options: &OpenOptions) -> bool {
@@ -186,10 +187,6 @@ impl<N: Numbers> Format for N {
 
     fn declared(&self, input: Input, reading: Reading<'_>) -> Result<Declared> {
         Ok(part_of(self, input, reading)?.declared())
-    }
-
-    fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
-        Ok(part_of(self, input, reading)?.times)
     }
 
     fn frames(&self, input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {

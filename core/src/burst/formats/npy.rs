@@ -5,7 +5,7 @@
 //! neither take memory nor nest without end. Format:
 //! <https://numpy.org/doc/stable/reference/generated/numpy.lib.format.html>.
 
-use super::{Input, Numbers, Rank, Record, Start};
+use super::{Input, Numbers, Rank, Record};
 use crate::burst::layout::{Axis, AxisChoice, Dump, ViewGrid, ViewsChoice};
 use crate::burst::reading::plain::{Index, Plain};
 use crate::burst::{number::Number, options::OpenOptions};
@@ -17,14 +17,12 @@ use zip::{CompressionMethod, ZipArchive};
 pub(super) struct Npy;
 
 impl Numbers for Npy {
+    const MAGIC: Option<&'static [u8]> = Some(MAGIC);
+
     fn record(&self) -> Record {
         let opens = "`[N,H,W]`, `[H,W]`, `[N,H,W,1]`, `[N,H,W,3]`, `[N,1,H,W]`; `[H,W,N]` where the last axis is eight times shorter than the others, which a note tells; `[rows,columns,H,W]` with five columns or more, and `[rows,columns,H,W,3]`, of the views of a light field";
         let options = "`--axis first`, `--axis last`; `--views 3x3` for arrays with fewer columns of views";
         Record { name: "NPY", rank: Rank::Picture, extensions: &["npy"], opens, options }
-    }
-
-    fn begins(&self, start: &Start<'_>) -> bool {
-        start.bytes.starts_with(MAGIC)
     }
 
     fn plain(&self, mut input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {
@@ -39,13 +37,11 @@ impl Numbers for Npy {
 pub(super) struct Npz;
 
 impl Numbers for Npz {
+    const MAGIC: Option<&'static [u8]> = Some(b"PK\x03\x04");
+
     fn record(&self) -> Record {
         let (opens, options) = ("the one array of such a shape", "`--array NAME` where there are several");
         Record { name: "NPZ", rank: Rank::Other, extensions: &["npz"], opens, options }
-    }
-
-    fn begins(&self, start: &Start<'_>) -> bool {
-        start.bytes.starts_with(b"PK\x03\x04")
     }
 
     fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {

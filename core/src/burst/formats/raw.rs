@@ -9,8 +9,8 @@ use super::tiff::is_of_sensor;
 use super::{Format, Input, Rank, Record, Start, has_extension};
 use crate::burst::reading::confined::{self, Budget, wire::Part};
 use crate::burst::reading::pixels::{Curve, binned, grey_from_interleaved, turned};
-use crate::burst::reading::{Declared, FileScale, RawFrame, Reading, read_at};
-use crate::burst::{layout::Mosaic, options::OpenOptions};
+use crate::burst::reading::{Declared, FileScale, RawFrame, Reading, exif, read_at};
+use crate::burst::{layout::Mosaic, options::OpenOptions, times::Times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::read_bytes;
 use crate::plane::{Plane, memory};
@@ -46,6 +46,10 @@ impl Format for Raw {
         let frame = self.only(input, reading)?;
         let declared = Declared::new(NAME, frame.plane.size(), 1, frame.scale.samples(), false);
         Ok(Declared { first: Some(frame), ..declared })
+    }
+
+    fn times(&self, _input: Input, reading: Reading<'_>) -> Result<Times> {
+        Ok(exif::times(reading.path))
     }
 
     fn only(&self, input: Input, reading: Reading<'_>) -> Result<RawFrame> {

@@ -3,7 +3,7 @@
 //! Format: <http://www.grischa-hahn.homepage.t-online.de/astro/ser/>. By it LittleEndian is 1 for numbers with the low
 //! byte first, but the first programs wrote 0, and all others follow them: 1 is big endian here, as in Siril.
 
-use super::{Input, Numbers, Rank, Record, Start};
+use super::{Input, Numbers, Rank, Record};
 use crate::burst::reading::plain::Plain;
 use crate::burst::{layout::Mosaic, number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, Result};
@@ -11,7 +11,6 @@ use std::io::{Read, Seek, SeekFrom};
 use std::{fs::File, path::Path};
 
 const KIND: &str = "SER";
-const MAGIC: &[u8] = b"LUCAM-RECORDER";
 const HEADER_BYTES: usize = 178;
 const MAX_TIMES: usize = 1 << 20;
 /// Ticks of 100 ns of a second.
@@ -21,13 +20,11 @@ const TICKS_TO_1970: u64 = 621_355_968_000_000_000;
 pub(super) struct Ser;
 
 impl Numbers for Ser {
+    const MAGIC: Option<&'static [u8]> = Some(b"LUCAM-RECORDER");
+
     fn record(&self) -> Record {
         let opens = "mono, Bayer mosaic or RGB of 8 to 16 bits, with the times of frames; of a recording that was stopped the whole frames";
         Record { name: KIND, rank: Rank::Film, extensions: &["ser"], opens, options: "`--times header`" }
-    }
-
-    fn begins(&self, start: &Start<'_>) -> bool {
-        start.bytes.starts_with(MAGIC)
     }
 
     fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {

@@ -1,24 +1,21 @@
 //! A format for the test of this room: what one needs is this file and its line of the list.
 
-use super::{Input, Numbers, Rank, Record, Start, file_formats};
+use super::{Input, Numbers, Rank, Record, file_formats};
 use crate::burst::reading::{plain::Plain, read_at};
 use crate::burst::{Burst, info::Info, number::Number, options::OpenOptions};
 use crate::error::{Error, ErrorKind, Result};
 use crate::monitor::Monitor;
 use std::path::Path;
 
-const MAGIC: &[u8] = b"TOY";
 const HEADER_BYTES: u64 = 6;
 
 pub(super) struct Toy;
 
 impl Numbers for Toy {
+    const MAGIC: Option<&'static [u8]> = Some(b"TOY");
+
     fn record(&self) -> Record {
         Record { name: "toy", rank: Rank::Film, extensions: &["toy"], opens: "bytes", options: "" }
-    }
-
-    fn begins(&self, start: &Start<'_>) -> bool {
-        start.bytes.starts_with(MAGIC)
     }
 
     fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {

@@ -3,7 +3,7 @@
 //! A line of text says size, frames a second and colours; each frame has a line of its own. Luma is taken as it is
 //! stored. Format: <https://wiki.multimedia.cx/index.php/YUV4MPEG2>.
 
-use super::{Input, Numbers, Rank, Record, Start};
+use super::{Input, Numbers, Rank, Record};
 use crate::burst::reading::plain::{Places, Plain};
 use crate::burst::{number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, Result};
@@ -11,7 +11,6 @@ use std::io::{self, BufRead, BufReader, Read, Seek, SeekFrom};
 use std::path::Path;
 
 pub(super) const KIND: &str = "Y4M";
-const MAGIC: &[u8] = b"YUV4MPEG2 ";
 const MAX_LINE_BYTES: u64 = 1 << 12;
 const FRAME: &[u8] = b"FRAME";
 
@@ -149,13 +148,11 @@ fn line(path: &Path, reader: &mut impl BufRead) -> Result<Vec<u8>> {
 pub(super) struct Y4m;
 
 impl Numbers for Y4m {
+    const MAGIC: Option<&'static [u8]> = Some(b"YUV4MPEG2 ");
+
     fn record(&self) -> Record {
         let opens = "luma of mono, 4:2:0, 4:2:2, 4:4:4 films of 8 to 16 bits, as it is stored";
         Record { name: KIND, rank: Rank::Film, extensions: &["y4m"], opens, options: "" }
-    }
-
-    fn begins(&self, start: &Start<'_>) -> bool {
-        start.bytes.starts_with(MAGIC)
     }
 
     fn plain(&self, input: Input, path: &Path, options: &OpenOptions) -> Result<Plain> {

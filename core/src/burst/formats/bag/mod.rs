@@ -90,10 +90,6 @@ impl Format for Bag {
         Ok(Declared { frames: topic.frames(), times, taken, ..header })
     }
 
-    fn times(&self, input: Input, reading: Reading<'_>) -> Result<Times> {
-        Ok(self.declared(input, reading)?.times)
-    }
-
     fn frames(&self, _input: Input, reading: Reading<'_>) -> Result<Vec<RawFrame>> {
         let Reading { path, options, ticker, .. } = reading;
         let segments = segments(path, options, Work::new(ticker.monitor(), false))?;
