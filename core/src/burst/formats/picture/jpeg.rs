@@ -40,20 +40,11 @@ const USUAL_TABLES: &[u8] = include_bytes!("samples/usual_tables.dht");
 
 /// A JPEG without bytes between segments and with the tables that it omits. The error says why nothing here reads it.
 pub fn normalised(bytes: &[u8]) -> Result<Cow<'_, [u8]>, String> {
-    const START_OF_SCAN: u8 = 0xda;
     let mut clean = bytes.get(..2).unwrap_or(bytes).to_vec();
     let (mut at, mut has_tables) = (2, false);
     loop {
-        let next = bytes
-            .get(at..)
-            .and_then(|rest| rest.windows(2).position(|two| two[0] == 0xff && !matches!(two[1], 0 | 0xff)));
         // A JPEG without picture data is damaged, which the decoder reports.
-        let Some(start) = next.map(|skipped| at + skipped) else { return Ok(Cow::Borrowed(bytes)) };
-        let marker = bytes[start + 1];
-        let length = bytes.get(start + 2..start + 4).map(|two| usize::from(u16::from_be_bytes([two[0], two[1]])));
-        // TEM, RST and SOI stand alone: no length follows.
-        let is_alone = matches!(marker, 0x01 | 0xd0..=0xd8);
-        let end = if is_alone { start + 2 } else { start + 2 + length.unwrap_or(0) };
+        let Some((marker, start, end)) = next_segment(bytes, at) else { return Ok(Cow::Borrowed(bytes)) };
         let Some(segment) = bytes.get(start..end) else { return Ok(Cow::Borrowed(bytes)) };
         match marker {
             0xc3 | 0xc5..=0xc7 | 0xc9..=0xcb | 0xcd..=0xcf => {
@@ -107,24 +98,28 @@ pub(super) fn pictures(bytes: &[u8]) -> usize {
 
 /// Whether an end marker follows the headers, in which a thumbnail may have its own.
 fn has_end(bytes: &[u8]) -> bool {
-    const START_OF_SCAN: u8 = 0xda;
-    const WITHOUT_SEGMENT: [u8; 10] = [0x01, 0xd0, 0xd1, 0xd2, 0xd3, 0xd4, 0xd5, 0xd6, 0xd7, 0xd8];
-    let mut rest = bytes;
-    loop {
-        // Other bytes between segments, and fill bytes, are skipped, as the decoder does.
-        let marker = rest.windows(2).position(|two| two[0] == 0xff && !matches!(two[1], 0 | 0xff));
-        let Some(at) = marker else { return false };
-        let marker = rest[at + 1];
-        rest = &rest[at + 2..];
+    let mut at = 0;
+    while let Some((marker, start, end)) = next_segment(bytes, at) {
         if marker == START_OF_SCAN {
-            return rest.windows(2).any(|two| two == [0xff, 0xd9]);
+            return bytes[start + 2..].windows(2).any(|two| two == [0xff, 0xd9]);
         }
-        if !WITHOUT_SEGMENT.contains(&marker) {
-            let length = rest.first_chunk::<2>().map(|length| usize::from(u16::from_be_bytes(*length)));
-            let Some(after) = length.and_then(|length| rest.get(length..)) else { return false };
-            rest = after;
-        }
+        at = end;
     }
+    false
+}
+
+const START_OF_SCAN: u8 = 0xda;
+
+/// Marker, start and end of the next segment from `at` on; its end may lie behind that of the bytes.
+fn next_segment(bytes: &[u8], at: usize) -> Option<(u8, usize, usize)> {
+    let rest = bytes.get(at..)?;
+    // Other bytes between segments, and fill bytes, are skipped, as the decoder does.
+    let skipped = rest.windows(2).position(|two| two[0] == 0xff && !matches!(two[1], 0 | 0xff))?;
+    let (marker, after) = (rest[skipped + 1], &rest[skipped + 2..]);
+    // TEM, RST and SOI stand alone: no length follows.
+    let length = after.first_chunk().filter(|_| !matches!(marker, 0x01 | 0xd0..=0xd8));
+    let length = length.map_or(0, |length| usize::from(u16::from_be_bytes(*length)));
+    Some((marker, at + skipped, at + skipped + 2 + length))
 }
 
 #[cfg(test)]
