@@ -6,7 +6,6 @@
 
 use super::thing::Shape;
 use burstscope_core::detector::{Scale, Slope, Trail, scale_space::SIGMA_INPUT, stack::interpolation_blur};
-use burstscope_core::inspect::place::nearest_slope;
 
 /// Expected response of a thing of amplitude 1.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,15 +35,14 @@ const SCALE_REACH: f64 = 2.0;
 /// nearest slope of the grid. `None` where no scale of the search suits it, or no frame shows it.
 pub fn expected(trail: &Trail, shape: Shape, radius: f64, place: (f64, f64), slope: Slope) -> Option<Expected> {
     let grid = trail.params().used_slopes();
-    let searched = nearest_slope(&grid, slope);
-    let offsets = trail.offsets(grid.slope(searched));
+    let at = grid.slope(grid.nearest(slope));
+    let offsets = trail.offsets(at);
     let (_, kept, positions) = trail.frames();
     // The motion stack divides by the frames that cover a place, so only these count.
-    let chosen = trail.showing((place.0 as f32, place.1 as f32), grid.slope(searched));
+    let chosen = trail.showing((place.0 as f32, place.1 as f32), at);
     if chosen.is_empty() {
         return None;
     }
-    let at = grid.slope(searched);
     let off = f64::from(slope.u - at.u).hypot(f64::from(slope.v - at.v));
     // Frames that mirror each other about mid-burst lie equally far off: each distance is filtered once.
     let displaced = distances(chosen.iter().map(|&index| positions.offset(kept[index]).length() * off).collect());

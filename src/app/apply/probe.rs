@@ -5,7 +5,7 @@ use crate::app::document::{Probe, Side};
 use crate::app::results::{Model, ProbeResults, Read};
 use crate::detector::{Slope, SlopeGrid, Slopes};
 use crate::engine::Ended;
-use crate::inspect::place::{ProbeSubject, nearest_slope};
+use crate::inspect::place::ProbeSubject;
 use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Traced};
 use crate::synth::Example;
 
@@ -165,7 +165,7 @@ pub fn start_probe(model: &mut Model, before: Option<&BurstSource>) {
         if model.document.auto_detect {
             let wanted = match example.scale() {
                 Some((octave, level)) if has_its_slopes && model.document.params.first_octave <= octave => {
-                    let slope_index = nearest_slope(&grid, Slope::new(example.slope_u(), 0.0));
+                    let slope_index = grid.nearest(Slope::new(example.slope_u(), 0.0));
                     ProbeSubject::Scale { octave, level, slope_index }
                 }
                 _ => ProbeSubject::Best,

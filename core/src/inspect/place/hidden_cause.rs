@@ -4,7 +4,7 @@
 
 use super::fate::Fate;
 use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, is_like_scale, is_same_motion};
-use super::remedy::{nearest_slope, time_factor};
+use super::remedy::time_factor;
 use super::response::covering;
 use crate::burst::Burst;
 use crate::detector::coherence::{Shape, evenness_of};
@@ -354,5 +354,5 @@ pub(super) fn at_slope(trail: &Trail, nearness: &Nearness, peaks: &[Peak], slope
         nearness.sigma.is_none_or(|near| is_like_scale(sigma, near))
             && is_same_motion(trail, grid.slope(peak.sample.slope_index), slope, sigma)
     };
-    Some((nearest_slope(&grid, slope), clearest(trail, peaks.iter().filter(scale))?))
+    Some((grid.nearest(slope), clearest(trail, peaks.iter().filter(scale))?))
 }

@@ -36,7 +36,7 @@ pub use needed::{Needed, frames_needed, needed};
 pub use order::{AT_PLACE_PX, MOTION_PX, PlaceMotion, motion_limit};
 pub use pixels::{Period, SpotSnr, dirichlet, period_along, spot_snr};
 pub use probe::{Probe, ProbeOptions, ProbeSubject, Subject, check_place, fate_of, outside, probe};
-pub use remedy::{Price, duplicate_remedy, nearest_slope, price, price_at_once, time_factor};
+pub use remedy::{Price, duplicate_remedy, price, price_at_once, time_factor};
 pub use response::{FineAxis, MapScale, ResponseMap, SlopePlane, outline, response_map};
 pub use shares::{Shares, Slice, across, direction_of, shares, slice};
 pub use suspicion::{

@@ -6,7 +6,7 @@ use super::fate::Fate;
 use super::hidden_cause::{self, Cause, CauseKind, Clear, Peak, at_slope, clearest};
 use super::needed::{Needed, needed};
 use super::order::{AT_PLACE_PX, LARGE_PX, Nearness, PlaceMotion, is_like_scale, is_same_motion, strength};
-use super::remedy::{duplicate_remedy, nearest_slope};
+use super::remedy::duplicate_remedy;
 use super::response::{ResponseMap, response_map};
 use super::shares::{Shares, Slice, across, direction_of, shares, slice};
 use super::suspicion::{Judged, Suspicion, suspicions};
@@ -335,7 +335,7 @@ fn subject(
     let speed = |index: usize| grid.slope(index).magnitude();
     let slowest = || (0..grid.len()).min_by(|&a, &b| speed(a).total_cmp(&speed(b))).unwrap_or(0);
     let looked_at = nearness.slopes.first().copied();
-    let slope_index = looked_at.map_or_else(slowest, |slope| nearest_slope(&grid, slope));
+    let slope_index = looked_at.map_or_else(slowest, |slope| grid.nearest(slope));
     let (octave, level) = fates.first().map_or((trail.octaves().start, 0), |fate| (fate.octave, fate.level));
     let slope = looked_at.unwrap_or_else(|| grid.slope(slope_index));
     Ok(Subject { fate: None, pos_image: place, slope, slope_index, octave, level })

@@ -12,8 +12,8 @@ use crate::detector::pipeline::FIRST_PEAK_PART;
 use crate::detector::scale_space::{octave_size, searched_octaves};
 use crate::detector::test::Side;
 use crate::detector::{
-    DetectorParams, Distinct, Judgement, NoiseGate, ParamChange, Sample, SearchParams, Slope, SlopeAxis, SlopeExtrema,
-    SlopeGrid, Test, Trail,
+    DetectorParams, Distinct, Judgement, NoiseGate, ParamChange, Sample, SearchParams, Slope, SlopeExtrema, SlopeGrid,
+    Test, Trail,
 };
 use crate::error::Result;
 use crate::inspect::ProbeCache;
@@ -155,19 +155,12 @@ fn distinct_change(trail: &Trail, index: usize) -> Option<(String, ParamChange)>
     Some(remedied(Test::Duplicate, change, &was))
 }
 
-/// The index of the grid's slope nearest to a slope.
-pub fn nearest_slope(grid: &SlopeGrid, slope: Slope) -> usize {
-    let (i, j) = grid.position(slope);
-    let nearest = |at: f32, axis: &SlopeAxis| at.round().clamp(0.0, (axis.count.max(1) - 1) as f32) as usize;
-    nearest(j, &grid.v) * grid.u.count + nearest(i, &grid.u)
-}
-
 /// The change that extends the axis on whose rim a candidate lies by one step.
 pub(super) fn widened_towards(grid: &SlopeGrid, fate: &Fate) -> Option<ParamChange> {
     let rival = fate.report(Test::SlopeExtremum).rival;
     let index = match fate.first_failed {
         Some(Test::SlopeExtremum) => grid.slopes().position(|s| Some(s) == rival.map(|r| r.slope))?,
-        _ => nearest_slope(grid, fate.slope),
+        _ => grid.nearest(fate.slope),
     };
     let (i, j) = grid.coordinates(index);
     let ends = |at: usize, count: usize| (count > 1 && at == 0, count > 1 && at + 1 == count);

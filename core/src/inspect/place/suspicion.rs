@@ -3,7 +3,7 @@
 
 use super::fate::{Fate, apart_sigmas};
 use super::pixels::{Period, dirichlet, period_along};
-use super::remedy::{nearest_slope, widened_towards};
+use super::remedy::widened_towards;
 use super::response::{beyond_the_rim, covering, snr_at};
 use super::shares::directions;
 use crate::detector::coherence::{BUMP_COHERENCE, Evenness, Shape};
@@ -199,7 +199,7 @@ fn at_limit(trail: &Trail, fate: &Fate, feature: &Feature) -> Option<Suspicion> 
     if !feature.at_slope_limit {
         return None;
     }
-    let rim = nearest_slope(&trail.params().used_slopes(), feature.slope);
+    let rim = trail.params().used_slopes().nearest(feature.slope);
     let rise = beyond_the_rim(trail, [feature.u, feature.v], feature.scale(), rim)?;
     let change = widened_towards(&trail.params().used_slopes(), fate)?;
     let evidence = format!(
