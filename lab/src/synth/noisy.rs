@@ -8,7 +8,7 @@
 //! As in [`super::noise`], for two levels half a standard deviation of all pixels below and above their mean: the ratio
 //! of the pixels' standard deviation to that of the noise at the mean.
 
-use super::write::{io, write_folder, write_frame};
+use super::write::{io, write_folder, write_frame, write_json};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::files::mark::OutputKind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
@@ -173,8 +173,6 @@ pub struct NoisyTruth {
     pub frames: Vec<String>,
 }
 
-const TRUTH_FILE: &str = "noise.json";
-
 /// Writes noisy copies of bursts into the folder `dir`: 16-bit PNG frames under the originals' names, those of each
 /// burst in a subfolder of its name if `subfolders` is true, and `noise.json`. `open` opens burst k of `names`. Earlier
 /// noisy copies in `dir` are replaced as a whole; a folder that holds anything else is left unchanged.
@@ -216,9 +214,7 @@ pub fn write_noisy<E: From<Error>>(
             monitor.report(Stage::Write, (k + 1) as f32 / names.len() as f32);
             monitor.check()?;
         }
-        let path = fresh.join(TRUTH_FILE);
-        let text = serde_json::to_string_pretty(&truth).map_err(std::io::Error::other).map_err(io(&path))?;
-        std::fs::write(&path, text + "\n").map_err(io(&path))
+        write_json(&fresh.join("noise.json"), &truth)
     });
     match (failure, written) {
         (Some(error), _) => Err(error),

@@ -15,6 +15,7 @@ use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::synth::{noise::quantised_word, truth::Truth};
 use burstscope_core::{burst::Burst, plane::Plane};
 use image::ImageFormat;
+use serde::Serialize;
 use std::{io::Cursor, path::Path};
 
 /// Writes `burst` as `frame_000.png` …, a light field as `view_00_00.png` …, its mask as `masks/mask.png`, and `truth`
@@ -41,11 +42,14 @@ pub fn write_burst(dir: &Path, burst: &Burst, truth: &Truth, monitor: &Monitor) 
             std::fs::create_dir(fresh.join("masks")).map_err(io(fresh))?;
             write_frame(&fresh.join("masks/mask.png"), mask.weights())?;
         }
-        let path = fresh.join("truth.json");
-        let text = serde_json::to_string_pretty(truth).map_err(std::io::Error::other).map_err(io(&path))?;
-        std::fs::write(&path, text + "\n").map_err(io(&path))?;
+        write_json(&fresh.join("truth.json"), truth)?;
         Ok(monitor.check()?)
     })
+}
+
+pub(super) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
+    let text = serde_json::to_string_pretty(value).map_err(std::io::Error::other).map_err(io(path))?;
+    std::fs::write(path, text + "\n").map_err(io(path))
 }
 
 pub(super) fn write_frame(path: &Path, frame: &Plane) -> Result<()> {

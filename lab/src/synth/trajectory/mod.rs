@@ -14,7 +14,7 @@ pub mod world;
 pub use world::{BurstCamera, Lens, ScenePlane};
 
 use super::noisy::{CLEARANCE_SIGMAS, FrameLevels, NoisyExposure};
-use crate::synth::write::{frame_name, io, write_folder, write_frame};
+use crate::synth::write::{frame_name, io, write_folder, write_frame, write_json};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::files::mark::OutputKind;
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
@@ -349,8 +349,6 @@ pub struct BurstTruth {
     pub slope_v: [f64; 2],
 }
 
-const TRUTH_FILE: &str = "trajectory.json";
-
 /// Writes a trajectory into the folder `dir`, which is created: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
 /// (the views at mid-burst without noise, 16 bit), `poses.txt` (lines `timestamp tx ty tz qx qy qz qw`: the burst's
 /// number, the camera in the world at mid-burst), `lens.toml` (the camera) and `trajectory.json` (the truth). An
@@ -378,12 +376,11 @@ pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) 
             write_frame(&gold.join(format!("{name}.png")), &trajectory.gold(index, monitor)?)?;
             monitor.report(Stage::Write, (index + 1) as f32 / count as f32);
         }
-        let truth = serde_json::to_string_pretty(&trajectory.truth()).map_err(std::io::Error::other);
+        write_json(&fresh.join("trajectory.json"), &trajectory.truth())?;
         let write = |name: &str, text: String| {
             let path = fresh.join(name);
             std::fs::write(&path, text).map_err(io(&path))
         };
-        write(TRUTH_FILE, truth.map_err(io(&fresh.join(TRUTH_FILE)))? + "\n")?;
         write("poses.txt", poses(trajectory))?;
         write("lens.toml", trajectory.lens.to_toml())?;
         Ok(monitor.check()?)
