@@ -2,7 +2,7 @@
 
 use super::paint::fractal_relief;
 use super::truth::{FeatureTruth, Truth};
-use crate::burst::{Burst, Offset};
+use crate::burst::Burst;
 use crate::error::{Error, Result};
 use crate::plane::{Mask, Plane};
 use std::sync::Arc;
@@ -43,7 +43,8 @@ impl Arm {
         }
     }
 
-    pub(super) fn truth(&self, truth: Truth, offsets: &[Offset]) -> Truth {
+    pub(super) fn truth(&self, truth: Truth) -> Truth {
+        let offsets = truth.offsets();
         let edge = self.columns as f64 - 0.5;
         let is_seen = |feature: &FeatureTruth| {
             // The mean over the frames, as the detector judges places below masks.

@@ -194,8 +194,7 @@ pub fn synth_chart(params: &ChartParams, monitor: &Monitor) -> Result<(Burst, Tr
     let (size, noise) = ((params.width, params.height), (exposure.background, Some(params.snr)));
     let truth = Truth::captured(TruthKind::Chart, size, (params.frames, params.seed), &exposure.camera, noise);
     let truth = taken.truth(Truth { features, ..truth });
-    let offsets = truth.offsets();
-    Ok((burst, arm.truth(truth, &offsets)))
+    Ok((burst, arm.truth(truth)))
 }
 
 /// Blends a disc of level `value` into `plane` by the share of each pixel's area, in 16 thin strips, exact along rows.

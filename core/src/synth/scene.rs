@@ -116,8 +116,7 @@ pub fn synth_scene(params: &SceneParams, monitor: &Monitor) -> Result<(Burst, Tr
     // Seen in all frames of the even burst, so that an uneven one has the same things.
     let features = visible_landmarks(&layers, size, whole.offsets());
     let truth = taken.truth(Truth { layers: layers.iter().map(Layer::truth).collect(), features, ..truth });
-    let offsets = truth.offsets();
-    Ok((burst, arm.truth(truth, &offsets)))
+    Ok((burst, arm.truth(truth)))
 }
 
 fn build_layers(params: &SceneParams, offsets: &[Offset], monitor: &Monitor) -> Result<Vec<Layer>> {
