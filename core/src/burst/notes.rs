@@ -51,12 +51,11 @@ pub enum RemarkKind {
 impl Remark {
     /// Remarks on `frames`, whose damage is taken out of them.
     pub(super) fn of(frames: &mut [RawFrame]) -> Vec<Self> {
-        let mut remarks = Vec::new();
-        for (frame, raw) in frames.iter_mut().enumerate() {
-            remarks.extend(raw.damage.take().map(|reason| Self { frame, kind: RemarkKind::Damaged(reason) }));
-            remarks.extend(raw.misnamed.map(|kind| Self { frame, kind: RemarkKind::Misnamed(kind) }));
-        }
-        remarks
+        let of_frame = |(frame, raw): (usize, &mut RawFrame)| {
+            let kinds = [raw.damage.take().map(RemarkKind::Damaged), raw.misnamed.map(RemarkKind::Misnamed)];
+            kinds.into_iter().flatten().map(move |kind| Self { frame, kind })
+        };
+        frames.iter_mut().enumerate().flat_map(of_frame).collect()
     }
 }
 

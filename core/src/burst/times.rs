@@ -81,11 +81,8 @@ impl Stamp {
         let zone_at = text.rfind(['+', '-']).filter(|at| text[..*at].contains(':')).unwrap_or(text.len());
         let (text, zone) = text.split_at(zone_at);
         let hours_and_minutes = format!("{:0<4}", zone.get(1..).unwrap_or_default().replace(':', ""));
-        let zone_minutes: i128 = match hours_and_minutes.parse::<i128>().ok().filter(|_| hours_and_minutes.len() == 4) {
-            Some(zone) => zone / 100 * 60 + zone % 100,
-            None => return None,
-        };
-        let zone_minutes = if zone.starts_with('-') { -zone_minutes } else { zone_minutes };
+        let number = hours_and_minutes.parse::<i128>().ok().filter(|_| hours_and_minutes.len() == 4)?;
+        let zone_minutes = (number / 100 * 60 + number % 100) * if zone.starts_with('-') { -1 } else { 1 };
         let (text, fraction) = text.trim_end_matches('Z').split_once('.').unwrap_or((text.trim_end_matches('Z'), ""));
         let (date, time) = text.split_once(['T', ' '])?;
         let seconds = seconds_of(&format!("{}T{time}", date.replace([':', '/'], "-")))? as i128 - 60 * zone_minutes;

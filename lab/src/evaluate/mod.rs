@@ -164,9 +164,7 @@ fn run_jobs<J: Sync, R: Send>(
         monitor.check()?;
         // One job a piece: a longer piece would leave threads idle at the end.
         let answers: Vec<Result<R>> = group.par_iter().with_max_len(1).map(|job| f(job, &silent, &done)).collect();
-        for answer in answers {
-            results.push(answer?);
-        }
+        results.extend(answers.into_iter().collect::<Result<Vec<R>>>()?);
     }
     monitor.check()?;
     Ok(results)

@@ -11,6 +11,7 @@ use burstscope_core::export::sheet::{Anchor, Area, INK, RED, Sheet, short};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::{Plane, display::Display, sample::bilinear};
 use burstscope_core::{detect::detect, error::Result, export::FigureStroke};
+use std::sync::Arc;
 
 const WIDTH: f64 = 1240.0;
 /// Width of a small picture on the sheet, and distance of the columns.
@@ -81,21 +82,21 @@ impl MakeFigure for Architecture {
         let range = Display::stretched(&burst.frames[frames[1]]);
         self.column(&mut sheet, column(0), frames.map(|t| (format!("t = {t}"), burst.frames[t].clone(), range)));
         heading(&mut sheet, 1, "motion stack", &format!("shift and mean, {} slopes", grid.len()));
-        let mut stacks = Vec::new();
-        for index in self.shown {
+        let stack = |index| {
             let slope = slope_of(index);
             let plane = stack_view(&burst, &self.detector, slope, &silent)?;
-            stacks.push((format!("slope {} px/frame", short(f64::from(slope.u))), std::sync::Arc::new(plane)));
-        }
+            Ok((format!("slope {} px/frame", short(f64::from(slope.u))), Arc::new(plane)))
+        };
+        let stacks = self.shown.into_iter().map(stack).collect::<Result<Vec<_>>>()?;
         let range = Display::stretched(&stacks[1].1);
         self.column(&mut sheet, column(1), stacks.into_iter().map(|(text, plane)| (text, plane, range)));
         heading(&mut sheet, 2, "differences of Gaussians", "over octaves and levels");
         let nearest = slope_of(subject.slope_index);
-        let mut dogs = Vec::new();
-        for level in self.levels {
+        let dog = |level| {
             let plane = dog_view(&burst, &self.detector, nearest, self.octave, level, &silent)?;
-            dogs.push((format!("octave {}, level {level}", self.octave), std::sync::Arc::new(plane)));
-        }
+            Ok((format!("octave {}, level {level}", self.octave), Arc::new(plane)))
+        };
+        let dogs = self.levels.into_iter().map(dog).collect::<Result<Vec<_>>>()?;
         let limit = dogs.iter().flat_map(|(_, plane)| plane.data()).fold(0f32, |max, x| max.max(x.abs()));
         let range = Display::symmetric(0.5 * limit);
         self.column(&mut sheet, column(2), dogs.into_iter().map(|(text, plane)| (text, plane, range)));
@@ -144,12 +145,7 @@ impl MakeFigure for Architecture {
 }
 
 impl Architecture {
-    fn column(
-        &self,
-        sheet: &mut Sheet,
-        x: f64,
-        pictures: impl IntoIterator<Item = (String, std::sync::Arc<Plane>, Display)>,
-    ) {
+    fn column(&self, sheet: &mut Sheet, x: f64, pictures: impl IntoIterator<Item = (String, Arc<Plane>, Display)>) {
         let mut y = TOP + 16.0;
         for (text, plane, display) in pictures {
             // At this size every other pixel is enough; a mean of them would hide the noise.

@@ -44,21 +44,13 @@ pub fn parse_tum(text: &str, path: &Path) -> Result<Vec<Pose>> {
 fn parse_line(line: &str, order: u32) -> Result<Pose, String> {
     let mut words = line.split(|c: char| c.is_whitespace() || c == ',').filter(|w| !w.is_empty());
     let label = words.next().unwrap_or_default().to_owned();
-    let mut numbers = [0.0; 7];
-    let mut count = 0;
-    for word in words {
+    let number = |word: &str| {
         let number = word.parse::<f64>().ok().filter(|x| x.is_finite());
-        let number = number.ok_or_else(|| format!("'{word}' is not a number"))?;
-        // Words beyond the seventh are only counted, for the message.
-        if let Some(slot) = numbers.get_mut(count) {
-            *slot = number;
-        }
-        count += 1;
-    }
-    if count != numbers.len() {
-        return Err(format!("{} values; a pose is 'timestamp tx ty tz qx qy qz qw'", count + 1));
-    }
-    let [x, y, z, qx, qy, qz, qw] = numbers;
+        number.ok_or_else(|| format!("'{word}' is not a number"))
+    };
+    let numbers = words.map(number).collect::<Result<Vec<_>, _>>()?;
+    let wrong = |all: Vec<f64>| format!("{} values; a pose is 'timestamp tx ty tz qx qy qz qw'", all.len() + 1);
+    let [x, y, z, qx, qy, qz, qw] = numbers.try_into().map_err(wrong)?;
     let rotation = rotation(Quaternion::new(qw, qx, qy, qz))?;
     let time = label.parse::<f64>().ok().filter(|t| t.is_finite());
     let world_from_camera = Isometry3::from_parts(Translation3::new(x, y, z), rotation);

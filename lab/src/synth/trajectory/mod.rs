@@ -205,12 +205,8 @@ impl Trajectory {
         // In this order: sheets have to be large enough for the path, and speeds follow from the depths in view.
         let stations = world::stations(params);
         let planes = world::planes(params, &lens, &stations, monitor)?;
-        let (mut cameras, mut slopes) = (Vec::new(), Vec::new());
-        for station in &stations {
-            let (camera, range) = world::burst_camera(params, &lens, &planes, station, monitor)?;
-            cameras.push(camera);
-            slopes.push(range);
-        }
+        let camera = |station| world::burst_camera(params, &lens, &planes, station, monitor);
+        let (cameras, slopes): (Vec<_>, Vec<_>) = stations.iter().map(camera).collect::<Result<_, Cancelled>>()?;
         let mut levels = FrameLevels::default();
         // The light is set from all views together, so that one exposure serves the whole trajectory.
         for camera in &cameras {
