@@ -153,15 +153,13 @@ impl BurstFramesStudy {
         for count in counts {
             monitor.report(Stage::Evaluate, done as f32 / total as f32);
             let (found, params) = first.middle(count, &silent)?;
-            let matches = match of_second(count) {
-                None => None,
-                Some(second) => {
-                    let (other, of_other) = second.middle(count, &silent)?;
-                    let a = DetectedBurst { burst: first.burst, params: &params, detection: &found };
-                    let b = DetectedBurst { burst: second.burst, params: &of_other, detection: &other };
-                    Some(match_bursts([a, b], &self.matching, &silent)?.counts)
-                }
+            let matched = |second: &SearchedBurst<'_>| -> Result<MatchCounts> {
+                let (other, of_other) = second.middle(count, &silent)?;
+                let a = DetectedBurst { burst: first.burst, params: &params, detection: &found };
+                let b = DetectedBurst { burst: second.burst, params: &of_other, detection: &other };
+                Ok(match_bursts([a, b], &self.matching, &silent)?.counts)
             };
+            let matches = of_second(count).map(matched).transpose()?;
             report.rows.push(row(&first, count, (&found, &all), truth, matches));
             tell(report.clone());
             done += frames_of(count);

@@ -8,11 +8,12 @@ use crate::evaluate::statistics::Mean;
 use crate::evaluate::{BurstMethod, ChartReport, ChartStudy, Ranking, RowStudy, Searches, motion_name};
 use crate::synth::{ChartParams, Motion, synth_chart};
 use burstscope_core::detector::{Detection, DetectorParams, NoiseGate, SlopeGrid};
+use burstscope_core::error::Result;
 use burstscope_core::export::sheet::{Sheet, stacked};
 use burstscope_core::inspect::result::{Curve, Scored, judge};
 use burstscope_core::monitor::{Monitor, Stage};
 use burstscope_core::plane::{Plane, display::Display};
-use burstscope_core::{burst::Burst, error::Result};
+use std::sync::Arc;
 
 fn study(size: FigureSize, snrs: Vec<f64>) -> ChartStudy {
     let small =
@@ -154,6 +155,8 @@ impl TestTarget {
 struct FoundOnTarget {
     label: String,
     word: String,
+    /// The middle frame.
+    frame: Arc<Plane>,
     /// Features at the threshold, strongest first.
     kept: Vec<Scored>,
     /// Whether there is a threshold with so few false features; otherwise all features that pass the gate are kept.
@@ -167,7 +170,7 @@ impl MakeFigure for TestTarget {
         let (dark, truth) = synth_chart(&self.chart, &silent)?;
         // Discs stay the same, because noise has random streams of its own.
         let (bright, _) = synth_chart(&ChartParams { snr: self.bright_snr, ..self.chart.clone() }, &silent)?;
-        let mut all: Vec<(FoundOnTarget, Burst)> = Vec::new();
+        let mut all: Vec<FoundOnTarget> = Vec::new();
         // SIFT in good light comes first, and shows what there is to find.
         let jobs = std::iter::once((BurstMethod::SiftFrame, true)).chain(self.methods.iter().map(|&m| (m, false)));
         for (index, (method, is_bright)) in jobs.enumerate() {
@@ -182,39 +185,32 @@ impl MakeFigure for TestTarget {
                 true => ("SIFT in good light".to_owned(), "sift-bright".to_owned()),
                 false => (method.label().to_owned(), method.name().to_owned()),
             };
-            all.push((FoundOnTarget { label, word, kept, has_threshold, detection }, burst.clone()));
+            let frame = burst.frames[burst.len() / 2].clone();
+            all.push(FoundOnTarget { label, word, frame, kept, has_threshold, detection });
         }
-        let found: Vec<(&FoundOnTarget, &Burst)> = all.iter().map(|(found, burst)| (found, burst)).collect();
-        let svg = self.draw(&found, truth.features.len());
-        Ok(Made { svg, csv: found_csv(&found), notes: Vec::new() })
+        Ok(Made { svg: self.draw(&all, truth.features.len()), csv: found_csv(&all), notes: Vec::new() })
     }
 }
 
 impl TestTarget {
-    fn draw(&self, all: &[(&FoundOnTarget, &Burst)], discs: usize) -> String {
+    fn draw(&self, all: &[FoundOnTarget], discs: usize) -> String {
         let mut sheet = Sheet::new(WIDTH, "The test target");
+        let (width, height) = (self.part.0.min(self.chart.width), self.part.1.min(self.chart.height));
         let third = (WIDTH - 4.0 * GAP) / 3.0;
         let (mut y, mut end) = (34.0, 0.0);
         for (row, found) in all.chunks(3).enumerate() {
             if row > 0 {
                 y = end + 34.0;
             }
-            for (column, (found, burst)) in found.iter().enumerate() {
-                let frame: &Plane = &burst.frames[burst.len() / 2];
+            for (column, found) in found.iter().enumerate() {
                 let right = found.kept.iter().filter(|one| one.disc.is_some()).count();
                 let mark = if found.has_threshold { "" } else { "*" };
                 let wrong = found.kept.len() - right;
                 let title = format!("{}: {right} of {discs} discs, {wrong} false{mark}", found.label);
                 let title = lettered(3 * row + column, &title);
                 let at = (GAP + (third + GAP) * column as f64, y);
-                let panel = Panel::draw_part(
-                    &mut sheet,
-                    at,
-                    third,
-                    (frame, [0, 0], self.part),
-                    &Display::stretched(frame),
-                    &title,
-                );
+                let part = Plane::from_fn(width, height, |u, v| found.frame.at(u, v));
+                let panel = Panel::draw(&mut sheet, at, third, &part, &Display::stretched(&found.frame), &title);
                 // Clipped, so that circles at the rim do not reach into the next picture.
                 sheet.clipped(panel.area, |sheet| {
                     for one in &found.kept {
@@ -225,13 +221,11 @@ impl TestTarget {
                 end = panel.area.bottom();
             }
         }
-        let is_marked = all.iter().any(|(found, _)| !found.has_threshold);
+        let is_marked = all.iter().any(|found| !found.has_threshold);
         let mark = if is_marked { " (*: there is none, so at the default)" } else { "" };
         let text = format!(
-            "The middle frame, SNR {} (stretched), its upper left {}×{} of {}×{} pixels; numbers are of the whole chart, at the threshold where {} % are false{mark}",
+            "The middle frame, SNR {} (stretched), its upper left {width}×{height} of {}×{} pixels; numbers are of the whole chart, at the threshold where {} % are false{mark}",
             self.chart.snr,
-            self.part.0.min(self.chart.width),
-            self.part.1.min(self.chart.height),
             self.chart.width,
             self.chart.height,
             self.false_fraction * 100.0
@@ -241,9 +235,9 @@ impl TestTarget {
     }
 }
 
-fn found_csv(all: &[(&FoundOnTarget, &Burst)]) -> String {
+fn found_csv(all: &[FoundOnTarget]) -> String {
     let mut csv = String::from("method,u,v,sigma,slope_u,slope_v,strength,disc\n");
-    for (found, _) in all {
+    for found in all {
         for one in &found.kept {
             let f = &found.detection.features[one.feature];
             let disc = one.disc.map_or(String::new(), |disc| disc.to_string());

@@ -12,38 +12,21 @@ pub(super) struct Panel {
     pub area: Area,
     /// Sheet pixels for each image pixel.
     pub scale: f64,
-    /// Image pixel at the left top, (u, v).
-    origin: [usize; 2],
 }
 
 impl Panel {
     /// Draws `plane` with its left top at `at`, `width` wide, under a line of text.
     pub fn draw(sheet: &mut Sheet, at: (f64, f64), width: f64, plane: &Plane, display: &Display, title: &str) -> Self {
-        Self::draw_part(sheet, at, width, (plane, [0, 0], plane.size()), display, title)
-    }
-
-    /// Draws the part of `plane` that begins at `origin` and has this `size`, cut to the plane.
-    pub fn draw_part(
-        sheet: &mut Sheet,
-        at: (f64, f64),
-        width: f64,
-        (plane, origin, size): (&Plane, [usize; 2], (usize, usize)),
-        display: &Display,
-        title: &str,
-    ) -> Self {
-        let size = (size.0.min(plane.width() - origin[0]), size.1.min(plane.height() - origin[1]));
-        let part = Plane::from_fn(size.0, size.1, |u, v| plane.at(origin[0] + u, origin[1] + v));
-        let scale = width / size.0 as f64;
-        let area = Area { x: at.0, y: at.1, width, height: scale * size.1 as f64 };
+        let scale = width / plane.width() as f64;
+        let area = Area { x: at.0, y: at.1, width, height: scale * plane.height() as f64 };
         sheet.heading((at.0, at.1 - 6.0), 12.0, title);
-        sheet.picture(area, &part, display);
-        Self { area, scale, origin }
+        sheet.picture(area, plane, display);
+        Self { area, scale }
     }
 
     /// The position on the sheet of the image pixel (u, v), of its middle.
     pub fn at(&self, [u, v]: [f64; 2]) -> (f64, f64) {
-        let place = |x: f64, origin: usize| (x + 0.5 - origin as f64) * self.scale;
-        (self.area.x + place(u, self.origin[0]), self.area.y + place(v, self.origin[1]))
+        (self.area.x + (u + 0.5) * self.scale, self.area.y + (v + 0.5) * self.scale)
     }
 
     pub fn shows(&self, pos_image: [f64; 2]) -> bool {

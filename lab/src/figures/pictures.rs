@@ -147,7 +147,7 @@ impl MakeFigure for Light {
         let (frame, lit, gold) = (middle(&dark)?, middle(&bright)?, dark.gold(self.burst, &silent)?);
         let mut sheet = Sheet::new(WIDTH, "Bright, gold and dark frames");
         let mut csv = String::from("picture,electrons_at_white,snr,mean,standard_deviation,min,max\n");
-        let half = (WIDTH - 3.0 * GAP) / 2.0;
+        let half = half();
         let rows: [(&str, &str, &Plane, Display, Option<&Trajectory>); 4] = [
             ("bright", "a frame in good light", &lit, Display::stretched(&lit), Some(&bright)),
             ("gold", "the gold standard: no noise", &gold, Display::default(), None),
