@@ -51,8 +51,10 @@ impl FileScale {
     }
 }
 
-#[derive(Debug)]
+#[derive(Debug, Serialize, Deserialize)]
 pub struct RawFrame {
+    // Where a frame comes from another process, its pixels follow it.
+    #[serde(skip, default = "no_pixels")]
     pub plane: Plane,
     pub scale: FileScale,
     pub encoding: Encoding,
@@ -61,10 +63,15 @@ pub struct RawFrame {
     /// Reason why a part of the picture is made up; set only where damage was accepted.
     pub damage: Option<String>,
     /// The kind of its file, where the extension names another.
+    #[serde(skip)]
     pub misnamed: Option<&'static str>,
     pub is_colour: bool,
     /// Mosaic of colours that the file declares, not binned yet.
     pub mosaic: Option<Mosaic>,
+}
+
+fn no_pixels() -> Plane {
+    Plane::zeros(0, 0)
 }
 
 impl RawFrame {
@@ -75,8 +82,7 @@ impl RawFrame {
     }
 
     pub fn like(&self, plane: Plane) -> Self {
-        let Self { scale, encoding, binning, misnamed, is_colour, mosaic, .. } = *self;
-        Self { plane, scale, encoding, binning, damage: self.damage.clone(), misnamed, is_colour, mosaic }
+        Self { plane, damage: self.damage.clone(), ..*self }
     }
 }
 

@@ -1,8 +1,7 @@
 //! Messages between both processes: a length, JSON of that length, and pixels as in memory: both are of one program.
 
-use crate::burst::layout::Mosaic;
-use crate::burst::options::{Encoding, Limits, OpenOptions};
-use crate::burst::reading::{FileScale, RawFrame};
+use crate::burst::options::{Limits, OpenOptions};
+use crate::burst::reading::RawFrame;
 use crate::error::{Error, Result};
 use crate::plane::{Plane, memory};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -35,17 +34,8 @@ pub struct DecodeRequest {
     pub cpu_seconds: u64,
 }
 
-/// A frame without its pixels, which follow.
-#[derive(Debug, Serialize, Deserialize)]
-struct FrameHead {
-    size: (usize, usize),
-    scale: FileScale,
-    encoding: Encoding,
-    binning: usize,
-    damage: Option<String>,
-    is_colour: bool,
-    mosaic: Option<Mosaic>,
-}
+/// Size of a frame, and the frame without its pixels, which follow.
+type Head<F> = ((usize, usize), F);
 
 pub fn send(to: &mut impl Write, value: &impl Serialize) -> io::Result<()> {
     let text = serde_json::to_vec(value)?;
@@ -68,18 +58,17 @@ pub fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T> {
 
 pub fn send_reply(to: &mut impl Write, reply: Result<RawFrame>) -> io::Result<()> {
     match reply {
-        Ok(RawFrame { plane, scale, encoding, binning, damage, is_colour, mosaic, misnamed: _ }) => {
-            let head = FrameHead { size: plane.size(), scale, encoding, binning, damage, is_colour, mosaic };
-            send(to, &Ok::<_, Error>(head))?;
-            to.write_all(bytemuck::cast_slice(plane.data()))
+        Ok(frame) => {
+            send(to, &Ok::<Head<_>, Error>((frame.plane.size(), &frame)))?;
+            to.write_all(bytemuck::cast_slice(frame.plane.data()))
         }
-        Err(error) => send(to, &Err::<FrameHead, _>(error)),
+        Err(error) => send(to, &Err::<Head<RawFrame>, _>(error)),
     }
 }
 
 /// Receives the reply about the file `path`. The outer error is a damaged reply, the inner one the child's own.
 pub fn receive_reply(from: &mut impl Read, path: &Path, max: &Limits) -> io::Result<Result<RawFrame>> {
-    let FrameHead { size, scale, encoding, binning, damage, is_colour, mosaic } = match receive(from)? {
+    let (size, frame): Head<RawFrame> = match receive(from)? {
         Ok(head) => head,
         Err(error) => return Ok(Err(error)),
     };
@@ -89,13 +78,13 @@ pub fn receive_reply(from: &mut impl Read, path: &Path, max: &Limits) -> io::Res
     }
     let mut values: Vec<f32> = memory::zeroed(size.0 * size.1);
     from.read_exact(bytemuck::cast_slice_mut(&mut values))?;
-    let plane = Plane::from_vec(size.0, size.1, values);
-    Ok(Ok(RawFrame { encoding, binning, damage, is_colour, mosaic, ..RawFrame::linear(plane, scale) }))
+    Ok(Ok(RawFrame { plane: Plane::from_vec(size.0, size.1, values), ..frame }))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::burst::reading::FileScale;
 
     #[test]
     fn what_is_no_answer_is_an_error() {
