@@ -2,7 +2,7 @@
 //! file that has more than time, or whose description does not fit its pages, is refused until the user says which
 //! axis is that of the frames. `--axis first` takes all pages in their order where the description is of no use.
 
-use super::described::{Axes, Described, Page, words};
+use super::described::{Axes, Described, Page, product, words};
 use crate::burst::layout::{Axis, AxisChoice};
 
 /// Pages that are frames, in their order, and words about what was chosen.
@@ -73,10 +73,8 @@ impl Along {
             });
             let word = if "TZC".contains(example) { example.to_string() } else { "first".to_owned() };
             let written = found.pages.iter().flatten().count();
-            let written = match written == found.axes.iter().map(|(_, length)| length).product::<usize>() {
-                true => String::new(),
-                false => format!(" ({written} pages are written)"),
-            };
+            let is_whole = written == product(&found.axes);
+            let written = if is_whole { String::new() } else { format!(" ({written} pages are written)") };
             return Err((
                 format!("the pages of this file are {}{written}, of which only time makes frames", words(&named)),
                 format!("say along which axis the frames lie: --axis {word}{others}"),
@@ -114,19 +112,16 @@ impl Along {
     fn taken(&self, found: &Described) -> Result<Chosen, Refusal> {
         let Self { axes, along, at } = self;
         let (letter, announced) = axes[*along];
-        let step: usize = axes[along + 1..].iter().map(|(_, length)| length).product();
+        let step = product(&axes[along + 1..]);
         let of_all = |place: usize| place / step % announced;
-        let start: usize = (0..axes.len()).filter(|index| index != along).fold(0, |start, index| {
-            let step: usize = axes[index + 1..].iter().map(|(_, length)| length).product();
-            start + step * at[index]
-        });
+        let others = (0..axes.len()).filter(|index| index != along);
+        let start: usize = others.map(|index| product(&axes[index + 1..]) * at[index]).sum();
         // A stopped recording ends within a time, which counts only if whole. Along other axes only taken places count.
         let is_first = axes[..*along].iter().all(|(_, length)| *length == 1);
         let chosen = |place: usize| {
             is_first || place >= start && (place - start).is_multiple_of(step) && (place - start) / step < announced
         };
-        let full =
-            if is_first { axes.iter().map(|(_, length)| length).product::<usize>() / announced.max(1) } else { 1 };
+        let full = if is_first { product(axes) / announced.max(1) } else { 1 };
         let mut counts = vec![0; announced.min(found.pages.len())];
         for (place, _) in found.pages.iter().enumerate().filter(|(place, page)| page.is_some() && chosen(*place)) {
             counts[of_all(place)] += 1;

@@ -39,7 +39,8 @@ impl Described {
     }
 }
 
-fn product(axes: &Axes) -> usize {
+/// Number of places along `axes`, as far as it can be counted.
+pub(super) fn product(axes: &[(char, usize)]) -> usize {
     axes.iter().fold(1, |product, (_, length)| product.saturating_mul(*length))
 }
 

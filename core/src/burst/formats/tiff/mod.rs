@@ -229,9 +229,7 @@ impl Pages {
         let pages = behind.as_ref().map_or(list.len(), |behind| behind.pages.len());
         let described = match (&behind, &of_microscope) {
             (Some(behind), _) => Ok(Some(behind.clone())),
-            (_, Some(axes)) if axes.iter().map(|(_, length)| length).product::<usize>() == pages => {
-                Ok(Some(Described::in_order(axes.clone(), pages)))
-            }
+            (_, Some(axes)) if described::product(axes) == pages => Ok(Some(Described::in_order(axes.clone(), pages))),
             _ if pages == 1 && description.as_deref().is_none_or(|text| !text.contains("OME")) => Ok(None),
             _ => match &description {
                 Some(text) => described::described(text, path, (pages, shape), options.array.as_deref()),

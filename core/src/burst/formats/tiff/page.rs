@@ -4,14 +4,14 @@
 //!
 //! Frames of one directory (MetaMorph's STK, ImageJ beyond 4 GiB, tifffile, volumes) are numbers at even distances.
 
-use super::described::{Described, PageShape, described};
+use super::described::{Described, PageShape, described, product};
 use super::{FileDecoder, NAME, decoder, failure, no_data, orientation};
 use crate::burst::formats::picture::jpeg;
 use crate::burst::number::Number;
 use crate::burst::options::{Encoding, Limits, OpenOptions};
 use crate::burst::reading::confined::{self, Budget, wire::Part};
 use crate::burst::reading::pixels::{Curve, Sample, grey_from_interleaved, grey_from_planes, turned, turned_mosaic};
-use crate::burst::reading::{FileScale, RawFrame, Reading, frame_of_plane, plain::Plain};
+use crate::burst::reading::{FileScale, RawFrame, Reading, corrupt, frame_of_plane, plain::Plain};
 use crate::error::{Error, Result};
 use crate::files;
 use crate::plane::{Plane, memory};
@@ -97,7 +97,6 @@ impl<'a> PageReader<'a> {
         const DEFLATED: [u16; 2] = [8, 32946];
         let compression = self.decoder.find_tag_unsigned::<u16>(Tag::Compression)?.unwrap_or_default();
         let is_deflated = DEFLATED.contains(&compression);
-        let corrupt = |reason: String| std::io::Error::new(std::io::ErrorKind::InvalidData, reason);
         if compression != JPEG && !is_deflated {
             return Ok(None);
         }
@@ -308,7 +307,7 @@ pub(super) fn announced(description: Option<&str>, path: &Path, shape: PageShape
         return None;
     }
     let found = described(text, path, (1, shape), None).ok().flatten()?;
-    let count = found.axes.iter().fold(1usize, |product, (_, length)| product.saturating_mul(*length));
+    let count = product(&found.axes);
     (count > 1).then(|| Described::in_order(found.axes, count))
 }
 

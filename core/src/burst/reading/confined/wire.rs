@@ -1,7 +1,7 @@
 //! Messages between both processes: a length, JSON of that length, and pixels as in memory: both are of one program.
 
 use crate::burst::options::{Limits, OpenOptions};
-use crate::burst::reading::RawFrame;
+use crate::burst::reading::{RawFrame, corrupt};
 use crate::error::{Error, Result};
 use crate::plane::{Plane, memory};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
@@ -49,7 +49,7 @@ pub fn receive<T: DeserializeOwned>(from: &mut impl Read) -> io::Result<T> {
     from.read_exact(&mut length)?;
     let length = u32::from_le_bytes(length);
     if length > MAX_JSON_BYTES {
-        return Err(io::Error::new(io::ErrorKind::InvalidData, "an answer that is none"));
+        return Err(corrupt("an answer that is none"));
     }
     let mut text = vec![0; length as usize];
     from.read_exact(&mut text)?;
