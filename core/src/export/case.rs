@@ -11,7 +11,7 @@ use crate::detector::SearchParams;
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::{self, MAX_SESSION_BYTES, MAX_SETTINGS_BYTES, mark::OutputKind};
 use crate::monitor::{Cancelled, Monitor, Stage};
-use crate::plane::{Mask, Plane, memory};
+use crate::plane::{Mask, Plane, memory, tile::Region};
 use crate::synth::{FeatureTruth, Truth};
 use serde::{Deserialize, Serialize};
 use std::io::{self, BufReader, Cursor, Read, Write};
@@ -105,26 +105,13 @@ impl Case {
         monitor: &Monitor,
     ) -> Result<(Self, Burst), Cancelled> {
         let (width, height) = burst.size();
-        let span = |at: f32, half: usize, n: usize| {
-            let middle = (at.round().max(0.0) as usize).min(n - 1);
-            middle.saturating_sub(half)..(middle + half + 1).min(n)
-        };
-        let (columns, rows) = match (place, around) {
-            (Some([u, v]), Some(half)) => (span(u, half, width), span(v, half, height)),
-            _ => (0..width, 0..height),
-        };
+        let whole = Region { columns: 0..width, rows: 0..height };
+        let region = place.zip(around).map_or(whole, |(at, half)| Region::around(at, half, (width, height)));
+        let (columns, rows) = (&region.columns, &region.rows);
         // Frames are shared: only a crop copies pixels.
         let mut part = burst.clone();
         if columns.len() < width || rows.len() < height {
-            let crop = |frame: &Arc<Plane>| {
-                let part = |of: &Plane| {
-                    let at = |u: usize, v: usize| of.at(columns.start + u, rows.start + v);
-                    Plane::from_fn(columns.len(), rows.len(), at)
-                };
-                let mask = frame.mask().and_then(|mask| Mask::new(part(mask.weights())));
-                Arc::new(part(frame).masked(mask))
-            };
-            part.frames = burst.frames.iter().map(crop).collect();
+            part.frames = burst.frames.iter().map(|frame| Arc::new(frame.part(&region))).collect();
         }
         // For the part alone, which may need fewer words than the whole burst.
         let (offset, scale) = words_of(&part, monitor)?;

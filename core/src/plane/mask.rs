@@ -55,6 +55,15 @@ impl Plane {
         self.mask.as_ref()
     }
 
+    /// The part of `region`, which lies inside, with its mask.
+    pub(crate) fn part(&self, Region { columns, rows }: &Region) -> Self {
+        let part = |of: &Self| {
+            let at = |u: usize, v: usize| of.at(columns.start + u, rows.start + v);
+            Self::from_fn(columns.len(), rows.len(), at)
+        };
+        part(self).masked(self.mask().and_then(|mask| Mask::new(part(mask.weights()))))
+    }
+
     /// Weight of the sample at column `u`, row `v`: 1 unless a mask hides it.
     pub fn weight_at(&self, u: usize, v: usize) -> f32 {
         self.mask.as_ref().map_or(1.0, |mask| mask.weights.at(u, v))

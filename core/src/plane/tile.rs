@@ -22,6 +22,13 @@ impl Region {
         Self { columns: 0..plane.width(), rows: 0..plane.height() }
     }
 
+    /// Region of the pixel nearest to `place` (u, v), with `by` more on each side, inside an image of `size`.
+    pub fn around(place: [f32; 2], by: usize, size: (usize, usize)) -> Self {
+        let pixel = |at: f32, n: usize| (at.round().max(0.0) as usize).min(n - 1);
+        let (u, v) = (pixel(place[0], size.0), pixel(place[1], size.1));
+        Self { columns: u..u + 1, rows: v..v + 1 }.widened(by, size)
+    }
+
     /// Part of this region inside `plane`; may be empty.
     #[must_use]
     pub fn within(&self, plane: &Plane) -> Self {

@@ -16,9 +16,8 @@ use crate::detector::test::LOWEST_GATE;
 use crate::detector::{DetectorParams, Feature, Neighbourhood, NoiseGate, ParamChange, Sample, Scale, Slope, Trail};
 use crate::inspect::words::{number, slope_text};
 use crate::monitor::{Cancelled, Monitor};
-use crate::plane::{Mask, Plane};
+use crate::plane::tile::Region;
 use serde::Serialize;
-use std::sync::Arc;
 
 /// Kind of a hidden cause.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -220,20 +219,13 @@ fn kept_there(
         let from = (x - reach - AROUND_PX).max(0.0) as usize;
         from..n.min((x + reach + AROUND_PX) as usize + 1)
     };
-    let (columns, rows) = (part(u, trail.size_image().0), part(v, trail.size_image().1));
-    let cut = |frame: &Arc<Plane>| {
-        let of = |value: &dyn Fn(usize, usize) -> f32| {
-            Plane::from_fn(columns.len(), rows.len(), |u, v| value(columns.start + u, rows.start + v))
-        };
-        let seen = frame.mask().and_then(|_| Mask::new(of(&|u, v| frame.weight_at(u, v))));
-        of(&|u, v| frame.at(u, v)).masked(seen)
-    };
-    let burst = Burst::from_planes("place", frames.iter().map(cut).collect());
+    let near = Region { columns: part(u, trail.size_image().0), rows: part(v, trail.size_image().1) };
+    let burst = Burst::from_planes("place", frames.iter().map(|frame| frame.part(&near)).collect());
     let burst = Burst { positions: positions.of(kept), ..burst };
     let early = kept.first().map_or((0.0, 0.0), |first| {
         slope.displacement((positions.offset(*first) - burst.positions.offset(0)).to_f32())
     });
-    let place = [u - early.0 - columns.start as f32, v - early.1 - rows.start as f32];
+    let place = [u - early.0 - near.columns.start as f32, v - early.1 - near.rows.start as f32];
     let params = DetectorParams {
         frames: None,
         octaves: 1,

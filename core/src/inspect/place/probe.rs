@@ -388,9 +388,7 @@ fn add_octave(
     let (size, pixel, levels) = (trail.octave_size(octave), octave_pixel(octave), trail.space().levels);
     let reach = |level: i32| (reach_sigmas * trail.space().sigma_octave(f64::from(level)) as f32).max(2.0);
     let widest = reach(levels as i32 - 1).ceil() as usize;
-    let middle = |x: f32, n: usize| ((x / pixel).round().max(0.0) as usize).min(n - 1);
-    let (x, y) = (middle(place[0], size.0), middle(place[1], size.1));
-    let region = Region { columns: x..x + 1, rows: y..y + 1 }.widened(widest, size);
+    let region = Region::around(place.map(|x| x / pixel), widest, size);
     let around = trail.neighbourhood(octave, &region, monitor)?;
     let mut samples = open_candidates(trail, &around);
     samples.retain(|sample| {

@@ -269,16 +269,11 @@ pub(crate) fn stack_around(
     half_px: usize,
     monitor: &Monitor,
 ) -> Result<(Plane, [f32; 2]), Cancelled> {
-    let (width, height) = trail.size_image();
-    let range = |at: f32, n: usize| {
-        let at = (at.round().max(0.0) as usize).min(n - 1);
-        at.saturating_sub(half_px)..(at + half_px + 1).min(n)
-    };
-    let (columns, rows) = (range(u, width), range(v, height));
+    let region = Region::around([u, v], half_px, trail.size_image());
     monitor.check()?;
     let shown = covering(trail, [u, v], slope);
-    let place = [u - columns.start as f32, v - rows.start as f32];
-    Ok((trail.stack_part(&Region { columns, rows }, slope, &shown), place))
+    let place = [u - region.columns.start as f32, v - region.rows.start as f32];
+    Ok((trail.stack_part(&region, slope, &shown), place))
 }
 
 /// Likely nature of a feature.
