@@ -23,10 +23,8 @@ mod tests;
 
 use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::panes::Change;
-use crate::app::document::{Action, Document, Look, PairTab, Pointed, Side, Visibility};
-use crate::app::pane::Content;
+use crate::app::document::{Action, Pointed, Side, Visibility};
 use crate::app::results::{Effect, Model, Read};
-use crate::app::view::View;
 use crate::engine::Engine;
 use crate::teach::BottomTab;
 
@@ -48,7 +46,8 @@ pub fn apply(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> 
     Vec::new()
 }
 
-/// Applies those that need the engine, the bursts or what was answered; the others change the document alone.
+/// Applies those that need the engine, the bursts or what was answered; the others change the document alone, as
+/// their declaration says (`document::action`).
 fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     use Action as A;
     match action {
@@ -115,11 +114,9 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::ForgetKept(index) => studies::forget_kept(model, index),
         A::SortPairs(column) => model.results.datasets.open.iter_mut().for_each(|open| open.matches.sort_by(column)),
         A::ChangePanes(change) => panes::change_panes(model, change),
-        action => {
-            if let Some(other) = action.set_field(&mut model.document) {
-                set(other, &mut model.document);
-            }
-        }
+        A::MoveView { pane, before, after } => model.document.move_view(pane, &before, after),
+        A::StopFollowing => model.document.probe.follows = false,
+        action => action.change(&mut model.document),
     }
     Vec::new()
 }
@@ -134,17 +131,17 @@ fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
         Some(Does::Switch { turn: set, .. } | Does::Set(set)) => set(&mut model.document),
         Some(Does::Slope(of)) => {
             let slope = of(&Read::of(model).cursor_params().slopes, model.document.cursor().slope);
-            set_pane(Action::SetSlope(focus, slope), &mut model.document);
+            model.document.paused().show_slope(focus, slope);
         }
         Some(Does::Frame(go)) => {
             let mut cursor = *model.document.cursor();
             go(&mut cursor);
-            set_pane(Action::SetFrame(focus, cursor.frame), &mut model.document);
+            model.document.paused().show_frame(focus, cursor.frame);
         }
         Some(Does::Scale(go)) => {
             let mut cursor = *model.document.cursor();
             go(&mut cursor);
-            set_pane(Action::SetScale(focus, cursor.octave, cursor.level), &mut model.document);
+            model.document.paused().show_scale(focus, cursor.octave, cursor.level);
         }
         Some(Does::Show(kind)) => model.document.lead(focus, |pane| pane.show(kind)),
         Some(Does::Run(run)) => run(model, engine),
@@ -152,70 +149,6 @@ fn do_row(id: ActionId, model: &mut Model, engine: &Engine) -> Option<Effect> {
         None => {}
     }
     None
-}
-
-fn set(action: Action, document: &mut Document) {
-    use Action as A;
-    match action {
-        A::SetLook(look) => {
-            if look.smoothing_px != document.look.smoothing_px {
-                // With less noise the values span less.
-                document.focused_ranges_mut().forget();
-            }
-            document.look = Look { ranges: document.look.ranges, ..look };
-        }
-        A::SetDisplay(class, display) => *document.focused_ranges_mut().display_mut(class) = display,
-        A::OpenTab(tab) => (document.bottom_tab, document.panels.bottom) = (tab, Visibility::Open),
-        A::Change(changes) => document.change(&changes),
-        A::ReadDepths(reads) => document.read_depths(reads),
-        A::ShowTest(test) => (document.shown_test, document.selected_candidate) = (test, None),
-        A::StopFollowing => document.probe.follows = false,
-        A::ShowKind(side, kind, shown) => show(&mut document.comparisons[side].hidden, kind, shown),
-        A::SetPairLinks(links) => document.set_pair_links(links),
-        A::SelectMatch(index) => (document.selected_match, document.asked_about) = (index, None),
-        A::ShowLost(lost, shown) => {
-            show(&mut document.hidden_losses, lost, shown);
-            document.pair_tab = PairTab::Unmatched;
-        }
-        A::ChooseBurst(side, place) => document.dataset.iter_mut().for_each(|dataset| dataset.choose(side, place)),
-        A::SelectPair(pair) => document.dataset.iter_mut().for_each(|dataset| dataset.select(pair)),
-        A::ShowPoints(points) => {
-            // The section shown is another one.
-            (document.trajectories.points, document.trajectories.view) = (points, View::fit());
-        }
-        action => set_pane(action, document),
-    }
-}
-
-/// Hides or shows one of the kinds of which `hidden` are not drawn.
-fn show<T: PartialEq>(hidden: &mut Vec<T>, kind: T, shown: bool) {
-    hidden.retain(|other| *other != kind);
-    hidden.extend((!shown).then_some(kind));
-}
-
-fn set_pane(action: Action, document: &mut Document) {
-    use Action as A;
-    document.playing &= !matches!(action, A::SetFrame(..) | A::SetSlope(..) | A::SetScale(..));
-    match action {
-        A::Focus(id) => document.panes.set_focus(id),
-        A::Rearrange(arrangement) => document.panes.rearrange(arrangement),
-        A::MoveView { pane, before, after } => document.move_view(pane, &before, after),
-        A::GoTo(side, destination) => document.go_to(side, &destination),
-        A::SetFrame(id, frame) | A::PlayFrame(id, frame) => document.show_frame(id, frame),
-        A::SetSlope(id, slope) | A::PlaySlope(id, slope) => document.show_slope(id, slope),
-        A::SetScale(id, octave, level) | A::PlayScale(id, octave, level) => document.lead(id, |pane| {
-            (pane.cursor.octave, pane.cursor.level) = (octave, level);
-            pane.show_scale();
-        }),
-        A::Show(id, kind) => document.lead(id, |pane| pane.show(kind)),
-        A::SetContent(id, Content::Slice(axis)) => document.lead(id, |pane| pane.show_slice(axis)),
-        A::SetContent(id, content) => document.lead(id, |pane| pane.content = content),
-        A::SetOver(id, over) => document.lead(id, |pane| pane.over = over),
-        A::SetLink(id, link, on) => document.set_link(id, link, on),
-        A::SetMethod(id, method) => document.lead(id, |pane| pane.method = Some(method)),
-        A::SetSide(id, side) => document.panes.show_side(id, side),
-        _ => {}
-    }
 }
 
 pub fn point_at(model: &mut Model, pointed: Pointed) {

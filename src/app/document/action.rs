@@ -7,7 +7,7 @@ use crate::app::document::panes::Change;
 use crate::app::document::{
     BurstPair, CompareLook, Compared, Destination, Document, FigureChoice, FilmChoice, Filter, Lab, Look, MatchColumn,
     MatchLook, Measure, MethodId, Order, PairChoice, PairColumn, PairTab, Panels, Playing, RangeClass, Reference,
-    SavedMatch, SavedSelection, SetUpState, Side, Sides,
+    SavedMatch, SavedSelection, SetUpState, Side, Sides, Visibility,
 };
 use crate::app::pane::{Arrangement, Content, Link, Over, PaneId, PaneLinks, Preset};
 use crate::app::session::Session;
@@ -25,12 +25,17 @@ use crate::teach::BottomTab;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Declares [`Action`] with the fields of the document that an action each sets and that nothing else follows from:
-/// how it is written, what sets it and what compares it are made from one line.
+/// Declares [`Action`], with what each changes of the document in the same place: a field that it sets and that nothing
+/// else follows from, whose comparison is made from the same line, or `changes`, which take an expression. What needs
+/// results, the engine or the shell is one of the `others`, which `apply` and the window carry out.
 macro_rules! actions {
     (
         fields { $($(#[$doc:meta])* $set:ident($(#[$written:meta])* $value:ty) => $($field:ident).+;)* }
         large { $($(#[$about:meta])* $replace:ident($large:ty) => $($place:ident).+;)* }
+        changes {
+            $($(#[$what:meta])* $change:ident($($(#[$how:meta])* $part:ty),*)
+                => |$document:ident $(, $given:ident)*| $does:expr;)*
+        }
         others { $($others:tt)* }
     ) => {
         #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -38,18 +43,22 @@ macro_rules! actions {
         pub enum Action {
             $($(#[$doc])* $set($(#[$written])* $value),)*
             $($(#[$about])* $replace(Box<$large>),)*
+            $($(#[$what])* $change($($(#[$how])* $part),*),)*
             $($others)*
         }
 
         impl Action {
-            /// Sets the field of an action that sets one; others are given back.
-            pub fn set_field(self, document: &mut Document) -> Option<Self> {
+            /// Makes a change of the document alone; the others leave it as it is.
+            pub fn change(self, of: &mut Document) {
                 match self {
-                    $(Self::$set(value) => document.$($field).+ = value,)*
-                    $(Self::$replace(value) => document.$($place).+ = *value,)*
-                    other => return Some(other),
+                    $(Self::$set(value) => of.$($field).+ = value,)*
+                    $(Self::$replace(value) => of.$($place).+ = *value,)*
+                    $(Self::$change($($given),*) => {
+                        let $document = of;
+                        $does;
+                    })*
+                    _ => {}
                 }
-                None
             }
 
             pub fn sets_field(&self) -> bool {
@@ -97,6 +106,59 @@ large {
     SetMatching(MatchParams) => matching;
     SetLab(Lab) => lab;
 }
+changes {
+    Focus(PaneId) => |document, id| document.panes.set_focus(id);
+    Rearrange(Arrangement) => |document, arrangement| document.panes.rearrange(arrangement);
+    GoTo(Side, Destination) => |document, side, destination| document.go_to(side, &destination);
+    SetFrame(PaneId, usize) => |document, id, frame| document.paused().show_frame(id, frame);
+    SetSlope(PaneId, Slope) => |document, id, slope| document.paused().show_slope(id, slope);
+    SetScale(PaneId, i32, i32) => |document, id, octave, level| document.paused().show_scale(id, octave, level);
+    /// The next frame, slope, or octave and level, while these are played.
+    PlayFrame(PaneId, usize) => |document, id, frame| document.show_frame(id, frame);
+    PlaySlope(PaneId, Slope) => |document, id, slope| document.show_slope(id, slope);
+    PlayScale(PaneId, i32, i32) => |document, id, octave, level| document.show_scale(id, octave, level);
+    Show(PaneId, ViewKind) => |document, id, kind| document.lead(id, |pane| pane.show(kind));
+    SetContent(PaneId, Content) => |document, id, content| document.lead(id, |pane| match content {
+        Content::Slice(axis) => pane.show_slice(axis),
+        content => pane.content = content,
+    });
+    SetOver(PaneId, #[serde(with = "or_none")] Option<Over>) => |document, id, over|
+        document.lead(id, |pane| pane.over = over);
+    SetLink(PaneId, Link, bool) => |document, id, link, on| document.set_link(id, link, on);
+    SetMethod(PaneId, MethodId) => |document, id, method| document.lead(id, |pane| pane.method = Some(method));
+    SetSide(PaneId, Side) => |document, id, side| document.panes.show_side(id, side);
+
+    /// Of the pane in focus, or of all that share its display.
+    SetDisplay(RangeClass, Display) => |document, class, display|
+        *document.focused_ranges_mut().display_mut(class) = display;
+    /// All but its value ranges.
+    SetLook(Look) => |document, look| document.set_look(look);
+    OpenTab(BottomTab) => |document, tab| (document.bottom_tab, document.panels.bottom) = (tab, Visibility::Open);
+
+    /// Values of single parameters.
+    Change(Vec<ParamChange>) => |document, changes| document.change(&changes);
+    ReadDepths(bool) => |document, reads| document.read_depths(reads);
+    ShowTest(#[serde(with = "or_none")] Option<Test>) => |document, test|
+        (document.shown_test, document.selected_candidate) = (test, None);
+
+    ShowKind(Side, Compared, bool) => |document, side, kind, shown|
+        show(&mut document.comparisons[side].hidden, kind, shown);
+    SetPairLinks(PaneLinks) => |document, links| document.set_pair_links(links);
+    SelectMatch(#[serde(with = "or_none")] Option<usize>) => |document, index|
+        (document.selected_match, document.asked_about) = (index, None);
+    ShowLost(Lost, bool) => |document, lost, shown| {
+        show(&mut document.hidden_losses, lost, shown);
+        document.pair_tab = PairTab::Unmatched;
+    };
+
+    /// A burst of the open dataset, by its place, as A or B of a pair.
+    ChooseBurst(Side, usize) => |document, side, place|
+        document.dataset.iter_mut().for_each(|set| set.choose(side, place));
+    SelectPair(BurstPair) => |document, pair| document.dataset.iter_mut().for_each(|set| set.select(pair));
+    /// With other points the section shown is another one.
+    ShowPoints(bool) => |document, points|
+        (document.trajectories.points, document.trajectories.view) = (points, View::fit());
+}
 others {
     /// A row of the action table: what menus, keys and buttons do.
     Do(ActionId),
@@ -119,47 +181,20 @@ others {
     /// Also where features of other parameters are replaced.
     DetectAllAnyway,
 
-    Focus(PaneId),
-    Rearrange(Arrangement),
     ChangePanes(Change),
     MoveView {
         pane: PaneId,
         before: View,
         after: View,
     },
-    GoTo(Side, Destination),
-    SetFrame(PaneId, usize),
-    SetSlope(PaneId, Slope),
-    /// The next frame, slope, or octave and level, while these are played.
-    PlayFrame(PaneId, usize),
-    PlaySlope(PaneId, Slope),
-    PlayScale(PaneId, i32, i32),
-    SetScale(PaneId, i32, i32),
-    Show(PaneId, ViewKind),
-    SetContent(PaneId, Content),
-    SetOver(PaneId, #[serde(with = "or_none")] Option<Over>),
-    SetLink(PaneId, Link, bool),
-    SetMethod(PaneId, MethodId),
-    SetSide(PaneId, Side),
-
-    /// Of the pane in focus, or of all that share its display.
-    SetDisplay(RangeClass, Display),
-    /// All but its value ranges.
-    SetLook(Look),
     ColourBy(ColourBy),
-    OpenTab(BottomTab),
     ToggleTab(BottomTab),
 
-    /// Values of single parameters.
-    Change(Vec<ParamChange>),
     /// The first `n` frames, added up along the slope; of one its frame.
     UseFrames(usize),
     /// Advice for the burst of a side.
     ApplyChanges(Side, Vec<ParamChange>),
     ApplySetUp,
-    ReadDepths(bool),
-
-    ShowTest(#[serde(with = "or_none")] Option<Test>),
     ExamineSlopes,
     SearchDecoys,
 
@@ -169,27 +204,18 @@ others {
     StopFollowing,
 
     CompareWith(Side, #[serde(with = "or_none")] Option<Reference>),
-    ShowKind(Side, Compared, bool),
     SelectRow(Side, #[serde(with = "or_none")] Option<usize>),
 
-    SetPairLinks(PaneLinks),
     SetPairTab(PairTab),
-    SelectMatch(#[serde(with = "or_none")] Option<usize>),
     /// Why a feature of A has no match.
     AskFeature(#[serde(with = "or_none")] Option<usize>),
-    ShowLost(Lost, bool),
 
     ShowKept(usize, bool),
     NameKept(usize, String),
     ForgetKept(usize),
 
-    /// A burst of the open dataset, by its place, as A or B of a pair.
-    ChooseBurst(Side, usize),
-    SelectPair(BurstPair),
     SortPairs(PairColumn),
-
     SetPoseStudy(PoseStudy),
-    ShowPoints(bool),
     /// The burst of a camera, by its label.
     OpenCamera(String),
 
@@ -200,6 +226,12 @@ others {
     #[serde(skip)]
     Stage(Staged),
 }
+}
+
+/// Hides or shows one of the kinds of which `hidden` are not drawn.
+fn show<T: PartialEq>(hidden: &mut Vec<T>, kind: T, shown: bool) {
+    hidden.retain(|other| *other != kind);
+    hidden.extend((!shown).then_some(kind));
 }
 
 /// Thing under the pointer, or as last drawn: of no lasting effect.

@@ -127,6 +127,14 @@ impl Document {
         self.set_up.is_open = true;
     }
 
+    /// Sets the look but its value ranges, which begin anew where the smoothing changes: with less noise values span less.
+    pub fn set_look(&mut self, look: Look) {
+        if look.smoothing_px != self.look.smoothing_px {
+            self.focused_ranges_mut().forget();
+        }
+        self.look = Look { ranges: self.look.ranges, ..look };
+    }
+
     /// Reads slopes as depths, or no longer; colours that would show depths then show slopes.
     pub fn read_depths(&mut self, reads_depths: bool) {
         self.set_up.reads_depths = reads_depths;

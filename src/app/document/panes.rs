@@ -63,6 +63,19 @@ impl Document {
         });
     }
 
+    pub fn show_scale(&mut self, id: PaneId, octave: i32, level: i32) {
+        self.lead(id, |pane| {
+            (pane.cursor.octave, pane.cursor.level) = (octave, level);
+            pane.show_scale();
+        });
+    }
+
+    /// The document with the playing stopped: the user goes to a picture of their own.
+    pub fn paused(&mut self) -> &mut Self {
+        self.playing = false;
+        self
+    }
+
     /// Moves the view of a pane as a canvas moved it from `before` to `after`, and those that are linked with it.
     pub fn move_view(&mut self, id: PaneId, before: &View, after: View) {
         let Some(pane) = self.panes.get_mut(id) else { return };
