@@ -56,10 +56,10 @@ pub fn copy_row(ctx: &egui::Context, model: Read<'_>, widgets: &PaneWidgets) -> 
 }
 
 fn selected_text(model: Read<'_>) -> Option<String> {
-    if !model.document.workspace.shows_pair() {
-        return model.selected_feature().map(feature_text);
+    match model.document.workspace.shows_pair() {
+        true => model.selected_match().map(|row| match_text(&row)),
+        false => model.selected_feature().map(feature_text),
     }
-    Some(match_text(&model.results.pair.matches.as_ref()?.row(model.document.selected_match?)?))
 }
 
 /// Returns the note about what was copied, or why there is no command.

@@ -197,9 +197,7 @@ impl BurstscopeApp {
             }
             Effect::StartLesson(lesson) => self.start_lesson(lesson),
             Effect::ForgetWidgets => {
-                self.widgets = Default::default();
-                self.pair_panels = Default::default();
-                (self.selection, self.probe, self.regions) = Default::default();
+                (self.widgets, self.workspace) = Default::default();
             }
         }
     }

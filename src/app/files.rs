@@ -62,20 +62,7 @@ fn suggested_name(purpose: Purpose, model: Read<'_>) -> String {
         Purpose::SaveParams => "params.toml".to_owned(),
         Purpose::Export(kind) => {
             let (content, of_cursor) = (model.document.focused().content, model.document.cursor().kind);
-            let what = match kind {
-                ExportKind::Csv | ExportKind::Colmap | ExportKind::Npz => "features",
-                ExportKind::Matches => "matches",
-                ExportKind::Methods => "methods",
-                ExportKind::Profile => "profile",
-                ExportKind::Figure => "figure",
-                ExportKind::CurvesCsv | ExportKind::CurvesSvg => "curves",
-                ExportKind::Case => "case",
-                ExportKind::Report => "report",
-                ExportKind::Film => "film",
-                ExportKind::Mask => "mask",
-                ExportKind::Sheet => "lesson",
-                ExportKind::Tiff | ExportKind::Png => content.key(of_cursor),
-            };
+            let what = kind.content().unwrap_or_else(|| content.key(of_cursor));
             let extension = if kind == ExportKind::Figure {
                 model.document.figure.format.extension()
             } else {
@@ -247,7 +234,10 @@ fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<W
                 film.write(path, rate, &export::rasterise, &free, &Monitor::default())
             }))
         }
-        Purpose::Export(ExportKind::Figure) => figure_work(model, widgets),
+        Purpose::Export(ExportKind::Figure) => {
+            let drawing = drawing_of(model, widgets, &model.document.figure)?;
+            Ok(work(move |path| export::write_drawing(path, &drawing)))
+        }
         Purpose::Export(kind) => picture_work(model, kind),
         _ => Err("nothing is written for this".to_owned()),
     }
@@ -367,11 +357,6 @@ fn picture_work(model: Read<'_>, kind: ExportKind) -> Result<Work, String> {
         ExportKind::Tiff => work(move |path| export::write_tiff(path, &picture.plane)),
         _ => work(move |path| export::write_png(path, picture_of(&picture.rgba(&display, &features)))),
     })
-}
-
-fn figure_work(model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
-    let drawing = drawing_of(model, widgets, &model.document.figure)?;
-    Ok(work(move |path| export::write_drawing(path, &drawing)))
 }
 
 fn values_work(figure: impl Into<export::Figure>) -> Work {

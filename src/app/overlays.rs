@@ -9,7 +9,7 @@ use super::files;
 use super::lesson::Lessons;
 use crate::app::document::{Action, Purpose, Side};
 use crate::app::panel::glossary::GlossaryWindow;
-use crate::app::panel::modals::CalibrationChoice;
+use crate::app::panel::modals;
 use crate::app::results::{Effect, Read};
 use crate::burst::OpenOptions;
 use crate::requests::{BurstId, BurstSource};
@@ -70,10 +70,6 @@ impl Overlays {
         model.is_film() && self.stays_whole != open && self.cut.is_none()
     }
 
-    pub fn keep_whole(&mut self, model: Read<'_>) {
-        self.stays_whole = model.burst_of(Side::A).map(|open| open.id);
-    }
-
     pub fn are_modal(&self, lessons: &Lessons) -> bool {
         self.palette.is_open()
             || self.sheet_open
@@ -104,18 +100,9 @@ impl Overlays {
         super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut figure, has_matches, queue);
         queue.edit(model.document, Action::SetFigure(figure));
         self.film.ui(ctx, model, queue);
-        match crate::app::panel::modals::calibration_ui(ctx, &mut self.calibration) {
-            Some(CalibrationChoice::Choose(purpose)) => effects.push(Effect::Ask(purpose)),
-            Some(CalibrationChoice::Draw) => {
-                self.calibration = None;
-                queue.push(ActionId::WorkspaceInspect);
-                queue.push(ActionId::DrawMask);
-            }
-            Some(CalibrationChoice::Apply(options)) => queue.push(Action::Calibrate(options)),
-            None => {}
-        }
+        effects.extend(modals::calibration_ui(ctx, &mut self.calibration, queue).map(Effect::Ask));
         effects.extend(self.path_ui(ctx, model));
-        if let Some(burst) = crate::app::panel::modals::chooser_ui(ctx, &mut self.choice) {
+        if let Some(burst) = modals::chooser_ui(ctx, &mut self.choice) {
             queue.push(Action::Open(self.choice_side, burst));
         }
         if let Some((side, source, dump)) = self.shape.ui(ctx) {
@@ -131,9 +118,7 @@ impl Overlays {
                 queue.push(Action::OpenDataset(source));
             }
         }
-        if super::dataset::replace_features_ui(ctx, &mut self.replace_features, &model.results.datasets) {
-            queue.push(Action::DetectAllAnyway);
-        }
+        super::dataset::replace_features_ui(ctx, &mut self.replace_features, &model.results.datasets, queue);
         let has_filmstrip = model.results.datasets.open.is_some() && model.document.panels.filmstrip;
         let below = if has_filmstrip { super::dataset::filmstrip::HEIGHT } else { 0.0 };
         crate::app::panel::status::messages_ui(ctx, &model.shell.messages, below, queue);

@@ -5,24 +5,20 @@ use super::actions::menu::menu_bar_ui;
 use super::actions::{ActionId, Queue};
 use super::canvas::Readout;
 use super::dataset::filmstrip::Thumbnails;
-use super::dataset::{CutChoice, cut_offer_ui, filmstrip};
+use super::dataset::{cut_offer_ui, filmstrip};
 use super::dialogs::{FileAnswer, FileChooser, Question};
-use super::document::{Action, Document, Journal, Playback};
+use super::document::{Document, Journal, Playback};
 use super::files::drop_places;
 use super::inspector::{PaneWidgets, PlaceValue, is_led};
 use super::lesson::{Captions, LessonAction, Lessons, lesson_ui, rings_ui, take_hall_keys};
-use super::measure::RegionCache;
 use super::overlays::Overlays;
 use super::pane::PaneId;
 use super::panel::modals::about_ui;
-use super::panel::probe::{PlaneTexture, ProbePanel};
-use super::panel::selection::SelectionState;
 use super::recovery::Recovery;
 use super::session::Restoring;
 use super::settings::Settings;
 use super::startup::{EndRequest, Startup};
-use super::workspace::pair::PairPanels;
-use super::workspace::{WorkspaceParts, switch_ui, workspace_ui};
+use super::workspace::{WorkspaceParts, WorkspaceState, switch_ui, workspace_ui};
 use super::{actions, clipboard, panel, parts};
 use crate::app::apply::{asking, explained, methods, pair, panes, params};
 use crate::app::document::{ExportKind, Purpose, Side};
@@ -38,11 +34,7 @@ pub struct BurstscopeApp {
     pub model: Model,
     pub engine: Engine,
     pub widgets: PaneWidgets,
-    pub pair_panels: PairPanels,
-    pub(super) selection: SelectionState,
-    pub(super) probe: ProbePanel,
-    pub(super) lab_picture: PlaneTexture,
-    pub(super) regions: RegionCache,
+    pub(super) workspace: WorkspaceState,
     pub(super) thumbnails: Thumbnails,
     pub(super) overlays: Overlays,
     pub(super) restoring: Restoring,
@@ -76,11 +68,7 @@ impl BurstscopeApp {
             model,
             engine: Engine::new(on_update.clone(), startup.settings.cache_bytes()),
             widgets: PaneWidgets::default(),
-            pair_panels: PairPanels::default(),
-            selection: SelectionState::default(),
-            probe: ProbePanel::default(),
-            lab_picture: PlaneTexture::default(),
-            regions: RegionCache::default(),
+            workspace: WorkspaceState::default(),
             thumbnails: Thumbnails::default(),
             overlays: Overlays::default(),
             restoring: Restoring::default(),
@@ -311,7 +299,8 @@ impl BurstscopeApp {
                     panel::welcome::welcome_ui(ui, Read::of(&self.model), &self.settings, &self.lessons, queue);
             });
         } else {
-            self.workspace_ui(ui, queue);
+            let Self { model, widgets, workspace: state, .. } = self;
+            workspace_ui(ui, &mut WorkspaceParts { model: Read::of(model), widgets, state, queue });
             if let Some(rect_ui) = self.widgets.get(self.model.document.focus()).and_then(|widgets| widgets.rect_ui) {
                 let Self { model, lessons, .. } = self;
                 start_lesson = panel::welcome::card_ui(ui.ctx(), Read::of(model), lessons, rect_ui, queue);
@@ -341,11 +330,9 @@ impl BurstscopeApp {
         }
         if self.overlays.offers_cut(Read::of(&self.model)) {
             let (frames, length) = (Read::of(&self.model).frame_count(), self.settings.burst_length);
-            match Panel::top("cut offer").frame(bar).show(ui, |ui| cut_offer_ui(ui, frames, length)).inner {
-                Some(CutChoice::Cut) => queue.push(Action::CutOpenBurst(length)),
-                Some(CutChoice::Ask) => queue.push(ActionId::CutSequence),
-                Some(CutChoice::Keep) => self.overlays.keep_whole(Read::of(&self.model)),
-                None => {}
+            let offer_ui = |ui: &mut Ui| cut_offer_ui(ui, frames, length, queue);
+            if Panel::top("cut offer").frame(bar).show(ui, offer_ui).inner {
+                self.overlays.stays_whole = Read::of(&self.model).burst_of(Side::A).map(|open| open.id);
             }
         }
     }
@@ -368,20 +355,6 @@ impl BurstscopeApp {
             self.overlays.glossary.open(Some(word));
         }
         clicks.asked
-    }
-
-    fn workspace_ui(&mut self, ui: &mut Ui, queue: &mut Queue) {
-        let mut parts = WorkspaceParts {
-            model: Read::of(&self.model),
-            widgets: &mut self.widgets,
-            pair: &mut self.pair_panels,
-            selection: &mut self.selection,
-            probe: &mut self.probe,
-            regions: &mut self.regions,
-            lab_picture: &mut self.lab_picture,
-            queue,
-        };
-        workspace_ui(ui, &mut parts);
     }
 
     fn drop_hint_ui(&self, ui: &Ui) {

@@ -147,40 +147,32 @@ fn frame_ui(
     let (font, weak) = (FontId::proportional(12.0), ui.visuals().weak_text_color());
     let mut y = rect.top() + 16.0;
     // Each entry goes below the one before: an absent part leaves no gap.
-    let mut entry = |text: &str, colour: Color32, kind: Entry| {
-        let (from, to) = (pos2(rect.left() + 12.0, y), pos2(rect.left() + 36.0, y));
-        let middle = from + 0.5 * (to - from);
-        let stroke = Stroke::new(1.5, colour);
-        match kind {
-            Entry::Truth => {
-                painter.line_segment([from, to], stroke);
-                painter.circle_stroke(middle, 4.0, stroke);
-            }
-            Entry::Estimate => {
-                painter.extend(Shape::dashed_line(&[from, to], stroke, 6.0, 4.0));
-                painter.circle_filled(middle, 3.0, colour);
-            }
-            Entry::Missing => {
-                painter.circle_stroke(middle, 4.0, stroke);
-            }
-            Entry::Point => {
-                painter.rect_filled(Rect::from_center_size(middle, vec2(2.5, 2.5)), 0.0, colour);
-            }
-        }
+    let mut entry = |text: &str, colour: Color32, sign: &dyn Fn([Pos2; 2], Pos2, Stroke)| {
+        let ends @ [from, to] = [pos2(rect.left() + 12.0, y), pos2(rect.left() + 36.0, y)];
+        sign(ends, from + 0.5 * (to - from), Stroke::new(1.5, colour));
         painter.text(to + vec2(8.0, 0.0), Align2::LEFT_CENTER, text, font.clone(), ui.visuals().text_color());
         y += 18.0;
     };
     if !scene.truth.is_empty() {
-        entry("Truth", true_colour, Entry::Truth);
+        entry("Truth", true_colour, &|ends, middle, stroke| {
+            painter.line_segment(ends, stroke);
+            painter.circle_stroke(middle, 4.0, stroke);
+        });
     }
     if !scene.estimate.is_empty() {
-        entry("Estimate, aligned", estimated_colour, Entry::Estimate);
+        entry("Estimate, aligned", estimated_colour, &|ends, middle, stroke| {
+            painter.extend(Shape::dashed_line(&ends, stroke, 6.0, 4.0));
+            painter.circle_filled(middle, 3.0, stroke.color);
+        });
     }
     if model.results.poses.report().is_some() && scene.truth.iter().any(|s| s.pair.is_none()) {
-        entry("Not registered", ui.visuals().error_fg_color, Entry::Missing);
+        let ring = |_: [Pos2; 2], middle, stroke| _ = painter.circle_stroke(middle, 4.0, stroke);
+        entry("Not registered", ui.visuals().error_fg_color, &ring);
     }
     if !scene.points.is_empty() {
-        entry(&points_text(model, scene), point_colour(ui), Entry::Point);
+        entry(&points_text(model, scene), point_colour(ui), &|_, middle, stroke| {
+            painter.rect_filled(Rect::from_center_size(middle, vec2(2.5, 2.5)), 0.0, stroke.color);
+        });
     }
     // The scale bar takes up to a quarter of the width.
     let points_per_unit = scene.scale * f64::from(ui_from_plane.scale());
@@ -206,14 +198,6 @@ fn points_text(model: Read<'_>, scene: &PlaneScene) -> String {
         drawn if drawn < all => format!("3D points, {drawn} of {all} drawn"),
         drawn => format!("{drawn} 3D points"),
     }
-}
-
-#[derive(Clone, Copy)]
-enum Entry {
-    Truth,
-    Estimate,
-    Missing,
-    Point,
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -1,5 +1,7 @@
 //! Questions before work on a dataset: whether and how a film is cut, and whether features may be replaced.
 
+use crate::app::actions::{ActionId, Queue};
+use crate::app::document::Action;
 use crate::app::panel::widgets::{confirm_ui, modal_ui};
 use crate::app::results::Datasets;
 use crate::burst::SequenceCut;
@@ -92,44 +94,27 @@ impl CutDialog {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum CutChoice {
-    Cut,
-    Ask,
-    Keep,
-}
-
-pub fn cut_offer_ui(ui: &mut Ui, frames: usize, length: usize) -> Option<CutChoice> {
-    let mut choice = None;
-    ui.horizontal_wrapped(|ui| {
+/// Offers to cut a film into bursts of `length` frames; returns whether it is to be kept as one burst.
+pub fn cut_offer_ui(ui: &mut Ui, frames: usize, length: usize, queue: &mut Queue) -> bool {
+    let offer = ui.horizontal_wrapped(|ui| {
         let text = format!("{} are long for one burst: nothing moves evenly for so long.", counted(frames, "frame"));
         ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
-        for (text, tip, wanted) in [
-            (
-                &*format!("Cut into bursts of {length}"),
-                "Open them as a dataset, one burst after another",
-                CutChoice::Cut,
-            ),
-            ("Cut…", "Choose length and step of the bursts first", CutChoice::Ask),
-            ("Keep as one", "Look at all frames as one burst", CutChoice::Keep),
-        ] {
-            if ui.button(text).on_hover_text(tip).clicked() {
-                choice = Some(wanted);
-            }
-        }
+        let mut choice = |text: &str, tip: &str| ui.button(text).on_hover_text(tip).clicked();
+        let cut = format!("Cut into bursts of {length}");
+        let tip = "Open them as a dataset, one burst after another";
+        queue.push_if(choice(&cut, tip), Action::CutOpenBurst(length));
+        queue.push_if(choice("Cut…", "Choose length and step of the bursts first"), ActionId::CutSequence);
+        choice("Keep as one", "Look at all frames as one burst")
     });
-    choice
+    offer.inner
 }
 
-/// Asks while `open`; returns whether the features may be replaced.
-pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Datasets) -> bool {
-    if !*open {
-        return false;
-    }
+/// Asks while `open` whether the features may be replaced.
+pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Datasets, queue: &mut Queue) {
     // The dataset may have been closed under the question.
-    let Some(dataset) = &datasets.open else {
+    let Some(dataset) = datasets.open.as_ref().filter(|_| *open) else {
         *open = false;
-        return false;
+        return;
     };
     let answer = confirm_ui(ctx, "replace features", "Replace features?", "Replace", |ui| {
         let folder = dataset.folder.as_ref().map_or_else(String::new, |f| f.display().to_string());
@@ -143,7 +128,7 @@ pub fn replace_features_ui(ctx: &egui::Context, open: &mut bool, datasets: &Data
         ));
     });
     *open = answer.is_none();
-    answer == Some(true)
+    queue.push_if(answer == Some(true), Action::DetectAllAnyway);
 }
 
 #[cfg(test)]

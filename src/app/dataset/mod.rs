@@ -7,4 +7,4 @@ pub mod filmstrip;
 pub mod pairs;
 
 pub use cut::CutDialog;
-pub(in crate::app) use cut::{CutChoice, cut_offer_ui, replace_features_ui};
+pub(in crate::app) use cut::{cut_offer_ui, replace_features_ui};

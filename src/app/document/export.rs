@@ -171,24 +171,29 @@ impl ExportKind {
         self.words().1
     }
 
-    fn words(self) -> (&'static [&'static str], &'static str) {
+    /// Word for the content in suggested names of files; `None` for a picture, which has that of its kind.
+    pub fn content(self) -> Option<&'static str> {
+        Some(self.words().2).filter(|content| !content.is_empty())
+    }
+
+    fn words(self) -> (&'static [&'static str], &'static str, &'static str) {
         match self {
-            Self::Csv => (&["csv"], "Export features as CSV"),
-            Self::Colmap => (&["txt"], "Export features for COLMAP"),
-            Self::Npz => (&["npz"], "Export features as NPZ"),
-            Self::Tiff => (&["tiff"], "Export picture as TIFF"),
-            Self::Png => (&["png"], "Export picture as PNG"),
-            Self::Figure => (&["pdf", "svg", "png"], "Export figure as PDF, SVG or PNG"),
-            Self::Matches => (&["csv"], "Export matches as CSV"),
-            Self::Methods => (&["csv", "tex", "pdf", "svg", "png"], "Export table of methods"),
-            Self::Profile => (&["csv", "tex", "pdf", "svg", "png"], "Export line profile"),
-            Self::CurvesCsv => (&["csv", "tex"], "Export curves as CSV"),
-            Self::CurvesSvg => (&["svg", "pdf", "png"], "Export curves as SVG"),
-            Self::Case => (&[CASE_EXTENSION], "Save case"),
-            Self::Report => (&["pdf", "svg", "png", "md"], "Write a report as PDF, SVG, PNG or Markdown"),
-            Self::Film => (&["gif", "png"], "Export film as GIF or PNG pictures"),
-            Self::Mask => (&["png"], "Save the mask"),
-            Self::Sheet => (&["md"], "Export lesson sheet as Markdown"),
+            Self::Csv => (&["csv"], "Export features as CSV", "features"),
+            Self::Colmap => (&["txt"], "Export features for COLMAP", "features"),
+            Self::Npz => (&["npz"], "Export features as NPZ", "features"),
+            Self::Tiff => (&["tiff"], "Export picture as TIFF", ""),
+            Self::Png => (&["png"], "Export picture as PNG", ""),
+            Self::Figure => (&["pdf", "svg", "png"], "Export figure as PDF, SVG or PNG", "figure"),
+            Self::Matches => (&["csv"], "Export matches as CSV", "matches"),
+            Self::Methods => (&["csv", "tex", "pdf", "svg", "png"], "Export table of methods", "methods"),
+            Self::Profile => (&["csv", "tex", "pdf", "svg", "png"], "Export line profile", "profile"),
+            Self::CurvesCsv => (&["csv", "tex"], "Export curves as CSV", "curves"),
+            Self::CurvesSvg => (&["svg", "pdf", "png"], "Export curves as SVG", "curves"),
+            Self::Case => (&[CASE_EXTENSION], "Save case", "case"),
+            Self::Report => (&["pdf", "svg", "png", "md"], "Write a report as PDF, SVG, PNG or Markdown", "report"),
+            Self::Film => (&["gif", "png"], "Export film as GIF or PNG pictures", "film"),
+            Self::Mask => (&["png"], "Save the mask", "mask"),
+            Self::Sheet => (&["md"], "Export lesson sheet as Markdown", "lesson"),
         }
     }
 }

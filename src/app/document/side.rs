@@ -15,18 +15,12 @@ impl Side {
     pub const BOTH: [Self; 2] = [Self::A, Self::B];
 
     pub fn name(self) -> &'static str {
-        match self {
-            Self::A => "A",
-            Self::B => "B",
-        }
+        ["A", "B"][self as usize]
     }
 
     #[must_use]
     pub fn other(self) -> Self {
-        match self {
-            Self::A => Self::B,
-            Self::B => Self::A,
-        }
+        Self::BOTH[1 - self as usize]
     }
 }
 

@@ -92,8 +92,8 @@ fn drawn_in_window(
     };
     let lines: Vec<MatchLine> = rows.iter().map(line).collect();
     let is_selected = |index| method.is_none() && model.document.selected_match == Some(index);
-    let flags = drawn_lines(&lines, &Pane { ui_from_image, rect_ui }, false, is_selected);
-    lines.iter().zip(flags).filter(|(_, is_drawn)| *is_drawn).map(|(line, _)| line.index).collect()
+    let drawn = drawn_lines(&lines, &Pane { ui_from_image, rect_ui }, false, is_selected);
+    drawn.iter().map(|line| line.index).collect()
 }
 
 fn links_between(

@@ -1,7 +1,7 @@
 //! Small dialogs: the calibration of files, the choice of one burst of several, and the box about the program.
 
-use crate::app::actions::ActionId;
-use crate::app::document::Purpose;
+use crate::app::actions::{ActionId, Queue};
+use crate::app::document::{Action, Purpose};
 use crate::app::panel::widgets::{modal_ui, named};
 use crate::app::settings::Settings;
 use crate::burst::{FrameRange, OpenOptions, RawColour, Tiling, TimesChoice, ViewGrid, ViewsChoice};
@@ -9,14 +9,6 @@ use crate::engine::Engine;
 use crate::requests::BurstSource;
 use egui::{DragValue, RichText, ScrollArea, TextEdit, Ui, vec2};
 use std::path::PathBuf;
-
-#[derive(Debug)]
-pub enum CalibrationChoice {
-    Choose(Purpose),
-    /// Leaves the dialog to draw a mask.
-    Draw,
-    Apply(OpenOptions),
-}
 
 const COLOURS: [(RawColour, &str, &str); 4] = [
     (RawColour::Luma, "Luma", "Mean of each 2 × 2 square of pixels: all the light"),
@@ -128,8 +120,9 @@ fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
     });
 }
 
-/// Draws the dialog if there is a draft; closing it drops the draft.
-pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> Option<CalibrationChoice> {
+/// Draws the dialog if there is a draft; closing it drops the draft. Returns the purpose for which a file is to be
+/// chosen.
+pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queue: &mut Queue) -> Option<Purpose> {
     let options = draft.as_mut()?;
     let (mut choice, mut close) = (None, false);
     let modal = modal_ui(ctx, "calibration", 520.0, "Calibration", |ui| {
@@ -146,7 +139,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             ];
             for (label, path, tip, purposes) in frames {
                 ui.label(label).on_hover_text(tip);
-                choice = file_ui(ui, label, path, purposes).or(choice.take());
+                close |= file_ui(ui, label, path, purposes, &mut choice, queue);
                 ui.end_row();
             }
             let full = "Value in the files that becomes intensity 1, such as 4095 for 12 bits in 16-bit files";
@@ -161,7 +154,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
             });
             take_ui(ui, &mut options.take);
             if times_ui(ui, &mut options.times) {
-                choice = Some(CalibrationChoice::Choose(Purpose::OpenTimes));
+                choice = Some(Purpose::OpenTimes);
             }
             views_ui(ui, &mut options.views);
             topic_ui(ui, &mut options.topic);
@@ -176,7 +169,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
         ui.horizontal(|ui| {
             let tip = "Open the present bursts again with these options. Mask, part, times and views are theirs; the rest is used for later bursts too";
             if ui.button("Apply").on_hover_text(tip).clicked() {
-                choice = Some(CalibrationChoice::Apply(options.clone()));
+                queue.push(Action::Calibrate(options.clone()));
                 close = true;
             }
             if ui.button("Reset").on_hover_text("Use the values of the files as they are").clicked() {
@@ -192,18 +185,25 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>) -> O
 }
 
 /// Draws the choice of an optional file, and of a folder or a drawing in its place where there are `purposes` for them.
-fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>, purposes: &[Purpose]) -> Option<CalibrationChoice> {
-    let mut choice = None;
-    ui.horizontal(|ui| {
+/// Returns whether the dialog is left to draw a mask.
+fn file_ui(
+    ui: &mut Ui,
+    label: &str,
+    path: &mut Option<PathBuf>,
+    purposes: &[Purpose],
+    choice: &mut Option<Purpose>,
+    queue: &mut Queue,
+) -> bool {
+    let row = ui.horizontal(|ui| {
         let words = [format!("Choose {}…", label.to_lowercase()), "Folder…".to_owned()];
         for (word, purpose) in words.into_iter().zip(purposes) {
             if ui.button(word).on_hover_text(purpose.hint()).clicked() {
-                choice = Some(CalibrationChoice::Choose(*purpose));
+                *choice = Some(*purpose);
             }
         }
-        if purposes.len() > 1 && ui.button("Draw").on_hover_text(ActionId::DrawMask.action().help).clicked() {
-            choice = Some(CalibrationChoice::Draw);
-        }
+        let draws = purposes.len() > 1 && ui.button("Draw").on_hover_text(ActionId::DrawMask.action().help).clicked();
+        queue.push_if(draws, ActionId::WorkspaceInspect);
+        queue.push_if(draws, ActionId::DrawMask);
         let name = path.as_ref().map(|path| {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
             (name, path.display().to_string())
@@ -219,8 +219,9 @@ fn file_ui(ui: &mut Ui, label: &str, path: &mut Option<PathBuf>, purposes: &[Pur
                 ui.weak("none");
             }
         }
+        draws
     });
-    choice
+    row.inner
 }
 
 fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip: &str) {

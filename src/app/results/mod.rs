@@ -135,6 +135,15 @@ pub enum Effect {
     ForgetWidgets,
 }
 
+/// Project of the user while a lesson is open, and the burst that was being opened in it.
+#[derive(Debug)]
+pub struct UserProject {
+    pub document: Document,
+    pub results: Results,
+    pub history: History,
+    pub opening: Option<(OpenRequest, Option<Own>)>,
+}
+
 impl From<Document> for Model {
     fn from(document: Document) -> Self {
         Self { document, ..Self::default() }
@@ -176,18 +185,7 @@ impl<'a> Read<'a> {
         let is_made = |found: &FoundFeatures| found.asked == self.asked_of(side);
         slot.burst.is_some() && slot.param_error.is_none() && !slot.found.as_ref().is_some_and(is_made)
     }
-}
 
-/// Project of the user while a lesson is open, and the burst that was being opened in it.
-#[derive(Debug)]
-pub struct UserProject {
-    pub document: Document,
-    pub results: Results,
-    pub history: History,
-    pub opening: Option<(OpenRequest, Option<Own>)>,
-}
-
-impl<'a> Read<'a> {
     pub fn is_in_lesson(self) -> bool {
         self.shell.of_user.is_some()
     }

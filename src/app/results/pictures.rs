@@ -153,9 +153,9 @@ impl<'a> Read<'a> {
         pane.wanted(self.burst_in(pane)?, &self.params_in(pane))
     }
 
-    pub fn patch_request(self) -> Option<PictureRequest> {
-        let slope = self.selected_feature()?.slope;
-        let (burst, found) = (self.results.slots.a.burst.clone()?, self.found_of(Side::A)?);
+    /// The motion stack of a side at the slope of one of its features.
+    pub fn stack_of(self, side: Side, slope: Slope) -> Option<PictureRequest> {
+        let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
         Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
     }
 
@@ -184,7 +184,7 @@ impl<'a> Read<'a> {
     pub fn missing_patch(self) -> Option<PictureRequest> {
         let is_there =
             |wanted: &PictureRequest| self.results.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
-        self.patch_request().filter(|wanted| !is_there(wanted))
+        self.stack_of(Side::A, self.selected_feature()?.slope).filter(|wanted| !is_there(wanted))
     }
 
     pub fn range_class(self, id: PaneId) -> RangeClass {

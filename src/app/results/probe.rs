@@ -107,14 +107,10 @@ impl<'a> Read<'a> {
         if !self.document.workspace.shows_pair() {
             return self.selected_feature().and(self.document.selected).map(|index| (Side::A, index));
         }
-        let of_match =
-            self.results.pair.matches.as_ref().zip(self.document.selected_match).and_then(|(matches, index)| {
-                let found = matches.row(index)?.found;
-                Some(match self.active_side() {
-                    Side::A => (Side::A, found.a),
-                    Side::B => (Side::B, found.b),
-                })
-            });
+        let of_match = self.selected_match().map(|row| match self.active_side() {
+            Side::A => (Side::A, row.found.a),
+            Side::B => (Side::B, row.found.b),
+        });
         of_match.or_else(|| Some((Side::A, self.asked_feature()?)))
     }
 

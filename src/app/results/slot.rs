@@ -38,17 +38,11 @@ pub struct Slot {
 
 impl Side {
     pub(in crate::app) fn opening(self) -> &'static str {
-        match self {
-            Self::A => "Open",
-            Self::B => "Open B",
-        }
+        ["Open", "Open B"][self as usize]
     }
 
     pub fn detection(self) -> &'static str {
-        match self {
-            Self::A => "Detection",
-            Self::B => "Detection in B",
-        }
+        ["Detection", "Detection in B"][self as usize]
     }
 }
 

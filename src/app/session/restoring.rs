@@ -2,40 +2,30 @@
 
 use super::Session;
 use crate::app::actions::ActionId;
-use crate::app::document::{Action, Document, Reselect, Side, Staged};
+use crate::app::document::{Action, Document, Reselect, Side, Sides, Staged};
 use crate::app::results::Read;
 use crate::export::case::{is_case, read_about};
 use crate::requests::{BurstSource, JobId, OpenRequest};
 
 /// Sessions that wait for a burst; a session is given up when something else is opened in the burst's place.
 #[derive(Debug, Default)]
-pub struct Restoring {
-    session: Option<(JobId, Box<Session>)>,
-    second: Option<(JobId, Box<Session>)>,
-}
+pub struct Restoring(Sides<Option<(JobId, Box<Session>)>>);
 
 impl Restoring {
     /// Everything else is restored once the burst of `side` was opened, or could not be; until then nothing changes.
     pub fn wait(&mut self, side: Side, opening: Option<JobId>, session: Box<Session>) {
-        *self.of_mut(side) = opening.map(|id| (id, session));
-    }
-
-    fn of_mut(&mut self, side: Side) -> &mut Option<(JobId, Box<Session>)> {
-        match side {
-            Side::A => &mut self.session,
-            Side::B => &mut self.second,
-        }
+        self.0[side] = opening.map(|id| (id, session));
     }
 
     pub fn waits_for(&mut self, model: Read<'_>) -> Option<JobId> {
         let [of_a, of_b] = model.results.slots.both().map(|slot| slot.opening.pending_id());
-        self.session.take_if(|(id, _)| Some(*id) != of_a);
-        self.second.take_if(|(id, _)| Some(*id) != of_b);
-        of_a.filter(|_| self.session.is_some())
+        self.0.a.take_if(|(id, _)| Some(*id) != of_a);
+        self.0.b.take_if(|(id, _)| Some(*id) != of_b);
+        of_a.filter(|_| self.0.a.is_some())
     }
 
     pub fn take(&mut self, side: Side, opening: JobId) -> Option<Box<Session>> {
-        self.of_mut(side).take_if(|(id, _)| *id == opening).map(|(_, session)| session)
+        self.0[side].take_if(|(id, _)| *id == opening).map(|(_, session)| session)
     }
 }
 

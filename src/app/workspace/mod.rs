@@ -19,14 +19,20 @@ use crate::teach::{BottomTab, Workspace};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
 use pair::PairPanels;
 
+/// What the panels of the workspaces keep between passes.
+#[derive(Default)]
+pub struct WorkspaceState {
+    pair: PairPanels,
+    selection: SelectionState,
+    probe: ProbePanel,
+    regions: RegionCache,
+    lab_picture: PlaneTexture,
+}
+
 pub struct WorkspaceParts<'a> {
     pub model: Read<'a>,
     pub widgets: &'a mut PaneWidgets,
-    pub pair: &'a mut PairPanels,
-    pub selection: &'a mut SelectionState,
-    pub probe: &'a mut ProbePanel,
-    pub regions: &'a mut RegionCache,
-    pub lab_picture: &'a mut PlaneTexture,
+    pub state: &'a mut WorkspaceState,
     pub queue: &'a mut Queue,
 }
 
@@ -196,7 +202,8 @@ fn strip_ui(ui: &mut Ui, panel: Panel, toggle: ActionId, contents: &str, queue: 
 }
 
 fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
-    let (model, WorkspaceParts { widgets, selection, probe, regions, queue, .. }) = (parts.model, parts);
+    let (model, WorkspaceParts { widgets, state, queue, .. }) = (parts.model, parts);
+    let WorkspaceState { selection, probe, regions, .. } = &mut **state;
     let width = side_width(model);
     folded_ui(ui, model, queue);
     if model.shows_left() {
@@ -269,7 +276,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
 }
 
 fn lab_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
-    let (model, WorkspaceParts { lab_picture: picture, queue, .. }) = (parts.model, parts);
+    let (model, picture, queue) = (parts.model, &mut parts.state.lab_picture, &mut *parts.queue);
     if model.shows_left() {
         left_panel(ui, model, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
     }

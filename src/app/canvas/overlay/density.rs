@@ -59,8 +59,13 @@ pub fn drawn(
     out
 }
 
-/// A flag for each line: a few for each part of A's picture, inliers first, and those that are `always`.
-pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, are_vectors: bool, always: impl Fn(usize) -> bool) -> Vec<bool> {
+/// The lines that are drawn: a few for each part of A's picture, inliers first, and those that are `always`.
+pub fn drawn_lines(
+    lines: &[MatchLine],
+    pane_a: &Pane,
+    are_vectors: bool,
+    always: impl Fn(usize) -> bool,
+) -> Vec<MatchLine> {
     let t = pane_a.ui_from_image;
     let view_image = t.inverse().rect(pane_a.rect_ui);
     // Lines from picture to picture take more room than vectors.
@@ -72,7 +77,7 @@ pub fn drawn_lines(lines: &[MatchLine], pane_a: &Pane, are_vectors: bool, always
             *flag = cells.add(line.a.into()).is_some_and(|before| before < in_a_cell) || always(line.index);
         }
     }
-    flags
+    lines.iter().zip(flags).filter(|(_, is_drawn)| *is_drawn).map(|(line, _)| *line).collect()
 }
 
 #[cfg(test)]

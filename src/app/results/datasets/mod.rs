@@ -40,6 +40,11 @@ pub struct Datasets {
 }
 
 impl Datasets {
+    pub fn begin(&mut self, work: Work, request: DatasetRequest, engine: &Engine) {
+        self.work = Some(work);
+        self.wanted.ask(engine, request);
+    }
+
     pub fn can_detect(&self, params_are_valid: bool) -> bool {
         let ready = |d: &Dataset| d.folder.is_some() && d.folder_error.is_none();
         self.work.is_none() && params_are_valid && self.open.as_ref().is_some_and(ready)
@@ -60,13 +65,6 @@ impl Datasets {
 
 /// Number of frames from which a burst counts as a film: motion is not uniform for so long.
 const FILM_FRAMES: usize = 30;
-
-impl Datasets {
-    pub fn begin(&mut self, work: Work, request: DatasetRequest, engine: &Engine) {
-        self.work = Some(work);
-        self.wanted.ask(engine, request);
-    }
-}
 
 impl Read<'_> {
     pub(in crate::app) fn cut_of_open_burst(self) -> Option<Effect> {

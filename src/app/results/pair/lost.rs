@@ -9,7 +9,7 @@ use crate::inspect::pair::{Lost, Unmatched};
 use crate::inspect::words::counted;
 use crate::matching::MatchParams;
 use crate::requests::{
-    FoundLosses, LossesRequest, MatchRequest, Matched, PictureAnswer, PictureKind, PictureRequest, PicturesRequest,
+    FoundLosses, LossesRequest, MatchRequest, Matched, PictureAnswer, PictureRequest, PicturesRequest,
 };
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -169,11 +169,7 @@ impl<'a> Read<'a> {
     }
 
     pub fn asked_feature(self) -> Option<usize> {
-        let of_match = || {
-            let matches = self.results.pair.matches.as_ref()?;
-            Some(matches.row(self.document.selected_match?)?.found.a)
-        };
-        of_match().or(self.document.asked_about)
+        self.selected_match().map(|row| row.found.a).or(self.document.asked_about)
     }
 
     /// Pixels at mid-burst: of an epipolar line the point nearest to its place in A, as features mostly move little
@@ -190,13 +186,7 @@ impl<'a> Read<'a> {
         let own = a.features.get(why.feature).map(|f| (Side::A, f.slope));
         let candidates = why.unmatched.candidates.iter().take(PATCHES);
         let others = candidates.filter_map(|c| b.features.get(c.feature).map(|f| (Side::B, f.slope)));
-        own.into_iter()
-            .chain(others)
-            .filter_map(|(side, slope)| {
-                let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
-                Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
-            })
-            .collect()
+        own.into_iter().chain(others).filter_map(|(side, slope)| self.stack_of(side, slope)).collect()
     }
 }
 

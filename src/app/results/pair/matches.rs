@@ -153,10 +153,6 @@ impl Matches {
 }
 
 impl MatchRow<'_> {
-    fn error_or_infinity(&self) -> f32 {
-        self.error_px.unwrap_or(f32::INFINITY)
-    }
-
     /// Its error after the alignment and as found: "0.15 px aligned, 2.62 px as found".
     pub fn error_words(&self) -> String {
         let px = |error: Option<f32>| error.map_or_else(|| "–".to_owned(), |e| format!("{} px", number(e, 3)));
@@ -170,10 +166,6 @@ impl MatchRow<'_> {
     pub fn how_words(&self) -> String {
         let how = if self.found.predicted.is_some() { "predicted by its motion" } else { "sure" };
         format!("{how} ({})", self.found.ratio_words())
-    }
-
-    fn inlier_rank(&self) -> f32 {
-        self.inlier.map_or(2.0, |inlier| f32::from(u8::from(!inlier)))
     }
 
     pub fn is_shown(&self, look: &MatchLook) -> bool {
@@ -216,10 +208,18 @@ impl MatchColumn {
             Self::Ratio => {
                 ("Ratio", "Distance over that to the second nearest compared", |row| row.found.rank(), Form::Fixed(3))
             }
-            Self::Error => {
-                ("Error", "Distance from the geometry, pixels", |row| row.error_or_infinity(), Form::Digits(3))
-            }
-            Self::Inlier => ("Inlier", "Whether it agrees with the geometry", |row| row.inlier_rank(), Form::Whole),
+            Self::Error => (
+                "Error",
+                "Distance from the geometry, pixels",
+                |row| row.error_px.unwrap_or(f32::INFINITY),
+                Form::Digits(3),
+            ),
+            Self::Inlier => (
+                "Inlier",
+                "Whether it agrees with the geometry",
+                |row| row.inlier.map_or(2.0, |inlier| f32::from(u8::from(!inlier))),
+                Form::Whole,
+            ),
         }
     }
 

@@ -14,7 +14,7 @@ use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::Wanted;
 use crate::error::Error;
-use crate::requests::{MatchRequest, PictureAnswer, PictureKind, PictureRequest, PicturesRequest};
+use crate::requests::{MatchRequest, PictureAnswer, PicturesRequest};
 
 #[derive(Debug, Default)]
 pub struct PairState {
@@ -32,13 +32,15 @@ pub struct PairState {
     pub listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
 }
 
-impl Read<'_> {
-    pub fn saved_match(self) -> Option<SavedMatch> {
-        Some(self.results.pair.matches.as_ref()?.row(self.document.selected_match?)?.saved())
+impl<'a> Read<'a> {
+    pub fn selected_match(self) -> Option<MatchRow<'a>> {
+        self.results.pair.matches.as_ref()?.row(self.document.selected_match?)
     }
-}
 
-impl Read<'_> {
+    pub fn saved_match(self) -> Option<SavedMatch> {
+        Some(self.selected_match()?.saved())
+    }
+
     /// Index of the match in focus: the selected one, or while none is selected, the one under the pointer.
     pub fn match_in_focus(self) -> Option<usize> {
         self.document.selected_match.or(self.results.pair.hovered)
@@ -115,11 +117,7 @@ impl Read<'_> {
 
     pub fn patches_request(self) -> Option<PicturesRequest> {
         let row = self.results.pair.matches.as_ref()?.row(self.match_in_focus()?)?;
-        let request = |side: Side, slope| {
-            let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
-            Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
-        };
-        Some(PicturesRequest(vec![request(Side::A, row.a.slope)?, request(Side::B, row.b.slope)?]))
+        Some(PicturesRequest(vec![self.stack_of(Side::A, row.a.slope)?, self.stack_of(Side::B, row.b.slope)?]))
     }
 
     fn shows_pair(self) -> bool {
@@ -151,9 +149,7 @@ impl Read<'_> {
         (matches.request.params != self.document.matching)
             .then_some("Stale matches: the parameters of matching changed")
     }
-}
 
-impl<'a> Read<'a> {
     /// Side whose slope and scale the cursor sets now.
     pub fn active_side(self) -> Side {
         let both = self.document.workspace.shows_pair() && self.results.slots.b.burst.is_some();

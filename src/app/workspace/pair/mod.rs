@@ -17,7 +17,8 @@ use crate::app::panel::widgets::{label_ui, name_field, section_ui};
 use crate::app::parts::mark;
 use crate::app::results::{PATCHES, Read};
 use crate::app::workspace::{
-    LEFT_WIDTHS, WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width,
+    LEFT_WIDTHS, WorkspaceParts, WorkspaceState, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui,
+    side_frame, side_width,
 };
 use crate::export::MatchKind;
 use crate::teach::Part;
@@ -31,7 +32,8 @@ pub struct PairPanels {
 }
 
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
-    let (model, WorkspaceParts { widgets, pair, probe, queue, .. }) = (parts.model, parts);
+    let (model, WorkspaceParts { widgets, state, queue, .. }) = (parts.model, parts);
+    let WorkspaceState { pair, probe, .. } = &mut **state;
     folded_ui(ui, model, queue);
     let match_is_left = model.match_is_left();
     if model.shows_left() && !match_is_left {
