@@ -3,11 +3,12 @@
 //! Only the panic hook gets the place. So a hook, in front of the existing one, records it under the thread's name;
 //! the threads of the queue and their pools have distinct names.
 
+use super::locked;
 use crate::plane::memory;
 use crate::requests::JobError;
 use std::any::Any;
 use std::collections::HashMap;
-use std::sync::{Mutex, Once, PoisonError};
+use std::sync::{Mutex, Once};
 
 pub(super) const THREAD_PREFIX: &str = "burstscope-";
 
@@ -22,7 +23,7 @@ pub(super) fn install_hook() {
             if let (Some(name), Some(place)) = (thread.name(), info.location())
                 && let Some(key) = name.strip_prefix(THREAD_PREFIX)
             {
-                let mut places = PLACES.lock().unwrap_or_else(PoisonError::into_inner);
+                let mut places = locked(&PLACES);
                 // A panic in a pool surfaces in the thread that waits for the pool: all of them share one key.
                 places.get_or_insert_default().insert(shared_key(key).to_owned(), place.to_string());
             }
@@ -41,7 +42,7 @@ pub(super) fn guard<T>(key: &str, work: impl FnOnce() -> Result<T, JobError>) ->
     // The work owns what it changes and is dropped with it, so nothing half-changed can be seen afterwards.
     let work = || memory::refusable(work).unwrap_or_else(|refused| Err(refused.into()));
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(work)).unwrap_or_else(|payload| {
-        let mut places = PLACES.lock().unwrap_or_else(PoisonError::into_inner);
+        let mut places = locked(&PLACES);
         let place = places.get_or_insert_default().remove(key).unwrap_or_else(|| "an unknown place".to_owned());
         Err(JobError::Panicked { message: message_of(&*payload), place })
     })

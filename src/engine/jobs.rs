@@ -2,11 +2,11 @@
 //! polled. Before the one answer, work may report partial results.
 
 use super::queue::{JobKey, Lane, Manner, Publish, QueuedJob, Standing};
-use super::{JobQueue, OnUpdate, fault};
+use super::{JobQueue, OnUpdate, fault, locked};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, JobId, Running, Urgency};
 use std::convert::Infallible;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 #[derive(Debug, Clone)]
@@ -37,13 +37,8 @@ struct Shared<Q, A, P> {
 }
 
 impl<Q, A, P> Shared<Q, A, P> {
-    fn news(&self) -> MutexGuard<'_, News<A, P>> {
-        // Each change is one whole value, so the data are valid even if the lock is poisoned.
-        self.news.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     fn answer(&self, slot: u32, id: JobId, result: Result<A, JobError>, elapsed: Duration) {
-        let mut news = self.news();
+        let mut news = locked(&self.news);
         if matches!(result, Err(JobError::Superseded)) {
             // Partial results of a superseded request are dropped: the newer request reports its own.
             news.partial.retain(|(of, _)| *of != id);
@@ -113,7 +108,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
     }
 
     pub fn take_answers_for(&self) -> Vec<(u32, JobAnswer<A>)> {
-        std::mem::take(&mut self.shared.news().answers)
+        std::mem::take(&mut locked(&self.shared.news).answers)
     }
 
     pub fn take_answers(&self) -> impl Iterator<Item = JobAnswer<A>> + use<Q, A, P> {
@@ -121,7 +116,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
     }
 
     pub(super) fn take_partial(&self) -> Vec<P> {
-        std::mem::take(&mut self.shared.news().partial).into_iter().map(|(_, told)| told).collect()
+        std::mem::take(&mut locked(&self.shared.news).partial).into_iter().map(|(_, told)| told).collect()
     }
 }
 
@@ -139,7 +134,7 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> QueuedJob for Type
         let tell = |told: P| {
             // Cancelled work may still report a partial result, for which nobody waits.
             if !monitor.is_cancelled() {
-                shared.news().partial.push((id, told));
+                locked(&shared.news).partial.push((id, told));
                 (shared.on_update)();
             }
         };

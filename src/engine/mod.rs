@@ -19,7 +19,7 @@ pub use wanted::{Ended, Want, Wanted};
 
 use crate::requests::BurstId;
 use queue::JobQueue;
-use std::sync::Arc;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 use stores::Stores;
 
@@ -85,6 +85,12 @@ impl Engine {
         }
         true
     }
+}
+
+/// Changes of what threads share are whole values, and work runs outside the locks with its panics caught: the data are
+/// valid even if the lock is poisoned.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -8,12 +8,12 @@
 mod state;
 mod threads;
 
-use super::{OnUpdate, fault};
+use super::{OnUpdate, fault, locked};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, JobId, Running, Urgency};
 use state::{RunningJob, State, WaitingJob};
 use std::any::TypeId;
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 use threads::{unique_key, work};
@@ -70,13 +70,6 @@ struct Shared {
     on_update: OnUpdate,
 }
 
-impl Shared {
-    fn lock(&self) -> MutexGuard<'_, State> {
-        // The work runs outside the lock and its panics are caught, so the state is valid even if the lock is poisoned.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 /// Dropping it cancels all requests except the writing of files, and returns when all threads have ended.
 pub struct JobQueue {
     shared: Arc<Shared>,
@@ -99,7 +92,7 @@ impl JobQueue {
     }
 
     pub(super) fn new_kind(&self) -> u32 {
-        let mut state = self.shared.lock();
+        let mut state = locked(&self.shared.state);
         state.kinds += 1;
         state.kinds
     }
@@ -110,7 +103,7 @@ impl JobQueue {
 
     /// Submits a request under `key`, in place of a waiting one; a running one is superseded.
     pub(super) fn submit(&self, key: JobKey, manner: Manner, job: Box<dyn QueuedJob>) -> JobId {
-        let mut state = self.shared.lock();
+        let mut state = locked(&self.shared.state);
         let id = state.next_id();
         let new = WaitingJob { key, id, manner, job };
         match state.waiting.iter_mut().find(|job| job.key == key) {
@@ -126,7 +119,7 @@ impl JobQueue {
     }
 
     pub(super) fn publish(&self, key: JobKey, publish: impl FnOnce(JobId)) -> JobId {
-        let mut state = self.shared.lock();
+        let mut state = locked(&self.shared.state);
         let id = state.next_id();
         state.end_waiting(key, &JobError::Superseded);
         state.supersede(key, Standing::Overtaken);
@@ -138,7 +131,7 @@ impl JobQueue {
     }
 
     pub(super) fn cancel(&self, key: JobKey) {
-        let mut state = self.shared.lock();
+        let mut state = locked(&self.shared.state);
         state.running.iter().filter(|job| job.key == key).for_each(|job| job.monitor.cancel());
         state.end_waiting(key, &JobError::Cancelled);
         drop(state);
@@ -146,29 +139,29 @@ impl JobQueue {
     }
 
     pub(super) fn enforce_grace(&self) {
-        self.shared.lock().running.iter().for_each(RunningJob::enforce_grace);
+        locked(&self.shared.state).running.iter().for_each(RunningJob::enforce_grace);
     }
 
     pub(super) fn running(&self, key: JobKey) -> Option<Running> {
-        let state = self.shared.lock();
+        let state = locked(&self.shared.state);
         let running = state.running.iter().find(|job| job.key == key).map(|job| Running {
             id: job.id,
             started: job.started,
-            progress: *job.progress.lock().unwrap_or_else(PoisonError::into_inner),
+            progress: *locked(&job.progress),
         });
         let waiting = || state.waiting.iter().find(|job| job.key == key);
         running.or_else(|| waiting().map(|job| Running { id: job.id, started: Instant::now(), progress: None }))
     }
 
     pub(super) fn len(&self) -> usize {
-        let state = self.shared.lock();
+        let state = locked(&self.shared.state);
         state.waiting.len() + state.running.len()
     }
 }
 
 impl Drop for JobQueue {
     fn drop(&mut self) {
-        let mut state = self.shared.lock();
+        let mut state = locked(&self.shared.state);
         state.stop = true;
         // Files are still written when the window closes; all else would end without a reader.
         let (written, dropped): (Vec<_>, Vec<_>) =

@@ -1,10 +1,10 @@
 //! Results that all requests of an engine share: pictures and trails of detections.
 
-use super::Engine;
 use super::trails::Trails;
+use super::{Engine, locked};
 use crate::requests::{Caches, PictureAnswer, PictureKey, PictureRequest, PictureStore};
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 
 #[derive(Debug, Clone)]
 pub(super) struct Stores {
@@ -26,20 +26,13 @@ impl Stores {
 #[derive(Debug, Clone)]
 pub(super) struct Pictures(Arc<Mutex<PictureCache>>);
 
-impl Pictures {
-    pub(super) fn lock(&self) -> MutexGuard<'_, PictureCache> {
-        // Each change is one whole value, so the data are valid even if the lock is poisoned.
-        self.0.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-}
-
 impl PictureStore for Pictures {
     fn get(&self, request: &PictureRequest) -> Option<PictureAnswer> {
-        self.lock().get(request)
+        locked(&self.0).get(request)
     }
 
     fn put(&self, picture: &PictureAnswer) {
-        self.lock().insert(picture);
+        locked(&self.0).insert(picture);
     }
 }
 
@@ -55,12 +48,12 @@ pub struct Held {
 impl Engine {
     /// Sets the memory for pictures that are not on show, bytes.
     pub fn set_cache_bytes(&self, bytes: usize) {
-        self.stores.pictures.lock().set_budget(bytes);
+        locked(&self.stores.pictures.0).set_budget(bytes);
     }
 
     pub fn held(&self) -> Held {
         let (trails, trail_bytes) = self.stores.trails.held();
-        Held { picture_bytes: self.stores.pictures.lock().bytes(), trails, trail_bytes, requests: self.queue.len() }
+        Held { picture_bytes: locked(&self.stores.pictures.0).bytes(), trails, trail_bytes, requests: self.queue.len() }
     }
 }
 

@@ -1,11 +1,11 @@
 //! Tasks: small work that must not block the window, such as writing a file, finished even when the window closes.
 
-use super::JobQueue;
 use super::jobs::{JobAnswer, Jobs};
+use super::{JobQueue, locked};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, Urgency};
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -32,10 +32,6 @@ impl Tasks {
         Self { jobs: Jobs::new(queue, Urgency::Write, Duration::ZERO, run), labels: Mutex::default() }
     }
 
-    fn labels(&self) -> MutexGuard<'_, (u32, HashMap<u32, String>)> {
-        self.labels.lock().unwrap_or_else(PoisonError::into_inner)
-    }
-
     pub(super) fn start(
         &self,
         label: String,
@@ -43,7 +39,7 @@ impl Tasks {
     ) -> TaskId {
         // Each task has a slot of its own: none supersedes another.
         let slot = {
-            let mut labels = self.labels();
+            let mut labels = locked(&self.labels);
             labels.0 += 1;
             let slot = labels.0;
             labels.1.insert(slot, label);
@@ -55,7 +51,7 @@ impl Tasks {
 
     pub(super) fn take_done(&self) -> Vec<TaskDone> {
         let answers = self.jobs.take_answers_for();
-        let mut labels = self.labels();
+        let mut labels = locked(&self.labels);
         let done = |(slot, JobAnswer { result, .. })| TaskDone {
             id: TaskId(slot),
             label: labels.1.remove(&slot).unwrap_or_default(),

@@ -2,11 +2,12 @@
 //! its trail in the same search. A trail that was not kept is made again once for all askers: judged from a kept one
 //! where only thresholds differ, continued from one of other slopes.
 
+use super::locked;
 use crate::detector::{DetectorParams, SearchParams, memory};
 use crate::inspect::ProbeCache;
 use crate::monitor::Monitor;
 use crate::requests::{BurstId, DetectionSource, JobError, OpenBurst, TrailStore, trail_of};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 #[derive(Debug, Clone, Default)]
@@ -52,8 +53,7 @@ impl Trails {
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
-        // Each change is one whole value, so the data are valid even if the lock is poisoned.
-        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+        locked(&self.state)
     }
 
     pub(super) fn keep_only(&self, bursts: &[BurstId]) {

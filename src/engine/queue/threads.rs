@@ -2,7 +2,7 @@
 
 use super::state::{RunningJob, WaitingJob};
 use super::{Shared, Standing};
-use crate::engine::{OnUpdate, fault};
+use crate::engine::{OnUpdate, fault, locked};
 use crate::monitor::{Monitor, Progress};
 use crate::requests::Urgency;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -16,7 +16,7 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
     let threads = std::cell::LazyCell::new(|| pool(thread));
     loop {
         let (WaitingJob { key, id, manner, job }, monitor) = {
-            let mut state = shared.lock();
+            let mut state = locked(&shared.state);
             loop {
                 if let Some(next) = state.take(limit) {
                     let progress = Arc::new(Mutex::new(None));
@@ -37,7 +37,7 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
             None => job.run(id, thread, &monitor),
         };
         // One step under the lock with leaving `running`: the queue is never idle before the answer is there.
-        let mut state = shared.lock();
+        let mut state = locked(&shared.state);
         let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
         publish(standing);
         state.running.retain(|job| job.id != id);
@@ -54,8 +54,8 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
 fn listening_monitor(progress: Arc<Mutex<Option<Progress>>>, on_update: OnUpdate) -> Monitor {
     let told = Mutex::new(None::<Instant>);
     Monitor::with_listener(move |now| {
-        *progress.lock().unwrap_or_else(PoisonError::into_inner) = Some(now);
-        let mut told = told.lock().unwrap_or_else(PoisonError::into_inner);
+        *locked(&progress) = Some(now);
+        let mut told = locked(&told);
         if told.is_none_or(|at| at.elapsed() >= PROGRESS_EVERY) {
             *told = Some(Instant::now());
             on_update();
