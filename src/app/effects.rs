@@ -95,7 +95,7 @@ impl BurstscopeApp {
     }
 
     fn restore(&mut self, session: Box<Session>) {
-        let opening = opening::open_with(&mut self.model, Side::A, session.opening(), None, &self.engine);
+        let opening = self.model.results.slots.a.open(session.opening(), None, &self.engine);
         self.restoring.wait(Side::A, Some(opening), session);
     }
 

@@ -188,9 +188,8 @@ mod trajectories {
 }
 
 mod listed {
+    use burstscope::app::document::Document;
     use burstscope::app::document::filter::{Filter, Interval, Order, near_slope};
-    use burstscope::app::document::probe::SetUpState;
-    use burstscope::app::results::slot::listed;
     use burstscope::app::view::{KnownOfFeature, quantity_text};
     use burstscope::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 
@@ -202,22 +201,26 @@ mod listed {
     #[test]
     fn filters_add_up_and_the_order_turns_round() {
         let features = [feature(5.0, 2.0, 1.0), feature(1.0, 4.0, -2.0), feature(3.0, 8.0, 3.0)];
-        let (slope, alone, grid) = (Slope::new(1.0, 0.0), SetUpState::default(), SlopeGrid::line(-3.0..=3.0, 7));
+        let (slope, grid) = (Slope::new(1.0, 0.0), SlopeGrid::line(-3.0..=3.0, 7));
+        let listed = |filter: &Filter, order| {
+            let document = Document { filter: filter.clone(), order, ..Document::default() };
+            document.listed(&features, None, &grid, slope)
+        };
         let mut filter = Filter::default();
         assert!(filter.is_open());
         let order = Order::default().clicked(Quantity::U);
-        assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, order), [1, 2, 0]);
-        assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, order.clicked(Quantity::U)), [0, 2, 1]);
+        assert_eq!(listed(&filter, order), [1, 2, 0]);
+        assert_eq!(listed(&filter, order.clicked(Quantity::U)), [0, 2, 1]);
         filter.ranges.insert(Quantity::Sigma, Interval { min: 3.0, max: 9.0 });
         // Sessions of before had a field for each range.
         let old: Filter = toml::from_str("[sigma]\nmin = 3.0\nmax = 9.0\n").expect("read");
         assert_eq!((&old, toml::from_str(&toml::to_string(&old).expect("written"))), (&filter, Ok(filter.clone())));
         assert!(toml::from_str::<Filter>("[size]\nmin = 1.0\nmax = 2.0\n").is_err());
-        assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, Order::default()), [1, 2]);
+        assert_eq!(listed(&filter, Order::default()), [1, 2]);
         filter.hide_slope_limit = true;
-        assert_eq!(listed(&features, None, &alone, &filter, &grid, slope, Order::default()), [1]);
+        assert_eq!(listed(&filter, Order::default()), [1]);
         let near = Filter { near_slope: Some(0.5), ..Filter::default() };
-        assert_eq!(listed(&features, None, &alone, &near, &grid, slope, Order::default()), [0]);
+        assert_eq!(listed(&near, Order::default()), [0]);
     }
 
     #[test]
@@ -231,7 +234,7 @@ mod listed {
         let features = [Feature { layer: 1, ..placed }, by_itself, Feature { layer: 1, ..edge }, unknown];
         let passing = |filter: Filter| {
             let (grid, slope) = (SlopeGrid::line(-3.0..=3.0, 7), Slope::new(2.0, 0.0));
-            listed(&features, None, &SetUpState::default(), &filter, &grid, slope, Order::default())
+            Document { filter, ..Document::default() }.listed(&features, None, &grid, slope)
         };
         let open = Filter::default;
         let near = |limit| passing(Filter { near_slope: Some(limit), ..open() });
@@ -263,13 +266,12 @@ mod listed {
     fn depths_sort_the_features_and_unknown_ones_come_last() {
         let features = [feature(5.0, 2.0, -2.5), feature(1.0, 4.0, 2.0), feature(3.0, 8.0, -20.0)];
         let order = Order::default().clicked(Quantity::Depth);
-        let sorted = |set_up: &SetUpState| {
-            listed(&features, None, set_up, &Filter::default(), &SlopeGrid::default(), Slope::default(), order)
-        };
-        let read = SetUpState { reads_depths: true, ..SetUpState::default() };
-        assert_eq!(sorted(&read), [2, 0, 1]);
-        assert_eq!(sorted(&SetUpState::default()), [0, 1, 2], "without a set-up no depth is known");
-        assert_eq!(quantity_text(Quantity::Depth, 0, &features[0], read.known(&features[0], None)), "8");
+        let mut document = Document { order, ..Document::default() };
+        let sorted = |by: &Document| by.listed(&features, None, &SlopeGrid::default(), Slope::default());
+        assert_eq!(sorted(&document), [0, 1, 2], "without a set-up no depth is known");
+        document.set_up.reads_depths = true;
+        assert_eq!(sorted(&document), [2, 0, 1]);
+        assert_eq!(quantity_text(Quantity::Depth, 0, &features[0], document.set_up.known(&features[0], None)), "8");
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! the list.
 
 use crate::app::document::Side;
-use crate::app::results::slot::{ListedFor, listed};
+use crate::app::results::slot::ListedFor;
 use crate::app::results::{Model, Read};
 use crate::detector::params::doc;
 use crate::detector::{Detection, ParamChange, Slope};
@@ -85,15 +85,8 @@ pub fn refresh_listed(model: &mut Model) {
         set_up: model.document.set_up.depths_by().copied(),
     };
     if model.results.listed_for.as_ref() != Some(&now) {
-        model.results.listed = listed(
-            &found.detection.features,
-            judged.map(|judged| &judged[..]),
-            &model.document.set_up,
-            &model.document.filter,
-            &found.detection.slopes,
-            slope,
-            model.document.order,
-        );
+        let (features, grid) = (&found.detection.features, &found.detection.slopes);
+        model.results.listed = model.document.listed(features, judged.map(|judged| &judged[..]), grid, slope);
         model.results.listed_for = Some(now);
     }
 }

@@ -152,19 +152,7 @@ pub(in crate::app) fn open(model: &mut Model, side: Side, source: BurstSource, e
         None if own.is_some() => options.with_burst_of(&OpenOptions::default()),
         None => options,
     };
-    open_with(model, side, OpenRequest { source, options }, own, engine)
-}
-
-/// Opens the burst of a session, of a lesson or with other options, which leaves nothing behind unless it is given.
-pub(in crate::app) fn open_with(
-    model: &mut Model,
-    side: Side,
-    request: OpenRequest,
-    leaves: Option<Own>,
-    engine: &Engine,
-) -> JobId {
-    model.results.slots[side].leaves = leaves;
-    model.results.slots[side].opening.ask(engine, request)
+    model.results.slots[side].open(OpenRequest { source, options }, own, engine)
 }
 
 /// Takes what was set for the burst before off the one that is open now. What was set since it was asked for stays.
@@ -194,7 +182,7 @@ pub(in crate::app) fn take_left_behind(model: &mut Model, uses: bool, engine: &E
     let options = Read::of(model).calibration_of(side).clone().with_burst_of(&calibration);
     let source = Read::of(model).burst_of(side).map(|open| open.source.clone());
     if let Some(source) = source.filter(|_| options != *Read::of(model).calibration_of(side)) {
-        open_with(model, side, OpenRequest { source, options }, None, engine);
+        model.results.slots[side].open(OpenRequest { source, options }, None, engine);
     }
 }
 
@@ -212,7 +200,7 @@ pub(in crate::app) fn calibrate(model: &mut Model, options: OpenOptions, engine:
         match pending.or_else(|| slot.burst.as_ref().map(|open| open.source.clone())) {
             Some(source) => {
                 let leaves = slot.leaves.take();
-                open_with(model, side, OpenRequest { source, options }, leaves, engine);
+                slot.open(OpenRequest { source, options }, leaves, engine);
             }
             // No frames refuse them.
             None if side == Side::A => {

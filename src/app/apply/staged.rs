@@ -15,7 +15,7 @@ pub(in crate::app) fn take_staged(model: &mut Model, staged: Staged, engine: &En
         Staged::EndLesson { keeps_opening } => return end_lesson(model, keeps_opening, engine),
         Staged::Reopen(side, source) => {
             let options = Read::of(model).calibration_of(side).clone();
-            opening::open_with(model, side, OpenRequest { source, options }, None, engine);
+            model.results.slots[side].open(OpenRequest { source, options }, None, engine);
         }
         Staged::Open { bursts, cameras } => open_for_step(model, bursts, cameras, engine),
         Staged::Begin { document, layout, probe } => begin_with(model, *document, layout, probe),
@@ -47,7 +47,7 @@ fn end_lesson(model: &mut Model, keeps_opening: bool, engine: &Engine) -> Option
     if keeps_opening {
         model.results.slots.a.opening = of_lesson.slots.a.opening;
     } else if let Some((request, leaves)) = opening {
-        opening::open_with(model, Side::A, request, leaves, engine);
+        model.results.slots.a.open(request, leaves, engine);
     }
     Some(Effect::ForgetWidgets)
 }
@@ -83,7 +83,7 @@ fn open_for_step(model: &mut Model, bursts: Sides<Option<BurstSource>>, cameras:
             (Side::B, Some(burst)) => pair::take_second_burst(model, burst),
             (side, None) => {
                 let options = OpenOptions::default();
-                opening::open_with(model, side, OpenRequest { source, options }, None, engine);
+                model.results.slots[side].open(OpenRequest { source, options }, None, engine);
             }
         }
     }
@@ -132,12 +132,7 @@ pub fn redo(model: &mut Model, engine: &Engine) {
 }
 
 /// Takes a step. The note about it replaces one about the settings that are no longer set.
-fn step(
-    model: &mut Model,
-    what: &str,
-    step: impl FnOnce(&mut History, &mut Document) -> Option<OpenOptions>,
-    engine: &Engine,
-) {
+fn step(model: &mut Model, what: &str, step: fn(&mut History, &mut Document) -> Option<OpenOptions>, engine: &Engine) {
     let before = model.document.clone();
     let calibration = step(&mut model.shell.history, &mut model.document);
     params::check_params(model);

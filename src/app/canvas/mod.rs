@@ -160,14 +160,7 @@ impl<'a> Canvas<'a> {
         output.painter.add(paint.into_shape(rect));
         picture.hatch(&output.painter, output.ui_from_image, rect);
         if self.values {
-            readout::draw_values(
-                &output.painter,
-                picture,
-                &self.display,
-                output.ui_from_image,
-                output.visible_image,
-                self.full_scale,
-            );
+            self.draw_values(picture, output);
         }
     }
 }

@@ -1,10 +1,9 @@
 //! Values of pixels as text: the one under the pointer, for the status bar, and those drawn into large pixels.
 
-use super::{Picture, RectTransform, number};
+use super::{Canvas, CanvasOutput, Picture, number};
 use crate::app::view::{fixed, motion_text};
 use crate::detector::{Motion, Slope};
-use crate::plane::display::Display;
-use egui::{Align2, Color32, FontId, Painter, Pos2, Rect, pos2};
+use egui::{Align2, Color32, FontId, Pos2, pos2};
 
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Quantity {
@@ -102,36 +101,26 @@ impl std::fmt::Display for Readout {
 
 pub const VALUE_MIN_POINTS: f32 = 36.0;
 
-/// In the file's unit when `full_scale` is not 1. Draws nothing while pixels are too small.
-pub fn draw_values(
-    painter: &Painter,
-    picture: &Picture,
-    display: &Display,
-    ui_from_image: RectTransform,
-    visible_image: Rect,
-    full_scale: f32,
-) {
-    let ui_from_picture = picture.ui_from_picture(ui_from_image);
-    let pixel_points = ui_from_picture.scale();
-    if pixel_points < VALUE_MIN_POINTS {
-        return;
-    }
-    let region = picture.region(visible_image);
-    // Five characters fit across a pixel.
-    let font = FontId::monospace((pixel_points * 0.21).clamp(7.0, 15.0));
-    let digits = if pixel_points > 60.0 { 4 } else { 3 };
-    let colours = display.colours();
-    for v in region.rows {
-        for u in region.columns.clone().filter(|u| !picture.plane.is_hidden_at(*u, v)) {
-            let value = picture.plane.at(u, v);
-            let centre = ui_from_picture.pos(pos2(u as f32, v as f32));
-            painter.text(
-                centre,
-                Align2::CENTER_CENTER,
-                number(value * full_scale, digits),
-                font.clone(),
-                readable_on(colours.colour(value)),
-            );
+impl Canvas<'_> {
+    /// In the file's unit when the full scale is not 1. Draws nothing while pixels are too small.
+    pub(super) fn draw_values(&self, picture: &Picture, output: &CanvasOutput) {
+        let ui_from_picture = picture.ui_from_picture(output.ui_from_image);
+        let pixel_points = ui_from_picture.scale();
+        if pixel_points < VALUE_MIN_POINTS {
+            return;
+        }
+        let region = picture.region(output.visible_image);
+        // Five characters fit across a pixel.
+        let font = FontId::monospace((pixel_points * 0.21).clamp(7.0, 15.0));
+        let digits = if pixel_points > 60.0 { 4 } else { 3 };
+        let colours = self.display.colours();
+        for v in region.rows {
+            for u in region.columns.clone().filter(|u| !picture.plane.is_hidden_at(*u, v)) {
+                let value = picture.plane.at(u, v);
+                let centre = ui_from_picture.pos(pos2(u as f32, v as f32));
+                let (text, colour) = (number(value * self.full_scale, digits), readable_on(colours.colour(value)));
+                output.painter.text(centre, Align2::CENTER_CENTER, text, font.clone(), colour);
+            }
         }
     }
 }

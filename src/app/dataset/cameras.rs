@@ -58,7 +58,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     // Settling alone is no action of the user: only a view that looks different is recorded.
     queue.push_if(!view.is_drawn_as(&model.document.trajectories.view), Action::MoveCameras(view));
     draw(ui, &painter, model, &scene, &ui_from_plane);
-    frame_ui(ui, &painter, model, &scene, &ui_from_plane, rect);
+    frame_ui(ui, model, &scene, &ui_from_plane, rect);
     if let Some((of_truth, spot)) = pointed.filter(|_| !response.dragged()) {
         let text = spot_text(model, of_truth, spot) + "\nDouble-click to open its burst";
         response.on_hover_text_at_pointer(text);
@@ -135,14 +135,8 @@ fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from
     }
 }
 
-fn frame_ui(
-    ui: &Ui,
-    painter: &Painter,
-    model: Read<'_>,
-    scene: &PlaneScene,
-    ui_from_plane: &RectTransform,
-    rect: Rect,
-) {
+fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTransform, rect: Rect) {
+    let painter = ui.painter_at(rect);
     let (true_colour, estimated_colour) = colours(ui);
     let (font, weak) = (FontId::proportional(12.0), ui.visuals().weak_text_color());
     let mut y = rect.top() + 16.0;

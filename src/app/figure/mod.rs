@@ -127,15 +127,6 @@ pub fn drawing_of(model: Read<'_>, widgets: &PaneWidgets, choice: &FigureChoice)
     } else {
         vec![vec![model.document.focus()]]
     };
-    drawing_of_panes(model, widgets, &rows, choice)
-}
-
-fn drawing_of_panes(
-    model: Read<'_>,
-    widgets: &PaneWidgets,
-    rows: &[Vec<PaneId>],
-    choice: &FigureChoice,
-) -> Result<Drawing, String> {
     let mut panes = Vec::new();
     let mut panels = |row: &Vec<PaneId>| {
         let panel = |&id: &PaneId| {

@@ -16,23 +16,27 @@ use crate::requests::{PictureKind, ProbeQuestion};
 use egui::{Align2, Color32, FontId, Key, Pos2, Stroke, Ui, pos2, vec2};
 use std::ops::Range;
 
-pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[(PaneId, Drawn)]) {
+pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[Drawn]) {
     widgets.values.clear();
-    let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
-    let Some((from, first, pos_image)) = pointed else { return };
-    widgets.values.extend(value_at(model, widgets, from, first.shown, pos_image));
-    let is_linked = |id: PaneId| model.document.panes.has_link(id, Link::Place);
-    if !is_linked(from) {
+    let Some((first, pos_image)) = pointed(drawn) else { return };
+    widgets.values.extend(value_at(model, widgets, first, pos_image));
+    let is_linked = |drawn: &&Drawn| model.document.panes.has_link(drawn.pane, Link::Place);
+    if !is_linked(&first) {
         return;
     }
     // Each linked pane shows the same place of the scene, at its own frame and slope.
-    for (id, other) in drawn.iter().filter(|(id, _)| *id != from && is_linked(*id)) {
+    for other in drawn.iter().filter(|other| other.pane != first.pane).filter(is_linked) {
         let Some(pos) = same_place(model, first.shown, other.shown, pos_image) else { continue };
-        let value = value_at(model, widgets, *id, other.shown, pos);
+        let value = value_at(model, widgets, other, pos);
         let text = value.map(|value| value.readout.short_text());
         mark(&other.output, pos, text.as_deref());
         widgets.values.extend(value);
     }
+}
+
+/// The picture under the pointer, and the pointer's place in it.
+fn pointed(drawn: &[Drawn]) -> Option<(&Drawn, Pos2)> {
+    drawn.iter().find_map(|drawn| Some((drawn, drawn.output.hover_image?)))
 }
 
 pub(in crate::app) fn same_place(model: Read<'_>, from: PaneId, to: PaneId, pos_image: Pos2) -> Option<Pos2> {
@@ -41,7 +45,8 @@ pub(in crate::app) fn same_place(model: Read<'_>, from: PaneId, to: PaneId, pos_
     Some(place_in(pos_image, kinds[0]?, &a.cursor, kinds[1]?, &b.cursor, used(model, a.side)?))
 }
 
-fn value_at(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, shown: PaneId, pos_image: Pos2) -> Option<PlaceValue> {
+fn value_at(model: Read<'_>, widgets: &PaneWidgets, drawn: &Drawn, pos_image: Pos2) -> Option<PlaceValue> {
+    let (id, shown) = (drawn.pane, drawn.shown);
     let picture = model.picture_in(shown)?;
     let canvas = widgets.get(shown)?.picture.shown()?;
     let readout = readout_of(picture, canvas, pos_image, full_scale(model, shown))?;
@@ -97,9 +102,9 @@ fn used(model: Read<'_>, side: Side) -> Option<(&Positions, Range<usize>)> {
 }
 
 /// Draws the probe's marks, and takes the place under the pointer: Shift+click probes it, any click ends following.
-pub(super) fn probe_ui(ui: &Ui, model: Read<'_>, widgets: &PaneWidgets, drawn: &[(PaneId, Drawn)], queue: &mut Queue) {
+pub(super) fn probe_ui(ui: &Ui, model: Read<'_>, widgets: &PaneWidgets, drawn: &[Drawn], queue: &mut Queue) {
     probe_marks_ui(model, drawn);
-    let pointed = drawn.iter().find_map(|(_, drawn)| Some((drawn, drawn.output.hover_image?)));
+    let pointed = pointed(drawn);
     let pointer = pointed.and_then(|(drawn, pos)| mid_burst(model, drawn.shown, pos));
     queue.set(&model.results.probed.pointer, pointer, |place| Action::Point(Pointed::Place(place)));
     let Some((drawn, _)) = pointed.filter(|(drawn, _)| drawn.output.response.clicked()) else { return };
@@ -134,7 +139,7 @@ pub fn is_led(ctx: &egui::Context) -> bool {
 
 /// Shows the place under the pointer at its own motion, while the switch is on or Ctrl is held. With Ctrl a click stays
 /// at that slope; without one the pane goes back to what it showed.
-pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)], queue: &mut Queue) {
+pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Queue) {
     let (flag, kept) = (egui::Id::unique(FOCUS), egui::Id::unique((FOCUS, "before")));
     // Ctrl alone: the key itself may be among those that are down.
     let is_ctrl = |key: &Key| matches!(key, Key::ControlLeft | Key::ControlRight | Key::SuperLeft | Key::SuperRight);
@@ -148,11 +153,11 @@ pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)], queu
             content => Action::SetContent(id, content),
         });
     }
-    let pointed = drawn.iter().find_map(|(id, drawn)| Some((*id, drawn, drawn.output.hover_image?)));
     let is_on = is_held || model.document.follows_focus;
-    let led = pointed.filter(|_| is_on && model.document.workspace.inspects());
+    let led = pointed(drawn).filter(|_| is_on && model.document.workspace.inspects());
     ui.data_mut(|data| data.insert_temp(flag, led.is_some()));
-    let Some((id, drawn, pos)) = led else { return };
+    let Some((drawn, pos)) = led else { return };
+    let id = drawn.pane;
     let (Some(pane), Some((side, [u, v]))) = (model.pane(id), mid_burst(model, drawn.shown, pos)) else {
         return;
     };
@@ -191,15 +196,15 @@ pub(in crate::app) fn is_with_shift(ui: &Ui) -> bool {
     })
 }
 
-fn probe_marks_ui(model: Read<'_>, drawn: &[(PaneId, Drawn)]) {
+fn probe_marks_ui(model: Read<'_>, drawn: &[Drawn]) {
     let Some(place) = model.probed_place() else { return };
     let answer = model.results.probed.answer.as_ref().filter(|_| model.probe_is_current());
     let is_linked = |id: PaneId| model.document.panes.has_link(id, Link::Place);
     let is_probed = |id: PaneId| model.document.panes.is_on(id, model.document.probe.side);
     // B's panes are not linked to A's; where none of the probed burst's panes is linked, all of them show the marks.
-    let any_linked = drawn.iter().any(|(id, _)| is_probed(*id) && is_linked(*id));
-    for (id, drawn) in drawn.iter().filter(|(id, _)| is_linked(*id) || !any_linked) {
-        let own = model.pane(*id).map_or_else(Slope::default, |pane| pane.cursor.slope);
+    let any_linked = drawn.iter().any(|drawn| is_probed(drawn.pane) && is_linked(drawn.pane));
+    for drawn in drawn.iter().filter(|drawn| is_linked(drawn.pane) || !any_linked) {
+        let own = model.pane(drawn.pane).map_or_else(Slope::default, |pane| pane.cursor.slope);
         let slope = answer.map_or(own, |answer| answer.probe.subject.slope);
         if let Some(pos) = in_pane(model, drawn.shown, place, slope) {
             probe_mark(&drawn.output, pos);

@@ -145,14 +145,8 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     });
 }
 
-pub(super) fn picture_menu_ui(
-    drawn: &Drawn,
-    model: Read<'_>,
-    id: PaneId,
-    widgets: &mut PaneWidgets,
-    queue: &mut Queue,
-) {
-    let response = &drawn.output.response;
+pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) {
+    let (id, response) = (drawn.pane, &drawn.output.response);
     // The subject is the one at the click: over the menu the pointer is on something else.
     if response.secondary_clicked() {
         let shown = widgets.get(drawn.shown).map(|widget| &widget.picture);

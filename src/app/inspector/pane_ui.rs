@@ -18,10 +18,12 @@ use crate::inspect::words::{counted, number};
 use crate::plane::Plane;
 use crate::requests::{Probed, ViewKind};
 use egui::{
-    Align2, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2, vec2,
+    Align2, AsIdSalt, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2,
+    vec2,
 };
 
 pub struct Drawn {
+    pub pane: PaneId,
     /// Pane whose picture is shown: the pane itself or, flipped, another.
     pub shown: PaneId,
     /// Output of the canvas; of a wipe, that of its left part.
@@ -83,12 +85,13 @@ pub(super) fn picture_ui(
     (state.ui_from_image, state.visible_image) = (Some(output.ui_from_image), visible);
     // Settling alone is no action of the user: only a view that looks different is recorded.
     queue.push_if(!view.is_drawn_as(&before), Action::MoveView { pane: id, before, after: view });
-    Drawn { shown, output, right: None }
+    Drawn { pane: id, shown, output, right: None }
 }
 
 /// Goes through the frames of a pane that shows one, or else through its slopes, by the wheel with Alt; with Shift too
 /// along v.
-pub(super) fn scrub_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn, queue: &mut Queue) {
+pub(super) fn scrub_ui(ui: &Ui, model: Read<'_>, drawn: &Drawn, queue: &mut Queue) {
+    let id = drawn.pane;
     let modifiers = ui.input(|i| i.modifiers);
     let notches = if modifiers.alt { wheel_over(ui, &drawn.output.response) } else { 0 };
     let Some(pane) = model.pane(id).filter(|_| notches != 0) else { return };
@@ -104,15 +107,8 @@ pub(super) fn scrub_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn, queu
 }
 
 /// Draws the other picture of a wipe over the drawn one, with its features; the drawn one ends at the line.
-pub(super) fn over_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    id: PaneId,
-    widgets: &mut PaneWidgets,
-    drawn: &mut Drawn,
-    queue: &mut Queue,
-) {
-    let Some(Over::Wipe { other, at }) = model.document.panes.over(id) else { return };
+pub(super) fn over_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, drawn: &mut Drawn, queue: &mut Queue) {
+    let Some(Over::Wipe { other, at }) = model.document.panes.over(drawn.pane) else { return };
     let rect = drawn.output.response.rect;
     let x = egui::lerp(rect.x_range(), at);
     let picture = model.picture_in(other);
@@ -128,8 +124,9 @@ pub(super) fn over_ui(
     drawn.right = Some((other, over));
 }
 
-pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn, queue: &mut Queue) {
-    let name = |model: Read<'_>, id: PaneId| {
+pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, drawn: &Drawn, queue: &mut Queue) {
+    let id = drawn.pane;
+    let name = |id: PaneId| {
         let number = model.document.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
         format!("{number}{}", super::compact_description(model, id))
     };
@@ -137,13 +134,13 @@ pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn,
         None => {}
         // Of two pictures in one place the name says which is on show.
         Some(Over::Flip { .. }) => {
-            chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(model, drawn.shown), ("flip", id));
+            chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(drawn.shown), ("flip", id));
         }
         Some(Over::Wipe { other, at: before }) => {
             let mut at = before;
-            chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(model, id), ("wipe left", id));
+            chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &name(id), ("wipe left", id));
             if let Some((right, over)) = &drawn.right {
-                chip_ui(ui, over, Align2::RIGHT_TOP, &name(model, *right), ("wipe right", id));
+                chip_ui(ui, over, Align2::RIGHT_TOP, &name(*right), ("wipe right", id));
             }
             over_handle_ui(ui, &mut at, drawn.output.response.rect);
             queue.set(&before, at, |at| Action::SetOver(id, Some(Over::Wipe { other, at })));
@@ -199,13 +196,7 @@ fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
 }
 
 /// Draws a text on a dark background in a corner of a picture. `salt` makes its id unique.
-pub(in crate::app) fn chip_ui(
-    ui: &Ui,
-    output: &CanvasOutput,
-    corner: Align2,
-    text: &str,
-    salt: impl std::hash::Hash + std::fmt::Debug,
-) {
+pub(in crate::app) fn chip_ui(ui: &Ui, output: &CanvasOutput, corner: Align2, text: &str, salt: impl AsIdSalt) {
     let painter = &output.painter;
     let rect = output.response.rect.intersect(painter.clip_rect());
     let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::proportional(13.0), Color32::WHITE);
@@ -407,15 +398,15 @@ fn reading(answer: &Probed, slice: &Slice, area: &Area, pos: Pos2) -> String {
     format!("Frame {}: {value}{way}", slice.frames[row])
 }
 
-pub(super) fn method_ui(ui: &Ui, model: Read<'_>, id: PaneId, drawn: &Drawn) {
-    let Some(pane) = model.pane(id) else { return };
-    let Some(method) = pane.method.filter(|_| model.document.panes.over(id).is_none()) else { return };
+pub(super) fn method_ui(ui: &Ui, model: Read<'_>, drawn: &Drawn) {
+    let Some(pane) = model.pane(drawn.pane) else { return };
+    let Some(method) = pane.method.filter(|_| model.document.panes.over(drawn.pane).is_none()) else { return };
     let count = model.method_found(method, pane.side).map_or_else(
         || if model.results.compare.problem(method).is_some() { "not searched".to_owned() } else { "…".to_owned() },
         |found| counted(found.detection.features.len(), "feature"),
     );
     let text = format!("{}  ·  {count}", method.label());
-    chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &text, ("method", id));
+    chip_ui(ui, &drawn.output, Align2::LEFT_TOP, &text, ("method", drawn.pane));
 }
 
 #[cfg(test)]

@@ -19,12 +19,7 @@ use egui::{RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
 /// Draws the panes; returns those with a picture, in the order of drawing.
-pub fn inspector_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    widgets: &mut PaneWidgets,
-    queue: &mut Queue,
-) -> Vec<(PaneId, Drawn)> {
+pub fn inspector_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, queue: &mut Queue) -> Vec<Drawn> {
     widgets.begin_pass();
     let mut tree = tree_of(model.document.panes.arrangement());
     let mut inspector = Inspector { model, widgets, queue, drawn: Vec::new() };
@@ -78,7 +73,7 @@ struct Inspector<'a> {
     model: Read<'a>,
     widgets: &'a mut PaneWidgets,
     queue: &'a mut Queue,
-    drawn: Vec<(PaneId, Drawn)>,
+    drawn: Vec<Drawn>,
 }
 
 impl Behavior<PaneId> for Inspector<'_> {
@@ -135,7 +130,7 @@ impl Inspector<'_> {
     /// Draws the picture of a pane with its overlays; returns whether the pointer touched it.
     fn picture_ui(&mut self, ui: &mut Ui, id: PaneId) -> bool {
         let mut drawn = picture_ui(ui, self.model, id, self.widgets, self.queue);
-        over_ui(ui, self.model, id, self.widgets, &mut drawn, self.queue);
+        over_ui(ui, self.model, self.widgets, &mut drawn, self.queue);
         let rect = drawn.output.response.rect;
         let (inspected, in_focus) = (self.model.document.workspace.inspects(), self.model.document.focus() == id);
         // One legend in the window is enough, and in a small pane it would cover the picture.
@@ -147,8 +142,8 @@ impl Inspector<'_> {
         if inspected && !of_method {
             candidates_ui(ui, self.model, drawn.shown, &drawn.output, self.queue);
         }
-        over_names_ui(ui, self.model, id, &drawn, self.queue);
-        method_ui(ui, self.model, id, &drawn);
+        over_names_ui(ui, self.model, &drawn, self.queue);
+        method_ui(ui, self.model, &drawn);
         if inspected {
             draw_ui(self.model, id, &drawn.output, self.queue);
             measure_ui(self.model, id, &drawn.output);
@@ -157,10 +152,10 @@ impl Inspector<'_> {
                 hidden_ui(ui, self.model, rect, self.queue);
             }
         }
-        picture_menu_ui(&drawn, self.model, id, self.widgets, self.queue);
-        scrub_ui(ui, self.model, id, &drawn, self.queue);
+        picture_menu_ui(&drawn, self.model, self.widgets, self.queue);
+        scrub_ui(ui, self.model, &drawn, self.queue);
         let touched = drawn.is_touched(ui);
-        self.drawn.push((id, drawn));
+        self.drawn.push(drawn);
         touched
     }
 }

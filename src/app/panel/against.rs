@@ -90,11 +90,7 @@ pub fn against_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
             }
         }
     });
-    let (clicked, probed) = table_ui(ui, model, side, shown, queue);
-    if let Some(row) = probed.and_then(|row| shown.rows.get(row)) {
-        queue.push(Action::Probe(side, row.question()));
-    }
-    if let Some(row) = clicked {
+    if let Some(row) = table_ui(ui, model, side, shown, queue) {
         queue.push(Action::SelectRow(side, Some(row)));
         if let Some(row) = shown.rows.get(row).filter(|row| !is_in_view(model, widgets, row)) {
             let at = Some((row.pos_image, 0.0));
@@ -113,17 +109,11 @@ fn what_to_do(model: Read<'_>, side: Side) -> &'static str {
     }
 }
 
-/// Returns the clicked row, and the one whose place is to be probed.
-fn table_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    side: Side,
-    shown: &Shown,
-    queue: &mut Queue,
-) -> (Option<usize>, Option<usize>) {
+/// Returns the clicked row.
+fn table_ui(ui: &mut Ui, model: Read<'_>, side: Side, shown: &Shown, queue: &mut Queue) -> Option<usize> {
     let listed: Vec<usize> =
         (0..shown.rows.len()).filter(|&row| model.document.comparisons[side].shows(shown.rows[row].kind)).collect();
-    let (mut clicked, mut hovered, mut probed) = (None, None, None);
+    let (mut clicked, mut hovered) = (None, None);
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let table = striped_table(ui)
         .sense(Sense::click())
@@ -169,7 +159,7 @@ fn table_ui(
                 }
                 response.context_menu(|ui| {
                     if ui.button("Probe this place").on_hover_text(PROBE_HELP).clicked() {
-                        probed = Some(index);
+                        queue.push(Action::Probe(side, row.question()));
                     }
                 });
                 if !row.note.is_empty() {
@@ -181,7 +171,7 @@ fn table_ui(
     if is_pointed_at {
         queue.point(&model.results.slots[side].comparison.hovered, hovered, |row| Pointed::Row(side, row));
     }
-    (clicked, probed)
+    clicked
 }
 
 fn cells(row: &Row) -> [String; 5] {
@@ -201,15 +191,16 @@ fn is_in_view(model: Read<'_>, widgets: &PaneWidgets, row: &Row) -> bool {
 }
 
 /// Where a comparison is drawn, and which of its rows.
-pub struct RowsInPane {
+pub struct RowsInPane<'a> {
     pub id: PaneId,
     pub side: Side,
+    pub shown: &'a Shown,
     pub drawn: Vec<bool>,
 }
 
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
-fn marks_of(model: Read<'_>, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, Vec<ComparedMark>) {
-    let RowsInPane { side, id, .. } = *place;
+fn marks_of(model: Read<'_>, place: &RowsInPane<'_>) -> (Vec<usize>, Vec<ComparedMark>) {
+    let RowsInPane { side, id, shown, .. } = *place;
     let dt = frames_from_middle(model.picture_in(id), &shown.detection).unwrap_or_default();
     let pointed = [model.document.comparisons[side].selected, model.results.slots[side].comparison.hovered];
     let drawn = shown.rows.iter().enumerate().filter(|(index, row)| {
@@ -231,9 +222,9 @@ fn marks_of(model: Read<'_>, shown: &Shown, place: &RowsInPane) -> (Vec<usize>, 
         .unzip()
 }
 
-pub fn marks_ui(ui: &Ui, model: Read<'_>, shown: &Shown, place: &RowsInPane, output: &CanvasOutput, queue: &mut Queue) {
-    let side = place.side;
-    let (rows, marks) = marks_of(model, shown, place);
+pub fn marks_ui(ui: &Ui, model: Read<'_>, place: &RowsInPane<'_>, output: &CanvasOutput, queue: &mut Queue) {
+    let RowsInPane { side, shown, .. } = *place;
+    let (rows, marks) = marks_of(model, place);
     let clip = output.painter.clip_rect();
     // Candidates and matches lie on top.
     let is_over_match = model.document.workspace.shows_pair() && model.results.pair.hovered.is_some();
@@ -270,15 +261,8 @@ fn row_tip_ui(ui: &Ui, shown: &Shown, row: &Row) {
     });
 }
 
-pub fn legend_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    shown: &Shown,
-    in_pane: &RowsInPane,
-    output: &CanvasOutput,
-    queue: &mut Queue,
-) {
-    let side = in_pane.side;
+pub fn legend_ui(ui: &mut Ui, model: Read<'_>, in_pane: &RowsInPane<'_>, output: &CanvasOutput, queue: &mut Queue) {
+    let RowsInPane { side, shown, .. } = *in_pane;
     let kinds: Vec<Compared> =
         Compared::of(shown.with).iter().copied().filter(|kind| model.document.comparisons[side].shows(*kind)).collect();
     let place = legend::LegendCorner { rect_ui: output.response.rect, has_colour_bar: false };

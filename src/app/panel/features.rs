@@ -98,9 +98,8 @@ impl FeatureLayer {
             .with_set_up(model.document.set_up.depths_by())
     }
 
-    /// Choice of the features that are drawn in full over the canvas of `output`: the strongest of each part of it, and
+    /// Features that are drawn in full where `view_image` is in view: the strongest of each part of it, and
     /// those selected or pointed at. Features of other slopes than the picture's take no place from its own.
-    /// Features that are drawn in full where `view_image` is in view.
     pub fn in_full(&self, ui_from_image: RectTransform, view_image: egui::Rect) -> overlay::Drawn {
         let group = |i: usize| {
             self.shown[i].then(|| if self.is_faint(i) { overlay::Group::Faint } else { overlay::Group::Own })
@@ -153,10 +152,10 @@ pub fn features_ui(
     if let Some(shown) = model.shown_comparison(side).filter(|_| is_of_burst) {
         // The colours now show the comparison's outcome.
         let drawn = shown.rows.iter().map(|row| layer.draws(row)).collect();
-        let place = RowsInPane { id, side, drawn };
-        marks_ui(ui, model, shown, &place, output, queue);
+        let place = RowsInPane { id, side, shown, drawn };
+        marks_ui(ui, model, &place, output, queue);
         if has_legend {
-            against::legend_ui(ui, model, shown, &place, output, queue);
+            against::legend_ui(ui, model, &place, output, queue);
         }
         return;
     }

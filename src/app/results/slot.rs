@@ -2,7 +2,7 @@
 //! was opened is never overwritten.
 
 use crate::app::document::filter::near_slope;
-use crate::app::document::{Filter, Order, SavedSelection, SetUpState, Side};
+use crate::app::document::{Document, Filter, Order, SavedSelection, Side};
 use crate::app::results::Read;
 use crate::app::results::comparison::ComparisonResults;
 use crate::app::results::own::Own;
@@ -13,7 +13,7 @@ use crate::engine::{Engine, Wanted};
 use crate::error::Error;
 use crate::inspect::place::Judged;
 use crate::inspect::slopes::SetUp;
-use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, OpenBurst, OpenRequest};
+use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobId, OpenBurst, OpenRequest};
 use std::ops::Deref;
 use std::path::PathBuf;
 use std::time::Duration;
@@ -34,6 +34,14 @@ pub struct Slot {
     /// Options that a step back or forward opens the burst with.
     pub stepped_to: Option<OpenOptions>,
     pub detecting: Wanted<DetectRequest>,
+}
+
+impl Slot {
+    /// Opens a burst, which leaves nothing behind unless it is given.
+    pub(in crate::app) fn open(&mut self, request: OpenRequest, leaves: Option<Own>, engine: &Engine) -> JobId {
+        self.leaves = leaves;
+        self.opening.ask(engine, request)
+    }
 }
 
 impl Side {
@@ -205,30 +213,30 @@ impl Read<'_> {
     }
 }
 
-/// Indices of the features that pass the filter at `slope`, sorted by `order`; `judged` and `set_up` say more of them.
-pub fn listed(
-    features: &[Feature],
-    judged: Option<&[Judged]>,
-    set_up: &SetUpState,
-    filter: &Filter,
-    grid: &SlopeGrid,
-    slope: Slope,
-    order: Order<Quantity>,
-) -> Vec<usize> {
-    let of = |index: usize| judged.and_then(|judged| judged.get(index));
-    let mut indices: Vec<usize> =
-        (0..features.len()).filter(|&i| filter.passes(&features[i], of(i), grid, slope)).collect();
-    indices.sort_by(|&a, &b| {
-        let value = |index: usize| {
-            let known = set_up.known(&features[index], of(index));
-            // What is not known is greatest.
-            quantity_value(order.column, index, &features[index], known).unwrap_or(f32::INFINITY)
-        };
-        let by = value(a).total_cmp(&value(b));
-        let by = if order.descending { by.reverse() } else { by };
-        by.then(a.cmp(&b))
-    });
-    indices
+impl Document {
+    /// Indices of the features that pass the filter at `slope`, in the chosen order; `judged` says more of them.
+    pub fn listed(
+        &self,
+        features: &[Feature],
+        judged: Option<&[Judged]>,
+        grid: &SlopeGrid,
+        slope: Slope,
+    ) -> Vec<usize> {
+        let of = |index: usize| judged.and_then(|judged| judged.get(index));
+        let mut indices: Vec<usize> =
+            (0..features.len()).filter(|&i| self.filter.passes(&features[i], of(i), grid, slope)).collect();
+        indices.sort_by(|&a, &b| {
+            let value = |index: usize| {
+                let known = self.set_up.known(&features[index], of(index));
+                // What is not known is greatest.
+                quantity_value(self.order.column, index, &features[index], known).unwrap_or(f32::INFINITY)
+            };
+            let by = value(a).total_cmp(&value(b));
+            let by = if self.order.descending { by.reverse() } else { by };
+            by.then(a.cmp(&b))
+        });
+        indices
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]

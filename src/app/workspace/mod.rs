@@ -264,7 +264,7 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
         drawn
     });
     // A hovered feature stays marked while the pointer is over it, in a picture or in a row of the open table.
-    if pictures.inner.iter().all(|(_, drawn)| drawn.output.pointer_ui.is_none()) {
+    if pictures.inner.iter().all(|drawn| drawn.output.pointer_ui.is_none()) {
         if over_rows != Some(BottomTab::Table) {
             queue.point(&model.results.hovered, None, Pointed::Feature);
         }

@@ -4,7 +4,7 @@
 
 use super::{RectTransform, Strokes};
 use crate::export::MatchKind;
-use egui::{Color32, Painter, Pos2, Rect};
+use egui::{Color32, Painter, Pos2, Rect, Stroke};
 
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct MatchLine {
@@ -60,27 +60,21 @@ pub fn draw_match_lines(painter: &Painter, panes: &[Pane; 2], lines: &[MatchLine
     // Outliers lie below: there may be many, and they matter less.
     for kind in [MatchKind::Outlier, MatchKind::Unverified, MatchKind::Inlier] {
         for line in lines.iter().filter(|line| line.kind == kind && !lifted(line)) {
-            draw_one(&mut strokes, panes, line, style, WIDTH, line.colour.gamma_multiply(opacity));
+            draw_one(&mut strokes, panes, line, style, Stroke::new(WIDTH, line.colour.gamma_multiply(opacity)));
         }
     }
     for line in lines.iter().filter(|line| lifted(line)) {
         let wide = if style.selected == Some(line.index) { 2.6 } else { 2.0 };
         // A dark and a white rim make the line stand out on any picture.
         for (extra, colour) in [(3.6, Color32::from_black_alpha(170)), (1.6, Color32::WHITE), (0.0, line.colour)] {
-            draw_one(&mut strokes, panes, line, style, wide + extra, colour);
+            draw_one(&mut strokes, panes, line, style, Stroke::new(wide + extra, colour));
         }
     }
     strokes.paint(painter);
 }
 
-fn draw_one(
-    strokes: &mut Strokes,
-    panes: &[Pane; 2],
-    line: &MatchLine,
-    style: &MatchLineStyle,
-    width: f32,
-    colour: Color32,
-) {
+fn draw_one(strokes: &mut Strokes, panes: &[Pane; 2], line: &MatchLine, style: &MatchLineStyle, stroke: Stroke) {
+    let Stroke { width, color: colour } = stroke;
     let [(from, from_seen), (to, to_seen)] = line.ends(panes);
     // A line to an end out of sight would cross whatever lies beside the pane.
     if from_seen && to_seen {

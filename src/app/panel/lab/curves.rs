@@ -35,7 +35,6 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let rows = first.report.roc_rows();
     let row_label = rows.get(lab.roc_row).or(rows.last()).cloned();
     let mut plots = merged(model);
-    let selected = lab.selected;
     let mut chosen_row = None;
     ui.horizontal(|ui| {
         ui.label(RichText::new(if is_whole { "Curves" } else { "Curves so far" }).strong());
@@ -72,7 +71,7 @@ pub fn curves_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 let each = height / group.len().max(1) as f32;
                 for (plot, curves) in group {
                     let size = vec2(column, (each - 26.0).max(80.0));
-                    if let Some(found) = plot_ui(ui, plot, curves, selected, size) {
+                    if let Some(found) = plot_ui(ui, model, plot, curves, size) {
                         pointed = Some(found);
                     }
                 }
@@ -190,9 +189,9 @@ fn merged(model: Read<'_>) -> Vec<(StudyPlot, Vec<Drawn>)> {
 /// Draws one plot; returns the point under the pointer, and whether it was clicked.
 fn plot_ui(
     ui: &mut Ui,
+    model: Read<'_>,
     plot: &StudyPlot,
     curves: &[Drawn],
-    selected: Option<(LabSet, StudyPoint)>,
     size: egui::Vec2,
 ) -> Option<(LabSet, StudyPoint, bool)> {
     let title = plot.title.as_str();
@@ -215,7 +214,7 @@ fn plot_ui(
     let colours: Vec<Color32> = curves.iter().map(|one| curve_colour(ui, one.curve.line.colour)).collect();
     let drawn = widget.show(ui, |area| {
         for (one, &colour) in curves.iter().zip(&colours) {
-            draw_curve(area, one, plot.marks_points, colour, selected);
+            draw_curve(area, model, one, plot.marks_points, colour);
         }
     });
     named(&drawn.response, Role::Image, format!("Plot: {title}, {} curves", curves.len()));
@@ -227,13 +226,7 @@ fn plot_ui(
     Some((one.set, StudyPoint { row_value: one.curve.row_value(point), method: one.curve.method }, clicked))
 }
 
-fn draw_curve(
-    area: &mut PlotUi<'_>,
-    one: &Drawn,
-    marks_points: bool,
-    colour: Color32,
-    selected: Option<(LabSet, StudyPoint)>,
-) {
+fn draw_curve(area: &mut PlotUi<'_>, model: Read<'_>, one: &Drawn, marks_points: bool, colour: Color32) {
     let points = &one.curve.line.points;
     let line: PlotPoints<'_> = points.iter().map(|point| [point.x, point.y]).collect();
     let style = match one.set {
@@ -248,7 +241,7 @@ fn draw_curve(
         }
         let of_point = StudyPoint { row_value: one.curve.row_value(point), method: one.curve.method };
         if marks_points {
-            let radius = if selected == Some((one.set, of_point)) { 5.0 } else { 2.8 };
+            let radius = if model.document.lab.selected == Some((one.set, of_point)) { 5.0 } else { 2.8 };
             area.points(Points::new("", [point.x, point.y]).color(colour).radius(radius).filled(true));
         }
     }

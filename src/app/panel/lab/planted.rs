@@ -22,7 +22,7 @@ pub fn lab_planted_ui(ui: &mut Ui, model: Read<'_>, texture: &mut PlaneTexture, 
         return;
     };
     key_ui(ui, report);
-    let chosen = map_ui(ui, report, model.document.lab.selected_thing, texture);
+    let chosen = map_ui(ui, model, report, texture);
     if let Some(outlook) = report.outlook() {
         weak_ui(ui, outlook);
     }
@@ -60,12 +60,7 @@ fn key_ui(ui: &mut Ui, report: &RecoverReport) {
 }
 
 /// Draws the map with the things; returns the one that was clicked.
-fn map_ui(
-    ui: &mut Ui,
-    report: &RecoverReport,
-    selected: Option<(u64, usize)>,
-    texture: &mut PlaneTexture,
-) -> Option<(u64, usize)> {
+fn map_ui(ui: &mut Ui, model: Read<'_>, report: &RecoverReport, texture: &mut PlaneTexture) -> Option<(u64, usize)> {
     let [width, height] = report.size.map(|n| n as f32);
     let scale = ui.available_width() / width;
     let (rect, response) = ui.allocate_exact_size(vec2(width, height) * scale, Sense::click());
@@ -82,7 +77,7 @@ fn map_ui(
     let pos_ui = |one: &Planted| rect.min + scale * vec2(one.truth.u as f32 + 0.5, one.truth.v as f32 + 0.5);
     let in_range = || report.planted.iter().filter(|one| one.is_in_range);
     for one in in_range() {
-        let radius = if selected == Some((one.seed, one.truth.id)) { 5.0 } else { 2.2 };
+        let radius = if model.document.lab.selected_thing == Some((one.seed, one.truth.id)) { 5.0 } else { 2.2 };
         match one.found {
             Some(_) => painter.circle_filled(pos_ui(one), radius, FOUND),
             None => painter.circle_stroke(pos_ui(one), radius, Stroke::new(1.2, MISSED)),

@@ -92,7 +92,7 @@ fn probe_ui(ui: &mut Ui, model: Read<'_>, panel: &mut ProbePanel, queue: &mut Qu
         suspicions_ui(ui, model, answer, queue);
         section_ui(ui, "Candidates here", |ui| fates::fates_ui(ui, model, answer, queue));
         section_ui(ui, "Response over slope and scale", |ui| {
-            response::response_ui(ui, model, answer, &mut panel.response, &mut panel.plane, queue);
+            response::response_ui(ui, model, answer, panel, queue);
             mark(ui, Part::Response, ui.min_rect());
         });
         section_ui(ui, "Each frame's response", |ui| {
@@ -182,13 +182,8 @@ fn go_to_feature_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, feature: usiz
 }
 
 /// Draws a button that shows a place at a slope, and selects the feature there if there is one.
-fn go_to_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    feature: Option<usize>,
-    ([u, v], slope): ([f32; 2], Slope),
-    queue: &mut Queue,
-) {
+fn go_to_ui(ui: &mut Ui, model: Read<'_>, feature: Option<usize>, place: ([f32; 2], Slope), queue: &mut Queue) {
+    let ([u, v], slope) = place;
     let label = feature.map_or_else(|| "Go to the other one".to_owned(), |index| format!("Go to feature {index}"));
     let tip = format!("At ({}, {}), slope {}", number(u, 1), number(v, 1), slope_text(slope));
     if ui.button(label).on_hover_text(tip).clicked() {

@@ -1,12 +1,12 @@
 //! Response over slope and scale, with the gate and the candidates of the search. A click moves the cursor there.
 
 use super::colour_bar::{ColourBar, range_of};
-use super::{PlaneTexture, colour_bar, strength_text};
+use super::{PlaneTexture, ProbePanel, colour_bar, strength_text};
 use crate::app::document::{Action, Destination, Queue};
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use crate::detector::Slope;
-use crate::inspect::place::{Fate, FineAxis, MapScale, PlaceMotion, ProbeSubject, ResponseMap, SlopePlane, outline};
+use crate::inspect::place::{Fate, FineAxis, MapScale, PlaceMotion, ProbeSubject, ResponseMap, outline};
 use crate::inspect::words::{number, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
@@ -15,22 +15,10 @@ use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, Stroke
 
 const ROW: f32 = 9.0;
 
-pub(super) fn response_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    answer: &Probed,
-    texture: &mut PlaneTexture,
-    plane_texture: &mut PlaneTexture,
-    queue: &mut Queue,
-) {
+pub(super) fn response_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, panel: &mut ProbePanel, queue: &mut Queue) {
     let map = &answer.probe.response;
-    scales_ui(ui, model, answer, texture, queue);
-    if let Some(plane) = &map.plane {
-        ui.add_space(6.0);
-        let text = format!("Slope u and v at σ {} px", number(plane.scale.sigma, 1));
-        ui.label(RichText::new(text).small()).on_hover_text("Click a row above to choose another scale");
-        slopes_ui(ui, model, answer, plane, plane_texture, queue);
-    }
+    scales_ui(ui, model, answer, &mut panel.response, queue);
+    slopes_ui(ui, model, answer, &mut panel.plane, queue);
     let unit = if map.is_noiseless {
         "D; each scale has its own range".to_owned()
     } else {
@@ -97,19 +85,17 @@ fn small_ui(ui: &Ui, at: Pos2, text: &str) {
     ui.painter().text(at, Align2::RIGHT_CENTER, text, font, ui.visuals().weak_text_color());
 }
 
-fn slopes_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    answer: &Probed,
-    plane: &SlopePlane,
-    texture: &mut PlaneTexture,
-    queue: &mut Queue,
-) {
+/// Draws the response over both slopes at one scale, where both were searched.
+fn slopes_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
+    let map = &answer.probe.response;
+    let Some(plane) = &map.plane else { return };
+    ui.add_space(6.0);
+    let text = format!("Slope u and v at σ {} px", number(plane.scale.sigma, 1));
+    ui.label(RichText::new(text).small()).on_hover_text("Click a row above to choose another scale");
     let (columns, rows) = plane.snr.size();
     let room = ui.available_width() - LEFT - RIGHT;
     let height = (room * rows as f32 / columns as f32).clamp(60.0, room);
     let (area, response) = area_ui(ui, height, plane.snr.size());
-    let map = &answer.probe.response;
     let (gate, range) = (map.gate, range_of(plane.snr.data(), gate_of(map)));
     texture.draw(ui, area.rect, "probe slopes", &answer.probe, Display::symmetric(range), || plane.snr.clone());
     let painter = ui.painter().with_clip_rect(area.rect);

@@ -26,7 +26,7 @@ pub(super) fn motion_colour(part: f32) -> Color32 {
 
 /// Draws the matches over the drawn panes of A and B and lets the pointer choose among them. Returns the hovered match;
 /// the outer `None` while the pointer is over no picture.
-pub fn lines_ui(ui: &Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)], queue: &mut Queue) -> Option<Option<usize>> {
+pub fn lines_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Queue) -> Option<Option<usize>> {
     let views = MatchViews::of(model, drawn, None);
     let pointer = views.pointed();
     let Some(matches) = &model.results.pair.matches else {
@@ -190,7 +190,7 @@ fn match_tip_ui(ui: &Ui, row: &MatchRow<'_>, passed_limit: Option<String>) {
 }
 
 /// Draws the matches of each method between its panes of A and of B, with a count.
-pub(in crate::app::workspace) fn method_lines_ui(ui: &Ui, model: Read<'_>, drawn: &[(PaneId, Drawn)]) {
+pub(in crate::app::workspace) fn method_lines_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn]) {
     let look = &model.document.match_look;
     let style = MatchLineStyle { opacity: MatchKind::OPACITY, ..MatchLineStyle::default() };
     for method in MethodId::ALL {
@@ -228,15 +228,15 @@ pub struct MatchViews<'a> {
 }
 
 impl<'a> MatchViews<'a> {
-    pub fn of(model: Read<'_>, drawn: &'a [(PaneId, Drawn)], method: Option<MethodId>) -> Self {
-        let places: Vec<_> = drawn.iter().map(|(_, drawn)| (drawn.shown, drawn.output.response.rect)).collect();
+    pub fn of(model: Read<'_>, drawn: &'a [Drawn], method: Option<MethodId>) -> Self {
+        let places: Vec<_> = drawn.iter().map(|drawn| (drawn.shown, drawn.output.response.rect)).collect();
         let JoinedPanes { sides, pairs } = joined_panes(model, &places, method);
         let mut of_drawn: Vec<(usize, Side)> =
             sides.iter().zip(Side::BOTH).flat_map(|(places, side)| places.iter().map(move |i| (*i, side))).collect();
         of_drawn.sort_by_key(|(place, _)| *place);
         let shift = |id: PaneId| frames_from_middle(model.picture_in(id), model.detection_in(model.pane(id)?)?);
         let view = |(place, side): &(usize, Side)| {
-            let drawn = &drawn[*place].1;
+            let drawn = &drawn[*place];
             MatchView { side: *side, output: &drawn.output, shift: shift(drawn.shown).unwrap_or_default() }
         };
         let views = of_drawn.iter().map(view).collect();

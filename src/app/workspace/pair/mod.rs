@@ -10,7 +10,6 @@ use crate::app::actions::{ActionId, Queue, button_ui, checked, tooltip};
 use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, MatchLook, MatchesAs, PairTab, Pointed, Side};
 use crate::app::inspector::{Drawn, inspector_ui};
-use crate::app::pane::PaneId;
 use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
 use crate::app::panel::widgets::{label_ui, name_field, section_ui};
@@ -102,9 +101,8 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
         let over_pictures = lines::lines_ui(ui, model, &drawn, queue);
         queue.point(&model.results.pair.hovered, over_pictures.unwrap_or(in_table), Pointed::Match);
         for side in Side::BOTH {
-            let is_over = |(id, drawn): &(PaneId, Drawn)| {
-                drawn.output.pointer_ui.is_some() && model.document.panes.is_on(*id, side)
-            };
+            let is_over =
+                |drawn: &Drawn| drawn.output.pointer_ui.is_some() && model.document.panes.is_on(drawn.pane, side);
             if !(drawn.iter().any(is_over) || (over_list && model.active_side() == side)) {
                 queue.point(&model.results.slots[side].comparison.hovered, None, |row| Pointed::Row(side, row));
             }
