@@ -51,12 +51,8 @@ impl Engine {
         self.stores.trails.keep_only(open);
     }
 
-    pub fn task(
-        &self,
-        label: impl Into<String>,
-        work: impl FnOnce() -> Result<String, String> + Send + 'static,
-    ) -> TaskId {
-        self.tasks.start(label.into(), work)
+    pub fn task(&self, label: &str, work: impl FnOnce() -> Result<String, String> + Send + 'static) -> TaskId {
+        self.tasks.start(label, Box::new(work))
     }
 
     /// The tasks that ended since the last call, oldest first. Never waits.

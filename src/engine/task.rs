@@ -18,7 +18,7 @@ pub struct TaskDone {
     pub result: Result<String, JobError>,
 }
 
-type Work = Box<dyn FnOnce() -> Result<String, String> + Send>;
+pub(super) type Work = Box<dyn FnOnce() -> Result<String, String> + Send>;
 
 pub(super) struct Tasks {
     jobs: Jobs<Work, String>,
@@ -32,20 +32,16 @@ impl Tasks {
         Self { jobs: Jobs::new(queue, Urgency::Write, Duration::ZERO, run), labels: Mutex::default() }
     }
 
-    pub(super) fn start(
-        &self,
-        label: String,
-        work: impl FnOnce() -> Result<String, String> + Send + 'static,
-    ) -> TaskId {
+    pub(super) fn start(&self, label: &str, work: Work) -> TaskId {
         // Each task has a slot of its own: none supersedes another.
         let slot = {
             let mut labels = locked(&self.labels);
             labels.0 += 1;
             let slot = labels.0;
-            labels.1.insert(slot, label);
+            labels.1.insert(slot, label.to_owned());
             slot
         };
-        self.jobs.submit_for(slot, Box::new(work));
+        self.jobs.submit_for(slot, work);
         TaskId(slot)
     }
 

@@ -33,7 +33,7 @@ impl CutDialog {
     /// Draws the dialog. Returns the dataset when it was accepted, and whether the dialog stays open.
     pub fn ui(&mut self, ctx: &egui::Context) -> (Option<DatasetSource>, bool) {
         let mut accepted = None;
-        let modal = modal_ui(ctx, "cut sequence", 400.0, "Cut a sequence into bursts", |ui| {
+        let dismissed = modal_ui(ctx, "cut sequence", 400.0, "Cut a sequence into bursts", |ui| {
             let place = self.paths.first().map_or_else(String::new, |p| p.display().to_string());
             ui.weak(format!("{} frames: {place}", self.frames));
             ui.add_space(6.0);
@@ -50,7 +50,7 @@ impl CutDialog {
                 }
             });
         });
-        let stay = accepted.is_none() && !modal.should_close();
+        let stay = accepted.is_none() && !dismissed;
         (accepted, stay)
     }
 

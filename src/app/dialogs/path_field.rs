@@ -20,7 +20,7 @@ impl PathField {
 
     pub fn ui(&mut self, ctx: &egui::Context) -> (Option<PathBuf>, bool) {
         let mut accepted = None;
-        let modal = modal_ui(ctx, "path field", 480.0, self.purpose.title(), |ui| {
+        let dismissed = modal_ui(ctx, "path field", 480.0, self.purpose.title(), |ui| {
             if self.instead_of_dialog {
                 ui.weak("This system shows no file dialog, so please type the path.");
             }
@@ -52,7 +52,7 @@ impl PathField {
                 }
             });
         });
-        let stay = accepted.is_none() && !modal.should_close();
+        let stay = accepted.is_none() && !dismissed;
         (accepted, stay)
     }
 }

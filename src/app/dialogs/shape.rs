@@ -40,7 +40,7 @@ impl ShapeDialog {
         let chosen: Result<Dump, String> = self.text.trim().parse();
         let mut accepts = false;
         let width = COLUMNS as f32 * (CELL_POINTS.x + 18.0);
-        let modal = modal_ui(ctx, "shape of file", width, "Shape of a file without header", |ui| {
+        let dismissed = modal_ui(ctx, "shape of file", width, "Shape of a file without header", |ui| {
             let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
             weak_ui(ui, name).on_hover_text(path.display().to_string());
             ui.add_space(6.0);
@@ -71,7 +71,7 @@ impl ShapeDialog {
             let (side, source) = std::mem::take(self).asked?;
             return Some((side, source, dump));
         }
-        if modal.should_close() {
+        if dismissed {
             *self = Self::default();
         }
         None

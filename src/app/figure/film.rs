@@ -35,7 +35,7 @@ impl FilmDialog {
             return;
         }
         let mut close = false;
-        let modal = modal_ui(ctx, "film", 380.0, "Film", |ui| {
+        let dismissed = modal_ui(ctx, "film", 380.0, "Film", |ui| {
             ui.weak("Each picture with its features, numbers, colours, and the response over all of them");
             ui.add_space(6.0);
             let mut film = model.document.film;
@@ -54,7 +54,7 @@ impl FilmDialog {
                 close |= ui.button("Close").clicked();
             });
         });
-        self.is_open &= !(close || modal.should_close());
+        self.is_open &= !(close || dismissed);
     }
 
     fn described(&mut self, model: Read<'_>) -> String {

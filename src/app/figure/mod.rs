@@ -13,7 +13,7 @@ use crate::app::document::{FigureChoice, MethodId, RangeClass, Side};
 use crate::app::inspector::{PaneWidgets, joined_panes};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
-use crate::app::panel::picture::{PictureState, at_time, describe, frames_from_middle};
+use crate::app::panel::picture::{PictureState, at_time, describe};
 use crate::app::panel::widgets::modal_ui;
 use crate::app::results::{MatchRow, Matches, Read};
 use crate::detector::{Feature, Quantity};
@@ -84,7 +84,7 @@ fn drawn_in_window(
     let Some((ui_from_image, (id, rect_ui))) = of_a.and_then(|a| Some((widgets.ui_from_image(a.0)?, a))) else {
         return rows.iter().map(|row| row.index).collect();
     };
-    let shift = frames_from_middle(model.picture_in(id), matches.detection(Side::A)).unwrap_or_default();
+    let shift = model.frames_from_middle(id, matches.detection(Side::A)).unwrap_or_default();
     let line = |row: &MatchRow<'_>| {
         let feature = at_time(row.a, shift);
         let (a, b, colour) = (egui::pos2(feature.u, feature.v), egui::Pos2::ZERO, egui::Color32::default());
@@ -104,8 +104,7 @@ fn links_between(
     rows: &[MatchRow<'_>],
 ) -> Vec<FigureLink> {
     let places = places_of(widgets, panes);
-    let shift =
-        |id: PaneId, side| frames_from_middle(model.picture_in(id), matches.detection(side)).unwrap_or_default();
+    let shift = |id: PaneId, side| model.frames_from_middle(id, matches.detection(side)).unwrap_or_default();
     let panel = |id: PaneId| panes.iter().position(|pane| *pane == id).unwrap_or(usize::MAX);
     let mut links = Vec::new();
     for (a, b) in joined_panes(model, &places, method).pairs {
@@ -297,7 +296,7 @@ pub fn figure_dialog_ui(
         return;
     }
     let mut close = false;
-    let modal = modal_ui(ctx, "figure", 380.0, "Figure of what is shown", |ui| {
+    let dismissed = modal_ui(ctx, "figure", 380.0, "Figure of what is shown", |ui| {
         ui.weak("Features, filter, colours and part of the picture as in the panes");
         ui.add_space(6.0);
         size_ui(ui, choice, has_matches);
@@ -316,7 +315,7 @@ pub fn figure_dialog_ui(
             close |= ui.button("Close").clicked();
         });
     });
-    *open &= !(close || modal.should_close());
+    *open &= !(close || dismissed);
 }
 
 fn switches_ui(ui: &mut Ui, choice: &mut FigureChoice) {

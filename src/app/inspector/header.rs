@@ -1,7 +1,6 @@
 //! Header above a pane's picture: number, description, links, and the drawn buttons that split and close the pane.
 
 use super::menu::pane_menu_ui;
-use super::pane_ui::filter_of;
 use super::widgets::{PaneWidgets, long_description, short_description};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::panes::Change;
@@ -140,7 +139,7 @@ fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets,
 
 /// Draws what the features are filtered by, as long as they are; a click shows all.
 fn filter_chip_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &mut Queue) {
-    let Some(filter) = filter_of(model, id).filter(|filter| !filter.is_open()) else { return };
+    let Some(filter) = model.filter_of(id).filter(|filter| !filter.is_open()) else { return };
     let words = filter.words();
     let short = match &words[..] {
         _ if width < ROOM_FOR_NUMBERS_ALONE => String::new(),

@@ -1,11 +1,9 @@
 //! Marks of the place under the pointer in all linked panes, and of the probed place in the panes of its burst.
 
-use super::pane_ui::full_scale;
 use super::{Drawn, PaneWidgets, PlaceValue, chip_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::document::{Action, Cursor, MethodId, Pointed, Queue, Side};
 use crate::app::pane::{Content, Link, PaneId, place_in};
-use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::dashed_circle;
 use crate::app::results::Read;
 use crate::burst::Positions;
@@ -46,11 +44,8 @@ pub(in crate::app) fn same_place(model: Read<'_>, from: PaneId, to: PaneId, pos_
 }
 
 fn value_at(model: Read<'_>, widgets: &PaneWidgets, drawn: &Drawn, pos_image: Pos2) -> Option<PlaceValue> {
-    let (id, shown) = (drawn.pane, drawn.shown);
-    let picture = model.picture_in(shown)?;
-    let canvas = widgets.get(shown)?.picture.shown()?;
-    let readout = readout_of(picture, canvas, pos_image, full_scale(model, shown))?;
-    Some(PlaceValue { id, number: model.document.panes.number(id)?, readout })
+    let readout = widgets.get(drawn.shown)?.picture.readout_at(model, drawn.shown, pos_image)?;
+    Some(PlaceValue { id: drawn.pane, number: model.document.panes.number(drawn.pane)?, readout })
 }
 
 /// Draws a cross with a gap in its middle, so that the marked place can be seen, and a text beside it.

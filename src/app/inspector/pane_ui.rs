@@ -4,11 +4,10 @@
 use super::widgets::{PaneWidgets, canvas_name};
 use crate::app::canvas::{Canvas, CanvasOutput};
 use crate::app::document::cursor::stepped;
-use crate::app::document::{Action, Filter, Queue, RangeClass, Side, Visibility};
+use crate::app::document::{Action, Queue, Visibility};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
-use crate::app::panel::picture::readout_of;
 use crate::app::panel::widgets::{named, wheel_over};
 use crate::app::results::Read;
 use crate::app::{canvas, style};
@@ -53,9 +52,8 @@ pub(super) fn picture_ui(
         Some(Over::Flip { other, flipped: true }) => other,
         _ => id,
     };
-    let picture = model.picture_in(shown);
     let state = &mut widgets.of(shown).picture;
-    state.refresh(picture);
+    state.refresh(model.picture_in(shown));
     let problem = model.problem_of(shown);
     let before = model.pane(id).map(|pane| pane.view).unwrap_or_default();
     let mut view = before;
@@ -74,12 +72,8 @@ pub(super) fn picture_ui(
     let output = canvas.show(ui, &mut view);
     widgets.of(id).aside.leave(view);
     let state = &mut widgets.of(shown).picture;
-    let picture = model.picture_in(shown);
-    state.paint_colours(ui, picture, model.features_of_motion(shown), filter_of(model, shown), &output);
-    state.readout = match (picture, state.shown(), output.hover_image) {
-        (Some(picture), Some(canvas), Some(pos)) => readout_of(picture, canvas, pos, full_scale(model, shown)),
-        _ => None,
-    };
+    state.paint_colours(ui, model, shown, &output);
+    state.readout = output.hover_image.and_then(|pos| state.readout_at(model, shown, pos));
     let visible = state.shown().is_some().then_some(output.visible_image);
     let state = &mut widgets.of(id).picture;
     (state.ui_from_image, state.visible_image) = (Some(output.ui_from_image), visible);
@@ -111,13 +105,12 @@ pub(super) fn over_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, d
     let Some(Over::Wipe { other, at }) = model.document.panes.over(drawn.pane) else { return };
     let rect = drawn.output.response.rect;
     let x = egui::lerp(rect.x_range(), at);
-    let picture = model.picture_in(other);
     let state = &mut widgets.of(other).picture;
-    state.refresh(picture);
+    state.refresh(model.picture_in(other));
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
     let canvas = Canvas { picture: state.shown(), ..canvas_of(model, other, "Wipe, right side") };
     let over = canvas.show_over(ui, &drawn.output, right);
-    state.paint_colours(ui, picture, model.features_of_motion(other), filter_of(model, other), &over);
+    state.paint_colours(ui, model, other, &over);
     // From here on the marks of the drawn picture end at the line too.
     drawn.output.painter.set_clip_rect(Rect::from_min_max(rect.min, pos2(x, rect.bottom())));
     features_ui(ui, model, other, &mut widgets.of(other).picture, &over, false, queue);
@@ -148,24 +141,9 @@ pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, drawn: &Drawn, queue: &mut
     }
 }
 
-/// The filter that holds for pane `id`: where A is inspected.
-pub(super) fn filter_of(model: Read<'_>, id: PaneId) -> Option<&Filter> {
-    let is_inspected = model.document.workspace.inspects();
-    let pane = model.pane(id).filter(|pane| is_inspected && pane.side == Side::A && pane.method.is_none());
-    pane.map(|_| &model.document.filter)
-}
-
 fn canvas_of<'a>(model: Read<'_>, id: PaneId, name: &'a str) -> Canvas<'a> {
-    let (display, full_scale) = (model.display_of(id), full_scale(model, id));
+    let (display, full_scale) = (model.display_of(id), model.full_scale(id));
     Canvas { display, dim: !model.is_current(id), full_scale, ..Canvas::new(name) }
-}
-
-/// Value in the file that became 1.0, of the burst of `id`; 1 where the picture's values are not the file's.
-pub(super) fn full_scale(model: Read<'_>, id: PaneId) -> f32 {
-    if matches!(model.range_class(id), RangeClass::Share | RangeClass::Motion) {
-        return 1.0;
-    }
-    model.pane(id).and_then(|pane| model.burst_in(pane)).map_or(1.0, |open| open.burst.full_scale)
 }
 
 /// Draws the line of a wipe over `rect`, which can be dragged; `at` is 0 … 1 from the left.

@@ -262,7 +262,7 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
         return None;
     }
     let mut chosen = None;
-    let modal = modal_ui(ctx, "lessons", 520.0, "Lessons", |ui| {
+    let dismissed = modal_ui(ctx, "lessons", 520.0, "Lessons", |ui| {
         ui.weak("Each takes a few minutes and runs in this window. What is open now comes back afterwards.");
         ui.add_space(8.0);
         // Of one height in all passes, so that no row moves under the pointer.
@@ -282,7 +282,7 @@ pub fn list_ui(ctx: &egui::Context, lessons: &mut Lessons, queue: &mut Queue) ->
             }
         });
     });
-    lessons.list_is_open &= !(chosen.is_some() || modal.should_close());
+    lessons.list_is_open &= !(chosen.is_some() || dismissed);
     chosen
 }
 

@@ -7,7 +7,6 @@ use crate::app::document::{Action, Compared, Destination, Pointed, Reference, Si
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::panel::legend;
-use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::table::{ROW_HEIGHT, striped_table};
 use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
 use crate::app::results::Read;
@@ -201,7 +200,7 @@ pub struct RowsInPane<'a> {
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
 fn marks_of(model: Read<'_>, place: &RowsInPane<'_>) -> (Vec<usize>, Vec<ComparedMark>) {
     let RowsInPane { side, id, shown, .. } = *place;
-    let dt = frames_from_middle(model.picture_in(id), &shown.detection).unwrap_or_default();
+    let dt = model.frames_from_middle(id, &shown.detection).unwrap_or_default();
     let pointed = [model.document.comparisons[side].selected, model.results.slots[side].comparison.hovered];
     let drawn = shown.rows.iter().enumerate().filter(|(index, row)| {
         model.document.comparisons[side].shows(row.kind) && (place.drawn[*index] || pointed.contains(&Some(*index)))
@@ -267,7 +266,7 @@ pub fn legend_ui(ui: &mut Ui, model: Read<'_>, in_pane: &RowsInPane<'_>, output:
         Compared::of(shown.with).iter().copied().filter(|kind| model.document.comparisons[side].shows(*kind)).collect();
     let place = legend::LegendCorner { rect_ui: output.response.rect, has_colour_bar: false };
     let size = vec2(196.0, 16.0 + 18.0 * kinds.len() as f32);
-    legend::legend_ui(ui, model, size, place, queue, |ui| {
+    place.ui(ui, model, size, queue, |ui| {
         ui.spacing_mut().item_spacing.y = 2.0;
         for kind in kinds {
             ui.horizontal(|ui| {

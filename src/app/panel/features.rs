@@ -6,7 +6,7 @@ use crate::app::document::{Action, FeaturesShown, MethodId, Pointed, Queue, Side
 use crate::app::measure::Tool;
 use crate::app::pane::PaneId;
 use crate::app::panel::against::{RowsInPane, marks_ui};
-use crate::app::panel::picture::{PictureState, at_time, frames_from_middle};
+use crate::app::panel::picture::{PictureState, at_time};
 use crate::app::panel::widgets::tip_ui;
 use crate::app::panel::{against, legend};
 use crate::app::results::comparison::Row;
@@ -52,7 +52,7 @@ impl FeatureLayer {
         let detection = model.detection_in(pane)?.clone();
         let is_listed = inspected && pane.side == Side::A;
         let is_stale = pane.method.is_none() && !model.features_are_current(pane.side);
-        let dt = frames_from_middle(model.picture_in(id), &detection);
+        let dt = model.frames_from_middle(id, &detection);
         let slope = model.slope_in_picture(id).filter(|_| inspected);
         let near = model.document.filter.near_slope.filter(|_| is_listed);
         let is_at = |feature: &Feature, slope: Slope| match near {
@@ -159,9 +159,7 @@ pub fn features_ui(
         }
         return;
     }
-    let scale =
-        state.colour_scale(model.document.colour_by, &layer.detection, model.results.coherence.of(&layer.detection));
-    let scale = scale.with_set_up(model.document.set_up.depths_by());
+    let scale = state.colour_scale(model, &layer.detection);
     // Candidates lie above features.
     let on_top = layer.is_listed && model.results.explained.pointed.is_none();
     // What is drawn for a mask is drawn past features.
@@ -312,7 +310,7 @@ fn features_legend_ui(
     let roomy = is_beside_key || place.rect_ui.height() > 340.0 && place.rect_ui.width() > 480.0;
     let texts = if roomy { 1 + notes.len() } else { 0 };
     let size = vec2(if scale.has_wheel() { 160.0 } else { 196.0 }, scale.height() + 12.0 + 18.0 * texts as f32);
-    legend::legend_ui(ui, model, size, place, queue, |ui| {
+    place.ui(ui, model, size, queue, |ui| {
         if roomy {
             ui.label(RichText::new(scale.name()).small());
         }

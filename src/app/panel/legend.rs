@@ -23,6 +23,31 @@ impl LegendCorner {
         };
         align.align_size_within_rect(size, self.rect_ui).translate(inwards)
     }
+
+    /// Draws a legend of `size` points, margins included, or its chip; a click folds or unfolds it.
+    pub fn ui(self, ui: &mut Ui, model: Read<'_>, size: Vec2, queue: &mut Queue, add_contents: impl FnOnce(&mut Ui)) {
+        let is_open = model.document.look.legend;
+        let rect = self.corner(if is_open { size } else { CHIP });
+        let name = if is_open { "Fold the legend" } else { "Show the legend" };
+        let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
+        named(&response, egui::Role::Button, name);
+        ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+            ui.spacing_mut().item_spacing.y = 4.0;
+            if is_open {
+                let margin = Margin::symmetric(8, 6);
+                Frame::new().fill(ground(ui)).corner_radius(5).inner_margin(margin).show(ui, |ui| {
+                    ui.set_width(ui.available_width());
+                    add_contents(ui);
+                });
+            } else {
+                ui.painter().rect_filled(rect, 5.0, ground(ui));
+                let (font, colour) = (TextStyle::Small.resolve(ui.style()), ui.visuals().text_color());
+                ui.painter().text(rect.center(), Align2::CENTER_CENTER, "Legend", font, colour);
+            }
+        });
+        let help = if is_open { "Colours of the features; click to fold (L)" } else { "Colours of the features (L)" };
+        queue.push_if(response.on_hover_text(help).clicked(), ActionId::ToggleLegend);
+    }
 }
 
 /// Minimum size of a picture with a key of its own colours, in points.
@@ -39,36 +64,4 @@ const CHIP: Vec2 = vec2(62.0, 20.0);
 
 pub fn ground(ui: &Ui) -> Color32 {
     if ui.visuals().dark_mode { Color32::from_black_alpha(190) } else { Color32::from_white_alpha(225) }
-}
-
-/// Draws a legend of `size` points, margins included, or its chip; a click folds or unfolds it.
-pub fn legend_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    size: Vec2,
-    place: LegendCorner,
-    queue: &mut Queue,
-    add_contents: impl FnOnce(&mut Ui),
-) {
-    let is_open = model.document.look.legend;
-    let rect = place.corner(if is_open { size } else { CHIP });
-    let name = if is_open { "Fold the legend" } else { "Show the legend" };
-    let response = ui.interact(rect, ui.scope_id().with("legend"), Sense::click());
-    named(&response, egui::Role::Button, name);
-    ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
-        ui.spacing_mut().item_spacing.y = 4.0;
-        if is_open {
-            let margin = Margin::symmetric(8, 6);
-            Frame::new().fill(ground(ui)).corner_radius(5).inner_margin(margin).show(ui, |ui| {
-                ui.set_width(ui.available_width());
-                add_contents(ui);
-            });
-        } else {
-            ui.painter().rect_filled(rect, 5.0, ground(ui));
-            let (font, colour) = (TextStyle::Small.resolve(ui.style()), ui.visuals().text_color());
-            ui.painter().text(rect.center(), Align2::CENTER_CENTER, "Legend", font, colour);
-        }
-    });
-    let help = if is_open { "Colours of the features; click to fold (L)" } else { "Colours of the features (L)" };
-    queue.push_if(response.on_hover_text(help).clicked(), ActionId::ToggleLegend);
 }

@@ -125,7 +125,7 @@ fn views_ui(ui: &mut Ui, views: &mut Option<ViewsChoice>) {
 pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queue: &mut Queue) -> Option<Purpose> {
     let options = draft.as_mut()?;
     let (mut choice, mut close) = (None, false);
-    let modal = modal_ui(ctx, "calibration", 520.0, "Calibration", |ui| {
+    let dismissed = modal_ui(ctx, "calibration", 520.0, "Calibration", |ui| {
         ui.weak("How values in files become intensities. A calibration frame can be dropped here.");
         ui.add_space(6.0);
         egui::Grid::new("calibration").num_columns(2).spacing([12.0, 6.0]).show(ui, |ui| {
@@ -178,7 +178,7 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queu
             close |= ui.button("Cancel").clicked();
         });
     });
-    if close || modal.should_close() {
+    if close || dismissed {
         *draft = None;
     }
     choice
@@ -275,7 +275,7 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings:
     if !*open {
         return;
     }
-    let modal = modal_ui(ctx, "about", 420.0, &format!("Burstscope {}", env!("CARGO_PKG_VERSION")), |ui| {
+    let dismissed = modal_ui(ctx, "about", 420.0, &format!("Burstscope {}", env!("CARGO_PKG_VERSION")), |ui| {
         ui.label(env!("CARGO_PKG_DESCRIPTION"));
         ui.add_space(6.0);
         ui.label("The method is that of A. Ravendran, M. Bryson and D. G. Dansereau, “BuFF: Burst Feature Finder for Light-Constrained 3D Reconstruction”.");
@@ -302,7 +302,7 @@ pub fn about_ui(ctx: &egui::Context, open: &mut bool, engine: &Engine, settings:
             ui.close();
         }
     });
-    *open &= !modal.should_close();
+    *open &= !dismissed;
 }
 
 /// Draws the choice among `bursts` if there are any. Returns the chosen one; then, or when the dialog is closed,
@@ -312,7 +312,7 @@ pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<
         return None;
     }
     let mut chosen = None;
-    let modal = modal_ui(ctx, "burst chooser", 360.0, &format!("{} bursts in this folder", bursts.len()), |ui| {
+    let dismissed = modal_ui(ctx, "burst chooser", 360.0, &format!("{} bursts in this folder", bursts.len()), |ui| {
         ui.weak("Choose the burst to open.");
         ui.add_space(6.0);
         ScrollArea::vertical().max_height(320.0).min_scrolled_height(200.0).show(ui, |ui| {
@@ -327,7 +327,7 @@ pub fn chooser_ui(ctx: &egui::Context, bursts: &mut Vec<BurstSource>) -> Option<
             ui.close();
         }
     });
-    if chosen.is_some() || modal.should_close() {
+    if chosen.is_some() || dismissed {
         bursts.clear();
     }
     chosen

@@ -1,6 +1,6 @@
 //! Row of a parameter, made from its record: its name, its editor, and the button that resets it.
 
-use crate::app::panel::widgets::hint;
+use crate::app::panel::widgets::{error_ui, hint};
 use crate::app::words::explained;
 use crate::detector::params::{Drag, Field, Param, ParamDoc, Word};
 use crate::detector::{Distinct, FrameRange, NoiseGate, SlopeAxis, SlopeGrid, Slopes};
@@ -61,8 +61,7 @@ impl<P: Clone> ParamTable<'_, P> {
         });
         crate::app::parts::mark(ui, Part::parameter(record), row.response.rect);
         if let Some(error) = wrong {
-            let text = format!("{}: {}", error.problem, error.remedy);
-            ui.add(egui::Label::new(RichText::new(text).small().color(ui.visuals().error_fg_color)).wrap());
+            error_ui(ui, RichText::new(format!("{}: {}", error.problem, error.remedy)).small());
         }
     }
 }

@@ -4,7 +4,7 @@ use crate::app::actions::{ActionId, Queue, button_ui, enabled};
 use crate::app::document::{Action, Panels, Side};
 use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
-use crate::app::panel::widgets::section_ui;
+use crate::app::panel::widgets::{section_ui, weak_ui};
 use crate::app::results::Read;
 use crate::app::{parts, style};
 use crate::detector::params::{Param, doc};
@@ -155,6 +155,6 @@ fn slopes_ui(
         },
     );
     if let Some(text) = finding.filter(|_| choice.is_auto()) {
-        ui.add(egui::Label::new(RichText::new(text).small().weak()).wrap());
+        weak_ui(ui, RichText::new(text).small());
     }
 }

@@ -2,15 +2,15 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{Quantity, Readout, overlay};
-use crate::app::document::{FeaturesShown, Filter, RangeClass};
+use crate::app::document::{FeaturesShown, RangeClass};
 use crate::app::measure::Tool;
+use crate::app::pane::PaneId;
 use crate::app::panel::widgets::paint;
 use crate::app::results::{Read, Stale};
 use crate::app::view::fixed;
 use crate::app::{canvas, style};
 use crate::burst::Offset;
 use crate::detector::{Detection, Feature, MotionField, Scale, Slope, SlopeAxis};
-use crate::inspect::place::Judged;
 use crate::requests::{MotionMap, PictureAnswer, PictureKind, PictureRequest, line_of};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
@@ -60,16 +60,16 @@ impl PictureState {
         self.shown.as_ref()
     }
 
-    /// Motions have the colours of those of `features`; of a field of motion, layers that `filter` hides are dark.
+    /// Motions have the colours of those of the features; of a field of motion, layers that the filter hides are dark.
     pub(in crate::app) fn paint_colours(
         &mut self,
         ui: &Ui,
-        picture: Option<&PictureAnswer>,
-        features: &[Feature],
-        filter: Option<&Filter>,
+        model: Read<'_>,
+        id: PaneId,
         output: &canvas::CanvasOutput,
     ) {
-        let Some(motion) = picture.and_then(|picture| picture.motion.as_ref()) else {
+        let (features, filter) = (model.features_of_motion(id), model.filter_of(id));
+        let Some(motion) = model.picture_in(id).and_then(|picture| picture.motion.as_ref()) else {
             self.colours = None;
             return;
         };
@@ -110,13 +110,34 @@ impl PictureState {
         }
     }
 
+    /// Value and its quantity at `pos_image` in the picture of pane `id`; `None` outside it.
+    pub(in crate::app) fn readout_at(&self, model: Read<'_>, id: PaneId, pos_image: egui::Pos2) -> Option<Readout> {
+        let picture = model.picture_in(id)?;
+        let readout = canvas::readout(self.shown()?, pos_image, model.full_scale(id))?;
+        let quantity = match RangeClass::of(&picture.request) {
+            RangeClass::Frame | RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => {
+                Quantity::Value
+            }
+            RangeClass::Noise => Quantity::Sigma,
+            RangeClass::Share => Quantity::FramesShare,
+            RangeClass::Motion => match &picture.motion {
+                Some(motion) if motion.field.is_some() => {
+                    let place = (readout.pixel.0 as f32, readout.pixel.1 as f32);
+                    Quantity::Field(motion.field.as_ref().and_then(|field| field.known_at(place.0, place.1)))
+                }
+                Some(motion) => {
+                    let (slope, confidence) = motion.at(readout.pixel);
+                    Quantity::Slope { slope, confidence }
+                }
+                None => Quantity::Value,
+            },
+        };
+        Some(Readout { quantity, smoothing_px: picture.request.smoothing_px, ..readout })
+    }
+
     /// Colours of the features of `detection`, constant until the next detection or another choice.
-    pub fn colour_scale(
-        &mut self,
-        by: overlay::ColourBy,
-        detection: &Arc<Detection>,
-        coherences: Option<&Arc<Vec<Judged>>>,
-    ) -> overlay::ColourScale {
+    pub fn colour_scale(&mut self, model: Read<'_>, detection: &Arc<Detection>) -> overlay::ColourScale {
+        let by = model.document.colour_by;
         let scale = match &self.scale {
             Some((of, scale)) if Arc::ptr_eq(of, detection) && scale.by == by => scale.clone(),
             _ => {
@@ -125,7 +146,8 @@ impl PictureState {
                 scale
             }
         };
-        scale.with_coherences(coherences)
+        let coherences = model.results.coherence.of(detection);
+        scale.with_coherences(coherences).with_set_up(model.document.set_up.depths_by())
     }
 }
 
@@ -136,33 +158,6 @@ pub(in crate::app) fn canvas_picture(picture: &PictureAnswer) -> canvas::Picture
         None => canvas::Picture::new(plane, label),
     };
     canvas::Picture { drawn: picture.drawn.clone(), ..on_canvas }
-}
-
-/// Value and its quantity at `pos_image` in `shown`, the canvas picture of `picture`; `None` outside it.
-pub(in crate::app) fn readout_of(
-    picture: &PictureAnswer,
-    shown: &canvas::Picture,
-    pos_image: egui::Pos2,
-    full_scale: f32,
-) -> Option<Readout> {
-    let readout = canvas::readout(shown, pos_image, full_scale)?;
-    let quantity = match RangeClass::of(&picture.request) {
-        RangeClass::Frame | RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => Quantity::Value,
-        RangeClass::Noise => Quantity::Sigma,
-        RangeClass::Share => Quantity::FramesShare,
-        RangeClass::Motion => match &picture.motion {
-            Some(motion) if motion.field.is_some() => {
-                let place = (readout.pixel.0 as f32, readout.pixel.1 as f32);
-                Quantity::Field(motion.field.as_ref().and_then(|field| field.known_at(place.0, place.1)))
-            }
-            Some(motion) => {
-                let (slope, confidence) = motion.at(readout.pixel);
-                Quantity::Slope { slope, confidence }
-            }
-            None => Quantity::Value,
-        },
-    };
-    Some(Readout { quantity, smoothing_px: picture.request.smoothing_px, ..readout })
 }
 
 pub fn describe(picture: &PictureAnswer) -> String {
@@ -196,16 +191,6 @@ fn describe_request(request: &PictureRequest) -> String {
     let of =
         request.kind.slope().map(|Slope { u, v }| format!("  ·  slope ({}, {}) px/frame", fixed(u, 2), fixed(v, 2)));
     format!("{name}{}{}", at.unwrap_or_default(), of.unwrap_or_default())
-}
-
-/// Position of the frame in `picture` from the mean of the searched ones; `None` when it is no frame.
-pub(in crate::app) fn frames_from_middle(
-    picture: Option<&PictureAnswer>,
-    detection: &Detection,
-) -> Option<Offset<f32>> {
-    let request = &picture?.request;
-    let PictureKind::Frame(t) = request.kind else { return None };
-    Some(request.burst.burst.positions.offset_from(detection.frames_used.clone(), t).to_f32())
 }
 
 pub(in crate::app) fn at_time(feature: &Feature, from_middle: Offset<f32>) -> Feature {

@@ -4,7 +4,6 @@ use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::document::{Action, Destination, Pointed, Queue, Side};
 use crate::app::pane::PaneId;
-use crate::app::panel::picture::frames_from_middle;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};
 use crate::app::results::Read;
 use crate::app::view::signed_slope;
@@ -191,7 +190,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
         return;
     }
     let Some(found) = model.found_of(Side::A) else { return };
-    let dt = frames_from_middle(model.picture_in(id), &found.detection).unwrap_or_default();
+    let dt = model.frames_from_middle(id, &found.detection).unwrap_or_default();
     let slopes = found.detection.slopes;
     let Some(survey) = model.survey() else {
         note_ui(ui, output, &format!("Finding candidates: {}…", test.reason()));

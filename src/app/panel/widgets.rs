@@ -6,8 +6,8 @@ use crate::monitor::Progress;
 use crate::requests::Running;
 use crate::teach::Part;
 use egui::{
-    Align, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Mesh, ModalResponse, Painter, ProgressBar,
-    Rect, Response, RichText, Role, Sense, Shape, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
+    Align, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Mesh, Painter, ProgressBar, Rect, Response,
+    RichText, Role, Sense, Shape, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
 };
 use egui_plot::Plot;
 use std::ops::RangeInclusive;
@@ -27,16 +27,16 @@ pub fn named(response: &Response, role: Role, name: impl AsRef<str>) {
     response.widget_info(|| WidgetInfo::labeled(role, true, name.as_ref()));
 }
 
-pub fn weak_ui(ui: &mut Ui, text: impl Into<String>) -> Response {
-    ui.add(Label::new(RichText::new(text).weak()).wrap())
+pub fn weak_ui(ui: &mut Ui, text: impl Into<RichText>) -> Response {
+    ui.add(Label::new(text.into().weak()).wrap())
 }
 
-pub fn warning_ui(ui: &mut Ui, text: impl Into<String>) -> Response {
-    ui.add(Label::new(RichText::new(text).color(style::warning(ui))).wrap())
+pub fn warning_ui(ui: &mut Ui, text: impl Into<RichText>) -> Response {
+    ui.add(Label::new(text.into().color(style::warning(ui))).wrap())
 }
 
-pub fn error_ui(ui: &mut Ui, text: impl Into<String>) -> Response {
-    ui.add(Label::new(RichText::new(text).color(ui.visuals().error_fg_color)).wrap())
+pub fn error_ui(ui: &mut Ui, text: impl Into<RichText>) -> Response {
+    ui.add(Label::new(text.into().color(ui.visuals().error_fg_color)).wrap())
 }
 
 /// Draws a text in the middle of the empty space.
@@ -89,25 +89,20 @@ pub fn choice_ui<T: PartialEq + Copy>(
     shown.inner.unwrap_or(false)
 }
 
-/// Draws a dialog over the window, `width` points wide.
-pub fn modal_ui<R>(
-    ctx: &Context,
-    id: &str,
-    width: f32,
-    heading: &str,
-    add_contents: impl FnOnce(&mut Ui) -> R,
-) -> ModalResponse<R> {
-    egui::Modal::new(Id::unique(id)).show(ctx, |ui| {
+/// Draws a dialog over the window, `width` points wide. Returns whether it is to be closed.
+pub fn modal_ui(ctx: &Context, id: &str, width: f32, heading: &str, add_contents: impl FnOnce(&mut Ui)) -> bool {
+    let modal = egui::Modal::new(Id::unique(id)).show(ctx, |ui| {
         ui.set_width(width);
         ui.heading(heading);
-        add_contents(ui)
-    })
+        add_contents(ui);
+    });
+    modal.should_close()
 }
 
 /// Asks whether to go on, by a button called `verb`. Returns the answer, once it is given.
 pub fn confirm_ui(ctx: &Context, id: &str, heading: &str, verb: &str, texts: impl FnOnce(&mut Ui)) -> Option<bool> {
     let mut answer = None;
-    let modal = modal_ui(ctx, id, 420.0, heading, |ui| {
+    let dismissed = modal_ui(ctx, id, 420.0, heading, |ui| {
         ui.add_space(4.0);
         texts(ui);
         ui.add_space(6.0);
@@ -119,7 +114,7 @@ pub fn confirm_ui(ctx: &Context, id: &str, heading: &str, verb: &str, texts: imp
             }
         });
     });
-    answer.or_else(|| modal.should_close().then_some(false))
+    answer.or(dismissed.then_some(false))
 }
 
 /// Shows a tooltip at the pointer, over whatever is drawn there but an open menu.

@@ -3,9 +3,10 @@
 //! the first in reading order that shows the class.
 
 use crate::app::document::cursor::{octave_range, row_of};
-use crate::app::document::{Action, FilmContent, PlayOver, RangeClass, Side};
+use crate::app::document::{Action, FilmContent, Filter, PlayOver, RangeClass, Side};
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::{FoundFeatures, Read};
+use crate::burst::Offset;
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeAxis};
 use crate::plane::display::Display;
 use crate::requests::{
@@ -65,6 +66,27 @@ impl<'a> Read<'a> {
         let grid = self.picture_in(id).and_then(|picture| picture.motion.as_ref()).map(|motion| motion.grid);
         let found = self.pane(id).and_then(|pane| self.found_of(pane.side));
         found.filter(|found| grid == Some(found.detection.slopes)).map_or(&[], |found| &found.detection.features)
+    }
+
+    /// The filter that holds for pane `id`: where A is inspected.
+    pub fn filter_of(self, id: PaneId) -> Option<&'a Filter> {
+        let is_of_a = self.pane(id).is_some_and(|pane| pane.side == Side::A && pane.method.is_none());
+        (is_of_a && self.document.workspace.inspects()).then_some(&self.document.filter)
+    }
+
+    /// Value in the file that became 1.0, of the burst of `id`; 1 where the picture's values are not the file's.
+    pub fn full_scale(self, id: PaneId) -> f32 {
+        if matches!(self.range_class(id), RangeClass::Share | RangeClass::Motion) {
+            return 1.0;
+        }
+        self.pane(id).and_then(|pane| self.burst_in(pane)).map_or(1.0, |open| open.burst.full_scale)
+    }
+
+    /// Position of the frame in the picture of pane `id` from the mean of the searched ones; `None` if it is no frame.
+    pub fn frames_from_middle(self, id: PaneId, detection: &Detection) -> Option<Offset<f32>> {
+        let request = &self.picture_in(id)?.request;
+        let PictureKind::Frame(t) = request.kind else { return None };
+        Some(request.burst.burst.positions.offset_from(detection.frames_used.clone(), t).to_f32())
     }
 
     /// Whether `picture` is of the burst that `pane` shows; the difference of two panes may be of any open burst.

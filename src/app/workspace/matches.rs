@@ -4,9 +4,8 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::dataset::filmstrip::working_ui;
 use crate::app::dataset::pairs;
 use crate::app::document::Action;
-use crate::app::panel::widgets::section_ui;
+use crate::app::panel::widgets::{section_ui, warning_ui};
 use crate::app::results::Read;
-use crate::app::style;
 use crate::app::workspace::pair::parameters;
 use crate::app::workspace::{WorkspaceParts, left_panel, right_panel, side_width};
 use crate::requests::next_commands;
@@ -81,11 +80,11 @@ fn pairs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             if missing > 0 {
                 let count = dataset.bursts.len();
                 let text = format!("{missing} of {count} bursts have no features yet; pairs with them are left out");
-                ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
+                warning_ui(ui, RichText::new(text).small());
             }
             if !dataset.matches.is_empty() && *dataset.matches.params() != model.document.matching {
                 let text = "The matching parameters changed; match again to update the matches";
-                ui.add(Label::new(RichText::new(text).small().color(style::warning(ui))).wrap());
+                warning_ui(ui, RichText::new(text).small());
             }
         }
     });

@@ -7,11 +7,11 @@ pub mod planted;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Lab, LabQuestion};
-use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui};
+use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui, weak_ui};
 use crate::app::results::Read;
 use crate::app::results::studies::Studies;
 use crate::evaluate::BurstMethod;
-use egui::{Color32, DragValue, Label, RichText, Role, TextEdit, Ui};
+use egui::{Color32, DragValue, RichText, Role, TextEdit, Ui};
 
 const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
 const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
@@ -40,7 +40,7 @@ pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     queue.edit(model.document, Action::SetLab(Box::new(lab)));
     let text = "All methods use the detector's parameters of this window. Only the method 'slopes found' finds the slopes \
                 of each burst; the others search the given range, or ±3 px/frame.";
-    ui.add(Label::new(RichText::new(text).small().weak()).wrap());
+    weak_ui(ui, RichText::new(text).small());
 }
 
 fn question_ui(ui: &mut Ui, lab: &mut Lab) {

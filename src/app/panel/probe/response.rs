@@ -3,7 +3,7 @@
 use super::colour_bar::{ColourBar, range_of};
 use super::{PlaneTexture, ProbePanel, colour_bar, strength_text};
 use crate::app::document::{Action, Destination, Queue};
-use crate::app::panel::widgets::named;
+use crate::app::panel::widgets::{named, weak_ui};
 use crate::app::results::Read;
 use crate::detector::Slope;
 use crate::inspect::place::{Fate, FineAxis, MapScale, PlaceMotion, ProbeSubject, ResponseMap, outline};
@@ -26,7 +26,7 @@ pub(super) fn response_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, panel: 
     };
     let motion = if answer.probe.motion.is_some() { "; band: the place's own motion, ± its error" } else { "" };
     let legend = format!("{unit}; dashes: range searched; rings: candidates, bold: kept{motion}");
-    ui.add(egui::Label::new(RichText::new(legend).small().weak()).wrap());
+    weak_ui(ui, RichText::new(legend).small());
 }
 
 fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {

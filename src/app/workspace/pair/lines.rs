@@ -5,7 +5,7 @@ use crate::app::canvas::{CanvasOutput, overlay};
 use crate::app::document::{Action, MatchesAs, MethodId, Pointed, Queue, Side};
 use crate::app::inspector::{Drawn, JoinedPanes, chip_ui, is_with_shift, joined_panes};
 use crate::app::pane::PaneId;
-use crate::app::panel::picture::{at_time, frames_from_middle};
+use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::tip_ui;
 use crate::app::results::{MatchRow, Matches, PATCHES, Read};
 use crate::app::view::signed_slope;
@@ -234,7 +234,7 @@ impl<'a> MatchViews<'a> {
         let mut of_drawn: Vec<(usize, Side)> =
             sides.iter().zip(Side::BOTH).flat_map(|(places, side)| places.iter().map(move |i| (*i, side))).collect();
         of_drawn.sort_by_key(|(place, _)| *place);
-        let shift = |id: PaneId| frames_from_middle(model.picture_in(id), model.detection_in(model.pane(id)?)?);
+        let shift = |id: PaneId| model.frames_from_middle(id, model.detection_in(model.pane(id)?)?);
         let view = |(place, side): &(usize, Side)| {
             let drawn = &drawn[*place];
             MatchView { side: *side, output: &drawn.output, shift: shift(drawn.shown).unwrap_or_default() }

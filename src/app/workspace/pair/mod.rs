@@ -12,7 +12,7 @@ use crate::app::document::{Action, MatchLook, MatchesAs, PairTab, Pointed, Side}
 use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
-use crate::app::panel::widgets::{label_ui, name_field, section_ui};
+use crate::app::panel::widgets::{error_ui, label_ui, name_field, section_ui};
 use crate::app::parts::mark;
 use crate::app::results::{PATCHES, Read};
 use crate::app::workspace::{
@@ -147,8 +147,7 @@ pub fn sides_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         if let Some(error) =
             model.results.slots.b.param_error.as_ref().filter(|_| model.results.slots.a.param_error.is_none())
         {
-            let text = egui::RichText::new(format!("The parameters do not fit B: {error}")).small();
-            ui.add(egui::Label::new(text.color(ui.visuals().error_fg_color)).wrap());
+            error_ui(ui, egui::RichText::new(format!("The parameters do not fit B: {error}")).small());
         }
     });
 }

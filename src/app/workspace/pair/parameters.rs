@@ -5,7 +5,7 @@ use crate::app::document::{Action, Side};
 use crate::app::panel::parameter_rows as rows;
 use crate::app::panel::parameter_rows::ParamTable;
 use crate::app::panel::parameters::fold_ui;
-use crate::app::panel::widgets::{name_field, section_ui};
+use crate::app::panel::widgets::{error_ui, name_field, section_ui};
 use crate::app::parts;
 use crate::app::results::Read;
 use crate::dataset::CameraChoice;
@@ -131,8 +131,7 @@ fn camera_ui(
         }
     }
     if let Some(problem) = &typed.problem {
-        let text = RichText::new(problem).small().color(ui.visuals().error_fg_color);
-        ui.add(egui::Label::new(text).wrap());
+        error_ui(ui, RichText::new(problem).small());
     }
 }
 
