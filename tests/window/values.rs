@@ -204,7 +204,7 @@ mod listed {
         let (slope, grid) = (Slope::new(1.0, 0.0), SlopeGrid::line(-3.0..=3.0, 7));
         let listed = |filter: &Filter, order| {
             let document = Document { filter: filter.clone(), order, ..Document::default() };
-            document.listed(&features, None, &grid, slope)
+            document.listed(&features, &[], &grid, slope)
         };
         let mut filter = Filter::default();
         assert!(filter.is_open());
@@ -234,7 +234,7 @@ mod listed {
         let features = [Feature { layer: 1, ..placed }, by_itself, Feature { layer: 1, ..edge }, unknown];
         let passing = |filter: Filter| {
             let (grid, slope) = (SlopeGrid::line(-3.0..=3.0, 7), Slope::new(2.0, 0.0));
-            Document { filter, ..Document::default() }.listed(&features, None, &grid, slope)
+            Document { filter, ..Document::default() }.listed(&features, &[], &grid, slope)
         };
         let open = Filter::default;
         let near = |limit| passing(Filter { near_slope: Some(limit), ..open() });
@@ -267,7 +267,7 @@ mod listed {
         let features = [feature(5.0, 2.0, -2.5), feature(1.0, 4.0, 2.0), feature(3.0, 8.0, -20.0)];
         let order = Order::default().clicked(Quantity::Depth);
         let mut document = Document { order, ..Document::default() };
-        let sorted = |by: &Document| by.listed(&features, None, &SlopeGrid::default(), Slope::default());
+        let sorted = |by: &Document| by.listed(&features, &[], &SlopeGrid::default(), Slope::default());
         assert_eq!(sorted(&document), [0, 1, 2], "without a set-up no depth is known");
         document.set_up.reads_depths = true;
         assert_eq!(sorted(&document), [2, 0, 1]);

@@ -86,7 +86,7 @@ pub fn refresh_listed(model: &mut Model) {
     };
     if model.results.listed_for.as_ref() != Some(&now) {
         let (features, grid) = (&found.detection.features, &found.detection.slopes);
-        model.results.listed = model.document.listed(features, judged.map(|judged| &judged[..]), grid, slope);
+        model.results.listed = model.document.listed(features, judged.map_or(&[], |judged| &judged[..]), grid, slope);
         model.results.listed_for = Some(now);
     }
 }

@@ -275,22 +275,17 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: 
         let width = if is_left { 120.0 } else { 50.0 };
         Heading { text, help, width, is_exact: !is_left, is_left, ..Heading::default() }
     };
-    let (mut clicked, mut opened) = (None, None);
+    let mut opened = None;
     ui.spacing_mut().item_spacing.x = 2.0;
     let (headings, name) = (PairColumn::ALL.map(heading), |item| format!("Pair {}", names(item)));
     let sort = rows_ui(ui, &headings, Some((sorted_by, order.descending)), &listed, text, name, |row, item| {
-        if row.clicked() {
-            clicked = Some(pair_at(item));
-        }
+        queue.push_if(row.clicked(), Action::SelectPair(pair_at(item)));
         if row.double_clicked() {
             opened = Some(pair_at(item));
         }
     });
     if let Some(column) = sort {
         queue.push(Action::SortPairs(PairColumn::ALL[column]));
-    }
-    if let Some(pair) = clicked {
-        queue.push(Action::SelectPair(pair));
     }
     opened
 }

@@ -12,6 +12,7 @@ use crate::app::document::{Action, Side};
 use crate::app::pane::{Content, Direction, Link, Over, PaneId, SliceAxis};
 use crate::app::results::{MatchRow, Read};
 use crate::app::words::explained;
+use crate::detector::Feature;
 use crate::inspect::place::ProbeSubject;
 use crate::requests::{ProbeQuestion, ViewKind};
 use crate::teach::glossary::glossary;
@@ -171,10 +172,7 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut Pane
             if let Some(matches) = &model.results.pair.matches
                 && let Some(row) = place.matched.and_then(|index| matches.row(index))
             {
-                if match_menu_ui(ui, &row) {
-                    queue.push(Action::SelectMatch(Some(row.index)));
-                    queue.push(ActionId::GoToFeature);
-                }
+                match_menu_ui(ui, &row, queue);
                 ui.separator();
             }
             if let Some((side, place)) = place.mid_burst
@@ -202,9 +200,13 @@ pub(super) fn picture_menu_ui(drawn: &Drawn, model: Read<'_>, widgets: &mut Pane
 }
 
 fn feature_menu_ui(ui: &mut Ui, model: Read<'_>, index: usize, queue: &mut Queue) {
-    let Some(feature) = model.features().get(index).copied() else { return };
+    let Some(feature) = model.features().get(index) else { return };
     ui.label(RichText::new(format!("Feature {index}")).small().weak());
     queue.push_if(ui.button("Select").clicked(), Action::Select(Some(index)));
+    feature_items_ui(ui, feature, index, queue);
+}
+
+pub(in crate::app) fn feature_items_ui(ui: &mut Ui, feature: &Feature, index: usize, queue: &mut Queue) {
     if ui.button("Go to feature").on_hover_text("Show the motion stack at its slope, with it in the middle").clicked() {
         queue.push(Action::Select(Some(index)));
         queue.push(ActionId::GoToFeature);
@@ -212,7 +214,7 @@ fn feature_menu_ui(ui: &mut Ui, model: Read<'_>, index: usize, queue: &mut Queue
     if ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help).clicked() {
         queue.push(Action::ProbeFeature(Side::A, index));
     }
-    copy_ui(ui, "Copy row", || clipboard::feature_text(&feature));
+    copy_ui(ui, "Copy row", || clipboard::feature_text(feature));
 }
 
 pub(in crate::app) fn copy_ui(ui: &mut Ui, label: &str, text: impl FnOnce() -> String) {
@@ -221,11 +223,13 @@ pub(in crate::app) fn copy_ui(ui: &mut Ui, label: &str, text: impl FnOnce() -> S
     }
 }
 
-/// Draws the items for one match; returns whether to go to it.
-pub(in crate::app) fn match_menu_ui(ui: &mut Ui, row: &MatchRow<'_>) -> bool {
+pub(in crate::app) fn match_menu_ui(ui: &mut Ui, row: &MatchRow<'_>, queue: &mut Queue) {
     ui.set_min_width(150.0);
     ui.label(RichText::new(format!("Match {}", row.index)).small().weak());
     let go = ui.button("Go to match").on_hover_text("Show both features, each in the motion stack at its own slope");
+    if go.clicked() {
+        queue.push(Action::SelectMatch(Some(row.index)));
+        queue.push(ActionId::GoToFeature);
+    }
     copy_ui(ui, "Copy row", || clipboard::match_text(row));
-    go.clicked()
 }

@@ -10,7 +10,7 @@ mod panes;
 mod widgets;
 
 pub(in crate::app) use marks::{is_led, is_with_shift, same_place};
-pub(in crate::app) use menu::{copy_ui, match_menu_ui};
+pub(in crate::app) use menu::{copy_ui, feature_items_ui, match_menu_ui};
 pub use pane_ui::Drawn;
 pub(in crate::app) use pane_ui::chip_ui;
 pub use panes::inspector_ui;

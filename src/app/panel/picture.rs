@@ -1,7 +1,7 @@
 //! Picture of a pane on the canvas, its description, and the warning over it where its features are stale.
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::{Quantity, Readout, overlay};
+use crate::app::canvas::{CanvasOutput, Quantity, Readout, overlay};
 use crate::app::document::{FeaturesShown, RangeClass};
 use crate::app::measure::Tool;
 use crate::app::pane::PaneId;
@@ -61,13 +61,7 @@ impl PictureState {
     }
 
     /// Motions have the colours of those of the features; of a field of motion, layers that the filter hides are dark.
-    pub(in crate::app) fn paint_colours(
-        &mut self,
-        ui: &Ui,
-        model: Read<'_>,
-        id: PaneId,
-        output: &canvas::CanvasOutput,
-    ) {
+    pub(in crate::app) fn paint_colours(&mut self, ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput) {
         let (features, filter) = (model.features_of_motion(id), model.filter_of(id));
         let Some(motion) = model.picture_in(id).and_then(|picture| picture.motion.as_ref()) else {
             self.colours = None;

@@ -2,10 +2,9 @@
 //! a click on a row selects. Only the visible rows are drawn, so that a table can be long.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::clipboard::feature_text;
 use crate::app::document::filter::{at_slope, range_name, ranged, ranged_quantities};
 use crate::app::document::{Action, Filter, Interval, Order, Pointed, Side};
-use crate::app::inspector::copy_ui;
+use crate::app::inspector::feature_items_ui;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
 use crate::app::results::Read;
 use crate::app::view::{KnownOfFeature, layer_text, quantity_text, shown_quantities};
@@ -50,29 +49,16 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let after = others.iter().position(|column| *column == Quantity::SlopeV).map_or(0, |place| place + 1);
         columns = [&others[..after], &of_place, &others[after..]].concat();
     }
-    let (mut chosen, mut asked) = (None, None);
     let menu = |ui: &mut Ui, index: usize| {
-        let Some(feature) = model.features().get(index) else { return };
-        let tip = "Show the motion stack at its slope, with it in the middle";
-        if ui.button("Go to feature").on_hover_text(tip).clicked() {
-            chosen = Some(index);
-        }
-        if ui.button("Why this feature?").on_hover_text(ActionId::ProbeFeature.action().help).clicked() {
-            asked = Some(index);
-        }
-        copy_ui(ui, "Copy row", || feature_text(feature));
+        model.features().get(index).into_iter().for_each(|feature| feature_items_ui(ui, feature, index, queue));
     };
     let name = |index: usize| format!("Feature {index}");
     let pointed = sorted_table_ui(ui, &columns, model.document.order, &listed, text, name, menu);
     queue.edit(model.document, Action::SetOrder(pointed.order));
-    queue.edit(model.document, Action::Select(chosen.or(pointed.selected)));
-    queue.push_if(chosen.is_some(), ActionId::GoToFeature);
+    queue.edit(model.document, Action::Select(pointed.selected));
     // The pointer may be over a picture instead, which then sets the hovered feature.
     if is_pointed_at {
         queue.point(&model.results.hovered, pointed.hovered, Pointed::Feature);
-    }
-    if let Some(index) = asked {
-        queue.push(Action::ProbeFeature(Side::A, index));
     }
 }
 

@@ -215,19 +215,12 @@ impl Read<'_> {
 
 impl Document {
     /// Indices of the features that pass the filter at `slope`, in the chosen order; `judged` says more of them.
-    pub fn listed(
-        &self,
-        features: &[Feature],
-        judged: Option<&[Judged]>,
-        grid: &SlopeGrid,
-        slope: Slope,
-    ) -> Vec<usize> {
-        let of = |index: usize| judged.and_then(|judged| judged.get(index));
+    pub fn listed(&self, features: &[Feature], judged: &[Judged], grid: &SlopeGrid, slope: Slope) -> Vec<usize> {
         let mut indices: Vec<usize> =
-            (0..features.len()).filter(|&i| self.filter.passes(&features[i], of(i), grid, slope)).collect();
+            (0..features.len()).filter(|&i| self.filter.passes(&features[i], judged.get(i), grid, slope)).collect();
         indices.sort_by(|&a, &b| {
             let value = |index: usize| {
-                let known = self.set_up.known(&features[index], of(index));
+                let known = self.set_up.known(&features[index], judged.get(index));
                 // What is not known is greatest.
                 quantity_value(self.order.column, index, &features[index], known).unwrap_or(f32::INFINITY)
             };

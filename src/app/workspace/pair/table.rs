@@ -1,6 +1,6 @@
 //! Tables of two bursts: the matches, and where the other features of A were lost; and the numbers of the pair.
 
-use crate::app::actions::{ActionId, Queue};
+use crate::app::actions::Queue;
 use crate::app::document::{Action, MatchColumn, PairTab, Side};
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
@@ -33,18 +33,11 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) -> Option<usize
     let matches = pair.matches.as_ref()?;
     let listed = Listed { items: &pair.listed, selected: model.document.selected_match, hovered: pair.hovered };
     let text = |column: MatchColumn, index: usize| matches.row(index).map_or_else(String::new, |row| column.text(&row));
-    let mut chosen = None;
-    let menu = |ui: &mut Ui, index: usize| {
-        let Some(row) = matches.row(index) else { return };
-        if match_menu_ui(ui, &row) {
-            chosen = Some(index);
-        }
-    };
+    let menu = |ui: &mut Ui, index| matches.row(index).into_iter().for_each(|row| match_menu_ui(ui, &row, queue));
     let name = |index: usize| format!("Match {index}");
     let pointed = sorted_table_ui(ui, &MatchColumn::ALL, model.document.match_order, &listed, text, name, menu);
     queue.edit(model.document, Action::SetMatchOrder(pointed.order));
-    queue.set(&model.document.selected_match, chosen.or(pointed.selected), Action::SelectMatch);
-    queue.push_if(chosen.is_some(), ActionId::GoToFeature);
+    queue.set(&model.document.selected_match, pointed.selected, Action::SelectMatch);
     pointed.hovered
 }
 
@@ -115,7 +108,6 @@ pub fn lost_table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         .filter(|&index| found.lost[index] != Lost::Not && !hidden.contains(&found.lost[index]))
         .filter(|&index| !model.results.pair.lost.is_folded(index))
         .collect();
-    let mut clicked = None;
     let listed = Listed { items: &listed, selected: model.asked_feature(), hovered: None };
     let text = |column: usize, index: usize| {
         let f = &found.request.request.a.features[index];
@@ -135,13 +127,8 @@ pub fn lost_table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let heading = |(text, width)| Heading { text, width, is_exact: text != "SNR", is_left: true, ..Heading::default() };
     let name = |index| format!("Unmatched feature {index}");
     rows_ui(ui, &LOST_COLUMNS.map(heading), None, &listed, text, name, |row, index| {
-        if row.clicked() {
-            clicked = Some(index);
-        }
+        queue.push_if(row.clicked(), Action::AskFeature(Some(index)));
     });
-    if let Some(index) = clicked {
-        queue.push(Action::AskFeature(Some(index)));
-    }
 }
 
 const NAME_GAP: f32 = 4.0;
