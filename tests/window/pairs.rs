@@ -108,7 +108,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     let model = &window.app().model;
     let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
     assert_eq!(
-        (model.document.cursor_of(Side::A).slope, model.document.cursor_of(Side::B).slope),
+        (model.document.panes.of(Side::A).cursor.slope, model.document.panes.of(Side::B).cursor.slope),
         (row.a.slope, row.b.slope)
     );
     window.key(Key::Escape);
@@ -185,7 +185,7 @@ fn hands_move_together_or_each_its_own() {
     let mut window = pair();
     window.slide("Slope u", 1.25);
     window.settle();
-    let slopes = |window: &Window| Side::BOTH.map(|side| window.app().model.document.cursor_of(side).slope.u);
+    let slopes = |window: &Window| Side::BOTH.map(|side| window.app().model.document.panes.of(side).cursor.slope.u);
     assert_eq!(slopes(&window), [1.25, 1.25]);
     window.harness.get_by_role_and_label(Role::CheckBox, "Slope and scale together").click();
     window.harness.run_steps(2);
@@ -195,7 +195,7 @@ fn hands_move_together_or_each_its_own() {
     window.settle();
     assert_eq!(slopes(&window), [1.25, -0.5]);
     assert_eq!(
-        Side::BOTH.map(|side| window.app().model.document.cursor_of(side).kind),
+        Side::BOTH.map(|side| window.app().model.document.panes.of(side).cursor.kind),
         [ViewKind::Stack, ViewKind::Dog]
     );
     assert!(window.app().read().pictures_are_current());
@@ -292,7 +292,7 @@ fn a_session_brings_the_pair_back() {
     assert_eq!(model.document.workspace, Workspace::Pair);
     assert_eq!(Read::of(model).burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
     assert_eq!(model.document.matching.ratio, 0.7);
-    assert_eq!(model.document.cursor_of(Side::B).slope, Slope::new(0.75, 0.0));
+    assert_eq!(model.document.panes.of(Side::B).cursor.slope, Slope::new(0.75, 0.0));
     assert_eq!((Read::of(model).active_side(), model.document.pair_links().cursor), (Side::B, false));
     assert_eq!(Read::of(model).saved_match(), Some(saved), "the same match is selected");
 }

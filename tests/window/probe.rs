@@ -160,7 +160,8 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     let (model, map) = (&window.app().model, &answer(&window).probe.response);
     assert_eq!(Read::of(model).active_side(), Side::B);
     assert!(
-        model.document.focused().shows(ViewKind::Dog) && map.columns.contains(&model.document.cursor_of(Side::B).slope)
+        model.document.focused().shows(ViewKind::Dog)
+            && map.columns.contains(&model.document.panes.of(Side::B).cursor.slope)
     );
     // The other tab brings the match back.
     window.click("Match and display");

@@ -203,7 +203,7 @@ mod tests {
         let mut model = pair();
         model.document.open_workspace(Workspace::Pair);
         let mut history = std::mem::take(&mut model.shell.history);
-        let slopes = |model: Read<'_>| Side::BOTH.map(|side| model.document.cursor_of(side).slope.u);
+        let slopes = |model: Read<'_>| Side::BOTH.map(|side| model.document.panes.of(side).cursor.slope.u);
         model.document.focus_on_side(Side::B);
         let (a, before) = (slopes(Read::of(&model))[0], slopes(Read::of(&model))[1]);
         pass(&mut history, &mut model.document, false, |m| m.focused_mut().cursor.slope.u = 0.25);

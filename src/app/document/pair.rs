@@ -120,10 +120,6 @@ impl Document {
         }
     }
 
-    pub fn cursor_of(&self, side: Side) -> &Cursor {
-        &self.panes.of(side).cursor
-    }
-
     /// The pane that stands for the burst of `side` in *Two bursts*: its own, or where that was closed the first one.
     pub fn pane_for(&self, side: Side) -> PaneId {
         let own = PaneId::of(side);

@@ -40,17 +40,18 @@ pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let chosen = found.filter(|found| !matches!(found.params.noise_gate, NoiseGate::Factor(_)));
         let note = chosen.map(|found| (doc::NOISE_GATE.name, format!("{:.2}", found.detection.noise_gate_factor)));
         let table = rows::ParamTable { error, defaults, frame_count: model.frame_count(), note };
-        let mut search = SearchParams { slopes: grid.into(), ..asked.clone() };
-        let mut choice = asked.slopes;
+        let search = SearchParams { slopes: grid.into(), ..asked.clone() };
+        let mut rows = Rows { model, table, search, choice: asked.slopes };
         let is_found = |record: &Param<SearchParams>| {
             let has_fields = [doc::SLOPES_U, doc::SLOPES_V].contains(record);
             has_fields && asked.slopes.is_auto() && !parts::is_wanted(ui.ctx(), Part::parameter(record))
         };
         // Slopes that are found stand above in words.
         for record in BASIC.into_iter().filter(|record| !is_found(record)).collect::<Vec<_>>() {
-            row_ui(ui, model, (&mut search, &mut choice), &table, &record);
+            rows.row_ui(ui, &record);
         }
-        advanced_ui(ui, model, (&mut search, &mut choice), &table, queue);
+        rows.advanced_ui(ui, queue);
+        let Rows { mut search, choice, .. } = rows;
         if search.slopes == grid.into() {
             search.slopes = choice;
         }
@@ -58,24 +59,61 @@ pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     });
 }
 
-fn row_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    (search, choice): (&mut SearchParams, &mut Slopes),
-    table: &rows::ParamTable<'_, SearchParams>,
-    record: &Param<SearchParams>,
-) {
-    let finding = model.found_of(Side::A).and_then(|found| found.finding.as_ref());
-    let top = ui.next_widget_position();
-    ui.add_enabled_ui((record.in_use)(search), |ui| {
-        if *record == doc::SLOPES {
-            slopes_ui(ui, table, (choice, model.grid_of(Side::A)), finding.map(found_words).as_deref());
-        } else {
-            table.row(ui, record, search);
+/// Rows of the detector's parameters: those of `search`, whose grid is that in use, and the `choice` of its slopes.
+struct Rows<'a> {
+    model: Read<'a>,
+    table: rows::ParamTable<'a, SearchParams>,
+    search: SearchParams,
+    choice: Slopes,
+}
+
+impl Rows<'_> {
+    fn row_ui(&mut self, ui: &mut Ui, record: &Param<SearchParams>) {
+        let top = ui.next_widget_position();
+        ui.add_enabled_ui((record.in_use)(&self.search), |ui| {
+            if *record == doc::SLOPES {
+                self.slopes_ui(ui);
+            } else {
+                self.table.row(ui, record, &mut self.search);
+            }
+        });
+        if [doc::SLOPES_U, doc::SLOPES_V].contains(record) {
+            mark_fields(ui, Rect::from_min_max(top, ui.min_rect().right_bottom()), *record == doc::SLOPES_U);
         }
-    });
-    if [doc::SLOPES_U, doc::SLOPES_V].contains(record) {
-        mark_fields(ui, Rect::from_min_max(top, ui.min_rect().right_bottom()), *record == doc::SLOPES_U);
+    }
+
+    fn slopes_ui(&mut self, ui: &mut Ui) {
+        let grid = self.model.grid_of(Side::A);
+        self.table.row_with(
+            ui,
+            &doc::SLOPES,
+            &mut self.choice,
+            |ui, choice, _| rows::slope_choice_ui(ui, choice, grid),
+            |ui, choice| {
+                if rows::reset_ui(ui, &doc::SLOPES, *choice != Slopes::AUTO) {
+                    *choice = Slopes::AUTO;
+                }
+            },
+        );
+        let finding = self.model.found_of(Side::A).and_then(|found| found.finding.as_ref());
+        if let Some(finding) = finding.filter(|_| self.choice.is_auto()) {
+            weak_ui(ui, RichText::new(found_words(finding)).small());
+        }
+    }
+
+    /// Draws the folded parameters with the number of those that are not at their defaults. An error or a lesson that
+    /// points at one of them opens the fold.
+    fn advanced_ui(&mut self, ui: &mut Ui, queue: &mut Queue) {
+        let Self { model, table, search, .. } = self;
+        let changed = advanced().filter(|record| record.text(search) != record.text(&table.defaults)).count();
+        let is_needed = |record: &Param<SearchParams>| {
+            table.error.is_some_and(|error| error.subject == record.name)
+                || parts::is_wanted(ui.ctx(), Part::parameter(record))
+        };
+        // Without an animation: a part that a lesson points at is in its place at once.
+        if fold_ui(ui, *model, advanced().any(is_needed), changed, queue) {
+            advanced().for_each(|record| self.row_ui(ui, record));
+        }
     }
 }
 
@@ -99,26 +137,6 @@ fn advanced() -> impl Iterator<Item = &'static Param<SearchParams>> {
     doc::ALL.iter().filter(|record| !BASIC.contains(record))
 }
 
-/// Draws the folded parameters with the number of those that are not at their defaults. An error or a lesson that
-/// points at one of them opens the fold.
-fn advanced_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    (search, choice): (&mut SearchParams, &mut Slopes),
-    table: &rows::ParamTable<'_, SearchParams>,
-    queue: &mut Queue,
-) {
-    let changed = advanced().filter(|record| record.text(search) != record.text(&table.defaults)).count();
-    let is_needed = |record: &Param<SearchParams>| {
-        table.error.is_some_and(|error| error.subject == record.name)
-            || parts::is_wanted(ui.ctx(), Part::parameter(record))
-    };
-    // Without an animation: a part that a lesson points at is in its place at once.
-    if fold_ui(ui, model, advanced().any(is_needed), changed, queue) {
-        advanced().for_each(|record| row_ui(ui, model, (search, choice), table, record));
-    }
-}
-
 /// Draws the fold of the advanced parameters, of which `changed` are not at their defaults; returns whether it is open.
 pub fn fold_ui(ui: &mut Ui, model: Read<'_>, is_needed: bool, changed: usize, queue: &mut Queue) -> bool {
     let is_open = model.document.panels.advanced || is_needed;
@@ -135,26 +153,4 @@ pub fn fold_ui(ui: &mut Ui, model: Read<'_>, is_needed: bool, changed: usize, qu
     });
     queue.push_if(toggled.inner, Action::SetPanels(Panels { advanced: !is_open, ..model.document.panels }));
     is_open
-}
-
-fn slopes_ui(
-    ui: &mut Ui,
-    table: &rows::ParamTable<'_, SearchParams>,
-    (choice, grid): (&mut Slopes, SlopeGrid),
-    finding: Option<&str>,
-) {
-    table.row_with(
-        ui,
-        &doc::SLOPES,
-        choice,
-        |ui, choice, _| rows::slope_choice_ui(ui, choice, grid),
-        |ui, choice| {
-            if rows::reset_ui(ui, &doc::SLOPES, *choice != Slopes::AUTO) {
-                *choice = Slopes::AUTO;
-            }
-        },
-    );
-    if let Some(text) = finding.filter(|_| choice.is_auto()) {
-        weak_ui(ui, RichText::new(text).small());
-    }
 }
