@@ -359,7 +359,8 @@ def colmap(
     camera_model : str
         The model of a guessed camera.
     pairs : str
-        ``"all"``, or ``"sequential:K"`` for each with the next K.
+        ``"all"``, ``"sequential:K"`` for each with the next K, or ``"near:K"`` for each with the K in which most of its
+        300 strongest features have their nearest descriptor.
     images : 'middle' or 'merged'
         The pictures: the middle frames, or the merged ones.
     progress : callable, False or None

@@ -98,6 +98,8 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
             let slopes = burst.slopes.as_ref().map_or(String::new(), |found| format!("; slopes {}", found.summary()));
             let line = format!("{}: {} features{from}{slopes}\n", burst.name, burst.keypoints.len());
             said = std::mem::replace(&mut said, Ok(())).and_then(|()| console.say(&line));
+            // What follows the last burst is about all.
+            console.go_on(String::new());
         }
         BurstEvent::Failed(index, error) => fail(&bursts[index].name, error.to_string()),
         BurstEvent::Matching(pairs) => console.begin(format!("{}: ", counted(pairs, "pair"))),
@@ -229,8 +231,9 @@ pub struct ColmapArgs {
     /// is read.
     #[arg(long)]
     pub check_content: bool,
-    /// Which bursts are matched: all, each with the next K (sequential:K), or those of a list of hloc's or COLMAP's: a
-    /// file with two names a line, with or without the extension of the picture.
+    /// Which bursts are matched: all, each with the next K (sequential:K), each with the K in which most of its 300
+    /// strongest features have their nearest descriptor (near:K), or those of a list of hloc's or COLMAP's: a file with
+    /// two names a line, with or without the extension of the picture.
     #[arg(long, value_name = "WHICH", default_value = "all", value_parser = parse_pairs)]
     pub pairs: PairsArg,
     /// The picture that stands for a burst: middle, its middle frame, or merged, its frames merged; stretched to 8 bit.

@@ -102,11 +102,31 @@ fn pairs_of_other_options_or_features_are_matched_again() {
     assert_eq!(pairs(&[]), 0, "those of the last options replaced them");
     // Pairs that are not asked for stay.
     assert_eq!(pairs(&["--pairs", "sequential:1"]), 2);
+    assert_eq!(pairs(&["--pairs", "near:1"]), 2);
     assert_eq!(pairs(&[]), 3);
     // Of a burst whose frames change, the other pairs stay.
     let frame = home.join("way/bursts/burst_002/frame_002.png");
     fs::copy(home.join("way/bursts/burst_002/frame_001.png"), frame).expect("copied");
     assert_eq!(resumed(&reconstruct(home, &bursts(0..3), "rec", &["--check-content"]).0), [[1, 2]]);
+}
+
+#[test]
+fn near_pairs_are_those_of_the_way_in_whatever_order_the_bursts_are_given() {
+    let home = tempfile::tempdir().expect("a folder");
+    let home = home.path();
+    way(home);
+    let mixed = [0, 2, 1].map(|k| format!("way/bursts/burst_{k:03}"));
+    let line = |threads| ["--pairs", "near:1", "--threads", threads];
+    let (json, database) = reconstruct(home, &mixed, "rec", &line("1"));
+    let ids: Vec<&Value> = json["pairs"].as_array().expect("pairs").iter().map(|pair| &pair["ids"]).collect();
+    assert_eq!(ids, [&serde_json::json!([1, 3]), &serde_json::json!([2, 3])], "the second burst is between the others");
+    let manifest: Value =
+        serde_json::from_slice(&fs::read(home.join("rec/manifest.json")).expect("a manifest")).expect("JSON");
+    assert_eq!(manifest["claims"]["settings"]["export"]["pairs"], "near:1");
+    let (_, again) = reconstruct(home, &mixed, "two", &line("2"));
+    assert!(again == database, "two threads give another database");
+    let study = ["evaluate", "matches", "way/bursts", "--pairs", "near:1"];
+    assert!(run_badly(home, &study, 2).contains("near:1 is chosen by features"));
 }
 
 #[test]

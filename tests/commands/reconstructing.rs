@@ -188,7 +188,10 @@ fn datasets_that_make_no_sense_say_what_would() {
     assert!(words(&["--camera", "FISHEYE,1,2,3"], 2).contains("OPENCV"));
     assert!(words(&["--camera", "gone.toml"], 2).contains("gone.toml"));
     assert!(words(&["--camera", "PINHOLE,9,9,5,5,4,4", "--burst-length", "1"], 1).contains("64×48"));
-    assert!(words(&["--pairs", "some"], 2).contains("sequential:K"));
+    for wrong in ["some", "near:0", "near", "sequential:0", "all:2"] {
+        let told = words(&["--pairs", wrong], 2);
+        assert!(told.contains("sequential:K' nor 'near:K'") && told.contains("--pairs"), "{wrong}: {told}");
+    }
     assert!(words(&["--burst-length", "0"], 2).contains("--burst-length"));
     assert!(run_badly(home.path(), &["colmap", "demo", "--out", "rec"], 2).contains("demo"));
     assert!(!home.path().join("rec").exists());

@@ -11,7 +11,7 @@ use super::kept_pairs::{KeptPairs, PairFound, PairedImage};
 use super::pairs::{BurstSide, DetectedBurst, PairSource, for_pairs, seen_part};
 use super::report::{ColmapReport, ImageReport, Joined, PairReport};
 use crate::burst::{Burst, BurstFiles};
-use crate::detector::{DetectorParams, SearchParams};
+use crate::detector::{Descriptor, DetectorParams, SearchParams};
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
     ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, make_file_names_unique,
@@ -79,8 +79,6 @@ pub fn export_colmap(
         }
         other => other.clone(),
     };
-    let pairs = pairs.pairs(done.len());
-    on(BurstEvent::Matching(pairs.len()));
     // Where all bursts are resumed, nothing has locked the folder yet.
     store.begin_writing()?;
     let written = |place: usize| {
@@ -89,7 +87,7 @@ pub fn export_colmap(
         Ok((BurstFeatures { resumed, ..features }, seen, Some(key)))
     };
     let open = |place: usize| store.open_burst(&bursts[done[place].0], &monitor.silent());
-    let report = write_database(store, (job, &matching, &pairs), (done.len(), &written, &open), monitor)?;
+    let report = write_database(store, (job, &matching, &pairs), (done.len(), &written, &open), on, monitor)?;
     store.exported_with = job.words();
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
@@ -126,12 +124,8 @@ pub fn export_detections(
         Ok((found[place].clone(), seen_part(burst, params, monitor)?, None))
     };
     let open = |place: usize| Ok((bursts[place].burst.clone(), bursts[place].params.clone()));
-    let report = write_database(
-        &store,
-        (job, &matching, &job.pairs.pairs(found.len())),
-        (found.len(), &written, &open),
-        monitor,
-    )?;
+    let report =
+        write_database(&store, (job, &matching, &job.pairs), (found.len(), &written, &open), &mut |_| {}, monitor)?;
     store.exported_with = job.words();
     store.begin_writing()?;
     Ok(report)
@@ -148,8 +142,9 @@ type AllExported<'a> = (usize, &'a dyn Fn(usize) -> Result<Exported>, Opening<'a
 
 fn write_database(
     store: &FeatureStore,
-    (job, matching, pairs): (&ColmapJob, &MatchParams, &[(usize, usize)]),
+    (job, matching, pairs): (&ColmapJob, &MatchParams, &PairSelection),
     (count, exported, open): AllExported<'_>,
+    on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
 ) -> Result<ColmapReport> {
     let (database, images_folder) = (store.folder.join(DATABASE_FILE), store.folder.join(IMAGES_FOLDER));
@@ -167,6 +162,10 @@ fn write_database(
             add_burst(database, &burst, job, &mut report)?;
             paired.push(PairedImage { name: burst.image_name, features: burst.keypoints.len(), key });
         }
+        // Chosen only here: features may decide, and are all in the database now.
+        let descriptors = |place: usize| -> Result<Vec<Descriptor>> { Ok(database.features(place as u32 + 1)?.1) };
+        let pairs = &pairs.pairs_by(count, descriptors, monitor)?;
+        on(BurstEvent::Matching(pairs.len()));
         let kept = KeptPairs::of(store, matching, &paired);
         let resumed = match_all(database, (pairs, &blobs), matching, (&kept, open), monitor)?;
         let waiting = add_pairs(database, pairs, matching, (&kept, &resumed), &mut report)?;

@@ -21,6 +21,7 @@ pub mod geometry;
 pub mod params;
 mod predicted;
 pub mod putative;
+mod selection;
 
 use align::Measured;
 pub use aligned::{PairAlignment, Pictures};
@@ -31,12 +32,12 @@ pub use params::{Geometry, MatchParams};
 pub use predicted::{Agreement, Expected, PREDICTED_RATIO, Prediction};
 use putative::Neighbours;
 pub use putative::{Match, Predicted};
+pub use selection::{PairSelection, VOTERS, near_pairs};
 
 use crate::detector::{Descriptor, Feature, Slope};
 use crate::error::{Error, Result};
 use crate::monitor::Monitor;
 use serde::Serialize;
-use std::{collections::BTreeSet, fmt, str::FromStr};
 
 /// The matches of two images, A and B.
 #[derive(Debug, Clone, PartialEq)]
@@ -302,57 +303,5 @@ impl ImageCounts {
             inlier_ratio: (all_putative > 0).then(|| inliers.iter().sum::<usize>() as f64 / all_putative as f64),
             verified_pairs: pairs.iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count(),
         })
-    }
-}
-
-/// A choice of pairs.
-#[derive(Debug, Clone, PartialEq, Eq, Default)]
-pub enum PairSelection {
-    /// Each image with every other one: N·(N − 1)/2 pairs.
-    #[default]
-    All,
-    /// Each image with the next few after it, for a camera path that does not return: about N times as many pairs.
-    Sequential(usize),
-    /// These pairs of images, by their indices, the earlier one first; taken once each, in order.
-    Listed(Vec<(usize, usize)>),
-}
-
-impl PairSelection {
-    /// The pairs of `count` images, the earlier one first, in order.
-    pub fn pairs(&self, count: usize) -> Vec<(usize, usize)> {
-        let reach = match self {
-            Self::All => count,
-            Self::Sequential(reach) => *reach,
-            Self::Listed(pairs) => {
-                let pairs = pairs.iter().copied().filter(|&(a, b)| a < b && b < count);
-                return pairs.collect::<BTreeSet<_>>().into_iter().collect();
-            }
-        };
-        (0..count)
-            .flat_map(|a| (a + 1..count.min(a.saturating_add(reach).saturating_add(1))).map(move |b| (a, b)))
-            .collect()
-    }
-}
-
-impl fmt::Display for PairSelection {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::All => f.write_str("all"),
-            Self::Sequential(reach) => write!(f, "sequential:{reach}"),
-            Self::Listed(pairs) => write!(f, "{} listed", pairs.len()),
-        }
-    }
-}
-
-impl FromStr for PairSelection {
-    type Err = String;
-
-    fn from_str(text: &str) -> Result<Self, String> {
-        let reach = text.strip_prefix("sequential:").and_then(|reach| reach.parse().ok());
-        match (text, reach) {
-            ("all", _) => Ok(Self::All),
-            (_, Some(reach)) if reach > 0 => Ok(Self::Sequential(reach)),
-            _ => Err(format!("'{text}' is neither 'all' nor 'sequential:K' with K of 1 or more, such as sequential:5")),
-        }
     }
 }

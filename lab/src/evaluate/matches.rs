@@ -85,6 +85,10 @@ impl MatchStudy {
             let remedy = "give fundamental, essential or homography";
             return Err(Error::param("geometry", "inliers are those of a geometry", remedy));
         }
+        if matches!(self.pairs, PairSelection::Near(_)) {
+            let problem = format!("{} is chosen by features, and each method has its own", self.pairs);
+            return Err(Error::param("pairs", problem, "give all or sequential:K"));
+        }
         if bursts < 2 {
             let remedy = "name a folder of bursts, or cut a long sequence with --burst-length";
             return Err(Error::param("pairs", format!("{bursts} bursts make no pair"), remedy));

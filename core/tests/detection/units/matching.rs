@@ -36,10 +36,12 @@ mod whole {
         assert_eq!(PairSelection::Sequential(2).pairs(4), [(0, 1), (0, 2), (1, 2), (1, 3), (2, 3)]);
         assert_eq!(PairSelection::Sequential(usize::MAX).pairs(3).len(), 3);
         assert!(PairSelection::All.pairs(1).is_empty() && PairSelection::Sequential(3).pairs(0).is_empty());
-        for choice in [PairSelection::All, PairSelection::Sequential(7)] {
+        for choice in [PairSelection::All, PairSelection::Sequential(7), PairSelection::Near(7)] {
             assert_eq!(choice.to_string().parse(), Ok(choice));
         }
-        for bad in ["", "some", "sequential", "sequential:0", "sequential:-1", "sequential:x"] {
+        for bad in
+            ["", "some", "sequential", "sequential:0", "sequential:-1", "sequential:x", "near:0", "near", "all:1"]
+        {
             assert!(bad.parse::<PairSelection>().is_err(), "{bad}");
         }
     }

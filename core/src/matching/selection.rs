@@ -1,0 +1,190 @@
+//! Selection of the pairs of images that are matched: by a rule, by a list, or by votes of their strongest features.
+
+use super::putative::{Nearest, nearest_two_both_ways};
+use crate::detector::Descriptor;
+use crate::monitor::{Cancelled, Monitor, Stage};
+use rayon::prelude::*;
+use std::cmp::Reverse;
+use std::{collections::BTreeSet, fmt, str::FromStr};
+
+/// A choice of pairs.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub enum PairSelection {
+    /// Each image with every other one: N·(N − 1)/2 pairs.
+    #[default]
+    All,
+    /// Each image with the next few after it, for a camera path that does not return: about N times as many pairs.
+    Sequential(usize),
+    /// Each image with the few for which most of its strongest features vote: in any order of the images, by what they
+    /// show.
+    Near(usize),
+    /// These pairs of images, by their indices, the earlier one first; taken once each, in order.
+    Listed(Vec<(usize, usize)>),
+}
+
+impl PairSelection {
+    /// The pairs of `count` images, the earlier one first, in order; of [`Self::Near`] all from which features choose.
+    pub fn pairs(&self, count: usize) -> Vec<(usize, usize)> {
+        let reach = match self {
+            Self::All | Self::Near(_) => count,
+            Self::Sequential(reach) => *reach,
+            Self::Listed(pairs) => {
+                let pairs = pairs.iter().copied().filter(|&(a, b)| a < b && b < count);
+                return pairs.collect::<BTreeSet<_>>().into_iter().collect();
+            }
+        };
+        (0..count)
+            .flat_map(|a| (a + 1..count.min(a.saturating_add(reach).saturating_add(1))).map(move |b| (a, b)))
+            .collect()
+    }
+
+    /// [`Self::pairs`], those of [`Self::Near`] chosen by [`near_pairs`]: `descriptors` returns those of an image,
+    /// strongest first, and is called only for them. In memory are [`VOTERS`] of each image.
+    ///
+    /// # Errors
+    /// Those of `descriptors`, and cancellation.
+    pub fn pairs_by<E: From<Cancelled>>(
+        &self,
+        count: usize,
+        descriptors: impl Fn(usize) -> Result<Vec<Descriptor>, E>,
+        monitor: &Monitor,
+    ) -> Result<Vec<(usize, usize)>, E> {
+        let Self::Near(partners) = self else { return Ok(self.pairs(count)) };
+        let voters = |image: usize| -> Result<Vec<Descriptor>, E> {
+            monitor.check()?;
+            Ok(descriptors(image)?.into_iter().take(VOTERS).collect())
+        };
+        let strongest = (0..count).map(voters).collect::<Result<Vec<_>, E>>()?;
+        Ok(near_pairs(&strongest, *partners, monitor)?)
+    }
+}
+
+/// Features of an image that vote, at most: they cost a hundredth of matching all pairs, and 40 kB of memory an image.
+pub const VOTERS: usize = 300;
+
+/// Pairs of each image with the `partners` others, or all if there are fewer, that get most of its votes; of equals the
+/// first. Each of its `strongest` descriptors votes for the image with the nearest one in all others. Pairs are in
+/// order, the earlier image first.
+///
+/// # Errors
+/// Cancellation.
+pub fn near_pairs(
+    strongest: &[Vec<Descriptor>],
+    partners: usize,
+    monitor: &Monitor,
+) -> Result<Vec<(usize, usize)>, Cancelled> {
+    let count = strongest.len();
+    // No image has the last index, so the start of a feature without any other is no vote.
+    let mut nearest: Vec<Vec<(u32, usize)>> =
+        strongest.iter().map(|of| vec![(u32::MAX, usize::MAX); of.len()]).collect();
+    let vote = |votes: &mut [(u32, usize)], image: usize, found: &[Nearest]| {
+        let better =
+            |(vote, found): (&mut (u32, usize), &Nearest)| *vote = (*vote).min((found.distance_squared, image));
+        votes.iter_mut().zip(found).for_each(better);
+    };
+    for a in 0..count {
+        monitor.report(Stage::Match, a as f32 / count as f32);
+        let search = |b: usize| nearest_two_both_ways(&strongest[a], &strongest[b], &monitor.silent());
+        let found: Vec<_> = (a + 1..count).into_par_iter().map(search).collect::<Result<_, _>>()?;
+        for (b, (of_a, of_b)) in (a + 1..).zip(found) {
+            vote(&mut nearest[a], b, &of_a);
+            vote(&mut nearest[b], a, &of_b);
+        }
+    }
+    let mut pairs = BTreeSet::new();
+    for (a, voted) in nearest.iter().enumerate() {
+        let mut votes = vec![0; count];
+        for (_, image) in voted.iter().filter(|(_, image)| *image < count) {
+            votes[*image] += 1;
+        }
+        let mut others: Vec<usize> = (0..count).filter(|b| *b != a).collect();
+        others.sort_by_key(|b| Reverse(votes[*b]));
+        pairs.extend(others.into_iter().take(partners).map(|b| (a.min(b), a.max(b))));
+    }
+    Ok(pairs.into_iter().collect())
+}
+
+impl fmt::Display for PairSelection {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::All => f.write_str("all"),
+            Self::Sequential(reach) => write!(f, "sequential:{reach}"),
+            Self::Near(partners) => write!(f, "near:{partners}"),
+            Self::Listed(pairs) => write!(f, "{} listed", pairs.len()),
+        }
+    }
+}
+
+impl FromStr for PairSelection {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let (rule, number) = text.split_once(':').unwrap_or((text, ""));
+        match (rule, number.parse()) {
+            _ if text == "all" => Ok(Self::All),
+            ("sequential", Ok(reach)) if reach > 0 => Ok(Self::Sequential(reach)),
+            ("near", Ok(partners)) if partners > 0 => Ok(Self::Near(partners)),
+            _ => Err(format!(
+                "'{text}' is neither 'all', 'sequential:K' nor 'near:K' with K of 1 or more, such as sequential:5"
+            )),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// A descriptor that is far from those of other numbers, and this near to its own.
+    fn descriptor(number: usize, off: u8) -> Descriptor {
+        std::array::from_fn(|k| if k == number { 200 } else { off * u8::from(k == 127) })
+    }
+
+    #[test]
+    fn each_image_is_paired_with_those_that_most_of_its_features_vote_for() {
+        // Image 3 shows what 0 shows, and 2 what 1 shows; 0 and 1 have one thing in common, 4 has nothing at all.
+        let image = |of: &[(usize, u8)]| of.iter().map(|&(number, off)| descriptor(number, off)).collect::<Vec<_>>();
+        let images = [
+            image(&[(1, 0), (2, 0), (3, 0), (9, 0)]),
+            image(&[(4, 0), (5, 0), (9, 1)]),
+            image(&[(4, 2), (5, 2)]),
+            image(&[(1, 3), (2, 3), (3, 3)]),
+            Vec::new(),
+        ];
+        let pairs = |partners| near_pairs(&images, partners, &Monitor::default()).expect("pairs");
+        // An image without features has no votes, and of equals the first is taken.
+        assert_eq!(pairs(1), [(0, 3), (0, 4), (1, 2)]);
+        assert_eq!(pairs(2), [(0, 1), (0, 2), (0, 3), (0, 4), (1, 2), (1, 3), (1, 4)]);
+        assert_eq!(pairs(usize::MAX), PairSelection::All.pairs(5));
+        assert_eq!(near_pairs(&images[..1], 3, &Monitor::default()), Ok(Vec::new()));
+        assert!(near_pairs(&images, 1, &Monitor::cancelled()).is_err());
+        // No more than the strongest vote and are voted for: what 0 and 3 have in common comes after them here.
+        let filled = |image: usize| -> Result<Vec<Descriptor>, Cancelled> {
+            let many = if image == 0 { vec![descriptor(4, 5); VOTERS] } else { Vec::new() };
+            Ok([&many[..], &images[image]].concat())
+        };
+        let chosen = PairSelection::Near(1).pairs_by(4, filled, &Monitor::default());
+        assert_eq!(chosen, Ok(vec![(0, 2), (1, 2), (2, 3)]));
+        let unasked = |image: usize| -> Result<Vec<Descriptor>, Cancelled> { panic!("the features of {image}") };
+        assert_eq!(PairSelection::Sequential(1).pairs_by(3, unasked, &Monitor::default()), Ok(vec![(0, 1), (1, 2)]));
+    }
+
+    proptest! {
+        #[test]
+        fn each_image_has_as_many_partners_as_asked_for_and_more_contain_fewer(
+            images in prop::collection::vec(prop::collection::vec((0..20usize, 0..9u8), 0..6), 0..7), partners in 1..8usize,
+        ) {
+            let of = |image: &Vec<(usize, u8)>| image.iter().map(|&(number, off)| descriptor(number, off)).collect();
+            let images: Vec<Vec<Descriptor>> = images.iter().map(of).collect();
+            let pairs = near_pairs(&images, partners, &Monitor::default()).expect("pairs");
+            for image in 0..images.len() {
+                let has = pairs.iter().filter(|(a, b)| [a, b].contains(&&image)).count();
+                prop_assert!(has >= partners.min(images.len() - 1), "{image} in {pairs:?}");
+            }
+            prop_assert!(pairs.is_sorted() && pairs.iter().all(|(a, b)| a < b && *b < images.len()));
+            let more = near_pairs(&images, partners + 1, &Monitor::default()).expect("pairs");
+            prop_assert!(pairs.iter().all(|pair| more.contains(pair)));
+        }
+    }
+}
