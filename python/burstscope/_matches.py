@@ -338,7 +338,7 @@ def colmap(
     camera: Union[str, os.PathLike[str], pycolmap.Camera, None] = None,
     camera_model: str = "SIMPLE_RADIAL",
     pairs: str = "all",
-    images: Literal["middle", "merged"] = "middle",
+    images: Literal["middle", "merged", "stack"] = "middle",
     progress: Progress = None,
     **keywords: Unpack[MatchKeywords],
 ) -> dict[str, Any]:
@@ -361,8 +361,8 @@ def colmap(
     pairs : str
         ``"all"``, ``"sequential:K"`` for each with the next K, or ``"near:K"`` for each with the K in which most of its
         300 strongest features have their nearest descriptor.
-    images : 'middle' or 'merged'
-        The pictures: the middle frames, or the merged ones.
+    images : 'middle', 'merged' or 'stack'
+        The pictures: the middle frames, the merged ones, or each place stacked along its own motion at mid-burst.
     progress : callable, False or None
         See `burstscope.detect`.
     **keywords

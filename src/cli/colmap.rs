@@ -108,7 +108,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     said?;
     let [make, map, python] = next_commands(&args.out, report.known_camera);
     let then = format!("\nNext:\n  {make}\n  {map}\nor:\n  {python}\n");
-    let mut text = summary(&report, job.features.detector.method);
+    let mut text = summary(&report, &job.features);
     let old = args.out.join("sparse");
     if old.exists() {
         text += &format!("{} is of an earlier database: its poses are not of this one\n", old.display());
@@ -164,7 +164,7 @@ fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_pictures }:
     text
 }
 
-fn summary(report: &ColmapReport, method: Method) -> String {
+fn summary(report: &ColmapReport, features: &FeatureJob) -> String {
     let mut text = String::new();
     for camera in &report.cameras {
         let guessed = if report.known_camera { "" } else { " (guessed: give --camera if you know it)" };
@@ -190,9 +190,10 @@ fn summary(report: &ColmapReport, method: Method) -> String {
         );
     }
     // Other methods find features in the frame that is shown.
-    if method == Method::Buff && report.images.iter().any(|image| image.frames.is_multiple_of(2)) {
+    let is_late = features.detector.method == Method::Buff && features.images != ImageKind::Stack;
+    if is_late && report.images.iter().any(|image| image.frames.is_multiple_of(2)) {
         text += "the pictures of bursts with an even number of frames show half a frame after mid-burst, the time of the features \
-                 and poses: for dense steps leave a frame out with --frames\n";
+                 and poses: for dense steps give --images stack, or leave a frame out with --frames\n";
     }
     text + &format!("wrote {}\n", report.database.display())
 }
@@ -236,7 +237,8 @@ pub struct ColmapArgs {
     /// two names a line, with or without the extension of the picture.
     #[arg(long, value_name = "WHICH", default_value = "all", value_parser = parse_pairs)]
     pub pairs: PairsArg,
-    /// The picture that stands for a burst: middle, its middle frame, or merged, its frames merged; stretched to 8 bit.
+    /// The picture that stands for a burst: middle, its middle frame; merged, its frames merged at that one; or stack,
+    /// each place stacked along its own motion, at mid-burst as the features; stretched to 8 bit.
     #[arg(long, value_name = "KIND", value_enum, default_value = "middle")]
     pub images: ImageKind,
     /// The model of a guessed camera: focal length 1.2 times the larger side, as COLMAP guesses.

@@ -109,6 +109,9 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
         "colmap mapper --database_path 'my rec/database.db' --image_path 'my rec/images' --output_path 'my rec/sparse'";
     assert!(text.contains(&format!("{next}\n")), "{text}");
     assert!(text.contains("half a frame after mid-burst"), "four frames: {text}");
+    // A stack is at mid-burst itself, and its features are there already.
+    let text = run_well(home.path(), &[&arguments[..], &["--images", "stack"]].concat());
+    assert!(!text.contains("mid-burst") && text.contains("3 pairs, 3 from an earlier run: "), "{text}");
     // Of few features few match: no pair from which a mapper can start, and the command ends with that.
     let few = ["colmap", "film", "--burst-length", "4", "--slopes-u", "-2:2:5", "--max-features", "20", "--out", "few"];
     let output = run(home.path(), &few);
@@ -143,6 +146,7 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     let manifest = fs::read_to_string(home.path().join("my rec/manifest.json")).expect("a manifest");
     let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
     let made = &manifest["claims"]["settings"]["export"];
+    assert_eq!(made["images"], "middle");
     assert_eq!((&made["pairs"], &made["camera"]), (&"sequential:1".into(), &"PINHOLE 240 180 250 250 120 90".into()));
     let matching: burstscope::matching::MatchParams =
         toml::from_str(made["matching"].as_str().expect("text")).expect("TOML");

@@ -338,14 +338,15 @@ fn check_enough(bursts: usize) -> Result<()> {
 }
 
 impl ColmapJob {
-    /// Options of matching, pairs and camera, as the manifest has them.
+    /// Options of matching, pairs, camera and pictures, as the manifest has them.
     fn words(&self) -> Value {
         let camera = match &self.camera {
             CameraChoice::Known(camera) => camera.to_string(),
             CameraChoice::Guessed(model) => format!("guessed {}", model.name()),
         };
         // As text, like the options of the search.
-        json!({ "matching": toml::to_string(&self.matching).ok(), "pairs": self.pairs.to_string(), "camera": camera })
+        let (matching, pairs) = (toml::to_string(&self.matching).ok(), self.pairs.to_string());
+        json!({ "matching": matching, "pairs": pairs, "camera": camera, "images": self.features.images })
     }
 
     fn verified_matching(&self) -> Result<MatchParams> {

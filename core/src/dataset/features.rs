@@ -13,6 +13,7 @@ use super::picture::{BurstPicture, ImageKind, burst_plane};
 use super::stamp::{Comparison, FileStamp};
 use crate::burst::{Burst, BurstFiles, OpenOptions};
 use crate::detect::{Searched, check_memory, search};
+use crate::detector::slopes::resolve;
 use crate::detector::{Descriptor, Detection, DetectorParams, SearchParams, SlopeFinding, open_burst};
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
@@ -286,15 +287,31 @@ impl FeatureStore {
         check_memory(&source.paths, &self.job.open, &self.job.detector, monitor)?;
         // Stamped before the search: a frame that changes meanwhile differs from its stamp.
         let stamps = FileStamp::with_checksums(files, monitor)?;
-        let (found, burst) = self.find(source, camera, monitor)?;
+        let started = Instant::now();
+        let burst = open_burst(&source.paths, &self.job.open, monitor)?;
+        camera.for_images(burst.size())?;
+        let Searched { detection, params, finding: slopes, .. } = search(&burst, &self.job.detector, monitor)?;
+        let seconds = started.elapsed().as_secs_f64();
+        let found = BurstFeatures { slopes, seconds, ..found_in(source, &burst, &detection) };
         let content = self.write_features(&found)?;
-        let picture_content =
-            self.write_picture_of(&found.image_name, &burst, &self.job.detector.at_given(), monitor)?;
+        let picture_content = self.write_picture_of(&found.image_name, &burst, &params, monitor)?;
         let seen = seen_part(&burst, &self.job.detector.at_given(), monitor)?;
-        let (blobs, picture) = (StoredBlobs(found.blobs.clone()), self.job.images);
-        let BurstFeatures { size, frames, seconds, .. } = found;
+        let (blobs, picture, slopes) = (StoredBlobs(found.blobs.clone()), self.job.images, Some(params.slopes));
+        let BurstFeatures { size, frames, .. } = found;
         let (files, features) = (stamps, found.keypoints.len());
-        let of = KeptBurst { files, size, frames, features, content, blobs, seen, picture, picture_content, seconds };
+        let of = KeptBurst {
+            files,
+            size,
+            frames,
+            features,
+            slopes,
+            content,
+            blobs,
+            seen,
+            picture,
+            picture_content,
+            seconds,
+        };
         let record = Record { made_from: self.made_with.clone(), of };
         // Written last: the record claims the files before it.
         self.records().write(&found.image_name, &record)?;
@@ -347,8 +364,12 @@ impl FeatureStore {
             of.picture_content
         } else {
             let burst = open_burst(&source.paths, &self.job.open, monitor)?;
+            let params = match of.slopes {
+                Some(slopes) => DetectorParams { slopes, ..self.job.detector.at_given() },
+                None => resolve(&burst, &self.job.detector, monitor)?.0,
+            };
             self.begin_writing()?;
-            self.write_picture_of(&image_name, &burst, &self.job.detector.at_given(), monitor)?
+            self.write_picture_of(&image_name, &burst, &params, monitor)?
         };
         let of = KeptBurst { files: stamps, picture: self.job.images, picture_content, ..of };
         self.records().write(&image_name, &Record { made_from, of })
@@ -391,16 +412,6 @@ impl FeatureStore {
         let mut settings = self.made_with.settings().clone();
         settings["export"] = self.exported_with.clone();
         write_manifest(&self.folder, &MadeFrom::new(settings))
-    }
-
-    fn find(&self, source: &BurstFiles, camera: &CameraChoice, monitor: &Monitor) -> Result<(BurstFeatures, Burst)> {
-        let started = Instant::now();
-        let burst = open_burst(&source.paths, &self.job.open, monitor)?;
-        camera.for_images(burst.size())?;
-        let Searched { detection, finding: slopes, .. } = search(&burst, &self.job.detector, monitor)?;
-        let found = found_in(source, &burst, &detection);
-        let seconds = started.elapsed().as_secs_f64();
-        Ok((BurstFeatures { slopes, seconds, ..found }, burst))
     }
 
     fn record(
@@ -466,6 +477,7 @@ pub fn detect_all(
     monitor: &Monitor,
 ) -> Result<()> {
     store.job.detector.validate()?;
+    store.job.images.check(store.job.detector.method)?;
     // Before the first burst: a refusal after hours of search would lose them.
     store.protect(bursts)?;
     let share = 1.0 / bursts.len().max(1) as f32;

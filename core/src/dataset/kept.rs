@@ -14,7 +14,10 @@ use crate::export::{MadeFrom, RECORDS_FOLDER, Record, write_whole};
 use crate::files::mark::{Checksum, OutputKind, claiming, claims};
 use crate::files::unfinished::remove_abandoned;
 use crate::matching::aligned::Seen;
-use crate::{detector::SearchParams, monitor::Monitor};
+use crate::{
+    detector::{SearchParams, SlopeGrid},
+    monitor::Monitor,
+};
 use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -32,6 +35,9 @@ pub(super) struct KeptBurst {
     /// Number of frames in which its features were found.
     pub frames: usize,
     pub features: usize,
+    /// Slopes that were searched, for a picture that is made later; absent in records of before.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub slopes: Option<SlopeGrid>,
     /// Checksum of the file of features.
     pub content: Checksum,
     pub blobs: StoredBlobs,

@@ -1,6 +1,7 @@
 //! Pictures of bursts, 8 bit, stretched so that dark content is visible: for other programs, and as thumbnails.
 
 use crate::burst::{Burst, BurstFiles, OpenOptions, ViewsChoice};
+use crate::detector::view::{in_focus_view, stack_view};
 use crate::detector::{DetectorParams, Method};
 use crate::error::{Error, Result};
 use crate::plane::display::{Display, to_rgba8};
@@ -18,6 +19,20 @@ pub enum ImageKind {
     Middle,
     /// The used frames, merged at the middle one: makes the content of a dark burst visible.
     Merged,
+    /// The used frames, each place stacked along its own motion at mid-burst, the features' reference time; at the middle
+    /// one of the slopes where no field of motion is found.
+    Stack,
+}
+
+impl ImageKind {
+    /// Checks that the picture shows the time of the features that `method` finds.
+    pub(super) fn check(self, method: Method) -> Result<()> {
+        if self != Self::Stack || method == Method::Buff {
+            return Ok(());
+        }
+        let problem = "a stack shows mid-burst, and this method finds features in the middle frame";
+        Err(Error::param("images", problem, "give middle or merged, or leave --method out"))
+    }
 }
 
 /// 8-bit picture, three bytes for each pixel.
@@ -52,19 +67,27 @@ impl BurstPicture {
     }
 }
 
-/// Values of the picture of `burst` from the frames that `params` use, with its mask.
+/// Values of the picture of `burst` from the frames that `params` use, with its mask: of a stack that of the middle
+/// frame.
 ///
 /// # Errors
-/// Frames that the burst does not have, or cancellation.
+/// Frames that the burst does not have, a stack for a method of one frame, or cancellation.
 pub fn burst_plane(burst: &Burst, kind: ImageKind, params: &DetectorParams, monitor: &Monitor) -> Result<Arc<Plane>> {
     monitor.check()?;
-    let method = match kind {
-        ImageKind::Middle => Method::Sift,
-        ImageKind::Merged => Method::Merge,
+    kind.check(params.method)?;
+    let method = if kind == ImageKind::Merged { Method::Merge } else { Method::Sift };
+    let (of_one, one) = prepare(burst, &DetectorParams { method, ..params.clone() }, monitor)?;
+    let frame = &of_one.frames[one.used_frames(of_one.len()).start];
+    if kind != ImageKind::Stack {
+        return Ok(frame.clone());
+    }
+    let slopes = params.used_slopes();
+    let middle = slopes.slopes().nth(slopes.len() / 2).unwrap_or_default();
+    let stack = match in_focus_view(burst, params, monitor)? {
+        Some(stack) => stack,
+        None => stack_view(burst, params, middle, monitor)?,
     };
-    let params = DetectorParams { method, ..params.clone() };
-    let (burst, params) = prepare(burst, &params, monitor)?;
-    Ok(burst.frames[params.used_frames(burst.len()).start].clone())
+    Ok(Arc::new(stack.masked(frame.mask().cloned())))
 }
 
 /// The middle frame of `source`, reduced by a whole factor to sides of at most `max_side_px`; no other one is read.

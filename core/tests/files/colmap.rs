@@ -3,13 +3,16 @@
 
 use burstscope_core::burst::{Burst, BurstFiles, OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use burstscope_core::dataset::{
-    BurstEvent, CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, export_colmap,
+    BurstEvent, BurstPicture, CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, burst_plane,
+    export_colmap,
 };
-use burstscope_core::detector::DetectorParams;
+use burstscope_core::detect::{Searched, search};
+use burstscope_core::detector::view::in_focus_view;
+use burstscope_core::detector::{DetectorParams, Method, SearchParams, open_burst};
 use burstscope_core::error::{Error, ErrorKind};
 use burstscope_core::export::{ColmapKeypoint, pair_id, read_colmap};
 use burstscope_core::matching::{Camera, Geometry, MatchParams, PairSelection};
-use burstscope_core::{Monitor, SlopeGrid};
+use burstscope_core::{Monitor, Plane, SlopeGrid};
 use burstscope_lab::synth::{SceneParams, synth_scene, write_burst};
 use rusqlite::Connection;
 use std::fs;
@@ -319,6 +322,35 @@ fn a_second_run_finds_everything_done_and_writes_the_same_bytes() {
     let report = done(&bursts, &out, &next_ones);
     assert_eq!((resumed(&report), report.pairs.len()), (vec![true; 3], 2));
     assert!(report.pairs.iter().all(|pair| pair.resumed));
+}
+
+#[test]
+fn a_stack_has_all_depths_in_focus_and_is_the_same_if_it_is_asked_for_later() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (bursts, out) = (walk(home.path()), home.path().join("out"));
+    // Slopes that are found, so that a later run has to know them.
+    let found = FeatureJob { detector: SearchParams::default(), ..job().features };
+    let stacked = ColmapJob { features: FeatureJob { images: ImageKind::Stack, ..found.clone() }, ..job() };
+    let picture = |folder: &str| fs::read(home.path().join(folder).join("images/frame_007.png")).expect("a picture");
+    done(&bursts, &out, &ColmapJob { features: found, ..job() });
+    let middle = picture("out");
+    assert_eq!(resumed(&done(&bursts, &out, &stacked)), [true; 3]);
+    done(&bursts, &home.path().join("new"), &stacked);
+    assert!(picture("out") != middle && picture("out") == picture("new"));
+    let monitor = Monitor::default();
+    let burst = open_burst(&bursts[1].paths, &OpenOptions::default(), &monitor).expect("a burst");
+    let Searched { params, .. } = search(&burst, &SearchParams::default(), &monitor).expect("features");
+    let in_focus = in_focus_view(&burst, &params, &monitor).expect("known slopes").expect("a field");
+    let written = image::open(out.join("images/frame_007.png")).expect("a picture").into_rgb8();
+    assert!(written.into_raw() == BurstPicture::small(&in_focus, SIZE.0).rgb);
+    // Of one frame there is no other to stack: it is the picture.
+    let alone = Burst::from_planes("alone", vec![Plane::clone(&burst.frames[0])]);
+    let still = burst_plane(&alone, ImageKind::Stack, &params, &monitor).expect("a picture");
+    assert!(still.data().iter().zip(alone.frames[0].data()).all(|(a, b)| (a - b).abs() < 1e-6));
+    let mut sift = stacked;
+    sift.features.detector.method = Method::Sift;
+    let refused = export(&bursts, &home.path().join("sift"), &sift).0.expect_err("another time").to_string();
+    assert!(refused.contains("images: a stack shows mid-burst") && !home.path().join("sift").exists(), "{refused}");
 }
 
 #[test]
