@@ -1,37 +1,49 @@
-//! `report`: a burst on one page.
+//! `report`: a burst on one page, or the bursts of a flight.
 
 use super::probe::parse_place;
-use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, check_ending};
+use super::{
+    BurstSearchArgs, Console, Failure, INPUT_HELP, Input, OneBurst, OverwriteArgs, SequenceArgs, check_ending,
+    open_options, resolve_bursts,
+};
 use crate::burst::Info;
-use crate::export::{write_drawing, write_text};
+use crate::detector::SearchParams;
+use crate::export::{Figure, write_drawing, write_text};
 use crate::files::mark::OutputKind;
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
 use crate::inspect::place::check_place;
-use crate::inspect::report::BurstPage;
+use crate::inspect::report::{BurstHealth, BurstPage, FlightRow, flight_page, flight_table, worst_bursts};
 use crate::inspect::result::DecoyStudy;
-use crate::requests::page_drawing;
+use crate::requests::{page_drawing, window_line};
 use clap::Args;
 use serde_json::json;
 use std::path::PathBuf;
 
-/// Write a burst on one page: what it is, its slopes, noise, tests, how many features are false, and places.
+/// Write a burst on one page: what it is, its slopes, noise, tests, how many features are false, and places. Of several
+/// bursts, or a long sequence with --burst-length: which need somebody, and a row for each.
 ///
 /// The page has the answers of 'info', 'slopes', 'detect', 'decoys' and 'probe': the input with what was guessed, the
 /// slopes with their judgement, the noise and its gate, the features and how many copies in other orders have, how
 /// many samples each test rejects, and the fate of each place of --at. As Markdown it is text and tables; as SVG, PDF
 /// or PNG one sheet under a picture of the burst.
+///
+/// Of several bursts the page begins with up to five that stand out, the worst first, with the reason and the command
+/// that opens each: those that fail, whose slopes do not fit, that have less than a quarter of the features or twice the
+/// noise of the others, or show too little to judge their slopes. A table has for each the noise, the slopes with
+/// 'detect''s judgement, features, their median motion, and how even the times are.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = REPORT_HELP)]
 pub struct ReportArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
     pub inputs: Vec<PathBuf>,
-    /// The file to write: .md, .svg, .pdf or .png.
+    /// The file to write: .md, .svg, .pdf or .png; of several bursts .md, or the table alone as .csv.
     #[arg(long, short, value_name = "FILE.md")]
     pub out: PathBuf,
     /// A place to be told about, in pixels at mid-burst: column and row. Give the option again for more places.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
     pub at: Vec<[f32; 2]>,
+    #[command(flatten)]
+    pub sequence: SequenceArgs,
     #[command(flatten)]
     pub study: DecoyStudy,
     #[command(flatten)]
@@ -44,15 +56,24 @@ const REPORT_HELP: &str = "\
 Examples:
   burstscope report night/ --out night.md
   burstscope report night/ --out night.pdf --at 412,230 --at 96,58
+  burstscope report nights/ --out flight.md
 
 JSON (--json), beside version, params, inputs and file:
   {\"info\": {as of 'info'}, \"notes\": [text], \"features\", \"frame_noise\", \"noise_gate_factor\", \"tally\": {as of 'detect'}, \"spectrum\": {as of 'slopes'},
-   \"decoys\": {as of 'decoys'} or null, \"no_decoys\": the reason or null, \"places\": [{as \"probe\" of 'probe'}]}";
+   \"decoys\": {as of 'decoys'} or null, \"no_decoys\": the reason or null, \"places\": [{as \"probe\" of 'probe'}]}
+Of several bursts, beside version, params and file:
+  {\"bursts\": [{\"name\", \"open\": the command that opens it, \"error\": null or why there is no \"health\", which is else {\"frames\", \"size\": [columns, rows], \"frame_noise\",
+     \"slopes_judged\": {as of 'detect'} or null, \"features\", \"motion\": their median in px per frame or null, \"times\": \"even\" or a clause}}],
+   \"worst\": [{\"name\", \"why\"}]}";
 
 const SEARCH_SHARE: f32 = 0.3;
 
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
+    let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
+    if inputs.len() > 1 || args.sequence.burst_length.is_some() {
+        return run_flight(args, &params, &inputs);
+    }
     check_ending(&args.out, &["md", "svg", "pdf", "png"], "--out: name the report .md, .svg, .pdf or .png")?;
     let OneBurst { console, input, options, rules } =
         args.run.begin("report", &args.inputs, args.overwrite, &[Some(&args.out)])?;
@@ -96,4 +117,49 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
             "places": page.places,
         }),
     )
+}
+
+fn run_flight(args: &ReportArgs, params: &SearchParams, inputs: &[Input]) -> Result<(), Failure> {
+    check_ending(&args.out, &["md", "csv"], "--out: name the report of several bursts .md or .csv")?;
+    if !args.at.is_empty() {
+        return Err(Failure::usage("--at: a place is one of one burst, and the input names several; name one of them"));
+    }
+    let options = open_options(inputs, &args.run.calibration)?;
+    let rules = args.overwrite.rules(inputs, &options, &[args.run.search.file.params.as_ref()]);
+    // Refused before anything is computed.
+    rules.check(&args.out)?;
+    let console = Console::new(&args.run.output)?;
+    let mut rows: Vec<FlightRow> = Vec::with_capacity(inputs.len());
+    for (index, input) in inputs.iter().enumerate() {
+        console.begin(format!("[{}/{}] {}: ", index + 1, inputs.len(), input.name));
+        let burst = input.open_to_search(&options, params, &console.monitor);
+        let health = match burst.and_then(|burst| Ok(BurstHealth::of(&burst, params, &console.monitor)?)) {
+            Ok(health) => Ok(health),
+            Err(Failure::Failed(error) | Failure::Usage(error)) => {
+                console.complain(&format!("{}: {error:#}", input.name));
+                Err(format!("{error:#}"))
+            }
+            Err(failure) => return Err(failure),
+        };
+        let source = if input.is_built_in() { vec![input.name.clone()] } else { input.path_texts() };
+        rows.push(FlightRow { name: input.name.clone(), open: window_line(&source, &options), health });
+    }
+    console.monitor.check()?;
+    rules.check(&args.out)?;
+    match args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("md")) {
+        true => write_text(&args.out, OutputKind::Page, flight_page(&rows))?,
+        false => Figure::from(flight_table(&rows)).write(&args.out)?,
+    }
+    let worst = worst_bursts(&rows);
+    let lines: String = worst.iter().map(|(row, why)| format!("{}: {why}\n", row.name)).collect();
+    console.say(&format!("{lines}wrote {}\n", args.out.display()))?;
+    let burst = |FlightRow { name, open, health }: &FlightRow| json!({"name": name, "open": open, "health": health.as_ref().ok(), "error": health.as_ref().err()});
+    let document = json!({
+        "params": params,
+        "file": path_text(&args.out),
+        "bursts": rows.iter().map(burst).collect::<Vec<_>>(),
+        "worst": worst.iter().map(|(row, why)| json!({"name": row.name, "why": why})).collect::<Vec<_>>(),
+    });
+    console.say_document("report", &document)?;
+    if rows.iter().all(|row| row.health.is_ok()) { Ok(()) } else { Err(Failure::Reported) }
 }

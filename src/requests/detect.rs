@@ -175,12 +175,28 @@ const OUT: &str = "features";
 
 /// `inputs` are paths, or names of built-in bursts. Quoted for a shell; values that are the default are left out.
 pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenOptions) -> String {
-    let mut words = vec!["burstscope".to_owned(), "detect".to_owned()];
+    let options = options(params).into_iter().chain(calibration.given());
+    line(&["detect"], inputs, &["--out", OUT], options)
+}
+
+/// The command that opens `inputs` in the window, as [`detect_line`] writes it.
+pub fn window_line(inputs: &[String], calibration: &OpenOptions) -> String {
+    line(&[], inputs, &[], calibration.given())
+}
+
+fn line(
+    command: &[&str],
+    inputs: &[String],
+    then: &[&str],
+    options: impl IntoIterator<Item = (String, Option<String>)>,
+) -> String {
     // A path that begins with a dash would be read as an option.
     let path = |input: &String| if input.starts_with('-') { format!("./{input}") } else { input.clone() };
+    let mut words = vec!["burstscope".to_owned()];
+    words.extend(command.iter().map(|word| (*word).to_owned()));
     words.extend(inputs.iter().map(|input| shell_word(&path(input))));
-    words.extend(["--out".to_owned(), OUT.to_owned()]);
-    for (name, value) in options(params).into_iter().chain(calibration.given()) {
+    words.extend(then.iter().map(|word| (*word).to_owned()));
+    for (name, value) in options {
         words.push(format!("--{name}"));
         words.extend(value.map(|value| shell_word(&value)));
     }

@@ -25,7 +25,9 @@ pub use dataset::{
 };
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};
-pub use detect::{CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest, detect_line};
+pub use detect::{
+    CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest, detect_line, window_line,
+};
 pub use error::{JobError, PossibleShape};
 pub use explain::{
     CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest,

@@ -1,6 +1,6 @@
 //! `report`: a burst on one page.
 
-use super::support::{names, run_badly, run_well};
+use super::support::{names, run, run_badly, run_well, stderr};
 use serde_json::Value;
 use std::path::Path;
 
@@ -89,7 +89,8 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
         ("report demo --out r.md --at 900,5", 2, "is outside the"),
         ("report demo --out r.md --at 5", 2, "is not U,V in pixels"),
         ("report demo --out r.md --copies 0", 2, "--copies: 0; give 1 to 100"),
-        ("report demo demo-later --out r.md", 2, "takes one burst"),
+        ("report demo demo-later --out r.svg", 2, "name the report of several bursts .md or .csv"),
+        ("report demo demo-later --out r.md --at 5,5", 2, "--at: a place is one of one burst"),
     ] {
         let told = run_badly(home.path(), &line.split(' ').collect::<Vec<_>>(), code);
         assert!(told.contains(words), "{line}: {told}");
@@ -102,6 +103,57 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
         page["decoys"].is_null() && page["no_decoys"].as_str().is_some_and(|why| why.contains("4 or more")),
         "{page}"
     );
+}
+
+#[test]
+fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
+    let home = tempfile::tempdir().expect("a folder");
+    let home = home.path();
+    for (name, slope, seed) in [("n 1", "1.5", "1"), ("n2", "1.5", "2"), ("fast", "5", "3")] {
+        let out = format!("nights/{name}");
+        let scene = ["--width", "160", "--height", "120", "--frames", "6", "--snr", "8", "--max-slope", slope];
+        run_well(home, &[&["synth", "scene", "--out", &out, "--seed", seed], &scene[..]].concat());
+    }
+    std::fs::create_dir(home.join("nights/gone")).expect("a folder");
+    std::fs::write(home.join("nights/gone/f0.png"), "broken").expect("written");
+    let ask = |arguments: &[&str]| {
+        let output = run(home, &[arguments, &["nights", "--slopes-u", "-2:2:9", "--json"]].concat());
+        assert_eq!(output.status.code(), Some(1), "one burst fails");
+        assert!(stderr(&output).contains("error: gone: "), "{}", stderr(&output));
+        serde_json::from_slice::<Value>(&output.stdout).expect("JSON")
+    };
+    let flight = ask(&["report", "--out", "flight.md"]);
+    let detected = ask(&["detect", "--out", "found"]);
+    let rows = flight["bursts"].as_array().expect("rows");
+    let names: Vec<&str> = rows.iter().filter_map(|row| row["name"].as_str()).collect();
+    assert_eq!(names, ["fast", "gone", "n 1", "n2"]);
+    let health: Vec<&Value> = rows.iter().map(|row| &row["health"]).filter(|health| !health.is_null()).collect();
+    for (health, alone) in health.into_iter().zip(detected["bursts"].as_array().expect("bursts")) {
+        for key in ["frames", "features", "slopes_judged"] {
+            assert_eq!(health[key], alone[key], "{key}");
+        }
+        assert!(health["motion"].as_f64().is_some_and(|motion| (0.1..2.5).contains(&motion)), "{health}");
+    }
+    let worst: Vec<&str> =
+        flight["worst"].as_array().expect("a list").iter().filter_map(|one| one["name"].as_str()).collect();
+    assert_eq!(worst[..2], ["gone", "fast"], "{flight}");
+    let page = std::fs::read_to_string(home.join("flight.md")).expect("a page");
+    let [first, second] = ["- gone: ", "- fast: "].map(|words| page.find(words).expect("named"));
+    assert!(
+        first < second
+            && page[second..].contains(": try --slopes-u ")
+            && page.contains("\n      burstscope nights/fast\n"),
+        "{page}"
+    );
+    assert!(page.contains("| n 1 | 6 | 160 | 120 | 0.0"), "{page}");
+    assert_eq!(flight["bursts"][2]["open"], "burstscope 'nights/n 1'");
+    // As a table; the second run knows the first one's file.
+    (0..2).for_each(|_| drop(ask(&["report", "--out", "flight.csv"])));
+    let table = std::fs::read_to_string(home.join("flight.csv")).expect("a table");
+    assert_eq!(table.lines().count(), 5, "{table}");
+    let cut = ["report", "nights/n2", "--burst-length", "3", "--slopes-u", "-2:2:5", "--out", "cut.md"];
+    assert!(run_well(home, &cut).ends_with("wrote cut.md\n"));
+    assert!(std::fs::read_to_string(home.join("cut.md")).is_ok_and(|page| page.contains("# 2 bursts\n")));
 }
 
 #[test]

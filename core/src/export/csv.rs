@@ -128,8 +128,11 @@ pub const NOISE_COLUMNS: &str =
 pub const METHOD_MATCH_COLUMNS: &str = "method,keypoints_per_image,putative_per_image,inliers_per_image,match_ratio,match_score,inlier_ratio,verified_pairs,on_gold_geometry_per_image";
 /// Header of tables of errors of poses.
 pub const POSE_COLUMNS: &str = "pose_error,rmse,mean,median,max";
+/// Header of tables of the bursts of a flight.
+pub const FLIGHT_COLUMNS: &str = "burst,frames,width,height,frame_noise,slopes_fit,slopes,features,motion,times,error";
 /// Headers of tables that commands write where they are asked to.
-const OF_COMMANDS: [&str; 8] = [
+const OF_COMMANDS: [&str; 9] = [
+    FLIGHT_COLUMNS,
     SPECTRUM_COLUMNS,
     METHOD_COLUMNS,
     BURST_FRAMES_COLUMNS,

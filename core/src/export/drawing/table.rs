@@ -95,6 +95,11 @@ impl Table {
         std::iter::once(names.join(",")).chain(rows).map(|line| line + "\n").collect()
     }
 
+    /// The cells of each row, as they are shown.
+    pub fn shown(&self) -> impl Iterator<Item = Vec<String>> {
+        self.rows.iter().map(|row| row.iter().map(Cell::shown).collect())
+    }
+
     /// The table for LaTeX's package booktabs, with title and notes as comments.
     pub fn latex(&self) -> String {
         let comment = |text: &String| format!("% {}\n", text.replace(['\n', '\r'], " "));
@@ -103,7 +108,7 @@ impl Table {
             format!("{} \\\\\n", cells.join(" & "))
         };
         let sides: String = (0..self.columns.len()).map(|i| if self.is_text(i) { 'l' } else { 'r' }).collect();
-        let rows: String = self.rows.iter().map(|row| line(row.iter().map(Cell::shown).collect())).collect();
+        let rows: String = self.shown().map(line).collect();
         format!(
             "{}\\begin{{tabular}}{{{sides}}}\n\\toprule\n{}\\midrule\n{rows}\\bottomrule\n\\end{{tabular}}\n{}",
             comment(&self.title),
@@ -114,8 +119,7 @@ impl Table {
 
     /// Lines of text as wide as their cells: the first column stands to the left, the others to the right.
     pub fn text(&self) -> String {
-        let rows = self.rows.iter().map(|row| row.iter().map(Cell::shown).collect());
-        let lines: Vec<Vec<String>> = std::iter::once(self.heads()).chain(rows).collect();
+        let lines: Vec<Vec<String>> = std::iter::once(self.heads()).chain(self.shown()).collect();
         let width = |column: usize| lines.iter().filter_map(|line| Some(line.get(column)?.chars().count())).max();
         let widths: Vec<usize> = (0..self.columns.len()).map(|column| width(column).unwrap_or(0)).collect();
         let line = |line: &Vec<String>| {

@@ -1,10 +1,12 @@
 //! Answers written down: as text here, for commands and messages; as a figure in `figure`; all of a burst on
-//! one page in `page`.
+//! one page in `page`, and many bursts on one in `flight`.
 
 mod figure;
+mod flight;
 mod page;
 
 pub use figure::{probe_figure, spectrum_figure};
+pub use flight::{BurstHealth, FlightRow, flight_page, flight_table, worst_bursts};
 pub use page::BurstPage;
 
 use super::place::{Cause, Fate, Outcome, Probe, Rival, Shares, SuspicionKind, TestReport};

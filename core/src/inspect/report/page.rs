@@ -71,13 +71,13 @@ impl<'a> BurstPage<'a> {
 
     /// The page as Markdown, with a comment as the first line, so that the mark is a comment too.
     pub fn markdown(&self) -> String {
-        let head = format!("<!-- Burstscope {} -->\n\n", env!("CARGO_PKG_VERSION"));
-        head + &written(|out| {
-            self.write_input(out)?;
-            self.write_slopes(out)?;
-            self.write_features(out)?;
-            (1..).zip(&self.places).try_for_each(|(index, place)| write_place(out, index, place))
-        })
+        page_head()
+            + &written(|out| {
+                self.write_input(out)?;
+                self.write_slopes(out)?;
+                self.write_features(out)?;
+                (1..).zip(&self.places).try_for_each(|(index, place)| write_place(out, index, place))
+            })
     }
 
     fn write_input(&self, out: &mut String) -> std::fmt::Result {
@@ -175,19 +175,28 @@ fn write_items(out: &mut String, items: impl IntoIterator<Item = (String, String
     })
 }
 
-fn write_table<const N: usize>(
+/// First line of a page, a comment.
+pub(super) fn page_head() -> String {
+    format!("<!-- Burstscope {} -->\n\n", env!("CARGO_PKG_VERSION"))
+}
+
+pub(super) fn write_table<'a, R: IntoIterator<Item = String>>(
     out: &mut String,
-    heads: [&str; N],
-    rows: impl Iterator<Item = [String; N]>,
+    heads: impl IntoIterator<Item = &'a str>,
+    mut rows: impl Iterator<Item = R>,
 ) -> std::fmt::Result {
-    writeln!(out, "\n| {} |\n|{}", heads.join(" | "), " --- |".repeat(N))?;
-    rows.into_iter().try_for_each(|cells| writeln!(out, "| {} |", cells.map(|cell| escaped(&cell)).join(" | ")))
+    let heads: Vec<String> = heads.into_iter().map(escaped).collect();
+    writeln!(out, "\n| {} |\n|{}", heads.join(" | "), " --- |".repeat(heads.len()))?;
+    rows.try_for_each(|cells| {
+        let cells: Vec<String> = cells.into_iter().map(|cell| escaped(&cell)).collect();
+        writeln!(out, "| {} |", cells.join(" | "))
+    })
 }
 
 /// Marks that Markdown would read: names of files may hold any.
 const MARKS: &str = "\\`*_[]<|#&~";
 
-fn escaped(text: &str) -> String {
+pub(super) fn escaped(text: &str) -> String {
     let marked = |letter: char| [MARKS.contains(letter).then_some('\\'), Some(letter)];
     text.replace(char::is_control, " ").chars().flat_map(marked).flatten().collect()
 }

@@ -1,0 +1,193 @@
+//! Many bursts on one page: those that need somebody first, with the reasons, and a row for each.
+
+use super::page::{escaped, page_head, write_table};
+use super::written;
+use crate::burst::Burst;
+use crate::detect::{Searched, search};
+use crate::detector::{Method, SearchParams, find_slopes};
+use crate::error::Result;
+use crate::export::{Cell, FLIGHT_COLUMNS, Table};
+use crate::inspect::slopes::{SlopeJudgement, judgement};
+use crate::inspect::words::{capitalised, counted, number};
+use crate::monitor::Monitor;
+use serde::Serialize;
+use std::fmt::Write;
+
+/// Health of a burst, as a search shows it.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct BurstHealth {
+    /// Number of frames.
+    pub frames: usize,
+    /// Size of a frame (columns, rows).
+    pub size: (usize, usize),
+    /// Noise of a frame, fraction of full scale.
+    pub frame_noise: f32,
+    /// Judgement of the slopes; `None` for a method without slopes and for a single frame.
+    pub slopes_judged: Option<SlopeJudgement>,
+    /// Number of features.
+    pub features: usize,
+    /// Median of the features' motions, pixels per frame; `None` without features, and where none is judged.
+    pub motion: Option<f32>,
+    /// How even the times of the frames are: `even`, or a clause.
+    pub times: String,
+}
+
+impl BurstHealth {
+    /// Searches `burst` with `params`, and judges its slopes.
+    ///
+    /// # Errors
+    /// As [`search`].
+    pub fn of(burst: &Burst, params: &SearchParams, monitor: &Monitor) -> Result<Self> {
+        let Searched { detection, params, finding, .. } = search(burst, params, monitor)?;
+        // Given slopes are compared with those that the frames show.
+        let shown = match finding {
+            None if params.method == Method::Buff => Some(find_slopes(burst, &params, None, &monitor.silent())?),
+            found => found,
+        };
+        let slopes_judged = judgement(&detection, &params, shown.as_ref(), burst, &monitor.silent())?;
+        let motions = detection.features.iter().filter(|_| slopes_judged.is_some()).map(|feature| feature.motion().0);
+        Ok(Self {
+            frames: burst.len(),
+            size: burst.size(),
+            frame_noise: detection.frame_noise,
+            motion: median(motions.map(|slope| slope.u.hypot(slope.v)).collect()),
+            slopes_judged,
+            features: detection.features.len(),
+            times: if burst.positions.is_even() { "even".to_owned() } else { burst.positions.unevenness() },
+        })
+    }
+}
+
+/// A burst of a flight.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FlightRow {
+    /// Name of the burst.
+    pub name: String,
+    /// Command that opens it.
+    pub open: String,
+    /// Its health, or the reason why there is none.
+    pub health: Result<BurstHealth, String>,
+}
+
+/// Largest number of bursts that are named before the table.
+const WORST: usize = 5;
+/// Part of the median number of features below which a burst has few, and times the median noise above which it has much.
+const FEW: f32 = 0.25;
+const NOISY: f32 = 2.0;
+
+/// Bursts that need somebody, the worst first, at most five, each with the reason: one that failed, a fault of the slopes,
+/// few features beside the others, slopes that cannot be judged, or much noise beside the others.
+pub fn worst_bursts(rows: &[FlightRow]) -> Vec<(&FlightRow, String)> {
+    let known =
+        |of: fn(&BurstHealth) -> f32| median(rows.iter().filter_map(|row| row.health.as_ref().ok().map(of)).collect());
+    let features = known(|health| health.features as f32).unwrap_or(0.0);
+    let noise = known(|health| health.frame_noise).unwrap_or(0.0);
+    let fault = |row: &FlightRow| {
+        let health = match &row.health {
+            Ok(health) => health,
+            Err(why) => return Some((0, 0, why.clone())),
+        };
+        let judged = health.slopes_judged.as_ref();
+        let (rank, why) = if let Some(advice) = judged.and_then(|judged| judged.advice.as_ref()) {
+            let options = advice.options();
+            (1, advice.sentence.clone() + &if options.is_empty() { options } else { format!(": try {options}") })
+        } else if (health.features as f32) < FEW * features {
+            (2, format!("{}, and {} in the median of all", counted(health.features, "feature"), number(features, 0)))
+        } else if let Some(judged) = judged.filter(|judged| !judged.fits) {
+            (3, judged.sentence.clone())
+        } else if health.frame_noise > NOISY * noise {
+            (4, format!("noise of {:.5} of full scale, and {noise:.5} in the median of all", health.frame_noise))
+        } else {
+            return None;
+        };
+        Some((rank, health.features, why))
+    };
+    let mut worst: Vec<_> = rows.iter().filter_map(|row| fault(row).map(|fault| (row, fault))).collect();
+    worst.sort_by_key(|(_, (rank, features, _))| (*rank, *features));
+    worst.into_iter().take(WORST).map(|(row, (.., why))| (row, why)).collect()
+}
+
+/// The bursts as a table, in their order.
+pub fn flight_table(rows: &[FlightRow]) -> Table {
+    let row = |FlightRow { name, health, .. }: &FlightRow| {
+        let mut cells = vec![Cell::Text(name.clone())];
+        match health {
+            Ok(health) => {
+                cells.extend([health.frames, health.size.0, health.size.1].map(Cell::count));
+                cells.push(Cell::single(health.frame_noise, 5));
+                cells.extend(health.slopes_judged.as_ref().map_or([Cell::Missing, Cell::Missing], |judged| {
+                    let fit = match judged.advice {
+                        Some(_) => "no",
+                        None if judged.fits => "yes",
+                        None => "unknown",
+                    };
+                    [fit.into(), Cell::Text(judged.sentence.clone())]
+                }));
+                cells.push(Cell::count(health.features));
+                cells.push(health.motion.map_or(Cell::Missing, |motion| Cell::single(motion, 2)));
+                cells.extend([Cell::Text(health.times.clone()), Cell::Missing]);
+            }
+            Err(why) => {
+                cells.extend(std::iter::repeat_n(Cell::Missing, FLIGHT_COLUMNS.matches(',').count() - 1));
+                cells.push(Cell::Text(why.clone()));
+            }
+        }
+        cells
+    };
+    Table::new("Bursts", FLIGHT_COLUMNS, rows.iter().map(row).collect())
+}
+
+/// The page as Markdown, with a comment as the first line, so that the mark is a comment too.
+pub fn flight_page(rows: &[FlightRow]) -> String {
+    page_head()
+        + &written(|out| {
+            let health = || rows.iter().filter_map(|row| row.health.as_ref().ok());
+            let fit = health().filter(|health| health.slopes_judged.as_ref().is_some_and(|judged| judged.fits)).count();
+            let [bursts, searched] = [rows.len(), health().count()].map(|count| counted(count, "burst"));
+            let features = counted(health().map(|health| health.features).sum(), "feature");
+            writeln!(out, "# {bursts}\n\n{features} in {searched}; the slopes fit in {fit}.\n\n## To look at first\n")?;
+            let worst = worst_bursts(rows);
+            for (row, why) in &worst {
+                writeln!(out, "- {}: {}\n\n      {}\n", escaped(&row.name), escaped(&capitalised(why)), row.open)?;
+            }
+            let none = if worst.is_empty() { "None stands out.\n\n" } else { "" };
+            writeln!(out, "{none}## All bursts\n\nNoise is of full scale, motion the features' median in px/frame.")?;
+            write_table(out, FLIGHT_COLUMNS.split(','), flight_table(rows).shown())
+        })
+}
+
+fn median(mut values: Vec<f32>) -> Option<f32> {
+    values.sort_by(f32::total_cmp);
+    values.get(values.len() / 2).copied()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_worst_come_first_and_what_is_as_the_others_is_not_named() {
+        let judged = |fits, sentence: &str| SlopeJudgement { sentence: sentence.into(), fits, advice: None };
+        let row = |name: &str, features, noise, fits| {
+            let slopes_judged = Some(judged(fits, "too little"));
+            let (frames, size, times) = (5, (8, 6), "even".to_owned());
+            let health = BurstHealth { frames, size, frame_noise: noise, slopes_judged, features, motion: None, times };
+            FlightRow { name: name.into(), open: String::new(), health: Ok(health) }
+        };
+        let gone = FlightRow { health: Err("gone, \"all\"".into()), ..row("d", 0, 0.0, true) };
+        let rows = [
+            row("a", 99, 0.1, true),
+            row("b", 98, 0.3, true),
+            row("c", 10, 0.1, true),
+            gone,
+            row("e", 97, 0.1, false),
+            row("f", 100, 0.1, true),
+        ];
+        let named: Vec<&str> = worst_bursts(&rows).iter().map(|(row, _)| &*row.name).collect();
+        assert_eq!(named, ["d", "c", "e", "b"]);
+        assert!(worst_bursts(&rows[..1]).is_empty() && flight_page(&rows[..1]).contains("None stands out."));
+        let csv = flight_table(&rows).csv();
+        assert!(csv.contains("a,5,8,6,0.1,yes,too little,99,,even,\n"), "{csv}");
+        assert!(csv.contains("d,,,,,,,,,,\"gone, \"\"all\"\"\"\n"), "{csv}");
+    }
+}
