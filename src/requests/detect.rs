@@ -176,26 +176,25 @@ const OUT: &str = "features";
 /// `inputs` are paths, or names of built-in bursts. Quoted for a shell; values that are the default are left out.
 pub fn detect_line(inputs: &[String], params: &SearchParams, calibration: &OpenOptions) -> String {
     let options = options(params).into_iter().chain(calibration.given());
-    line(&["detect"], inputs, &["--out", OUT], options)
+    line("burstscope detect", inputs, &["--out", OUT], options)
 }
 
 /// The command that opens `inputs` in the window, as [`detect_line`] writes it.
 pub fn window_line(inputs: &[String], calibration: &OpenOptions) -> String {
-    line(&[], inputs, &[], calibration.given())
+    line("burstscope", inputs, &[], calibration.given())
 }
 
 fn line(
-    command: &[&str],
+    command: &str,
     inputs: &[String],
     then: &[&str],
     options: impl IntoIterator<Item = (String, Option<String>)>,
 ) -> String {
+    let mut words = vec![command.to_owned()];
     // A path that begins with a dash would be read as an option.
     let path = |input: &String| if input.starts_with('-') { format!("./{input}") } else { input.clone() };
-    let mut words = vec!["burstscope".to_owned()];
-    words.extend(command.iter().map(|word| (*word).to_owned()));
     words.extend(inputs.iter().map(|input| shell_word(&path(input))));
-    words.extend(then.iter().map(|word| (*word).to_owned()));
+    words.extend(then.iter().copied().map(str::to_owned));
     for (name, value) in options {
         words.push(format!("--{name}"));
         words.extend(value.map(|value| shell_word(&value)));

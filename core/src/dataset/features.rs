@@ -295,20 +295,16 @@ impl FeatureStore {
         let found = BurstFeatures { slopes, seconds, ..found_in(source, &burst, &detection) };
         let content = self.write_features(&found)?;
         let picture_content = self.write_picture_of(&found.image_name, &burst, &params, monitor)?;
-        let seen = seen_part(&burst, &self.job.detector.at_given(), monitor)?;
-        let (blobs, picture, slopes) = (StoredBlobs(found.blobs.clone()), self.job.images, Some(params.slopes));
-        let BurstFeatures { size, frames, .. } = found;
-        let (files, features) = (stamps, found.keypoints.len());
         let of = KeptBurst {
-            files,
-            size,
-            frames,
-            features,
-            slopes,
+            files: stamps,
+            size: found.size,
+            frames: found.frames,
+            features: found.keypoints.len(),
+            slopes: Some(params.slopes),
             content,
-            blobs,
-            seen,
-            picture,
+            blobs: StoredBlobs(found.blobs.clone()),
+            seen: seen_part(&burst, &self.job.detector.at_given(), monitor)?,
+            picture: self.job.images,
             picture_content,
             seconds,
         };

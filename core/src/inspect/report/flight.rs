@@ -109,30 +109,30 @@ pub fn worst_bursts(rows: &[FlightRow]) -> Vec<(&FlightRow, String)> {
 
 /// The bursts as a table, in their order.
 pub fn flight_table(rows: &[FlightRow]) -> Table {
-    let row = |FlightRow { name, health, .. }: &FlightRow| {
-        let mut cells = vec![Cell::Text(name.clone())];
-        match health {
-            Ok(health) => {
-                cells.extend([health.frames, health.size.0, health.size.1].map(Cell::count));
-                cells.push(Cell::single(health.frame_noise, 5));
-                cells.extend(health.slopes_judged.as_ref().map_or([Cell::Missing, Cell::Missing], |judged| {
-                    let fit = match judged.advice {
-                        Some(_) => "no",
-                        None if judged.fits => "yes",
-                        None => "unknown",
-                    };
-                    [fit.into(), Cell::Text(judged.sentence.clone())]
-                }));
-                cells.push(Cell::count(health.features));
-                cells.push(health.motion.map_or(Cell::Missing, |motion| Cell::single(motion, 2)));
-                cells.extend([Cell::Text(health.times.clone()), Cell::Missing]);
-            }
-            Err(why) => {
-                cells.extend(std::iter::repeat_n(Cell::Missing, FLIGHT_COLUMNS.matches(',').count() - 1));
-                cells.push(Cell::Text(why.clone()));
-            }
-        }
-        cells
+    let text = |text: Option<&str>| text.map_or(Cell::Missing, Cell::from);
+    let row = |row: &FlightRow| {
+        let health = row.health.as_ref().ok();
+        let judged = health.and_then(|health| health.slopes_judged.as_ref());
+        let fit = judged.map(|judged| match judged.advice {
+            Some(_) => "no",
+            None if judged.fits => "yes",
+            None => "unknown",
+        });
+        let count = |of: fn(&BurstHealth) -> usize| health.map_or(Cell::Missing, |health| Cell::count(of(health)));
+        let single = |value: Option<f32>, digits| value.map_or(Cell::Missing, |value| Cell::single(value, digits));
+        vec![
+            text(Some(&row.name)),
+            count(|health| health.frames),
+            count(|health| health.size.0),
+            count(|health| health.size.1),
+            single(health.map(|health| health.frame_noise), 5),
+            text(fit),
+            text(judged.map(|judged| &*judged.sentence)),
+            count(|health| health.features),
+            single(health.and_then(|health| health.motion), 2),
+            text(health.map(|health| &*health.times)),
+            text(row.health.as_ref().err().map(String::as_str)),
+        ]
     };
     Table::new("Bursts", FLIGHT_COLUMNS, rows.iter().map(row).collect())
 }
@@ -159,35 +159,4 @@ pub fn flight_page(rows: &[FlightRow]) -> String {
 fn median(mut values: Vec<f32>) -> Option<f32> {
     values.sort_by(f32::total_cmp);
     values.get(values.len() / 2).copied()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_worst_come_first_and_what_is_as_the_others_is_not_named() {
-        let judged = |fits, sentence: &str| SlopeJudgement { sentence: sentence.into(), fits, advice: None };
-        let row = |name: &str, features, noise, fits| {
-            let slopes_judged = Some(judged(fits, "too little"));
-            let (frames, size, times) = (5, (8, 6), "even".to_owned());
-            let health = BurstHealth { frames, size, frame_noise: noise, slopes_judged, features, motion: None, times };
-            FlightRow { name: name.into(), open: String::new(), health: Ok(health) }
-        };
-        let gone = FlightRow { health: Err("gone, \"all\"".into()), ..row("d", 0, 0.0, true) };
-        let rows = [
-            row("a", 99, 0.1, true),
-            row("b", 98, 0.3, true),
-            row("c", 10, 0.1, true),
-            gone,
-            row("e", 97, 0.1, false),
-            row("f", 100, 0.1, true),
-        ];
-        let named: Vec<&str> = worst_bursts(&rows).iter().map(|(row, _)| &*row.name).collect();
-        assert_eq!(named, ["d", "c", "e", "b"]);
-        assert!(worst_bursts(&rows[..1]).is_empty() && flight_page(&rows[..1]).contains("None stands out."));
-        let csv = flight_table(&rows).csv();
-        assert!(csv.contains("a,5,8,6,0.1,yes,too little,99,,even,\n"), "{csv}");
-        assert!(csv.contains("d,,,,,,,,,,\"gone, \"\"all\"\"\"\n"), "{csv}");
-    }
 }

@@ -189,6 +189,37 @@ mod fate {
     }
 }
 
+mod flight {
+    use burstscope_core::inspect::report::*;
+    use burstscope_core::inspect::slopes::SlopeJudgement;
+
+    #[test]
+    fn the_worst_come_first_and_what_is_as_the_others_is_not_named() {
+        let judged = |fits, sentence: &str| SlopeJudgement { sentence: sentence.into(), fits, advice: None };
+        let row = |name: &str, features, noise, fits| {
+            let slopes_judged = Some(judged(fits, "too little"));
+            let (frames, size, times) = (5, (8, 6), "even".to_owned());
+            let health = BurstHealth { frames, size, frame_noise: noise, slopes_judged, features, motion: None, times };
+            FlightRow { name: name.into(), open: String::new(), health: Ok(health) }
+        };
+        let gone = FlightRow { health: Err("gone, \"all\"".into()), ..row("d", 0, 0.0, true) };
+        let rows = [
+            row("a", 99, 0.1, true),
+            row("b", 98, 0.3, true),
+            row("c", 10, 0.1, true),
+            gone,
+            row("e", 97, 0.1, false),
+            row("f", 100, 0.1, true),
+        ];
+        let named: Vec<&str> = worst_bursts(&rows).iter().map(|(row, _)| &*row.name).collect();
+        assert_eq!(named, ["d", "c", "e", "b"]);
+        assert!(worst_bursts(&rows[..1]).is_empty() && flight_page(&rows[..1]).contains("None stands out."));
+        let csv = flight_table(&rows).csv();
+        assert!(csv.contains("a,5,8,6,0.1,yes,too little,99,,even,\n"), "{csv}");
+        assert!(csv.contains("d,,,,,,,,,,\"gone, \"\"all\"\"\"\n"), "{csv}");
+    }
+}
+
 mod needed {
     use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, SlopeGrid};
     use burstscope_core::inspect::ProbeCache;

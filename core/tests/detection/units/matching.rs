@@ -47,6 +47,67 @@ mod whole {
     }
 }
 
+mod selection {
+    use burstscope_core::detector::Descriptor;
+    use burstscope_core::matching::*;
+    use burstscope_core::monitor::{Cancelled, Monitor};
+    use proptest::prelude::*;
+
+    /// A descriptor that is far from those of other numbers, and this near to its own.
+    fn descriptor(number: usize, off: u8) -> Descriptor {
+        std::array::from_fn(|k| if k == number { 200 } else { off * u8::from(k == 127) })
+    }
+
+    #[test]
+    fn each_image_is_paired_with_those_that_most_of_its_features_vote_for() {
+        // Image 3 shows what 0 shows, and 2 what 1 shows; 0 and 1 have one thing in common, 4 has nothing at all.
+        let image = |of: &[(usize, u8)]| of.iter().map(|&(number, off)| descriptor(number, off)).collect::<Vec<_>>();
+        let images = [
+            image(&[(1, 0), (2, 0), (3, 0), (9, 0)]),
+            image(&[(4, 0), (5, 0), (9, 1)]),
+            image(&[(4, 2), (5, 2)]),
+            image(&[(1, 3), (2, 3), (3, 3)]),
+            Vec::new(),
+        ];
+        let pairs = |partners| near_pairs(&images, partners, &Monitor::default()).expect("pairs");
+        // An image without features has no votes, and of equals the first is taken.
+        assert_eq!(pairs(1), [(0, 3), (0, 4), (1, 2)]);
+        assert_eq!(pairs(2), [(0, 1), (0, 2), (0, 3), (0, 4), (1, 2), (1, 3), (1, 4)]);
+        assert_eq!(pairs(usize::MAX), PairSelection::All.pairs(5));
+        assert_eq!(near_pairs(&images[..1], 3, &Monitor::default()), Ok(Vec::new()));
+        let stopped = Monitor::default();
+        stopped.cancel();
+        assert!(near_pairs(&images, 1, &stopped).is_err());
+        // No more than the strongest vote and are voted for: what 0 and 3 have in common comes after them here.
+        let filled = |image: usize| -> Result<Vec<Descriptor>, Cancelled> {
+            let many = if image == 0 { vec![descriptor(4, 5); VOTERS] } else { Vec::new() };
+            Ok([&many[..], &images[image]].concat())
+        };
+        let chosen = PairSelection::Near(1).pairs_by(4, filled, &Monitor::default());
+        assert_eq!(chosen, Ok(vec![(0, 2), (1, 2), (2, 3)]));
+        let unasked = |image: usize| -> Result<Vec<Descriptor>, Cancelled> { panic!("the features of {image}") };
+        assert_eq!(PairSelection::Sequential(1).pairs_by(3, unasked, &Monitor::default()), Ok(vec![(0, 1), (1, 2)]));
+    }
+
+    proptest! {
+        #[test]
+        fn each_image_has_as_many_partners_as_asked_for_and_more_contain_fewer(
+            images in prop::collection::vec(prop::collection::vec((0..20usize, 0..9u8), 0..6), 0..7), partners in 1..8usize,
+        ) {
+            let of = |image: &Vec<(usize, u8)>| image.iter().map(|&(number, off)| descriptor(number, off)).collect();
+            let images: Vec<Vec<Descriptor>> = images.iter().map(of).collect();
+            let pairs = near_pairs(&images, partners, &Monitor::default()).expect("pairs");
+            for image in 0..images.len() {
+                let has = pairs.iter().filter(|(a, b)| [a, b].contains(&&image)).count();
+                prop_assert!(has >= partners.min(images.len() - 1), "{image} in {pairs:?}");
+            }
+            prop_assert!(pairs.is_sorted() && pairs.iter().all(|(a, b)| a < b && *b < images.len()));
+            let more = near_pairs(&images, partners + 1, &Monitor::default()).expect("pairs");
+            prop_assert!(pairs.iter().all(|pair| more.contains(pair)));
+        }
+    }
+}
+
 mod align_solve {
     use burstscope_core::matching::align::solve::*;
 
