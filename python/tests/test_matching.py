@@ -136,7 +136,9 @@ def test_colmap_solves_jointly_as_the_command_does(tmp_path: Path, run: Run) -> 
     for file in ("images/a.png", "features/b.png.txt"):
         assert (tmp_path / "ours" / file).read_bytes() == (tmp_path / "theirs" / file).read_bytes()
     # Again into its own folder, but into no other.
-    assert bs.colmap(detections[:2], tmp_path / "ours", pairs="sequential:1")["pairs"][0]["ids"] == [1, 2]
+    for pairs in ("sequential:1", "near:1"):
+        again = bs.colmap(detections[:2], tmp_path / "ours", pairs=pairs, images="stack")
+        assert [pair["ids"] for pair in again["pairs"]] == [[1, 2]]
     with pytest.raises(OSError, match="name a new or an empty folder"):
         bs.colmap(detections, tmp_path)
     with pytest.raises(ValueError, match="two or more"):
