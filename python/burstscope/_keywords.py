@@ -1543,4 +1543,5 @@ COMMANDS = (
     "colmap",
     "render",
     "completions",
+    "man",
 )

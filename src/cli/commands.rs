@@ -1,5 +1,5 @@
 //! All commands. The program's arguments are one of them, or what the window opens.
-//! `completions` writes them for a shell.
+//! `completions` writes them for a shell, `man` as manual pages.
 
 use super::args::{DetectArgs, MergeArgs, SequenceArgs, StackArgs};
 use super::burst_report::ReportArgs;
@@ -123,6 +123,8 @@ pub enum Command {
     Render(RenderArgs),
     /// Write what a shell needs to complete this program's commands and options.
     Completions(CompletionsArgs),
+    /// Write the manual page of the program or of a command.
+    Man(ManArgs),
 }
 
 /// Write the completions of a shell to the standard output.
@@ -142,6 +144,34 @@ pub(super) fn run(args: &CompletionsArgs) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut text);
     print(&String::from_utf8_lossy(&text)).map_err(Failure::output)
+}
+
+/// Write the manual page of the program or of a command to the standard output, as man reads it.
+///
+/// To read one: burstscope man detect | man -l -
+#[derive(Debug, Args)]
+pub struct ManArgs {
+    /// The command, such as detect, or evaluate chart [default: the program].
+    #[arg(value_name = "COMMAND")]
+    pub command: Vec<String>,
+}
+
+pub(super) fn run_man(args: &ManArgs) -> Result<(), Failure> {
+    print(&manual(&args.command)?).map_err(Failure::output)
+}
+
+fn manual(words: &[String]) -> Result<String, Failure> {
+    let mut command = Cli::command().disable_help_subcommand(true);
+    // A page names the command by the words before it too, which this fills in.
+    command.build();
+    for word in words {
+        let unknown = || format!("there is no command '{}'; 'burstscope --help' lists them", words.join(" "));
+        command = command.find_subcommand(word).cloned().ok_or_else(|| Failure::usage(unknown()))?;
+    }
+    let mut page = Vec::new();
+    let source = format!("{NAME} {}", env!("CARGO_PKG_VERSION"));
+    clap_mangen::Man::new(command).source(source).render(&mut page).map_err(Failure::output)?;
+    Ok(String::from_utf8_lossy(&page).into_owned())
 }
 
 /// The burst that `synth` writes with these `arguments` (a chart or a scene and its options), with its mask.
@@ -190,5 +220,30 @@ mod tests {
             let error = made(line).expect_err(line);
             assert!(error.contains(words) && !error.contains("\\n"), "{error}");
         }
+    }
+
+    #[test]
+    fn every_command_has_a_page_that_names_its_commands_and_options() {
+        fn check(command: &clap::Command, words: &mut Vec<String>) -> usize {
+            let page = manual(words).unwrap_or_else(|failure| panic!("{words:?}: {failure:?}"));
+            let escaped = |text: &str| text.replace('-', "\\-");
+            let shown = command.get_arguments().filter(|arg| !arg.is_hide_set());
+            let mut options = 0;
+            for long in shown.filter_map(clap::Arg::get_long) {
+                let option = format!("\\fB{}\\fR", escaped(&format!("--{long}")));
+                assert!(page.contains(&option), "{words:?}: --{long}");
+                options += 1;
+            }
+            for inner in command.get_subcommands() {
+                words.push(inner.get_name().to_owned());
+                assert!(page.contains(&escaped(&format!("burstscope-{}(1)", words.join("-")))), "{words:?}");
+                options += check(inner, words);
+                words.pop();
+            }
+            options
+        }
+        assert!(check(&Cli::command(), &mut Vec::new()) > 300);
+        let error = manual(&["evaluate".to_owned(), "charts".to_owned()]).expect_err("a wrong word");
+        assert!(format!("{error:?}").contains("'evaluate charts'"), "{error:?}");
     }
 }

@@ -162,5 +162,6 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         #[cfg(feature = "app")]
         Some(Command::Render(args)) => render::run(args),
         Some(Command::Completions(args)) => commands::run(args),
+        Some(Command::Man(args)) => commands::run_man(args),
     }
 }

@@ -1,4 +1,4 @@
-//! `--lesson` and `completions`.
+//! `--lesson`, `completions` and `man`.
 
 use super::support::{names, run_badly, run_well};
 
@@ -38,4 +38,19 @@ fn shells_get_their_completions() {
         }
     }
     run_badly(home.path(), &["completions", "dos"], 2);
+}
+
+#[test]
+fn the_program_and_its_commands_have_manual_pages() {
+    let home = tempfile::tempdir().expect("a folder");
+    let title = |arguments: &[&str]| {
+        let page = run_well(home.path(), arguments);
+        page.lines().find(|line| line.starts_with(".TH")).map(str::to_owned).unwrap_or_else(|| panic!("{page}"))
+    };
+    for (arguments, name) in
+        [(&["man"][..], "burstscope"), (&["man", "evaluate", "chart"], "burstscope-evaluate-chart")]
+    {
+        assert!(title(arguments).starts_with(&format!(".TH {name} 1 ")), "{}", title(arguments));
+    }
+    assert!(run_badly(home.path(), &["man", "dog"], 2).contains("no command 'dog'"));
 }

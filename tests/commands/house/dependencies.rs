@@ -53,7 +53,7 @@ fn the_library_holds_no_window_and_no_command_line() {
         "x11rb",
         "zbus",
     ];
-    let commands = ["anyhow", "clap", "clap_builder", "clap_complete", "indicatif", "signal_hook"];
+    let commands = ["anyhow", "clap", "clap_builder", "clap_complete", "clap_mangen", "indicatif", "signal_hook"];
     let database = ["rusqlite", "libsqlite3_sys"];
     let has = |tree: &BTreeSet<String>, names: &[&str]| names.iter().any(|name| tree.contains(*name));
 
