@@ -72,7 +72,8 @@ def command(*arguments: str | os.PathLike[str], **keywords: Any) -> Any:
         hint = f"did you mean {close[0]}?" if close else f"there are {', '.join(COMMANDS)}"
         raise ValueError(f"command: there is no {words[0]!r}; {hint}" if words else f"command: none is given; {hint}")
     line = [sys.executable, "-m", "burstscope", *words, *options(keywords), "--json"]
-    environment = {**os.environ, "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
+    # What the keywords say is all: the user's defaults are for commands that are typed.
+    environment = {**os.environ, "BURSTSCOPE_DEFAULTS": "", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
     try:
         output, errors = process.communicate()

@@ -31,7 +31,7 @@ pub(crate) fn search_params(file: Option<&Path>, given: &Given) -> PyResult<Sear
 pub(crate) fn match_params(camera: Option<&str>, given: &Given) -> PyResult<MatchParams> {
     let camera = camera.map(parse_camera).transpose().map_err(|e| PyValueError::new_err(format!("camera: {e}")))?;
     let given = records(&matching_doc::ALL, given)?;
-    MatchParams::of_texts("", camera, given).map_err(|error| raised(&Failure::from(error)))
+    MatchParams::of_texts(Default::default(), camera, given).map_err(|error| raised(&Failure::from(error)))
 }
 
 fn records<'a, P>(records: &[Param<P>], given: &'a Given) -> PyResult<Vec<(Param<P>, &'a str)>> {

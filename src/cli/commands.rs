@@ -7,6 +7,7 @@ use super::case::CaseArgs;
 #[cfg(feature = "colmap")]
 use super::colmap::ColmapArgs;
 use super::decoys::DecoysArgs;
+use super::defaults::PLACE;
 use super::evaluate_args::EvaluateArgs;
 use super::failure::{Failure, print};
 use super::figures::FiguresArgs;
@@ -42,7 +43,7 @@ static VERSION: LazyLock<String> = LazyLock::new(|| {
 #[command(
     version = VERSION.as_str(),
     args_conflicts_with_subcommands = true,
-    after_long_help = "Examples:\n  burstscope                                       open the window on the demo burst\n  \
+    after_long_help = format!("Examples:\n  burstscope                                       open the window on the demo burst\n  \
         burstscope night/                                open the window on a folder of frames\n  \
         burstscope night/ later/                         two bursts side by side, with their matches\n  \
         burstscope nights/                               a folder of bursts: a dataset\n  \
@@ -56,7 +57,9 @@ static VERSION: LazyLock<String> = LazyLock::new(|| {
         burstscope report night/ --out night.pdf         all of that on one page\n  \
         burstscope match night/a night/b --out matched      two bursts, their matches, and a picture of them\n  \
         burstscope figures --out paper                   every figure of the paper, remade\n\n\
-        Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted."
+        Commands that search read your own defaults from {PLACE},\n\
+        a parameter file that comes before --params. BURSTSCOPE_DEFAULTS names another one; if it is empty there is none.\n\n\
+        Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.")
 )]
 pub struct Cli {
     /// What to open in the window: a folder of frames, image files, a multi-page TIFF, a .npy stack, or 'demo'; two of

@@ -101,8 +101,8 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
     }
     let has_gold = args.gold.is_some() || args.snr.is_some();
-    let methods = methods(args, has_gold)?;
-    let StudySearch { detector, slopes, direction_deg } = searched_by(&args.run.search, &methods)?;
+    let StudySearch { detector, slopes, direction_deg } = searched_by(&args.run.search, &args.methods)?;
+    let methods = methods(args, has_gold, slopes.is_none());
     let (slopes_1d, slopes_2d) = slopes_of(slopes.unwrap_or(detector.slopes));
     let study = MatchStudy {
         methods,
@@ -162,16 +162,15 @@ fn parse_method(text: &str) -> Result<BurstMethod, String> {
     }
 }
 
-fn methods(args: &MatchesArgs, has_gold: bool) -> Result<Vec<BurstMethod>, Failure> {
+fn methods(args: &MatchesArgs, has_gold: bool, finds_slopes: bool) -> Vec<BurstMethod> {
     if !args.methods.is_empty() {
-        return Ok(once_each(&args.methods));
+        return once_each(&args.methods);
     }
     use BurstMethod::{Buff1d, Buff2d, BuffAuto, SiftFrame, SiftMerge};
     // Given ranges are for BuFF 1D and 2D; without a range each burst's own slopes are found.
-    let finds_slopes = args.run.search.params()?.slopes.is_auto();
     let buff: &[BurstMethod] = if finds_slopes { &[BuffAuto] } else { &[Buff1d, Buff2d] };
     let gold = has_gold.then_some(&BurstMethod::Gold);
-    Ok(gold.into_iter().chain(&[SiftFrame, SiftMerge]).chain(buff).copied().collect())
+    gold.into_iter().chain(&[SiftFrame, SiftMerge]).chain(buff).copied().collect()
 }
 
 /// Sharp images of the bursts, where `--gold` names them: cut as the bursts are, or one for each burst.

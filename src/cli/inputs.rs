@@ -3,6 +3,7 @@
 //! Each folder is resolved on its own, so that an unreadable one does not stop the others. Files are resolved together:
 //! several pictures are the frames of one burst.
 
+use super::defaults::defaults_file;
 use super::{BurstSearchArgs, Console, Failure, OverwriteArgs, SequenceArgs};
 use crate::burst::{
     Burst, BurstFiles, Entries, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries, name_among_several,
@@ -204,7 +205,7 @@ pub(super) fn opened(inputs: &[Input], calibration: &OpenOptions, settings: &[Op
     let bursts = inputs.iter().filter_map(|input| input.source.as_ref().ok()).flat_map(BurstSource::files);
     let frames = calibration.paths().into_iter().flat_map(|path| BurstSource::Paths(vec![path]).files());
     let settings = settings.iter().flatten().map(|path| (*path).clone());
-    OpenedFiles::of(bursts.chain(frames).chain(settings))
+    OpenedFiles::of(bursts.chain(frames).chain(settings).chain(defaults_file()))
 }
 
 /// A command on one burst, before a pixel is read.

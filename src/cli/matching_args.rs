@@ -67,7 +67,7 @@ impl MatchingArgs {
     /// Parameters, checked: these over those of `file`. With a camera and no geometry, matches are verified by the
     /// essential matrix.
     pub fn params(&self, file: &ParamsFileArg) -> Result<MatchParams, Failure> {
-        Ok(MatchParams::of_texts(&file.text()?, self.camera.clone(), self.given.iter())?)
+        Ok(MatchParams::of_texts(file.matching()?, self.camera.clone(), self.given.iter())?)
     }
 }
 

@@ -19,7 +19,7 @@ use std::path::{Path, PathBuf};
 use std::time::Duration;
 
 pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
-    let params = args.search.params()?;
+    let params = args.search.params_of_window()?;
     let console = Console::new(&args.output)?;
     let calibration = args.calibration.clone();
     let sets = params != SearchParams::default() || calibration != OpenOptions::default();

@@ -1,13 +1,16 @@
 //! Search options, shared by the commands: raw arguments and the parameters checked from them.
 //!
-//! Names and help texts are those of [`crate::detector::params::doc`]. A parameter file is read first, then each given
-//! option overrides its value; the result is checked once.
+//! Names and help texts are those of [`crate::detector::params::doc`]. The user's defaults are read first, then a
+//! parameter file, whose values override them, as each given option does after that.
 
 use super::Failure;
+use super::defaults::defaults_file;
+use super::failure::complain;
 use crate::detector::SearchParams;
 use crate::detector::params::{AUTO, Field, Param, doc};
 use crate::export::case::{is_case, read_about};
 use crate::files::{MAX_SETTINGS_BYTES, explained, read_text};
+use crate::matching::MatchParams;
 use anyhow::Context;
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgMatches, Args, Command, FromArgMatches};
@@ -20,6 +23,9 @@ pub struct ParamsFileArg {
     /// of matching.
     #[arg(long, value_name = "FILE.toml")]
     pub params: Option<PathBuf>,
+    /// The user's defaults, which come before. The window has none.
+    #[arg(skip)]
+    defaults: Option<PathBuf>,
 }
 
 const HEADING: &str = "Search options";
@@ -54,7 +60,8 @@ impl Args for SearchArgs {
 
 impl FromArgMatches for SearchArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
-        Ok(Self { file: ParamsFileArg::from_arg_matches(matches)?, given: Given::among(&doc::ALL, matches) })
+        let file = ParamsFileArg { defaults: defaults_file(), ..ParamsFileArg::from_arg_matches(matches)? };
+        Ok(Self { file, given: Given::among(&doc::ALL, matches) })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -64,17 +71,30 @@ impl FromArgMatches for SearchArgs {
 }
 
 impl ParamsFileArg {
+    /// Parameters of the file of the option, without the user's defaults.
     pub fn read(&self) -> Result<SearchParams, Failure> {
-        self.read_or(SearchParams::default())
+        self.params.as_deref().map_or(Ok(SearchParams::default()), read_params)
     }
 
-    /// Text of the file; empty without one, and for a case, which has no options of matching.
-    pub fn text(&self) -> Result<String, Failure> {
-        self.params.as_deref().filter(|path| !is_case(path)).map_or(Ok(String::new()), text_of)
+    /// What the tables `[matching]` of the files name. A case has none.
+    pub fn matching(&self) -> Result<toml::Table, Failure> {
+        let mut table = toml::Table::new();
+        for path in self.files().filter(|path| !is_case(path)) {
+            let text = text_of(path)?;
+            table.extend(MatchParams::table_of(&text).map_err(|why| nonsense(path, &text, &why))?);
+        }
+        Ok(table)
     }
 
-    fn read_or(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
-        self.params.as_deref().map_or(Ok(defaults), read_params)
+    fn read_or(&self, built_in: SearchParams) -> Result<SearchParams, Failure> {
+        // What a parameter file leaves out is as everywhere, whichever command reads it.
+        let base = if self.params.is_some() { SearchParams::default() } else { built_in };
+        self.files().try_fold(base, |base, path| read_over(base, path))
+    }
+
+    /// Each over those before it.
+    fn files(&self) -> impl Iterator<Item = &PathBuf> {
+        self.defaults.iter().chain(&self.params)
     }
 }
 
@@ -84,27 +104,42 @@ fn text_of(path: &Path) -> Result<String, Failure> {
         .map_err(Failure::Failed)
 }
 
+fn nonsense(path: &Path, text: &str, why: &str) -> Failure {
+    let why = explained(text, why.trim_end());
+    Failure::usage(format!("the parameter file {} makes no sense: {why}", path.display()))
+}
+
 /// Parameters in the file at `path`; those of a case, if it is one.
 pub fn read_params(path: &Path) -> Result<SearchParams, Failure> {
+    read_over(SearchParams::default(), path)
+}
+
+fn read_over(base: SearchParams, path: &Path) -> Result<SearchParams, Failure> {
     if is_case(path) {
         return read_about(path).map(|case| case.search).map_err(|error| Failure::usage(error.to_string()));
     }
     let text = text_of(path)?;
-    SearchParams::from_toml(&text).map_err(|e| {
-        let why = explained(&text, e.trim_end());
-        Failure::usage(format!("the parameter file {} makes no sense: {why}", path.display()))
-    })
+    base.with_toml(&text).map_err(|why| nonsense(path, &text, &why))
 }
 
 impl SearchArgs {
-    /// The given options replace the values of the file: see [`SearchParams::with_texts`].
+    /// The given options replace the values of the files: see [`SearchParams::with_texts`].
     pub fn params(&self) -> Result<SearchParams, Failure> {
         self.params_over(SearchParams::default())
     }
 
     /// As [`Self::params`], for a command with other `defaults`; those of a parameter file are the usual ones.
     pub fn params_over(&self, defaults: SearchParams) -> Result<SearchParams, Failure> {
-        Ok(self.file.read_or(defaults)?.with_texts(self.given.iter())?)
+        let params = self.file.read_or(defaults)?.with_texts(self.given.iter())?;
+        if let Some(path) = &self.file.defaults {
+            complain(&format!("note: took defaults from {}", path.display()));
+        }
+        Ok(params)
+    }
+
+    /// As [`Self::params`] without the user's defaults, as in the window.
+    pub fn params_of_window(&self) -> Result<SearchParams, Failure> {
+        Ok(self.file.read()?.with_texts(self.given.iter())?)
     }
 
     pub fn gives(&self, record: &Param<SearchParams>) -> bool {

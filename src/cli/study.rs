@@ -23,9 +23,10 @@ pub(super) fn searched(search: &SearchArgs) -> Result<StudySearch, Failure> {
     checked_slopes(search, false, remedy)
 }
 
+/// As [`searched`], for `methods` of which one may find slopes; none stands for those that fit the options.
 pub(super) fn searched_by(search: &SearchArgs, methods: &[BurstMethod]) -> Result<StudySearch, Failure> {
     let remedy = "of the methods only buff-auto finds slopes; add it to --methods, or give a range with --slopes-u and --slopes-v";
-    checked_slopes(search, methods.contains(&BurstMethod::BuffAuto), remedy)
+    checked_slopes(search, methods.is_empty() || methods.contains(&BurstMethod::BuffAuto), remedy)
 }
 
 fn checked_slopes(search: &SearchArgs, may_find: bool, remedy: &str) -> Result<StudySearch, Failure> {

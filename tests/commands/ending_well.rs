@@ -44,7 +44,11 @@ fn a_full_or_closed_standard_error_stops_nothing() {
     assert_eq!(names(&home.path().join("found")), ["a.csv", "c.csv"]);
     let line = format!("exec \"$0\" {} 2>&-", arguments.join(" ").replace("found", "closed"));
     let mut shell = Command::new("sh");
-    shell.current_dir(home.path()).args(["-c", &line, env!("CARGO_BIN_EXE_burstscope")]).stdout(Stdio::null());
+    shell
+        .current_dir(home.path())
+        .env("BURSTSCOPE_DEFAULTS", "")
+        .args(["-c", &line, env!("CARGO_BIN_EXE_burstscope")])
+        .stdout(Stdio::null());
     assert_eq!(shell.status().expect("a shell").code(), Some(1));
     assert_eq!(names(&home.path().join("closed")), ["a.csv", "c.csv"]);
     // Wrong use, and inputs that cannot be opened, too.
@@ -345,7 +349,12 @@ fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
     }
     let limited = |blocks: u32, arguments: &str| {
         let script = format!("ulimit -f {blocks}; exec '{}' {arguments}", env!("CARGO_BIN_EXE_burstscope"));
-        let output = Command::new("sh").current_dir(home.path()).args(["-c", &script]).output().expect("it runs");
+        let output = Command::new("sh")
+            .current_dir(home.path())
+            .env("BURSTSCOPE_DEFAULTS", "")
+            .args(["-c", &script])
+            .output()
+            .expect("it runs");
         assert_eq!((output.status.code(), output.status.signal()), (Some(1), None), "{arguments}: {}", stderr(&output));
         stderr(&output)
     };
@@ -413,7 +422,7 @@ fn memory_that_is_refused_is_said() {
         let output = std::process::Command::new("sh")
             .args(["-c", &script])
             .current_dir(home.path())
-            .env("RAYON_NUM_THREADS", "2")
+            .envs([("RAYON_NUM_THREADS", "2"), ("BURSTSCOPE_DEFAULTS", "")])
             .output()
             .expect("it runs");
         let words = super::support::stderr(&output);

@@ -151,7 +151,12 @@ fn where_a_closed_terminal_is_to_be_ignored_it_is() {
     let script =
         format!("trap '' HUP; exec '{program}' detect a --slopes-u -3:3:21 --slopes-v -3:3:9 --threads 1 --out out");
     let mut child = Command::new("sh");
-    child.current_dir(home.path()).args(["-c", &script]).stdout(Stdio::null()).stderr(Stdio::null());
+    child
+        .current_dir(home.path())
+        .env("BURSTSCOPE_DEFAULTS", "")
+        .args(["-c", &script])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     let mut child = child.spawn().expect("the program starts");
     for _ in 0..3 {
         std::thread::sleep(Duration::from_millis(200));

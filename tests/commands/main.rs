@@ -29,6 +29,7 @@ mod measuring;
 mod memory;
 #[cfg(unix)]
 mod overwriting;
+mod own_defaults;
 #[cfg(feature = "colmap")]
 mod pairs;
 mod real;

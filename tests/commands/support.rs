@@ -8,10 +8,10 @@ use std::time::Duration;
 /// Timeout of a process, for tests of hanging.
 const GUARD: Duration = Duration::from_secs(120);
 
-/// Command that runs the program with `arguments`, in the folder `home`, without a display.
+/// Command that runs the program with `arguments`, in the folder `home`, without a display and the user's defaults.
 pub fn program(home: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_burstscope"));
-    command.current_dir(home).args(arguments);
+    command.current_dir(home).args(arguments).env("BURSTSCOPE_DEFAULTS", "");
     for name in ["DISPLAY", "WAYLAND_DISPLAY", "WAYLAND_SOCKET"] {
         command.env_remove(name);
     }

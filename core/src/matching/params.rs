@@ -5,6 +5,8 @@ use crate::detector::params::{Param, TextValue, words};
 use crate::error::{Error, Result};
 use crate::files::without_table;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
+use toml::Table;
 
 /// Geometry of the two views against which the matches are verified.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -88,32 +90,32 @@ impl MatchParams {
         self.align && self.geometry != Geometry::None
     }
 
-    /// Checked parameters: those of the table `[matching]` in the text of a parameter `file`, under the `given` values as
-    /// typed. A `camera` without a geometry means the essential matrix.
+    /// What the table `[matching]` in the text of a parameter file names; nothing without one.
     ///
     /// # Errors
-    /// A table or a value that cannot be read, or the first parameter that makes no sense.
+    /// TOML's error with its place, also of an unknown name.
+    pub fn table_of(text: &str) -> Result<Table, String> {
+        let [_, text] = without_table(text, "matching");
+        let told = |e: toml::de::Error| e.to_string();
+        // Errors of the text have a place, those of a table have none.
+        let _: BTreeMap<String, Self> = toml::from_str(&text).map_err(told)?;
+        let table = text.parse::<Table>().map_err(told)?.remove("matching");
+        Ok(table.and_then(|table| table.try_into().ok()).unwrap_or_default())
+    }
+
+    /// Checked parameters: those of a [table](Self::table_of), under the `given` values as typed. A `camera` without a
+    /// geometry means the essential matrix.
+    ///
+    /// # Errors
+    /// A value that cannot be read, or the first parameter that makes no sense.
     pub fn of_texts<'a>(
-        file: &str,
+        table: Table,
         camera: Option<Camera>,
         given: impl IntoIterator<Item = (Param<Self>, &'a str)>,
     ) -> Result<Self> {
-        #[derive(Default, Deserialize)]
-        #[serde(default)]
-        struct Tables {
-            matching: MatchParams,
-        }
-        let [_, text] = without_table(file, "matching");
-        let wrong = |e: toml::de::Error| {
-            Error::param(
-                "matching",
-                e.to_string().trim_end(),
-                "name options of matching as on the command line, with _ for -",
-            )
-        };
-        let Tables { matching: mut params } = toml::from_str(&text).map_err(wrong)?;
-        let table = text.parse::<toml::Table>().map_err(wrong)?;
-        let names_geometry = table.get("matching").is_some_and(|matching| matching.get("geometry").is_some());
+        let names_geometry = table.contains_key(doc::GEOMETRY.name);
+        let wrong = |e: toml::de::Error| Error::param("matching", e.to_string().trim_end(), "give what options take");
+        let mut params: Self = table.try_into().map_err(wrong)?;
         params.camera = camera.or(params.camera);
         if params.camera.is_some() && !names_geometry {
             params.geometry = Geometry::Essential;

@@ -77,3 +77,49 @@ fn a_direction_alone_says_on_which_line_slopes_are_found() {
     let slopes = params(&["--slopes-v", "-2:2:5"]).expect("valid").at_given().slopes;
     assert_eq!((slopes.u, slopes.v.count), (SlopeAxis::ZERO, 5));
 }
+
+#[test]
+fn options_come_before_their_file_before_the_users_defaults_before_what_is_built_in() {
+    let home = tempfile::tempdir().expect("a folder");
+    let written = |name: &str, text: &str| {
+        let path = home.path().join(name);
+        std::fs::write(&path, text).expect("written");
+        Some(path)
+    };
+    let defaults = written("defaults.toml", "levels = 4\nmax_features = 70\nedge_threshold = 8.0\n");
+    let file = written("mine.toml", "levels = 5\nmax_features = 80\n");
+    let search = |params, more: &[&str]| {
+        let only = Only::try_parse_from([&["x"], more].concat()).expect("options");
+        SearchArgs { file: ParamsFileArg { params, defaults: defaults.clone() }, ..only.search }
+    };
+    let built_in = SearchParams { levels: 2, octaves: 2, ..SearchParams::default() };
+    let read = |params, more: &[&str]| search(params, more).params_over(built_in.clone()).expect("valid");
+    let own = SearchParams { levels: 4, max_features: 70, edge_threshold: 8.0, ..built_in.clone() };
+    assert_eq!(read(None, &[]), own);
+    assert_eq!(read(None, &["--levels", "6"]), SearchParams { levels: 6, ..own.clone() });
+    // A file replaces what this command alone has built in, too.
+    let of_file = SearchParams { levels: 5, max_features: 80, octaves: SearchParams::default().octaves, ..own.clone() };
+    assert_eq!(read(file.clone(), &[]), of_file);
+    assert_eq!(read(file.clone(), &["--max-features", "90"]), SearchParams { max_features: 90, ..of_file });
+    let of_window = search(file, &[]).params_of_window().expect("valid");
+    assert_eq!(of_window, SearchParams { levels: 5, max_features: 80, ..SearchParams::default() });
+    // Rules bring what goes with them, as on the command line, and leave what does not.
+    let rules = read(written("rules.toml", "rules = \"vlfeat\"\nlevels = 6\n"), &[]);
+    let expected = SearchParams { max_features: 70, ..SearchParams::default() }.under(crate::detector::Rules::VLFEAT);
+    assert_eq!(rules, SearchParams { levels: 6, ..expected });
+}
+
+#[test]
+fn tables_of_matching_are_laid_over_one_another() {
+    let home = tempfile::tempdir().expect("a folder");
+    let [defaults, params] = [("d.toml", "ratio = 0.6\nseed = 7"), ("p.toml", "ratio = 0.7\nmutual = false")]
+        .map(|(name, table)| (home.path().join(name), format!("levels = 4\n[matching]\n{table}\n")))
+        .map(|(path, text)| std::fs::write(&path, text).map(|()| Some(path)).expect("written"));
+    let read = |file: &ParamsFileArg| {
+        let table = file.matching().expect("a table");
+        MatchParams::of_texts(table, None, []).expect("valid")
+    };
+    let own = MatchParams { ratio: 0.6, seed: 7, ..MatchParams::default() };
+    assert_eq!(read(&ParamsFileArg { params: None, defaults: defaults.clone() }), own);
+    assert_eq!(read(&ParamsFileArg { params, defaults }), MatchParams { ratio: 0.7, mutual: false, ..own });
+}

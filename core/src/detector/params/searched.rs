@@ -62,11 +62,20 @@ impl SearchParams {
     /// # Errors
     /// TOML's error with its place, or the first parameter that makes no sense.
     pub fn from_toml(text: &str) -> Result<Self, String> {
+        Self::default().with_toml(text)
+    }
+
+    /// These parameters with those that a parameter file names in place of their own. Rules that it names come with the
+    /// [parameters that go with them](DetectorParams::under).
+    ///
+    /// # Errors
+    /// As [`Self::from_toml`].
+    pub fn with_toml(self, text: &str) -> Result<Self, String> {
         // The commands that match read the table of their options.
         let [text, _] = without_table(text, "matching");
         let _: Self = toml::from_str(&text).map_err(|e| e.to_string())?;
         // Errors of the text have a place, those of a table have none.
-        let params = Self::of_table(text.parse().map_err(|e: toml::de::Error| e.to_string())?)?;
+        let params = self.with_table(text.parse().map_err(|e: toml::de::Error| e.to_string())?)?;
         params.validate().map_err(|e| e.to_string())?;
         Ok(params)
     }
@@ -76,8 +85,12 @@ impl SearchParams {
     /// # Errors
     /// The first value that cannot be read.
     pub fn of_table(table: Table) -> Result<Self, String> {
+        Self::default().with_table(table)
+    }
+
+    fn with_table(self, table: Table) -> Result<Self, String> {
         let given: Self = table.clone().try_into().map_err(|e: toml::de::Error| e.to_string())?;
-        let base = Self::default().under(given.rules);
+        let base = if table.contains_key(doc::RULES.name) { self.under(given.rules) } else { self };
         let mut whole = Table::try_from(&base).expect("parameters are plain values, which TOML can always hold");
         whole.extend(table);
         whole.try_into().map_err(|e: toml::de::Error| e.to_string())
