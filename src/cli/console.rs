@@ -3,17 +3,20 @@
 use super::failure::{complain, print, print_json, printable};
 use super::{Failure, OutputArgs, signals};
 use crate::detector::{REVISION, memory};
-use crate::monitor::Monitor;
+use crate::monitor::{Monitor, Progress};
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::IsTerminal;
-use std::time::Duration;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
 
 pub(super) struct Console {
     /// Carries progress to the bar, and Ctrl-C to the work.
     pub monitor: Monitor,
     bar: ProgressBar,
+    lines: Arc<Mutex<Lines>>,
+    began: Instant,
     output: OutputArgs,
 }
 
@@ -31,24 +34,29 @@ impl Console {
                 .map_err(Failure::Failed)?;
         }
         memory::set_budget(output.memory);
-        let visible = !output.quiet && std::io::stderr().is_terminal();
+        let is_terminal = std::io::stderr().is_terminal();
+        let visible = !output.quiet && is_terminal;
         let target = if visible { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
         let style = ProgressStyle::with_template("{prefix}{msg:22} {bar:30} {percent:>3} %")
             .expect("the template is a constant that parses");
         let bar = ProgressBar::with_draw_target(Some(STEPS), target).with_style(style);
-        let shown = bar.clone();
+        let (shown, lines, began) = (bar.clone(), Arc::new(Mutex::new(Lines::default())), Instant::now());
+        let printed = (!output.quiet && !is_terminal).then(|| lines.clone());
         let monitor = Monitor::with_listener(move |progress| {
             shown.set_message(progress.stage.to_string());
             shown.set_position((progress.fraction * STEPS as f32) as u64);
+            let line = printed.as_ref().and_then(|lines| locked(lines).due(began.elapsed(), progress));
+            line.into_iter().for_each(|line| complain(&line));
         });
         let cancelled = monitor.clone();
         signals::on_end(move || cancelled.cancel())?;
-        Ok(Self { monitor, bar, output: *output })
+        Ok(Self { monitor, bar, lines, began, output: *output })
     }
 
     pub fn begin(&self, prefix: String) {
         self.bar.set_prefix(printable(&prefix).into_owned());
         self.bar.set_position(0);
+        locked(&self.lines).begin(self.began.elapsed(), prefix);
     }
 
     pub fn show_time_left(&self) {
@@ -61,7 +69,8 @@ impl Console {
 
     /// Names the present piece of work in front of the bar; the bar goes on.
     pub fn go_on(&self, prefix: String) {
-        self.bar.set_prefix(prefix);
+        self.bar.set_prefix(prefix.clone());
+        locked(&self.lines).prefix = prefix;
     }
 
     /// Prints text for people, unless JSON or quiet was asked for.
@@ -116,5 +125,79 @@ impl Console {
 impl Drop for Console {
     fn drop(&mut self) {
         self.finish();
+    }
+}
+
+/// Lines in place of the bar, for a standard error that is no terminal. Times are from the start of the command.
+#[derive(Debug, Default)]
+struct Lines {
+    /// Name of the present piece of work, and when it began.
+    prefix: String,
+    began: Duration,
+    printed: Duration,
+}
+
+/// So long no line is printed, at first and after each.
+const SILENCE: Duration = Duration::from_secs(60);
+/// Fraction of a piece of work from which on the time that is left follows from the time that it took.
+const KNOWN: f32 = 0.01;
+
+impl Lines {
+    fn begin(&mut self, now: Duration, prefix: String) {
+        (self.prefix, self.began) = (prefix, now);
+    }
+
+    /// The line that is printed `now`, if any.
+    fn due(&mut self, now: Duration, Progress { stage, fraction }: Progress) -> Option<String> {
+        // Threads report in any order.
+        if now.saturating_sub(self.printed) < SILENCE {
+            return None;
+        }
+        self.printed = now;
+        let took = now.saturating_sub(self.began).as_secs_f32();
+        let minutes = (took * (1.0 - fraction) / fraction.max(KNOWN) / 60.0).ceil().max(1.0);
+        let left = match minutes {
+            _ if fraction < KNOWN => String::new(),
+            ..120.0 => format!(", {minutes} min left"),
+            _ => format!(", {:.0} h left", minutes / 60.0),
+        };
+        Some(format!("{}{stage}, {:.0} %{left}", self.prefix, 100.0 * fraction))
+    }
+}
+
+fn locked(lines: &Mutex<Lines>) -> MutexGuard<'_, Lines> {
+    // A line is whole whatever became of another thread.
+    lines.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::monitor::Stage;
+
+    #[test]
+    fn a_line_comes_after_a_minute_and_then_one_a_minute() {
+        let mut lines = Lines::default();
+        let mut due = |seconds: f32, fraction| {
+            lines.due(Duration::from_secs_f32(seconds), Progress { stage: Stage::Noise, fraction })
+        };
+        let times = [0.0, 1.0, 59.5, 60.0, 60.5, 119.5, 125.0, 124.0, 180.0, 184.5, 185.0];
+        let printed: Vec<f32> = times.into_iter().filter(|time| due(*time, 0.5).is_some()).collect();
+        assert_eq!(printed, [60.0, 125.0, 185.0]);
+    }
+
+    #[test]
+    fn a_line_says_what_is_done_and_how_long_the_rest_takes_at_this_pace() {
+        let said = |began: u64, now: u64, fraction| {
+            let mut lines = Lines::default();
+            lines.begin(Duration::from_secs(began), "[3/12] night: ".to_owned());
+            let progress = Progress { stage: Stage::Search { octave: 1 }, fraction };
+            lines.due(Duration::from_secs(now), progress).expect("it is due")
+        };
+        assert_eq!(said(40, 100, 0.25), "[3/12] night: Searching octave 1, 25 %, 3 min left");
+        assert_eq!(said(0, 60, 0.999), "[3/12] night: Searching octave 1, 100 %, 1 min left");
+        assert_eq!(said(0, 3600, 0.2), "[3/12] night: Searching octave 1, 20 %, 4 h left");
+        // Of a piece that has just begun nothing is known.
+        assert_eq!(said(100, 100, 0.0), "[3/12] night: Searching octave 1, 0 %");
     }
 }
