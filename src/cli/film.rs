@@ -3,7 +3,7 @@
 use super::args::parse_slope;
 use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs};
 use crate::detect::search;
-use crate::detector::{Method, SearchParams, Slope};
+use crate::detector::{Method, Slope};
 use crate::export::film::{estimated_film_bytes, film_files, is_film};
 use crate::export::rasterise;
 use crate::files::path_text;
@@ -57,15 +57,21 @@ Examples:
 JSON (--json): {\"version\", \"detector_revision\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\", \"bytes\"}";
 
 pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
-    let params = args.run.search.params()?;
+    let mut params = args.run.search.params()?;
     if !is_film(&args.out) {
         return Err(Failure::usage(format!(
             "--out: films are GIF, or a PNG file for each picture; name the file .gif or .png: {}",
             args.out.display()
         )));
     }
+    if !args.no_features {
+        // Marks of a film have slopes, whichever method the options name.
+        params.method = Method::Buff;
+    }
+    // The names of a series are known once its pictures are counted, which needs the burst.
+    let named = film_files(&args.out, 0);
     let OneBurst { console, input, options, rules } =
-        args.run.begin("film", &args.inputs, args.overwrite, &[Some(&args.out)])?;
+        args.run.begin("film", &args.inputs, args.overwrite, &[named.first()])?;
     let burst = input.open(&options, &console.monitor.part(0.0, 0.1))?;
     params.at_given().validate_for(&burst.positions, burst.size())?;
     let source = BurstSource::Paths(input.paths().to_vec());
@@ -77,14 +83,16 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         detection: None,
         max_side_px: args.max_side as usize,
     };
-    // Marks of a film have slopes, whichever method the options name.
+    let count = film.steps().len();
+    let files = film_files(&args.out, count);
+    // Asked again when the pictures are made, because somebody may have written there meanwhile.
+    let may_write = || files.iter().try_for_each(|file| rules.check(file));
+    may_write()?;
     if !args.no_features {
-        let params = SearchParams { method: Method::Buff, ..params };
         let searched = search(&film.burst.burst, &params, &console.monitor.part(0.1, 0.3))?;
         (film.params, film.detection) = (searched.params, Some(Arc::new(searched.detection)));
     }
     let features = film.detection.as_ref().map_or(0, |detection| detection.features.len());
-    let count = film.steps().len();
     // Two pictures come first, because the size of the file is reported before the long work.
     let [first, middle] = film.samples(&rasterise, &console.monitor.part(0.4, 0.1))?;
     let (width, height) = first.dimensions();
@@ -95,10 +103,6 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         args.rate,
         megabytes(estimated)
     ))?;
-    let files = film_files(&args.out, count);
-    // Asked again when the pictures are made, because somebody may have written there meanwhile.
-    let may_write = || files.iter().try_for_each(|file| rules.check(file));
-    may_write()?;
     film.write(&args.out, args.rate, &rasterise, &may_write, &console.monitor.part(0.5, 0.5))?;
     let bytes = files.iter().filter_map(|file| Some(std::fs::metadata(file).ok()?.len())).sum();
     let names = match &files[..] {

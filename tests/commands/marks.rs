@@ -192,6 +192,18 @@ fn files_that_speak_of_the_program_are_not_its_own() {
 }
 
 #[test]
+fn a_series_of_pictures_leaves_the_file_whose_name_it_goes_by_alone() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), "a");
+    put(home.path(), &[("y.png", "a picture of somebody")]);
+    let film = ["film", "a", "--sweep", "frames", "--no-features", "--out", "y.png"];
+    run_well(home.path(), &[&film[..], &["--force"]].concat());
+    run_well(home.path(), &film);
+    assert!(home.path().join("y-000.png").is_file());
+    assert_eq!(fs::read(home.path().join("y.png")).expect("there"), b"a picture of somebody");
+}
+
+#[test]
 fn the_file_of_a_camera_is_not_written_over() {
     let home = tempfile::tempdir().expect("a folder");
     for name in ["a", "b"] {
