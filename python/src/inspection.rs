@@ -4,13 +4,12 @@ use crate::burst::RawBurst;
 use crate::parameters::{Given, search_params};
 use crate::work::run;
 use burstscope::Burst;
-use burstscope::cli::Failure;
+use burstscope::cli::{Failure, probe_document, slopes_document};
 use burstscope::inspect::ProbeCache;
 use burstscope::inspect::place::{ProbeOptions, ProbeSubject, check_place, price, probe};
 use burstscope::inspect::report::{probe_figure, probe_text, spectrum_figure, spectrum_text};
 use burstscope::inspect::slopes::spectrum;
 use pyo3::prelude::*;
-use serde_json::json;
 use std::path::PathBuf;
 
 /// A search with all that questions about it need.
@@ -23,19 +22,19 @@ pub(crate) struct RawInspection {
 /// An answer as numbers (JSON), as text and as a figure (SVG).
 type Answer = (String, String, String);
 
+fn unwritten(error: serde_json::Error) -> Failure {
+    Failure::Failed(error.into())
+}
+
 #[pymethods]
 impl RawInspection {
     /// The spectrum of the slopes.
     fn slopes(&self, py: Python<'_>, progress: Option<Py<PyAny>>) -> PyResult<Answer> {
         run(py, progress, |monitor| {
             let answer = spectrum(&self.cache, monitor)?;
-            let document = json!({
-                "params": self.cache.asked,
-                "most_features_at": answer.most_features(),
-                "spectrum": answer,
-            });
+            let document = serde_json::to_string(&slopes_document(&self.cache, &answer)).map_err(unwritten)?;
             let name = &self.burst.name;
-            Ok((document.to_string(), spectrum_text(&answer, name), spectrum_figure(&answer, name).drawing.svg()))
+            Ok((document, spectrum_text(&answer, name), spectrum_figure(&answer, name).drawing.svg()))
         })
     }
 
@@ -61,23 +60,16 @@ impl RawInspection {
                 Some((sample, change)) => Some(price(&self.cache, &self.burst, change, Some(sample), monitor)?),
                 None => None,
             };
-            let document = json!({
-                "params": self.cache.asked,
-                "slope_grid": self.cache.params().used_slopes(),
-                "noise_gate_factor": self.cache.detection().noise_gate_factor,
-                "features": self.cache.detection().features.len(),
-                "probe": answer,
-                "price": price,
-            });
+            let document = serde_json::to_string(&probe_document(&self.cache, &answer, price)).map_err(unwritten)?;
             let name = &self.burst.name;
-            Ok((document.to_string(), probe_text(&answer, name), probe_figure(&answer, name).drawing.svg()))
+            Ok((document, probe_text(&answer, name), probe_figure(&answer, name).drawing.svg()))
         })
     }
 
     /// The noise model of the search, as `detect --json` has it.
     fn noise(&self) -> PyResult<String> {
         let noise = &self.cache.detection().noise;
-        serde_json::to_string(&**noise).map_err(|error| crate::failure::raised(&Failure::Failed(error.into())))
+        serde_json::to_string(&**noise).map_err(|error| crate::failure::raised(&unwritten(error)))
     }
 }
 

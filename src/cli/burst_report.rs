@@ -3,7 +3,7 @@
 use super::probe::parse_place;
 use super::{
     BurstSearchArgs, Console, Failure, INPUT_HELP, Input, OneBurst, OverwriteArgs, SequenceArgs, check_ending,
-    open_options, resolve_bursts,
+    document, open_options, resolve_bursts,
 };
 use crate::burst::Info;
 use crate::detector::SearchParams;
@@ -16,7 +16,6 @@ use crate::inspect::report::{BurstHealth, BurstPage, FlightRow, flight_page, fli
 use crate::inspect::result::DecoyStudy;
 use crate::requests::{page_drawing, window_line};
 use clap::Args;
-use serde_json::json;
 use std::path::PathBuf;
 
 /// Write a burst on one page: what it is, its slopes, noise, tests, how many features are false, and places. Of several
@@ -98,25 +97,15 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         Some(drawing) => write_drawing(&args.out, &drawing)?,
     }
     console.say(&format!("wrote {}\n", args.out.display()))?;
-    let detection = cache.detection();
-    console.say_document(
-        "report",
-        &json!({
-            "params": params,
-            "inputs": input.path_texts(),
-            "file": path_text(&args.out),
-            "info": page.info,
-            "notes": burst.notes().iter().map(|note| &note.text).collect::<Vec<_>>(),
-            "features": detection.features.len(),
-            "frame_noise": detection.frame_noise,
-            "noise_gate_factor": detection.noise_gate_factor,
-            "tally": detection.tally,
-            "spectrum": page.spectrum,
-            "decoys": page.decoys.as_ref().ok(),
-            "no_decoys": page.decoys.as_ref().err(),
-            "places": page.places,
-        }),
-    )
+    let (detection, notes) = (cache.detection(), burst.notes());
+    let document = document! {
+        params, inputs: input.path_texts(), file: path_text(&args.out), info: &page.info,
+        notes: notes.iter().map(|note| &note.text).collect::<Vec<_>>(), features: detection.features.len(),
+        frame_noise: detection.frame_noise, noise_gate_factor: detection.noise_gate_factor, tally: &detection.tally,
+        spectrum: &page.spectrum, decoys: page.decoys.as_ref().ok(), no_decoys: page.decoys.as_ref().err(),
+        places: &page.places,
+    };
+    console.say_document("report", &document)
 }
 
 fn run_flight(args: &ReportArgs, params: &SearchParams, inputs: &[Input]) -> Result<(), Failure> {
@@ -153,13 +142,12 @@ fn run_flight(args: &ReportArgs, params: &SearchParams, inputs: &[Input]) -> Res
     let worst = worst_bursts(&rows);
     let lines: String = worst.iter().map(|(row, why)| format!("{}: {why}\n", row.name)).collect();
     console.say(&format!("{lines}wrote {}\n", args.out.display()))?;
-    let burst = |FlightRow { name, open, health }: &FlightRow| json!({"name": name, "open": open, "health": health.as_ref().ok(), "error": health.as_ref().err()});
-    let document = json!({
-        "params": params,
-        "file": path_text(&args.out),
-        "bursts": rows.iter().map(burst).collect::<Vec<_>>(),
-        "worst": worst.iter().map(|(row, why)| json!({"name": row.name, "why": why})).collect::<Vec<_>>(),
+    let bursts = rows.iter().map(|FlightRow { name, open, health }| {
+        document! { name, open, health: health.as_ref().ok(), error: health.as_ref().err() }
     });
+    let bursts: Vec<_> = bursts.collect();
+    let worst: Vec<_> = worst.iter().map(|(row, why)| document! { name: &row.name, why }).collect();
+    let document = document! { params, file: path_text(&args.out), bursts, worst };
     console.say_document("report", &document)?;
     if rows.iter().all(|row| row.health.is_ok()) { Ok(()) } else { Err(Failure::Reported) }
 }

@@ -1,12 +1,11 @@
 //! `case` writes a burst, its settings and the question about it into one file.
 
 use super::probe::{check_inside, parse_place};
-use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, check_ending};
+use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, check_ending, document};
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::files::path_text;
 use crate::inspect::result::truth_of;
 use clap::Args;
-use serde_json::json;
 use std::path::PathBuf;
 
 /// Write a burst, its settings and what is asked of it into one file.
@@ -63,5 +62,5 @@ pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
     let (frames, [columns, rows], [u, v], megabytes) = (case.frames, case.size, case.corner, bytes as f64 * 1e-6);
     let part = format!("{frames} frames of {columns}×{rows} from ({u}, {v}), {megabytes:.1} MB");
     console.say(&format!("{part}\nwrote {}\n", args.out.display()))?;
-    console.say_document("case", &json!({ "file": path_text(&args.out), "case": case, "bytes": bytes }))
+    console.say_document("case", &document! { file: path_text(&args.out), case, bytes })
 }

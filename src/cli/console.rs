@@ -11,6 +11,32 @@ use std::io::IsTerminal;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
+/// A value with these fields, for [`Console::say_document`]. Each is written as its own type is: `json!` would make an
+/// `f32` an `f64`, which has digits that nobody measured.
+macro_rules! document {
+    ($($name:ident $(: $value:expr)?),+ $(,)?) => {{
+        // Each type has the name of its field.
+        #[allow(non_camel_case_types)]
+        mod of_fields {
+            #[derive(serde::Serialize)]
+            pub(super) struct Document<$($name),+> {
+                $(pub(super) $name: $name),+
+            }
+        }
+        of_fields::Document { $($name $(: $value)?),+ }
+    }};
+}
+pub(super) use document;
+
+/// The fields of two documents in one.
+#[derive(Serialize)]
+pub(super) struct Both<A, B> {
+    #[serde(flatten)]
+    pub one: A,
+    #[serde(flatten)]
+    pub other: B,
+}
+
 pub(super) struct Console {
     /// Carries progress to the bar, and Ctrl-C to the work.
     pub monitor: Monitor,
@@ -174,6 +200,13 @@ fn locked(lines: &Mutex<Lines>) -> MutexGuard<'_, Lines> {
 mod tests {
     use super::*;
     use crate::monitor::Stage;
+
+    #[test]
+    fn documents_have_the_digits_of_their_values() {
+        let document = document! { share: 0.1f32, inner: [Some(0.7f32), None], count: 3 };
+        let text = serde_json::to_string(&document).expect("JSON");
+        assert_eq!(text, r#"{"share":0.1,"inner":[0.7,null],"count":3}"#);
+    }
 
     #[test]
     fn a_line_comes_after_a_minute_and_then_one_a_minute() {

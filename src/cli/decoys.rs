@@ -1,11 +1,10 @@
 //! `decoys` reports how much of a search's features it finds as well when the frames are in other orders.
 
-use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs};
+use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, document};
 use crate::inspect::ProbeCache;
 use crate::inspect::report::decoys_text;
 use crate::inspect::result::{DecoyStudy, decoys};
 use clap::Args;
-use serde_json::json;
 use std::path::PathBuf;
 
 /// Estimate which part of the features is false, by searching copies whose frames are in other orders.
@@ -48,7 +47,10 @@ pub(super) fn run(args: &DecoysArgs) -> Result<(), Failure> {
     let report = decoys(&cache.trail, &args.study, &console.monitor.part(of_burst, 1.0 - of_burst))?;
     console.monitor.check()?;
     console.say(&decoys_text(&report, &input.name))?;
-    let document = json!({"params": params, "name": input.name, "inputs": input.path_texts(), "width": burst.size().0,
-        "height": burst.size().1, "slope_grid": cache.params().used_slopes(), "decoys": report});
+    let (width, height) = burst.size();
+    let document = document! {
+        params, name: &input.name, inputs: input.path_texts(), width, height,
+        slope_grid: cache.params().used_slopes(), decoys: report,
+    };
     console.say_document("decoys", &document)
 }

@@ -1,7 +1,7 @@
 //! `film` writes a sweep over slope, scale or frames as an animation.
 
 use super::args::parse_slope;
-use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs};
+use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, document};
 use crate::detect::search;
 use crate::detector::{Method, Slope};
 use crate::export::film::{estimated_film_bytes, film_files, is_film};
@@ -9,7 +9,6 @@ use crate::export::rasterise;
 use crate::files::path_text;
 use crate::requests::{BurstSource, Film, OpenBurst, Sweep};
 use clap::Args;
-use serde_json::json;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -104,13 +103,15 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
         megabytes(estimated)
     ))?;
     film.write(&args.out, args.rate, &rasterise, &may_write, &console.monitor.part(0.5, 0.5))?;
-    let bytes = files.iter().filter_map(|file| Some(std::fs::metadata(file).ok()?.len())).sum();
+    let bytes: u64 = files.iter().filter_map(|file| Some(std::fs::metadata(file).ok()?.len())).sum();
     let names = match &files[..] {
         [first, .., last] => format!("{} to {}", first.display(), last.display()),
         _ => files[0].display().to_string(),
     };
     console.say(&format!("wrote {names}, {}\n", megabytes(bytes)))?;
-    let document = json!({"file": path_text(&files[0]), "pictures": count, "width": width, "height": height,
-        "rate": args.rate, "features": features, "estimated_bytes": estimated, "bytes": bytes});
+    let document = document! {
+        file: path_text(&files[0]), pictures: count, width, height, rate: args.rate, features,
+        estimated_bytes: estimated, bytes,
+    };
     console.say_document("film", &document)
 }

@@ -47,6 +47,7 @@ mod window;
 
 pub use commands::synthetic_burst;
 pub use failure::Failure;
+pub use probe::{probe_document, slopes_document};
 pub use report::burst_document;
 
 use crate::burst::{DecodeWorker, serve_decoding};
@@ -56,7 +57,7 @@ use args::{BurstSearchArgs, INPUT_HELP, OutputArgs, OverwriteArgs, SequenceArgs}
 use charts_args::{ChartsArgs, ComparedArgs};
 use clap::{ArgMatches, CommandFactory, FromArgMatches};
 use commands::{Cli, Command};
-use console::Console;
+use console::{Both, Console, document};
 use inputs::{Input, OneBurst, check_ending, open_options, opened, resolve, resolve_bursts, resolve_one, resolve_pair};
 use matching_args::MatchingArgs;
 use search_options::SearchArgs;

@@ -3,17 +3,17 @@
 use super::args::two;
 use super::set_up::{SetUpArgs, depths, depths_text, say_slopes};
 use super::study::{FIGURE_FILE, figure_file};
-use super::{BurstSearchArgs, Console, Failure, INPUT_HELP, OneBurst, OverwriteArgs};
+use super::{Both, BurstSearchArgs, Console, Failure, INPUT_HELP, OneBurst, OverwriteArgs, document};
 use crate::burst::Positions;
 use crate::error::Error;
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
-use crate::inspect::place::{ProbeOptions, ProbeSubject, check_place, outside, price, probe};
+use crate::inspect::place::{Price, Probe, ProbeOptions, ProbeSubject, check_place, outside, price, probe};
 use crate::inspect::report::{probe_figure, probe_text, spectrum_figure, spectrum_text};
-use crate::inspect::slopes::spectrum;
+use crate::inspect::slopes::{Spectrum, spectrum};
 use crate::monitor::Stage;
 use clap::Args;
-use serde_json::json;
+use serde::Serialize;
 use std::path::PathBuf;
 
 pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
@@ -53,12 +53,21 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
         text += &format!("wrote {}\n", path.display());
     }
     console.say(&text)?;
+    let (width, height) = burst.size();
+    let other = document! {
+        name: &input.name, inputs: input.path_texts(), width, height, frames: burst.len(),
+        plot: args.plot.as_deref().map(path_text),
+    };
+    console.say_document("probe", &Both { one: probe_document(&cache, &answer, price), other })
+}
+
+/// What `probe --json` has of a search in memory.
+pub fn probe_document(cache: &ProbeCache, answer: &Probe, price: Option<Price>) -> impl Serialize {
     let detection = cache.detection();
-    let document = json!({"params": params, "name": input.name, "inputs": input.path_texts(), "width": burst.size().0,
-        "height": burst.size().1, "frames": burst.len(), "slope_grid": cache.params().used_slopes(),
-        "noise_gate_factor": detection.noise_gate_factor, "features": detection.features.len(),
-        "plot": args.plot.as_deref().map(path_text), "probe": answer, "price": price});
-    console.say_document("probe", &document)
+    document! {
+        params: &cache.asked, slope_grid: cache.params().used_slopes(),
+        noise_gate_factor: detection.noise_gate_factor, features: detection.features.len(), probe: answer, price,
+    }
 }
 
 const SEARCH_SHARE: f32 = 0.8;
@@ -103,10 +112,17 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
         text += &format!("wrote {}\n", path.display());
     }
     console.say(&text)?;
-    let document = json!({"params": params, "name": input.name, "inputs": input.path_texts(), "width": burst.size().0,
-        "height": burst.size().1, "most_features_at": answer.most_features(), "set_up": set_up,
-        "set_up_slopes": asked, "depths": depths, "plot": args.plot.as_deref().map(path_text), "spectrum": answer});
-    console.say_document("slopes", &document)
+    let (width, height) = burst.size();
+    let other = document! {
+        name: &input.name, inputs: input.path_texts(), width, height, set_up, set_up_slopes: asked, depths,
+        plot: args.plot.as_deref().map(path_text),
+    };
+    console.say_document("slopes", &Both { one: slopes_document(&cache, &answer), other })
+}
+
+/// What `slopes --json` has of a search in memory.
+pub fn slopes_document(cache: &ProbeCache, answer: &Spectrum) -> impl Serialize {
+    document! { params: &cache.asked, most_features_at: answer.most_features(), spectrum: answer }
 }
 
 /// Say which slopes a burst needs: its spectrum, what lies at the limit, and what to change.

@@ -2,7 +2,7 @@
 
 use super::args::parse_slope;
 use super::opening::{Opening, what_to_open};
-use super::{Console, Failure, INPUT_HELP, OutputArgs, OverwriteArgs, SearchArgs, SequenceArgs, resolve};
+use super::{Console, Failure, INPUT_HELP, OutputArgs, OverwriteArgs, SearchArgs, SequenceArgs, document, resolve};
 use crate::app::actions::registry::ActionId;
 use crate::app::document::cursor::ViewKind;
 use crate::app::document::journal::read_steps;
@@ -14,7 +14,6 @@ use crate::files::{MAX_SESSION_BYTES, path_text, read_text};
 use crate::plane::memory;
 use crate::synth::options::words;
 use clap::Args;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -58,7 +57,7 @@ pub(super) fn run(args: &RenderArgs) -> Result<(), Failure> {
     console.begin("Drawing the window: ".to_owned());
     drawn(&options, &args.out)?;
     console.say(&format!("wrote {}\n", args.out.display()))?;
-    console.say_document("render", &json!({ "file": path_text(&args.out) }))
+    console.say_document("render", &document! { file: path_text(&args.out) })
 }
 
 /// Draws the window into `file`. A panic of the graphics driver is returned as a failure.

@@ -2,14 +2,13 @@
 
 use super::args::two;
 use super::evaluate_tables::{or_dash, table};
-use super::{Console, Failure};
+use super::{Console, Failure, document};
 use crate::burst::Positions;
 use crate::detector::{DetectorParams, Slope};
 use crate::inspect::slopes::{SetUp, SetUpSlopes, Spectrum};
 use crate::inspect::words::{number, slope_text};
 use clap::Args;
 use serde::Serialize;
-use serde_json::json;
 
 /// The set-up of camera and scene.
 #[derive(Debug, Clone, Copy, Args)]
@@ -73,7 +72,7 @@ impl SetUpArgs {
 
 pub(super) fn say_slopes(console: &Console, set_up: &SetUp, slopes: &SetUpSlopes) -> Result<(), Failure> {
     console.say(&format!("{}\n  {}\n", slopes.sentence(set_up), slopes.options()))?;
-    console.say_document("slopes", &json!({"set_up": set_up, "slopes": slopes, "options": slopes.options()}))
+    console.say_document("slopes", &document! { set_up, slopes, options: slopes.options() })
 }
 
 pub(super) fn depths(set_up: &SetUp, spectrum: &Spectrum) -> Vec<SlopeDepth> {

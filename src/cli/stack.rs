@@ -1,7 +1,7 @@
 //! `stack` writes a motion stack, its DoG response, all in focus or the field as TIFF; `merge` the merged frames.
 
 use super::args::{MergeArgs, StackArgs};
-use super::{Console, Failure, OneBurst, check_ending, open_options, resolve_one};
+use super::{Both, Console, Failure, OneBurst, check_ending, document, open_options, resolve_one};
 use crate::SlopeGrid;
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
@@ -14,7 +14,7 @@ use crate::export::{OutputRules, write_field_npz, write_field_pfm, write_field_t
 use crate::files::path_text;
 use crate::monitor::Stage;
 use crate::plane::Plane;
-use serde_json::json;
+use serde::Serialize;
 
 pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     let Some(slope) = args.slope else { return run_field(args) };
@@ -32,7 +32,7 @@ pub(super) fn run(args: &StackArgs) -> Result<(), Failure> {
     };
     let what = if args.octave.is_some() { "DoG response" } else { "motion-stack image" };
     let what = format!("{what} at slope ({}, {})", slope.u, slope.v);
-    let more = json!({"slope": slope, "combine": args.combine, "octave": args.octave, "level": args.level});
+    let more = document! { slope, combine: args.combine, octave: args.octave, level: args.level };
     write_image(args, &console, &rules, &image, &what, more)
 }
 
@@ -50,7 +50,7 @@ fn run_field(args: &StackArgs) -> Result<(), Failure> {
     let no_field = || Failure::usage(format!("{}: {NO_FIELD}", burst.name));
     if !args.field {
         let image = in_focus_view(&burst, &params, &console.monitor)?.ok_or_else(no_field)?;
-        return write_image(args, &console, &rules, &image, "all in focus", json!({"in_focus": true}));
+        return write_image(args, &console, &rules, &image, "all in focus", document! { in_focus: true });
     }
     let field = field_view(&burst, &params, &console.monitor)?.ok_or_else(no_field)?;
     console.monitor.check()?;
@@ -72,8 +72,10 @@ fn run_field(args: &StackArgs) -> Result<(), Failure> {
         said += &format!("  {number:2}  ({u:+.2}, {v:+.2}) ± {spread:.2} px/frame  {:3.0} %{moves}\n", 100.0 * share);
     }
     console.say(&format!("{said}wrote {}\n", args.out.display()))?;
-    let document = json!({"file": path_text(&args.out), "cell_px": field.cell_px, "columns": field.size.0,
-        "rows": field.size.1, "known_share": share, "layers": field.layers});
+    let document = document! {
+        file: path_text(&args.out), cell_px: field.cell_px, columns: field.size.0, rows: field.size.1,
+        known_share: share, layers: &field.layers,
+    };
     console.say_document("stack", &document)
 }
 
@@ -84,7 +86,7 @@ fn write_image(
     rules: &OutputRules,
     image: &Plane,
     what: &str,
-    mut more: serde_json::Value,
+    more: impl Serialize,
 ) -> Result<(), Failure> {
     console.monitor.check()?;
     console.monitor.report(Stage::Write, 0.0);
@@ -100,12 +102,8 @@ fn write_image(
     let (width, height) = image.size();
     let numbers = format!("{width}×{height}, values {low:.5} to {high:.5}, mean {mean:.5}");
     console.say(&format!("{what}: {numbers}\nwrote {}\n", args.out.display()))?;
-    let file = json!({"file": path_text(&args.out), "width": width, "height": height, "min": low, "max": high,
-        "mean": mean});
-    if let (Some(more), serde_json::Value::Object(file)) = (more.as_object_mut(), file) {
-        more.extend(file);
-    }
-    console.say_document("stack", &more)
+    let other = document! { file: path_text(&args.out), width, height, min: low, max: high, mean };
+    console.say_document("stack", &Both { one: more, other })
 }
 
 const NO_TIFF: &str = "--out: float values are written as TIFF; name the file .tiff";
@@ -144,16 +142,9 @@ pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
         noise_of_frame / (frames as f32).sqrt(),
         args.out.display()
     ))?;
-    console.say_document(
-        "merge",
-        &json!({
-            "file": path_text(&args.out),
-            "width": width,
-            "height": height,
-            "frames_used": [used.start, used.end],
-            "reference": merged.frame_names[0],
-            "frame_noise": noise_of_frame,
-            "merged_noise": noise_of_merge,
-        }),
-    )
+    let document = document! {
+        file: path_text(&args.out), width, height, frames_used: [used.start, used.end],
+        reference: &merged.frame_names[0], frame_noise: noise_of_frame, merged_noise: noise_of_merge,
+    };
+    console.say_document("merge", &document)
 }

@@ -1,6 +1,6 @@
 //! `synth`: writes bursts with exactly known truth, and noisy copies of real ones.
 
-use super::{Console, Failure, INPUT_HELP, Input, OutputArgs, open_options, opened, resolve};
+use super::{Console, Failure, INPUT_HELP, Input, OutputArgs, document, open_options, opened, resolve};
 use crate::burst::{Burst, OpenOptions};
 use crate::export::{OutputRules, Overwrite, safe_file_name};
 use crate::files::path_text;
@@ -10,7 +10,6 @@ use crate::synth::{
 };
 use clap::{Args, Subcommand};
 use serde::Serialize;
-use serde_json::json;
 use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
@@ -97,7 +96,7 @@ fn finish(out: &Path, burst: &Burst, truth: &Truth, console: &Console) -> Result
 
 fn say_made(out: &Path, made: &str, truth: &impl Serialize, console: &Console) -> Result<(), Failure> {
     console.say(&format!("{made}\nwrote {}\n", out.display()))?;
-    console.say_document("synth", &json!({ "folder": path_text(out), "truth": truth }))
+    console.say_document("synth", &document! { folder: path_text(out), truth })
 }
 
 /// Make a burst with exactly known truth, or noisy copies of real frames.

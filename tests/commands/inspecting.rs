@@ -194,3 +194,19 @@ fn the_examples_are_bursts_like_any_other() {
     run_well(home.path(), &["render", "demo-aliasing", "--no-detect", "--out", "x.png"]);
     assert!(home.path().join("x.png").is_file(), "the window opens them too");
 }
+
+#[test]
+fn documents_have_the_digits_of_32_bit_numbers() {
+    let home = tempfile::tempdir().expect("a folder");
+    let search = ["--octaves", "2", "--edge-threshold", "8.1", "--json"];
+    for command in [&["probe", "demo", "--at", "92,58"][..], &["slopes", "demo"]] {
+        let text = run_well(home.path(), &[command, &search].concat());
+        assert!(text.contains("\"edge_threshold\": 8.1,"), "{text}");
+    }
+    let document = json(home.path(), &["stack", "demo", "--slope", "-2.1,0.3", "--out", "a.tiff", "--json"]);
+    assert_eq!(document["slope"], serde_json::json!({ "u": -2.1, "v": 0.3 }));
+    for key in ["min", "max"] {
+        let number = document[key].as_f64().expect("a number");
+        assert_eq!((number as f32).to_string().parse(), Ok(number), "{key}");
+    }
+}
