@@ -224,29 +224,4 @@ mod tests {
             assert!(error.contains(words) && !error.contains("\\n"), "{error}");
         }
     }
-
-    #[test]
-    fn every_command_has_a_page_that_names_its_commands_and_options() {
-        fn check(command: &clap::Command, words: &mut Vec<String>) -> usize {
-            let page = manual(words).unwrap_or_else(|failure| panic!("{words:?}: {failure:?}"));
-            let escaped = |text: &str| text.replace('-', "\\-");
-            let shown = command.get_arguments().filter(|arg| !arg.is_hide_set());
-            let mut options = 0;
-            for long in shown.filter_map(clap::Arg::get_long) {
-                let option = format!("\\fB{}\\fR", escaped(&format!("--{long}")));
-                assert!(page.contains(&option), "{words:?}: --{long}");
-                options += 1;
-            }
-            for inner in command.get_subcommands() {
-                words.push(inner.get_name().to_owned());
-                assert!(page.contains(&escaped(&format!("burstscope-{}(1)", words.join("-")))), "{words:?}");
-                options += check(inner, words);
-                words.pop();
-            }
-            options
-        }
-        assert!(check(&Cli::command(), &mut Vec::new()) > 300);
-        let error = manual(&["evaluate".to_owned(), "charts".to_owned()]).expect_err("a wrong word");
-        assert!(format!("{error:?}").contains("'evaluate charts'"), "{error:?}");
-    }
 }

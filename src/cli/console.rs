@@ -4,6 +4,7 @@ use super::failure::{complain, print, print_json, printable};
 use super::{Failure, OutputArgs, signals};
 use crate::detector::{REVISION, memory};
 use crate::monitor::{Monitor, Progress};
+use crate::requests::time_left;
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
@@ -165,8 +166,6 @@ struct Lines {
 
 /// So long no line is printed, at first and after each.
 const SILENCE: Duration = Duration::from_secs(60);
-/// Fraction of a piece of work from which on the time that is left follows from the time that it took.
-const KNOWN: f32 = 0.01;
 
 impl Lines {
     fn begin(&mut self, now: Duration, prefix: String) {
@@ -180,13 +179,11 @@ impl Lines {
             return None;
         }
         self.printed = now;
-        let took = now.saturating_sub(self.began).as_secs_f32();
-        let minutes = (took * (1.0 - fraction) / fraction.max(KNOWN) / 60.0).ceil().max(1.0);
-        let left = match minutes {
-            _ if fraction < KNOWN => String::new(),
-            ..120.0 => format!(", {minutes} min left"),
-            _ => format!(", {:.0} h left", minutes / 60.0),
-        };
+        let left = time_left(now.saturating_sub(self.began), fraction);
+        let left = left.map_or_else(String::new, |left| match (left.as_secs_f32() / 60.0).ceil().max(1.0) {
+            minutes @ ..120.0 => format!(", {minutes} min left"),
+            minutes => format!(", {:.0} h left", minutes / 60.0),
+        });
         Some(format!("{}{stage}, {:.0} %{left}", self.prefix, 100.0 * fraction))
     }
 }
@@ -200,13 +197,6 @@ fn locked(lines: &Mutex<Lines>) -> MutexGuard<'_, Lines> {
 mod tests {
     use super::*;
     use crate::monitor::Stage;
-
-    #[test]
-    fn documents_have_the_digits_of_their_values() {
-        let document = document! { share: 0.1f32, inner: [Some(0.7f32), None], count: 3 };
-        let text = serde_json::to_string(&document).expect("JSON");
-        assert_eq!(text, r#"{"share":0.1,"inner":[0.7,null],"count":3}"#);
-    }
 
     #[test]
     fn a_line_comes_after_a_minute_and_then_one_a_minute() {

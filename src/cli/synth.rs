@@ -2,11 +2,13 @@
 
 use super::{Console, Failure, INPUT_HELP, Input, OutputArgs, document, open_options, opened, resolve};
 use crate::burst::{Burst, OpenOptions};
+use crate::error::Error;
 use crate::export::{OutputRules, Overwrite, safe_file_name};
 use crate::files::path_text;
+use crate::monitor::Monitor;
 use crate::synth::{
-    ChartParams, FrameLevels, Light, NoisyParams, SceneParams, Trajectory, TrajectoryParams, Truth, synth_chart,
-    synth_scene, write_burst, write_noisy, write_trajectory,
+    ChartParams, FrameLevels, Light, NoiseTruth, NoisyParams, SceneParams, Trajectory, TrajectoryParams, Truth,
+    synth_chart, synth_scene, write_burst, write_noisy, write_trajectory,
 };
 use clap::{Args, Subcommand};
 use serde::Serialize;
@@ -14,16 +16,8 @@ use std::path::{Path, PathBuf};
 
 pub(super) fn run(args: &SynthArgs) -> Result<(), Failure> {
     match &args.kind {
-        SynthKind::Chart(args) => {
-            let console = Console::new(&args.output)?;
-            let (burst, truth) = synth_chart(&args.params, &console.monitor)?;
-            finish(&args.out, &burst, &truth, &console)
-        }
-        SynthKind::Scene(args) => {
-            let console = Console::new(&args.output)?;
-            let (burst, truth) = synth_scene(&args.params, &console.monitor)?;
-            finish(&args.out, &burst, &truth, &console)
-        }
+        SynthKind::Chart(args) => one_burst(&args.out, &args.output, |monitor| synth_chart(&args.params, monitor)),
+        SynthKind::Scene(args) => one_burst(&args.out, &args.output, |monitor| synth_scene(&args.params, monitor)),
         SynthKind::Noisy(args) => noisy(args),
         SynthKind::Trajectory(args) => trajectory(args),
     }
@@ -41,12 +35,9 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let names: Vec<String> = inputs.iter().map(|i| safe_file_name(&i.name)).collect();
     let open = |k: usize| -> Result<Burst, Failure> { inputs[k].open(&options, &console.monitor.silent()) };
     let truth = write_noisy(&args.out, &names, names.len() > 1, &params, &exposure, open, &console.monitor)?;
-    let noise = truth.noise.map_or_else(
-        || "no noise".to_owned(),
-        |n| format!("noise {:.5} of full scale in a frame at the mean", n.sigma_background),
-    );
-    let (frames, bursts) = (truth.frames.len(), names.len());
-    let made = format!("{frames} frames of {bursts} bursts, values times {:.4}, {noise}", truth.gain);
+    let at_mean = if truth.noise.is_some() { " at the mean" } else { "" };
+    let (frames, bursts, noise) = (truth.frames.len(), names.len(), noise_words(truth.noise));
+    let made = format!("{frames} frames of {bursts} bursts, values times {:.4}, {noise}{at_mean}", truth.gain);
     say_made(&args.out, &made, &truth, &console)
 }
 
@@ -70,28 +61,34 @@ fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
     let trajectory = Trajectory::new(&TrajectoryParams { light, ..args.params.clone() }, &console.monitor)?;
     write_trajectory(&args.out, &trajectory, &console.monitor)?;
     let truth = trajectory.truth();
-    let light = match truth.noise {
-        Some(noise) => format!(
-            "SNR {:.2} ({:.2} electrons at scene white), noise {:.5} of full scale in a frame",
-            trajectory.snr, trajectory.electrons, noise.sigma_background
-        ),
-        None => "no noise".to_owned(),
-    };
-    let (bursts, planes, frames, width, height) =
-        (truth.bursts.len(), truth.planes.len(), truth.frames, truth.width, truth.height);
-    let made = format!("{bursts} bursts of {frames} frames of {width}×{height}, {planes} planes, {light}");
+    let light = truth.noise.map_or_else(String::new, |_| {
+        format!("SNR {:.2} ({:.2} electrons at scene white), ", trajectory.snr, trajectory.electrons)
+    });
+    let (bursts, planes, noise) = (truth.bursts.len(), truth.planes.len(), noise_words(truth.noise));
+    let frames = format!("{} frames of {}×{}", truth.frames, truth.width, truth.height);
+    let made = format!("{bursts} bursts of {frames}, {planes} planes, {light}{noise}");
     say_made(&args.out, &made, &truth, &console)
 }
 
-fn finish(out: &Path, burst: &Burst, truth: &Truth, console: &Console) -> Result<(), Failure> {
-    write_burst(out, burst, truth, &console.monitor)?;
-    let noise = truth
-        .noise
-        .map_or_else(|| "no noise".to_owned(), |n| format!("noise {:.5} of full scale in a frame", n.sigma_background));
-    let Truth { frames, width, height, features, .. } = truth;
+fn one_burst(
+    out: &Path,
+    output: &OutputArgs,
+    made: impl FnOnce(&Monitor) -> Result<(Burst, Truth), Error>,
+) -> Result<(), Failure> {
+    let console = Console::new(output)?;
+    let (burst, truth) = made(&console.monitor)?;
+    write_burst(out, &burst, &truth, &console.monitor)?;
+    let Truth { frames, width, height, features, noise, .. } = &truth;
     let known = format!("{} features with known place and slope", features.len());
-    let made = format!("{frames} frames of {width}×{height}, {known}, {noise}");
-    say_made(out, &made, truth, console)
+    let made = format!("{frames} frames of {width}×{height}, {known}, {}", noise_words(*noise));
+    say_made(out, &made, &truth, &console)
+}
+
+fn noise_words(noise: Option<NoiseTruth>) -> String {
+    noise.map_or_else(
+        || "no noise".to_owned(),
+        |noise| format!("noise {:.5} of full scale in a frame", noise.sigma_background),
+    )
 }
 
 fn say_made(out: &Path, made: &str, truth: &impl Serialize, console: &Console) -> Result<(), Failure> {

@@ -41,7 +41,7 @@ pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};
 pub use pictures::PicturesRequest;
-pub use request::{Caches, JobId, PictureStore, Request, Running, Urgency, Work};
+pub use request::{Caches, JobId, PictureStore, Request, Running, Urgency, Work, time_left};
 pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
 pub(crate) use trail::trail_of;

@@ -88,8 +88,9 @@ impl Running {
     }
 }
 
-/// `None` below a fraction of 0.03 and within the first 0.5 s.
-fn time_left(gone: Duration, fraction: f32) -> Option<Duration> {
+/// Time that the rest of a piece of work takes at the pace of the `fraction` that is done; `None` below a fraction of
+/// 0.03 and within the first 0.5 s.
+pub fn time_left(gone: Duration, fraction: f32) -> Option<Duration> {
     let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
     can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))
 }

@@ -1,14 +1,15 @@
 //! The user's own defaults, from the file that `BURSTSCOPE_DEFAULTS` names or from its usual place.
 
 use super::support::{names, program, stderr};
+use burstscope::detector::{Rules, SearchParams};
+use burstscope::matching::MatchParams;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Output;
 
-const NONE: &str = "";
-
-fn detect(home: &Path, defaults: &str, more: &[&str]) -> Output {
-    let line = [&["detect", "demo-tripod", "--octaves", "2", "--out", "found", "--json"], more].concat();
+/// Runs `case`, whose document has the parameters of a search that it need not make.
+fn kept(home: &Path, defaults: &str, more: &[&str]) -> Output {
+    let line = [&["case", "demo-tripod", "--out", "a.burstcase", "--json"], more].concat();
     program(home, &line).env("BURSTSCOPE_DEFAULTS", defaults).output().expect("it starts")
 }
 
@@ -17,36 +18,41 @@ fn document(output: &Output) -> Value {
     serde_json::from_slice(&output.stdout).expect("JSON")
 }
 
-fn levels(output: &Output) -> Option<u64> {
-    document(output)["params"]["levels"].as_u64()
+fn search(output: &Output) -> SearchParams {
+    serde_json::from_value(document(output)["case"]["search"].clone()).expect("parameters")
 }
 
 #[test]
-fn own_defaults_are_taken_and_told_below_files_and_options() {
+fn options_come_before_their_file_before_own_defaults_before_what_is_built_in() {
     let home = tempfile::tempdir().expect("a folder");
     let write = |name: &str, text: &str| std::fs::write(home.path().join(name), text).expect("written");
-    write("own.toml", "levels = 4\nmax_features = 30\n[matching]\nratio = 0.6\nmin_inliers = 5\n");
-    write("p.toml", "levels = 5\n");
-    let told = "note: took defaults from own.toml\n";
+    write("own.toml", "levels = 4\nmax_features = 70\nedge_threshold = 8.0\n[matching]\nratio = 0.6\nseed = 7\n");
+    write("p.toml", "levels = 5\nmax_features = 80\n[matching]\nratio = 0.7\nmin_inliers = 5\n");
+    write("rules.toml", "rules = \"vlfeat\"\nlevels = 6\n");
+    let own = SearchParams { levels: 4, max_features: 70, edge_threshold: 8.0, ..SearchParams::default() };
+    let of_file = SearchParams { levels: 5, max_features: 80, ..own.clone() };
+    // Rules bring what goes with them, as on the command line, and leave the number of features.
+    let of_rules = SearchParams { max_features: 70, ..SearchParams::default() }.under(Rules::VLFEAT);
     for (more, expected) in [
-        (&[][..], 4),
-        (&["--params", "p.toml"], 5),
-        (&["--levels", "6"], 6),
-        (&["--params", "p.toml", "--levels", "6"], 6),
+        (&[][..], own.clone()),
+        (&["--levels", "6"], SearchParams { levels: 6, ..own }),
+        (&["--params", "p.toml"], of_file.clone()),
+        (&["--params", "p.toml", "--max-features", "90"], SearchParams { max_features: 90, ..of_file }),
+        (&["--params", "rules.toml"], SearchParams { levels: 6, ..of_rules }),
     ] {
-        let output = detect(home.path(), "own.toml", more);
-        assert_eq!((levels(&output), stderr(&output).as_str()), (Some(expected), told), "{more:?}");
-        assert_eq!(document(&output)["params"]["max_features"], 30);
+        let output = kept(home.path(), "own.toml", more);
+        assert_eq!(search(&output), expected, "{more:?}");
+        assert_eq!(stderr(&output), "note: took defaults from own.toml\n", "{more:?}");
     }
-    let output = detect(home.path(), NONE, &[]);
-    assert_eq!((levels(&output), stderr(&output).as_str()), (Some(3), ""));
+    let output = kept(home.path(), "", &[]);
+    assert_eq!((search(&output), stderr(&output).as_str()), (SearchParams::default(), ""));
 
-    let line = ["match", "demo", "demo-later", "--octaves", "2", "--out", "m", "--json", "--min-inliers", "9"];
-    let matched = program(home.path(), &line).env("BURSTSCOPE_DEFAULTS", "own.toml").output().expect("it starts");
-    let document = document(&matched);
-    assert!((document["matching"]["ratio"].as_f64().expect("a number") - 0.6).abs() < 1e-6, "{document}");
-    assert_eq!((&document["matching"]["min_inliers"], &document["params"]["levels"]), (&9.into(), &4.into()));
-    assert_eq!(stderr(&matched), told, "it is told once");
+    let line = ["match", "demo", "demo-later", "--out", "m", "--json", "--params", "p.toml", "--octaves", "2"];
+    let line = [&line[..], &["--min-inliers", "9"]].concat();
+    let output = program(home.path(), &line).env("BURSTSCOPE_DEFAULTS", "own.toml").output().expect("it starts");
+    let matching: MatchParams = serde_json::from_value(document(&output)["matching"].clone()).expect("parameters");
+    assert_eq!(matching, MatchParams { ratio: 0.7, seed: 7, min_inliers: 9, ..MatchParams::default() });
+    assert_eq!(stderr(&output), "note: took defaults from own.toml\n", "it is told once");
 }
 
 #[test]
@@ -56,7 +62,7 @@ fn the_usual_place_is_read_unless_the_variable_is_set() {
     std::fs::create_dir_all(&folder).expect("made");
     std::fs::write(folder.join("defaults.toml"), "levels = 4\n").expect("written");
     let run = |variable: Option<&str>| {
-        let line = ["detect", "demo-tripod", "--octaves", "2", "--out", "found", "--json"];
+        let line = ["case", "demo-tripod", "--out", "a.burstcase", "--json"];
         let mut command = program(home.path(), &line);
         command.env("XDG_CONFIG_HOME", home.path().join("config")).env_remove("BURSTSCOPE_DEFAULTS");
         command.envs(variable.map(|value| ("BURSTSCOPE_DEFAULTS", value))).output().expect("it starts")
@@ -64,9 +70,9 @@ fn the_usual_place_is_read_unless_the_variable_is_set() {
     if cfg!(all(unix, not(target_os = "macos"))) {
         let output = run(None);
         let told = stderr(&output);
-        assert!(levels(&output) == Some(4) && told.contains("config/burstscope/defaults.toml"), "{told}");
+        assert!(search(&output).levels == 4 && told.contains("config/burstscope/defaults.toml"), "{told}");
     }
-    assert_eq!(levels(&run(Some(NONE))), Some(3));
+    assert_eq!(search(&run(Some(""))), SearchParams::default());
 }
 
 #[test]

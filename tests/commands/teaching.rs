@@ -1,6 +1,8 @@
 //! `--lesson`, `completions` and `man`.
 
 use super::support::{names, run_badly, run_well};
+use clap::CommandFactory;
+use std::path::Path;
 
 #[test]
 fn a_lesson_is_begun_by_its_name_or_from_its_file() {
@@ -40,17 +42,33 @@ fn shells_get_their_completions() {
     run_badly(home.path(), &["completions", "dos"], 2);
 }
 
-#[test]
-fn the_program_and_its_commands_have_manual_pages() {
-    let home = tempfile::tempdir().expect("a folder");
-    let title = |arguments: &[&str]| {
-        let page = run_well(home.path(), arguments);
-        page.lines().find(|line| line.starts_with(".TH")).map(str::to_owned).unwrap_or_else(|| panic!("{page}"))
-    };
-    for (arguments, name) in
-        [(&["man"][..], "burstscope"), (&["man", "evaluate", "chart"], "burstscope-evaluate-chart")]
-    {
-        assert!(title(arguments).starts_with(&format!(".TH {name} 1 ")), "{}", title(arguments));
+/// Checks that the page of the `command` that these words name has its options and commands, and so on for these;
+/// returns the number of options.
+fn check_page(home: &Path, command: &clap::Command, words: &[&str]) -> usize {
+    let page = run_well(home, &[&["man"], words].concat());
+    let escaped = |text: String| text.replace('-', "\\-");
+    let title = [&["burstscope"], words].concat().join("-");
+    assert!(page.contains(&format!("\n.TH {title} 1 ")), "{words:?}: {page}");
+    let mut options = 0;
+    for long in command.get_arguments().filter(|arg| !arg.is_hide_set()).filter_map(clap::Arg::get_long) {
+        assert!(page.contains(&format!("\\fB{}\\fR", escaped(format!("--{long}")))), "{words:?}: --{long}");
+        options += 1;
     }
-    assert!(run_badly(home.path(), &["man", "dog"], 2).contains("no command 'dog'"));
+    for inner in command.get_subcommands() {
+        let name = inner.get_name();
+        assert!(page.contains(&escaped(format!("{title}-{name}(1)"))), "{words:?}: {name}");
+        options += check_page(home, inner, &[words, &[name]].concat());
+    }
+    options
+}
+
+#[test]
+fn every_command_has_a_manual_page_with_its_options() {
+    let home = tempfile::tempdir().expect("a folder");
+    let options = check_page(home.path(), &burstscope::cli::commands::Cli::command(), &[]);
+    assert!(options > 300, "{options} options are too few to be all");
+    for wrong in [&["man", "dog"][..], &["man", "evaluate", "charts"]] {
+        let error = run_badly(home.path(), wrong, 2);
+        assert!(error.contains(&format!("no command '{}'", wrong[1..].join(" "))), "{error}");
+    }
 }
