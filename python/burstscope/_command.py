@@ -71,7 +71,8 @@ def command(*arguments: str | os.PathLike[str], **keywords: Any) -> Any:
         close = difflib.get_close_matches(words[0], COMMANDS, 1) if words else []
         hint = f"did you mean {close[0]}?" if close else f"there are {', '.join(COMMANDS)}"
         raise ValueError(f"command: there is no {words[0]!r}; {hint}" if words else f"command: none is given; {hint}")
-    line = [sys.executable, "-m", "burstscope", *words, *options(keywords), "--json"]
+    # The standard error has what failed, and no progress.
+    line = [sys.executable, "-m", "burstscope", *words, *options({"quiet": True, **keywords}), "--json"]
     # What the keywords say is all: the user's defaults are for commands that are typed.
     environment = {**os.environ, "BURSTSCOPE_DEFAULTS": "", "PYTHONPATH": os.pathsep.join(filter(None, sys.path))}
     process = subprocess.Popen(line, stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)

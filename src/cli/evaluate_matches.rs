@@ -2,7 +2,9 @@
 
 use super::study::{StudySearch, TableArgs, once_each, searched_by, write_figure};
 use super::synth::levels_of;
-use super::{BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, open_options, resolve_bursts};
+use super::{
+    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, document, open_options, resolve_bursts,
+};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
@@ -89,13 +91,6 @@ struct AddedNoise {
     frame_noise: f64,
 }
 
-#[derive(Serialize)]
-struct MatchesDocument<'a> {
-    noise: Option<AddedNoise>,
-    #[serde(flatten)]
-    report: &'a MatchReport,
-}
-
 pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     if args.run.search.gives(&crate::detector::params::doc::METHOD) {
         return Err(Failure::usage("--method: this command compares several; name them with --methods"));
@@ -152,7 +147,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
     });
     console.say(&text(&report, noise))?;
     write_figure(&console, args.file.table.as_deref(), &rules, || methods_table(&report).into())?;
-    console.say_document("evaluate matches", &MatchesDocument { noise, report: &report })
+    console.say_document("evaluate matches", &Both { one: document! { noise }, other: &report })
 }
 
 fn parse_method(text: &str) -> Result<BurstMethod, String> {

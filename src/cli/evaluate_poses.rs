@@ -1,13 +1,12 @@
 //! `evaluate poses`: compares an estimated trajectory with the true one.
 
 use super::study::{TableArgs, write_figure};
-use super::{Console, Failure, OutputArgs};
+use super::{Both, Console, Failure, OutputArgs, document};
 use crate::burst::OpenOptions;
 use crate::evaluate::poses::{ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory};
 use crate::export::{Cell, POSE_COLUMNS, Table};
 use clap::Args;
-use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Compare camera poses that were estimated with the true ones.
 ///
@@ -45,15 +44,6 @@ JSON (--json):
    \"model\": null or {\"registered_images\", \"points\", \"points_per_image\", \"mean_track_length\", \"mean_reprojection_error_px\"},
    \"pairs\": [{\"label\", \"true_centre\": [x, y, z], \"aligned_centre\", \"translation_error\", \"rotation_error_deg\"}]}";
 
-#[derive(Serialize)]
-struct PosesDocument<'a> {
-    estimate: &'a Path,
-    truth: &'a Path,
-    images_pass_percent: f64,
-    #[serde(flatten)]
-    report: &'a PoseReport,
-}
-
 pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let rules = args.file.overwrite.rules(&[], &OpenOptions::default(), &[Some(&args.estimate), Some(&args.truth)]);
@@ -66,13 +56,9 @@ pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
     }
     console.say(&text(&report))?;
     write_figure(&console, args.file.table.as_deref(), &rules, || errors_table(&report).into())?;
-    let answer = PosesDocument {
-        estimate: &args.estimate,
-        truth: &args.truth,
-        images_pass_percent: report.images_pass_percent(),
-        report: &report,
-    };
-    console.say_document("evaluate poses", &answer)
+    let images_pass_percent = report.images_pass_percent();
+    let one = document! { estimate: &args.estimate, truth: &args.truth, images_pass_percent };
+    console.say_document("evaluate poses", &Both { one, other: &report })
 }
 
 fn text(report: &PoseReport) -> String {

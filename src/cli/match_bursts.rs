@@ -3,35 +3,22 @@
 use super::detect::{DetectJob, detect_burst};
 use super::evaluate_tables::or_dash;
 use super::report::BurstReport;
-use super::{BurstSearchArgs, Console, Failure, MatchingArgs, OverwriteArgs, open_options, resolve_pair};
+use super::{
+    Both, BurstSearchArgs, Console, Failure, MatchingArgs, OverwriteArgs, document, open_options, resolve_pair,
+};
 use crate::burst::Burst;
 use crate::dataset::{DetectedBurst, match_bursts, match_rows};
+use crate::detector::Detection;
 use crate::detector::params::Word;
-use crate::detector::{Detection, SearchParams};
 use crate::export::{ExportFormat, FigureAmount, FigureFormat, safe_file_name, write_drawing, write_matches_csv};
-use crate::files::serialize_path;
+use crate::files::path_text;
 use crate::matching::{MatchCounts, MatchParams, TwoViewModel};
 use crate::monitor::Stage;
 use crate::requests::{MatchFigure, MatchPictures};
 use clap::Args;
 use nalgebra::Matrix3;
 use serde::Serialize;
-use std::path::{Path, PathBuf};
-
-#[derive(Serialize)]
-struct MatchDocument<'a> {
-    params: &'a SearchParams,
-    matching: &'a MatchParams,
-    a: &'a BurstReport,
-    b: &'a BurstReport,
-    #[serde(flatten)]
-    counts: MatchCounts,
-    match_ratio: f64,
-    match_score: Option<f64>,
-    inlier_ratio: Option<f64>,
-    model: Option<Model>,
-    files: Files<'a>,
-}
+use std::path::PathBuf;
 
 #[derive(Serialize)]
 struct Model {
@@ -48,14 +35,6 @@ impl From<&TwoViewModel> for Model {
         };
         Self { kind, matrix: std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)])) }
     }
-}
-
-#[derive(Serialize)]
-struct Files<'a> {
-    #[serde(serialize_with = "serialize_path")]
-    matches: &'a Path,
-    #[serde(serialize_with = "serialize_path")]
-    picture: &'a Path,
 }
 
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
@@ -102,19 +81,13 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     };
     console.say(&summary(&result.counts, &matching, &why_none))?;
     console.say(&format!("  wrote        {}\n  wrote        {}\n", matches.display(), picture.display()))?;
-    let document = MatchDocument {
-        params: &params,
-        matching: &matching,
-        a: report_a,
-        b: report_b,
-        counts: result.counts,
-        match_ratio: result.counts.match_ratio(),
-        match_score: result.counts.match_score(),
-        inlier_ratio: result.counts.inlier_ratio(),
+    let other = document! {
+        params: &params, matching: &matching, a: report_a, b: report_b, match_ratio: result.counts.match_ratio(),
+        match_score: result.counts.match_score(), inlier_ratio: result.counts.inlier_ratio(),
         model: model.map(Model::from),
-        files: Files { matches: &matches, picture: &picture },
+        files: document! { matches: path_text(&matches), picture: path_text(&picture) },
     };
-    console.say_document("match", &document)
+    console.say_document("match", &Both { one: result.counts, other })
 }
 
 fn parse_drawn(text: &str) -> Result<FigureAmount, String> {
