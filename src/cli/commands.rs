@@ -7,7 +7,6 @@ use super::case::CaseArgs;
 #[cfg(feature = "colmap")]
 use super::colmap::ColmapArgs;
 use super::decoys::DecoysArgs;
-use super::defaults::PLACE;
 use super::evaluate_args::EvaluateArgs;
 use super::failure::{Failure, print};
 use super::figures::FiguresArgs;
@@ -19,7 +18,7 @@ use super::probe::{ProbeArgs, SlopesArgs};
 use super::recover::RecoverArgs;
 #[cfg(feature = "app")]
 use super::render::RenderArgs;
-use super::search_options::ParamsFileArg;
+use super::search_options::{DEFAULTS_PLACE, ParamsFileArg};
 use super::synth::{SynthArgs, SynthKind};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::REVISION;
@@ -57,7 +56,7 @@ static VERSION: LazyLock<String> = LazyLock::new(|| {
         burstscope report night/ --out night.pdf         all of that on one page\n  \
         burstscope match night/a night/b --out matched      two bursts, their matches, and a picture of them\n  \
         burstscope figures --out paper                   every figure of the paper, remade\n\n\
-        Commands that search read your own defaults from {PLACE},\n\
+        Commands that search read your own defaults from {DEFAULTS_PLACE},\n\
         a parameter file that comes before --params. BURSTSCOPE_DEFAULTS names another one; if it is empty there is none.\n\n\
         Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.")
 )]

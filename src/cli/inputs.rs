@@ -3,7 +3,7 @@
 //! Each folder is resolved on its own, so that an unreadable one does not stop the others. Files are resolved together:
 //! several pictures are the frames of one burst.
 
-use super::defaults::defaults_file;
+use super::search_options::defaults_file;
 use super::{BurstSearchArgs, Console, Failure, OverwriteArgs, SequenceArgs};
 use crate::burst::{
     Burst, BurstFiles, Entries, OpenOptions, SequenceCut, cut_sequence, find_bursts, find_entries, name_among_several,

@@ -13,7 +13,6 @@ pub mod colmap;
 pub mod commands;
 mod console;
 pub mod decoys;
-mod defaults;
 mod detect;
 mod evaluate;
 pub mod evaluate_args;

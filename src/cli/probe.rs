@@ -61,7 +61,7 @@ pub(super) fn run(args: &ProbeArgs) -> Result<(), Failure> {
     console.say_document("probe", &Both { one: probe_document(&cache, &answer, price), other })
 }
 
-/// What `probe --json` has of a search in memory.
+/// Part of `probe --json` about a search in memory.
 pub fn probe_document(cache: &ProbeCache, answer: &Probe, price: Option<Price>) -> impl Serialize {
     let detection = cache.detection();
     document! {
@@ -120,7 +120,7 @@ pub(super) fn run_slopes(args: &SlopesArgs) -> Result<(), Failure> {
     console.say_document("slopes", &Both { one: slopes_document(&cache, &answer), other })
 }
 
-/// What `slopes --json` has of a search in memory.
+/// Part of `slopes --json` about a search in memory.
 pub fn slopes_document(cache: &ProbeCache, answer: &Spectrum) -> impl Serialize {
     document! { params: &cache.asked, most_features_at: answer.most_features(), spectrum: answer }
 }

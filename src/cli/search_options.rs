@@ -4,7 +4,6 @@
 //! parameter file, whose values override them, as each given option does after that.
 
 use super::Failure;
-use super::defaults::defaults_file;
 use super::failure::complain;
 use crate::detector::SearchParams;
 use crate::detector::params::{AUTO, Field, Param, doc};
@@ -76,7 +75,7 @@ impl ParamsFileArg {
         self.params.as_deref().map_or(Ok(SearchParams::default()), read_params)
     }
 
-    /// What the tables `[matching]` of the files name. A case has none.
+    /// Options in the tables `[matching]` of the files. A case has none.
     pub fn matching(&self) -> Result<toml::Table, Failure> {
         let mut table = toml::Table::new();
         for path in self.files().filter(|path| !is_case(path)) {
@@ -96,6 +95,43 @@ impl ParamsFileArg {
     fn files(&self) -> impl Iterator<Item = &PathBuf> {
         self.defaults.iter().chain(&self.params)
     }
+}
+
+/// Variable that names the file of the user's own defaults, which is read before all others; an empty one stands for
+/// none.
+const VARIABLE: &str = "BURSTSCOPE_DEFAULTS";
+
+/// Where the file is, unless the variable names another.
+#[cfg(windows)]
+pub(super) const DEFAULTS_PLACE: &str = r"%APPDATA%\burstscope\defaults.toml";
+#[cfg(target_os = "macos")]
+pub(super) const DEFAULTS_PLACE: &str = "~/Library/Application Support/burstscope/defaults.toml";
+#[cfg(not(any(windows, target_os = "macos")))]
+pub(super) const DEFAULTS_PLACE: &str = "~/.config/burstscope/defaults.toml (or below $XDG_CONFIG_HOME)";
+
+/// The file that the variable names, or the one at its usual place, if there is one.
+pub(super) fn defaults_file() -> Option<PathBuf> {
+    // Results of unit tests do not depend on the files of whoever runs them.
+    if cfg!(test) {
+        return None;
+    }
+    match std::env::var_os(VARIABLE) {
+        Some(named) => Some(PathBuf::from(named)).filter(|named| !named.as_os_str().is_empty()),
+        None => usual_file().filter(|usual| usual.exists()),
+    }
+}
+
+fn usual_file() -> Option<PathBuf> {
+    let variable = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|folder| folder.is_absolute());
+    let below_home = |folder: &str| std::env::home_dir().map(|home| home.join(folder));
+    let folder = if cfg!(windows) {
+        variable("APPDATA")
+    } else if cfg!(target_os = "macos") {
+        below_home("Library/Application Support")
+    } else {
+        variable("XDG_CONFIG_HOME").or_else(|| below_home(".config"))
+    };
+    Some(folder?.join("burstscope").join("defaults.toml"))
 }
 
 fn text_of(path: &Path) -> Result<String, Failure> {

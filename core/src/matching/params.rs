@@ -90,7 +90,7 @@ impl MatchParams {
         self.align && self.geometry != Geometry::None
     }
 
-    /// What the table `[matching]` in the text of a parameter file names; nothing without one.
+    /// Options that the table `[matching]` in the text of a parameter file gives; none without one.
     ///
     /// # Errors
     /// TOML's error with its place, also of an unknown name.
