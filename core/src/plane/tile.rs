@@ -140,6 +140,7 @@ mod tests {
     fn cuts_cover_everything_once_and_split_planes() {
         let region = Region { columns: 10..13, rows: 5..7 };
         assert_eq!(region.widened(6, (14, 9)), Region { columns: 4..14, rows: 0..9 });
+        assert_eq!(Region::around([10.6, -3.0], 2, (14, 9)), Region { columns: 9..14, rows: 0..3 });
         for n in [1, 2, 7, 16, 99, 148, 149, 1600] {
             for max in [2, 8, 148] {
                 let parts = cuts(n, max);

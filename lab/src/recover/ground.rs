@@ -12,7 +12,7 @@ use burstscope_core::inspect::{ProbeCache, result::finds};
 use burstscope_core::monitor::{Cancelled, Monitor};
 use burstscope_core::plane::{Plane, blur::smoothed, sample::bilinear};
 use burstscope_core::synth::outermost;
-use std::{ops::Range, sync::Arc};
+use std::ops::Range;
 
 /// Side of a cell of the map of noise, pixels.
 const CELL_PX: f32 = 16.0;
@@ -80,8 +80,7 @@ impl Ground {
             flicker: params.flicker,
             positions: &burst.positions,
         };
-        let frames: Vec<Arc<Plane>> = burst.frames.clone();
-        let examined = examine(&frames, burst.quantisation_step, &search, monitor)?;
+        let examined = examine(&burst.frames, burst.quantisation_step, &search, monitor)?;
         Ok(examined.map_or_else(|| (**of_search).clone(), |examined| examined.model))
     }
 
