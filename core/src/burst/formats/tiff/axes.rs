@@ -48,14 +48,13 @@ pub(super) fn frames_of(
 }
 
 struct Along {
-    axes: Axes,
     along: usize,
     at: Vec<usize>,
 }
 
 impl Along {
     fn of(found: &Described, choice: Option<&AxisChoice>) -> Result<Self, Refusal> {
-        let axes = found.axes.clone();
+        let axes = &found.axes;
         // An axis of length 1 leaves nothing to choose.
         let long: Vec<usize> = (0..axes.len()).filter(|index| axes[*index].1 > 1).collect();
         let named: Axes = long.iter().map(|index| axes[*index]).collect();
@@ -64,7 +63,7 @@ impl Along {
         let Some(choice) = choice else {
             // One long axis is time unless it is named depth or channel; of several the user has to choose.
             if named.len() < 2 && !named.first().is_some_and(|(axis, _)| matches!(axis, 'Z' | 'C')) {
-                return Ok(Self { axes, along: usual, at });
+                return Ok(Self { along: usual, at });
             }
             let example = named.iter().find(|(axis, _)| *axis == 'T').unwrap_or(&named[0]).0;
             let other = named.iter().find(|(axis, _)| *axis != example && "TZC".contains(*axis));
@@ -96,7 +95,7 @@ impl Along {
             Axis::T if named.is_empty() => usual,
             axis => find(letter(axis))?,
         };
-        let mut chosen = Self { at, along, axes: axes.clone() };
+        let mut chosen = Self { along, at };
         for (axis, place) in &choice.at {
             let index = find(letter(*axis))?;
             let length = axes[index].1;
@@ -110,7 +109,7 @@ impl Along {
     }
 
     fn taken(&self, found: &Described) -> Result<Chosen, Refusal> {
-        let Self { axes, along, at } = self;
+        let (Self { along, at }, axes) = (self, &found.axes);
         let (letter, announced) = axes[*along];
         let step = product(&axes[along + 1..]);
         let of_all = |place: usize| place / step % announced;
