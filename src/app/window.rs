@@ -208,11 +208,8 @@ impl BurstscopeApp {
             match answer {
                 FileAnswer::Chosen(purpose, paths) => self.apply([Effect::UseFiles(purpose, paths)]),
                 FileAnswer::Nothing(Question { purpose, suggested_name, .. }) => {
-                    self.model.shell.messages.note_unanswered(
-                        purpose,
-                        suggested_name,
-                        "the dialog ended without a file",
-                    );
+                    let why = "the dialog ended without a file";
+                    self.model.shell.messages.note_unanswered(purpose, suggested_name, why);
                 }
                 FileAnswer::NoDialog(Question { purpose, suggested_name, .. }) => {
                     self.overlays.open_path_field(purpose, suggested_name, true);

@@ -140,12 +140,8 @@ impl<'a> Canvas<'a> {
             return;
         };
         let Some(gpu) = Gpu::of(ui.ctx()) else {
-            message(
-                ui,
-                &output.painter,
-                rect,
-                "Pictures cannot be drawn: this window has no graphics card to draw with.",
-            );
+            let text = "Pictures cannot be drawn: this window has no graphics card to draw with.";
+            message(ui, &output.painter, rect, text);
             return;
         };
         // A picture that cannot be shown is reported in its own place; other panes go on.

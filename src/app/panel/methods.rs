@@ -6,7 +6,7 @@ use crate::app::document::{Action, MethodId, Side};
 use crate::app::pane::{MethodsPreset, Over};
 use crate::app::panel::table::{ROW_HEIGHT, cell_ui, striped_table};
 use crate::app::panel::widgets::{in_time, label_ui, progress_text, progress_ui, section_ui};
-use crate::app::results::Read;
+use crate::app::results::{PAIR_NUMBERS, Read};
 use crate::evaluate::curves::percent;
 use crate::export::{Cell, Table};
 use egui::{RichText, Ui};
@@ -87,17 +87,16 @@ fn gold_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     });
 }
 
-const COLUMNS: [(&str, &str); 9] = [
+const OF_SEARCH: [(&str, &str); 3] = [
     ("Features A", "Features found in A"),
     ("Features B", "Features found in B"),
     ("SNR", "Median of |response| over the noise of the DoG, of A's features"),
-    ("Putative", "Matches by descriptors alone"),
-    ("Inliers", "Putative matches that agree with the geometry of the two views"),
-    ("Match ratio", "Putative matches over keypoints, mean of A and B"),
-    ("Match score", "Inliers over keypoints, mean of A and B"),
-    ("Inlier ratio", "Inliers over putative matches"),
-    ("Time", "Wall-clock time of the detection in A"),
 ];
+
+fn columns() -> impl Iterator<Item = (&'static str, &'static str)> {
+    let of_pair = PAIR_NUMBERS.map(|(name, help, _)| (name, help));
+    OF_SEARCH.into_iter().chain(of_pair).chain([("Time", "Wall-clock time of the detection in A")])
+}
 
 pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.spacing_mut().item_spacing.x = 4.0;
@@ -105,12 +104,12 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
         striped_table(ui)
             .column(Column::exact(116.0))
-            .columns(Column::remainder().at_least(55.0), COLUMNS.len())
+            .columns(Column::remainder().at_least(55.0), columns().count())
             .header(20.0, |mut header| {
                 header.col(|ui| {
                     ui.label(RichText::new("Method").small());
                 });
-                for (name, help) in COLUMNS {
+                for (name, help) in columns() {
                     let (_, cell) = header.col(|ui| cell_ui(ui, RichText::new(name).small(), false));
                     cell.on_hover_text(help);
                 }
@@ -139,31 +138,24 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     queue.edit(model.document, Action::SetMethods(look));
 }
 
-fn cells(model: Read<'_>, method: MethodId) -> [String; COLUMNS.len()] {
+fn cells(model: Read<'_>, method: MethodId) -> Vec<String> {
     let found = |side| model.method_found(method, side);
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
     let count = |side| found(side).map(|f| f.detection.features.len().to_string());
     let counts = model.method_matches(method).map(|m| m.result.counts);
-    let share = |x: f64| format!("{x:.3}");
     let state = if model.results.compare.running().is_some_and(|(running, _)| running == method) {
         Some("…".to_owned())
     } else {
         model.results.compare.problem(method).map(|_| "failed".to_owned())
     };
-    [
-        or_dash(count(Side::A).or(state)),
-        or_dash(count(Side::B)),
-        or_dash(found(Side::A).and_then(|f| median_snr(&f.detection.features)).map(|snr| format!("{snr:.1}"))),
-        or_dash(counts.map(|c| c.putative.to_string())),
-        or_dash(counts.and_then(|c| c.inliers).map(|n| n.to_string())),
-        or_dash(counts.map(|c| share(c.match_ratio()))),
-        or_dash(counts.and_then(|c| c.match_score()).map(share)),
-        or_dash(counts.and_then(|c| c.inlier_ratio()).map(share)),
-        or_dash(found(Side::A).map(|f| match in_time(f.elapsed) {
-            time if time.is_empty() => "kept".to_owned(),
-            time => time.trim_start_matches(" in ").to_owned(),
-        })),
-    ]
+    let snr = found(Side::A).and_then(|f| median_snr(&f.detection.features)).map(|snr| format!("{snr:.1}"));
+    let of_pair = PAIR_NUMBERS.map(|(.., of)| counts.and_then(|counts| of(&counts)));
+    let time = found(Side::A).map(|f| match in_time(f.elapsed) {
+        time if time.is_empty() => "kept".to_owned(),
+        time => time.trim_start_matches(" in ").to_owned(),
+    });
+    let of_search = [count(Side::A).or(state), count(Side::B), snr];
+    of_search.into_iter().chain(of_pair).chain([time]).map(or_dash).collect()
 }
 
 /// The table of the methods that are shown.
@@ -176,7 +168,7 @@ pub fn methods_table(model: Read<'_>) -> Table {
     let row = |method: MethodId| {
         std::iter::once(method.label().into()).chain(cells(model, method).into_iter().map(cell)).collect()
     };
-    let names: Vec<&str> = std::iter::once("Method").chain(COLUMNS.iter().map(|(name, ..)| *name)).collect();
+    let names: Vec<&str> = std::iter::once("Method").chain(columns().map(|(name, _)| name)).collect();
     Table::new("Methods", &names.join(","), model.methods_shown().into_iter().map(row).collect())
 }
 

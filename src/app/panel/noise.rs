@@ -107,10 +107,8 @@ fn curve_ui(ui: &mut Ui, noise: &NoiseModel) {
         inner.left_bottom() + part * inner.size()
     };
     let steps = (0..=60).map(|i| low + (high - low) * i as f32 / 60.0);
-    painter.line(
-        steps.map(|brightness| place(brightness, sigma_at(brightness))).collect(),
-        Stroke::new(1.5, crate::app::style::ACCENT),
-    );
+    let curve = steps.map(|brightness| place(brightness, sigma_at(brightness))).collect();
+    painter.line(curve, Stroke::new(1.5, crate::app::style::ACCENT));
     for point in points {
         painter.circle_filled(place(point.brightness, point.variance.sqrt()), 2.5, ui.visuals().text_color());
     }

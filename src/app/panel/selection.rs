@@ -90,22 +90,14 @@ fn numbers_ui(ui: &mut Ui, index: usize, f: &Feature, known: KnownOfFeature<'_>,
     grid.show(ui, |ui| {
         let mut row = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
         row("Number", "By |D|·√SNR, the strongest first, from 0 as in files", index.to_string());
-        row(
-            "Place (u, v)",
-            "At mid-burst, pixels; the centre of the first pixel is (0, 0)",
-            format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2)),
-        );
+        let help = "At mid-burst, pixels; the centre of the first pixel is (0, 0)";
+        row("Place (u, v)", help, format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2)));
         let motion = |slope, sigma| without_unit(&motion_text(slope, sigma, 2));
-        row(
-            "Slope, px/frame",
-            "(u, v) of its own motion, refined between the grid's slopes, ± the standard deviation along its least certain direction",
-            motion(f.slope, f.slope_sigma),
-        );
-        row(
-            "Field, px/frame",
-            "(u, v) of the motion of its place, from the field of motion, ± the standard deviation along the least certain direction",
-            f.known_field().map_or_else(|| "unknown".to_owned(), |field| motion(field, f.field_sigma)),
-        );
+        let help = "(u, v) of its own motion, refined between the grid's slopes, ± the standard deviation along its least certain direction";
+        row("Slope, px/frame", help, motion(f.slope, f.slope_sigma));
+        let help = "(u, v) of the motion of its place, from the field of motion, ± the standard deviation along the least certain direction";
+        let field = f.known_field().map_or_else(|| "unknown".to_owned(), |field| motion(field, f.field_sigma));
+        row("Field, px/frame", help, field);
         let layer = usize::try_from(f.layer - 1).ok().and_then(|index| layers.get(index));
         let layer = layer.map_or_else(|| "none".to_owned(), |layer| without_unit(&layer_text(f.layer, layer)));
         row("Layer, px/frame", Quantity::Layer.record().help, layer);

@@ -38,7 +38,7 @@ pub use comparison::ComparisonResults;
 pub use datasets::{BurstState, Dataset, Datasets, Work};
 pub use explained::{coherence_words, verdict_words};
 pub use own::Own;
-pub use pair::{MatchRow, Matches, PATCHES, lost_words};
+pub use pair::{MatchRow, Matches, PAIR_NUMBERS, PATCHES, lost_words};
 pub use probe::ProbeResults;
 pub use slot::{FoundFeatures, Slot, Stale};
 pub use studies::{LabResult, PlaneScene, Spot};

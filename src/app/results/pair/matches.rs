@@ -6,10 +6,27 @@ use crate::detector::quantity::Form;
 use crate::detector::{Detection, Feature};
 use crate::matching::align::Measured;
 use crate::matching::aligned::NARROW;
-use crate::matching::{Match, MatchResult, TwoViewModel};
+use crate::matching::{Match, MatchCounts, MatchResult, TwoViewModel};
 use crate::requests::{MatchRequest, Matched};
 use std::sync::Arc;
 use std::time::Duration;
+
+/// Numbers of the matches of two bursts: name, help, and text, where there is one.
+pub const PAIR_NUMBERS: [(&str, &str, fn(&MatchCounts) -> Option<String>); 5] = [
+    ("Putative", "Matches by descriptors alone", |counts| Some(counts.putative.to_string())),
+    ("Inliers", "Putative matches that agree with the geometry of the two views", |counts| {
+        Some(counts.inliers?.to_string())
+    }),
+    ("Match ratio", "Putative matches over keypoints, mean of A and B", |counts| {
+        share_text(Some(counts.match_ratio()))
+    }),
+    ("Match score", "Inliers over keypoints, mean of A and B", |counts| share_text(counts.match_score())),
+    ("Inlier ratio", "Inliers over putative matches", |counts| share_text(counts.inlier_ratio())),
+];
+
+fn share_text(share: Option<f64>) -> Option<String> {
+    Some(format!("{:.3}", share?))
+}
 
 #[derive(Debug, Clone)]
 pub struct Matches {

@@ -7,7 +7,7 @@ mod matches;
 
 pub use lost::{LostFeatures, PATCHES, lost_words};
 
-pub use matches::{MatchRow, Matches};
+pub use matches::{MatchRow, Matches, PAIR_NUMBERS};
 
 use crate::app::document::{MatchColumn, MatchLook, Order, SavedMatch, Side};
 use crate::app::results::{FoundFeatures, Read};

@@ -100,66 +100,51 @@ fn descriptors_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>, width: f32
 }
 
 fn numbers_ui(ui: &mut Ui, matches: &Matches, row: &MatchRow<'_>) {
-    egui::Grid::new("match numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0).show(
-        ui,
-        |ui| {
-            let mut line = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
-            line("Distance", "Euclidean distance of the two descriptors", format!("{:.1}", row.found.distance));
-            let predicted = row.found.predicted;
-            let how = if predicted.is_some() { "predicted by its motion" } else { "sure, by descriptors alone" };
-            line(
-                "Found",
-                "Among all of B by descriptors alone, or among the places where its motion puts it",
-                how.to_owned(),
-            );
-            let ratio = |ratio: Option<f32>| ratio.map_or_else(|| "no other".to_owned(), |ratio| format!("{ratio:.3}"));
-            let among = predicted.map_or_else(String::new, |predicted| format!(" among {}", predicted.among));
-            let help = "Distance over that to the second nearest; with the mutual check, the larger of both directions";
-            line("Ratio", help, ratio(row.found.ratio) + &among);
-            if let Some(predicted) = predicted {
-                let help = "Distance over that to the nearest other in all of B; above 1 where another is nearer";
-                line("Ratio among all", help, ratio(predicted.ratio_among_all));
-            }
-            let (name, help) = error_words(matches.model());
-            let px = |error: Option<f32>| error.map_or_else(|| "–".to_owned(), |e| format!("{} px", number(e, 3)));
-            line(name, help, px(row.error_px) + if row.aligned.is_some() { " aligned" } else { "" });
-            if let Some(aligned) = row.aligned {
-                line("Error as found", "The same before the alignment has moved both places", px(row.error_found_px));
-                let help = "Agreement of the pictures of both places after they are laid over one another, −1 … 1";
-                line("Correlation", help, format!("{:.2}", aligned.correlation));
-                let help = "Distance of the measured place from where the keypoint's other matches put it";
-                line("Contradiction", help, format!("{} px", number(aligned.residual_px as f32, 2)));
-            }
-            let place_in = |i: usize, side| format!("{i} of {}", matches.detection(side).features.len());
-            line(
-                "Feature in A",
-                "Number in the order of strength, from 0, as in files",
-                place_in(row.found.a, Side::A),
-            );
-            line(
-                "Feature in B",
-                "Number in the order of strength, from 0, as in files",
-                place_in(row.found.b, Side::B),
-            );
-            let place = |f: &Feature| format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2));
-            line("Place in A", "(u, v) at mid-burst", place(row.a));
-            line("Place in B", "(u, v) at mid-burst", place(row.b));
-            let (du, dv) = (row.b.u - row.a.u, row.b.v - row.a.v);
-            line("Shift A to B", "Difference of the places", format!("{}, {} px", signed(du, 2), signed(dv, 2)));
-            line("Scale A, B", "σ, in pixels", format!("{:.2}, {:.2} px", row.a.sigma, row.b.sigma));
-            let slope = |f: &Feature| format!("{} px/frame", signed_slope(f.slope, 3));
-            line("Slope in A", "Apparent motion", slope(row.a));
-            line("Slope in B", "Apparent motion", slope(row.b));
-            let turn = (row.b.orientation - row.a.orientation).to_degrees();
-            let turn = (turn + 180.0).rem_euclid(360.0) - 180.0;
-            line("Rotation A to B", "Difference of the orientations", format!("{}°", signed(turn, 1)));
-            line(
-                "SNR A, B",
-                "|response| over the noise of the DoG at its scale",
-                format!("{:.1}, {:.1}", row.a.snr, row.b.snr),
-            );
-        },
-    );
+    let grid = egui::Grid::new("match numbers").num_columns(2).spacing([12.0, 2.0]).striped(true).min_col_width(96.0);
+    grid.show(ui, |ui| {
+        let mut line = |name: &str, help: &str, value: String| number_row_ui(ui, name, help, &value);
+        line("Distance", "Euclidean distance of the two descriptors", format!("{:.1}", row.found.distance));
+        let predicted = row.found.predicted;
+        let how = if predicted.is_some() { "predicted by its motion" } else { "sure, by descriptors alone" };
+        let help = "Among all of B by descriptors alone, or among the places where its motion puts it";
+        line("Found", help, how.to_owned());
+        let ratio = |ratio: Option<f32>| ratio.map_or_else(|| "no other".to_owned(), |ratio| format!("{ratio:.3}"));
+        let among = predicted.map_or_else(String::new, |predicted| format!(" among {}", predicted.among));
+        let help = "Distance over that to the second nearest; with the mutual check, the larger of both directions";
+        line("Ratio", help, ratio(row.found.ratio) + &among);
+        if let Some(predicted) = predicted {
+            let help = "Distance over that to the nearest other in all of B; above 1 where another is nearer";
+            line("Ratio among all", help, ratio(predicted.ratio_among_all));
+        }
+        let (name, help) = error_words(matches.model());
+        let px = |error: Option<f32>| error.map_or_else(|| "–".to_owned(), |e| format!("{} px", number(e, 3)));
+        line(name, help, px(row.error_px) + if row.aligned.is_some() { " aligned" } else { "" });
+        if let Some(aligned) = row.aligned {
+            line("Error as found", "The same before the alignment has moved both places", px(row.error_found_px));
+            let help = "Agreement of the pictures of both places after they are laid over one another, −1 … 1";
+            line("Correlation", help, format!("{:.2}", aligned.correlation));
+            let help = "Distance of the measured place from where the keypoint's other matches put it";
+            line("Contradiction", help, format!("{} px", number(aligned.residual_px as f32, 2)));
+        }
+        let help = "Number in the order of strength, from 0, as in files";
+        let place_in = |i: usize, side| format!("{i} of {}", matches.detection(side).features.len());
+        line("Feature in A", help, place_in(row.found.a, Side::A));
+        line("Feature in B", help, place_in(row.found.b, Side::B));
+        let place = |f: &Feature| format!("{}, {} px", fixed(f.u, 2), fixed(f.v, 2));
+        line("Place in A", "(u, v) at mid-burst", place(row.a));
+        line("Place in B", "(u, v) at mid-burst", place(row.b));
+        let (du, dv) = (row.b.u - row.a.u, row.b.v - row.a.v);
+        line("Shift A to B", "Difference of the places", format!("{}, {} px", signed(du, 2), signed(dv, 2)));
+        line("Scale A, B", "σ, in pixels", format!("{:.2}, {:.2} px", row.a.sigma, row.b.sigma));
+        let slope = |f: &Feature| format!("{} px/frame", signed_slope(f.slope, 3));
+        line("Slope in A", "Apparent motion", slope(row.a));
+        line("Slope in B", "Apparent motion", slope(row.b));
+        let turn = (row.b.orientation - row.a.orientation).to_degrees();
+        let turn = (turn + 180.0).rem_euclid(360.0) - 180.0;
+        line("Rotation A to B", "Difference of the orientations", format!("{}°", signed(turn, 1)));
+        let help = "|response| over the noise of the DoG at its scale";
+        line("SNR A, B", help, format!("{:.1}, {:.1}", row.a.snr, row.b.snr));
+    });
 }
 
 fn error_words(model: Option<&TwoViewModel>) -> (&'static str, &'static str) {

@@ -5,7 +5,7 @@ use crate::app::document::{Action, MatchColumn, PairTab, Side};
 use crate::app::inspector::match_menu_ui;
 use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
-use crate::app::results::{Matches, Read, lost_words};
+use crate::app::results::{Matches, PAIR_NUMBERS, Read, lost_words};
 use crate::app::view::{fixed, signed_slope};
 use crate::inspect::pair::Lost;
 use crate::matching::{Geometry, MatchCounts};
@@ -46,13 +46,10 @@ pub fn tabs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let row = |ui: &mut Ui| {
         (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
         let is_compared = model.document.comparisons.both().into_iter().any(|set| set.with.is_some());
+        let unmatched = "Features of A that are not inliers, and the step at which each was lost";
         let tabs = [
             (PairTab::Matches, "Matches", "A row for each match"),
-            (
-                PairTab::Unmatched,
-                "Unmatched",
-                "Features of A that are not inliers, and the step at which each was lost",
-            ),
+            (PairTab::Unmatched, "Unmatched", unmatched),
             (PairTab::Compared, "Compared", "Features of the burst in focus, compared with others"),
         ];
         for (tab, name, help) in tabs {
@@ -167,20 +164,9 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>) {
 }
 
 fn rows(counts: &MatchCounts) -> Vec<(&'static str, &'static str, String)> {
-    let share = |x: f64| format!("{x:.3}");
-    let none = || "–".to_owned();
-    vec![
-        ("Keypoints", "Features of A and of B", format!("{} + {}", counts.keypoints_a, counts.keypoints_b)),
-        ("Putative", "Matches by descriptors alone", counts.putative.to_string()),
-        (
-            "Inliers",
-            "Putative matches that agree with the geometry of the two views",
-            counts.inliers.map_or_else(none, |n| n.to_string()),
-        ),
-        ("Match ratio", "Putative matches over keypoints, mean of A and B", share(counts.match_ratio())),
-        ("Match score", "Inliers over keypoints, mean of A and B", counts.match_score().map_or_else(none, share)),
-        ("Inlier ratio", "Inliers over putative matches", counts.inlier_ratio().map_or_else(none, share)),
-    ]
+    let keypoints = format!("{} + {}", counts.keypoints_a, counts.keypoints_b);
+    let numbers = PAIR_NUMBERS.map(|(name, help, of)| (name, help, of(counts).unwrap_or_else(|| "–".to_owned())));
+    std::iter::once(("Keypoints", "Features of A and of B", keypoints)).chain(numbers).collect()
 }
 
 fn without_geometry(matches: &Matches) -> Option<String> {
