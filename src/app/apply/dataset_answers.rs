@@ -125,11 +125,7 @@ fn take_dataset(model: &mut Model, open: OpenDataset, engine: &Engine) -> Vec<Ef
     let (source, folder) = (open.source.clone(), open.folder.clone());
     let choice = DatasetChoice { source, folder, pair: set.map(|set| set.pair).unwrap_or_default() };
     model.document.dataset = Some(choice.within(open.bursts.len()));
-    if let Some(error) = &open.folder_error {
-        model.shell.messages.error("Feature folder", error.clone());
-    } else {
-        model.shell.messages.resolved("Feature folder");
-    }
+    model.shell.messages.settle("Feature folder", open.folder_error.clone().map_or(Ok(()), Err));
     if let Some(dataset) = model.results.datasets.open.as_mut().filter(|_| same) {
         dataset.look_again(open);
         return Vec::new();

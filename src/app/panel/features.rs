@@ -273,28 +273,22 @@ fn feature_tip_ui(ui: &Ui, name: &str, f: &Feature, known: KnownOfFeature<'_>) {
 const TIP_WIDTH: f32 = 320.0;
 
 fn grey_text(model: Read<'_>, layer: &FeatureLayer, scale: &overlay::ColourScale) -> Option<String> {
-    if scale.by == overlay::ColourBy::Of(Quantity::Depth) {
-        return scale.has_unknown().then(|| "Grey: Slopes, Slopes from the set-up gives depths".to_owned());
-    }
-    let grey = |why: &str| scale.has_unknown().then(|| format!("Grey: {why}"));
-    match scale.by {
-        overlay::ColourBy::Of(Quantity::Layer) => return grey("in no layer"),
-        overlay::ColourBy::Of(Quantity::FieldU | Quantity::FieldV | Quantity::FieldSigma) => {
-            return grey("motion of the place unknown");
+    let (coherence, detection) = (&model.results.coherence, &layer.detection);
+    let why = match (scale.by.quantity(), coherence.of(detection), coherence.failure_of(detection)) {
+        (Some(Quantity::Depth), ..) => "Slopes, Slopes from the set-up gives depths".to_owned(),
+        (Some(Quantity::Layer), ..) => "in no layer".to_owned(),
+        (Some(Quantity::FieldU | Quantity::FieldV | Quantity::FieldSigma), ..) => {
+            "motion of the place unknown".to_owned()
         }
-        _ => {}
-    }
-    let why = match (model.results.coherence.of(&layer.detection), model.results.coherence.failure_of(&layer.detection))
-    {
-        (Some(_), _) => "too noisy to tell".to_owned(),
-        (None, Some(why)) => why.to_string(),
-        (None, None) if layer.method.is_some() => "not computed for methods; see One burst".to_owned(),
-        (None, None) => match model.results.coherence.running().and_then(|running| running.progress) {
+        (_, Some(_), _) => "too noisy to tell".to_owned(),
+        (_, None, Some(why)) => why.to_string(),
+        (_, None, None) if layer.method.is_some() => "not computed for methods; see One burst".to_owned(),
+        (_, None, None) => match coherence.running().and_then(|running| running.progress) {
             Some(progress) => format!("being computed, {:.0} %", 100.0 * progress.fraction),
             None => "not computed yet".to_owned(),
         },
     };
-    grey(&why)
+    scale.has_unknown().then(|| format!("Grey: {why}"))
 }
 
 fn features_legend_ui(
