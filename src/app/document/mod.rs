@@ -127,7 +127,7 @@ impl Document {
         self.set_up.is_open = true;
     }
 
-    /// Sets the look but its value ranges, which begin anew where the smoothing changes: with less noise values span less.
+    /// Sets the look but its value ranges; they begin anew where the smoothing changes: less noise spans less.
     pub fn set_look(&mut self, look: Look) {
         if look.smoothing_px != self.look.smoothing_px {
             self.focused_ranges_mut().forget();

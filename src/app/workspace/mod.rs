@@ -19,7 +19,7 @@ use crate::teach::{BottomTab, Workspace};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
 use pair::PairPanels;
 
-/// What the panels of the workspaces keep between passes.
+/// State of the panels of the workspaces between passes.
 #[derive(Default)]
 pub struct WorkspaceState {
     pair: PairPanels,
