@@ -1,6 +1,7 @@
 //! `colmap`: writes the input of COLMAP's mapper from a dataset of bursts.
 
 use super::report::FailureReport;
+use super::search_options::defaults_file;
 use super::{BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, open_options, resolve_bursts};
 use crate::burst::BurstFiles;
 use crate::dataset::{
@@ -77,7 +78,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
     // Files that the command reads must never be replaced by those it writes.
     let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file(), args.pairs.1.as_ref()];
-    let opened = opened.into_iter().flatten().cloned();
+    let opened = opened.into_iter().flatten().cloned().chain(defaults_file());
     let store = FeatureStore::open(&args.out, &job.features)?.and_opened(opened.collect());
     let mut store = store.comparing(comparison);
     let mut gathered = None;

@@ -44,7 +44,7 @@ pub(super) struct Console {
     bar: ProgressBar,
     lines: Arc<Mutex<Lines>>,
     began: Instant,
-    output: OutputArgs,
+    pub output: OutputArgs,
 }
 
 /// Steps of the progress bar: a tenth of a percent each.
@@ -110,10 +110,6 @@ impl Console {
         }
     }
 
-    pub fn writes_json(&self) -> bool {
-        self.output.json
-    }
-
     /// Prints the JSON document of `command`: its version, its name, and the fields of `report`, if JSON was asked for.
     pub fn say_document(&self, command: &str, report: &impl Serialize) -> Result<(), Failure> {
         #[derive(Serialize)]
@@ -143,15 +139,11 @@ impl Console {
     pub fn note(&self, text: &str) {
         self.bar.suspend(|| complain(&format!("note: {text}")));
     }
-
-    pub fn finish(&self) {
-        self.bar.finish_and_clear();
-    }
 }
 
 impl Drop for Console {
     fn drop(&mut self) {
-        self.finish();
+        self.bar.finish_and_clear();
     }
 }
 

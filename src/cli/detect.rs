@@ -13,7 +13,6 @@ use crate::files::path_text;
 use crate::inspect::ProbeCache;
 use crate::inspect::place::{Verdict, kept};
 use crate::inspect::slopes::{is_doubtful, judgement};
-use crate::matching::Camera;
 use crate::monitor::Stage;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -24,7 +23,7 @@ pub(super) struct DetectJob<'a> {
     formats: Vec<ExportFormat>,
     params: &'a SearchParams,
     /// Camera that took the bursts, where known. Bursts of another size are refused.
-    camera: CameraChoice,
+    pub camera: CameraChoice,
     pub rules: OutputRules,
     /// Verdicts of features that are kept; empty where features are not judged.
     verdicts: Vec<Verdict>,
@@ -53,11 +52,6 @@ impl<'a> DetectJob<'a> {
 
     fn files(&self, name: &str) -> Vec<PathBuf> {
         detection_files(self.out, name, &self.formats)
-    }
-
-    /// Bursts of another size are refused.
-    pub fn of_camera(self, camera: Option<Camera>) -> Self {
-        Self { camera: camera.map_or(self.camera, CameraChoice::Known), ..self }
     }
 }
 
@@ -126,7 +120,7 @@ pub(super) fn detect_burst(
     // Comparing given slopes with those that the frames show takes as long as the noise and the field: only where it is
     // asked for, or the search makes them doubtful.
     let judging = Instant::now();
-    let is_asked = || console.writes_json() || is_doubtful(&detection, &params, &burst);
+    let is_asked = || console.output.json || is_doubtful(&detection, &params, &burst);
     let shown = match &finding {
         None if params.method == Method::Buff && is_asked() => {
             Some(find_slopes(&burst, &params, None, &console.monitor)?)

@@ -31,12 +31,12 @@ fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {
     let mut study = chart_study(&args.charts, &args.compared, &args.search, (args.snr.clone(), Vec::new()))?;
     study.chart.uneven.views = args.views;
     let console = Console::new(&args.output)?;
-    let rules = args.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
-    check_figures([&args.plot, &args.table], &rules)?;
+    let rules = args.file.overwrite.rules(&[], &OpenOptions::default(), &[args.search.file.params.as_ref()]);
+    check_figures([&args.plot, &args.file.table], &rules)?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_text(&report))?;
     write_figure(&console, args.plot.as_deref(), &rules, || roc_figure(&report, 0))?;
-    write_figure(&console, args.table.as_deref(), &rules, || methods_table(&report).into())?;
+    write_figure(&console, args.file.table.as_deref(), &rules, || methods_table(&report).into())?;
     console.say_document("evaluate chart", &report)
 }
 

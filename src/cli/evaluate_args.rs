@@ -4,7 +4,7 @@ use super::evaluate_frames::FramesArgs;
 use super::evaluate_matches::MatchesArgs;
 use super::evaluate_poses::PosesArgs;
 use super::study::{FIGURE_FILE, TableArgs, figure_file};
-use super::{ChartsArgs, ComparedArgs, OutputArgs, OverwriteArgs, SearchArgs};
+use super::{ChartsArgs, ComparedArgs, OutputArgs, SearchArgs};
 use crate::burst::ViewGrid;
 use crate::evaluate::NoiseStudy;
 use crate::evaluate::advice::AdviceStudy;
@@ -60,9 +60,6 @@ pub struct EvaluateChartArgs {
     /// Draw the curves of true against false features, one panel a ratio, or write their points as CSV or LaTeX (.tex).
     #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
     pub plot: Option<PathBuf>,
-    /// Write the numbers of each method as CSV or LaTeX (.tex), or as a drawn table.
-    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
-    pub table: Option<PathBuf>,
     #[command(flatten)]
     pub charts: ChartsArgs,
     #[command(flatten)]
@@ -70,7 +67,7 @@ pub struct EvaluateChartArgs {
     #[command(flatten)]
     pub output: OutputArgs,
     #[command(flatten)]
-    pub overwrite: OverwriteArgs,
+    pub file: TableArgs,
 }
 
 const CHART_HELP: &str = "\

@@ -1,7 +1,7 @@
 //! `evaluate frames`: measures how results depend on the number of frames, on charts or in a given burst.
 
 use super::evaluate_tables::{burst_frames_table, burst_frames_text, chart_text, methods_table};
-use super::study::{FIGURE_FILE, chart_study, check_figures, figure_file, write_figure};
+use super::study::{FIGURE_FILE, TableArgs, chart_study, check_figures, figure_file, write_figure};
 use super::{
     BurstSearchArgs, ChartsArgs, ComparedArgs, Console, Failure, INPUT_HELP, Input, OverwriteArgs, open_options,
     resolve_one, resolve_pair,
@@ -42,15 +42,12 @@ pub struct FramesArgs {
     /// Draw what was found over the number of frames, or write its points as CSV or LaTeX (.tex).
     #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
     pub plot: Option<PathBuf>,
-    /// Write the numbers for each number of frames as CSV or LaTeX (.tex), or as a drawn table.
-    #[arg(long, value_name = FIGURE_FILE, value_parser = figure_file())]
-    pub table: Option<PathBuf>,
     #[command(flatten)]
     pub charts: ChartsArgs,
     #[command(flatten)]
     pub run: BurstSearchArgs,
     #[command(flatten)]
-    pub overwrite: OverwriteArgs,
+    pub file: TableArgs,
 }
 
 const FRAMES_HELP: &str = "\
@@ -69,7 +66,7 @@ pub(super) fn run(args: &FramesArgs) -> Result<(), Failure> {
 }
 
 fn rules(args: &FramesArgs, inputs: &[Input]) -> OutputRules {
-    args.overwrite.rules(inputs, &args.run.calibration, &[args.run.search.file.params.as_ref()])
+    args.file.overwrite.rules(inputs, &args.run.calibration, &[args.run.search.file.params.as_ref()])
 }
 
 fn charts(args: &FramesArgs) -> Result<(), Failure> {
@@ -86,11 +83,11 @@ fn charts(args: &FramesArgs) -> Result<(), Failure> {
     let study = chart_study(&args.charts, &args.compared, &args.run.search, (vec![args.snr], counts))?;
     let console = Console::new(&args.run.output)?;
     let rules = rules(args, &[]);
-    check_figures([&args.plot, &args.table], &rules)?;
+    check_figures([&args.plot, &args.file.table], &rules)?;
     let report = study.run(&console.monitor)?;
     console.say(&chart_text(&report))?;
     write_figure(&console, args.plot.as_deref(), &rules, || frames_figure(&report))?;
-    write_figure(&console, args.table.as_deref(), &rules, || methods_table(&report).into())?;
+    write_figure(&console, args.file.table.as_deref(), &rules, || methods_table(&report).into())?;
     console.say_document("evaluate frames", &report)
 }
 
@@ -108,13 +105,13 @@ fn burst(args: &FramesArgs, input: &Path) -> Result<(), Failure> {
     };
     let options = open_options(&inputs, &args.run.calibration)?;
     let rules = rules(args, &inputs);
-    check_figures([&args.plot, &args.table], &rules)?;
+    check_figures([&args.plot, &args.file.table], &rules)?;
     let silent = console.monitor.silent();
     let bursts = inputs.iter().map(|i| i.open(&options, &silent)).collect::<Result<Vec<Burst>, _>>()?;
     let truth = truth_of(&bursts[0]).map_err(|e| Failure::Failed(e.into()))?;
     let report = study.run(&bursts[0], bursts.get(1), truth.as_ref(), &console.monitor)?;
     console.say(&burst_frames_text(&report))?;
     write_figure(&console, args.plot.as_deref(), &rules, || burst_frames_figure(&report))?;
-    write_figure(&console, args.table.as_deref(), &rules, || burst_frames_table(&report).into())?;
+    write_figure(&console, args.file.table.as_deref(), &rules, || burst_frames_table(&report).into())?;
     console.say_document("evaluate frames", &report)
 }

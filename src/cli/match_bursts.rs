@@ -7,7 +7,7 @@ use super::{
     Both, BurstSearchArgs, Console, Failure, MatchingArgs, OverwriteArgs, document, open_options, resolve_pair,
 };
 use crate::burst::Burst;
-use crate::dataset::{DetectedBurst, match_bursts, match_rows};
+use crate::dataset::{CameraChoice, DetectedBurst, match_bursts, match_rows};
 use crate::detector::Detection;
 use crate::detector::params::Word;
 use crate::export::{ExportFormat, FigureAmount, FigureFormat, safe_file_name, write_drawing, write_matches_csv};
@@ -40,7 +40,9 @@ impl From<&TwoViewModel> for Model {
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
     let matching = args.matching.params(&args.run.search.file)?;
-    let mut job = DetectJob::new(&args.out, &args.format, &params)?.of_camera(matching.camera.clone());
+    let mut job = DetectJob::new(&args.out, &args.format, &params)?;
+    // Bursts of another size are refused.
+    job.camera = matching.camera.clone().map_or(job.camera, CameraChoice::Known);
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_pair(&args.a, &args.b, &args.run.calibration)?;
     let options = open_options(&inputs, &args.run.calibration)?;

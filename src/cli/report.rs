@@ -6,7 +6,8 @@ use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{
-    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Tally, Test, explain,
+    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, Slope, SlopeFinding, SlopeGrid, Tally, Test,
+    explain,
 };
 use crate::files::path_text;
 use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
@@ -142,6 +143,7 @@ impl BurstReport {
         [open_secs, slopes_secs, write_secs]: [f32; 3],
     ) -> Self {
         let times = &detection.times;
+        let counts = detection.slopes.slopes().zip(features_at_slopes(detection));
         Self {
             name: name.to_owned(),
             inputs,
@@ -169,7 +171,7 @@ impl BurstReport {
             octaves: [detection.octaves.start, detection.octaves.end],
             slope_grid: detection.slopes,
             slopes_found,
-            slopes: slope_counts(detection),
+            slopes: counts.map(|(Slope { u, v }, features)| SlopeCount { u, v, features }).collect(),
             tally: detection.tally,
             times: TimesReport {
                 open_secs,
@@ -183,11 +185,6 @@ impl BurstReport {
             advice: advice.map(Into::into),
         }
     }
-}
-
-pub(super) fn slope_counts(detection: &Detection) -> Vec<SlopeCount> {
-    let counts = features_at_slopes(detection);
-    detection.slopes.slopes().zip(counts).map(|(s, features)| SlopeCount { u: s.u, v: s.v, features }).collect()
 }
 
 const SLOPES_SHOWN: usize = 25;

@@ -183,7 +183,8 @@ fn set_up<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SetUp>, D
 }
 
 fn params<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Option<SearchParams>, D::Error> {
-    let params = SearchParams::of_table(toml::Table::deserialize(deserializer)?).map_err(de::Error::custom)?;
+    let params =
+        SearchParams::default().with_table(toml::Table::deserialize(deserializer)?).map_err(de::Error::custom)?;
     params.validate().map_err(wrong)?;
     Ok(Some(params))
 }

@@ -6,10 +6,11 @@ use serde::{Deserialize, Serialize};
 use std::ops::RangeInclusive;
 
 /// Kind of a synthetic burst.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TruthKind {
     /// Discs on an even background.
+    #[default]
     Chart,
     /// Textured layers.
     Scene,
@@ -20,7 +21,7 @@ pub enum TruthKind {
 }
 
 /// Truth of a synthetic burst. Positions are image pixels at `t0`, the centre of the first pixel is (0, 0).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Truth {
     /// Kind of the burst.
@@ -92,14 +93,10 @@ impl Truth {
             height,
             frames,
             t0: 0.5 * (frames as f64 - 1.0),
-            times: Vec::new(),
-            views: Vec::new(),
-            mask_columns: 0,
             seed,
             noise: NoiseTruth::of(camera, background, snr),
             black_level: camera.black_level,
-            layers: Vec::new(),
-            features: Vec::new(),
+            ..Self::default()
         }
     }
 
@@ -183,7 +180,7 @@ pub struct LayerTruth {
 }
 
 /// Round blob with known position and motion.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FeatureTruth {
     /// Running number.

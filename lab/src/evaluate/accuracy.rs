@@ -309,17 +309,7 @@ mod tests {
 
     #[test]
     fn ranges_follow_a_turned_grid() {
-        let disc = |slope_u, slope_v| FeatureTruth {
-            id: 0,
-            layer: None,
-            u: 0.0,
-            v: 0.0,
-            radius: 5.0,
-            sigma: 3.5,
-            slope_u,
-            slope_v,
-            contrast_sign: 1,
-        };
+        let disc = |slope_u, slope_v| FeatureTruth { slope_u, slope_v, ..FeatureTruth::default() };
         let line = SlopeGrid::line(-1.0..=2.0, 4);
         assert!(reaches(&line, &disc(1.9, 0.0)) && !reaches(&line, &disc(-1.1, 0.0)));
         let down = SlopeGrid::line_along(90.0, -1.0..=2.0, 4);

@@ -229,8 +229,6 @@ fn row(
 
 fn disc_of(feature: &Feature) -> FeatureTruth {
     FeatureTruth {
-        id: 0,
-        layer: None,
         u: f64::from(feature.u),
         v: f64::from(feature.v),
         radius: SQRT_2 * f64::from(feature.sigma),
@@ -238,6 +236,7 @@ fn disc_of(feature: &Feature) -> FeatureTruth {
         slope_u: f64::from(feature.slope.u),
         slope_v: f64::from(feature.slope.v),
         contrast_sign: if feature.response < 0.0 { 1 } else { -1 },
+        ..FeatureTruth::default()
     }
 }
 

@@ -280,12 +280,9 @@ impl RecoverStudy {
             t0: -ground.offset(0).u,
             times: ground.cache.trail.frames().2.list(),
             views: ground.cache.trail.frames().2.views(),
-            mask_columns: 0,
             seed,
-            noise: None,
-            black_level: 0.0,
-            layers: Vec::new(),
             features: planted.iter().map(|one| one.truth).collect(),
+            ..Truth::default()
         };
         Ok((copy, truth))
     }

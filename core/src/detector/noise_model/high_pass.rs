@@ -133,7 +133,8 @@ impl HighPass {
                 // Elsewhere the patches are combined before the filter, which is linear: once instead of three times.
                 for (&(t, weight), at) in contrast.iter().zip(places()) {
                     let of_frame = halved_patch(frames[t], at);
-                    patch.iter_mut().flatten().zip(of_frame.iter().flatten()).for_each(|(sum, x)| *sum += weight * x);
+                    let sums = patch.as_flattened_mut().iter_mut().zip(of_frame.as_flattened());
+                    sums.for_each(|(sum, x)| *sum += weight * x);
                 }
                 let mut power = 0.0;
                 filter(&patch, &mut |value| power += value * value);

@@ -80,15 +80,11 @@ impl SearchParams {
         Ok(params)
     }
 
-    /// Parameters of a file's table; missing fields follow from the rules that the file chooses.
+    /// As [`Self::with_toml`], from a file's table, unchecked.
     ///
     /// # Errors
     /// The first value that cannot be read.
-    pub fn of_table(table: Table) -> Result<Self, String> {
-        Self::default().with_table(table)
-    }
-
-    fn with_table(self, table: Table) -> Result<Self, String> {
+    pub fn with_table(self, table: Table) -> Result<Self, String> {
         let given: Self = table.clone().try_into().map_err(|e: toml::de::Error| e.to_string())?;
         let base = if table.contains_key(doc::RULES.name) { self.under(given.rules) } else { self };
         let mut whole = Table::try_from(&base).expect("parameters are plain values, which TOML can always hold");
