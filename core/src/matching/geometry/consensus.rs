@@ -26,13 +26,11 @@ pub(super) trait Problem {
     /// Number of matches that determine a model, up to a few solutions.
     const SAMPLE_SIZE: usize;
 
-    fn count(&self) -> usize;
-
     /// Appends the models that fit the sample exactly; none for a degenerate sample.
     fn solve(&self, sample: &[usize], models: &mut Vec<Self::Model>);
 
-    /// Squared error of a match under a model; infinite where it is undefined.
-    fn squared_error(&self, model: &Self::Model, index: usize) -> f64;
+    /// Squared error of each match under a model; infinite where it is undefined.
+    fn squared_errors(&self, model: &Self::Model) -> impl Iterator<Item = f64>;
 
     /// Whether a step of [`Self::refit`] may be too long and is shortened by damping.
     const IS_DAMPED: bool = false;
@@ -64,8 +62,7 @@ pub(super) fn estimate<P: Problem>(
     monitor: &Monitor,
 ) -> Result<(Option<P::Model>, usize), Cancelled> {
     monitor.check()?;
-    let count = problem.count();
-    debug_assert_eq!(count, order.len(), "each match has its place in the order");
+    let count = order.len();
     if count < P::SAMPLE_SIZE {
         return Ok((None, 0));
     }
@@ -92,8 +89,7 @@ pub(super) fn estimate<P: Problem>(
             if best.as_ref().is_some_and(|(_, cost)| candidate.1 >= *cost) {
                 continue;
             }
-            let is_inlier = |index: &usize| loss.is_inlier(problem.squared_error(&candidate.0, *index));
-            let inliers = (0..count).filter(is_inlier).count();
+            let inliers = problem.squared_errors(&candidate.0).filter(|error| loss.is_inlier(*error)).count();
             best = Some(candidate);
             // The more inliers, the fewer samples until one of inliers alone is as good as certain.
             needed = iterations_needed(inliers, count, P::SAMPLE_SIZE, f64::from(params.confidence))
@@ -135,8 +131,8 @@ fn finished<P: Problem>(
 
 fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64) -> Option<f64> {
     let mut sum = 0.0;
-    for index in 0..problem.count() {
-        sum += loss.cost(problem.squared_error(model, index));
+    for squared_error in problem.squared_errors(model) {
+        sum += loss.cost(squared_error);
         if sum >= limit {
             return None;
         }
@@ -147,13 +143,12 @@ fn cost_below<P: Problem>(problem: &P, model: &P::Model, loss: &Loss, limit: f64
 /// Descends to the nearest local minimum of the cost, by reweighted least squares; never to a worse model.
 fn polish<P: Problem>(problem: &P, model: P::Model, cost: f64, loss: &Loss) -> (P::Model, f64) {
     let mut best = (model, cost);
-    let mut weights = vec![0.0; problem.count()];
+    let mut weights = Vec::new();
     let (mut damping, after_success, after_failure, max) = DAMPING;
     for _ in 0..POLISH_STEPS {
-        for (index, weight) in weights.iter_mut().enumerate() {
-            // Weights of the last model: each step solves a quadratic problem.
-            *weight = loss.weight(problem.squared_error(&best.0, index));
-        }
+        // Weights of the last model: each step solves a quadratic problem.
+        weights.clear();
+        weights.extend(problem.squared_errors(&best.0).map(|error| loss.weight(error)));
         // A damped step without gain is tried again, shorter; an undamped one ends the descent.
         let step = loop {
             let Some(model) = problem.refit(&best.0, &weights, damping) else { break None };
@@ -352,16 +347,12 @@ mod tests {
         type Model = f64;
         const SAMPLE_SIZE: usize = 1;
 
-        fn count(&self) -> usize {
-            self.0.len()
-        }
-
         fn solve(&self, sample: &[usize], models: &mut Vec<f64>) {
             models.push(self.0[sample[0]]);
         }
 
-        fn squared_error(&self, model: &f64, index: usize) -> f64 {
-            (self.0[index] - model).powi(2)
+        fn squared_errors(&self, model: &f64) -> impl Iterator<Item = f64> {
+            self.0.iter().map(move |x| (x - model).powi(2))
         }
 
         fn refit(&self, _: &f64, weights: &[f64], _: f64) -> Option<f64> {

@@ -26,18 +26,16 @@ impl Problem for EssentialProblem<'_> {
     type Model = Matrix3<f64>;
     const SAMPLE_SIZE: usize = 5;
 
-    fn count(&self) -> usize {
-        self.pairs.len()
-    }
-
     fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
         let pairs: [&RayPair; 5] = std::array::from_fn(|i| &self.pairs[sample[i]]);
         models.extend(from_five(&pairs));
     }
 
-    fn squared_error(&self, model: &Matrix3<f64>, index: usize) -> f64 {
-        let (value, squared_gradient) = equation(model, &self.pairs[index], self.focal_px);
-        if squared_gradient > 0.0 { value * value / squared_gradient } else { f64::INFINITY }
+    fn squared_errors(&self, model: &Matrix3<f64>) -> impl Iterator<Item = f64> {
+        self.pairs.iter().map(move |pair| {
+            let (value, squared_gradient) = equation(model, pair, self.focal_px);
+            if squared_gradient > 0.0 { value * value / squared_gradient } else { f64::INFINITY }
+        })
     }
 
     const IS_DAMPED: bool = true;

@@ -30,17 +30,13 @@ impl Problem for FundamentalProblem<'_> {
     type Model = Matrix3<f64>;
     const SAMPLE_SIZE: usize = 7;
 
-    fn count(&self) -> usize {
-        self.pairs.len()
-    }
-
     fn solve(&self, sample: &[usize], models: &mut Vec<Matrix3<f64>>) {
         let pairs: [&RayPair; 7] = std::array::from_fn(|i| &self.pairs[sample[i]]);
         models.extend(from_seven(&pairs).into_iter().filter(|f| is_oriented(f, &pairs)));
     }
 
-    fn squared_error(&self, model: &Matrix3<f64>, index: usize) -> f64 {
-        sampson_squared(model, &self.pairs[index])
+    fn squared_errors(&self, model: &Matrix3<f64>) -> impl Iterator<Item = f64> {
+        self.pairs.iter().map(move |pair| sampson_squared(model, pair))
     }
 
     fn refit(&self, model: &Matrix3<f64>, weights: &[f64], _: f64) -> Option<Matrix3<f64>> {
@@ -215,10 +211,6 @@ impl Problem for HomographyProblem<'_> {
     type Model = Homography;
     const SAMPLE_SIZE: usize = 4;
 
-    fn count(&self) -> usize {
-        self.pairs.len()
-    }
-
     fn solve(&self, sample: &[usize], models: &mut Vec<Homography>) {
         let pairs: [&RayPair; 4] = std::array::from_fn(|i| &self.pairs[sample[i]]);
         // A cheap test before the solution, which many samples with outliers fail.
@@ -233,8 +225,8 @@ impl Problem for HomographyProblem<'_> {
         models.extend(Homography::oriented(&matrix_of(&h), pairs.into_iter()));
     }
 
-    fn squared_error(&self, model: &Homography, index: usize) -> f64 {
-        squared_error(model, &self.pairs[index])
+    fn squared_errors(&self, model: &Homography) -> impl Iterator<Item = f64> {
+        self.pairs.iter().map(move |pair| squared_error(model, pair))
     }
 
     fn refit(&self, model: &Homography, weights: &[f64], _: f64) -> Option<Homography> {
