@@ -10,15 +10,10 @@ use crate::burst::Burst;
 use crate::detector::describe::Described;
 use crate::detector::feature::{Feature, Tally};
 use crate::detector::params::{DetectorParams, NoiseGate, NoiseModelKind, SearchSlopes, Slope, SlopeGrid};
-use crate::detector::search::setup::{Inputs, KnownSlopes, Search};
+use crate::detector::search::setup::{KnownSlopes, Search};
 use crate::detector::search::slope_window::OtherSlopes;
 use std::collections::HashMap;
 use std::sync::Arc;
-
-/// Earlier search of the same frames, which differs in its slopes and perhaps in parameters judged afterwards.
-pub(super) struct Earlier<'a> {
-    trail: &'a Trail,
-}
 
 /// Number of slopes of a search with `params` that an earlier search of the same frames with `searched` covers: 0 where
 /// nothing can be taken over. (In noise with very light tails a higher gate may be less strict; all are searched then.)
@@ -50,30 +45,20 @@ fn known_slopes(grid: &SlopeGrid, earlier: &SlopeGrid) -> Vec<Option<usize>> {
     grid.slopes().map(|slope| known.get(&bits(slope)).copied()).collect()
 }
 
-impl<'a> Earlier<'a> {
-    /// `None` where a search of `burst` with `params` has nothing to take over from `trail`.
-    pub(super) fn of(trail: &'a Trail, burst: &Burst, params: &DetectorParams) -> Option<Self> {
+impl Trail {
+    /// Number of slopes that a search of `burst` with `params` would take over from this one.
+    pub fn known_slopes(&self, burst: &Burst, params: &DetectorParams) -> usize {
         let used = params.used_frames(burst.len());
         let read = &burst.frames[used.clone()];
-        let same_frames = read.len() == trail.inputs.read.len()
-            && burst.positions.part(used) == trail.inputs.times.positions
-            && read.iter().zip(&trail.inputs.read).all(|(one, other)| Arc::ptr_eq(one, other));
-        let is_after = || shared_slopes(params, &trail.outcome.params) > 0;
-        (same_frames && is_after()).then_some(Self { trail })
+        let same_frames = read.len() == self.inputs.read.len()
+            && burst.positions.part(used) == self.inputs.times.positions
+            && read.iter().zip(&self.inputs.read).all(|(one, other)| Arc::ptr_eq(one, other));
+        if same_frames { shared_slopes(params, &self.outcome.params) } else { 0 }
     }
 
-    /// Continues `trail`, which searched some slopes of the new search with the same inputs.
-    pub(super) fn begun(trail: &'a Trail) -> Self {
-        Self { trail }
-    }
-
-    pub(super) fn inputs(&self, params: &DetectorParams) -> Inputs {
-        self.trail.inputs.judged_with(params)
-    }
-
-    /// Results of the earlier search for `search`; `None` where it might have missed keypoints at the same slopes.
-    pub(super) fn known(&self, search: &Search<'_>) -> Option<KnownSlopes<'a>> {
-        let outcome = &*self.trail.outcome;
+    /// Results of this search for `search`; `None` where it might have missed keypoints at the same slopes.
+    pub(super) fn known(&self, search: &Search<'_>) -> Option<KnownSlopes<'_>> {
+        let outcome = &*self.outcome;
         let bases = outcome.bases.as_ref()?;
         let slopes = known_slopes(&search.grid, &outcome.params.used_slopes());
         let judged = outcome.judged(search, &sigma_d(search), &slopes)?;
@@ -91,13 +76,13 @@ impl<'a> Earlier<'a> {
     }
 
     /// Takes over features of `known` keypoints of `outcome` with the same neighbours among the slopes of `grid`.
-    pub(super) fn describe(&self, grid: &SlopeGrid, known: &KnownSlopes<'_>, outcome: &mut Outcome) {
-        let earlier = self.trail.inputs.params.used_slopes();
+    pub(super) fn lend_features(&self, grid: &SlopeGrid, known: &KnownSlopes<'_>, outcome: &mut Outcome) {
+        let earlier = self.inputs.params.used_slopes();
         // Features read D at neighbouring slopes: other steps or neighbours make other features.
         let same_steps = [grid.u.step(), grid.v.step(), grid.direction_deg]
             == [earlier.u.step(), earlier.v.step(), earlier.direction_deg]
             && grid.is_plane() == earlier.is_plane();
-        if !same_steps || outcome.described.is_empty() || self.trail.outcome.described.is_empty() {
+        if !same_steps || outcome.described.is_empty() || self.outcome.described.is_empty() {
             return;
         }
         let stays = |index: usize| {
@@ -107,7 +92,7 @@ impl<'a> Earlier<'a> {
             same.then_some(own)
         };
         let own_of: Vec<Option<usize>> = (0..grid.len()).map(stays).collect();
-        let earlier = &self.trail.outcome;
+        let earlier = &self.outcome;
         let numbers: HashMap<SampleKey, usize> = earlier.keypoints.iter().map(sample_key).zip(0..).collect();
         for (keypoint, described) in outcome.keypoints.iter().zip(&mut outcome.described) {
             let Some(own) = own_of[keypoint.slope_index] else { continue };

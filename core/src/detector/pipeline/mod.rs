@@ -25,7 +25,6 @@ use crate::detector::along::Along;
 use crate::detector::describe::{self, Described, Describing};
 use crate::detector::field::{MotionField, motion_field};
 use crate::detector::pipeline::choice::{Choice, Chooser};
-use crate::detector::pipeline::earlier::Earlier;
 use crate::detector::pipeline::outcome::{Outcome, PassingKeypoints, sigma_d};
 use crate::detector::search::SEARCH_PART;
 use crate::detector::search::around_field::SlopesAround;
@@ -97,9 +96,10 @@ fn search_all(
     let (plan, _share) = account.plan(SearchSize { params, frames, size: burst.size() }, budget)?;
     plan.run(|| {
         // Noise and cleaned frames of an earlier search are taken over, so that only slopes remain to be searched.
-        let mut earlier = keeping.and_then(|keeping| Earlier::of(keeping.earlier?, burst, params));
-        let mut inputs = match &earlier {
-            Some(earlier) => earlier.inputs(params),
+        let earlier = keeping.and_then(|keeping| keeping.earlier);
+        let earlier = earlier.filter(|earlier| earlier.known_slopes(burst, params) > 0);
+        let mut inputs = match earlier {
+            Some(earlier) => earlier.inputs.judged_with(params),
             None => Inputs::new(burst, params, monitor)?,
         };
         let grid = params.used_slopes();
@@ -113,8 +113,7 @@ fn search_all(
             Some(keeping) => Some(search_first(&inputs, field.as_ref(), keeping.first, monitor)?),
             None => None,
         };
-        earlier = earlier.or_else(|| begun.as_ref().map(Earlier::begun));
-        search_inputs(inputs, field, &plan, keeping.is_some(), earlier.as_ref(), times, monitor)
+        search_inputs(inputs, field, &plan, keeping.is_some(), earlier.or(begun.as_ref()), times, monitor)
     })
 }
 
@@ -149,7 +148,7 @@ fn search_inputs(
     field: Option<Arc<MotionField>>,
     plan: &Plan,
     keeps: bool,
-    earlier: Option<&Earlier<'_>>,
+    earlier: Option<&Trail>,
     mut times: StageTimes,
     monitor: &Monitor,
 ) -> Result<Trail> {
@@ -163,7 +162,7 @@ fn search_inputs(
     times.search_secs = started.elapsed().as_secs_f32();
     let mut outcome = Outcome::new(&search, searched, &plan.describe, tallies, keeps, field);
     if let (Some(earlier), Some(known)) = (earlier, &known) {
-        earlier.describe(&search.grid, known, &mut outcome);
+        earlier.lend_features(&search.grid, known, &mut outcome);
     }
     let passing = outcome.all();
     let (choice, detection) = choose(&search, &outcome, &passing, &Along::new(&inputs), times)?;
@@ -227,11 +226,6 @@ impl Trail {
         let mut judged = Self::new(inputs, self.outcome.clone(), passing, choice, detection).ready();
         judged.search_secs = self.search_secs;
         Ok(Some(judged))
-    }
-
-    /// Number of slopes that a search of `burst` with `params` would take over from this one.
-    pub fn known_slopes(&self, burst: &Burst, params: &DetectorParams) -> usize {
-        Earlier::of(self, burst, params).map_or(0, |_| shared_slopes(params, &self.outcome.params))
     }
 
     /// Searches the same frames in another order: the frame at place i among the kept ones gets the time of the frame
