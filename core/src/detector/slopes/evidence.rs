@@ -9,7 +9,7 @@
 
 use super::lags::Lags;
 use super::peak::{SearchTable, Track};
-use super::spectra::{CrossSpectra, Fourier, PairSpectra, SIDE, Scratch};
+use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};
 use crate::detector::params::{Slope, SlopeAxis, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -132,7 +132,7 @@ impl Looking<'_> {
                 products.forget_lags(self.ignored_lags);
                 let area = [u..u + SIDE, v..v + SIDE];
                 evidence.extend(self.evidence(level, &products, 1.0, &area, &mut scratch));
-                sum.products.add(&products);
+                sum.lags.add(&products);
                 self.fourier.add_pairs(&mut sum.pairs, self.lags, &scratch);
                 sum.widen(area, 1);
             }
@@ -142,7 +142,7 @@ impl Looking<'_> {
 
     fn of_sum(&self, level: usize, sum: &Sum, scratch: &mut Scratch) -> Option<SlopeEvidence> {
         let is_of_several = sum.windows > 1;
-        is_of_several.then(|| self.evidence(level, &sum.products, SHARED_NOISE, &sum.area, scratch))?
+        is_of_several.then(|| self.evidence(level, &sum.lags, SHARED_NOISE, &sum.area, scratch))?
     }
 
     fn evidence(
@@ -153,7 +153,7 @@ impl Looking<'_> {
         [columns, rows]: &[Range<usize>; 2],
         scratch: &mut Scratch,
     ) -> Option<SlopeEvidence> {
-        let planes = self.fourier.correlations(&products.lags, scratch);
+        let planes = self.fourier.correlations(&products.products, scratch);
         let variance: Vec<f64> = products.variance.iter().map(|v| v * more_variance).collect();
         let peak = self.table.strongest(&planes, &variance)?;
         let level = self.first_level + level as u32;
@@ -176,8 +176,10 @@ fn starts(length: usize) -> Vec<usize> {
 }
 
 pub(super) struct Sum {
-    pub products: CrossSpectra,
-    pub pairs: PairSpectra,
+    /// Products of each lag.
+    pub lags: CrossSpectra,
+    /// Products of each pair of [`Lags::near`].
+    pub pairs: CrossSpectra,
     windows: usize,
     /// Columns and rows that the windows cover, level pixels.
     area: [Range<usize>; 2],
@@ -185,12 +187,12 @@ pub(super) struct Sum {
 
 impl Sum {
     fn new(lags: &Lags) -> Self {
-        let (products, pairs) = (CrossSpectra::zeros(lags), PairSpectra::zeros(lags));
-        Self { products, pairs, windows: 0, area: [0..0, 0..0] }
+        let (lags, pairs) = (CrossSpectra::zeros(lags.by_lag.len()), CrossSpectra::zeros(lags.near.len()));
+        Self { lags, pairs, windows: 0, area: [0..0, 0..0] }
     }
 
     fn add(&mut self, other: &Self) {
-        self.products.add(&other.products);
+        self.lags.add(&other.lags);
         self.pairs.add(&other.pairs);
         if other.windows > 0 {
             self.widen(other.area.clone(), other.windows);

@@ -71,6 +71,11 @@ impl Lags {
         Self { frames, by_lag: pairs, distances, near: near.collect() }
     }
 
+    /// Number of pairs of frames that follow one another, which come first in `near`.
+    pub fn neighbours(&self) -> usize {
+        self.frames.saturating_sub(1)
+    }
+
     /// Number of pairs of `lag`, from 1.
     pub fn pairs(&self, lag: usize) -> usize {
         self.by_lag[lag - 1].len()

@@ -99,7 +99,7 @@ pub fn find_slopes(
     let lags = Lags::of(&positions);
     let (mut seen, mut table) = look((&frames, &lags), (levels.clone(), 0), track, &fourier, monitor)?;
     let whole = seen.wholes.first().filter(|_| !are_views);
-    let shared = whole.map_or(0, |whole| peak::lags_of_shared_noise(&whole.products, &whole.pairs, &lags, &fourier));
+    let shared = whole.map_or(0, |whole| peak::lags_of_shared_noise(whole, &lags, &fourier));
     // Shared noise peaks at shift 0 like a scene that stands still: look again without its lags.
     if shared > 0 {
         (seen, table) = look((&frames, &lags), (levels.clone(), shared), track, &fourier, monitor)?;
@@ -108,7 +108,7 @@ pub fn find_slopes(
     let size = Size { gaps: positions.span(), pixels: burst.size() };
     let finding = conclude(&seen, steps, direction_deg, size);
     // Views follow no time, and shared noise hides the shifts of neighbours: neither has a path.
-    let path = if are_views || shared > 0 { None } else { path_of(&seen, &fourier, levels.start) };
+    let path = if are_views || shared > 0 { None } else { path_of(&seen, &lags, &fourier, levels.start) };
     let is_told = is_even && (event::MIN_FRAMES..=event::MAX_FRAMES).contains(&frames.len());
     let blocks = seen.blocks.first().filter(|_| is_told);
     let blocks = blocks.map(|blocks| Blocks::of(blocks, (&lags, shared), levels.start, &fourier));
@@ -353,10 +353,10 @@ fn agreement(significant: &[SlopeEvidence], grid: &SlopeGrid, steps: Steps) -> f
 }
 
 /// Path of the picture, image pixels, at the finest level that can measure it.
-fn path_of(seen: &Seen, fourier: &Fourier, first_level: u32) -> Option<Path> {
+fn path_of(seen: &Seen, lags: &Lags, fourier: &Fourier, first_level: u32) -> Option<Path> {
     let mut levels = seen.wholes.iter().zip(first_level..);
     levels.find_map(|(whole, level)| {
-        let Path { way, error, noise, .. } = peak::path(&whole.pairs, fourier)?;
+        let Path { way, error, noise, .. } = peak::path(&whole.pairs, lags, fourier)?;
         let unit = f64::from(1u32 << level);
         let way = way.iter().map(|x| x.map(|x| x * unit)).collect();
         Some(Path { way, error: error * unit, noise: noise * unit, pixel: unit })
@@ -369,9 +369,9 @@ fn spectrum(seen: &Seen, table: &SearchTable, first_level: u32) -> SlopeSpectrum
     };
     let unit = f64::from(1u32 << first_level);
     let fourier = Fourier::new();
-    let planes = fourier.correlations(&whole.products.lags, &mut fourier.scratch(0));
+    let planes = fourier.correlations(&whole.lags.products, &mut fourier.scratch(0));
     let slopes = table.slopes.iter().map(|s| Slope::new((s[0] * unit) as f32, (s[1] * unit) as f32)).collect();
-    let significance = table.scores(&planes, &whole.products.variance).into_iter().map(|s| s as f32).collect();
+    let significance = table.scores(&planes, &whole.lags.variance).into_iter().map(|s| s as f32).collect();
     SlopeSpectrum { slopes, significance }
 }
 

@@ -9,8 +9,9 @@
 //! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a
 //! whole. The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
 
+use super::evidence::Sum;
 use super::lags::Lags;
-use super::spectra::{CrossSpectra, Fourier, PairSpectra, SIDE};
+use super::spectra::{CrossSpectra, Fourier, SIDE};
 use crate::burst::Offset;
 
 /// Largest shift used, level pixels: at larger ones little of the window overlaps.
@@ -310,9 +311,10 @@ impl Path {
 const MIN_SEEN: f32 = 0.2;
 
 /// Path of the picture as a whole, level pixels; `None` where pairs are too noisy or the picture moves in parts.
-pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
-    let neighbours = pairs.neighbours();
-    let variance = pairs.variance[..neighbours.len()].iter().sum::<f64>() / neighbours.len() as f64;
+pub(super) fn path(pairs: &CrossSpectra, lags: &Lags, fourier: &Fourier) -> Option<Path> {
+    let (neighbours, next) = pairs.products.split_at(lags.neighbours());
+    let (of_neighbours, of_next) = pairs.variance.split_at(lags.neighbours());
+    let variance = of_neighbours.iter().sum::<f64>() / neighbours.len() as f64;
     if neighbours.len() < 2 || variance <= 0.0 {
         return None;
     }
@@ -325,7 +327,6 @@ pub(super) fn path(pairs: &PairSpectra, fourier: &Fourier) -> Option<Path> {
         way.push([x + u, y + v]);
     }
     // Frames two apart measure the sum of two shifts independently.
-    let (next, of_next) = (&pairs.products[neighbours.len()..], &pairs.variance[neighbours.len()..]);
     let next = fourier.correlations(&next[..neighbours.len() - 1], &mut fourier.scratch(0));
     // Of several motions now one and now another is the strongest: their shifts do not add up.
     let adds_up = |((plane, variance), ends): ((&Vec<f32>, &f64), &[[f64; 2]])| {
@@ -353,17 +354,17 @@ fn largest_at(plane: &[f32]) -> usize {
 
 /// Number of lags, from 1 on, at which frames have noise in common: the correlation is largest at shift 0, for most
 /// pairs of neighbours too (where a scene moves to and fro they show the shifts), and far smaller at the next lag.
-pub(super) fn lags_of_shared_noise(cross: &CrossSpectra, pairs: &PairSpectra, lags: &Lags, fourier: &Fourier) -> usize {
-    let pairs = fourier.correlations(pairs.neighbours(), &mut fourier.scratch(0));
+pub(super) fn lags_of_shared_noise(sum: &Sum, lags: &Lags, fourier: &Fourier) -> usize {
+    let pairs = fourier.correlations(&sum.pairs.products[..lags.neighbours()], &mut fourier.scratch(0));
     if 2 * pairs.iter().filter(|pair| largest_at(pair) == 0).count() <= pairs.len() {
         return 0;
     }
-    let planes = fourier.correlations(&cross.lags, &mut fourier.scratch(0));
+    let planes = fourier.correlations(&sum.lags.products, &mut fourier.scratch(0));
     let largest = |lag: usize| {
         let plane = &planes[lag - 1];
         let at = largest_at(plane);
         let pairs = lags.pairs(lag) as f64;
-        (at, f64::from(plane[at]) / pairs, cross.variance[lag - 1].sqrt() / pairs)
+        (at, f64::from(plane[at]) / pairs, sum.lags.variance[lag - 1].sqrt() / pairs)
     };
     // A scene that stands still correlates as well at the next lag; noise of few frames does not.
     let is_noise = |lag: usize| {

@@ -56,50 +56,22 @@ fn add_conjugate_products(a_re: &[f32], a_im: &[f32], b_re: &[f32], b_im: &[f32]
     }
 }
 
-/// Products of pairs of frames over one or many windows.
+/// Products of pairs of frames over one or many windows: of each pair, or summed over the pairs of a lag.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct CrossSpectra {
-    /// Products summed over the pairs of lag 1, 2, ….
-    pub lags: Vec<Spectrum>,
-    /// For each lag, the variance of a value of the correlation if the frames had nothing in common.
-    pub variance: Vec<f64>,
-}
-
-/// Products of the pairs of [`Lags::near`], one by one, over one or many windows.
-#[derive(Debug, Clone, PartialEq)]
-pub(super) struct PairSpectra {
     pub products: Vec<Spectrum>,
-    /// Variance of a value of each pair's correlation if the frames had nothing in common.
+    /// For each product, the variance of a value of the correlation if the frames had nothing in common.
     pub variance: Vec<f64>,
-    frames: usize,
-}
-
-impl PairSpectra {
-    pub fn zeros(of: &Lags) -> Self {
-        let pairs = of.near.len();
-        Self { products: vec![Spectrum::zeros(); pairs], variance: vec![0.0; pairs], frames: of.frames }
-    }
-
-    pub fn add(&mut self, other: &Self) {
-        self.products.iter_mut().zip(&other.products).for_each(|(a, b)| a.add(b));
-        self.variance.iter_mut().zip(&other.variance).for_each(|(a, b)| *a += b);
-    }
-
-    /// Products of frames t and t + 1.
-    pub fn neighbours(&self) -> &[Spectrum] {
-        &self.products[..self.frames.saturating_sub(1)]
-    }
 }
 
 impl CrossSpectra {
-    pub fn zeros(of: &Lags) -> Self {
-        let lags = of.by_lag.len();
-        Self { lags: vec![Spectrum::zeros(); lags], variance: vec![0.0; lags] }
+    pub fn zeros(count: usize) -> Self {
+        Self { products: vec![Spectrum::zeros(); count], variance: vec![0.0; count] }
     }
 
     /// Removes the first `count` lags, at which frames share noise; the noise of the others then repeats itself.
     pub fn forget_lags(&mut self, count: usize) {
-        self.lags.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
+        self.products.iter_mut().take(count).for_each(|lag| *lag = Spectrum::zeros());
         // Each product of noise then occurs up to (count + 1)² times, once for each pair that shares it.
         let repeated = ((count + 1) * (count + 1)) as f64;
         for (lag, variance) in self.variance.iter_mut().enumerate() {
@@ -108,7 +80,7 @@ impl CrossSpectra {
     }
 
     pub fn add(&mut self, other: &Self) {
-        self.lags.iter_mut().zip(&other.lags).for_each(|(a, b)| a.add(b));
+        self.products.iter_mut().zip(&other.products).for_each(|(a, b)| a.add(b));
         self.variance.iter_mut().zip(&other.variance).for_each(|(a, b)| *a += b);
     }
 }
@@ -162,7 +134,7 @@ impl Fourier {
         Scratch { packed: vec![zero; AREA], turned: vec![zero; AREA], fft: vec![zero; length], frames, energy }
     }
 
-    /// Products for the window of `frames` whose first pixel is (`u`, `v`).
+    /// Products of each lag for the window of `frames` whose first pixel is (`u`, `v`).
     pub fn products(
         &self,
         frames: &[Plane],
@@ -184,8 +156,8 @@ impl Fourier {
                 *e = re * re + im * im;
             }
         }
-        let mut out = CrossSpectra::zeros(lags);
-        for ((lag, pairs), of_lag) in out.lags.iter_mut().zip(&lags.by_lag).zip(&mut out.variance) {
+        let mut out = CrossSpectra::zeros(lags.by_lag.len());
+        for ((lag, pairs), of_lag) in out.products.iter_mut().zip(&lags.by_lag).zip(&mut out.variance) {
             let mut variance = 0.0;
             for &(s, t) in pairs {
                 lag.add_product(&scratch.frames[s], &scratch.frames[t]);
@@ -196,8 +168,8 @@ impl Fourier {
         out
     }
 
-    /// Adds the products of single pairs for the window of which [`Self::products`] left the spectra.
-    pub fn add_pairs(&self, sums: &mut PairSpectra, lags: &Lags, scratch: &Scratch) {
+    /// Adds the products of [`Lags::near`], pair by pair, for the window of which [`Self::products`] left the spectra.
+    pub fn add_pairs(&self, sums: &mut CrossSpectra, lags: &Lags, scratch: &Scratch) {
         let sums = sums.products.iter_mut().zip(&mut sums.variance);
         for ((sum, variance), &(s, t)) in sums.zip(&lags.near) {
             sum.add_product(&scratch.frames[s], &scratch.frames[t]);
@@ -368,11 +340,11 @@ mod tests {
         let mut scratch = fourier.scratch(3);
         let lags = Lags::of(&Positions::even(3));
         let products = fourier.products(&frames, &lags, (4, 3), &mut scratch);
-        let mut pairs = PairSpectra::zeros(&lags);
+        let mut pairs = CrossSpectra::zeros(lags.near.len());
         fourier.add_pairs(&mut pairs, &lags, &scratch);
-        let correlations = fourier.correlations(&products.lags, &mut scratch);
-        assert_eq!((products.lags.len(), correlations.len(), pairs.neighbours().len()), (2, 2, 2));
-        assert_eq!((lags.near, &pairs.products[2]), (vec![(0, 1), (1, 2), (0, 2)], &products.lags[1]));
+        let correlations = fourier.correlations(&products.products, &mut scratch);
+        assert_eq!((products.products.len(), correlations.len(), lags.neighbours()), (2, 2, 2));
+        assert_eq!((lags.near, &pairs.products[2]), (vec![(0, 1), (1, 2), (0, 2)], &products.products[1]));
         // The band-passed windows themselves, one at a time.
         let band_passed = |frame: &Plane| {
             let mut packed = vec![Complex32::default(); AREA];
@@ -409,7 +381,7 @@ mod tests {
         for _ in 0..20 {
             let frames: Vec<Plane> = (0..4).map(|_| Plane::from_fn(32, 32, |_, _| noise.normal() as f32)).collect();
             let products = fourier.products(&frames, &Lags::of(&Positions::even(4)), (0, 0), &mut scratch);
-            let correlations = fourier.correlations(&products.lags, &mut scratch);
+            let correlations = fourier.correlations(&products.products, &mut scratch);
             measured += correlations[0].iter().map(|x| f64::from(*x).powi(2)).sum::<f64>() / AREA as f64;
             predicted += products.variance[0];
         }
