@@ -256,18 +256,13 @@ pub struct OctaveMotion {
 
 impl OctaveMotion {
     pub fn slope_in(&self, region: &Region) -> Slope {
-        let mut best = (f32::NEG_INFINITY, self.candidates[0].0);
+        let slowest = self.candidates[0].0;
         if self.planes.is_empty() || self.candidates.len() == 1 {
-            return best.1;
+            return slowest;
         }
-        for (slope, shifts) in &self.candidates {
-            let power = self.power(region, shifts);
-            // Strictly more: of equal powers the slower slope, which comes first, stays.
-            if power > best.0 {
-                best = (power, *slope);
-            }
-        }
-        best.1
+        let powers = self.candidates.iter().map(|(slope, shifts)| (self.power(region, shifts), *slope));
+        // Strictly more: of equal powers the slower slope, which comes first, stays.
+        powers.fold((f32::NEG_INFINITY, slowest), |best, other| if other.0 > best.0 { other } else { best }).1
     }
 
     /// Power of the sum of the shifted frames in a region, divided by the number of frames that cover each place.

@@ -202,15 +202,8 @@ impl BoxPyramid {
     }
 
     pub(super) fn from_halved(first: Plane, count: usize) -> Self {
-        let mut levels = vec![first];
-        while levels.len() < count {
-            let finer = &levels[levels.len() - 1];
-            if finer.width() < 2 || finer.height() < 2 {
-                break;
-            }
-            levels.push(finer.halved());
-        }
-        Self { levels }
+        let coarser = |finer: &Plane| (finer.width() >= 2 && finer.height() >= 2).then(|| finer.halved());
+        Self { levels: std::iter::successors(Some(first), coarser).take(count.max(1)).collect() }
     }
 
     /// Means over squares of 2^`level` pixels, `level` from 1 on; the coarsest ones where the pyramid ends before.

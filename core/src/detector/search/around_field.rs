@@ -7,7 +7,7 @@
 //! anywhere, and a tile makes of a slope that it does not search only the pixels of the next first level.
 
 use crate::detector::field::MotionField;
-use crate::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
+use crate::detector::params::slope_grid::{SlopeAxis, SlopeGrid};
 use crate::detector::scale_space::octave_pixel;
 use crate::plane::tile::Region;
 use std::ops::Range;
@@ -119,7 +119,7 @@ fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Opt
         return None;
     }
     let mut near = vec![false; grid.len()];
-    known.for_each(|cell| near[nearest(grid, field.motions[cell].slope)] = true);
+    known.for_each(|cell| near[grid.nearest(field.motions[cell].slope)] = true);
     // The motions of its own layers are known better from its cells.
     let own_layers: Vec<u8> = places.map(|cell| field.layer[cell]).collect();
     for cell in indices(around(block.0, field.size.0), around(block.1, field.size.1), field.size.0) {
@@ -127,7 +127,7 @@ fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Opt
         // Layers are counted from 1.
         let layer = usize::from(number).checked_sub(1).and_then(|layer| field.layers.get(layer));
         if let Some(layer) = layer.filter(|_| !own_layers.contains(&number)) {
-            near[nearest(grid, layer.slope)] = true;
+            near[grid.nearest(layer.slope)] = true;
         }
     }
     Some(near)
@@ -136,12 +136,6 @@ fn of_block(field: &MotionField, grid: &SlopeGrid, block: (usize, usize)) -> Opt
 /// Indices of the cells in `columns` and `rows` of a field of `width` columns.
 fn indices(columns: Range<usize>, rows: Range<usize>, width: usize) -> impl Iterator<Item = usize> + Clone {
     rows.flat_map(move |row| columns.clone().map(move |column| row * width + column))
-}
-
-fn nearest(grid: &SlopeGrid, slope: Slope) -> usize {
-    let (i, j) = grid.position(slope);
-    let along = |at: f32, axis: &SlopeAxis| (at.round().max(0.0) as usize).min(axis.count - 1);
-    along(j, &grid.v) * grid.u.count + along(i, &grid.u)
 }
 
 /// The slopes of `grid` that are at most `steps` from one of `some` along each axis.
