@@ -2,13 +2,12 @@
 //!
 //! The values of the frames that cover a pixel are sorted. The mean is that of [`motion_stack`], to the bit.
 
-use super::stack::{frame_offsets, motion_stack};
+use super::stack::{by_rows, frame_offsets, motion_stack};
 use crate::burst::Positions;
 use crate::detector::params::{Interpolation, Slope};
 use crate::kernel::stack::{FrameOffset, sample_clamped};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
-use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -92,10 +91,8 @@ pub fn combined_stack(
         .zip(&offsets)
         .map(|(frame, offset)| (*frame, offset, offset.covers_rows(height), offset.covers_columns(width)))
         .collect();
-    let mut out = Plane::zeros(width, height);
-    let rows = out.data_mut().par_chunks_mut(width.max(1)).enumerate();
-    rows.try_for_each_init(Vec::new, |values: &mut Vec<f32>, (v, row)| {
-        monitor.check()?;
+    let fill = |v: usize, row: &mut [f32]| {
+        let mut values = Vec::with_capacity(frames.len());
         for (u, out) in row.iter_mut().enumerate() {
             values.clear();
             let covering = covered.iter().filter(|(.., rows, columns)| rows.contains(&v) && columns.contains(&u));
@@ -106,11 +103,10 @@ pub fn combined_stack(
                 values.extend(covered.iter().map(|(frame, offset, ..)| sample_clamped(frame, offset, u, v)));
             }
             values.sort_unstable_by(f32::total_cmp);
-            *out = combine.of_sorted(values);
+            *out = combine.of_sorted(&values);
         }
-        Ok(())
-    })?;
-    Ok(out)
+    };
+    by_rows((width, height), fill, monitor)
 }
 
 #[cfg(test)]

@@ -145,17 +145,23 @@ pub fn motion_stack(
     let (width, height) = frames[0].size();
     assert!(frames.iter().all(|f| f.size() == (width, height)), "frames of a burst have one size");
     let offsets = frame_offsets(positions, slope, interpolation);
-    let mut out = Plane::zeros(width, height);
+    by_rows((width, height), |v, row| stack_row(frames, &offsets, v, 0..width, row), monitor)
+}
+
+/// Plane of `size` (columns, rows) whose rows `fill` writes, in parallel.
+pub(super) fn by_rows(
+    (width, height): (usize, usize),
+    fill: impl Fn(usize, &mut [f32]) + Sync,
+    monitor: &Monitor,
+) -> Result<Plane, Cancelled> {
+    let mut plane = Plane::zeros(width, height);
     // `par_chunks_mut` takes no chunks of length 0.
-    if width == 0 || height == 0 {
-        return Ok(out);
-    }
-    out.data_mut().par_chunks_mut(width).enumerate().try_for_each(|(v, row)| {
+    plane.data_mut().par_chunks_mut(width.max(1)).enumerate().try_for_each(|(v, row)| {
         monitor.check()?;
-        stack_row(frames, &offsets, v, 0..width, row);
+        fill(v, row);
         Ok(())
     })?;
-    Ok(out)
+    Ok(plane)
 }
 
 #[cfg(test)]

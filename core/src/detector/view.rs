@@ -8,11 +8,10 @@ use super::search::setup::{Inputs, known_noise};
 use crate::burst::{Burst, Positions};
 use crate::detector::scale_space::planes::{SlopeStack, dog_plane, whole};
 use crate::detector::scale_space::{Base, ScaleSpace, octave_size, searched_octaves};
-use crate::detector::stack::{coverage, frame_offsets, motion_stack};
+use crate::detector::stack::{by_rows, coverage, frame_offsets, motion_stack};
 use crate::error::{Error, Result};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
-use rayon::prelude::*;
 use std::ops::Range;
 
 /// Motion-stack image at any `slope` (px/frame) of the frames that `params` use. Input-pixel size, [0, 1] unit.
@@ -166,13 +165,7 @@ pub fn in_focus_view(burst: &Burst, params: &DetectorParams, monitor: &Monitor) 
 
 /// Plane of `size` with the value of `f` at each (column, row); rows in parallel.
 fn map_of(size: (usize, usize), f: impl Fn(usize, usize) -> f32 + Sync, monitor: &Monitor) -> Result<Plane, Cancelled> {
-    let mut plane = Plane::zeros(size.0, size.1);
-    plane.data_mut().par_chunks_mut(size.0.max(1)).enumerate().try_for_each(|(y, row)| {
-        monitor.check()?;
-        row.iter_mut().enumerate().for_each(|(x, value)| *value = f(x, y));
-        Ok(())
-    })?;
-    Ok(plane)
+    by_rows(size, |y, row| row.iter_mut().enumerate().for_each(|(x, value)| *value = f(x, y)), monitor)
 }
 
 /// Side of the squares between whose centres a map of the noise is interpolated, pixels.

@@ -90,18 +90,17 @@ fn whole_tiles(wanted: &Region, size: (usize, usize)) -> Region {
 
 /// Computes the Gaussian level indices `levels` of the tiles of an octave of `size` that overlap `wanted`, in parallel.
 /// `write` gets the differences of each tile (and the last level where the next octave starts from it), its place and
-/// its part of `out`, whose size is `size` divided by `step`.
+/// its part of the plane that is made, whose size is `size` divided by `step`.
 fn each_tile(
     base: &Base<'_>,
     space: &ScaleSpace,
     levels: Range<usize>,
-    size: (usize, usize),
+    (size, step): ((usize, usize), usize),
     wanted: &Region,
-    out: &mut Plane,
-    step: usize,
     monitor: &Monitor,
     write: impl Fn(&DogTile, &Tile, &Region, Vec<&mut [f32]>) + Sync,
-) -> Result<(), Cancelled> {
+) -> Result<Plane, Cancelled> {
+    let mut out = Plane::zeros(size.0 / step, size.1 / step);
     let first = matches!(base, Base::Frames { .. });
     let filters = OctaveFilters::new(space, &space.bank(first, levels.clone()), &levels, size);
     let keeps = levels.contains(&space.levels);
@@ -111,7 +110,7 @@ fn each_tile(
         parts.iter().map(|part| part.start / step..part.end / step).collect()
     };
     // Parts are cut before the tiles are chosen, so that a tile finds its own by place.
-    let parts = split_mut(out, &divided(&columns), &divided(&rows));
+    let parts = split_mut(&mut out, &divided(&columns), &divided(&rows));
     let places = (0..rows.len()).flat_map(|row| (0..columns.len()).map(move |column| (row, column)));
     let jobs: Vec<_> = places
         .zip(parts)
@@ -134,7 +133,8 @@ fn each_tile(
             write(dog, next, &region, part);
             Ok(())
         },
-    )
+    )?;
+    Ok(out)
 }
 
 /// Computes one DoG level of a whole octave.
@@ -145,14 +145,12 @@ pub fn dog_plane(
     level_index: usize,
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
-    let mut out = Plane::zeros(size.0, size.1);
     let levels = level_index..level_index + 2;
-    each_tile(base, space, levels, size, &whole(size), &mut out, 1, monitor, |dog, _, region, part| {
+    each_tile(base, space, levels, (size, 1), &whole(size), monitor, |dog, _, region, part| {
         for (v, row) in region.rows.clone().zip(part) {
             row.copy_from_slice(dog.levels[0].row(v));
         }
-    })?;
-    Ok(out)
+    })
 }
 
 /// First level of the octave after one of `size`, as far as it comes from that octave's pixels `wanted`.
@@ -163,15 +161,13 @@ fn next_first_level(
     wanted: &Region,
     monitor: &Monitor,
 ) -> Result<Plane, Cancelled> {
-    let mut out = Plane::zeros(size.0 / 2, size.1 / 2);
-    each_tile(base, space, next_level(space), size, wanted, &mut out, 2, monitor, |_, level, region, part| {
+    each_tile(base, space, next_level(space), (size, 2), wanted, monitor, |_, level, region, part| {
         for (v, row) in part.into_iter().enumerate() {
             let from = level.row(region.rows.start + 2 * v);
             // Every second pixel, as in the search, so that both agree to the bit.
             row.iter_mut().zip(from.chunks(2)).for_each(|(out, pair)| *out = pair[0]);
         }
-    })?;
-    Ok(out)
+    })
 }
 
 #[cfg(test)]
