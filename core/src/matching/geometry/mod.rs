@@ -18,7 +18,6 @@ pub use essential::RelativePose;
 pub use model::TwoViewModel;
 pub(super) use parallax::Parallax;
 
-use super::camera::Camera;
 use super::params::{Geometry, MatchParams};
 use crate::error::Result;
 use crate::monitor::{Cancelled, Monitor};
@@ -69,12 +68,10 @@ pub fn verify(pairs: &[PointPair], params: &MatchParams, monitor: &Monitor) -> R
     let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();
     let mut order: Vec<usize> = (0..pairs.len()).collect();
     order.sort_by(|&i, &j| pairs[i].rank.total_cmp(&pairs[j].rank));
-    let (model, iterations) = match (params.geometry, &params.camera) {
-        (Geometry::None, _) => return Ok(None),
-        (Geometry::Essential, Some(camera)) => essential_of(&points, order, camera, params, monitor)?,
-        (Geometry::Essential, None) => unreachable!("validation asks for the camera"),
-        (Geometry::Fundamental | Geometry::Homography, _) => in_pixels(&points, order, params, monitor)?,
-    };
+    if params.geometry == Geometry::None {
+        return Ok(None);
+    }
+    let (model, iterations) = best_model(&points, order, params, monitor)?;
     Ok(Some(judge(pairs, model, iterations, params)))
 }
 
@@ -90,37 +87,34 @@ fn judge(pairs: &[PointPair], model: Option<TwoViewModel>, iterations: usize, pa
     if found.inlier_count() >= params.min_inliers { found } else { none() }
 }
 
-type ModelFound = Result<(Option<TwoViewModel>, usize), Cancelled>;
-
-/// The fundamental matrix or the homography.
-fn in_pixels(points: &[RayPair], order: Vec<usize>, params: &MatchParams, monitor: &Monitor) -> ModelFound {
-    let (normalisation, pairs) = Normalisation::of(points);
-    // One scale for both images, so that an error in pixels is one in normalised coordinates.
-    let max_error = f64::from(params.max_error_px) * normalisation.scale;
-    if params.geometry == Geometry::Homography {
-        let problem = linear::HomographyProblem { pairs: &pairs };
-        let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
-        let forward = found.map(|h| normalisation.homography_in_pixels(&h.forward));
-        return Ok((forward.and_then(|forward| TwoViewModel::of(forward, params)), iterations));
-    }
-    let problem = linear::FundamentalProblem { pairs: &pairs };
-    let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
-    let fundamental = found.map(|f| normalisation.fundamental_in_pixels(&f).normalize());
-    Ok((fundamental.and_then(|fundamental| TwoViewModel::of(fundamental, params)), iterations))
-}
-
-fn essential_of(
+/// The model of the geometry of `params` on which most of `points` agree, and the number of samples.
+fn best_model(
     points: &[RayPair],
     order: Vec<usize>,
-    camera: &Camera,
     params: &MatchParams,
     monitor: &Monitor,
-) -> ModelFound {
-    let directions: Vec<RayPair> =
-        points.iter().map(|p| RayPair { a: camera.direction_of(p.a), b: camera.direction_of(p.b) }).collect();
-    let problem = essential::EssentialProblem { pairs: &directions, focal_px: camera.focal_px() };
-    let (essential, iterations) = estimate(&problem, order, f64::from(params.max_error_px), params, monitor)?;
-    Ok((essential.and_then(|essential| TwoViewModel::of(essential, params)), iterations))
+) -> Result<(Option<TwoViewModel>, usize), Cancelled> {
+    let max_error = f64::from(params.max_error_px);
+    let (matrix, iterations) = if let (Geometry::Essential, Some(camera)) = (params.geometry, &params.camera) {
+        let directions: Vec<RayPair> =
+            points.iter().map(|p| RayPair { a: camera.direction_of(p.a), b: camera.direction_of(p.b) }).collect();
+        let problem = essential::EssentialProblem { pairs: &directions, focal_px: camera.focal_px() };
+        estimate(&problem, order, max_error, params, monitor)?
+    } else {
+        let (normalisation, pairs) = Normalisation::of(points);
+        // One scale for both images, so that an error in pixels is one in normalised coordinates.
+        let max_error = max_error * normalisation.scale;
+        if params.geometry == Geometry::Homography {
+            let problem = linear::HomographyProblem { pairs: &pairs };
+            let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
+            (found.map(|h| normalisation.homography_in_pixels(&h.forward)), iterations)
+        } else {
+            let problem = linear::FundamentalProblem { pairs: &pairs };
+            let (found, iterations) = estimate(&problem, order, max_error, params, monitor)?;
+            (found.map(|f| normalisation.fundamental_in_pixels(&f).normalize()), iterations)
+        }
+    };
+    Ok((matrix.and_then(|matrix| TwoViewModel::of(matrix, params)), iterations))
 }
 
 #[cfg(test)]
