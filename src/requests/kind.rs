@@ -91,15 +91,9 @@ const FRAME: AboutView = AboutView {
 const MAP: AboutView =
     AboutView { stage: Some(Stage::Search), of_slope: true, range: RangeClass::Intensity, is_slow: true, ..FRAME };
 
-const fn combined(
-    combine: Combine,
-    range: RangeClass,
-    key: &'static str,
-    label: &'static str,
-    help: &'static str,
-) -> AboutView {
-    let stage = Some(Stage::Stack);
-    AboutView { key, label, help, stage, of_slope: true, range, combine: Some(combine), ..FRAME }
+const fn combined(combine: Combine, key: &'static str, label: &'static str, help: &'static str) -> AboutView {
+    let (stage, range, combine) = (Some(Stage::Stack), RangeClass::Intensity, Some(combine));
+    AboutView { key, label, help, stage, of_slope: true, range, combine, ..FRAME }
 }
 
 impl ViewKind {
@@ -186,46 +180,46 @@ impl ViewKind {
             },
             Self::Median => combined(
                 Combine::Median,
-                Intensity,
                 "median",
                 "Median of the frames",
                 "The median of the frames, shifted by the slope: what is in fewer than half of them is gone",
             ),
             Self::ClippedMean => combined(
                 Combine::ClippedMean,
-                Intensity,
                 "clipped_mean",
                 "Clipped mean",
                 "The mean of the frames, shifted by the slope, without values far from the median",
             ),
             Self::Max => combined(
                 Combine::Max,
-                Intensity,
                 "max",
                 "Maximum",
                 "The largest value of the frames, shifted by the slope: what is bright in any of them",
             ),
             Self::Min => combined(
                 Combine::Min,
-                Intensity,
                 "min",
                 "Minimum",
                 "The smallest value of the frames, shifted by the slope: what is bright in all of them",
             ),
-            Self::Deviation => combined(
-                Combine::Deviation,
-                Noise,
-                "deviation",
-                "Deviation",
-                "The standard deviation of the frames, shifted by the slope: noise, and what changes",
-            ),
-            Self::MeanMinusMedian => combined(
-                Combine::MeanMinusMedian,
-                Difference,
-                "mean_minus_median",
-                "Mean minus median",
-                "What is in some frames only stands out: satellites, cars, lamps that switch, hot pixels",
-            ),
+            Self::Deviation => AboutView {
+                range: Noise,
+                ..combined(
+                    Combine::Deviation,
+                    "deviation",
+                    "Deviation",
+                    "The standard deviation of the frames, shifted by the slope: noise, and what changes",
+                )
+            },
+            Self::MeanMinusMedian => AboutView {
+                range: Difference,
+                ..combined(
+                    Combine::MeanMinusMedian,
+                    "mean_minus_median",
+                    "Mean minus median",
+                    "What is in some frames only stands out: satellites, cars, lamps that switch, hot pixels",
+                )
+            },
         }
     }
 

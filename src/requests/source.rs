@@ -67,14 +67,11 @@ impl BurstSource {
             Self::Chart(chart) => format!("Chart, SNR {}, seed {}", chart.snr, chart.seed),
             Self::DarkCopy { of, noise } => format!("{}, dark copy at SNR {}", of.label(), noise.snr),
             Self::Planted { of, seed, .. } => format!("{} with things planted, {seed}", of.label()),
-            Self::Paths(paths) => match paths.as_slice() {
-                [] => "nothing".to_owned(),
-                [one] => one.file_name().unwrap_or(one.as_os_str()).to_string_lossy().into_owned(),
-                [first, rest @ ..] => {
-                    let name = first.file_name().unwrap_or(first.as_os_str()).to_string_lossy();
-                    format!("{name} and {} more", rest.len())
-                }
-            },
+            Self::Paths(paths) => {
+                let Some((first, rest)) = paths.split_first() else { return "nothing".to_owned() };
+                let name = first.file_name().unwrap_or(first.as_os_str()).to_string_lossy();
+                if rest.is_empty() { name.into_owned() } else { format!("{name} and {} more", rest.len()) }
+            }
         }
     }
 
@@ -104,14 +101,8 @@ impl BurstSource {
         match self {
             Self::Demo | Self::DemoLater | Self::Example(_) | Self::Paths(_) => Ok(()),
             Self::Chart(chart) => chart.check(),
-            Self::DarkCopy { of, noise } => {
-                noise.check()?;
-                of.check()
-            }
-            Self::Planted { of, study, .. } => {
-                study.check()?;
-                of.check()
-            }
+            Self::DarkCopy { of, noise } => noise.check().and_then(|()| of.check()),
+            Self::Planted { of, study, .. } => study.check().and_then(|()| of.check()),
         }
     }
 

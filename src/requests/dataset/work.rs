@@ -1,12 +1,11 @@
 //! Work on a dataset: opening, detecting and matching.
 
 use super::{DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
-use crate::burst::{BurstFiles, Entries, OpenOptions};
+use crate::burst::{Entries, OpenOptions};
 use crate::dataset::{
     BurstEvent, CameraChoice, DatasetSource, FeatureStore, KeptBursts, MatchedPair, detect_all, match_pairs,
 };
 use crate::detector::SearchParams;
-use crate::matching::MatchParams;
 use crate::monitor::{Monitor, Stage};
 use crate::requests::{JobError, Request, Urgency, Work};
 use std::path::PathBuf;
@@ -23,9 +22,21 @@ impl Request for DatasetRequest {
             Self::Open { source, folder, params, open } => {
                 look(source, folder, params, open, monitor).map(|open| DatasetAnswer::Opened(Box::new(open)))
             }
-            Self::Detect { bursts, keeping } => detect(&bursts, &keeping, tell, monitor),
+            Self::Detect { bursts, keeping } => {
+                let mut on = |event: BurstEvent<'_>| DatasetEvent::of(&event).into_iter().for_each(tell);
+                detect_all(&mut keeping.store()?, &bursts, &CameraChoice::default(), &mut on, monitor)?;
+                Ok(DatasetAnswer::Detected)
+            }
             Self::Match { bursts, keeping, pairs, matching } => {
-                match_all(&bursts, &keeping, &pairs, &matching, tell, monitor)
+                // Features are read when a pair needs them, so that few bursts are in memory.
+                let mut kept = KeptBursts { store: &keeping.store()?, bursts: &bursts, monitor };
+                let mut on = |matched: MatchedPair<'_>| {
+                    let aligned = matched.aligned(&matching, &monitor.silent())?;
+                    tell(DatasetEvent::Matched { pair: matched.indices, counts: aligned.counts });
+                    Ok(())
+                };
+                let left_out = match_pairs::<JobError>(&pairs, &matching, &mut kept, &mut on, monitor)?;
+                Ok(DatasetAnswer::Matched { left_out })
             }
             #[cfg(feature = "colmap")]
             Self::Colmap { bursts, request } => {
@@ -79,35 +90,4 @@ fn look(
         finished,
         other_params,
     })
-}
-
-fn detect(
-    bursts: &[BurstFiles],
-    keeping: &Keeping,
-    tell: &dyn Fn(DatasetEvent),
-    monitor: &Monitor,
-) -> Result<DatasetAnswer, JobError> {
-    let mut store = keeping.store()?;
-    let mut on = |event: BurstEvent<'_>| DatasetEvent::of(&event).into_iter().for_each(tell);
-    detect_all(&mut store, bursts, &CameraChoice::default(), &mut on, monitor)?;
-    Ok(DatasetAnswer::Detected)
-}
-
-fn match_all(
-    bursts: &[BurstFiles],
-    keeping: &Keeping,
-    pairs: &[(usize, usize)],
-    matching: &MatchParams,
-    tell: &dyn Fn(DatasetEvent),
-    monitor: &Monitor,
-) -> Result<DatasetAnswer, JobError> {
-    // Features are read when a pair needs them, so that few bursts are in memory.
-    let mut kept = KeptBursts { store: &keeping.store()?, bursts, monitor };
-    let mut on = |matched: MatchedPair<'_>| {
-        let aligned = matched.aligned(matching, &monitor.silent())?;
-        tell(DatasetEvent::Matched { pair: matched.indices, counts: aligned.counts });
-        Ok(())
-    };
-    let left_out = match_pairs::<JobError>(pairs, matching, &mut kept, &mut on, monitor)?;
-    Ok(DatasetAnswer::Matched { left_out })
 }
