@@ -51,10 +51,10 @@ pub struct Feature {
 
 /// Motion of a feature beside that of its surroundings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Moves {
     /// Nothing is known of the surroundings.
     #[default]
-    #[serde(rename = "unknown")]
     Unknown,
     /// As the surroundings do, as far as the feature's own motion is known.
     #[serde(rename = "surroundings")]
@@ -63,10 +63,8 @@ pub enum Moves {
     #[serde(rename = "own")]
     ByItself,
     /// Undefined by the feature's shape: an edge shows no motion along itself.
-    #[serde(rename = "edge")]
     Edge,
     /// A ghost of another motion: only some frames respond, in turn, along a slope by which nothing at the place moves.
-    #[serde(rename = "ghost")]
     Ghost,
 }
 

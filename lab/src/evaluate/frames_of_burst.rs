@@ -251,7 +251,8 @@ mod tests {
     use super::*;
     use crate::synth::{ChartParams, SceneParams, synth_chart, synth_scene};
 
-    fn chart(seed: u64) -> (Burst, Truth) {
+    #[test]
+    fn the_middle_frames_are_judged_by_all_of_them_and_by_the_truth() {
         let params = ChartParams {
             width: 240,
             height: 180,
@@ -260,24 +261,14 @@ mod tests {
             max_slope: 3.0,
             frames: 8,
             snr: 0.3,
-            seed,
+            seed: 3,
             ..ChartParams::default()
         };
-        synth_chart(&params, &Monitor::default()).expect("a chart")
-    }
-
-    fn study() -> BurstFramesStudy {
+        let (burst, truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
         let slopes = SlopeGrid::line(-3.0..=3.0, 13);
-        BurstFramesStudy {
-            search: DetectorParams { slopes, ..DetectorParams::default() }.into(),
-            ..BurstFramesStudy::default()
-        }
-    }
-
-    #[test]
-    fn the_middle_frames_are_judged_by_all_of_them_and_by_the_truth() {
-        let (burst, truth) = chart(3);
-        let report = study().run(&burst, Some(&burst), Some(&truth), &Monitor::default()).expect("a report");
+        let search = DetectorParams { slopes, ..DetectorParams::default() }.into();
+        let study = BurstFramesStudy { search, ..BurstFramesStudy::default() };
+        let report = study.run(&burst, Some(&burst), Some(&truth), &Monitor::default()).expect("a report");
         let counts: Vec<(usize, usize)> = report.rows.iter().map(|row| (row.frames, row.first_frame)).collect();
         assert_eq!(counts, [(2, 3), (3, 2), (4, 2), (5, 1), (6, 1), (7, 0), (8, 0)]);
         let last = report.rows[6];

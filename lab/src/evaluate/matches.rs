@@ -43,30 +43,30 @@ pub struct MatchStudy {
     pub pairs: PairSelection,
 }
 
-#[derive(Default)]
-struct FoundByMethod {
-    sides: Vec<BurstSide>,
-    params: Vec<DetectorParams>,
-    slopes: Vec<Option<SlopeGrid>>,
+/// What a method found in a burst; the parameters of the search and the slopes found stay with it.
+struct Found {
+    side: BurstSide,
+    params: DetectorParams,
+    slopes: Option<SlopeGrid>,
 }
 
 /// A method's features, and its bursts, opened again where their pictures are needed.
 struct Source<'a, F> {
     study: &'a MatchStudy,
     method: BurstMethod,
-    found: &'a FoundByMethod,
+    found: &'a [Found],
     open: &'a mut F,
     monitor: &'a Monitor,
 }
 
 impl<E: From<Error>, F: FnMut(usize, Shot) -> Result<Burst, E>> PairSource<E> for Source<'_, F> {
     fn features(&mut self, index: usize) -> Result<Option<BurstSide>, E> {
-        Ok(Some(self.found.sides[index].clone()))
+        Ok(Some(self.found[index].side.clone()))
     }
 
     fn burst(&mut self, index: usize) -> Result<(Burst, DetectorParams), E> {
         let (burst, _) = self.study.input(self.method, index, self.open, self.monitor)?;
-        Ok((burst, self.found.params[index].clone()))
+        Ok((burst, self.found[index].params.clone()))
     }
 }
 
@@ -125,14 +125,13 @@ impl MatchStudy {
         let mut judges: Vec<Option<TwoViewModel>> = vec![None; pairs.len()];
         let mut rows: Vec<MatchRow> = Vec::with_capacity(methods.len());
         for &method in &methods {
-            let mut found = FoundByMethod::default();
-            // One burst is open at a time; features, parameters and slopes stay.
+            let mut found = Vec::with_capacity(names.len());
+            // One burst is open at a time.
             for k in 0..names.len() {
                 let (burst, params) = self.input(method, k, &mut open, &silent)?;
                 let Searched { detection, params, finding, .. } = search(&burst, &params, &silent)?;
-                found.sides.push(BurstSide::from(&detection));
-                found.params.push(params);
-                found.slopes.push(finding.map(|finding| finding.grid));
+                let (side, slopes) = (BurstSide::from(&detection), finding.map(|finding| finding.grid));
+                found.push(Found { side, params, slopes });
                 step();
             }
             let mut counted = vec![None; pairs.len()];
@@ -153,9 +152,9 @@ impl MatchStudy {
                 models.into_iter().for_each(|(index, model)| judges[index] = model);
             }
             step();
-            let keypoints: Vec<usize> = found.sides.iter().map(|side| side.places.len()).collect();
+            let keypoints: Vec<usize> = found.iter().map(|found| found.side.places.len()).collect();
             let by_pair = counted.into_iter().flatten().collect();
-            rows.push(row(method, &keypoints, found.slopes.into_iter().collect(), &pairs, by_pair));
+            rows.push(row(method, &keypoints, found.into_iter().map(|found| found.slopes).collect(), &pairs, by_pair));
         }
         // Sharp images that only served as judges leave the table; the other rows take the requested order.
         let place = |row: &MatchRow| self.methods.iter().position(|method| *method == row.method);

@@ -338,12 +338,8 @@ mod tests {
         }
         for (cell, sums) in posterior.probabilities.chunks(3).zip(sums) {
             let total: f32 = sums.iter().sum();
-            let close = cell.iter().zip(sums).all(|(x, sum)| (x / sum_of(cell) - sum / total).abs() < 0.01);
+            let close = cell.iter().zip(sums).all(|(x, sum)| (x / super::sum(cell) - sum / total).abs() < 0.01);
             assert!(close, "{cell:?} {:?}", sums.map(|sum| sum / total));
         }
-    }
-
-    fn sum_of(cell: &[f32]) -> f32 {
-        cell.iter().sum()
     }
 }

@@ -162,35 +162,29 @@ impl Projection {
     /// All projections, in the order of a picker.
     pub const ALL: [Self; 4] = [Self::Principal, Self::Xy, Self::Xz, Self::Yz];
 
+    /// Name, labels of the two axes, and the axes unless they follow from the cameras' places.
+    fn about(self) -> (&'static str, [&'static str; 2], Option<[Vector3<f64>; 2]>) {
+        match self {
+            Self::Principal => ("Principal plane", ["along the way", "across it"], None),
+            Self::Xy => ("x, y", ["x", "y"], Some([Vector3::x(), Vector3::y()])),
+            Self::Xz => ("x, z", ["x", "z"], Some([Vector3::x(), Vector3::z()])),
+            Self::Yz => ("y, z", ["y", "z"], Some([Vector3::y(), Vector3::z()])),
+        }
+    }
+
     /// Name for the user.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Principal => "Principal plane",
-            Self::Xy => "x, y",
-            Self::Xz => "x, z",
-            Self::Yz => "y, z",
-        }
+        self.about().0
     }
 
     /// Labels of the two axes.
     pub fn axis_names(self) -> [&'static str; 2] {
-        match self {
-            Self::Principal => ["along the way", "across it"],
-            Self::Xy => ["x", "y"],
-            Self::Xz => ["x", "z"],
-            Self::Yz => ["y", "z"],
-        }
+        self.about().1
     }
 
     /// The plane's axes. `centres` matter only for the principal plane.
     pub fn axes(self, centres: &[[f64; 3]]) -> PlaneAxes {
-        let plane = |right: Vector3<f64>, up: Vector3<f64>| PlaneAxes { right, up };
-        match self {
-            Self::Principal => principal_axes(centres),
-            Self::Xy => plane(Vector3::x(), Vector3::y()),
-            Self::Xz => plane(Vector3::x(), Vector3::z()),
-            Self::Yz => plane(Vector3::y(), Vector3::z()),
-        }
+        self.about().2.map_or_else(|| principal_axes(centres), |[right, up]| PlaneAxes { right, up })
     }
 }
 

@@ -242,20 +242,11 @@ trait Number: FromStr + Copy + Default {
     fn of(bytes: [u8; 8]) -> Self;
 }
 
-impl Number for f64 {
-    fn of(bytes: [u8; 8]) -> Self {
-        Self::from_le_bytes(bytes)
-    }
+macro_rules! numbers {
+    ($($number:ty)*) => {$(impl Number for $number {
+        fn of(bytes: [u8; 8]) -> Self {
+            Self::from_le_bytes(*bytes.first_chunk().expect("no number is longer"))
+        }
+    })*};
 }
-
-impl Number for i64 {
-    fn of(bytes: [u8; 8]) -> Self {
-        Self::from_le_bytes(bytes)
-    }
-}
-
-impl Number for u32 {
-    fn of([a, b, c, d, ..]: [u8; 8]) -> Self {
-        Self::from_le_bytes([a, b, c, d])
-    }
-}
+numbers!(f64 i64 u32);
