@@ -76,12 +76,8 @@ impl Trails {
         asked: &SearchParams,
         monitor: &Monitor,
     ) -> Result<Option<ProbeCache>, JobError> {
-        for cache in self.of_burst(open) {
-            if let Some(judged) = cache.rejudged(asked, monitor)? {
-                return Ok(Some(judged));
-            }
-        }
-        Ok(None)
+        let judged = self.of_burst(open).iter().find_map(|cache| cache.rejudged(asked, monitor).transpose());
+        Ok(judged.transpose()?)
     }
 
     /// Waits if another thread is making it. A new trail stays at least until the next one is made: most ask again.

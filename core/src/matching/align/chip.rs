@@ -124,8 +124,7 @@ impl<'a> ChipSource<'a> {
         let (mut patch, mut scratch) = (Patch::default(), PatchScratch::default());
         patch.reset(across.pixels(), down.pixels());
         stack_patch(&frames, &offsets, &mut patch, &mut scratch.sums);
-        let stacked = Stacked { patch: &patch, across: &across, down: &down };
-        let samples = stacked.samples();
+        let samples = samples(&patch, &across, &down);
         Some(Chip::new((u, v), sigma, [across.seen(), down.seen()], |i, j| samples[j * SIDE + i]))
     }
 }
@@ -178,34 +177,26 @@ impl Axis {
     }
 }
 
-struct Stacked<'a> {
-    patch: &'a Patch,
-    across: &'a Axis,
-    down: &'a Axis,
-}
-
-impl Stacked<'_> {
-    /// All samples, row by row; 0 beyond the image.
-    fn samples(&self) -> Vec<f32> {
-        let columns = self.patch.columns();
-        let mut line = vec![0.0f32; columns.clone().count()];
-        let mut samples = vec![0.0; SIDE * SIDE];
-        // Separable: rows are summed once for all samples across.
-        for ((top, down), out) in self.down.taps.iter().zip(samples.chunks_exact_mut(SIDE)) {
-            if down.is_empty() {
-                continue;
-            }
-            line.fill(0.0);
-            for (weight, v) in down.iter().zip(*top as i64..) {
-                line.iter_mut().zip(self.patch.row(v)).for_each(|(sum, x)| *sum += weight * x);
-            }
-            for ((left, across), out) in self.across.taps.iter().zip(out) {
-                let from = if across.is_empty() { 0 } else { left - columns.start as usize };
-                *out = across.iter().zip(&line[from..]).map(|(weight, x)| weight * x).sum();
-            }
+/// All samples of a stacked `patch`, row by row; 0 beyond the image.
+fn samples(patch: &Patch, across: &Axis, down: &Axis) -> Vec<f32> {
+    let columns = patch.columns();
+    let mut line = vec![0.0f32; columns.clone().count()];
+    let mut samples = vec![0.0; SIDE * SIDE];
+    // Separable: rows are summed once for all samples across.
+    for ((top, down), out) in down.taps.iter().zip(samples.chunks_exact_mut(SIDE)) {
+        if down.is_empty() {
+            continue;
         }
-        samples
+        line.fill(0.0);
+        for (weight, v) in down.iter().zip(*top as i64..) {
+            line.iter_mut().zip(patch.row(v)).for_each(|(sum, x)| *sum += weight * x);
+        }
+        for ((left, across), out) in across.taps.iter().zip(out) {
+            let from = if across.is_empty() { 0 } else { left - columns.start as usize };
+            *out = across.iter().zip(&line[from..]).map(|(weight, x)| weight * x).sum();
+        }
     }
+    samples
 }
 
 #[cfg(test)]

@@ -105,7 +105,12 @@ impl Grid {
     }
 
     /// As [`Self::read`], with the derivatives along the axes of the points.
-    pub fn read_with_gradient(&self, places: &Affine, points: Points<'_>, into: &mut Template<'_>) {
+    pub fn read_with_gradient(
+        &self,
+        places: &Affine,
+        points: Points<'_>,
+        [values, along_x, along_y, seen]: [&mut [f32]; 4],
+    ) {
         let [[xu, yu], [xv, yv]] = places.matrix;
         for (k, (&x, &y)) in points.x.iter().zip(points.y).enumerate() {
             let found = self.around(places.apply(x, y)).map(|(rows, u, v)| {
@@ -114,8 +119,8 @@ impl Grid {
                 let along_v = dot(&columns(&rows, &slopes(v)), &weights(u));
                 (dot(&level, &weights(u)), along_u * xu + along_v * xv, along_u * yu + along_v * yv)
             });
-            (into.values[k], into.along_x[k], into.along_y[k]) = found.unwrap_or_default();
-            into.seen[k] = f32::from(u8::from(found.is_some()));
+            (values[k], along_x[k], along_y[k]) = found.unwrap_or_default();
+            seen[k] = f32::from(u8::from(found.is_some()));
         }
     }
 }
@@ -124,13 +129,6 @@ impl Grid {
 pub(super) struct Points<'a> {
     pub x: &'a [f32],
     pub y: &'a [f32],
-}
-
-pub(super) struct Template<'a> {
-    pub values: &'a mut [f32],
-    pub along_x: &'a mut [f32],
-    pub along_y: &'a mut [f32],
-    pub seen: &'a mut [f32],
 }
 
 /// Weights of four samples at `t` of 0 … 1 between the middle two: cubic convolution (Keys, 1981).
@@ -186,8 +184,8 @@ mod tests {
         let places = Affine { matrix: [[0.9, -0.4], [0.4, 0.9]], shift: [20.0, 20.0] };
         let (x, y) = ([0.3f32, -4.1, 7.77, 90.0], [0.0f32, 2.6, -5.5, 0.0]);
         let (mut values, mut along_x, mut along_y, mut seen) = ([0.0; 4], [0.0; 4], [0.0; 4], [0.0; 4]);
-        let mut into = Template { values: &mut values, along_x: &mut along_x, along_y: &mut along_y, seen: &mut seen };
-        grid.read_with_gradient(&places, Points { x: &x, y: &y }, &mut into);
+        let into = [&mut values, &mut along_x, &mut along_y, &mut seen].map(|out| &mut out[..]);
+        grid.read_with_gradient(&places, Points { x: &x, y: &y }, into);
         assert_eq!(seen, [1.0, 1.0, 1.0, 0.0]);
         let at = |x: f32, y: f32| value(0.9 * x - 0.4 * y, 0.4 * x + 0.9 * y);
         for k in 0..3 {

@@ -2,7 +2,7 @@
 //!
 //! Brightness may differ by offset and factor. A weak prior holds the map near its start, where a chip is mostly noise.
 
-use super::grid::{Affine, Grid, Points, Template};
+use super::grid::{Affine, Grid, Points};
 use multiversion::multiversion;
 use nalgebra::{Cholesky, SMatrix, SVector};
 
@@ -124,8 +124,7 @@ impl Window {
             buffer.resize(count, 0.0);
         }
         let [along_x, along_y, ..] = derivatives;
-        let mut into = Template { values: template, along_x, along_y, seen: weights };
-        a.0.read_with_gradient(a.1, self.points(), &mut into);
+        a.0.read_with_gradient(a.1, self.points(), [template, along_x, along_y, weights]);
         weights.iter_mut().zip(&self.weights).for_each(|(seen, weight)| *seen *= weight);
         let sum: f32 = weights.iter().sum();
         let mean = weighted(weights, template) / sum;

@@ -103,11 +103,6 @@ impl PairFrame {
     }
 }
 
-struct Lattices {
-    search: Search,
-    window: Window,
-}
-
 /// Measures where the place of each match in A lies in B, in a window of `fit_radius` σ ([`FIT_RADIUS`]); `frame`
 /// brings the chips to one another. `None` where the place is not found within 3 σ, or a chip shows too little.
 pub fn measure(
@@ -116,36 +111,34 @@ pub fn measure(
     fit_radius: f32,
     monitor: &Monitor,
 ) -> Result<Vec<Option<Measured>>, Cancelled> {
-    let lattices = Lattices { search: Search::new(), window: Window::new(fit_radius) };
+    let lattices = (Search::new(), Window::new(fit_radius));
     let scratch = || (SearchScratch::default(), FitScratch::default());
     let one = |scratch: &mut (SearchScratch, FitScratch), [a, b]: &[View<'_>; 2]| {
         monitor.check()?;
-        Ok(lattices.measured([a.chip, b.chip], frame, scratch))
+        Ok(measured(&lattices, [a.chip, b.chip], frame, scratch))
     };
     pairs.par_iter().map_init(scratch, one).collect()
 }
 
-impl Lattices {
-    fn measured(
-        &self,
-        [a, b]: [&Chip; 2],
-        frame: PairFrame,
-        (search, fit): &mut (SearchScratch, FitScratch),
-    ) -> Option<Measured> {
-        // One step of the lattice in each image: the mean of both scales, in the ratio of the pair.
-        let sigma = (a.sigma * b.sigma).sqrt();
-        let units = [-0.5, 0.5].map(|half| sigma * (half * frame.log_ratio).exp());
-        let grids = [Grid::new(a)?, Grid::new(b)?];
-        let places = [Grid::places(a, units[0], 0.0), Grid::places(b, units[1], frame.rotation)];
-        let (a, b) = ((&grids[0], &places[0]), (&grids[1], &places[1]));
-        let start = self.search.peak(a, b, search)?;
-        let found = self.window.fit(a, b, start, fit)?;
-        let (sin, cos) = frame.rotation.sin_cos();
-        let turned = Affine { matrix: [[cos, -sin], [sin, cos]].map(|row| row.map(|x| x * units[1])), shift: [0.0; 2] };
-        let map = turned.after(&found.map);
-        let jacobian = map.matrix.map(|row| row.map(|x| f64::from(x / units[0])));
-        let (shift_px, correlation) = (map.shift.map(f64::from), f64::from(found.correlation));
-        let finite = shift_px.iter().chain(jacobian.iter().flatten()).chain([&correlation]).all(|x| x.is_finite());
-        finite.then_some(Measured { shift_px, jacobian, correlation })
-    }
+fn measured(
+    (search, window): &(Search, Window),
+    [a, b]: [&Chip; 2],
+    frame: PairFrame,
+    (searched, fitted): &mut (SearchScratch, FitScratch),
+) -> Option<Measured> {
+    // One step of the lattice in each image: the mean of both scales, in the ratio of the pair.
+    let sigma = (a.sigma * b.sigma).sqrt();
+    let units = [-0.5, 0.5].map(|half| sigma * (half * frame.log_ratio).exp());
+    let grids = [Grid::new(a)?, Grid::new(b)?];
+    let places = [Grid::places(a, units[0], 0.0), Grid::places(b, units[1], frame.rotation)];
+    let (a, b) = ((&grids[0], &places[0]), (&grids[1], &places[1]));
+    let start = search.peak(a, b, searched)?;
+    let found = window.fit(a, b, start, fitted)?;
+    let (sin, cos) = frame.rotation.sin_cos();
+    let turned = Affine { matrix: [[cos, -sin], [sin, cos]].map(|row| row.map(|x| x * units[1])), shift: [0.0; 2] };
+    let map = turned.after(&found.map);
+    let jacobian = map.matrix.map(|row| row.map(|x| f64::from(x / units[0])));
+    let (shift_px, correlation) = (map.shift.map(f64::from), f64::from(found.correlation));
+    let finite = shift_px.iter().chain(jacobian.iter().flatten()).chain([&correlation]).all(|x| x.is_finite());
+    finite.then_some(Measured { shift_px, jacobian, correlation })
 }
