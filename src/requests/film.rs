@@ -405,6 +405,14 @@ mod tests {
         Film { burst, params, sweep, slope: Slope::default(), detection: None, max_side_px: 48 }
     }
 
+    /// A film of three slopes, and what a search over them finds.
+    fn searched() -> (Film, Detection) {
+        let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
+        film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
+        let found = crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
+        (film, found)
+    }
+
     fn digest(drawing: &Drawing) -> Result<RgbaImage, String> {
         let text = format!("{:?}", drawing.shapes);
         let sum = text.bytes().fold(0u32, |sum, byte| sum.wrapping_mul(31).wrapping_add(u32::from(byte)));
@@ -442,9 +450,7 @@ mod tests {
 
     #[test]
     fn crowded_features_are_thinned_and_the_title_says_so() {
-        let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
-        film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
-        let mut found = crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
+        let (mut film, mut found) = searched();
         let one = found.features[0];
         found.features = vec![one; 100];
         film.detection = Some(Arc::new(found));
@@ -455,10 +461,8 @@ mod tests {
 
     #[test]
     fn a_step_shows_its_numbers() {
-        let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
-        film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
-        film.detection =
-            Some(Arc::new(crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found")));
+        let (film, found) = searched();
+        let film = Film { detection: Some(Arc::new(found)), ..film };
         let texts = std::sync::Mutex::new(Vec::new());
         let keep = |drawing: &Drawing| {
             for shape in &drawing.shapes {

@@ -26,8 +26,7 @@ impl Request for StudyRequest {
         let Self { mut study, open } = self;
         // Read here and not by the asker: the truth may lie in a file, or its chart has to be made again.
         if let (Study::BurstFrames(_, bursts), Some(open)) = (&mut study, open) {
-            let truth = open.truth(monitor)?;
-            bursts.truth = truth.map(Arc::new);
+            bursts.truth = open.truth(monitor)?.map(Arc::new);
         }
         Ok(study.run_telling(monitor, work.tell)?)
     }

@@ -258,12 +258,13 @@ fn slope_steps(middle: f32, mut value: impl FnMut(isize, isize) -> Option<f32>) 
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::plane::Plane;
     use crate::synth::chart::draw_disc;
 
-    fn blob(sigma: f64, x: f64, y: f64) -> Plane {
+    /// A dark blob of standard deviation `sigma` at (x, y).
+    pub fn blob(sigma: f64, x: f64, y: f64) -> Plane {
         let s2 = 2.0 * sigma * sigma;
         Plane::from_fn(80, 70, |u, v| {
             (0.3 - 0.2 * (-((u as f64 - x).powi(2) + (v as f64 - y).powi(2)) / s2).exp()) as f32

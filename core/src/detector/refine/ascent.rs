@@ -150,6 +150,7 @@ impl Derivatives {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::detector::localise::tests::blob;
     use crate::plane::Plane;
 
     fn space() -> ScaleSpace {
@@ -160,13 +161,6 @@ mod tests {
     fn ascend(plane: &Plane, start: (f64, f64), level: f64, sign: f64) -> Option<Peak> {
         let space = space();
         FirstLevel { pixels: PixelView::of(plane), sigma: 1.6, space: &space }.ascend(start, level, -9.0..9.0, sign)
-    }
-
-    fn blob(sigma: f64, x: f64, y: f64) -> Plane {
-        let s2 = 2.0 * sigma * sigma;
-        Plane::from_fn(80, 70, |u, v| {
-            (0.3 - 0.2 * (-((u as f64 - x).powi(2) + (v as f64 - y).powi(2)) / s2).exp()) as f32
-        })
     }
 
     #[test]
