@@ -161,11 +161,7 @@ fn line(points: &[TransferPoint], pixels: usize, free: f32) -> (f32, f32) {
         let left = points.iter().map(off).sum::<f64>() / (points.len() as f64 - 2.0).max(1.0);
         error = (noise.max(left) / across).sqrt();
     }
-    if a < 3.0 * error {
-        let weighted = points.iter().map(|p| p.squares as f64 * f64::from(p.variance)).sum::<f64>() / total;
-        return (0.0, weighted as f32);
-    }
-    (a as f32, b as f32)
+    if a < 3.0 * error { (0.0, mean as f32) } else { (a as f32, b as f32) }
 }
 
 /// Slope and offset by the median slope between any two points, and the median offset for that slope.

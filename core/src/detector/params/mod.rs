@@ -51,29 +51,12 @@ impl<S: Clone> DetectorParams<S> {
     /// These parameters with other `slopes`.
     pub fn with_slopes<T>(self, slopes: T) -> DetectorParams<T> {
         // Field by field, since `..self` cannot change the type of `slopes`; a forgotten field does not compile.
-        let Self { method, frames, octaves, levels, first_octave, peak_threshold, noise_gate, noise_model, .. } = self;
-        let Self { flicker, edge_threshold, search, slope_extrema, distinct, distinct_scale, rules, .. } = self;
-        let Self { max_features, max_orientations, describe_scales, .. } = self;
-        DetectorParams {
-            method,
-            frames,
-            octaves,
-            levels,
-            first_octave,
-            peak_threshold,
-            noise_gate,
-            noise_model,
-            flicker,
-            edge_threshold,
-            search,
-            slope_extrema,
-            distinct,
-            distinct_scale,
-            rules,
-            max_features,
-            max_orientations,
-            describe_scales,
-            slopes,
+        macro_rules! with_slopes {
+            ($($field:ident)*) => { DetectorParams { slopes, $($field: self.$field),* } };
+        }
+        with_slopes! {
+            method frames octaves levels first_octave peak_threshold noise_gate noise_model flicker edge_threshold
+            search slope_extrema distinct distinct_scale rules max_features max_orientations describe_scales
         }
     }
 }
