@@ -125,17 +125,15 @@ impl Searches {
 
     /// The search parameters of `method`.
     pub fn params(&self, method: BurstMethod) -> SearchParams {
-        let of_method = |method, slopes| DetectorParams { method, slopes, ..self.detector.clone() };
-        let given = self.detector.slopes;
-        match method {
-            BurstMethod::SiftFrame | BurstMethod::SiftMean | BurstMethod::Gold => of_method(Method::Sift, given).into(),
-            BurstMethod::SiftMerge => of_method(Method::Merge, given).into(),
-            BurstMethod::Buff1d => of_method(Method::Buff, self.slopes_1d).into(),
-            BurstMethod::Buff2d => of_method(Method::Buff, self.slopes_2d).into(),
-            BurstMethod::BuffAuto => {
-                of_method(Method::Buff, given).with_slopes(Slopes::Auto { direction_deg: self.direction_deg })
-            }
-        }
+        let given = self.detector.slopes.into();
+        let (method, slopes) = match method {
+            BurstMethod::SiftFrame | BurstMethod::SiftMean | BurstMethod::Gold => (Method::Sift, given),
+            BurstMethod::SiftMerge => (Method::Merge, given),
+            BurstMethod::Buff1d => (Method::Buff, self.slopes_1d.into()),
+            BurstMethod::Buff2d => (Method::Buff, self.slopes_2d.into()),
+            BurstMethod::BuffAuto => (Method::Buff, Slopes::Auto { direction_deg: self.direction_deg }),
+        };
+        SearchParams { method, ..self.detector.clone().with_slopes(slopes) }
     }
 
     /// Runs `method` on `burst`.

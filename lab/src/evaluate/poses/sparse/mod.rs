@@ -134,26 +134,18 @@ pub fn read_sparse_model(folder: &Path) -> Result<SparseModel> {
     let entries = std::fs::read_dir(folder).map_err(fail)?.collect::<Result<Vec<_>, _>>().map_err(fail)?;
     let mut folders: Vec<PathBuf> = entries.into_iter().map(|e| e.path()).filter(|p| p.is_dir()).collect();
     folders.sort();
-    let mut models = Vec::new();
-    for model in folders.iter().filter_map(|subfolder| read_folder(subfolder)) {
-        match model {
-            // A model without a registered image is no model; a damaged one is reported.
-            Err(error) if error.kind == ErrorKind::NotFound => {}
-            model => models.push(model?),
-        }
-    }
+    let found = folders.iter().filter_map(|subfolder| read_folder(subfolder));
+    // A model without a registered image is no model; a damaged one is reported.
+    let found = found.filter(|model| model.as_ref().err().is_none_or(|error| error.kind != ErrorKind::NotFound));
+    let models = found.collect::<Result<Vec<SparseModel>>>()?;
     let other_models = models.len().saturating_sub(1);
     // `max_by_key` takes the last of equally large models: in reverse that is the first folder's.
     let largest = models.into_iter().rev().max_by_key(|m| m.images.len());
-    match largest {
-        Some(model) => Ok(SparseModel { other_models, ..model }),
-        None => {
-            let problem = "this folder holds no sparse model (images.bin and points3D.bin, or images.txt and \
-                           points3D.txt), nor do its subfolders";
-            let remedy = "name the folder that COLMAP's mapper wrote";
-            Err(Error::new(ErrorKind::NotFound, problem, remedy).about(folder))
-        }
-    }
+    largest.map(|model| SparseModel { other_models, ..model }).ok_or_else(|| {
+        let problem = "this folder holds no sparse model (images.bin and points3D.bin, or images.txt and \
+                       points3D.txt), nor do its subfolders";
+        Error::new(ErrorKind::NotFound, problem, "name the folder that COLMAP's mapper wrote").about(folder)
+    })
 }
 
 /// The model that lies in `folder` itself, if there is one.
