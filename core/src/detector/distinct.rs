@@ -132,10 +132,7 @@ impl<'b> Deciding<'b> {
 
     /// Index of the strongest blob that stayed and covers blob `index`; `None` where it stays or is not decided.
     pub fn covered_by(&self, index: usize) -> Option<usize> {
-        match self.decisions[index] {
-            Decision::CoveredBy(by) => Some(by as usize),
-            Decision::Open | Decision::Stays => None,
-        }
+        if let Decision::CoveredBy(by) = self.decisions[index] { Some(by as usize) } else { None }
     }
 
     pub fn stayed(&self) -> impl Iterator<Item = usize> + '_ {

@@ -245,10 +245,8 @@ fn refusal(SearchSize { params, frames, size }: SearchSize<'_>, min: u64, budget
 }
 
 fn said(bytes: u64) -> String {
-    match bytes as f64 {
-        b if b < 1e9 => format!("{:.0} MB", b / 1e6),
-        b => format!("{:.1} GB", b / 1e9),
-    }
+    let bytes = bytes as f64;
+    if bytes < 1e9 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.1} GB", bytes / 1e9) }
 }
 
 #[cfg(test)]

@@ -441,10 +441,7 @@ impl<'de> Deserialize<'de> for Slopes {
                 return Err(wrong(format!("slopes: {other} is not known; give \"auto\" or a table with u and v")));
             }
         };
-        let degrees = match table.get(DIRECTION) {
-            None => Ok(None),
-            Some(degrees) => degrees.clone().try_into().map(Some),
-        };
+        let degrees = table.get(DIRECTION).map(|degrees| degrees.clone().try_into()).transpose();
         // A wrong direction is a fault of `auto` only here: a given grid reports its own.
         match table.remove(AUTO) {
             None => table.try_into().map(Self::Given).map_err(|e| wrong(e.to_string())),

@@ -103,10 +103,7 @@ impl Trail {
             let one = |pixels: Pixels<'_>, scratch: &mut FilterScratch| {
                 let mut dog = DogTile::default();
                 dog_tile(&filters, pixels, &held, scratch, &mut dog, None, &mut |_, _| ());
-                let part = match pixels {
-                    Pixels::Stacked(_) => None,
-                    Pixels::Level(level) => Some(part_of(level, &inputs)),
-                };
+                let part = if let Pixels::Level(level) = pixels { Some(part_of(level, &inputs)) } else { None };
                 (dog, part)
             };
             let bases = self.outcome.bases.as_ref().map(|bases| &bases[(octave - search.space.first_octave) as usize]);
@@ -221,14 +218,7 @@ pub fn compared_slopes(grid: &SlopeGrid, index: usize, neighbours: SlopeNeighbou
 
 /// D of the refined sample at the slopes around slope `index`, 0 beyond the grid.
 fn d_around(search: &Search<'_>, around: &Neighbourhood, index: usize, level_index: usize, fit: &Fit) -> [[f32; 3]; 3] {
-    let (i, j) = search.grid.coordinates(index);
-    std::array::from_fn(|dj| {
-        std::array::from_fn(|di| {
-            let at = |at: usize, step: usize, count: usize| (at + step).checked_sub(1).filter(|&at| at < count);
-            match (at(i, di, search.grid.u.count), at(j, dj, search.grid.v.count)) {
-                (Some(i), Some(j)) => around.tiles[j * search.grid.u.count + i].at(level_index, fit.x, fit.y),
-                _ => 0.0,
-            }
-        })
-    })
+    let d_at = |slope: usize| around.tiles[slope].at(level_index, fit.x, fit.y);
+    let mut values = search.grid.around(index).map(|slope| slope.map_or(0.0, d_at));
+    std::array::from_fn(|_| std::array::from_fn(|_| values.next().expect("nine slopes")))
 }

@@ -109,10 +109,9 @@ fn search_all(
         }
         let noise_secs = started.elapsed().as_secs_f32();
         let times = StageTimes { noise_secs, ..StageTimes::default() };
-        let begun = match keeping.filter(|_| earlier.is_none() && is_long(params, burst.size())) {
-            Some(keeping) => Some(search_first(&inputs, field.as_ref(), keeping.first, monitor)?),
-            None => None,
-        };
+        let shows_first = keeping.filter(|_| earlier.is_none() && is_long(params, burst.size()));
+        let begun = shows_first.map(|keeping| search_first(&inputs, field.as_ref(), keeping.first, monitor));
+        let begun = begun.transpose()?;
         search_inputs(inputs, field, &plan, keeping.is_some(), earlier.or(begun.as_ref()), times, monitor)
     })
 }

@@ -167,10 +167,7 @@ impl Trail {
 
     /// Index of the stronger keypoint on the same blob as keypoint `index`; `None` for [cut](Trail::is_cut) ones too.
     pub fn covered_by(&self, index: usize) -> Option<usize> {
-        match self.choice.verdicts[index] {
-            Verdict::CoveredBy(by) => Some(by),
-            _ => None,
-        }
+        if let Verdict::CoveredBy(by) = self.choice.verdicts[index] { Some(by) } else { None }
     }
 
     /// Whether keypoint `index` is too weak for any of its features to be kept. It may not have been compared.
@@ -180,10 +177,7 @@ impl Trail {
 
     /// First test that a keypoint that [is cut](Trail::is_cut) would fail if all features were kept.
     pub fn fails_uncut(&self, index: usize) -> Option<Test> {
-        match self.uncut().verdicts[index] {
-            Verdict::Kept | Verdict::Cut => None,
-            Verdict::CoveredBy(_) => Some(Test::Duplicate),
-        }
+        matches!(self.uncut().verdicts[index], Verdict::CoveredBy(_)).then_some(Test::Duplicate)
     }
 
     /// The choice without a maximum number of features. The first call takes as long as describing all keypoints.

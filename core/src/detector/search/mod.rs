@@ -381,10 +381,7 @@ impl Search<'_> {
     }
 
     fn parts_searched(&self, octave: i32, region: Region, index: usize) -> Vec<Region> {
-        match &self.inputs.around {
-            Some(around) => around.parts(octave, &region, index),
-            None => vec![region],
-        }
+        if let Some(around) = &self.inputs.around { around.parts(octave, &region, index) } else { vec![region] }
     }
 
     /// Thresholds for a sample of `octave` at slope `slope_index`, where σ_D by level index and slope is `sigma_d`.
