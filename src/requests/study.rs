@@ -104,12 +104,9 @@ impl Request for PosesRequest {
         monitor.check()?;
         monitor.report(Stage::Evaluate, 0.8);
         // A comparison that fails leaves both trajectories on show, with the reason.
-        let report = match (&estimate, &truth) {
-            (Some((_, estimate)), Some((_, truth))) => {
-                Some(evaluate_poses(estimate, truth, &self.study).map(Arc::new).map_err(|e| e.to_string()))
-            }
-            _ => None,
-        };
+        let report = estimate.as_ref().zip(truth.as_ref()).map(|((_, estimate), (_, truth))| {
+            evaluate_poses(estimate, truth, &self.study).map(Arc::new).map_err(|e| e.to_string())
+        });
         Ok(ComparedPoses { estimate, truth, report })
     }
 }

@@ -350,10 +350,7 @@ impl ColmapJob {
     }
 
     fn verified_matching(&self) -> Result<MatchParams> {
-        let camera = match &self.camera {
-            CameraChoice::Known(camera) => Some(camera.clone()),
-            CameraChoice::Guessed(_) => None,
-        };
+        let camera = if let CameraChoice::Known(camera) = &self.camera { Some(camera.clone()) } else { None };
         // A guessed focal length is too uncertain for an essential matrix.
         let matching = MatchParams { camera, ..self.matching.clone() };
         matching.validate()?;

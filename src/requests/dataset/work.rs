@@ -57,10 +57,7 @@ fn look(
     monitor.report(Stage::Open, 0.0);
     let Entries { bursts, strays } = source.entries(&open)?;
     monitor.check()?;
-    let frames_of_one = match &bursts[..] {
-        [one] => one.files().ok().map(|files| files.len()),
-        _ => None,
-    };
+    let frames_of_one = if let [one] = &bursts[..] { one.files().ok().map(|files| files.len()) } else { None };
     let folder = folder.or_else(|| source.default_folder());
     let (mut finished, mut folder_error, mut other_params) = (vec![None; bursts.len()], None, None);
     // A folder that cannot be read is reported beside the open dataset, and does not keep it from opening.

@@ -102,18 +102,12 @@ impl TwoViewModel {
 
     /// The pixel at which a camera without distortion would see what this one sees at `pixel`.
     pub(crate) fn straight(&self, pixel: [f64; 2]) -> [f64; 2] {
-        match self {
-            Self::Essential { camera, .. } => straightened(camera, pixel),
-            Self::Fundamental { .. } | Self::Homography { .. } => pixel,
-        }
+        if let Self::Essential { camera, .. } = self { straightened(camera, pixel) } else { pixel }
     }
 
     /// The pixel at which this camera sees what one without distortion would see at `straight`.
     pub(crate) fn seen(&self, straight: [f64; 2]) -> [f64; 2] {
-        match self {
-            Self::Essential { camera, .. } => seen_by(camera, straight),
-            Self::Fundamental { .. } | Self::Homography { .. } => straight,
-        }
+        if let Self::Essential { camera, .. } = self { seen_by(camera, straight) } else { straight }
     }
 
     /// The relative pose with most `pairs` in front of both cameras, and their number; of an essential matrix only.
