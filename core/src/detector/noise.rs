@@ -233,16 +233,16 @@ pub fn gate_factor(params: &DetectorParams) -> f32 {
     let places = 1e6 * 4f64.powi(-params.first_octave) * slopes;
     let expected = |k: f64| maxima_per_pixel * places * k * k * (-0.5 * k * k).exp();
     // k²·exp(−k²/2) has no simple inverse; it falls from √2 on, so bisection finds k.
-    let (mut low, mut high) = (2.0, 12.0);
-    for _ in 0..60 {
+    bisected([2.0, 12.0], 60, |k| expected(k) > allowed) as f32
+}
+
+/// End of the lower part of a range, in which `is_low` holds, after this number of halvings.
+pub(super) fn bisected([mut low, mut high]: [f64; 2], halvings: usize, is_low: impl Fn(f64) -> bool) -> f64 {
+    for _ in 0..halvings {
         let middle = 0.5 * (low + high);
-        if expected(middle) > allowed {
-            low = middle;
-        } else {
-            high = middle;
-        }
+        *(if is_low(middle) { &mut low } else { &mut high }) = middle;
     }
-    high as f32
+    high
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@
 //! ([`rare`]). Without this `jpeg-20` has 8769 false features a megapixel at the strict gate, not 6.
 
 use super::warning::{NoiseWarning, WarningKind};
+use crate::detector::noise::bisected;
 use crate::detector::params::doc;
 use crate::error::Error;
 use crate::plane::Plane;
@@ -180,19 +181,11 @@ pub fn rare(kurtosis: f32, frames: usize, gate: f32) -> f32 {
         (1..=n as usize).map(|m| (chance(m as f64), (m as f64 / (n * present)).sqrt())).collect();
     let gate = f64::from(gate.max(0.1));
     let wanted = beyond(gate);
+    let tail = |x: f64| chances.iter().map(|(chance, deviation)| chance * beyond(x / deviation)).sum::<f64>();
     // In all frames at once the noise is 1/√present times as strong as on average.
-    let (mut low, mut high) = (gate, gate / present.sqrt());
+    let range = [gate, gate / present.sqrt()];
     // The tail falls with x, so bisection finds the gate; 30 halvings exhaust `f32`.
-    for _ in 0..30 {
-        let middle = 0.5 * (low + high);
-        let tail: f64 = chances.iter().map(|(chance, deviation)| chance * beyond(middle / deviation)).sum();
-        if tail > wanted {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    (high / gate) as f32
+    (bisected(range, 30, |x| tail(x) > wanted) / gate) as f32
 }
 
 #[cfg(test)]

@@ -196,13 +196,10 @@ impl FrameSurvey {
         // The median over the squares of a dark frame differs by its noise alone.
         let pixels = (squares.places.len() * SQUARE_PIXELS) as f32;
         let error = SURE_OF_FLICKER * (looks.noise[reference] / pixels).sqrt() / mean(reference);
+        let flickers = flicker > MIN_FLICKER.max(error);
         // The spread is taken around a trend, so a steady drift has a test of its own.
-        if flicker > MIN_FLICKER.max(error) || drift > 0.0 {
-            if flicker > MIN_FLICKER.max(error) {
-                self.flicker = flicker;
-            } else {
-                self.drift = drift;
-            }
+        if flickers || drift > 0.0 {
+            (self.flicker, self.drift) = if flickers { (flicker, 0.0) } else { (0.0, drift) };
             let middle = kept.iter().map(|&t| gains[t]).sum::<f32>() / kept.len() as f32;
             kept.iter().for_each(|&t| self.frames[t].gain = gains[t] / middle);
         }
@@ -314,13 +311,11 @@ fn bright_ratio(squares: &[f32], reference: &[f32], least: f32) -> f32 {
     // A median with half of the brightness on each side: bright squares tell a ratio best.
     let half = 0.5 * ratios.iter().map(|(_, weight)| weight).sum::<f32>();
     let mut so_far = 0.0;
-    for (ratio, weight) in ratios {
+    let reaches_half = |(_, weight): &(f32, f32)| {
         so_far += weight;
-        if so_far >= half {
-            return ratio;
-        }
-    }
-    1.0
+        so_far >= half
+    };
+    ratios.into_iter().find(reaches_half).map_or(1.0, |(ratio, _)| ratio)
 }
 
 /// Range of the logarithms of the exposures `gains`, if the squares brighter than `least` share it; else 0.
