@@ -96,11 +96,8 @@ impl Evidence {
         let gain = 0.5 * POWER / (1.0 + POWER);
         scale.data_mut().iter_mut().for_each(|x| *x = gain / x.max(f32::MIN_POSITIVE));
         nats.par_iter_mut().for_each(|power| {
-            // Evidence adds up: a merged cell has the sum of its finest cells, not the mean.
             to_nats(power, &scale);
-            let mut merged = means(power, MERGED_CELLS);
-            merged.data_mut().iter_mut().for_each(|nats| *nats *= (MERGED_CELLS * MERGED_CELLS) as f32);
-            *power = merged;
+            *power = summed(power, MERGED_CELLS);
         });
         let last_frame = times.positions.span() as f32;
         Ok(Self { size: nats[0].size(), grid, last_frame, nats })
@@ -211,6 +208,13 @@ fn to_nats(power: &mut Plane, scale: &Plane) {
         let cubed = missing * missing * missing;
         *power = (nothing + x.max(0.0) + std::f32::consts::LN_2 * cubed * cubed) * (1.0 / CORRELATED_CELLS);
     }
+}
+
+/// Evidence of squares of `by`² cells: it adds up, and a smaller one at an edge counts as a whole one.
+pub(super) fn summed(nats: &Plane, by: usize) -> Plane {
+    let mut sums = means(nats, by);
+    sums.data_mut().iter_mut().for_each(|x| *x *= (by * by) as f32);
+    sums
 }
 
 /// Means of squares of `by`² cells, smaller ones at the right and lower edge.

@@ -9,7 +9,7 @@
 //!
 //! So there is no window in which everything moves alike: evidence reaches as far as nothing speaks against it.
 
-use super::evidence::means;
+use super::evidence::summed;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use multiversion::multiversion;
@@ -207,7 +207,7 @@ impl Posterior {
     pub fn new(nats: &[Plane], swept: [usize; 2], monitor: &Monitor) -> Result<Self, Cancelled> {
         let candidates = Candidates::of_sweep(swept);
         // Drift is found on blocks first: single cells know their motion too badly to show a small change.
-        let blocks: Vec<Plane> = nats.par_iter().map(block_sums).collect();
+        let blocks: Vec<Plane> = nats.par_iter().map(|nats| summed(nats, BLOCK_CELLS)).collect();
         let still = [[0.0; 2]; 2];
         let of_blocks = Self::with(&blocks, candidates, (still, BLOCK_WANDER), monitor)?;
         let drift = of_blocks.drift(blocks[0].size());
@@ -265,12 +265,6 @@ impl Posterior {
             [1, 2].map(|axis| (candidates_per_cell * sums[axis] / sums[0].max(f64::MIN_POSITIVE)) as f32)
         })
     }
-}
-
-fn block_sums(nats: &Plane) -> Plane {
-    let mut sums = means(nats, BLOCK_CELLS);
-    sums.data_mut().iter_mut().for_each(|x| *x *= (BLOCK_CELLS * BLOCK_CELLS) as f32);
-    sums
 }
 
 /// `from` with a part of each value moved `stride` places before and after in its line of `line` values, and `more`

@@ -75,18 +75,8 @@ impl FirstLevel<'_> {
                 }
                 // Lengths along ln σ in units of σ, so that all three axes are alike.
                 let gradient = Vector3::new(d.x, d.y, d.log / unit) * sign;
-                let bend = -sign
-                    * Matrix3::new(
-                        d.xx,
-                        d.xy,
-                        d.x_log / unit,
-                        d.xy,
-                        d.yy,
-                        d.y_log / unit,
-                        d.x_log / unit,
-                        d.y_log / unit,
-                        d.log_log / (unit * unit),
-                    );
+                let (x_log, y_log, log_log) = (d.x_log / unit, d.y_log / unit, d.log_log / (unit * unit));
+                let bend = -sign * Matrix3::new(d.xx, d.xy, x_log, d.xy, d.yy, y_log, x_log, y_log, log_log);
                 // Cholesky fails exactly where D is no peak in place and scale: there Newton's step leads nowhere.
                 let step = Cholesky::new(bend)?.solve(&gradient);
                 let level = 1.0 + levels * ((log + step.z / unit).exp() / self.space.sigma_octave(0.0)).log2();

@@ -186,7 +186,6 @@ impl Base<'_> {
         let Self::Frames { frames, offsets, octave } = self else {
             unreachable!("only frames are made into raw rows");
         };
-        let (width_image, height_image) = frames[0].size();
         match octave {
             0 => {
                 stacked.resize(columns.len(), 0.0);
@@ -195,7 +194,7 @@ impl Base<'_> {
                     write(v, stacked);
                 }
             }
-            -1 => doubled_rows(frames, offsets, rows, columns, (width_image, height_image), stacked, write),
+            -1 => doubled_rows(frames, offsets, rows, columns, stacked, write),
             _ => {
                 // Rows between are never stacked: only every 2^o-th pixel of a binned or skipped octave is read.
                 let step = 1usize << octave;
@@ -319,11 +318,10 @@ fn doubled_rows(
     offsets: &[FrameOffset],
     rows: Range<usize>,
     columns: Range<usize>,
-    size_image: (usize, usize),
     stacked: &mut Vec<f32>,
     mut write: impl FnMut(usize, &[f32]),
 ) {
-    let (width, height) = size_image;
+    let (width, height) = frames[0].size();
     let narrow = columns.start / 2..((columns.end - 1) / 2 + 2).min(width);
     let n = narrow.len();
     stacked.resize(n, 0.0);
