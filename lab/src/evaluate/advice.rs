@@ -157,16 +157,12 @@ impl AdviceStudy {
         let kinds = kinds();
         let of_kind = |kind| self.snrs.iter().flat_map(move |&snr| seeds().map(move |seed| (kind, snr, seed)));
         let jobs: Vec<(&Kind, f64, u64)> = kinds.iter().flat_map(of_kind).collect();
-        let bursts = run_jobs(
-            &jobs,
-            |_| 1,
-            monitor,
-            |(kind, snr, seed), monitor, done| {
-                let advised = advised(kind, *snr, *seed, monitor)?;
-                done(1);
-                Ok(advised)
-            },
-        )?;
+        let advise = |&(kind, snr, seed): &(&Kind, f64, u64), monitor: &Monitor, done: &(dyn Fn(usize) + Sync)| {
+            let advised = advised(kind, snr, seed, monitor)?;
+            done(1);
+            Ok(advised)
+        };
+        let bursts = run_jobs(&jobs, |_| 1, monitor, advise)?;
         let count = |said, truth| bursts.iter().filter(|burst| (burst.said, burst.truth) == (said, truth)).count();
         let counts = |said| Statement::ALL.map(|truth| (truth, count(said, truth))).into();
         let said = Statement::ALL.map(|said| (said, counts(said))).into();

@@ -193,16 +193,12 @@ mod tests {
         let sink = heard.clone();
         let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push(p.fraction));
         let jobs: Vec<usize> = (0..25).collect();
-        let results = run_jobs(
-            &jobs,
-            |_| 3,
-            &monitor,
-            |&job, _, done| {
-                done(1);
-                done(2);
-                Ok(job * job)
-            },
-        );
+        let square = |&job: &usize, _: &Monitor, done: &(dyn Fn(usize) + Sync)| {
+            done(1);
+            done(2);
+            Ok(job * job)
+        };
+        let results = run_jobs(&jobs, |_| 3, &monitor, square);
         assert_eq!(results, Ok((0..25).map(|job| job * job).collect()));
         let largest = heard.lock().expect("not poisoned").iter().copied().fold(0.0, f32::max);
         assert_eq!(largest, 1.0);
@@ -217,17 +213,13 @@ mod tests {
         let error = run_jobs(&jobs, |_| 1, &Monitor::default(), fail).expect_err("job 5 fails");
         assert_eq!(error.to_string(), "seeds: 5; none");
         let monitor = Monitor::default();
-        let cancelled = run_jobs(
-            &jobs,
-            |_| 1,
-            &monitor,
-            |&job, monitor, _| {
-                if job == 3 {
-                    monitor.cancel();
-                }
-                Ok(monitor.check()?)
-            },
-        );
+        let cancel = |&job: &usize, monitor: &Monitor, _: &(dyn Fn(usize) + Sync)| {
+            if job == 3 {
+                monitor.cancel();
+            }
+            Ok(monitor.check()?)
+        };
+        let cancelled = run_jobs(&jobs, |_| 1, &monitor, cancel);
         assert!(cancelled.is_err_and(|error| error.is_cancelled()));
     }
 }

@@ -265,8 +265,7 @@ fn noise_burst(level: NoiseLevel, size: (usize, usize), frames: usize, seed: u64
     if level.case != NoiseCase::White {
         return Ok(level.case.burst_at(level.mean, size, frames, level.sigma, seed, monitor)?);
     }
-    let mut planes = Vec::with_capacity(frames);
-    for t in 0..frames {
+    let frame = |t: usize| {
         monitor.check()?;
         let mut stream = Stream::new(seed, t as u64);
         let value = |_, _| {
@@ -276,9 +275,9 @@ fn noise_burst(level: NoiseLevel, size: (usize, usize), frames: usize, seed: u64
                 None => value as f32,
             }
         };
-        planes.push(Plane::from_fn(size.0, size.1, value));
-    }
-    let mut burst = Burst::from_planes("noise", planes);
+        Ok(Plane::from_fn(size.0, size.1, value))
+    };
+    let mut burst = Burst::from_planes("noise", (0..frames).map(frame).collect::<Result<_>>()?);
     // No file's header gives the step of frames made in memory.
     burst.quantisation_step = level.bits.map_or(0.0, quantisation_step) as f32;
     Ok(burst)
