@@ -73,13 +73,10 @@ impl Engine {
     /// Waits until nothing runs and nothing waits, or until `timeout` has passed. Returns whether it is idle.
     pub fn wait_idle(&self, timeout: Duration) -> bool {
         let end = Instant::now() + timeout;
-        while !self.is_idle() {
-            if Instant::now() >= end {
-                return false;
-            }
+        while !self.is_idle() && Instant::now() < end {
             std::thread::sleep(Duration::from_millis(1));
         }
-        true
+        self.is_idle()
     }
 }
 

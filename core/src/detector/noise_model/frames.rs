@@ -150,16 +150,14 @@ impl FrameSurvey {
 
     fn leave_out_copies(&mut self, squares: &HighPass, looks: &Looks) {
         for (t, &own) in looks.noise.iter().enumerate().skip(1) {
-            for before in t.saturating_sub(LOOK_BACK)..t {
-                if self.frames[before].left_out.is_some() || self.frames[t].left_out.is_some() || own == 0.0 {
-                    continue;
-                }
+            let is_kept = |t: usize| self.frames[t].left_out.is_none();
+            let is_original = |&before: &usize| {
                 // A copy that was compressed or converted again follows its original directly.
-                let nearly = before + 1 == t && looks.in_pair(squares, before, t) < COPY * own;
-                if nearly || squares.same(t, before) {
-                    self.leave_out(t, LeftOut::Duplicate(before));
-                    break;
-                }
+                let nearly = || before + 1 == t && looks.in_pair(squares, before, t) < COPY * own;
+                is_kept(before) && is_kept(t) && own != 0.0 && (nearly() || squares.same(t, before))
+            };
+            if let Some(original) = (t.saturating_sub(LOOK_BACK)..t).find(is_original) {
+                self.leave_out(t, LeftOut::Duplicate(original));
             }
         }
     }
@@ -248,12 +246,11 @@ impl FrameSurvey {
         if kept.len() < 4 || squares.are_bits {
             return;
         }
-        let per_gain = |t: usize, power: f32| power / self.frames[t].gain.powi(2);
-        let powers: Vec<f32> = kept
-            .iter()
-            .map(|&t| per_gain(t, looks.frames[t].iter().sum::<f32>() / looks.frames[t].len() as f32))
-            .collect();
-        let quiet: Vec<f32> = kept.iter().map(|&t| per_gain(t, looks.noise[t])).collect();
+        let per_gain = |power: &dyn Fn(usize) -> f32| -> Vec<f32> {
+            kept.iter().map(|&t| power(t) / self.frames[t].gain.powi(2)).collect()
+        };
+        let powers = per_gain(&|t| looks.frames[t].iter().sum::<f32>() / looks.frames[t].len() as f32);
+        let quiet = per_gain(&|t| looks.noise[t]);
         let usual = median(powers.clone());
         let beyond_quiet = median(powers.iter().zip(&quiet).map(|(power, quiet)| power - quiet).collect());
         let difference = median(powers.iter().map(|power| (power - usual).abs()).collect());
