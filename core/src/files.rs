@@ -46,6 +46,21 @@ pub fn open_as(path: &Path, options: &mut OpenOptions) -> io::Result<File> {
     }
 }
 
+/// Opens the SQLite database `path`, which nobody writes meanwhile, for reading alone.
+#[cfg(any(feature = "bags", feature = "colmap"))]
+pub(crate) fn open_database(path: &Path) -> rusqlite::Result<rusqlite::Connection> {
+    use rusqlite::OpenFlags;
+    let kept = |byte: u8| byte.is_ascii_alphanumeric() || b"/._-:".contains(&byte);
+    let escaped = |byte: &u8| if kept(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02x}") };
+    let path: String = path.as_os_str().as_encoded_bytes().iter().map(escaped).collect();
+    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
+    // `immutable`: SQLite takes no locks and writes no files beside one that may be read-only.
+    let connection = rusqlite::Connection::open_with_flags(format!("file:{path}?immutable=1"), flags)?;
+    // The schema is a stranger's: its functions are not trusted.
+    connection.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")?;
+    Ok(connection)
+}
+
 /// Reads the regular file `path`, at most `max_bytes` bytes.
 ///
 /// # Errors

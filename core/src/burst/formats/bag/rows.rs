@@ -2,7 +2,7 @@
 
 use super::records::{Channel, Message, Wire, Work};
 use crate::{error::one_line, files, plane::memory};
-use rusqlite::{Connection, OpenFlags, limits::Limit};
+use rusqlite::{Connection, limits::Limit};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::{collections::BTreeMap, sync::Arc};
@@ -14,20 +14,12 @@ const MAX_NAME: usize = 4096;
 const EACH: u64 = 1000;
 
 fn connection(path: &Path, work: &Arc<Work>) -> rusqlite::Result<Connection> {
-    let kept = |byte: u8| byte.is_ascii_alphanumeric() || b"/._-:".contains(&byte);
     // No value is longer than its file; the most is SQLite's own limit.
     let longest = std::fs::metadata(path).map_or(0, |file| file.len()).clamp(1 << 20, 1_000_000_000) as i32;
-    let path = path.as_os_str().as_encoded_bytes();
-    let escaped = |byte: &u8| if kept(*byte) { char::from(*byte).to_string() } else { format!("%{byte:02x}") };
-    let path: String = path.iter().map(escaped).collect();
-    let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_URI | OpenFlags::SQLITE_OPEN_NO_MUTEX;
-    // `immutable`: SQLite takes no locks and writes no files beside a recording that may be read-only.
-    let mut connection = Connection::open_with_flags(format!("file:{path}?immutable=1"), flags)?;
+    let mut connection = files::open_database(path)?;
     connection.set_limit(Limit::SQLITE_LIMIT_LENGTH, longest)?;
     let work = work.clone();
     connection.progress_handler(EACH as i32, Some(move || work.step(EACH).is_err()))?;
-    // The schema is a stranger's: its functions are not trusted.
-    connection.execute_batch("PRAGMA trusted_schema = OFF; PRAGMA cell_size_check = ON;")?;
     Ok(connection)
 }
 
