@@ -2,11 +2,13 @@
 
 use super::probe::parse_place;
 use super::{
-    BurstSearchArgs, Console, Failure, INPUT_HELP, Input, OneBurst, OverwriteArgs, SequenceArgs, check_ending,
+    Both, BurstSearchArgs, Console, Failure, INPUT_HELP, Input, OneBurst, OverwriteArgs, SequenceArgs, check_ending,
     document, open_options, resolve_bursts,
 };
 use crate::burst::Info;
-use crate::detector::SearchParams;
+#[cfg(feature = "colmap")]
+use crate::dataset::read_exported;
+use crate::dataset::{ColmapReport, PairReport};
 use crate::export::{Figure, write_drawing, write_text};
 use crate::files::mark::OutputKind;
 use crate::files::path_text;
@@ -41,6 +43,11 @@ pub struct ReportArgs {
     /// A place to be told about, in pixels at mid-burst: column and row. Give the option again for more places.
     #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
     pub at: Vec<[f32; 2]>,
+    /// A folder that 'colmap' wrote from these bursts. Tells of its pairs too: what the verified ones join, how many were
+    /// refused and why, and the weakest; a burst without a verified pair stands out.
+    #[cfg(feature = "colmap")]
+    #[arg(long, value_name = "DIR")]
+    pub pairs_of: Option<PathBuf>,
     #[command(flatten)]
     pub sequence: SequenceArgs,
     #[command(flatten)]
@@ -56,23 +63,31 @@ Examples:
   burstscope report night/ --out night.md
   burstscope report night/ --out night.pdf --at 412,230 --at 96,58
   burstscope report nights/ --out flight.md
+  burstscope report nights/ --pairs-of rec --out flight.md
 
 JSON (--json), beside version, params, inputs and file:
   {\"info\": {as of 'info'}, \"notes\": [text], \"features\", \"frame_noise\", \"noise_gate_factor\", \"tally\": {as of 'detect'}, \"spectrum\": {as of 'slopes'},
    \"decoys\": {as of 'decoys'} or null, \"no_decoys\": the reason or null, \"places\": [{as \"probe\" of 'probe'}]}
 Of several bursts, beside version, params and file:
   {\"bursts\": [{\"name\", \"open\": the command that opens it, \"error\": null or why there is no \"health\", which is else {\"frames\", \"size\": [columns, rows], \"frame_noise\",
-     \"slopes_judged\": {as of 'detect'} or null, \"features\", \"motion\": their median in px per frame or null, \"times\": \"even\" or a clause}}],
-   \"worst\": [{\"name\", \"why\"}]}";
+     \"slopes_judged\": {as of 'detect'} or null, \"features\", \"motion\": their median in px per frame or null, \"times\": \"even\" or a clause},
+     \"verified_pairs\": their number, or null where the burst is not in the folder of --pairs-of}],
+   \"worst\": [{\"name\", \"why\"}], \"pairs\": null, or those with a match, [{\"bursts\": [a, b], and as of 'colmap'}], \"joined\": null or as of 'colmap'}";
 
 const SEARCH_SHARE: f32 = 0.3;
 
 pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
-    let params = args.run.search.params()?;
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
-    if inputs.len() > 1 || args.sequence.burst_length.is_some() {
-        return run_flight(args, &params, &inputs);
+    let pairs: Option<ColmapReport> = None;
+    #[cfg(feature = "colmap")]
+    let pairs = match &args.pairs_of {
+        Some(folder) => Some(read_exported(folder, &inputs.iter().map(|input| &*input.name).collect::<Vec<_>>())?),
+        None => pairs,
+    };
+    if inputs.len() > 1 || args.sequence.burst_length.is_some() || pairs.is_some() {
+        return run_flight(args, &inputs, pairs.as_ref());
     }
+    let params = args.run.search.params()?;
     check_ending(&args.out, &["md", "svg", "pdf", "png"], "--out: name the report .md, .svg, .pdf or .png")?;
     let OneBurst { console, input, options, rules } =
         args.run.begin("report", &args.inputs, args.overwrite, &[Some(&args.out)])?;
@@ -108,7 +123,8 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     console.say_document("report", &document)
 }
 
-fn run_flight(args: &ReportArgs, params: &SearchParams, inputs: &[Input]) -> Result<(), Failure> {
+fn run_flight(args: &ReportArgs, inputs: &[Input], pairs: Option<&ColmapReport>) -> Result<(), Failure> {
+    let params = &args.run.search.params()?;
     check_ending(&args.out, &["md", "csv"], "--out: name the report of several bursts .md or .csv")?;
     if !args.at.is_empty() {
         return Err(Failure::usage("--at: a place is one of one burst, and the input names several; name one of them"));
@@ -131,23 +147,30 @@ fn run_flight(args: &ReportArgs, params: &SearchParams, inputs: &[Input]) -> Res
             Err(failure) => return Err(failure),
         };
         let source = if input.is_built_in() { vec![input.name.clone()] } else { input.path_texts() };
-        rows.push(FlightRow { name: input.name.clone(), open: window_line(&source, &options), health });
+        let verified_pairs = pairs.and_then(|pairs| pairs.verified_pairs(&input.name));
+        rows.push(FlightRow { name: input.name.clone(), open: window_line(&source, &options), health, verified_pairs });
     }
     console.monitor.check()?;
     rules.check(&args.out)?;
     match args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("md")) {
-        true => write_text(&args.out, OutputKind::Page, flight_page(&rows))?,
+        true => write_text(&args.out, OutputKind::Page, flight_page(&rows, pairs))?,
         false => Figure::from(flight_table(&rows)).write(&args.out)?,
     }
     let worst = worst_bursts(&rows);
     let lines: String = worst.iter().map(|(row, why)| format!("{}: {why}\n", row.name)).collect();
     console.say(&format!("{lines}wrote {}\n", args.out.display()))?;
-    let bursts = rows.iter().map(|FlightRow { name, open, health }| {
-        document! { name, open, health: health.as_ref().ok(), error: health.as_ref().err() }
+    let bursts = rows.iter().map(|FlightRow { name, open, health, verified_pairs }| {
+        document! { name, open, health: health.as_ref().ok(), error: health.as_ref().err(), verified_pairs }
     });
     let bursts: Vec<_> = bursts.collect();
     let worst: Vec<_> = worst.iter().map(|(row, why)| document! { name: &row.name, why }).collect();
-    let document = document! { params, file: path_text(&args.out), bursts, worst };
+    let pairs = pairs.map(|report| {
+        let of =
+            |pair: &PairReport| Both { one: document! { bursts: pair.ids.map(|id| report.burst(id)) }, other: *pair };
+        (report.pairs.iter().map(of).collect::<Vec<_>>(), &report.joined)
+    });
+    let (pairs, joined) = pairs.unzip();
+    let document = document! { params, file: path_text(&args.out), bursts, worst, pairs, joined };
     console.say_document("report", &document)?;
     if rows.iter().all(|row| row.health.is_ok()) { Ok(()) } else { Err(Failure::Reported) }
 }

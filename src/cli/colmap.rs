@@ -6,13 +6,14 @@ use super::{BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs
 use crate::burst::BurstFiles;
 use crate::dataset::{
     BurstEvent, CameraChoice, ColmapJob, ColmapReport, Comparison, FeatureJob, FeatureStore, GatherReport, ImageKind,
-    Joined, LeftOut, export_colmap, gather, read_pairs,
+    LeftOut, export_colmap, gather, read_pairs,
 };
 use crate::detector::params::doc::NOISE_GATE;
 use crate::detector::{Method, NoiseGate, SearchParams};
-use crate::inspect::words::counted;
+use crate::inspect::report::joined_text;
+use crate::inspect::words::{counted, some_of};
 use crate::matching::aligned::Moved;
-use crate::matching::{CameraModel, MatchParams, PairSelection, Refusal};
+use crate::matching::{CameraModel, MatchParams, PairSelection};
 use crate::requests::next_commands;
 use clap::{Arg, Args};
 use serde::Serialize;
@@ -39,8 +40,6 @@ fn gate_help(arg: Arg) -> Arg {
     let text = |help: String| help.replace("[default: auto]", "[default of this command: matching]");
     arg.help(text(NOISE_GATE.short_help())).long_help(text(NOISE_GATE.long_help()))
 }
-
-const NAMED: usize = 3;
 
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let detector = args.run.search.params_over(defaults())?;
@@ -141,30 +140,6 @@ fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
     left.chain(strange.map(|folder| format!("--gather {}: it holds none of these bursts", folder.display()))).collect()
 }
 
-fn some_of<S: AsRef<str>>(names: &[S]) -> String {
-    let some: Vec<&str> = names.iter().take(NAMED).map(S::as_ref).collect();
-    let more = names.len() - some.len();
-    some.join(", ") + &if more == 0 { String::new() } else { format!(" and {more} more") }
-}
-
-/// Lines on the images that verified pairs join, and on the number of refused pairs with their reasons.
-fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_pictures }: &Joined) -> String {
-    let mut text = String::new();
-    if let Some((largest, others)) = parts.split_first() {
-        let all = alone.len() + parts.iter().map(Vec::len).sum::<usize>();
-        let of = if largest.len() == all { "all ".to_owned() } else { format!("{} of ", largest.len()) };
-        text += &format!("verified pairs join {of}{all} images");
-        others.iter().for_each(|part| text += &format!(", and apart from them {} others", part.len()));
-        text += &if alone.is_empty() { String::new() } else { format!("; none is of {}", some_of(alone)) };
-        text += "\n";
-    }
-    let refused = [(refused_by_motions, Refusal::Motions), (refused_by_pictures, Refusal::Pictures)];
-    for (pairs, why) in refused.into_iter().filter(|(pairs, _)| **pairs > 0) {
-        text += &format!("{} refused: {}\n", counted(*pairs, "pair"), why.words());
-    }
-    text
-}
-
 fn summary(report: &ColmapReport, features: &FeatureJob) -> String {
     let mut text = String::new();
     for camera in &report.cameras {
@@ -173,7 +148,7 @@ fn summary(report: &ColmapReport, features: &FeatureJob) -> String {
     }
     let putative: usize = report.pairs.iter().map(|p| p.counts.putative).sum();
     let inliers: usize = report.pairs.iter().filter_map(|p| p.counts.inliers).sum();
-    let verified = report.pairs.iter().filter(|p| p.counts.inliers.is_some_and(|n| n > 0)).count();
+    let verified = report.pairs.iter().filter(|p| p.counts.inliers > Some(0)).count();
     let resumed = report.pairs.iter().filter(|p| p.resumed).count();
     let resumed = if resumed > 0 { format!(", {resumed} from an earlier run") } else { String::new() };
     text += &format!(

@@ -202,12 +202,64 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
         "{text}"
     );
     assert!(text.contains("verified pairs join 2 of 4 images; none is of burst_000, burst_002\n"), "{text}");
+    // A report of the flight reads the same from the folder.
+    let report = |inputs: &[&'static str], more: &[&'static str]| {
+        [&["report"], inputs, &["--out", "flight.md", "--json", "--pairs-of"], more, &SEARCH].concat()
+    };
+    let flight: Value = serde_json::from_str(&run_well(home, &report(&["way/bursts"], &["rec"]))).expect("JSON");
+    let json: Value = serde_json::from_str(&run_well(home, &[&line[..], &["--json"]].concat())).expect("JSON");
+    assert_eq!((&flight["joined"], flight["pairs"].as_array().map(Vec::len)), (&json["joined"], Some(1)));
+    for key in ["ids", "keypoints_a", "keypoints_b", "putative", "inliers", "refused"] {
+        assert_eq!(flight["pairs"][0][key], json["pairs"][0][key], "{key}");
+    }
+    assert_eq!(flight["pairs"][0]["bursts"], serde_json::json!(["burst_001", "burst_003"]));
+    let rows = flight["bursts"].as_array().expect("rows").iter();
+    assert_eq!(rows.map(|row| row["verified_pairs"].clone()).collect::<Vec<_>>(), [0, 1, 0, 1]);
+    let page = fs::read_to_string(home.join("flight.md")).expect("a page");
+    assert!(page.contains(r"- Verified pairs join 2 of 4 images; none is of burst\_000, burst\_002"), "{page}");
+    assert!(page.contains("\n1 pair with a match, ") && page.contains(r"| burst\_001 | burst\_003 | "), "{page}");
+    fs::create_dir(home.join("broken")).expect("made");
+    let database = fs::read(home.join("rec/database.db")).expect("a database");
+    fs::write(home.join("broken/database.db"), &database[..512]).expect("written");
+    for (inputs, folder, words) in [
+        ("way/bursts", "way", "way is no folder that colmap wrote from these bursts: it has no database.db"),
+        ("way/bursts", "broken", "its database.db is damaged ("),
+        ("demo demo-later", "rec", "it holds none of them; give the --out of a `burstscope colmap`"),
+    ] {
+        let told = run_badly(home, &report(&inputs.split(' ').collect::<Vec<_>>(), &[folder]), 2);
+        assert!(told.contains(words) && told.contains("--pairs-of: "), "{folder}: {told}");
+    }
     // No inliers: nothing is joined, and nothing can be mapped.
     let none = [&line[..], &["--min-inliers", "100000", "--predict", "false", "--json"]].concat();
     let json: Value = serde_json::from_str(&run_well(home, &none)).expect("JSON");
     assert_eq!(json["joined"]["alone"].as_array().map(Vec::len), Some(4), "{}", json["joined"]);
     let why = json["no_start"].as_str().expect("a reason");
     assert!(why.contains("the one pair is not verified (0 without a match, 0 refused"), "{why}");
+    // Its file says why a pair is refused: by its motions, or, where it had a geometry, by its pictures.
+    let file = pair_file(home, 1, 3);
+    let whole = fs::read(&file).expect("a pair");
+    let lines: usize = whole.split_inclusive(|byte| *byte == b'\n').take(2).map(<[u8]>::len).sum();
+    let of_two = |word: Option<usize>| {
+        let mut bytes = whole.clone();
+        word.into_iter().for_each(|word| bytes[lines + 4 * word] = 1);
+        fs::write(&file, bytes).expect("written");
+        let two = report(&["way/bursts/burst_001", "demo"], &["rec"]);
+        serde_json::from_str::<Value>(&run_well(home, &two)).expect("JSON")
+    };
+    assert_eq!(of_two(None)["pairs"][0]["refused"], Value::Null);
+    let refused = of_two(Some(1));
+    assert_eq!(
+        (&refused["pairs"][0]["refused"], &refused["joined"]["refused_by_pictures"]),
+        (&"pictures".into(), &1.into())
+    );
+    let refused = of_two(Some(0));
+    assert_eq!(
+        (&refused["pairs"][0]["refused"], &refused["joined"]["refused_by_motions"]),
+        (&"motions".into(), &1.into())
+    );
+    assert_eq!([0, 1].map(|row| refused["bursts"][row]["verified_pairs"].clone()), [0.into(), Value::Null]);
+    let page = fs::read_to_string(home.join("flight.md")).expect("a page");
+    assert!(page.contains("- No pair is verified\n- Not in the folder of the pairs: demo\n"), "{page}");
     // What is wrong is named with its line, before anything is done.
     for (text, words) in [("burst_000 burst_001\nburst_000 night\n", "line 2: "), ("\nburst_000\n", "line 2: ")] {
         fs::write(home.join("list.txt"), text).expect("written");

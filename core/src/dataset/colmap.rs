@@ -28,7 +28,7 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 use std::path::Path;
 
-const DATABASE_FILE: &str = "database.db";
+pub(super) const DATABASE_FILE: &str = "database.db";
 
 /// Parameters of an export.
 #[derive(Debug, Clone, PartialEq)]

@@ -89,6 +89,18 @@ impl PairFound {
     }
 }
 
+/// Why the pair in the file at `path`, with so many `matches`, is not verified, where it tells that.
+pub(super) fn why_refused(path: &Path, matches: usize) -> Option<Refusal> {
+    let bytes = read_bytes(path, MAX_TABLE_BYTES).ok()?;
+    let words = bytes.strip_prefix(PAIR_MARK)?.splitn(2, |byte| *byte == b'\n').nth(1)?;
+    match words.as_chunks().0.first_chunk()?.map(u32::from_le_bytes) {
+        [_, _, count] if count as usize != matches => None,
+        [1, ..] => Some(Refusal::Motions),
+        // It had a geometry before the places were aligned.
+        [_, model, _] => (model == 1).then_some(Refusal::Pictures),
+    }
+}
+
 /// An image of an export, as its pairs know it.
 pub(super) struct PairedImage {
     pub name: String,

@@ -7,6 +7,8 @@ mod blobs;
 pub mod camera;
 #[cfg(feature = "colmap")]
 pub mod colmap;
+#[cfg(feature = "colmap")]
+mod exported;
 pub mod features;
 pub mod gather;
 mod kept;
@@ -14,7 +16,6 @@ mod kept;
 mod kept_pairs;
 pub mod pairs;
 mod picture;
-#[cfg(feature = "colmap")]
 mod report;
 mod source;
 mod stamp;
@@ -22,6 +23,8 @@ mod stamp;
 pub use camera::CameraChoice;
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapJob, export_colmap, export_detections};
+#[cfg(feature = "colmap")]
+pub use exported::read_exported;
 pub use features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, FinishedBurst, detect_all, image_name};
 pub use gather::{GatherReport, LeftOut, gather};
 pub use kept::NotKept;
@@ -29,7 +32,6 @@ pub use pairs::{
     BurstSide, DetectedBurst, KeptBursts, MatchedPair, PairSource, match_bursts, match_pairs, match_rows, read_pairs,
 };
 pub use picture::{BurstPicture, ImageKind, burst_plane, thumbnail};
-#[cfg(feature = "colmap")]
 pub use report::{ColmapReport, ImageReport, Joined, PairReport};
 pub use source::DatasetSource;
 pub use stamp::Comparison;

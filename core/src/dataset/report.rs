@@ -46,10 +46,10 @@ pub struct Joined {
 }
 
 impl Joined {
-    /// Images, of `images`, that the verified ones of `pairs` join.
-    pub(super) fn of(images: &[ImageReport], pairs: &[PairReport]) -> Self {
+    /// Images, of `images`, that the verified ones of `pairs`, of no other images, join.
+    pub fn of(images: &[ImageReport], pairs: &[PairReport]) -> Self {
         let mut part_of: BTreeMap<u32, u32> = images.iter().map(|image| (image.id, image.id)).collect();
-        for PairReport { ids, .. } in pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)) {
+        for PairReport { ids, .. } in pairs.iter().filter(|pair| pair.counts.inliers > Some(0)) {
             let [a, b] = ids.map(|id| part_of[&id]);
             part_of.values_mut().filter(|part| **part == b).for_each(|part| *part = a);
         }
@@ -92,8 +92,19 @@ pub struct ColmapReport {
 const INLIERS_TO_START: usize = 30;
 
 impl ColmapReport {
+    /// Name of the burst of an image; empty where there is no such image.
+    pub fn burst(&self, id: u32) -> &str {
+        self.images.iter().find(|image| image.id == id).map_or("", |image| &image.burst)
+    }
+
+    /// Number of verified pairs of a burst; `None` where it has no image.
+    pub fn verified_pairs(&self, burst: &str) -> Option<usize> {
+        let id = self.images.iter().find(|image| image.burst == burst)?.id;
+        Some(self.pairs.iter().filter(|pair| pair.counts.inliers > Some(0) && pair.ids.contains(&id)).count())
+    }
+
     /// Says why a mapper will not be able to start from these pairs.
-    pub(super) fn why_no_start(&self) -> Option<String> {
+    pub fn why_no_start(&self) -> Option<String> {
         let Some(best) = self.pairs.iter().max_by_key(|pair| pair.counts.inliers) else {
             return Some("a mapper will not be able to start from it: there is no pair of bursts".to_owned());
         };
@@ -101,9 +112,8 @@ impl ColmapReport {
         if most >= INLIERS_TO_START {
             return None;
         }
-        let name = |id: u32| self.images.iter().find(|image| image.id == id).map_or("", |image| &image.burst);
         let why = if most > 0 {
-            let [a, b] = best.ids.map(name);
+            let [a, b] = best.ids.map(|id| self.burst(id));
             format!("the most inliers of a pair are {most}, of {a} and {b}")
         } else {
             // The three causes have different remedies.

@@ -129,7 +129,8 @@ pub const METHOD_MATCH_COLUMNS: &str = "method,keypoints_per_image,putative_per_
 /// Header of tables of errors of poses.
 pub const POSE_COLUMNS: &str = "pose_error,rmse,mean,median,max";
 /// Header of tables of the bursts of a flight.
-pub const FLIGHT_COLUMNS: &str = "burst,frames,width,height,frame_noise,slopes_fit,slopes,features,motion,times,error";
+pub const FLIGHT_COLUMNS: &str =
+    "burst,frames,width,height,frame_noise,slopes_fit,slopes,features,motion,times,error,verified_pairs";
 /// Headers of tables that commands write where they are asked to.
 const OF_COMMANDS: [&str; 9] = [
     FLIGHT_COLUMNS,

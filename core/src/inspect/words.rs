@@ -71,3 +71,11 @@ pub fn counted(count: usize, what: &str) -> String {
     let grouped = crate::detector::advice::grouped(count as u64);
     if count == 1 { format!("1 {what}") } else { format!("{grouped} {what}s") }
 }
+
+/// Some of these names, and how many more there are: “a, b, c and 2 more”.
+pub fn some_of<S: AsRef<str>>(names: &[S]) -> String {
+    const NAMED: usize = 3;
+    let some: Vec<&str> = names.iter().take(NAMED).map(S::as_ref).collect();
+    let more = names.len() - some.len();
+    some.join(", ") + &if more == 0 { String::new() } else { format!(" and {more} more") }
+}

@@ -3,15 +3,17 @@
 use super::page::{escaped, page_head, write_table};
 use super::written;
 use crate::burst::Burst;
+use crate::dataset::{ColmapReport, Joined, PairReport};
 use crate::detect::{Searched, search};
 use crate::detector::{Method, SearchParams, find_slopes};
 use crate::error::Result;
 use crate::export::{Cell, FLIGHT_COLUMNS, Table};
 use crate::inspect::slopes::{SlopeJudgement, judgement};
-use crate::inspect::words::{capitalised, counted, number};
+use crate::inspect::words::{capitalised, counted, number, some_of};
+use crate::matching::Refusal;
 use crate::monitor::Monitor;
 use serde::Serialize;
-use std::fmt::Write;
+use std::{cmp::Reverse, fmt::Write};
 
 /// Health of a burst, as a search shows it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -67,16 +69,20 @@ pub struct FlightRow {
     pub open: String,
     /// Its health, or the reason why there is none.
     pub health: Result<BurstHealth, String>,
+    /// Number of its verified pairs; `None` where its pairs are not known.
+    pub verified_pairs: Option<usize>,
 }
 
 /// Largest number of bursts that are named before the table.
 const WORST: usize = 5;
+/// Largest number of pairs on the page.
+const WEAKEST: usize = 20;
 /// Part of the median number of features below which a burst has few, and times the median noise above which it has much.
 const FEW: f32 = 0.25;
 const NOISY: f32 = 2.0;
 
 /// Bursts that need somebody, the worst first, at most five, each with the reason: one that failed, a fault of the slopes,
-/// few features beside the others, slopes that cannot be judged, or much noise beside the others.
+/// few features beside the others, no verified pair, slopes that cannot be judged, or much noise beside the others.
 pub fn worst_bursts(rows: &[FlightRow]) -> Vec<(&FlightRow, String)> {
     let known =
         |of: fn(&BurstHealth) -> f32| median(rows.iter().filter_map(|row| row.health.as_ref().ok().map(of)).collect());
@@ -93,10 +99,12 @@ pub fn worst_bursts(rows: &[FlightRow]) -> Vec<(&FlightRow, String)> {
             (1, advice.sentence.clone() + &if options.is_empty() { options } else { format!(": try {options}") })
         } else if (health.features as f32) < FEW * features {
             (2, format!("{}, and {} in the median of all", counted(health.features, "feature"), number(features, 0)))
+        } else if row.verified_pairs == Some(0) {
+            (3, "no verified pair with another burst".to_owned())
         } else if let Some(judged) = judged.filter(|judged| !judged.fits) {
-            (3, judged.sentence.clone())
+            (4, judged.sentence.clone())
         } else if health.frame_noise > NOISY * noise {
-            (4, format!("noise of {:.5} of full scale, and {noise:.5} in the median of all", health.frame_noise))
+            (5, format!("noise of {:.5} of full scale, and {noise:.5} in the median of all", health.frame_noise))
         } else {
             return None;
         };
@@ -118,7 +126,7 @@ pub fn flight_table(rows: &[FlightRow]) -> Table {
             None if judged.fits => "yes",
             None => "unknown",
         });
-        let count = |of: fn(&BurstHealth) -> usize| health.map_or(Cell::Missing, |health| Cell::count(of(health)));
+        let count = |of: fn(&BurstHealth) -> usize| Cell::of(health.map(|health| of(health) as f64), 0);
         let single = |value: Option<f32>, digits| value.map_or(Cell::Missing, |value| Cell::single(value, digits));
         vec![
             text(Some(&row.name)),
@@ -132,13 +140,55 @@ pub fn flight_table(rows: &[FlightRow]) -> Table {
             single(health.and_then(|health| health.motion), 2),
             text(health.map(|health| &*health.times)),
             text(row.health.as_ref().err().map(String::as_str)),
+            Cell::of(row.verified_pairs.map(|pairs| pairs as f64), 0),
         ]
     };
     Table::new("Bursts", FLIGHT_COLUMNS, rows.iter().map(row).collect())
 }
 
-/// The page as Markdown, with a comment as the first line, so that the mark is a comment too.
-pub fn flight_page(rows: &[FlightRow]) -> String {
+/// Lines on the images that verified pairs join, and on the number of refused pairs with their reasons.
+pub fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_pictures }: &Joined) -> String {
+    let mut text = String::new();
+    if let Some((largest, others)) = parts.split_first() {
+        let all = alone.len() + parts.iter().map(Vec::len).sum::<usize>();
+        let of = if largest.len() == all { "all ".to_owned() } else { format!("{} of ", largest.len()) };
+        text += &format!("verified pairs join {of}{all} images");
+        others.iter().for_each(|part| text += &format!(", and apart from them {} others", part.len()));
+        text += &if alone.is_empty() { String::new() } else { format!("; none is of {}", some_of(alone)) };
+        text += "\n";
+    }
+    let refused = [(refused_by_motions, Refusal::Motions), (refused_by_pictures, Refusal::Pictures)];
+    for (pairs, why) in refused.into_iter().filter(|(pairs, _)| **pairs > 0) {
+        text += &format!("{} refused: {}\n", counted(*pairs, "pair"), why.words());
+    }
+    text
+}
+
+fn write_pairs(out: &mut String, rows: &[FlightRow], report: &ColmapReport) -> std::fmt::Result {
+    let Joined { parts, .. } = &report.joined;
+    let mut text = joined_text(&report.joined) + if parts.is_empty() { "no pair is verified\n" } else { "" };
+    let absent = rows.iter().filter(|row| row.verified_pairs.is_none()).map(|row| &*row.name).collect::<Vec<_>>();
+    let apart = parts.iter().skip(1).map(|part| ("joined apart", part.join(", ")));
+    for (what, names) in apart.chain([("not in the folder of the pairs", absent.join(", "))]) {
+        text += &if names.is_empty() { names } else { format!("{what}: {names}\n") };
+    }
+    writeln!(out, "\n## Pairs\n")?;
+    text.lines().try_for_each(|line| writeln!(out, "- {}", escaped(&capitalised(line))))?;
+    let mut weakest: Vec<&PairReport> = report.pairs.iter().collect();
+    weakest.sort_by_key(|pair| (pair.counts.inliers, Reverse(pair.counts.putative)));
+    let some = if weakest.len() > WEAKEST { format!("; the {WEAKEST} weakest") } else { String::new() };
+    writeln!(out, "\n{} with a match{some}, the fewest inliers first.", counted(weakest.len(), "pair"))?;
+    let row = |PairReport { ids, counts, .. }: &PairReport| {
+        let [a, b] = ids.map(|id| report.burst(id).to_owned());
+        let [putative, inliers] = [counts.putative, counts.inliers.unwrap_or(0)].map(|count| count.to_string());
+        [a, b, putative, inliers, counts.refused.map_or("", Refusal::words).to_owned()]
+    };
+    let heads = ["burst a", "burst b", "putative matches", "inliers", "refused"];
+    write_table(out, heads, weakest.into_iter().take(WEAKEST).map(row))
+}
+
+/// The page as Markdown, also of `pairs`, with a comment as the first line, so that the mark is a comment too.
+pub fn flight_page(rows: &[FlightRow], pairs: Option<&ColmapReport>) -> String {
     page_head()
         + &written(|out| {
             let health = || rows.iter().filter_map(|row| row.health.as_ref().ok());
@@ -152,7 +202,11 @@ pub fn flight_page(rows: &[FlightRow]) -> String {
             }
             let none = if worst.is_empty() { "None stands out.\n\n" } else { "" };
             writeln!(out, "{none}## All bursts\n\nNoise is of full scale, motion the features' median in px/frame.")?;
-            write_table(out, FLIGHT_COLUMNS.split(','), flight_table(rows).shown())
+            // The last column is of pairs alone.
+            let columns = FLIGHT_COLUMNS.split(',').count() - usize::from(pairs.is_none());
+            let (heads, table) = (FLIGHT_COLUMNS.split(',').take(columns), flight_table(rows));
+            write_table(out, heads, table.shown().map(|cells| cells.into_iter().take(columns)))?;
+            pairs.map_or(Ok(()), |pairs| write_pairs(out, rows, pairs))
         })
 }
 

@@ -6,7 +6,7 @@ mod flight;
 mod page;
 
 pub use figure::{probe_figure, spectrum_figure};
-pub use flight::{BurstHealth, FlightRow, flight_page, flight_table, worst_bursts};
+pub use flight::{BurstHealth, FlightRow, flight_page, flight_table, joined_text, worst_bursts};
 pub use page::BurstPage;
 
 use super::place::{Cause, Fate, Outcome, Probe, Rival, Shares, SuspicionKind, TestReport};

@@ -190,18 +190,20 @@ mod fate {
 }
 
 mod flight {
+    use burstscope_core::dataset::{ColmapReport, ImageReport, Joined, PairReport};
     use burstscope_core::inspect::report::*;
     use burstscope_core::inspect::slopes::SlopeJudgement;
+    use burstscope_core::matching::{MatchCounts, Refusal};
+
+    fn row(name: &str, features: usize, frame_noise: f32, fits: bool) -> FlightRow {
+        let slopes_judged = Some(SlopeJudgement { sentence: "too little".into(), fits, advice: None });
+        let (frames, size, times) = (5, (8, 6), "even".to_owned());
+        let health = BurstHealth { frames, size, frame_noise, slopes_judged, features, motion: None, times };
+        FlightRow { name: name.into(), open: String::new(), health: Ok(health), verified_pairs: None }
+    }
 
     #[test]
     fn the_worst_come_first_and_what_is_as_the_others_is_not_named() {
-        let judged = |fits, sentence: &str| SlopeJudgement { sentence: sentence.into(), fits, advice: None };
-        let row = |name: &str, features, noise, fits| {
-            let slopes_judged = Some(judged(fits, "too little"));
-            let (frames, size, times) = (5, (8, 6), "even".to_owned());
-            let health = BurstHealth { frames, size, frame_noise: noise, slopes_judged, features, motion: None, times };
-            FlightRow { name: name.into(), open: String::new(), health: Ok(health) }
-        };
         let gone = FlightRow { health: Err("gone, \"all\"".into()), ..row("d", 0, 0.0, true) };
         let rows = [
             row("a", 99, 0.1, true),
@@ -213,10 +215,59 @@ mod flight {
         ];
         let named: Vec<&str> = worst_bursts(&rows).iter().map(|(row, _)| &*row.name).collect();
         assert_eq!(named, ["d", "c", "e", "b"]);
-        assert!(worst_bursts(&rows[..1]).is_empty() && flight_page(&rows[..1]).contains("None stands out."));
+        assert!(worst_bursts(&rows[..1]).is_empty() && flight_page(&rows[..1], None).contains("None stands out."));
         let csv = flight_table(&rows).csv();
-        assert!(csv.contains("a,5,8,6,0.1,yes,too little,99,,even,\n"), "{csv}");
-        assert!(csv.contains("d,,,,,,,,,,\"gone, \"\"all\"\"\"\n"), "{csv}");
+        assert!(csv.contains("a,5,8,6,0.1,yes,too little,99,,even,,\n"), "{csv}");
+        assert!(csv.contains("d,,,,,,,,,,\"gone, \"\"all\"\"\",\n"), "{csv}");
+    }
+
+    #[test]
+    fn pairs_follow_the_bursts_the_weakest_first_and_a_burst_without_one_stands_out() {
+        let name = |id: u32| format!("b_{id}");
+        let image = |id| {
+            let (burst, image) = (name(id), name(id) + ".png");
+            ImageReport { id, burst, image, frames: 5, features: 50, resumed: true }
+        };
+        let images: Vec<ImageReport> = (1..=24).map(image).collect();
+        // The first burst with each other one; two of these pairs are not verified.
+        let pair = |id: u32| {
+            let (refused, inliers) =
+                ((id == 3).then_some(Refusal::Motions), Some(if id < 4 { 0 } else { 100 - id as usize }));
+            let counts =
+                MatchCounts { keypoints_a: 50, keypoints_b: 50, putative: 100 + id as usize, inliers, refused };
+            PairReport { ids: [1, id], resumed: true, counts }
+        };
+        let pairs: Vec<PairReport> = (2..=24).map(pair).collect();
+        let joined = Joined::of(&images, &pairs);
+        let report = ColmapReport { joined, images, pairs, ..ColmapReport::default() };
+        let rows = ["b_1", "b_2", "b_4", "c"].map(|name| {
+            let verified_pairs = report.verified_pairs(name);
+            FlightRow { verified_pairs, ..row(name, 99, 0.1, true) }
+        });
+        assert_eq!([0, 1, 2, 3].map(|index| rows[index].verified_pairs), [Some(21), Some(0), Some(1), None]);
+        let worst = worst_bursts(&rows);
+        assert_eq!(worst, [(&rows[1], "no verified pair with another burst".to_owned())]);
+        let page = flight_page(&rows, Some(&report));
+        let place = |words: &str| page.find(words).unwrap_or_else(|| panic!("no {words}: {page}"));
+        let in_order = [
+            r"- b\_2: No verified pair with another burst",
+            "## All bursts",
+            "| b\\_1 | 5 | 8 | 6 | 0.10000 | yes | too little | 99 | – | even | – | 21 |\n",
+            "| c | 5 | 8 | 6 | 0.10000 | yes | too little | 99 | – | even | – | – |\n",
+            "## Pairs\n\n- Verified pairs join 22 of 24 images; none is of b\\_2, b\\_3\n",
+            "- 1 pair refused: the motions contradict the sure matches' geometry\n- Not in the folder of the pairs: c\n",
+            "\n23 pairs with a match; the 20 weakest, the fewest inliers first.\n",
+            "| b\\_1 | b\\_3 | 103 | 0 | the motions contradict the sure matches' geometry |\n| b\\_1 | b\\_2 | 102 | 0 |  |\n",
+            "| b\\_1 | b\\_24 | 124 | 76 |  |\n",
+            "| b\\_1 | b\\_7 | 107 | 93 |  |\n",
+        ];
+        assert!(in_order.map(place).is_sorted(), "{page}");
+        assert!(!page.contains(r"b\_6 | 106"), "{page}");
+        assert!(!flight_page(&rows[..1], None).contains("verified"), "neither a column nor a part without pairs");
+        let none = ColmapReport { joined: Joined::of(&report.images[..2], &[]), ..ColmapReport::default() };
+        assert!(
+            flight_page(&rows[1..2], Some(&none)).contains("## Pairs\n\n- No pair is verified\n\n0 pairs with a match")
+        );
     }
 }
 
