@@ -47,6 +47,12 @@ fn with_a_second_burst_matches_are_compared_too() {
     let inliers = |method| Read::of(model).method_matches(method).unwrap().result.counts.inliers.unwrap();
     assert!(inliers(MethodId::Buff1d) > 2 * inliers(MethodId::Sift), "a burst shows what one frame does not");
     assert!(window.shows(&inliers(MethodId::Buff1d).to_string()));
+    // Side by side, lines are in proportion to the inliers: a picture full of lines has most of them.
+    let most = MethodId::ALL.into_iter().filter(|of| Read::of(model).method_matches(*of).is_some());
+    let most = most.max_by_key(|of| inliers(*of)).unwrap();
+    let lines = |of: MethodId| Read::of(model).most_lines(Some(of)).unwrap();
+    assert_eq!(lines(most), 100);
+    assert_eq!(lines(MethodId::Sift), (100 * inliers(MethodId::Sift)).div_ceil(inliers(most)));
     window.click("Match lines");
     window.settle();
     assert_eq!(window.app().model.document.panes.arrangement().in_rows().len(), 4, "a row for each");

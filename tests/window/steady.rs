@@ -85,6 +85,15 @@ fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
     let drawn = |window: &Window| window.app().model.results.pair.lines_drawn;
     let (lines, all) = drawn(&window);
     assert!((10..70).contains(&lines) && all > 3 * lines, "{lines} of {all}");
+    // As many as are asked for, which the order of the table gives.
+    let at_most = |window: &mut Window| {
+        window.harness.get_by_role_and_label(Role::CheckBox, "At most").click();
+        window.settle();
+    };
+    at_most(&mut window);
+    assert_eq!((window.app().model.document.match_look.most, drawn(&window)), (Some(100), (100.min(all), all)));
+    at_most(&mut window);
+    assert_eq!(drawn(&window), (lines, all));
     window.harness.get_by_role_and_label(Role::RadioButton, "Vectors").click();
     window.settle();
     let (vectors, of) = drawn(&window);

@@ -46,6 +46,8 @@ pub struct MatchLook {
     pub features: bool,
     pub geometry: bool,
     pub drawn_as: MatchesAs,
+    /// Largest number of matches that are drawn; as many as each part of the picture bears if `None`.
+    pub most: Option<usize>,
     /// Whether lines have the colour of the difference of the motions.
     pub by_motion: bool,
     /// Largest difference of the motions of the matches that are shown, px/frame.
@@ -61,6 +63,7 @@ impl Default for MatchLook {
             features: false,
             geometry: true,
             drawn_as: MatchesAs::Lines,
+            most: None,
             by_motion: false,
             max_motion: None,
         }

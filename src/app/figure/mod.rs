@@ -92,7 +92,7 @@ fn drawn_in_window(
     };
     let lines: Vec<MatchLine> = rows.iter().map(line).collect();
     let is_selected = |index| method.is_none() && model.document.selected_match == Some(index);
-    let drawn = drawn_lines(&lines, &Pane { ui_from_image, rect_ui }, false, is_selected);
+    let drawn = drawn_lines(&lines, &Pane { ui_from_image, rect_ui }, (false, model.most_lines(method)), is_selected);
     drawn.iter().map(|line| line.index).collect()
 }
 

@@ -59,11 +59,12 @@ pub fn drawn(
     out
 }
 
-/// The lines that are drawn: a few for each part of A's picture, inliers first, and those that are `always`.
+/// The lines that are drawn, inliers first: the first `most`, or else a few for each part of A's picture; and those that
+/// are `always`.
 pub fn drawn_lines(
     lines: &[MatchLine],
     pane_a: &Pane,
-    are_vectors: bool,
+    (are_vectors, most): (bool, Option<usize>),
     always: impl Fn(usize) -> bool,
 ) -> Vec<MatchLine> {
     let t = pane_a.ui_from_image;
@@ -71,10 +72,16 @@ pub fn drawn_lines(
     // Lines from picture to picture take more room than vectors.
     let (in_a_cell, scale) = if are_vectors { (3, t.scale()) } else { (1, 0.5 * t.scale()) };
     let mut cells = cells(scale, view_image);
+    let mut left = most.unwrap_or(0);
     let mut flags = vec![false; lines.len()];
     for is_inlier in [true, false] {
         for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == MatchKind::Inlier) == is_inlier) {
-            *flag = cells.add(line.a.into()).is_some_and(|before| before < in_a_cell) || always(line.index);
+            let is_chosen = match most {
+                Some(_) => left > 0,
+                None => cells.add(line.a.into()).is_some_and(|before| before < in_a_cell),
+            };
+            left = left.saturating_sub(1);
+            *flag = is_chosen || always(line.index);
         }
     }
     lines.iter().zip(flags).filter(|(_, is_drawn)| *is_drawn).map(|(line, _)| *line).collect()
@@ -146,6 +153,23 @@ mod tests {
         let compared = (0..features.len()).filter(|&i| both.contains(pos2(features[i].u, features[i].v)));
         let compared: Vec<usize> = compared.collect();
         assert!(compared.len() > 50 && compared.iter().all(|&i| in_a[i] == in_b[i]));
+    }
+
+    #[test]
+    fn as_many_lines_are_drawn_as_are_asked_for_inliers_first() {
+        let line = |index: usize| {
+            let kind = if index % 3 == 0 { MatchKind::Inlier } else { MatchKind::Outlier };
+            MatchLine { index, a: pos2(5.0, 5.0), b: pos2(9.0, 9.0), kind, colour: egui::Color32::WHITE }
+        };
+        let lines: Vec<MatchLine> = (0..9).map(line).collect();
+        let (ui_from_image, rect_ui) = view(pos2(0.0, 0.0), 1.0);
+        let drawn = |most, always: usize| -> Vec<usize> {
+            let drawn = drawn_lines(&lines, &Pane { ui_from_image, rect_ui }, (false, most), |index| index == always);
+            drawn.iter().map(|line| line.index).collect()
+        };
+        assert_eq!(drawn(Some(4), 99), [0, 1, 3, 6]);
+        assert_eq!(drawn(Some(2), 8), [0, 3, 8]);
+        assert_eq!((drawn(Some(20), 99).len(), drawn(None, 99)), (9, vec![0]));
     }
 
     #[test]

@@ -9,12 +9,15 @@ pub use lost::{LostFeatures, PATCHES, lost_words};
 
 pub use matches::{MatchRow, Matches, PAIR_NUMBERS};
 
-use crate::app::document::{MatchColumn, MatchLook, Order, SavedMatch, Side};
+use crate::app::document::{MatchColumn, MatchLook, MethodId, Order, SavedMatch, Side};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::Wanted;
 use crate::error::Error;
 use crate::requests::{MatchRequest, PictureAnswer, PicturesRequest};
+
+/// Lines of the method with the most inliers, where no number is set.
+const LINES_OF_METHODS: usize = 100;
 
 #[derive(Debug, Default)]
 pub struct PairState {
@@ -54,6 +57,19 @@ impl<'a> Read<'a> {
             Some(one) if !listed.contains(&one) => listed.iter().copied().chain([one]).collect(),
             _ => listed.clone(),
         }
+    }
+
+    /// Largest number of lines that are drawn, if one is set; those of a `method` are in proportion to its inliers, so
+    /// that methods side by side compare.
+    pub fn most_lines(self, method: Option<MethodId>) -> Option<usize> {
+        let most = self.document.match_look.most;
+        let Some(method) = method else { return most };
+        let agreed = |of: MethodId| {
+            let counts = self.method_matches(of).map(|matches| matches.result.counts);
+            counts.map_or(0, |counts| counts.inliers.unwrap_or(counts.putative))
+        };
+        let largest = MethodId::ALL.into_iter().map(agreed).max().unwrap_or(0).max(1);
+        Some((most.unwrap_or(LINES_OF_METHODS) * agreed(method)).div_ceil(largest))
     }
 
     /// Largest difference of the motions of a listed match, px/frame.

@@ -69,7 +69,7 @@ pub fn lines_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Queue) ->
     let lines: Vec<_> = if model.document.asked_about.is_some() { Vec::new() } else { lines };
     let mut numbers = (0, 0);
     for (canvases, lines) in &lines {
-        let drawn = overlay::drawn_lines(lines, &canvases.panes[0], are_vectors, always);
+        let drawn = overlay::drawn_lines(lines, &canvases.panes[0], (are_vectors, look.most), always);
         overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &drawn, &style);
         numbers = (numbers.0 + drawn.len(), numbers.1 + lines.len());
     }
@@ -199,7 +199,8 @@ pub(in crate::app::workspace) fn method_lines_ui(ui: &Ui, model: Read<'_>, drawn
         for canvases in views.canvases(false).iter().filter(|canvases| canvases.places.iter().all(Option::is_some)) {
             let rows = matches.rows().filter(|row| row.is_shown(look));
             let lines: Vec<MatchLine> = rows.map(|row| line_of(&row, canvases.shifts, None)).collect();
-            let lines = overlay::drawn_lines(&lines, &canvases.panes[0], false, |_| false);
+            let most = model.most_lines(Some(method));
+            let lines = overlay::drawn_lines(&lines, &canvases.panes[0], (false, most), |_| false);
             overlay::draw_match_lines(&painter_over(ui, &views, canvases), &canvases.panes, &lines, &style);
             let counts = matches.result.counts;
             let text = match counts.inliers {

@@ -177,6 +177,10 @@ pub fn switches_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 ui.radio_value(&mut look.drawn_as, way, label).on_hover_text(tip);
             }
         });
+        let tip = "Draw as many, inliers first, in the order of the table; without a limit the picture bears a few in each part";
+        limit_ui(ui, &mut look.most, 100, ("At most", tip), |most| {
+            DragValue::new(most).range(1..=100_000).suffix(" drawn")
+        });
         motion_ui(ui, look, model.largest_motion());
         let boxes = [
             (&mut look.alone, "Selected alone", "Draw the selected match alone, without the others  (X)"),
@@ -192,14 +196,9 @@ pub fn switches_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 /// Draws the filter by the difference of the motions, and the switch of its colours with their range.
 fn motion_ui(ui: &mut Ui, look: &mut MatchLook, largest: f32) {
-    ui.horizontal(|ui| {
-        let mut is_on = look.max_motion.is_some();
-        let tip = "Show only matches whose motions in A and B differ by at most this, px/frame";
-        ui.checkbox(&mut is_on, "Motions within").on_hover_text(tip);
-        let mut max = look.max_motion.unwrap_or(0.5);
-        let field = DragValue::new(&mut max).range(0.0..=100.0).speed(0.01).suffix(" px/frame");
-        name_field(&ui.add_enabled(is_on, field), "Motions within", &max.to_string());
-        look.max_motion = is_on.then_some(max);
+    let tip = "Show only matches whose motions in A and B differ by at most this, px/frame";
+    limit_ui(ui, &mut look.max_motion, 0.5, ("Motions within", tip), |max| {
+        DragValue::new(max).range(0.0..=100.0).speed(0.01).suffix(" px/frame")
     });
     ui.horizontal(|ui| {
         let tip = "Colour the lines by the difference of the motions in A and B";
@@ -212,6 +211,24 @@ fn motion_ui(ui: &mut Ui, look: &mut MatchLook, largest: f32) {
             }
             ui.weak(format!("0 … {largest:.1} px/frame"));
         }
+    });
+}
+
+/// A limit that may be switched off; `usual` is the first one.
+fn limit_ui<N: Copy + ToString>(
+    ui: &mut Ui,
+    limit: &mut Option<N>,
+    usual: N,
+    (label, tip): (&str, &str),
+    field: impl Fn(&mut N) -> DragValue<'_>,
+) {
+    ui.horizontal(|ui| {
+        let mut is_on = limit.is_some();
+        ui.checkbox(&mut is_on, label).on_hover_text(tip);
+        let mut value = limit.unwrap_or(usual);
+        let response = ui.add_enabled(is_on, field(&mut value));
+        name_field(&response, label, &value.to_string());
+        *limit = is_on.then_some(value);
     });
 }
 
