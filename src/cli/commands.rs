@@ -6,7 +6,6 @@ use super::burst_report::ReportArgs;
 use super::case::CaseArgs;
 #[cfg(feature = "colmap")]
 use super::colmap::ColmapArgs;
-use super::decoys::DecoysArgs;
 use super::evaluate_args::EvaluateArgs;
 use super::failure::{Failure, print};
 use super::figures::FiguresArgs;
@@ -14,7 +13,7 @@ use super::figures::FiguresArgs;
 use super::film::FilmArgs;
 use super::info::InfoArgs;
 use super::match_bursts::MatchArgs;
-use super::probe::{ProbeArgs, SlopesArgs};
+use super::probe::{DecoysArgs, ProbeArgs, SlopesArgs};
 use super::recover::RecoverArgs;
 #[cfg(feature = "app")]
 use super::render::RenderArgs;

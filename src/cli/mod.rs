@@ -12,7 +12,6 @@ pub mod charts_args;
 pub mod colmap;
 pub mod commands;
 mod console;
-pub mod decoys;
 mod detect;
 mod evaluate;
 pub mod evaluate_args;
@@ -147,7 +146,7 @@ fn done(cli: &Cli) -> Result<(), Failure> {
         Some(Command::Merge(args)) => stack::run_merge(args),
         Some(Command::Probe(args)) => probe::run(args),
         Some(Command::Recover(args)) => recover::run(args),
-        Some(Command::Decoys(args)) => decoys::run(args),
+        Some(Command::Decoys(args)) => probe::run_decoys(args),
         Some(Command::Report(args)) => burst_report::run(args),
         #[cfg(feature = "app")]
         Some(Command::Film(args)) => film::run(args),

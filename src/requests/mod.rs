@@ -5,7 +5,6 @@
 mod comparison;
 pub mod dataset;
 mod detect;
-mod error;
 mod explain;
 mod film;
 mod kind;
@@ -28,7 +27,6 @@ pub use dataset::{ColmapDone, ColmapRequest};
 pub use detect::{
     CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest, detect_line, window_line,
 };
-pub use error::{JobError, PossibleShape};
 pub use explain::{
     CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest,
     ProbeQuestion, ProbeRequest, Probed, Traced,
@@ -41,7 +39,7 @@ pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};
 pub use pictures::PicturesRequest;
-pub use request::{Caches, JobId, PictureStore, Request, Running, Urgency, Work, time_left};
+pub use request::{Caches, JobError, JobId, PictureStore, PossibleShape, Request, Running, Urgency, Work, time_left};
 pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
 pub(crate) use trail::trail_of;

@@ -1,7 +1,11 @@
-//! Trait of all requests (an answer, an urgency, equality of two requests), and the progress of one that runs.
+//! Trait of all requests (an answer or an error, an urgency, equality of two requests), and the progress of one that
+//! runs.
 
-use super::{JobError, NothingKept, PictureAnswer, PictureRequest, TrailStore};
-use crate::monitor::{Monitor, Progress};
+use super::{BurstSource, NothingKept, PictureAnswer, PictureRequest, TrailStore};
+use crate::burst::Dump;
+use crate::dataset::BurstPicture;
+use crate::error::Error;
+use crate::monitor::{Cancelled, Monitor, Progress};
 use std::time::{Duration, Instant};
 
 /// Two requests are equal if they have the same answer.
@@ -93,6 +97,53 @@ impl Running {
 pub fn time_left(gone: Duration, fraction: f32) -> Option<Duration> {
     let can_be_told = (0.03..1.0).contains(&fraction) && gone > Duration::from_millis(500);
     can_be_told.then(|| gone.mul_f32((1.0 - fraction) / fraction))
+}
+
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum JobError {
+    #[error("cancelled")]
+    Cancelled,
+    #[error("a newer request took its place")]
+    Superseded,
+    /// The input, a parameter or a limit is at fault; the message says which and what would be right.
+    #[error("{0}")]
+    Failed(String),
+    #[error("there are {} bursts here; open one of them", .0.len())]
+    Several(Vec<BurstSource>),
+    /// A file without header: why it was not opened, and the shapes that fill it.
+    #[error("{0}")]
+    NoShape(String, Vec<PossibleShape>),
+    #[error("this is a mistake in Burstscope, please report it: {message} (at {place})")]
+    Panicked {
+        message: String,
+        /// File, line and column.
+        place: String,
+    },
+}
+
+#[derive(Debug, Clone, PartialEq)]
+pub struct PossibleShape {
+    pub dump: Dump,
+    pub frames: u64,
+    pub picture: BurstPicture,
+}
+
+impl JobError {
+    pub(super) fn failed(error: impl std::fmt::Display) -> Self {
+        Self::Failed(error.to_string())
+    }
+}
+
+impl From<Cancelled> for JobError {
+    fn from(_: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+impl From<Error> for JobError {
+    fn from(error: Error) -> Self {
+        if error.is_cancelled() { Self::Cancelled } else { Self::failed(error) }
+    }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};
 use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows, any_masked};
-use crate::plane::{Plane, blur::GaussianKernel, vectors::Aligned};
+use crate::plane::{Plane, blur::GaussianKernel, memory::Aligned};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
 

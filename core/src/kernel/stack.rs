@@ -10,7 +10,7 @@
 use crate::kernel::machine::{MAX_VECTORS, WIDEST_VECTOR, in_vectors, load, store};
 use crate::kernel::masked_rows::MaskedRows;
 pub use crate::kernel::offset::FrameOffset;
-use crate::plane::{Plane, vectors::Aligned};
+use crate::plane::{Plane, memory::Aligned};
 use multiversion::multiversion;
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;

@@ -1,4 +1,4 @@
-//! Memory for pixels, with allocations that may fail without ending the program.
+//! Memory for pixels, with allocations that may fail without ending the program, and buffers that suit its vectors.
 //!
 //! The user's input decides the size of frames and planes, which may exceed the machine's memory. A refusal unwinds as
 //! an [`Error`], without a panic's message, up to [`refusable`] around a file, a command or a job. A system may promise
@@ -6,6 +6,7 @@
 
 use crate::error::{Error, ErrorKind, Result};
 use bytemuck::Zeroable;
+use std::ops::{Deref, DerefMut};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::OnceLock;
 
@@ -77,6 +78,43 @@ pub fn refusable<T>(work: impl FnOnce() -> T) -> Result<T> {
     })
 }
 
+#[derive(Debug, Clone, Copy, Default, bytemuck::Pod, bytemuck::Zeroable)]
+#[repr(C, align(64))]
+struct Line([f32; 16]);
+
+/// Growing buffer of `f32` whose first value lies at the start of a cache line, as long as the widest vector: no vector
+/// straddles two lines, which would take twice as long.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Aligned {
+    lines: Vec<Line>,
+}
+
+impl Aligned {
+    /// Makes room for at least `len` numbers; existing ones keep their values, new ones are 0.
+    pub fn grow(&mut self, len: usize) {
+        let lines = len.div_ceil(16);
+        if self.lines.len() < lines {
+            self.lines.resize(lines, Line::default());
+        }
+    }
+}
+
+impl Deref for Aligned {
+    type Target = [f32];
+
+    #[inline]
+    fn deref(&self) -> &[f32] {
+        bytemuck::cast_slice(&self.lines)
+    }
+}
+
+impl DerefMut for Aligned {
+    #[inline]
+    fn deref_mut(&mut self) -> &mut [f32] {
+        bytemuck::cast_slice_mut(&mut self.lines)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,5 +152,18 @@ mod tests {
         assert_eq!(refusable::<usize>(work), Err(no_memory(1 << 62)));
         let panic = catch_unwind(|| refusable(|| panic!("a mistake")));
         assert_eq!(panic.expect_err("a panic").downcast_ref::<&str>(), Some(&"a mistake"));
+    }
+
+    #[test]
+    fn buffers_begin_at_cache_lines_and_keep_what_they_hold() {
+        let mut buffer = Aligned::default();
+        for len in [1, 16, 17, 5000, 3] {
+            buffer.grow(len);
+            assert!(buffer.len() >= len);
+            assert_eq!(buffer.as_ptr() as usize % 64, 0);
+            buffer[0] = 7.0;
+        }
+        assert_eq!(buffer[0], 7.0);
+        assert_eq!(buffer[4999], 0.0);
     }
 }

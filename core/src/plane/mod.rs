@@ -10,7 +10,6 @@ pub mod memory;
 pub mod sample;
 pub mod statistics;
 pub(crate) mod tile;
-pub(crate) mod vectors;
 
 pub use mask::Mask;
 use std::sync::Arc;

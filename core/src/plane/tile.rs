@@ -4,7 +4,7 @@
 //! which columns and rows of the image it holds; its buffer is reused from slope to slope.
 
 use super::Plane;
-use super::vectors::Aligned;
+use super::memory::Aligned;
 use std::ops::Range;
 
 /// Part of an image: columns × rows.

@@ -13,7 +13,7 @@ pub use weights::Axis;
 
 use crate::kernel::machine::{BATCH_ROWS, MAX_LEVEL_ROWS};
 use crate::plane::tile::{Region, Tile};
-use crate::plane::{blur::GaussianKernel, vectors::Aligned};
+use crate::plane::{blur::GaussianKernel, memory::Aligned};
 use passes::{BLOCK, Band, Blocks, Packed, Sink, convolve_row, edge_columns, edge_rows, inner_rows, packed};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;

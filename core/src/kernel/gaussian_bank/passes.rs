@@ -10,7 +10,7 @@ pub(crate) use crate::kernel::machine::{BLOCK_COLUMNS as BLOCK, WIDEST_VECTOR as
 
 use crate::kernel::gaussian_bank::weights::{Axis, Dense, Weights};
 use crate::kernel::machine::{load, store};
-use crate::plane::vectors::Aligned;
+use crate::plane::memory::Aligned;
 use pulp::Simd;
 use std::ops::Range;
 
