@@ -72,15 +72,14 @@ pub fn drawn_lines(
     // Lines from picture to picture take more room than vectors.
     let (in_a_cell, scale) = if are_vectors { (3, t.scale()) } else { (1, 0.5 * t.scale()) };
     let mut cells = cells(scale, view_image);
-    let mut left = most.unwrap_or(0);
+    let mut numbers = 0..most.unwrap_or(0);
     let mut flags = vec![false; lines.len()];
     for is_inlier in [true, false] {
         for (flag, line) in flags.iter_mut().zip(lines).filter(|(_, l)| (l.kind == MatchKind::Inlier) == is_inlier) {
             let is_chosen = match most {
-                Some(_) => left > 0,
+                Some(_) => numbers.next().is_some(),
                 None => cells.add(line.a.into()).is_some_and(|before| before < in_a_cell),
             };
-            left = left.saturating_sub(1);
             *flag = is_chosen || always(line.index);
         }
     }
@@ -158,7 +157,7 @@ mod tests {
     #[test]
     fn as_many_lines_are_drawn_as_are_asked_for_inliers_first() {
         let line = |index: usize| {
-            let kind = if index % 3 == 0 { MatchKind::Inlier } else { MatchKind::Outlier };
+            let kind = if [0, 3, 6].contains(&index) { MatchKind::Inlier } else { MatchKind::Outlier };
             MatchLine { index, a: pos2(5.0, 5.0), b: pos2(9.0, 9.0), kind, colour: egui::Color32::WHITE }
         };
         let lines: Vec<MatchLine> = (0..9).map(line).collect();

@@ -11,8 +11,11 @@ use crate::requests::{MatchRequest, Matched};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Numbers of the matches of two bursts: name, help, and text, where there is one.
-pub const PAIR_NUMBERS: [(&str, &str, fn(&MatchCounts) -> Option<String>); 5] = [
+/// A number's name, help, and text, where there is one.
+type PairNumber = (&'static str, &'static str, fn(&MatchCounts) -> Option<String>);
+
+/// Numbers of the matches of two bursts.
+pub const PAIR_NUMBERS: [PairNumber; 5] = [
     ("Putative", "Matches by descriptors alone", |counts| Some(counts.putative.to_string())),
     ("Inliers", "Putative matches that agree with the geometry of the two views", |counts| {
         Some(counts.inliers?.to_string())

@@ -158,12 +158,7 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>) {
     }
     let (drawn, lines) = model.results.pair.lines_drawn;
     if drawn < lines {
-        let tip = match model.document.match_look.most {
-            Some(_) => "As many as At most says, inliers first; a row or an end shows its line",
-            None => {
-                "A few for each part of A's picture, inliers first. Zoom in for more; a row or an end shows its line"
-            }
-        };
+        let tip = "Inliers first: a few for each part of A's picture (zoom in for more), or as many as At most says";
         ui.add(Label::new(RichText::new(format!("{drawn} of {lines} drawn")).weak()).truncate()).on_hover_text(tip);
     }
 }
