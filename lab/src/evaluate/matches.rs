@@ -44,7 +44,7 @@ pub struct MatchStudy {
 }
 
 /// What a method found in a burst; the parameters of the search and the slopes found stay with it.
-struct Found {
+struct FoundInBurst {
     side: BurstSide,
     params: DetectorParams,
     slopes: Option<SlopeGrid>,
@@ -54,7 +54,7 @@ struct Found {
 struct Source<'a, F> {
     study: &'a MatchStudy,
     method: BurstMethod,
-    found: &'a [Found],
+    found: &'a [FoundInBurst],
     open: &'a mut F,
     monitor: &'a Monitor,
 }
@@ -131,7 +131,7 @@ impl MatchStudy {
                 let (burst, params) = self.input(method, k, &mut open, &silent)?;
                 let Searched { detection, params, finding, .. } = search(&burst, &params, &silent)?;
                 let (side, slopes) = (BurstSide::from(&detection), finding.map(|finding| finding.grid));
-                found.push(Found { side, params, slopes });
+                found.push(FoundInBurst { side, params, slopes });
                 step();
             }
             let mut counted = vec![None; pairs.len()];

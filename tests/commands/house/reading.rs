@@ -17,7 +17,8 @@ pub fn sources(folder: &Path, into: &mut Vec<PathBuf>) {
 
 /// Code of a file without comments and without its tests, which may use anything.
 pub fn code(text: &str) -> String {
-    let tests = ["mod", "pub(in crate::app) mod"].map(|word| text.find(&format!("#[cfg(test)]\n{word} tests {{")));
+    let tests = ["mod", "pub(super) mod", "pub(in crate::app) mod"]
+        .map(|word| text.find(&format!("#[cfg(test)]\n{word} tests {{")));
     let tests = tests.into_iter().flatten().next().unwrap_or(text.len());
     text[..tests].lines().filter(|line| !line.trim_start().starts_with("//")).collect::<Vec<_>>().join("\n")
 }

@@ -9,7 +9,7 @@
 
 use super::lags::Lags;
 use super::peak::{SearchTable, Track};
-use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch};
+use super::spectra::{CrossSpectra, Fourier, SIDE, Scratch, Sum};
 use crate::detector::params::{Slope, SlopeAxis, SlopeGrid};
 use crate::monitor::{Cancelled, Monitor, Stage};
 use crate::plane::Plane;
@@ -173,38 +173,6 @@ fn starts(length: usize) -> Vec<usize> {
     let room = length.saturating_sub(SIDE);
     let steps = room.div_ceil(SIDE / 2);
     (0..=steps).map(|i| (i * room).checked_div(steps).unwrap_or(0)).collect()
-}
-
-pub(super) struct Sum {
-    /// Products of each lag.
-    pub lags: CrossSpectra,
-    /// Products of each pair of [`Lags::near`].
-    pub pairs: CrossSpectra,
-    windows: usize,
-    /// Columns and rows that the windows cover, level pixels.
-    area: [Range<usize>; 2],
-}
-
-impl Sum {
-    fn new(lags: &Lags) -> Self {
-        let (lags, pairs) = (CrossSpectra::zeros(lags.by_lag.len()), CrossSpectra::zeros(lags.near.len()));
-        Self { lags, pairs, windows: 0, area: [0..0, 0..0] }
-    }
-
-    fn add(&mut self, other: &Self) {
-        self.lags.add(&other.lags);
-        self.pairs.add(&other.pairs);
-        if other.windows > 0 {
-            self.widen(other.area.clone(), other.windows);
-        }
-    }
-
-    fn widen(&mut self, area: [Range<usize>; 2], windows: usize) {
-        for (a, b) in self.area.iter_mut().zip(area) {
-            *a = if self.windows == 0 { b } else { a.start.min(b.start)..a.end.max(b.end) };
-        }
-        self.windows += windows;
-    }
 }
 
 const LARGE_SIGNIFICANCE: f32 = 6.5;

@@ -9,10 +9,10 @@
 
 use super::SlopeEvidence;
 use super::event::{Event, MAX_MISSING, MAX_SCRAMBLED};
-use super::evidence::{SHARED_NOISE, Sum, least_significance};
+use super::evidence::{SHARED_NOISE, least_significance};
 use super::lags::Lags;
 use super::peak::{MIN_OVERLAP, cubic, overlap_at, peak_of, unbiased};
-use super::spectra::Fourier;
+use super::spectra::{Fourier, Sum};
 use rayon::prelude::*;
 
 /// Least gain of an event over even times, nats: twice ln 400, about what the luckiest of 400 events gains by noise.

@@ -9,9 +9,8 @@
 //! The correlations of frames t and t + 1, summed over the image, have their peak at the shift of the picture as a
 //! whole. The sum of the shifts is its path; the motion is straight where that hardly leaves a uniform one.
 
-use super::evidence::Sum;
 use super::lags::Lags;
-use super::spectra::{CrossSpectra, Fourier, SIDE};
+use super::spectra::{CrossSpectra, Fourier, SIDE, Sum};
 use crate::burst::Offset;
 
 /// Largest shift used, level pixels: at larger ones little of the window overlaps.

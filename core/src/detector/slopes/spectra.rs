@@ -85,6 +85,38 @@ impl CrossSpectra {
     }
 }
 
+pub(super) struct Sum {
+    /// Products of each lag.
+    pub lags: CrossSpectra,
+    /// Products of each pair of [`Lags::near`].
+    pub pairs: CrossSpectra,
+    pub windows: usize,
+    /// Columns and rows that the windows cover, level pixels.
+    pub area: [Range<usize>; 2],
+}
+
+impl Sum {
+    pub fn new(lags: &Lags) -> Self {
+        let (lags, pairs) = (CrossSpectra::zeros(lags.by_lag.len()), CrossSpectra::zeros(lags.near.len()));
+        Self { lags, pairs, windows: 0, area: [0..0, 0..0] }
+    }
+
+    pub fn add(&mut self, other: &Self) {
+        self.lags.add(&other.lags);
+        self.pairs.add(&other.pairs);
+        if other.windows > 0 {
+            self.widen(other.area.clone(), other.windows);
+        }
+    }
+
+    pub fn widen(&mut self, area: [Range<usize>; 2], windows: usize) {
+        for (a, b) in self.area.iter_mut().zip(area) {
+            *a = if self.windows == 0 { b } else { a.start.min(b.start)..a.end.max(b.end) };
+        }
+        self.windows += windows;
+    }
+}
+
 pub(super) struct Fourier {
     forward: Arc<dyn Fft<f32>>,
     inverse: Arc<dyn Fft<f32>>,
