@@ -156,7 +156,7 @@ struct Lines {
     printed: Duration,
 }
 
-/// So long no line is printed, at first and after each.
+/// Time without a line, at first and after each.
 const SILENCE: Duration = Duration::from_secs(60);
 
 impl Lines {

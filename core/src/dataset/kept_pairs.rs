@@ -89,7 +89,7 @@ impl PairFound {
     }
 }
 
-/// Why the pair in the file at `path`, with so many `matches`, is not verified, where it tells that.
+/// Reason why the pair in the file at `path`, with so many `matches`, is not verified; `None` where the file has none.
 pub(super) fn why_refused(path: &Path, matches: usize) -> Option<Refusal> {
     let bytes = read_bytes(path, MAX_TABLE_BYTES).ok()?;
     let words = bytes.strip_prefix(PAIR_MARK)?.splitn(2, |byte| *byte == b'\n').nth(1)?;

@@ -43,7 +43,7 @@ pub struct MatchStudy {
     pub pairs: PairSelection,
 }
 
-/// What a method found in a burst; the parameters of the search and the slopes found stay with it.
+/// Features of a burst by one method, with the parameters of their search and the slopes found.
 struct FoundInBurst {
     side: BurstSide,
     params: DetectorParams,

@@ -85,6 +85,7 @@ impl CrossSpectra {
     }
 }
 
+/// Products of pairs of frames, summed over windows.
 pub(super) struct Sum {
     /// Products of each lag.
     pub lags: CrossSpectra,

@@ -30,7 +30,7 @@ pub struct BurstHealth {
     pub features: usize,
     /// Median of the features' motions, pixels per frame; `None` without features, and where none is judged.
     pub motion: Option<f32>,
-    /// How even the times of the frames are: `even`, or a clause.
+    /// Evenness of the frames' times: `even`, or a clause.
     pub times: String,
 }
 
@@ -77,7 +77,7 @@ pub struct FlightRow {
 const WORST: usize = 5;
 /// Largest number of pairs on the page.
 const WEAKEST: usize = 20;
-/// Part of the median number of features below which a burst has few, and times the median noise above which it has much.
+/// Part of the median number of features that is few, and multiple of the median noise that is much: chosen, not tuned.
 const FEW: f32 = 0.25;
 const NOISY: f32 = 2.0;
 
