@@ -229,7 +229,7 @@ fn the_search_in_two_directions_circles_the_lanterns() {
         window.app().read().features().iter().filter(rising).count()
     };
     assert_eq!(near(&window), 0, "no line holds them");
-    window.click("BuFF 2D");
+    window.choose("BuFF 1D ⏷", "Preset BuFF 2D");
     window.settle();
     assert!(near(&window) >= 5, "{}", near(&window));
     assert!(window.app().model.document.look.overlay == FeaturesShown::ThisSlope);

@@ -106,10 +106,7 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
 #[test]
 fn without_a_dataset_the_room_says_how_to_open_one() {
     let mut window = crate::support::Start::without_auto_detect().open();
-    window.click("More ⏷");
-    window.harness.run_steps(3);
-    window.harness.get_by_label_contains("Matches").click();
-    window.harness.run_steps(3);
+    window.choose("One burst ⏷", "Matches");
     assert!(window.shows("a folder of bursts, or a long sequence"));
     window.dialogs.will_choose("/no/such/dataset");
     window.click("Open dataset…");

@@ -134,7 +134,7 @@ fn features_of_other_parameters_are_marked_as_stale_until_detected_again() {
     let mut window = Start::without_auto_detect().open();
     window.click("Detect");
     window.settle();
-    window.click("SIFT");
+    window.run_action("preset sift");
     window.settle();
     assert_eq!(window.app().model.document.params.method, Method::Sift);
     assert!(window.shows("Stale features"));

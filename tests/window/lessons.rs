@@ -118,7 +118,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
     }
     if let Some(slopes) = goal.slopes {
         if slopes.max > 1000.0 {
-            window.click("BuFF 2D");
+            window.run_action("preset buff 2d");
         } else {
             let axis = fields(window, "Slopes u");
             let rows = window.app().read().grid_of(Side::A).v.count as f64;
@@ -127,11 +127,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
     }
     match goal.tab {
         Some(BottomTab::Compared) => window.run_action("compare with the truth"),
-        Some(tab) => {
-            let label = format!("{tab:?}");
-            window.harness.get_by_role_and_label(Role::Button, &label).click();
-            window.harness.run_steps(2);
-        }
+        Some(tab) => window.open_tab(&format!("{tab:?}")),
         None => {}
     }
     match goal.workspace {

@@ -51,8 +51,8 @@ fn with_a_second_burst_matches_are_compared_too() {
     let most = MethodId::ALL.into_iter().filter(|of| Read::of(model).method_matches(*of).is_some());
     let most = most.max_by_key(|of| inliers(*of)).unwrap();
     let lines = |of: MethodId| Read::of(model).most_lines(Some(of)).unwrap();
-    assert_eq!(lines(most), 100);
-    assert_eq!(lines(MethodId::Sift), (100 * inliers(MethodId::Sift)).div_ceil(inliers(most)));
+    assert_eq!(lines(most), 40);
+    assert_eq!(lines(MethodId::Sift), (40 * inliers(MethodId::Sift)).div_ceil(inliers(most)));
     window.click("Match lines");
     window.settle();
     assert_eq!(window.app().model.document.panes.arrangement().in_rows().len(), 4, "a row for each");

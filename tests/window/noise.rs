@@ -17,7 +17,7 @@ fn open(path: &Path) -> Window {
     let mut window = start.open();
     window.run_action("detect");
     window.settle();
-    window.click("Noise");
+    window.open_tab("Noise");
     window.settle();
     window
 }

@@ -35,7 +35,7 @@ fn middle_of(window: &Window, index: usize) -> egui::Pos2 {
 #[test]
 fn a_second_burst_is_opened_beside_the_first_and_matched() {
     let mut window = Start { size: [1400.0, 900.0], ..Start::default() }.open();
-    window.click("Two bursts");
+    window.choose("One burst ⏷", "Two bursts");
     window.settle();
     assert!(window.shows("Open a second burst"));
     window.click("Later demo burst as B");
@@ -249,7 +249,7 @@ fn files_dropped_on_the_right_pane_are_opened_there() {
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 5, 60, 80);
     let mut window = Start::without_auto_detect().open();
-    window.click("Two bursts");
+    window.ctrl(egui::Key::Num2);
     window.settle();
     let pane = window.app().widgets.rect_ui(PaneId::of(Side::B)).unwrap();
     window.harness.hover_at(pane.center());

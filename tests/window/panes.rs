@@ -366,7 +366,7 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
     window.click("Unmatched");
     window.settle();
     // Between the two panels on the sides.
-    let left = rect_of(&window, Role::Slider, "Slope v").right();
+    let left = rect_of(&window, Role::SpinButton, "Frame").right();
     let right = window.harness.get_by_label("Selected match").rect().left();
     let wide = |role: Role, name: &str| {
         let named = window.harness.query_all_by_label_contains(name);

@@ -43,7 +43,7 @@ fn what_was_done_with_one_burst_is_done_again() {
     window.settle();
     window.ctrl(Key::Z);
     window.settle();
-    window.click("SIFT");
+    window.run_action("preset sift");
     window.settle();
     window.ctrl(Key::Z);
     window.settle();
@@ -68,7 +68,7 @@ fn what_was_done_with_one_burst_is_done_again() {
 fn what_was_done_with_two_bursts_is_done_again() {
     let size = [1400.0, 900.0];
     let mut window = Start { size, ..Start::default() }.open();
-    window.click("Two bursts");
+    window.ctrl(Key::Num2);
     window.settle();
     window.click("Later demo burst as B");
     window.settle();

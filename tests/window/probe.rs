@@ -342,7 +342,7 @@ fn open(folder: &Path) -> Window {
     let mut window = start.open();
     window.run_action("detect");
     window.settle();
-    window.click("Tally");
+    window.open_tab("Tally");
     window.settle();
     window
 }

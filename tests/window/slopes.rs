@@ -75,7 +75,7 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
 #[test]
 fn presets_give_ranges_and_reset_all_finds_them() {
     let mut window = Start::automatic().open();
-    window.click("BuFF 1D");
+    window.choose("BuFF 2D ⏷", "Preset BuFF 1D");
     window.settle();
     assert_eq!((is_auto(&window), grid(&window)), (false, SlopeGrid::line(-3.0..=3.0, 7)));
     window.click("Reset all");

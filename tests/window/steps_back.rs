@@ -49,7 +49,7 @@ pub fn second_click_at(window: &mut Window, pos: Pos2) {
 fn parameters_and_slopes_are_taken_back_and_made_again() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::ArrowRight);
-    window.click("SIFT");
+    window.run_action("preset sift");
     window.slide("Slope u", 2.5);
     window.settle();
     let state =

@@ -233,8 +233,29 @@ impl Window {
 
     /// Moves a slider.
     pub fn slide(&mut self, label: &str, value: f64) {
-        self.harness.get_by_role_and_label(Role::Slider, label).set_value_accesskit(value);
+        // A slope that a pad shows has a number alone.
+        let slider = self.harness.query_by_role_and_label(Role::Slider, label);
+        slider
+            .unwrap_or_else(|| self.harness.get_by_role_and_label(Role::SpinButton, label))
+            .set_value_accesskit(value);
         self.harness.run_steps(2);
+    }
+
+    /// Opens a tab of the panel below, which was closed or shows another.
+    pub fn open_tab(&mut self, label: &str) {
+        if !self.app().read().shows_bottom() {
+            self.run_action("table and tally");
+        }
+        if format!("{:?}", self.app().model.document.bottom_tab) != label {
+            self.click(label);
+        }
+    }
+
+    /// Chooses an entry of a menu.
+    pub fn choose(&mut self, menu: &str, entry: &str) {
+        self.click(menu);
+        self.harness.get_by_label_contains(entry).click();
+        self.harness.run_steps(3);
     }
 
     /// Clicks at a place of the window, with a pause between the events.

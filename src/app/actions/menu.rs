@@ -20,29 +20,31 @@ pub fn menu_bar_ui(ui: &mut egui::Ui, model: Read<'_>, remembered: &Settings, qu
         }
     };
     egui::MenuBar::new().ui(ui, |ui| {
-        for menu in Menu::ALL.into_iter().filter(|menu| menu.has_content(model)) {
-            let actions: Vec<&ActionRow> = ACTIONS.iter().filter(|action| action.menu == menu).collect();
-            ui.menu_button(menu.label(), |ui| {
-                within_window(ui, |ui| {
-                    let mut last = None;
-                    for group in actions.chunk_by(|a, b| a.group == b.group) {
-                        let submenu = menu.submenu(group[0].group);
-                        if last.is_some_and(|last| last != submenu.is_some() || submenu.is_none()) {
-                            ui.separator();
-                        }
-                        last = Some(submenu.is_some());
-                        match submenu {
-                            Some(name) => {
-                                let all = |ui: &mut egui::Ui| group.iter().for_each(|action| item(ui, action));
-                                ui.menu_button(name, |ui| within_window(ui, all));
-                            }
-                            None => group.iter().for_each(|action| item(ui, action)),
-                        }
-                    }
-                });
-            });
+        for menu in Menu::ALL.into_iter().filter(|menu| menu.parent().is_none() && menu.has_content(model)) {
+            ui.menu_button(menu.label(), |ui| within_window(ui, |ui| entries_ui(ui, menu, &mut item)));
         }
     });
+}
+
+/// Draws the actions of a menu in their groups, and below them the menus that are in it.
+fn entries_ui(ui: &mut egui::Ui, menu: Menu, item: &mut dyn FnMut(&mut egui::Ui, &ActionRow)) {
+    let actions: Vec<&ActionRow> = ACTIONS.iter().filter(|action| action.menu == menu).collect();
+    let mut last = None;
+    for group in actions.chunk_by(|a, b| a.group == b.group) {
+        let submenu = menu.submenu(group[0].group);
+        if last.is_some_and(|last| last != submenu.is_some() || submenu.is_none()) {
+            ui.separator();
+        }
+        last = Some(submenu.is_some());
+        let mut all = |ui: &mut egui::Ui| group.iter().for_each(|action| item(ui, action));
+        match submenu {
+            Some(name) => _ = ui.menu_button(name, |ui| within_window(ui, all)),
+            None => all(ui),
+        }
+    }
+    for below in Menu::ALL.into_iter().filter(|below| below.parent() == Some(menu)) {
+        ui.menu_button(below.label(), |ui| within_window(ui, |ui| entries_ui(ui, below, item)));
+    }
 }
 
 /// Space that a menu leaves at the lower edge of the window, points.

@@ -45,13 +45,18 @@ impl Menu {
             Self::Edit => "Edit",
             Self::View => "View",
             Self::Panes => "Panes",
-            Self::Cursor => "Cursor",
+            Self::Cursor => "Slope and frame",
             Self::Detect => "Detection",
             Self::Features => "Features",
             Self::Pair => "Pair",
             Self::Dataset => "Dataset",
             Self::Help => "Help",
         }
+    }
+
+    /// Menu in which this one is a submenu.
+    pub fn parent(self) -> Option<Self> {
+        matches!(self, Self::Panes | Self::Cursor).then_some(Self::View)
     }
 
     /// Name of the submenu that a group of this menu is folded into.

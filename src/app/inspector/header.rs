@@ -4,7 +4,7 @@ use super::menu::pane_menu_ui;
 use super::widgets::{PaneWidgets, long_description, short_description};
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::panes::Change;
-use crate::app::document::{Action, FeaturesShown, Panels, RangeClass, Visibility};
+use crate::app::document::{Action, Panels, RangeClass, Visibility};
 use crate::app::histogram::{RangeOf, ends_ui};
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
@@ -113,27 +113,32 @@ fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> 
     response
 }
 
-/// Draws how many features are drawn in full of those in view, and where there is room the switch of features.
-fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, has_switch: bool, queue: &mut Queue) {
+/// Draws how many features are drawn in full of those in view, where there is room as a menu of which those are.
+fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, has_menu: bool, queue: &mut Queue) {
     let tip = "The strongest features of each part of the view are drawn in full, the others as dots. Zoom in for more, \
                or choose View > All circles";
-    match widgets.of(id).picture.drawn_of {
-        Some((_, in_view)) if model.document.look.draws_all => {
+    let mut look = model.document.look.clone();
+    let text = match widgets.of(id).picture.drawn_of {
+        Some((_, in_view)) if look.draws_all => {
             let chip = ui.add(Button::new(RichText::new(format!("all {in_view} drawn ✖")).small()));
             if chip.on_hover_text("All circles are drawn; a click draws the strongest alone").clicked() {
                 queue.push(ActionId::DrawAll);
             }
+            String::new()
         }
-        Some((drawn, in_view)) if drawn < in_view => {
-            ui.weak(format!("{drawn} of {in_view} drawn")).on_hover_text(tip);
-        }
-        _ => {}
-    }
-    if has_switch && model.document.workspace.inspects() {
-        // From the right end of the line the buttons are drawn in reverse.
-        let mut look = model.document.look.clone();
-        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL.into_iter().rev(), model, id);
+        Some((drawn, in_view)) if drawn < in_view => format!("{drawn} of {in_view} drawn"),
+        _ => String::new(),
+    };
+    if has_menu && model.document.workspace.inspects() {
+        let [choice, _] = look.overlay.words();
+        let text = if text.is_empty() { format!("{choice} ⏷") } else { format!("{choice}: {text} ⏷") };
+        let menu = ui.menu_button(RichText::new(text).small(), |ui| {
+            features_shown_ui(ui, &mut look.overlay, model, id);
+        });
+        menu.response.on_hover_text(tip);
         queue.set(&model.document.look, look, Action::SetLook);
+    } else if !text.is_empty() {
+        ui.weak(text).on_hover_text(tip);
     }
 }
 

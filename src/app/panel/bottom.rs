@@ -1,5 +1,6 @@
 //! Tabs below the pictures: the table of features, the tally, the noise, and measurements on the pictures.
 
+use crate::app::actions::ActionId;
 use crate::app::document::{Action, Queue};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
@@ -49,12 +50,12 @@ fn tabs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     }
 }
 
+/// Draws the button that opens the panel, with the names of its tabs.
 pub fn closed_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let tabs = ui.horizontal(|ui| {
-        (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
-        tabs_ui(ui, model, queue);
-    });
-    mark(ui, Part::Tabs, tabs.response.rect);
+    let names: Vec<&str> = TABS.iter().filter(|(tab, ..)| has_content(*tab, model)).map(|(_, name, _)| *name).collect();
+    let tabs = ui.selectable_label(false, format!("⏶ {}", names.join(" · ")));
+    mark(ui, Part::Tabs, tabs.rect);
+    queue.push_if(tabs.on_hover_text("Open the panel below").clicked(), ActionId::ToggleBottom);
 }
 
 fn line_ui(ui: &mut Ui, model: Read<'_>, summary_ui: fn(&mut Ui, Read<'_>)) {

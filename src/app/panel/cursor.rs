@@ -1,5 +1,5 @@
-//! Cursor of the focused pane: its sliders and buttons; below a slope slider bars of features and evidence, with the
-//! ends of the searched range, which can be dragged; and a pad for a plane of slopes.
+//! Cursor of the focused pane: its sliders and buttons. Slopes along an axis have a slider, and below it bars of features
+//! and evidence, with the ends of the searched range, which can be dragged; others have a pad.
 
 use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
@@ -18,7 +18,7 @@ pub fn cursor_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         frame_row(ui, model, queue);
         slope_rows(ui, model, queue);
         buttons_ui(ui, model, queue);
-        if shown(ui, model) == Below::Plane {
+        if strip_of(ui, model).is_none() {
             slope_pad_ui(ui, model, queue);
         }
         if model.document.cursor().kind.about().of_scale {
@@ -27,16 +27,7 @@ pub fn cursor_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     });
 }
 
-/// Picture of the searched slopes below the sliders.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Below {
-    Nothing,
-    /// Of the second axis, or of the first one.
-    Strip(bool),
-    Plane,
-}
-
-const BELOW: &str = "picture of the searched slopes";
+const STRIP: &str = "strip of the searched slopes";
 const FIELDS: &str = "fields of the searched slopes";
 
 /// Notes where the fields of the searched slopes are: those of the `first` axis, and below them those of the second.
@@ -48,22 +39,19 @@ pub(super) fn mark_fields(ui: &Ui, rect_ui: Rect, first: bool) {
     });
 }
 
-/// Picture that is shown. While the pointer is over the fields of the slopes, or one of them is typed in, it stays, so
-/// that they do not move.
-fn shown(ui: &Ui, model: Read<'_>) -> Below {
+/// Whether a strip below a slider shows the slopes of the second axis, or of the first one; `None` where the pad shows
+/// them, which is not where they are on one axis. While the pointer is over the fields of the slopes, or one of them is
+/// typed in, that stays, so that they do not move.
+fn strip_of(ui: &Ui, model: Read<'_>) -> Option<bool> {
     let grid = model.cursor_params().slopes;
-    let now = match (grid.u.count > 1, grid.v.count > 1) {
-        (true, true) => Below::Plane,
-        _ if grid.direction_deg != 0.0 => Below::Nothing,
-        (false, false) => Below::Nothing,
-        (_, second) => Below::Strip(second),
-    };
+    let is_on_axis = grid.direction_deg == 0.0 && (grid.u.count > 1) != (grid.v.count > 1);
+    let now = is_on_axis.then_some(grid.v.count > 1);
     let fields: Option<Rect> = ui.data(|data| data.get_temp(Id::unique(FIELDS)));
     let is_over = ui.input(|i| i.pointer.latest_pos()).zip(fields).is_some_and(|(pos, rect)| rect.contains(pos));
     let is_used = is_over || ui.ctx().memory(|memory| memory.focused()).is_some();
-    let last = ui.data(|data| data.get_temp(Id::unique(BELOW)));
+    let last = ui.data(|data| data.get_temp(Id::unique(STRIP)));
     let shown = last.filter(|_| is_used).unwrap_or(now);
-    ui.data_mut(|data| data.insert_temp(Id::unique(BELOW), shown));
+    ui.data_mut(|data| data.insert_temp(Id::unique(STRIP), shown));
     shown
 }
 
@@ -88,20 +76,28 @@ fn slope_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     };
     let before = model.document.cursor().slope;
     let mut slope = before;
+    let strip = strip_of(ui, model);
     let rows = [
         ("Slope u", "to the right", &mut slope.u, marks(|s| s.u)),
         ("Slope v", "downwards", &mut slope.v, marks(|s| s.v)),
     ];
-    for (label, way, component, marks) in rows {
-        let help = &format!(
-            "Apparent motion {way}, px/frame. Marks: slopes of the grid; any slope between them can be shown."
-        );
-        let row = CursorRow { label, help, range: -limit..=limit, marks: &marks, whole: false };
-        row.ui(ui, component);
-        let second = label == "Slope v";
-        if shown(ui, model) == Below::Strip(second) {
-            strip_ui(ui, model, second, queue);
+    // An axis that is searched alone has a slider; where the pad shows both, two numbers are enough.
+    let rows_ui = |ui: &mut Ui| {
+        for (second, (label, way, component, marks)) in [false, true].into_iter().zip(rows) {
+            let help = &format!(
+                "Apparent motion {way}, px/frame. Marks: slopes of the grid; any slope between them can be shown."
+            );
+            let slides = strip == Some(second);
+            CursorRow { label, help, range: -limit..=limit, marks: &marks, whole: false, slides }.ui(ui, component);
+            if slides {
+                strip_ui(ui, model, second, queue);
+            }
         }
+    };
+    if strip.is_some() {
+        rows_ui(ui)
+    } else {
+        _ = ui.horizontal(rows_ui)
     }
     queue.set(&before, slope, |slope| Action::SetSlope(model.document.focus(), slope));
 }

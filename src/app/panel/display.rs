@@ -84,20 +84,14 @@ fn overlay_ui(ui: &mut Ui, model: Read<'_>, look: &mut Look) {
     });
     ui.horizontal(|ui| {
         label_ui(ui, "Features", 69.0);
-        features_shown_ui(ui, &mut look.overlay, FeaturesShown::ALL, model, model.document.focus());
+        features_shown_ui(ui, &mut look.overlay, model, model.document.focus());
     });
 }
 
 /// Choice of the features that are drawn in pane `id`; over a picture without a slope of its own, those of all.
-pub fn features_shown_ui(
-    ui: &mut Ui,
-    shown: &mut FeaturesShown,
-    choices: impl IntoIterator<Item = FeaturesShown>,
-    model: Read<'_>,
-    id: PaneId,
-) {
+pub fn features_shown_ui(ui: &mut Ui, shown: &mut FeaturesShown, model: Read<'_>, id: PaneId) {
     let has_slope = model.picture_in(id).is_none() || model.slope_in_picture(id).is_some();
-    for choice in choices {
+    for choice in FeaturesShown::ALL {
         let is_possible = has_slope || choice != FeaturesShown::ThisSlope;
         let is_shown = *shown == choice || (*shown == FeaturesShown::ThisSlope && choice == FeaturesShown::All);
         let is_lit = if has_slope { *shown == choice } else { is_possible && is_shown };

@@ -1,6 +1,7 @@
 //! Parameters of the detector: slopes, gate and number of features, and folded below them all others.
 
-use crate::app::actions::{ActionId, Queue, button_ui, enabled};
+use crate::app::actions::menu::item_ui;
+use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled};
 use crate::app::document::{Action, Panels, Side};
 use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
@@ -19,10 +20,12 @@ const BASIC: [Param<SearchParams>; 4] = [doc::SLOPES, doc::SLOPES_U, doc::SLOPES
 pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Detector", |ui| {
         ui.horizontal(|ui| {
-            ui.spacing_mut().item_spacing.x = 2.0;
-            button_ui(ui, model, queue, ActionId::Preset1d, Some("BuFF 1D"));
-            button_ui(ui, model, queue, ActionId::Preset2d, Some("BuFF 2D"));
-            button_ui(ui, model, queue, ActionId::PresetSift, Some("SIFT"));
+            let presets = [ActionId::Preset1d, ActionId::Preset2d, ActionId::PresetSift];
+            let on = presets.into_iter().find(|id| checked(*id, model) == Some(true));
+            let name = on.map_or("Preset", |id| id.action().label.trim_start_matches("Preset "));
+            ui.menu_button(format!("{name} ⏷"), |ui| {
+                presets.into_iter().for_each(|id| item_ui(ui, model, queue, id));
+            });
             if enabled(ActionId::ResetParams, model) {
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     button_ui(ui, model, queue, ActionId::ResetParams, Some("Reset all"));

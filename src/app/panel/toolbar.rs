@@ -8,7 +8,7 @@ use crate::app::results::Read;
 use crate::inspect::words::counted;
 use crate::requests::{Running, ViewKind};
 use crate::teach::Part;
-use egui::{Align, Button, Color32, Layout, RichText, Ui};
+use egui::{Align, Button, Color32, Layout, Rect, RichText, Ui};
 
 /// Minimum room for the button that finds actions, in points.
 const ROOM_FOR_FIND: f32 = 280.0;
@@ -19,7 +19,9 @@ pub fn toolbar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         ui.separator();
         kind_switch_ui(ui, model, queue);
         ui.separator();
+        let before = ui.cursor().left();
         detect_ui(ui, model, queue);
+        mark(ui, Part::Detect, ui.min_rect().intersect(Rect::everything_right_of(before)));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let palette = ActionId::Palette.action();
             let keys = palette.shortcut.map(|s| keys_text(ui.ctx(), &s)).unwrap_or_default();
@@ -48,25 +50,25 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         progress_ui(ui, &running, Some(260.0), &format!("{who}{}", progress_text(&running)));
         return;
     }
-    let action = ActionId::Detect.action();
     let in_pair = model.document.workspace.shows_pair();
     let needed = model.needs_detection(Side::A) || (in_pair && model.needs_detection(Side::B));
-    let text = RichText::new("Detect");
-    let button = if needed {
-        Button::new(text.color(Color32::WHITE).strong()).fill(crate::app::style::ACCENT)
-    } else {
-        Button::new(text)
-    };
-    let tip = match &model.results.slots.a.param_error {
-        Some(error) => format!("{error}"),
-        None => tooltip(ui.ctx(), action),
-    };
-    let response = ui.add_enabled(enabled(ActionId::Detect, model), button);
-    mark(ui, Part::Detect, response.rect);
-    queue.push_if(response.on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked(), ActionId::Detect);
+    // As long as detection is automatic, as it is at first, the menu alone switches it off.
     let mut auto = checked(ActionId::AutoDetect, model).unwrap_or(false);
+    if needed || !auto {
+        let text = RichText::new("Detect");
+        let button = if needed {
+            Button::new(text.color(Color32::WHITE).strong()).fill(crate::app::style::ACCENT)
+        } else {
+            Button::new(text)
+        };
+        let tip = match &model.results.slots.a.param_error {
+            Some(error) => format!("{error}"),
+            None => tooltip(ui.ctx(), ActionId::Detect.action()),
+        };
+        let response = ui.add_enabled(enabled(ActionId::Detect, model), button);
+        queue.push_if(response.on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked(), ActionId::Detect);
+    }
     let tip = tooltip(ui.ctx(), ActionId::AutoDetect.action());
-    // As long as it is on, as it is at first, the menu alone switches it off.
     queue.push_if(!auto && ui.checkbox(&mut auto, "Auto").on_hover_text(tip).clicked(), ActionId::AutoDetect);
     if in_pair {
         pair_found_ui(ui, model);

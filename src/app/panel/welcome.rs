@@ -99,7 +99,7 @@ pub fn card_ui(ctx: &Context, model: Read<'_>, lessons: &Lessons, rect_ui: Rect,
         frame.show(ui, |ui| {
             ui.set_width(CARD_WIDTH);
             ui.label(RichText::new("A street at night: ten dark frames").size(15.0).strong());
-            ui.label("Drag Slope u: each depth comes out at its own slope.");
+            ui.label("Drag in the slope plane: each depth comes out at its own slope.");
             ui.add_space(6.0);
             ui.horizontal(|ui| {
                 let text = RichText::new("Three-minute lesson").color(Color32::WHITE);

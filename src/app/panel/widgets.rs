@@ -167,6 +167,8 @@ pub struct CursorRow<'a> {
     pub range: RangeInclusive<f32>,
     pub marks: &'a [f32],
     pub whole: bool,
+    /// Whether there is a slider beside the number.
+    pub slides: bool,
 }
 
 const LABEL_WIDTH: f32 = 52.0;
@@ -174,7 +176,7 @@ const VALUE_WIDTH: f32 = 58.0;
 
 impl<'a> CursorRow<'a> {
     pub fn whole(label: &'a str, help: &'a str, range: RangeInclusive<f32>) -> Self {
-        Self { label, help, range, marks: &[], whole: true }
+        Self { label, help, range, marks: &[], whole: true, slides: true }
     }
 
     /// Draws the row; returns whether `value` was changed.
@@ -188,18 +190,18 @@ impl<'a> CursorRow<'a> {
             let span = if enabled { self.range.clone() } else { low..=low + 1.0 };
             ui.spacing_mut().slider_width = (ui.available_width() - VALUE_WIDTH - 10.0).max(40.0);
             ui.add_enabled_ui(enabled, |ui| {
-                let mut slider = egui::Slider::new(value, span.clone()).show_value(false);
-                if self.whole {
-                    slider = slider.step_by(1.0);
+                if self.slides {
+                    let step = if self.whole { 1.0 } else { 0.0 };
+                    let slider = egui::Slider::new(value, span.clone()).show_value(false).step_by(step);
+                    let slider = hint(ui.add(slider).labelled_by(label.id), self.help);
+                    let notches = if enabled { wheel_over(ui, &slider) } else { 0 };
+                    *value = wheeled(*value, notches, self.marks, if self.whole { 1.0 } else { 0.01 * (high - low) })
+                        .clamp(low, high.max(low));
+                    marks_ui(ui, slider.rect, &span, self.marks);
                 }
-                let slider = hint(ui.add(slider).labelled_by(label.id), self.help);
-                let notches = if enabled { wheel_over(ui, &slider) } else { 0 };
-                *value = wheeled(*value, notches, self.marks, if self.whole { 1.0 } else { 0.01 * (high - low) })
-                    .clamp(low, high.max(low));
-                marks_ui(ui, slider.rect, &span, self.marks);
                 let speed = if self.whole { 0.05 } else { f64::from(high - low) / 600.0 };
                 let mut field = egui::DragValue::new(value).range(span).speed(speed);
-                field = if self.whole { field.fixed_decimals(0) } else { field.fixed_decimals(2) };
+                field = field.fixed_decimals(if self.whole { 0 } else { 2 });
                 let field = ui.add_sized(vec2(VALUE_WIDTH, ui.spacing().interact_size.y), field);
                 hint(field.labelled_by(label.id), self.help);
             });

@@ -51,7 +51,7 @@ const ROOMS: [Room; 5] = {
     let with_poses = |model: Read<'_>| model.results.datasets.open.is_some() || !model.results.poses.is_empty();
     [
         Room { of: Inspect, has_content: |_| true, ui: inspect_workspace_ui },
-        Room { of: Pair, has_content: |_| true, ui: pair::pair_workspace_ui },
+        Room { of: Pair, has_content: |model| model.results.slots.b.burst.is_some(), ui: pair::pair_workspace_ui },
         Room {
             of: Matches,
             has_content: |model| model.results.datasets.open.is_some(),
@@ -67,25 +67,26 @@ fn room(of: Workspace) -> &'static Room {
 }
 
 /// Whether there is something for the workspace to show, or it is the open one.
-fn is_offered(workspace: Workspace, model: Read<'_>) -> bool {
-    (room(workspace).has_content)(model) || model.document.workspace == workspace
+fn is_offered((id, workspace): (ActionId, Workspace), model: Read<'_>) -> bool {
+    let has_content = id != ActionId::WorkspaceMethods && (room(workspace).has_content)(model);
+    has_content || checked(id, model) == Some(true)
 }
 
-/// Draws the switch between the workspaces, from the right end of a line: buttons, or a menu where there is no room.
+/// Draws the switch between the workspaces, from the right end of a line: a button for each that has something to show,
+/// or one menu where that is a single one, or there is no room.
 pub fn switch_ui(ui: &mut egui::Ui, model: Read<'_>, queue: &mut Queue) {
     let is_narrow = model.shell.window_width_points < MIN_WIDTH_WITH_SWITCH;
+    let (shown, more): (Vec<_>, Vec<_>) = workspaces().partition(|one| is_offered(*one, model));
     ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
         let first = ui.cursor().right();
-        if is_narrow {
+        if is_narrow || shown.len() == 1 {
             let open = workspaces().find(|(id, _)| checked(*id, model) == Some(true));
             let name = open.map_or("Workspace", |(id, _)| id.action().label);
             ui.menu_button(format!("{name} ⏷"), |ui| {
                 workspaces().for_each(|(id, _)| item_ui(ui, model, queue, id));
             });
         } else {
-            let (shown, more): (Vec<_>, Vec<_>) =
-                workspaces().partition(|(_, workspace)| is_offered(*workspace, model));
             if !more.is_empty() {
                 ui.menu_button("More ⏷", |ui| more.iter().for_each(|(id, _)| item_ui(ui, model, queue, *id)));
             }

@@ -8,7 +8,7 @@ use crate::detect::{Searched, search};
 use crate::detector::{Method, SearchParams, find_slopes};
 use crate::error::Result;
 use crate::export::{Cell, FLIGHT_COLUMNS, Table};
-use crate::inspect::slopes::{SlopeJudgement, judgement};
+use crate::inspect::slopes::{AdviceSubject, SlopeJudgement, judgement};
 use crate::inspect::words::{capitalised, counted, number, some_of};
 use crate::matching::Refusal;
 use crate::monitor::Monitor;
@@ -82,7 +82,8 @@ const FEW: f32 = 0.25;
 const NOISY: f32 = 2.0;
 
 /// Bursts that need somebody, the worst first, at most five, each with the reason: one that failed, a fault of the slopes,
-/// few features beside the others, no verified pair, slopes that cannot be judged, or much noise beside the others.
+/// few features beside the others, no verified pair, slopes that cannot be judged, much noise beside the others, or more
+/// slopes than needed.
 pub fn worst_bursts(rows: &[FlightRow]) -> Vec<(&FlightRow, String)> {
     let known =
         |of: fn(&BurstHealth) -> f32| median(rows.iter().filter_map(|row| row.health.as_ref().ok().map(of)).collect());
@@ -94,19 +95,24 @@ pub fn worst_bursts(rows: &[FlightRow]) -> Vec<(&FlightRow, String)> {
             Err(why) => return Some((0, 0, why.clone())),
         };
         let judged = health.slopes_judged.as_ref();
-        let (rank, why) = if let Some(advice) = judged.and_then(|judged| judged.advice.as_ref()) {
+        // Slopes that are more than needed cost time alone.
+        let advised = judged.and_then(|judged| judged.advice.as_ref()).map(|advice| {
             let options = advice.options();
-            (1, advice.sentence.clone() + &if options.is_empty() { options } else { format!(": try {options}") })
+            let how = if options.is_empty() { options } else { format!(": try {options}") };
+            (if advice.subject == AdviceSubject::Cost { 6 } else { 1 }, advice.sentence.clone() + &how)
+        });
+        let (rank, why) = if let Some(fault) = advised.clone().filter(|(rank, _)| *rank == 1) {
+            fault
         } else if (health.features as f32) < FEW * features {
             (2, format!("{}, and {} in the median of all", counted(health.features, "feature"), number(features, 0)))
         } else if row.verified_pairs == Some(0) {
             (3, "no verified pair with another burst".to_owned())
-        } else if let Some(judged) = judged.filter(|judged| !judged.fits) {
+        } else if let Some(judged) = judged.filter(|judged| judged.holds().is_none()) {
             (4, judged.sentence.clone())
         } else if health.frame_noise > NOISY * noise {
             (5, format!("noise of {:.5} of full scale, and {noise:.5} in the median of all", health.frame_noise))
         } else {
-            return None;
+            advised?
         };
         Some((rank, health.features, why))
     };
@@ -121,9 +127,9 @@ pub fn flight_table(rows: &[FlightRow]) -> Table {
     let row = |row: &FlightRow| {
         let health = row.health.as_ref().ok();
         let judged = health.and_then(|health| health.slopes_judged.as_ref());
-        let fit = judged.map(|judged| match judged.advice {
-            Some(_) => "no",
-            None if judged.fits => "yes",
+        let fit = judged.map(|judged| match judged.holds() {
+            Some(true) => "yes",
+            Some(false) => "no",
             None => "unknown",
         });
         let count = |of: fn(&BurstHealth) -> usize| Cell::of(health.map(|health| of(health) as f64), 0);
@@ -192,7 +198,8 @@ pub fn flight_page(rows: &[FlightRow], pairs: Option<&ColmapReport>) -> String {
     page_head()
         + &written(|out| {
             let health = || rows.iter().filter_map(|row| row.health.as_ref().ok());
-            let fit = health().filter(|health| health.slopes_judged.as_ref().is_some_and(|judged| judged.fits)).count();
+            let judged = health().filter_map(|health| health.slopes_judged.as_ref());
+            let fit = judged.filter(|judged| judged.holds() == Some(true)).count();
             let [bursts, searched] = [rows.len(), health().count()].map(|count| counted(count, "burst"));
             let features = counted(health().map(|health| health.features).sum(), "feature");
             writeln!(out, "# {bursts}\n\n{features} in {searched}; the slopes fit in {fit}.\n\n## To look at first\n")?;

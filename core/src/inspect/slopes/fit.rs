@@ -56,6 +56,14 @@ pub struct SlopeJudgement {
     pub advice: Option<SlopeAdvice>,
 }
 
+impl SlopeJudgement {
+    /// Whether the slopes hold the motion that the frames show, as more than are needed do; `None` where too little shows.
+    pub fn holds(&self) -> Option<bool> {
+        let fault = self.advice.as_ref().map(|advice| advice.subject == AdviceSubject::Cost);
+        fault.or(self.fits.then_some(true))
+    }
+}
+
 /// Judges the slopes with which `detection` was made from `burst`; `finding` is what the frames show, if it is known.
 /// Slopes fit only where the motion is straight and lies inside. `None` for a method without slopes, or one frame.
 ///

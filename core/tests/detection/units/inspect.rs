@@ -192,7 +192,7 @@ mod fate {
 mod flight {
     use burstscope_core::dataset::{ColmapReport, ImageReport, Joined, PairReport};
     use burstscope_core::inspect::report::*;
-    use burstscope_core::inspect::slopes::SlopeJudgement;
+    use burstscope_core::inspect::slopes::{AdviceSubject, SlopeAdvice, SlopeJudgement};
     use burstscope_core::matching::{MatchCounts, Refusal};
 
     fn row(name: &str, features: usize, frame_noise: f32, fits: bool) -> FlightRow {
@@ -205,7 +205,7 @@ mod flight {
     #[test]
     fn the_worst_come_first_and_what_is_as_the_others_is_not_named() {
         let gone = FlightRow { health: Err("gone, \"all\"".into()), ..row("d", 0, 0.0, true) };
-        let rows = [
+        let mut rows = [
             row("a", 99, 0.1, true),
             row("b", 98, 0.3, true),
             row("c", 10, 0.1, true),
@@ -213,8 +213,20 @@ mod flight {
             row("e", 97, 0.1, false),
             row("f", 100, 0.1, true),
         ];
-        let named: Vec<&str> = worst_bursts(&rows).iter().map(|(row, _)| &*row.name).collect();
-        assert_eq!(named, ["d", "c", "e", "b"]);
+        let named = |rows: &[FlightRow]| worst_bursts(rows).iter().map(|(row, _)| row.name.clone()).collect::<Vec<_>>();
+        assert_eq!(named(&rows), ["d", "c", "e", "b"]);
+        // More slopes than needed hide neither noise nor a missing pair, and stand behind every fault.
+        for (index, subject) in [(1, AdviceSubject::Cost), (5, AdviceSubject::Cost), (0, AdviceSubject::Range)] {
+            let advice = SlopeAdvice { subject, number: 0.5, sentence: String::new(), changes: vec![], times: None };
+            let judged = rows[index].health.as_mut().ok().and_then(|health| health.slopes_judged.as_mut());
+            let judged = judged.expect("its slopes are judged");
+            (judged.fits, judged.advice) = (false, Some(advice));
+        }
+        assert_eq!(named(&rows), ["d", "a", "c", "e", "b"]);
+        rows[2] = row("c", 90, 0.1, true);
+        assert_eq!(named(&rows), ["d", "a", "e", "b", "f"]);
+        assert!(flight_page(&rows, None).contains("the slopes fit in 3."), "two of them with more than needed");
+        rows[0] = row("a", 99, 0.1, true);
         assert!(worst_bursts(&rows[..1]).is_empty() && flight_page(&rows[..1], None).contains("None stands out."));
         let csv = flight_table(&rows).csv();
         assert!(csv.contains("a,5,8,6,0.1,yes,too little,99,,even,,\n"), "{csv}");

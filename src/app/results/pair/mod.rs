@@ -17,7 +17,7 @@ use crate::error::Error;
 use crate::requests::{MatchRequest, PictureAnswer, PicturesRequest};
 
 /// Lines of the method with the most inliers, where no number is set.
-const LINES_OF_METHODS: usize = 100;
+const LINES_OF_METHODS: usize = 40;
 
 #[derive(Debug, Default)]
 pub struct PairState {
