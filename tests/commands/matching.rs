@@ -195,6 +195,7 @@ fn every_option_of_matching_reaches_its_parameter() {
         max_iterations: 77,
         seed: 5,
         camera: Some(camera.parse().expect("a camera")),
+        camera_b: None,
     };
     assert_eq!(got, expected);
     assert_eq!(matched("").geometry, Geometry::Essential, "with a camera and no geometry");

@@ -206,7 +206,7 @@ impl<'a> Losses<'a> {
         let ranked = order.iter().enumerate().filter(|(_, (other, _))| there.contains(other));
         let there: Vec<(usize, usize)> = ranked.map(|(rank, (other, _))| (*other, rank)).collect();
         let preferred = of_a.get(index).filter(|_| lost == Lost::MutualCheck).map(|nearest| of_b[nearest.index].index);
-        let expected = model.map(|model| model.locus_in_b(own, pair.size_b)).unwrap_or_default();
+        let expected = model.map(|model| model.locus(1, own, pair.size_b)).unwrap_or_default();
         let leaves = model.is_some() && expected.is_empty();
         let sentence = if lost == Lost::NoKeypoint && leaves {
             "the geometry puts it outside the other picture".to_owned()
@@ -233,7 +233,7 @@ fn at_prediction(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     }
     let Some(expected) = &prediction.in_b[index] else { return "; its motion is not known well enough".to_owned() };
     let model = pair.model();
-    let is_there = |f: &&Feature| model.is_some_and(|model| expected.holds(model.straight(place(f))));
+    let is_there = |f: &&Feature| model.is_some_and(|model| expected.holds(model.straight(1, place(f))));
     match pair.b.features.iter().filter(is_there).count() {
         0 => "; there is no feature where its motion puts it".to_owned(),
         1 => "; the feature where its motion puts it has another scale or descriptor".to_owned(),

@@ -53,6 +53,9 @@ pub struct MatchParams {
     pub seed: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub camera: Option<Camera>,
+    /// Camera of image B where it has another one than `camera`, which is A's then. No option: a dataset knows both.
+    #[serde(skip_deserializing, skip_serializing_if = "Option::is_none")]
+    pub camera_b: Option<Camera>,
 }
 
 impl Default for MatchParams {
@@ -69,6 +72,7 @@ impl Default for MatchParams {
             max_iterations: 20_000,
             seed: 0,
             camera: None,
+            camera_b: None,
         }
     }
 }
@@ -130,15 +134,30 @@ impl MatchParams {
     /// Checks the parameters.
     pub fn validate(&self) -> Result<()> {
         doc::ALL.iter().try_for_each(|record| record.check(self))?;
-        match &self.camera {
-            Some(camera) => camera.validate(doc::CAMERA.name),
-            None if self.geometry == Geometry::Essential => Err(Error::param(
+        if self.geometry == Geometry::Essential && self.camera.is_none() {
+            return Err(Error::param(
                 doc::CAMERA.name,
                 "the essential matrix needs the camera's intrinsics",
                 "give them, such as PINHOLE,640,480,500,500,320,240, or ask for the fundamental matrix",
-            )),
-            None => Ok(()),
+            ));
         }
+        let mut cameras = [&self.camera, &self.camera_b].into_iter().flatten();
+        cameras.try_for_each(|camera| camera.validate(doc::CAMERA.name))
+    }
+
+    /// Cameras of image A and of image B.
+    pub fn cameras(&self) -> Option<[&Camera; 2]> {
+        let a = self.camera.as_ref()?;
+        Some([a, self.camera_b.as_ref().unwrap_or(a)])
+    }
+
+    /// These parameters for a pair with the cameras `a` and `b`. Where one is unknown there is no essential matrix: the
+    /// fundamental matrix takes its place.
+    pub fn with_cameras(&self, a: Option<&Camera>, b: Option<&Camera>) -> Self {
+        let (camera, camera_b) = a.zip(b).map(|(a, b)| (a.clone(), (a != b).then(|| b.clone()))).unzip();
+        let is_unknown = camera.is_none() && self.geometry == Geometry::Essential;
+        let geometry = if is_unknown { Geometry::Fundamental } else { self.geometry };
+        Self { geometry, camera, camera_b: camera_b.flatten(), ..self.clone() }
     }
 }
 

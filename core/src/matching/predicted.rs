@@ -68,13 +68,13 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// Ellipse about the place, as points (u, v) of the image in which it is expected.
+    /// Ellipse about the place, as points (u, v) of image B, in which it is expected.
     pub fn outline(&self, model: &TwoViewModel) -> Vec<[f64; 2]> {
         let [x, y] = self.along;
         let point = |k: usize| {
             let (sin, cos) = (TAU * k as f64 / OUTLINE_POINTS as f64).sin_cos();
             let (along, across) = (cos * self.half_along_px, sin * self.half_across_px);
-            model.seen([self.place[0] + along * x - across * y, self.place[1] + along * y + across * x])
+            model.seen_in_b([self.place[0] + along * x - across * y, self.place[1] + along * y + across * x])
         };
         (0..=OUTLINE_POINTS).map(point).collect()
     }
@@ -172,10 +172,10 @@ impl OneWay {
     ) -> Option<Self> {
         let motions: Vec<_> = side.blobs.iter().map(|blob| (blob.motion, blob.motion_sigma)).collect();
         let depths = inverse_depths(side.places, &motions);
-        let straight: Vec<Vector2<f64>> = side.places.iter().map(|place| parallax.straight(*place)).collect();
+        let straight: Vec<Vector2<f64>> = side.places.iter().map(|place| parallax.straight(0, *place)).collect();
         let known = |(index, there): (usize, [f64; 2])| {
             let depth = depths.get(index).copied().flatten()?;
-            let (x, there) = (straight[index], parallax.straight(there));
+            let (x, there) = (straight[index], parallax.straight(1, there));
             Some(SureMatch { x, there, terms: terms(x, depth.value), kappa: parallax.parallax(x, there)? })
         };
         let all: Vec<SureMatch> = inliers.filter_map(known).collect();
@@ -228,7 +228,7 @@ fn numbers(parallax: &Parallax, known: &[SureMatch], seed: u64) -> Option<Vector
         1.0 / (1.0 + (miss(parallax, known, numbers) / (0.5 * AGREEING_PX)).powi(2))
     };
     let score = |numbers: &Vector4<f64>| known.iter().map(|known| weight(numbers, known)).sum::<f64>();
-    let samples = samples(parallax.is_calibrated, known, seed);
+    let samples = samples(parallax.cameras.is_some(), known, seed);
     let scored = samples.into_iter().map(|numbers| (score(&numbers), numbers));
     let mut best = scored.reduce(|best, other| if other.0 > best.0 { other } else { best })?;
     // Reweighted least squares from the best sample, as long as the score rises.
@@ -243,7 +243,7 @@ fn numbers(parallax: &Parallax, known: &[SureMatch], seed: u64) -> Option<Vector
             right += known.terms * (weight * known.kappa);
         }
         // A known camera leaves one factor to be found.
-        let refined = if parallax.is_calibrated {
+        let refined = if parallax.cameras.is_some() {
             Some(Vector4::new(right[0] / normal[(0, 0)], 0.0, 0.0, 0.0))
         } else {
             normal.cholesky().map(|normal| normal.solve(&right))
@@ -325,10 +325,10 @@ pub(super) fn predicted_matches(
 }
 
 fn candidates([a, b]: [MatchSide<'_>; 2], model: &TwoViewModel, prediction: &Prediction) -> Candidates {
-    let straight = |side: MatchSide<'_>| -> Vec<Vector2<f64>> {
-        side.places.iter().map(|place| Vector2::from(model.straight(*place))).collect()
+    let straight = |side: MatchSide<'_>, image| -> Vec<Vector2<f64>> {
+        side.places.iter().map(|place| Vector2::from(model.straight(image, *place))).collect()
     };
-    let (places_a, places_b) = (straight(a), straight(b));
+    let (places_a, places_b) = (straight(a, 0), straight(b, 1));
     // Sorted from left to right, so that few features are compared with each place.
     let mut order: Vec<u32> = (0..places_b.len() as u32).collect();
     order.sort_by(|&i, &j| places_b[i as usize].x.total_cmp(&places_b[j as usize].x).then(i.cmp(&j)));

@@ -164,6 +164,25 @@ fn is_right(result: &MatchResult, count: usize) -> bool {
 }
 
 #[test]
+fn a_pair_of_two_cameras_is_predicted_as_well_as_one_of_one_camera() {
+    let other: Camera = "OPENCV 800 600 900 880 410 290 -0.2 0.05 0.001 -0.0005".parse().expect("a camera");
+    let of_seed = |seed: u64| {
+        let mut pair = pair(Kind::Space, seed);
+        let (camera_a, geometry) = (Some(camera()), Geometry::Essential);
+        let params = MatchParams { geometry, camera: camera_a, align: false, seed, ..MatchParams::default() };
+        let of_two = MatchParams { camera_b: Some(other.clone()), ..params.clone() };
+        let with_one = matched(&pair, &params);
+        pair[1].places.iter_mut().for_each(|place| *place = other.pixel_of(camera().direction_of(*place)));
+        let right = |result: &MatchResult| if is_right(result, 180) { result.counts.inliers.unwrap_or(0) } else { 0 };
+        [right(&with_one), right(&matched(&pair, &of_two)), right(&matched(&pair, &params))]
+    };
+    let found: Vec<[usize; 3]> = (0..30).into_par_iter().map(of_seed).collect();
+    let [one, two, wrong] = std::array::from_fn(|k| found.iter().map(|of_seed| of_seed[k]).sum::<usize>());
+    println!("inliers: {one} of one camera, {two} of two, {wrong} of two taken for one");
+    assert!(one > 150 && 10 * two > 8 * one && 10 * wrong < 9 * two, "{one}, {two}, {wrong}");
+}
+
+#[test]
 fn pairs_of_every_kind_of_scene_are_believed_and_those_of_chance_are_not() {
     for kind in ALL {
         let of_seed = |seed: u64| {

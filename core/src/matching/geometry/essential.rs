@@ -19,7 +19,8 @@ use std::sync::LazyLock;
 pub(super) struct EssentialProblem<'a> {
     /// Matched directions (x, y, 1).
     pub pairs: &'a [RayPair],
-    pub focal_px: [f64; 2],
+    /// Focal lengths (fx, fy) of image A, and of B, pixels.
+    pub focal_px: [[f64; 2]; 2],
 }
 
 impl Problem for EssentialProblem<'_> {

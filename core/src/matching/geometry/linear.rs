@@ -43,7 +43,7 @@ impl Problem for FundamentalProblem<'_> {
         let mut normal = SMatrix::<f64, 9, 9>::zeros();
         let mut used = 0;
         for (pair, &weight) in self.pairs.iter().zip(weights) {
-            let (_, gradient) = equation(model, pair, [1.0; 2]);
+            let (_, gradient) = equation(model, pair, [[1.0; 2]; 2]);
             if weight > 0.0 && gradient > 0.0 {
                 let row = Vector9::from(epipolar_row(pair));
                 normal.syger(weight / gradient, &row, &row, 1.0);
@@ -112,18 +112,18 @@ pub(super) fn epipolar_row(pair: &RayPair) -> [f64; 9] {
 
 /// The squared Sampson distance; infinite at the epipoles.
 pub(super) fn sampson_squared(f: &Matrix3<f64>, pair: &RayPair) -> f64 {
-    let (value, gradient) = equation(f, pair, [1.0; 2]);
+    let (value, gradient) = equation(f, pair, [[1.0; 2]; 2]);
     if gradient > 0.0 { value * value / gradient } else { f64::INFINITY }
 }
 
 /// x_bᵀ·F·x_a, and the squared length of its gradient by the coordinates in pixels, of which `px` make a unit.
 #[inline(always)]
-pub(super) fn equation(f: &Matrix3<f64>, pair: &RayPair, px: [f64; 2]) -> (f64, f64) {
+pub(super) fn equation(f: &Matrix3<f64>, pair: &RayPair, px: [[f64; 2]; 2]) -> (f64, f64) {
     let ([x, y], [u, v]) = (pair.a, pair.b);
     let in_b = [f.m11 * x + f.m12 * y + f.m13, f.m21 * x + f.m22 * y + f.m23];
     let in_a = [f.m11 * u + f.m21 * v + f.m31, f.m12 * u + f.m22 * v + f.m32];
     let value = u * in_b[0] + v * in_b[1] + f.m31 * x + f.m32 * y + f.m33;
-    let gradient = [in_b[0] / px[0], in_b[1] / px[1], in_a[0] / px[0], in_a[1] / px[1]];
+    let gradient = [in_b[0] / px[1][0], in_b[1] / px[1][1], in_a[0] / px[0][0], in_a[1] / px[0][1]];
     (value, gradient.iter().map(|g| g * g).sum())
 }
 

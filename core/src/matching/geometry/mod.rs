@@ -62,7 +62,7 @@ pub struct PointPair {
     pub rank: f32,
 }
 
-/// Finds the geometry on which most of `pairs` agree; `None` for [`Geometry::None`]. Both have the camera of `params`.
+/// Finds the geometry on which most of `pairs` agree; `None` for [`Geometry::None`].
 pub fn verify(pairs: &[PointPair], params: &MatchParams, monitor: &Monitor) -> Result<Option<Verification>> {
     params.validate()?;
     let points: Vec<RayPair> = pairs.iter().map(|p| RayPair { a: p.a, b: p.b }).collect();
@@ -95,10 +95,11 @@ fn best_model(
     monitor: &Monitor,
 ) -> Result<(Option<TwoViewModel>, usize), Cancelled> {
     let max_error = f64::from(params.max_error_px);
-    let (matrix, iterations) = if let (Geometry::Essential, Some(camera)) = (params.geometry, &params.camera) {
+    let (matrix, iterations) = if let (Geometry::Essential, Some([a, b])) = (params.geometry, params.cameras()) {
         let directions: Vec<RayPair> =
-            points.iter().map(|p| RayPair { a: camera.direction_of(p.a), b: camera.direction_of(p.b) }).collect();
-        let problem = essential::EssentialProblem { pairs: &directions, focal_px: camera.focal_px() };
+            points.iter().map(|p| RayPair { a: a.direction_of(p.a), b: b.direction_of(p.b) }).collect();
+        let focal_px = [a.focal_px(), b.focal_px()];
+        let problem = essential::EssentialProblem { pairs: &directions, focal_px };
         estimate(&problem, order, max_error, params, monitor)?
     } else {
         let (normalisation, pairs) = Normalisation::of(points);
@@ -278,7 +279,10 @@ pub(in crate::matching) mod tests {
         for seed in 0..5 {
             let mut random = Stream::new(0, 250 + seed);
             let scene = on_a_plane(&mut random, (200, 200), 0.5);
-            let truth = TwoViewModel::Essential { essential: pose().essential(), camera: scene.camera.clone() };
+            let truth = TwoViewModel::Essential {
+                essential: pose().essential(),
+                cameras: [scene.camera.clone(), scene.camera.clone()],
+            };
             let loss = super::consensus::Loss::new(3.0);
             let cost = |model: &TwoViewModel| -> f64 {
                 scene.pairs.iter().map(|p| loss.cost(model.error_px(p.a, p.b).powi(2))).sum()
@@ -317,7 +321,7 @@ pub(in crate::matching) mod tests {
 
     /// Checks that the lines of the possible matches of both points go through the other one, to `max` px.
     fn through_the_match(pair: &PointPair, model: &TwoViewModel, max: f64) -> [Vec<[f64; 2]>; 2] {
-        let lines = [model.locus_in_b(pair.a, SIZE), model.locus_in_a(pair.b, SIZE)];
+        let lines = [model.locus(1, pair.a, SIZE), model.locus(0, pair.b, SIZE)];
         for (point, line) in [pair.b, pair.a].iter().zip(&lines) {
             let off = line.windows(2).map(|w| from_segment(*point, w[0], w[1])).fold(f64::INFINITY, f64::min);
             assert!(off < max, "{point:?} is {off} px from its line");
@@ -347,10 +351,10 @@ pub(in crate::matching) mod tests {
         let scene = on_a_plane(&mut random, (50, 0), 0.0);
         let model = found(&scene, Geometry::Homography).model.expect("a model");
         for pair in &scene.pairs {
-            let (in_b, in_a) = (model.locus_in_b(pair.a, SIZE), model.locus_in_a(pair.b, SIZE));
+            let (in_b, in_a) = (model.locus(1, pair.a, SIZE), model.locus(0, pair.b, SIZE));
             assert!((in_b[0][0] - pair.b[0]).hypot(in_b[0][1] - pair.b[1]) < 1e-4);
             assert!((in_a[0][0] - pair.a[0]).hypot(in_a[0][1] - pair.a[1]) < 1e-4);
-            assert_eq!(model.locus_in_b([1e7, 1e7], SIZE), Vec::<[f64; 2]>::new());
+            assert_eq!(model.locus(1, [1e7, 1e7], SIZE), Vec::<[f64; 2]>::new());
         }
     }
 
@@ -362,7 +366,7 @@ pub(in crate::matching) mod tests {
         for geometry in [Geometry::Fundamental, Geometry::Essential] {
             let model = found(&scene, geometry).model.expect("a model");
             for pair in &scene.pairs {
-                let line = model.locus_in_b(pair.a, SIZE);
+                let line = model.locus(1, pair.a, SIZE);
                 let along = [line[1][0] - line[0][0], line[1][1] - line[0][1]];
                 let length = along[0].hypot(along[1]);
                 let off = [pair.b[0] - 2.0 * along[1] / length, pair.b[1] + 2.0 * along[0] / length];
@@ -375,54 +379,5 @@ pub(in crate::matching) mod tests {
         let pair = scene.pairs[0];
         let error = model.error_px(pair.a, [pair.b[0] + 2.0, pair.b[1]]);
         assert!((error - 2.0).abs() < 0.4, "{error}: nearly the same distance in both images");
-    }
-
-    #[test]
-    fn hopeless_input_has_no_model_and_no_nan() {
-        let mut random = Stream::new(0, 10);
-        let place = |random: &mut Stream| [random.within(0.0, 639.0), random.within(0.0, 479.0)];
-        let mut inputs: Vec<Vec<PointPair>> = (0..9)
-            .map(|n| (0..n).map(|_| PointPair { a: place(&mut random), b: place(&mut random), rank: 0.5 }).collect())
-            .collect();
-        let same = PointPair { a: [5.0, 6.0], b: [7.0, 8.0], rank: 0.0 };
-        inputs.push(vec![same; 40]);
-        // All points of A on one line; all points of B in one place; no motion at all.
-        let mut forty = |of: fn(f64, [f64; 2]) -> [[f64; 2]; 2]| {
-            let pair = |i| of(f64::from(i), place(&mut random));
-            inputs.push((0..40).map(pair).map(|[a, b]| PointPair { a, b, rank: 0.0 }).collect());
-        };
-        forty(|i, place| [[i, 2.0 * i], place]);
-        forty(|_, place| [place, [3.0, 3.0]]);
-        forty(|i, _| [[i, 3.0], [i, 3.0]]);
-        for pairs in &inputs {
-            for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
-                let params = MatchParams { max_iterations: 300, min_inliers: 15, ..params(geometry, &camera()) };
-                let found = verify(pairs, &params, &Monitor::default()).expect("not cancelled").expect("asked for");
-                assert_eq!((found.inlier.len(), found.error_px.len()), (pairs.len(), pairs.len()));
-                assert!(found.error_px.iter().all(|e| !e.is_nan() && *e >= 0.0));
-                let inliers = found.inlier_count();
-                assert!(if found.model.is_some() { inliers >= 15 } else { inliers == 0 });
-                if pairs.len() < 15 {
-                    assert_eq!(found.model, None);
-                }
-            }
-        }
-        // Without any motion everything fits.
-        let still: Vec<PointPair> =
-            (0..40).map(|_| place(&mut random)).map(|a| PointPair { a, b: a, rank: 0.0 }).collect();
-        let homography = verify(&still, &params(Geometry::Homography, &camera()), &Monitor::default());
-        assert_eq!(homography.expect("valid").expect("asked for").inlier_count(), 40);
-        assert_eq!(verify(&still, &params(Geometry::None, &camera()), &Monitor::default()), Ok(None));
-    }
-
-    #[test]
-    fn random_matches_do_not_pass_for_a_geometry() {
-        for seed in 0..5 {
-            let mut random = Stream::new(0, 400 + seed);
-            let scene = in_space(&mut random, (0, 60), 0.0);
-            for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
-                assert_eq!(found(&scene, geometry).inlier_count(), 0, "{geometry:?}, seed {seed}");
-            }
-        }
     }
 }

@@ -15,12 +15,12 @@ pub enum TwoViewModel {
         /// F, of rank 2, with elements whose squares sum to 1.
         fundamental: Matrix3<f64>,
     },
-    /// Any scene, both images from one known camera: d_bᵀ·E·d_a = 0 for its directions d = (x, y, 1).
+    /// Any scene, known cameras: d_bᵀ·E·d_a = 0 for their directions d = (x, y, 1).
     Essential {
         /// `E = [t]×·R` with |t| = 1.
         essential: Matrix3<f64>,
-        /// Camera of both images.
-        camera: Camera,
+        /// Cameras of A and of B.
+        cameras: [Camera; 2],
     },
     /// A plane, or a camera that only turned: x_b ~ H·x_a for pixels x = (u, v, 1).
     Homography {
@@ -38,9 +38,11 @@ impl TwoViewModel {
     /// The model of the geometry of `params` with this matrix, as [`Self::matrix`] gives it; `None` without a geometry,
     /// and for a homography without an inverse.
     pub fn of(matrix: Matrix3<f64>, params: &MatchParams) -> Option<Self> {
-        match (params.geometry, &params.camera) {
+        match (params.geometry, params.cameras()) {
             (Geometry::Fundamental, _) => Some(Self::Fundamental { fundamental: matrix }),
-            (Geometry::Essential, Some(camera)) => Some(Self::Essential { essential: matrix, camera: camera.clone() }),
+            (Geometry::Essential, Some(cameras)) => {
+                Some(Self::Essential { essential: matrix, cameras: cameras.map(Camera::clone) })
+            }
             (Geometry::Homography, _) => Some(Self::Homography { forward: matrix, backward: matrix.try_inverse()? }),
             (Geometry::None | Geometry::Essential, _) => None,
         }
@@ -59,37 +61,29 @@ impl TwoViewModel {
     /// far both points together must move to satisfy it) with the lens's distortion removed, or the root mean square of
     /// a homography's transfers in A and in B. Infinite at the epipoles and behind the camera.
     pub fn error_px(&self, a: [f64; 2], b: [f64; 2]) -> f64 {
+        let pair = RayPair { a: self.straight(0, a), b: self.straight(1, b) };
         let squared = match self {
-            Self::Fundamental { fundamental } => sampson_squared(fundamental, &RayPair { a, b }),
-            Self::Essential { essential, camera } => {
-                let pair = RayPair { a: straightened(camera, a), b: straightened(camera, b) };
-                sampson_squared(&straight_fundamental(essential, camera), &pair)
-            }
+            Self::Fundamental { fundamental } => sampson_squared(fundamental, &pair),
+            Self::Essential { essential, cameras } => sampson_squared(&straight_fundamental(essential, cameras), &pair),
             Self::Homography { forward, backward } => {
-                squared_error(&Homography { forward: *forward, backward: *backward }, &RayPair { a, b })
+                squared_error(&Homography { forward: *forward, backward: *backward }, &pair)
             }
         };
         if squared.is_nan() { f64::INFINITY } else { squared.sqrt() }
     }
 
-    /// Places in B, of `size` (columns, rows), where point `a` of A may be: a line of (u, v); one for a homography.
-    pub fn locus_in_b(&self, a: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
-        self.locus(a, size, false)
-    }
-
-    /// Possible places in image A, of `size` (columns, rows), of the point `b` of image B, in the form of `locus_in_b`.
-    pub fn locus_in_a(&self, b: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
-        self.locus(b, size, true)
-    }
-
-    fn locus(&self, point: [f64; 2], size: (usize, usize), into_a: bool) -> Vec<[f64; 2]> {
+    /// Places in A (`image` 0) or B (1), of `size` (columns, rows), where `point` of the other image may be: a line of
+    /// (u, v); one for a homography. Panics for another `image`.
+    pub fn locus(&self, image: usize, point: [f64; 2], size: (usize, usize)) -> Vec<[f64; 2]> {
+        let into_a = image == 0;
         let turned = |m: &Matrix3<f64>| if into_a { m.transpose() } else { *m };
         let line = |m: &Matrix3<f64>, [u, v]: [f64; 2]| turned(m) * Vector3::new(u, v, 1.0);
         let straight = |line| clipped(&line, Bounds::of_image(size)).map_or_else(Vec::new, Vec::from);
         match self {
             Self::Fundamental { fundamental } => straight(line(fundamental, point)),
-            Self::Essential { essential, camera } => {
-                let line = line(&straight_fundamental(essential, camera), straightened(camera, point));
+            Self::Essential { essential, cameras } => {
+                let line = line(&straight_fundamental(essential, cameras), self.straight(1 - image, point));
+                let camera = &cameras[image];
                 // A lens bends the line, which then needs many points.
                 if camera.is_straight() { straight(line) } else { bent(&line, camera, size) }
             }
@@ -100,21 +94,21 @@ impl TwoViewModel {
         }
     }
 
-    /// The pixel at which a camera without distortion would see what this one sees at `pixel`.
-    pub(crate) fn straight(&self, pixel: [f64; 2]) -> [f64; 2] {
-        if let Self::Essential { camera, .. } = self { straightened(camera, pixel) } else { pixel }
+    /// The pixel at which a camera without distortion would see what that of A (`image` 0) or B (1) sees at `pixel`.
+    pub(crate) fn straight(&self, image: usize, pixel: [f64; 2]) -> [f64; 2] {
+        if let Self::Essential { cameras, .. } = self { straightened(&cameras[image], pixel) } else { pixel }
     }
 
-    /// The pixel at which this camera sees what one without distortion would see at `straight`.
-    pub(crate) fn seen(&self, straight: [f64; 2]) -> [f64; 2] {
-        if let Self::Essential { camera, .. } = self { seen_by(camera, straight) } else { straight }
+    /// The pixel at which the camera of B sees what one without distortion would see at `straight`.
+    pub(crate) fn seen_in_b(&self, straight: [f64; 2]) -> [f64; 2] {
+        if let Self::Essential { cameras: [_, b], .. } = self { seen_by(b, straight) } else { straight }
     }
 
     /// The relative pose with most `pairs` in front of both cameras, and their number; of an essential matrix only.
     pub fn relative_pose(&self, pairs: &[([f64; 2], [f64; 2])]) -> Option<(RelativePose, usize)> {
-        let Self::Essential { essential, camera } = self else { return None };
+        let Self::Essential { essential, cameras: [of_a, of_b] } = self else { return None };
         let directions: Vec<RayPair> =
-            pairs.iter().map(|(a, b)| RayPair { a: camera.direction_of(*a), b: camera.direction_of(*b) }).collect();
+            pairs.iter().map(|(a, b)| RayPair { a: of_a.direction_of(*a), b: of_b.direction_of(*b) }).collect();
         pose_in_front(essential, directions.iter())
     }
 }
@@ -131,11 +125,13 @@ fn seen_by(camera: &Camera, straight: [f64; 2]) -> [f64; 2] {
     camera.pixel_of([(straight[0] - k.m13) / k.m11, (straight[1] - k.m23) / k.m22])
 }
 
-pub(super) fn straight_fundamental(essential: &Matrix3<f64>, camera: &Camera) -> Matrix3<f64> {
-    let k = camera.matrix();
-    let (fx, fy, cx, cy) = (k.m11, k.m22, k.m13, k.m23);
-    let direction_of = Matrix3::new(1.0 / fx, 0.0, -cx / fx, 0.0, 1.0 / fy, -cy / fy, 0.0, 0.0, 1.0);
-    direction_of.transpose() * essential * direction_of
+fn straight_fundamental(essential: &Matrix3<f64>, cameras: &[Camera; 2]) -> Matrix3<f64> {
+    let [of_a, of_b] = cameras.each_ref().map(|camera| {
+        let k = camera.matrix();
+        let (fx, fy, cx, cy) = (k.m11, k.m22, k.m13, k.m23);
+        Matrix3::new(1.0 / fx, 0.0, -cx / fx, 0.0, 1.0 / fy, -cy / fy, 0.0, 0.0, 1.0)
+    });
+    of_b.transpose() * essential * of_a
 }
 
 #[derive(Debug, Clone, Copy)]

@@ -15,9 +15,8 @@ use nalgebra::{Matrix3, Vector2, Vector3};
 pub(in crate::matching) struct Parallax {
     by_plane: Matrix3<f64>,
     epipole: Vector3<f64>,
-    /// Whether the plane is infinity.
-    pub is_calibrated: bool,
-    camera: Option<Camera>,
+    /// Cameras of this view and of the other one, where they are known: then the plane is infinity.
+    pub cameras: Option<[Camera; 2]>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -32,34 +31,34 @@ impl Parallax {
     pub fn of(model: &TwoViewModel, inliers: &[([f64; 2], [f64; 2])]) -> Option<[Self; 2]> {
         match model {
             TwoViewModel::Homography { .. } => None,
-            TwoViewModel::Essential { camera, .. } => {
+            TwoViewModel::Essential { cameras: [a, b], .. } => {
                 let (pose, _) = model.relative_pose(inliers)?;
-                let k = camera.matrix();
-                let back = k.try_inverse()?;
-                let there = |rotation: Matrix3<f64>, translation: Vector3<f64>| Self {
-                    by_plane: k * rotation * back,
-                    epipole: k * translation,
-                    is_calibrated: true,
-                    camera: Some(camera.clone()),
+                let there = |here: &Camera, other: &Camera, rotation: Matrix3<f64>, translation: Vector3<f64>| {
+                    let k = other.matrix();
+                    let (by_plane, epipole) = (k * rotation * here.matrix().try_inverse()?, k * translation);
+                    let cameras = Some([here.clone(), other.clone()]);
+                    Some(Self { by_plane, epipole, cameras })
                 };
                 // The way back: the inverse of the pose.
                 let turned = pose.rotation.transpose();
-                Some([there(pose.rotation, pose.translation), there(turned, -(turned * pose.translation))])
+                let back = there(b, a, turned, -(turned * pose.translation))?;
+                Some([there(a, b, pose.rotation, pose.translation)?, back])
             }
             TwoViewModel::Fundamental { fundamental } => {
                 let there = |f: Matrix3<f64>| {
                     let epipole = null_vector(&f.transpose())?;
                     // Any plane will do, since the parallax counts from it: this matrix needs no match.
                     let by_plane = (cross_matrix(&epipole) * f).try_normalize(0.0)?;
-                    Some(Self { by_plane, epipole, is_calibrated: false, camera: None })
+                    Some(Self { by_plane, epipole, cameras: None })
                 };
                 Some([there(*fundamental)?, there(fundamental.transpose())?])
             }
         }
     }
 
-    pub fn straight(&self, pixel: [f64; 2]) -> Vector2<f64> {
-        Vector2::from(self.camera.as_ref().map_or(pixel, |camera| straightened(camera, pixel)))
+    /// The pixel of this view (`image` 0) or the other one (1) as a camera without distortion would see it.
+    pub fn straight(&self, image: usize, pixel: [f64; 2]) -> Vector2<f64> {
+        Vector2::from(self.cameras.as_ref().map_or(pixel, |cameras| straightened(&cameras[image], pixel)))
     }
 
     /// The place in the other view of what is at `x` with parallax `kappa`; `None` at infinity and behind the camera.
@@ -67,7 +66,7 @@ impl Parallax {
         let there = self.by_plane * x.push(1.0) + self.epipole * kappa;
         let place = there.xy() / there.z;
         let by_parallax = (self.epipole.xy() - place * self.epipole.z) / there.z;
-        let is_there = (there.z > 0.0 || !self.is_calibrated) && (place.norm() + by_parallax.norm()).is_finite();
+        let is_there = (there.z > 0.0 || self.cameras.is_none()) && (place.norm() + by_parallax.norm()).is_finite();
         is_there.then_some(Transferred { place, by_parallax })
     }
 

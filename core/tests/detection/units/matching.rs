@@ -243,6 +243,155 @@ mod camera {
     }
 }
 
+mod geometry {
+    use burstscope_core::matching::geometry::RelativePose;
+    use burstscope_core::matching::*;
+    use burstscope_core::monitor::Monitor;
+    use burstscope_core::synth::random::Stream;
+    use nalgebra::{Rotation3, Vector2, Vector3};
+
+    fn camera() -> Camera {
+        Camera::centred(640, 480, 600.0)
+    }
+
+    fn params(geometry: Geometry) -> MatchParams {
+        let camera = (geometry == Geometry::Essential).then(camera);
+        MatchParams { geometry, max_error_px: 3.0, max_iterations: 100_000, camera, ..MatchParams::default() }
+    }
+
+    fn verified(pairs: &[PointPair], params: &MatchParams) -> Verification {
+        verify(pairs, params, &Monitor::default()).expect("not cancelled").expect("asked for")
+    }
+
+    fn pose() -> RelativePose {
+        let rotation = Rotation3::from_euler_angles(0.05, -0.12, 0.03).into_inner();
+        RelativePose { rotation, translation: Vector3::new(0.9, 0.1, -0.3).normalize() }
+    }
+
+    /// Matches of `inliers` points in space, seen by both cameras with half a pixel of noise, among `outliers` of
+    /// random places, and whether each is true.
+    fn scene(
+        random: &mut Stream,
+        [a, b]: [&Camera; 2],
+        (inliers, outliers): (usize, usize),
+    ) -> (Vec<PointPair>, Vec<bool>) {
+        let place = |random: &mut Stream, of: &Camera| {
+            [random.within(0.0, of.width as f64 - 1.0), random.within(0.0, of.height as f64 - 1.0)]
+        };
+        let (pose, mut pairs) = (pose(), Vec::new());
+        while pairs.len() < inliers {
+            let in_a = place(random, a);
+            let [x, y] = a.direction_of(in_a);
+            let there = pose.rotation * (Vector3::new(x, y, 1.0) * random.within(3.0, 9.0)) + pose.translation;
+            let in_b = b.pixel_of([there.x / there.z, there.y / there.z]);
+            let is_inside = in_b[0] > 0.0 && in_b[1] > 0.0 && in_b[0] < b.width as f64 && in_b[1] < b.height as f64;
+            if there.z > 0.1 && is_inside {
+                let mut moved = |p: [f64; 2]| p.map(|x| x + 0.5 * random.normal());
+                pairs.push(PointPair { a: moved(in_a), b: moved(in_b), rank: 0.0 });
+            }
+        }
+        for _ in 0..outliers {
+            pairs.push(PointPair { a: place(random, a), b: place(random, b), rank: 0.0 });
+        }
+        // Shuffled, so that no order helps.
+        let mut is_true: Vec<bool> = (0..pairs.len()).map(|i| i < inliers).collect();
+        for i in (1..pairs.len()).rev() {
+            let j = random.within(0.0, (i + 1) as f64) as usize;
+            pairs.swap(i, j);
+            is_true.swap(i, j);
+        }
+        (pairs, is_true)
+    }
+
+    fn from_segment(p: [f64; 2], [q, r]: [[f64; 2]; 2]) -> f64 {
+        let [p, q, r] = [p, q, r].map(Vector2::from);
+        let (along, to) = (r - q, p - q);
+        (to - along * (to.dot(&along) / along.norm_squared()).clamp(0.0, 1.0)).norm()
+    }
+
+    #[test]
+    fn each_image_has_its_own_camera() {
+        let other: Camera = "OPENCV 800 600 900 880 410 290 -0.2 0.05 0.001 -0.0005".parse().expect("a camera");
+        for seed in 0..3 {
+            let mut random = Stream::new(0, 500 + seed);
+            let (pairs, is_true) = scene(&mut random, [&camera(), &other], (200, 100));
+            let counted = |found: &Verification, truth: bool| {
+                is_true.iter().zip(&found.inlier).filter(|(is_true, inlier)| **is_true == truth && **inlier).count()
+            };
+            let of_one = MatchParams { max_iterations: 2000, ..params(Geometry::Essential) };
+            let found = verified(&pairs, &MatchParams { camera_b: Some(other.clone()), ..of_one.clone() });
+            let (right, wrong) = (counted(&found, true), counted(&found, false));
+            assert!(right >= 195 && wrong <= 10, "seed {seed}: {right} right, {wrong} wrong");
+            let inliers = pairs.iter().zip(&found.inlier).filter(|(_, inlier)| **inlier);
+            let inliers: Vec<([f64; 2], [f64; 2])> = inliers.map(|(pair, _)| (pair.a, pair.b)).collect();
+            let model = found.model.expect("a model");
+            let (pose, _) = model.relative_pose(&inliers).expect("a pose");
+            let turn = Rotation3::from_matrix_unchecked(pose.rotation.transpose() * self::pose().rotation).angle();
+            let shift = pose.translation.angle(&self::pose().translation);
+            assert!(turn.to_degrees() < 0.3 && shift.to_degrees() < 1.5, "seed {seed}: {turn}, {shift} rad");
+            for (pair, _) in pairs.iter().zip(&is_true).filter(|(_, is_true)| **is_true).take(20) {
+                let lines = [model.locus(1, pair.a, (800, 600)), model.locus(0, pair.b, (640, 480))];
+                for (point, line) in [pair.b, pair.a].into_iter().zip(&lines) {
+                    let off = line.windows(2).map(|w| from_segment(point, [w[0], w[1]])).fold(f64::INFINITY, f64::min);
+                    assert!(off < 6.0, "seed {seed}: {point:?} is {off} px from its line");
+                }
+            }
+            // With the camera of A for both there is no such geometry, and given twice it is the same as given once.
+            let with_one = verified(&pairs, &of_one);
+            let fewer = counted(&with_one, true);
+            assert!(4 * fewer < 3 * right, "seed {seed}: {fewer} of {right}");
+            assert_eq!(verified(&pairs, &MatchParams { camera_b: Some(camera()), ..of_one }), with_one);
+        }
+    }
+
+    #[test]
+    fn hopeless_input_has_no_model_and_no_nan() {
+        let mut random = Stream::new(0, 10);
+        let place = |random: &mut Stream| [random.within(0.0, 639.0), random.within(0.0, 479.0)];
+        let mut inputs: Vec<Vec<PointPair>> = (0..9)
+            .map(|n| (0..n).map(|_| PointPair { a: place(&mut random), b: place(&mut random), rank: 0.5 }).collect())
+            .collect();
+        let same = PointPair { a: [5.0, 6.0], b: [7.0, 8.0], rank: 0.0 };
+        inputs.push(vec![same; 40]);
+        // All points of A on one line; all points of B in one place; no motion at all.
+        let mut forty = |of: fn(f64, [f64; 2]) -> [[f64; 2]; 2]| {
+            let pair = |i| of(f64::from(i), place(&mut random));
+            inputs.push((0..40).map(pair).map(|[a, b]| PointPair { a, b, rank: 0.0 }).collect());
+        };
+        forty(|i, place| [[i, 2.0 * i], place]);
+        forty(|_, place| [place, [3.0, 3.0]]);
+        forty(|i, _| [[i, 3.0], [i, 3.0]]);
+        for pairs in &inputs {
+            for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
+                let params = MatchParams { max_iterations: 300, min_inliers: 15, ..params(geometry) };
+                let found = verified(pairs, &params);
+                assert_eq!((found.inlier.len(), found.error_px.len()), (pairs.len(), pairs.len()));
+                assert!(found.error_px.iter().all(|e| !e.is_nan() && *e >= 0.0));
+                let inliers = found.inlier_count();
+                assert!(if found.model.is_some() { inliers >= 15 } else { inliers == 0 });
+                if pairs.len() < 15 {
+                    assert_eq!(found.model, None);
+                }
+            }
+        }
+        // Without any motion everything fits.
+        let still: Vec<PointPair> =
+            (0..40).map(|_| place(&mut random)).map(|a| PointPair { a, b: a, rank: 0.0 }).collect();
+        assert_eq!(verified(&still, &params(Geometry::Homography)).inlier_count(), 40);
+        assert_eq!(verify(&still, &params(Geometry::None), &Monitor::default()), Ok(None));
+    }
+
+    #[test]
+    fn random_matches_do_not_pass_for_a_geometry() {
+        for seed in 0..5 {
+            let (pairs, _) = scene(&mut Stream::new(0, 400 + seed), [&camera(), &camera()], (0, 60));
+            for geometry in [Geometry::Fundamental, Geometry::Essential, Geometry::Homography] {
+                assert_eq!(verified(&pairs, &params(geometry)).inlier_count(), 0, "{geometry:?}, seed {seed}");
+            }
+        }
+    }
+}
+
 mod params {
     use burstscope_core::detector::params::Word;
     use burstscope_core::matching::camera::*;
@@ -260,9 +409,29 @@ mod params {
         let described: Vec<String> =
             burstscope_core::matching::params::doc::ALL.iter().map(|record| record.name.replace('-', "_")).collect();
         assert!(table.len() == described.len() && table.keys().all(|field| described.contains(field)), "{table:?}");
+        // The camera of B alone is no option.
+        assert!(toml::from_str::<MatchParams>("[camera_b]\nmodel = \"PINHOLE\"\n").is_err());
         for geometry in Geometry::ALL {
             assert_eq!(serde_json::to_value(geometry).ok(), Some(serde_json::Value::from(geometry.word())));
         }
+    }
+
+    #[test]
+    fn a_pair_has_the_cameras_of_its_images_or_none() {
+        let [a, b] = [5.0, 7.0].map(|focal_px| Camera::centred(8, 6, focal_px));
+        let all = MatchParams { geometry: Geometry::Essential, camera: Some(b.clone()), ..MatchParams::default() };
+        let with = |a, b| all.with_cameras(a, b);
+        assert_eq!(with(Some(&a), Some(&b)).cameras(), Some([&a, &b]));
+        assert_eq!(with(Some(&a), Some(&a)), MatchParams { camera: Some(a.clone()), ..all.clone() });
+        let fundamental = MatchParams { geometry: Geometry::Fundamental, camera: None, ..all.clone() };
+        for (a, b) in [(Some(&a), None), (None, Some(&b)), (None, None)] {
+            assert_eq!((with(a, b), with(a, b).validate()), (fundamental.clone(), Ok(())));
+        }
+        let homography = MatchParams { geometry: Geometry::Homography, ..all };
+        assert_eq!(
+            homography.with_cameras(Some(&a), None),
+            MatchParams { geometry: Geometry::Homography, ..fundamental }
+        );
     }
 
     #[test]

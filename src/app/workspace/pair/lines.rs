@@ -153,8 +153,8 @@ fn locus_ui(model: Read<'_>, matches: &Matches, row: &MatchRow<'_>, views: &Matc
     for MatchView { side, output, .. } in &views.views {
         let Some(size) = model.burst_of(*side).map(|open| open.burst.size()) else { continue };
         let locus = match side {
-            Side::A => geometry.locus_in_a(place(row.b), size),
-            Side::B => geometry.locus_in_b(place(row.a), size),
+            Side::A => geometry.locus(0, place(row.b), size),
+            Side::B => geometry.locus(1, place(row.a), size),
         };
         expected_ui(output, &points_ui(output, &locus));
         let expected = matches.result.prediction.as_ref().filter(|_| *side == Side::B);
