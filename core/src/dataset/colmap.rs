@@ -14,8 +14,7 @@ use crate::burst::{Burst, BurstFiles};
 use crate::detector::{Descriptor, DetectorParams, SearchParams};
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::{
-    ColmapKeypoint, DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, make_file_names_unique,
-    write_colmap_database,
+    ColmapKeypoint, DatabaseGeometry, DatabaseWriter, GeometryKind, make_file_names_unique, write_colmap_database,
 };
 use crate::matching::align::Measured;
 use crate::matching::aligned::{Alignment, Inlier, Seen};
@@ -190,9 +189,8 @@ fn add_burst(
     let camera_id = match report.cameras.iter().position(|c| *c == camera) {
         Some(index) => index as u32 + 1,
         None => {
-            let Camera { model, width, height, params } = camera.clone();
-            let (model_id, prior_focal_length) = (model.id(), report.known_camera);
-            let id = database.add_camera(&DatabaseCamera { model_id, width, height, params, prior_focal_length })?;
+            let Camera { model, width, height, ref params } = camera;
+            let id = database.add_camera(model.id(), (width, height), params, report.known_camera)?;
             report.cameras.push(camera);
             id
         }
@@ -367,24 +365,17 @@ impl ColmapJob {
 
 fn database_geometry([a, b]: [&[[f64; 2]]; 2], inliers: &[Inlier], model: Option<&TwoViewModel>) -> DatabaseGeometry {
     let Some(model) = model else { return DatabaseGeometry::default() };
-    let none =
-        DatabaseGeometry { inliers: inliers.iter().map(|m| [m.a, m.b]).collect(), ..DatabaseGeometry::default() };
-    match model {
-        TwoViewModel::Fundamental { fundamental } => {
-            DatabaseGeometry { kind: GeometryKind::Uncalibrated, fundamental: Some(*fundamental), ..none }
-        }
-        TwoViewModel::Homography { forward, .. } => {
-            DatabaseGeometry { kind: GeometryKind::PlanarOrPanoramic, homography: Some(*forward), ..none }
-        }
-        TwoViewModel::Essential { essential, .. } => {
-            let places: Vec<([f64; 2], [f64; 2])> =
-                inliers.iter().map(|m| (a[m.a as usize], b[m.b as usize])).collect();
-            // E alone leaves four poses; the inliers decide.
-            let pose = model.relative_pose(&places).map(|(pose, _)| {
-                let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(pose.rotation));
-                Isometry3::from_parts(Translation3::from(pose.translation), rotation)
-            });
-            DatabaseGeometry { kind: GeometryKind::Calibrated, essential: Some(*essential), b_from_a: pose, ..none }
-        }
-    }
+    let kind = match model {
+        TwoViewModel::Fundamental { .. } => GeometryKind::Uncalibrated,
+        TwoViewModel::Essential { .. } => GeometryKind::Calibrated,
+        TwoViewModel::Homography { .. } => GeometryKind::PlanarOrPanoramic,
+    };
+    let places: Vec<([f64; 2], [f64; 2])> = inliers.iter().map(|m| (a[m.a as usize], b[m.b as usize])).collect();
+    // E alone leaves four poses; the inliers decide.
+    let b_from_a = model.relative_pose(&places).map(|(pose, _)| {
+        let rotation = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(pose.rotation));
+        Isometry3::from_parts(Translation3::from(pose.translation), rotation)
+    });
+    let inliers = inliers.iter().map(|m| [m.a, m.b]).collect();
+    DatabaseGeometry { kind, inliers, matrix: Some(*model.matrix()), b_from_a }
 }

@@ -21,9 +21,7 @@ mod png;
 pub use atomic::{FileWriter, write_marked, write_text, write_whole};
 pub use colmap::{ColmapKeypoint, parse_colmap, read_colmap, write_colmap, write_colmap_keypoints};
 #[cfg(feature = "colmap")]
-pub use colmap::{
-    DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
-};
+pub use colmap::{DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database};
 pub use csv::{
     ACCURACY_COLUMNS, BURST_FRAMES_COLUMNS, CURVE_COLUMNS, FLIGHT_COLUMNS, FeatureVerdict, MATCH_COLUMNS,
     METHOD_COLUMNS, METHOD_MATCH_COLUMNS, MatchRow, NOISE_COLUMNS, PLANTED_COLUMNS, POSE_COLUMNS, PROFILE_COLUMNS,

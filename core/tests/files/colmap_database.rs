@@ -1,7 +1,7 @@
 //! The database for COLMAP as another program would read it: table by table, and byte by byte.
 
 use burstscope_core::detector::Descriptor;
-use burstscope_core::error::ErrorKind;
+use burstscope_core::error::{ErrorKind, Result};
 use burstscope_core::export::*;
 use burstscope_core::monitor::Cancelled;
 use nalgebra::{Isometry3, Matrix3, Vector3};
@@ -18,9 +18,10 @@ fn descriptors(count: usize) -> Vec<Descriptor> {
     (0..count).map(|k| std::array::from_fn(|i| (i + 3 * k) as u8)).collect()
 }
 
-fn camera() -> DatabaseCamera {
-    let params = vec![500.0, 320.0, 240.0, 0.1];
-    DatabaseCamera { model_id: 2, width: 640, height: 480, params, prior_focal_length: true }
+const CAMERA: [f64; 4] = [500.0, 320.0, 240.0, 0.1];
+
+fn add_camera(database: &mut DatabaseWriter<'_>) -> Result<u32> {
+    database.add_camera(2, (640, 480), &CAMERA, true)
 }
 
 /// A database of two images with four and three features, with matches and a geometry of every kind, in a folder of its
@@ -29,15 +30,13 @@ fn written() -> (tempfile::TempDir, PathBuf) {
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("out/database.db");
     write_colmap_database(&path, |database| {
-        let camera = database.add_camera(&camera())?;
+        let camera = add_camera(database)?;
         let a = database.add_image("a.png", camera, &keypoints(4), &descriptors(4))?;
         let b = database.add_image("b.png", camera, &keypoints(3), &descriptors(3))?;
         let geometry = DatabaseGeometry {
             kind: GeometryKind::Calibrated,
             inliers: vec![[3, 1]],
-            fundamental: Some(Matrix3::new(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0)),
-            essential: Some(Matrix3::new(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)),
-            homography: Some(Matrix3::new(2.0, 0.0, 10.0, 0.0, 2.0, 20.0, 0.0, 0.0, 1.0)),
+            matrix: Some(Matrix3::new(0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9)),
             b_from_a: Some(Isometry3::new(
                 Vector3::new(1.0, 2.0, 3.0),
                 Vector3::new(0.0, 0.0, std::f64::consts::PI / 3.0),
@@ -47,7 +46,12 @@ fn written() -> (tempfile::TempDir, PathBuf) {
         let none = database.add_image("none.png", camera, &[], &[])?;
         assert_eq!((database.features(none)?, database.features(none + 1).is_err()), ((vec![], vec![]), true));
         database.add_matches(a, b, &[[0, 0], [3, 1]])?;
-        database.add_geometry(a, b, &geometry)
+        database.add_geometry(a, b, &geometry)?;
+        let of = |kind, matrix| DatabaseGeometry { kind, matrix: Some(matrix), ..DatabaseGeometry::default() };
+        let fundamental = Matrix3::new(0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0);
+        database.add_geometry(a, none, &of(GeometryKind::Uncalibrated, fundamental))?;
+        let homography = Matrix3::new(2.0, 0.0, 10.0, 0.0, 2.0, 20.0, 0.0, 0.0, 1.0);
+        database.add_geometry(b, none, &of(GeometryKind::PlanarOrPanoramic, homography))
     })
     .expect("written");
     (home, path)
@@ -75,7 +79,7 @@ fn every_blob_is_as_documented() {
     let indices: Vec<u32> = bytes.chunks_exact(4).map(|b| u32::from_le_bytes(b.try_into().expect("4 bytes"))).collect();
     assert_eq!((id, rows, indices), (2_147_483_647 + 2, 2, vec![0, 0, 3, 1]));
     let (model, prior, bytes) = row("SELECT model, prior_focal_length, params FROM cameras").expect("a row");
-    assert_eq!((model, prior, floats(&bytes)), (2, 1, camera().params));
+    assert_eq!((model, prior, floats(&bytes)), (2, 1, CAMERA.to_vec()));
     assert_eq!(pair_id(7, 3), 3 * MAX_IMAGE_ID + 7);
     // Rigs and frames: one for each camera, one for each image.
     let count = |table: &str| db.query_row(&format!("SELECT COUNT(*) FROM {table}"), [], |row| row.get::<_, i64>(0));
@@ -89,19 +93,25 @@ fn every_blob_is_as_documented() {
 fn a_geometry_is_moved_by_half_a_pixel_and_laid_down_by_rows() {
     let (_home, path) = written();
     let db = Connection::open(&path).expect("a database");
-    let blob = |column: &str| {
-        let sql = format!("SELECT {column} FROM two_view_geometries WHERE config = 2 AND rows = 1 AND cols = 2");
+    let blob = |column: &str, config: u32| {
+        let found = format!("FROM two_view_geometries WHERE {column} IS NOT NULL");
+        let configs: Vec<u32> = db
+            .prepare(&format!("SELECT config {found}"))
+            .and_then(|mut query| query.query_map([], |row| row.get(0))?.collect())
+            .expect("rows");
+        assert_eq!(configs, [config], "{column}");
+        let sql = format!("SELECT {column} {found}");
         floats(&db.query_row(&sql, [], |row| row.get::<_, Vec<u8>>(0)).expect("a blob"))
     };
     // F for the pixels x − 0.5: the last column and row lose half of the others; the corner (8) loses half of 5 and of
     // 7, and gains a quarter of 0 + 1 + 3 + 4.
     let corner = 8.0 - 0.5 * (2.0 + 5.0) - 0.5 * (6.0 + 7.0) + 0.25 * (0.0 + 1.0 + 3.0 + 4.0);
-    assert_eq!(blob("F"), [0.0, 1.0, 1.5, 3.0, 4.0, 1.5, 4.5, 4.5, corner]);
-    assert_eq!(blob("E"), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]);
+    assert_eq!(blob("F", 3), [0.0, 1.0, 1.5, 3.0, 4.0, 1.5, 4.5, 4.5, corner]);
+    assert_eq!(blob("E", 2), [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9]);
     // (0.5, 0.5) is our (0, 0), which goes to our (10, 20), which is (10.5, 20.5).
-    assert_eq!(blob("H"), [2.0, 0.0, 9.5, 0.0, 2.0, 19.5, 0.0, 0.0, 1.0]);
-    assert_eq!(blob("tvec"), [1.0, 2.0, 3.0]);
-    let turn = blob("qvec");
+    assert_eq!(blob("H", 6), [2.0, 0.0, 9.5, 0.0, 2.0, 19.5, 0.0, 0.0, 1.0]);
+    assert_eq!(blob("tvec", 2), [1.0, 2.0, 3.0]);
+    let turn = blob("qvec", 2);
     let expected = [(std::f64::consts::PI / 6.0).cos(), 0.0, 0.0, (std::f64::consts::PI / 6.0).sin()];
     assert!(turn.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-12), "{turn:?}");
 }
@@ -111,7 +121,7 @@ fn a_database_is_whole_or_not_there() {
     let (home, path) = written();
     let before = std::fs::read(&path).expect("a file");
     let twice = write_colmap_database(&path, |database| {
-        let camera = database.add_camera(&camera())?;
+        let camera = add_camera(database)?;
         database.add_image("a.png", camera, &[], &[])?;
         database.add_image("a.png", camera, &[], &[]).map(|_| ())
     });

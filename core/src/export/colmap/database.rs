@@ -17,21 +17,6 @@ use std::{fs::File, io, path::Path};
 /// Largest id of an image, and the factor by which two ids are combined into one number.
 pub const MAX_IMAGE_ID: u64 = 2_147_483_647;
 
-/// Intrinsics of a camera.
-#[derive(Debug, Clone, PartialEq)]
-pub struct DatabaseCamera {
-    /// COLMAP's number of the model.
-    pub model_id: u32,
-    /// Columns of its images.
-    pub width: usize,
-    /// Rows of its images.
-    pub height: usize,
-    /// The model's parameters in COLMAP's order; the principal point is measured from the first pixel's corner.
-    pub params: Vec<f64>,
-    /// Whether the focal length is known, not guessed; COLMAP then relies on it when it chooses the first two images.
-    pub prior_focal_length: bool,
-}
-
 /// Writer of a database. Ids count up from 1 in the order of the additions.
 #[derive(Debug)]
 pub struct DatabaseWriter<'a> {
@@ -76,15 +61,16 @@ fn failure(path: &Path, error: &rusqlite::Error) -> Error {
 }
 
 impl DatabaseWriter<'_> {
-    /// Adds a camera and returns its id.
-    pub fn add_camera(&mut self, camera: &DatabaseCamera) -> Result<u32> {
+    /// Adds a camera of images of `size` (columns, rows) and returns its id. `model` is COLMAP's number, and `params`
+    /// are in COLMAP's order, with the principal point from the first pixel's corner. On a focal length that
+    /// `is_known`, not guessed, COLMAP relies when it chooses the first two images.
+    pub fn add_camera(&mut self, model: u32, size: (usize, usize), params: &[f64], is_known: bool) -> Result<u32> {
         self.cameras += 1;
-        let id = self.cameras;
-        let DatabaseCamera { model_id, width, height, params: intrinsics, prior_focal_length } = camera;
-        let intrinsics: Vec<u8> = intrinsics.iter().flat_map(|x| x.to_le_bytes()).collect();
+        let (id, [width, height]) = (self.cameras, [size.0, size.1].map(|side| side as u64 as i64));
+        let intrinsics = float_bytes(params.iter().copied());
         self.execute(
             "INSERT INTO cameras VALUES (?, ?, ?, ?, ?, ?)",
-            params![id, model_id, *width as u64 as i64, *height as u64 as i64, intrinsics, prior_focal_length],
+            params![id, model, width, height, intrinsics, is_known],
         )?;
         self.execute("INSERT INTO rigs VALUES (?, ?, ?)", params![id, id, SENSOR_CAMERA])?;
         Ok(id)
@@ -145,10 +131,15 @@ impl DatabaseWriter<'_> {
     /// Adds the two-view geometry of images `a` and `b`; errors and panics as of [`Self::add_matches`].
     pub fn add_geometry(&mut self, a: u32, b: u32, geometry: &DatabaseGeometry) -> Result<()> {
         let id = self.pair_of(a, b, &geometry.inliers);
-        // The only place where the half pixel between both conventions enters matrices.
-        let geometry = geometry.in_colmap_pixels();
-        let inliers = &geometry.inliers;
-        let turn = geometry.b_from_a.map(|pose| {
+        let DatabaseGeometry { kind, inliers, matrix, b_from_a } = geometry;
+        let of = |of: GeometryKind| matrix.filter(|_| *kind == of);
+        // The only place where the half pixel between both conventions enters matrices. It acts on F transposed, on
+        // both sides; E is of directions, which it leaves.
+        let there = Matrix3::new(1.0, 0.0, FIRST_PIXEL, 0.0, 1.0, FIRST_PIXEL, 0.0, 0.0, 1.0);
+        let back = Matrix3::new(1.0, 0.0, -FIRST_PIXEL, 0.0, 1.0, -FIRST_PIXEL, 0.0, 0.0, 1.0);
+        let fundamental = of(GeometryKind::Uncalibrated).map(|f| back.transpose() * f * back);
+        let homography = of(GeometryKind::PlanarOrPanoramic).map(|h| there * h * back);
+        let turn = b_from_a.map(|pose| {
             // COLMAP stores quaternions with w first.
             let q = pose.rotation.quaternion();
             float_bytes([q.w, q.i, q.j, q.k])
@@ -159,12 +150,12 @@ impl DatabaseWriter<'_> {
                 id,
                 inliers.len() as i64,
                 index_bytes(inliers),
-                geometry.kind as u32,
-                geometry.fundamental.map(matrix_bytes),
-                geometry.essential.map(matrix_bytes),
-                geometry.homography.map(matrix_bytes),
+                *kind as u32,
+                fundamental.map(matrix_bytes),
+                of(GeometryKind::Calibrated).map(matrix_bytes),
+                homography.map(matrix_bytes),
                 turn,
-                geometry.b_from_a.map(|pose| float_bytes(pose.translation.vector.iter().copied())),
+                b_from_a.map(|pose| float_bytes(pose.translation.vector.iter().copied())),
             ],
         )
     }
@@ -241,27 +232,11 @@ pub struct DatabaseGeometry {
     pub kind: GeometryKind,
     /// Index pairs of the inliers' features, of A and of B.
     pub inliers: Vec<[u32; 2]>,
-    /// F: x_bᵀ·F·x_a = 0 for pixels.
-    pub fundamental: Option<Matrix3<f64>>,
-    /// E: d_bᵀ·E·d_a = 0 for directions.
-    pub essential: Option<Matrix3<f64>>,
-    /// H: x_b ~ H·x_a for pixels.
-    pub homography: Option<Matrix3<f64>>,
+    /// Matrix of that kind: E with d_bᵀ·E·d_a = 0 for directions; F with x_bᵀ·F·x_a = 0, or H with x_b ~ H·x_a, for
+    /// pixels.
+    pub matrix: Option<Matrix3<f64>>,
     /// Map from the frame of A's camera to that of B's.
     pub b_from_a: Option<Isometry3<f64>>,
-}
-
-impl DatabaseGeometry {
-    pub(super) fn in_colmap_pixels(&self) -> Self {
-        let there = Matrix3::new(1.0, 0.0, FIRST_PIXEL, 0.0, 1.0, FIRST_PIXEL, 0.0, 0.0, 1.0);
-        let back = Matrix3::new(1.0, 0.0, -FIRST_PIXEL, 0.0, 1.0, -FIRST_PIXEL, 0.0, 0.0, 1.0);
-        Self {
-            // The shift of pixels acts on F transposed, on both sides; E is of directions, which it leaves.
-            fundamental: self.fundamental.map(|f| back.transpose() * f * back),
-            homography: self.homography.map(|h| there * h * back),
-            ..self.clone()
-        }
-    }
 }
 
 pub(super) const TABLES: &str = "

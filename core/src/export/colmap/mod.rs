@@ -7,9 +7,7 @@ mod database;
 mod text;
 
 #[cfg(feature = "colmap")]
-pub use database::{
-    DatabaseCamera, DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database,
-};
+pub use database::{DatabaseGeometry, DatabaseWriter, GeometryKind, MAX_IMAGE_ID, pair_id, write_colmap_database};
 /// Centre of the first pixel in COLMAP's convention.
 const FIRST_PIXEL: f64 = 0.5;
 
