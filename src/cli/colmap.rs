@@ -2,7 +2,9 @@
 
 use super::report::FailureReport;
 use super::search_options::defaults_file;
-use super::{BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, open_options, resolve_bursts};
+use super::{
+    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, SequenceArgs, document, open_options, resolve_bursts,
+};
 use crate::burst::BurstFiles;
 use crate::dataset::{
     BurstEvent, CameraChoice, ColmapJob, ColmapReport, Comparison, FeatureJob, FeatureStore, GatherReport, ImageKind,
@@ -13,23 +15,10 @@ use crate::detector::{Method, NoiseGate, SearchParams};
 use crate::inspect::report::joined_text;
 use crate::inspect::words::{counted, some_of};
 use crate::matching::aligned::Moved;
-use crate::matching::{CameraModel, MatchParams, PairSelection};
+use crate::matching::{CameraModel, PairSelection};
 use crate::requests::next_commands;
 use clap::{Arg, Args};
-use serde::Serialize;
 use std::path::{Path, PathBuf};
-
-#[derive(Serialize)]
-struct ColmapDocument<'a> {
-    params: &'a SearchParams,
-    matching: &'a MatchParams,
-    #[serde(flatten)]
-    report: &'a ColmapReport,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    gathered: Option<GatherReport>,
-    failures: &'a [FailureReport],
-    next: [String; 2],
-}
 
 /// Parameters of the search where none are given: as everywhere, with the gate for matching.
 fn defaults() -> SearchParams {
@@ -114,9 +103,10 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         text += &format!("{} is of an earlier database: its poses are not of this one\n", old.display());
     }
     console.say(&(text + if report.no_start.is_none() { &then } else { "" }))?;
-    let (params, matching, report, failures) = (&job.features.detector, &job.matching, &report, &failures[..]);
-    let next = [make, map];
-    console.say_document("colmap", &ColmapDocument { params, matching, report, gathered, failures, next })?;
+    let asked = document! { params: &job.features.detector, matching: &job.matching };
+    let gathered = gathered.map(|gathered| document! { gathered });
+    let left = Both { one: gathered, other: document! { failures: &failures, next: [make, map] } };
+    console.say_document("colmap", &Both { one: asked, other: Both { one: &report, other: left } })?;
     if let Some(why) = &report.no_start {
         console.note(&format!("{why}; `burstscope match` shows what a pair lacks"));
     }

@@ -16,26 +16,7 @@ use crate::matching::{MatchCounts, MatchParams, TwoViewModel};
 use crate::monitor::Stage;
 use crate::requests::{MatchFigure, MatchPictures};
 use clap::Args;
-use nalgebra::Matrix3;
-use serde::Serialize;
 use std::path::PathBuf;
-
-#[derive(Serialize)]
-struct Model {
-    kind: &'static str,
-    matrix: [[f64; 3]; 3],
-}
-
-impl From<&TwoViewModel> for Model {
-    fn from(model: &TwoViewModel) -> Self {
-        let (kind, matrix): (_, &Matrix3<f64>) = match model {
-            TwoViewModel::Fundamental { fundamental } => ("fundamental", fundamental),
-            TwoViewModel::Essential { essential, .. } => ("essential", essential),
-            TwoViewModel::Homography { forward, .. } => ("homography", forward),
-        };
-        Self { kind, matrix: std::array::from_fn(|i| std::array::from_fn(|j| matrix[(i, j)])) }
-    }
-}
 
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
@@ -83,10 +64,14 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     };
     console.say(&summary(&result.counts, &matching, &why_none))?;
     console.say(&format!("  wrote        {}\n  wrote        {}\n", matches.display(), picture.display()))?;
+    let named = |model: &TwoViewModel| {
+        let matrix: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| model.matrix()[(i, j)]));
+        document! { kind: matching.geometry.word(), matrix }
+    };
     let other = document! {
         params: &params, matching: &matching, a: report_a, b: report_b, match_ratio: result.counts.match_ratio(),
         match_score: result.counts.match_score(), inlier_ratio: result.counts.inlier_ratio(),
-        model: model.map(Model::from),
+        model: model.map(named),
         files: document! { matches: path_text(&matches), picture: path_text(&picture) },
     };
     console.say_document("match", &Both { one: result.counts, other })
