@@ -7,7 +7,7 @@ use crate::parameters::{Given, match_params};
 use crate::work::run;
 use burstscope::burst::OpenOptions;
 use burstscope::dataset::{
-    CameraChoice, ColmapJob, DetectedBurst, FeatureJob, export_detections, match_bursts, match_rows,
+    BurstCameras, CameraChoice, ColmapJob, DetectedBurst, FeatureJob, export_detections, match_bursts, match_rows,
 };
 use burstscope::detect::Searched;
 use burstscope::detector::SearchParams;
@@ -207,10 +207,11 @@ pub(crate) fn export_colmap(
     let (pairs, images, model) = words;
     let pairs = pairs.parse().map_err(|error| PyValueError::new_err(format!("pairs: {error}")))?;
     let guessed = CameraChoice::Guessed(serde_json::from_value(model.into()).map_err(|e| wrong("camera_model", e))?);
-    let camera = matching.camera.clone().map_or(guessed, CameraChoice::Known);
+    let rest = matching.camera.clone().map_or(guessed, CameraChoice::Known);
+    let cameras = BurstCameras { rest, ..BurstCameras::default() };
     let images = serde_json::from_value(images.into()).map_err(|error| wrong("images", error))?;
     let features = FeatureJob { detector: SearchParams::default(), open: OpenOptions::default(), images };
-    let job = ColmapJob { features, matching, pairs, camera };
+    let job = ColmapJob { features, matching, pairs, cameras };
     let found: Vec<(Burst, Searched)> =
         found.iter().map(|(burst, detection)| (burst.burst.clone(), detection.searched.clone())).collect();
     run(py, progress, |monitor| {

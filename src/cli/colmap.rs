@@ -1,5 +1,6 @@
 //! `colmap`: writes the input of COLMAP's mapper from a dataset of bursts.
 
+use super::matching_args::parse_folder_camera;
 use super::report::FailureReport;
 use super::search_options::defaults_file;
 use super::{
@@ -7,17 +8,19 @@ use super::{
 };
 use crate::burst::BurstFiles;
 use crate::dataset::{
-    BurstEvent, CameraChoice, ColmapJob, ColmapReport, Comparison, FeatureJob, FeatureStore, GatherReport, ImageKind,
-    LeftOut, export_colmap, gather, read_pairs,
+    BurstCameras, BurstEvent, CameraChoice, CameraReport, ColmapJob, ColmapReport, Comparison, FeatureJob,
+    FeatureStore, GatherReport, ImageKind, LeftOut, export_colmap, gather, read_pairs,
 };
 use crate::detector::params::doc::NOISE_GATE;
 use crate::detector::{Method, NoiseGate, SearchParams};
+use crate::files::path_text;
 use crate::inspect::report::joined_text;
 use crate::inspect::words::{counted, some_of};
 use crate::matching::aligned::Moved;
+use crate::matching::params::doc;
 use crate::matching::{CameraModel, PairSelection};
 use crate::requests::next_commands;
-use clap::{Arg, Args};
+use clap::{Arg, ArgAction, Args};
 use std::path::{Path, PathBuf};
 
 /// Parameters of the search where none are given: as everywhere, with the gate for matching.
@@ -30,10 +33,16 @@ fn gate_help(arg: Arg) -> Arg {
     arg.help(text(NOISE_GATE.short_help())).long_help(text(NOISE_GATE.long_help()))
 }
 
+fn cameras_help(arg: Arg) -> Arg {
+    let [short, long] = [arg.get_help(), arg.get_long_help()].map(|help| help.cloned().unwrap_or_default());
+    let arg = arg.action(ArgAction::Append).value_name("[FOLDER=]CAMERA").value_parser(parse_folder_camera);
+    arg.help(format!("{short}; {FOLDER_CAMERA}")).long_help(format!("{long} {FOLDER_CAMERA}."))
+}
+
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let detector = args.run.search.params_over(defaults())?;
-    let matching = args.matching.params(&args.run.search.file)?;
-    let camera = matching.camera.clone().map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
+    let camera = args.matching.camera(&args.run.search.file)?;
+    let camera = camera.map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     if inputs.iter().any(Input::is_built_in) {
         return Err(Failure::usage(
@@ -58,15 +67,22 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
             }
         }
     }
+    let all = [&bursts[..], &failed].concat();
     let pairs = match &args.pairs {
         (pairs, None) => pairs.clone(),
-        (_, Some(list)) => PairSelection::Listed(read_pairs(list, &[&bursts[..], &failed].concat())?),
+        (_, Some(list)) => PairSelection::Listed(read_pairs(list, &all)?),
     };
-    let job = ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs, camera };
+    let cameras = BurstCameras::of(&all, &args.inputs, &args.matching.of_folders, camera)?;
+    let matching = args.matching.params(&args.run.search.file, cameras.known().next())?;
+    let job = ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs, cameras };
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
     // Files that the command reads must never be replaced by those it writes.
-    let opened = [args.run.search.file.params.as_ref(), args.matching.camera_file(), args.pairs.1.as_ref()];
-    let opened = opened.into_iter().flatten().cloned().chain(defaults_file());
+    let opened = [args.run.search.file.params.as_ref(), args.pairs.1.as_ref()].into_iter().flatten();
+    let opened = opened
+        .chain(args.matching.camera_files())
+        .chain(job.cameras.own.values().filter_map(CameraChoice::source))
+        .cloned()
+        .chain(defaults_file());
     let store = FeatureStore::open(&args.out, &job.features)?.and_opened(opened.collect());
     let mut store = store.comparing(comparison);
     let mut gathered = None;
@@ -132,9 +148,14 @@ fn tell_what_was_left(report: &GatherReport) -> Vec<String> {
 
 fn summary(report: &ColmapReport, features: &FeatureJob) -> String {
     let mut text = String::new();
-    for camera in &report.cameras {
-        let guessed = if report.known_camera { "" } else { " (guessed: give --camera if you know it)" };
-        text += &format!("camera {camera}{guessed}\n");
+    for CameraReport { camera, known, from, images } in &report.cameras {
+        let from: Vec<String> = from.iter().map(|file| path_text(file)).collect();
+        let source = match (known, &from[..]) {
+            (false, _) => " (guessed: give --camera if you know it)".to_owned(),
+            (true, []) => String::new(),
+            (true, from) => format!(" of {} (from {})", counted(images.len(), "image"), some_of(from)),
+        };
+        text += &format!("camera {camera}{source}\n");
     }
     let putative: usize = report.pairs.iter().map(|p| p.counts.putative).sum();
     let inliers: usize = report.pairs.iter().filter_map(|p| p.counts.inliers).sum();
@@ -182,7 +203,7 @@ fn parse_pairs(text: &str) -> Result<PairsArg, String> {
 /// matched there with the same options, are not done again: after an interruption the same command goes on, and one
 /// burst more costs its own pairs. A burst that cannot be opened is reported and left out.
 #[derive(Debug, Clone, Args)]
-#[command(after_long_help = COLMAP_HELP, mut_arg(NOISE_GATE.name, gate_help))]
+#[command(after_long_help = COLMAP_HELP, mut_arg(NOISE_GATE.name, gate_help), mut_arg(doc::CAMERA.name, cameras_help))]
 pub struct ColmapArgs {
     /// Folder of bursts (each a folder of frames), several of them, stacks, or a long sequence with --burst-length.
     #[arg(value_name = "DATASET", required = true)]
@@ -218,6 +239,9 @@ pub struct ColmapArgs {
     pub run: BurstSearchArgs,
 }
 
+const FOLDER_CAMERA: &str = "FOLDER=CAMERA, given once for each, is the camera of the burst, or of the bursts of the folder, of this name; \
+    without an option a file camera.toml beside the frames of a burst, or in a folder above them in DATASET, is its camera";
+
 const COLMAP_HELP: &str = "\
 Files in DIR:
   images/NAME.png            one for each burst
@@ -229,13 +253,16 @@ Files in DIR:
   records/NAME.png.json      what is finished: its frames with their lengths, times and checksums
   records/pairs/             the pairs that are matched, before the places are aligned: A.png/B.png.pair
 
-Camera file: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each. One camera is shared by all images;
-without one, COLMAP's guess is taken. Models: COLMAP's up to
+Camera file: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each. Bursts of several cameras have one each:
+--camera left=a.toml --camera right=b.toml, where left is a burst or a folder of bursts (the nearest counts), or a file camera.toml beside their frames or in a folder
+above them in DATASET; --camera b.toml alone is for all other bursts, whatever files they have. Equal cameras are one in the database. Without a camera, COLMAP's guess is taken. Models: COLMAP's up to
 RAD_TAN_THIN_PRISM_FISHEYE, with its parameters in its order: SIMPLE_PINHOLE f,cx,cy; PINHOLE fx,fy,cx,cy; SIMPLE_RADIAL f,cx,cy,k; OPENCV fx,fy,cx,cy,k1,k2,p1,p2;
-OPENCV_FISHEYE fx,fy,cx,cy,k1,k2,k3,k4; …. The centre of the first pixel is at (0.5, 0.5). With a known camera matches are verified by the essential matrix, otherwise by the fundamental matrix.
+OPENCV_FISHEYE fx,fy,cx,cy,k1,k2,k3,k4; …. The centre of the first pixel is at (0.5, 0.5). With known cameras matches are verified by the essential matrix, otherwise, and
+where only one of the two cameras of a pair is known, by the fundamental matrix. The mapper's line holds the cameras if all are known; else it refines them all.
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\", \"cameras\", \"known_camera\",
+  {\"version\", \"detector_revision\", \"command\": \"colmap\", \"params\": {as in the parameter file}, \"matching\", \"database\", \"images_folder\",
+   \"cameras\": [{\"model\", \"width\", \"height\", \"params\", \"known\": or guessed, \"from\": [file] of those of some bursts, \"images\": [id]}], \"known_camera\": whether all are,
    \"images\": [{\"id\", \"burst\", \"image\", \"frames\": in which features were found, \"features\", \"resumed\"}],
    \"pairs\": [{\"ids\": [a, b], \"resumed\", \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
    \"joined\": by verified pairs, {\"parts\": [[burst]], the largest first, \"alone\": [burst], \"refused_by_motions\": pairs, \"refused_by_pictures\": pairs},

@@ -103,7 +103,7 @@ pub(super) fn run(args: &MatchesArgs) -> Result<(), Failure> {
         methods,
         has_gold,
         searches: Searches { detector, slopes_1d, slopes_2d, direction_deg },
-        matching: args.matching.params(&args.run.search.file)?,
+        matching: args.matching.params(&args.run.search.file, None)?,
         pairs: args.pairs.clone(),
     };
     let console = Console::new(&args.run.output)?;

@@ -20,7 +20,7 @@ use std::path::PathBuf;
 
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
-    let matching = args.matching.params(&args.run.search.file)?;
+    let matching = args.matching.params(&args.run.search.file, None)?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?;
     // Bursts of another size are refused.
     job.camera = matching.camera.clone().map_or(job.camera, CameraChoice::Known);
@@ -30,7 +30,7 @@ pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let name = safe_file_name(&format!("{}_{}", inputs[0].name, inputs[1].name));
     let [matches, picture] =
         ["csv", args.picture.extension()].map(|end| args.out.join(format!("{name}.matches.{end}")));
-    let settings = [args.run.search.file.params.as_ref(), args.matching.camera_file()];
+    let settings = [args.run.search.file.params.as_ref(), args.matching.camera_files().next()];
     job.rules = args.overwrite.rules(&inputs, &options, &settings);
     // Features, matches and picture are checked together: refused after the search, the work would be lost.
     let folder = job.take_folder(&inputs, &[matches.clone(), picture.clone()])?;

@@ -4,19 +4,24 @@
 
 use super::Failure;
 use super::search_options::{Given, ParamsFileArg, option};
+use crate::dataset::CameraChoice;
 use crate::dataset::camera::read_camera;
 use crate::matching::params::doc;
 use crate::matching::{Camera, MatchParams};
-use clap::{ArgMatches, Args, Command, FromArgMatches};
+use clap::{ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// The options of matching as they are written: one for each record of a parameter.
 #[derive(Debug, Clone, Default)]
 pub struct MatchingArgs {
     given: Given<MatchParams>,
-    camera: Option<Camera>,
-    camera_file: Option<PathBuf>,
+    camera: Option<CameraChoice>,
+    /// Cameras of the bursts of some folders, by the names of these.
+    pub of_folders: Vec<FolderCamera>,
 }
+
+/// A camera, and the name of the folder or burst whose it is; empty for that of all others.
+type FolderCamera = (String, CameraChoice);
 
 impl Args for MatchingArgs {
     fn augment_args(command: Command) -> Command {
@@ -28,7 +33,7 @@ impl Args for MatchingArgs {
             } else if record == doc::CAMERA {
                 arg.help(format!("{}; or a TOML file", record.meaning.trim_end_matches('.')))
                     .long_help(format!("{} Or a TOML file with model, width, height and params.", record.help()))
-                    .value_parser(parse_camera)
+                    .value_parser(|text: &str| own_camera("", text))
             } else {
                 arg
             }
@@ -44,13 +49,14 @@ impl Args for MatchingArgs {
 impl FromArgMatches for MatchingArgs {
     fn from_arg_matches(matches: &ArgMatches) -> Result<Self, clap::Error> {
         let others: Vec<_> = doc::ALL.into_iter().filter(|record| *record != doc::CAMERA).collect();
-        let camera_file = matches.get_raw(doc::CAMERA.name).and_then(|mut raw| raw.next()).map(PathBuf::from);
-        Ok(Self {
-            given: Given::among(&others, matches),
-            camera: matches.get_one::<Camera>(doc::CAMERA.name).cloned(),
-            // A camera may be given in words, which name no file.
-            camera_file: camera_file.filter(|path| path.is_file()),
-        })
+        let cameras = matches.get_many::<FolderCamera>(doc::CAMERA.name).into_iter().flatten().cloned();
+        let (mut of_all, of_folders): (Vec<_>, Vec<_>) = cameras.partition(|(folder, _)| folder.is_empty());
+        if of_all.len() > 1 {
+            let problem = "--camera: two cameras are given for all bursts; give those of some as FOLDER=CAMERA\n";
+            return Err(clap::Error::raw(ErrorKind::ArgumentConflict, problem));
+        }
+        let (given, camera) = (Given::among(&others, matches), of_all.pop().map(|(_, camera)| camera));
+        Ok(Self { given, camera, of_folders })
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), clap::Error> {
@@ -60,15 +66,36 @@ impl FromArgMatches for MatchingArgs {
 }
 
 impl MatchingArgs {
-    pub fn camera_file(&self) -> Option<&PathBuf> {
-        self.camera_file.as_ref()
+    /// Files of cameras. One that is given in words has none.
+    pub fn camera_files(&self) -> impl Iterator<Item = &PathBuf> {
+        let cameras = self.camera.iter().chain(self.of_folders.iter().map(|(_, camera)| camera));
+        cameras.filter_map(CameraChoice::source).filter(|path| path.is_file())
     }
 
-    /// Parameters, checked: these over those of `file`. With a camera and no geometry, matches are verified by the
-    /// essential matrix.
-    pub fn params(&self, file: &ParamsFileArg) -> Result<MatchParams, Failure> {
-        Ok(MatchParams::of_texts(file.matching()?, self.camera.clone(), self.given.iter())?)
+    /// Camera of all bursts but those of some folders, over that of `file`.
+    pub fn camera(&self, file: &ParamsFileArg) -> Result<Option<Camera>, Failure> {
+        let in_file = file.matching()?.remove(doc::CAMERA.name).and_then(|camera| camera.try_into().ok());
+        Ok(self.camera.as_ref().and_then(CameraChoice::known).cloned().or(in_file))
     }
+
+    /// Parameters, checked: these over those of `file`. With a camera, or one `of_bursts`, and no geometry, matches are
+    /// verified by the essential matrix.
+    pub fn params(&self, file: &ParamsFileArg, of_bursts: Option<&Camera>) -> Result<MatchParams, Failure> {
+        let camera = self.camera(file)?;
+        let some = camera.clone().or(of_bursts.cloned());
+        Ok(MatchParams { camera, ..MatchParams::of_texts(file.matching()?, some, self.given.iter())? })
+    }
+}
+
+fn own_camera(folder: &str, text: &str) -> Result<FolderCamera, String> {
+    Ok((folder.to_owned(), CameraChoice::Own(parse_camera(text)?, text.into())))
+}
+
+/// Reads a camera, alone or after `FOLDER=`.
+pub fn parse_folder_camera(text: &str) -> Result<FolderCamera, String> {
+    // The name of a file may have the sign.
+    let (folder, camera) = text.split_once('=').filter(|_| !Path::new(text).is_file()).unwrap_or(("", text));
+    own_camera(folder, camera)
 }
 
 pub fn parse_camera(text: &str) -> Result<Camera, String> {

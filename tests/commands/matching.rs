@@ -3,7 +3,7 @@
 use super::support::{features, names, run_badly, run_well};
 use burstscope::burst::{Burst, OpenOptions};
 use burstscope::dataset::{
-    CameraChoice, ColmapJob, DatasetSource, DetectedBurst, FeatureJob, FeatureStore, ImageKind, KeptBursts,
+    BurstCameras, ColmapJob, DatasetSource, DetectedBurst, FeatureJob, FeatureStore, ImageKind, KeptBursts,
     MatchedPair, export_colmap, export_detections, match_bursts, match_pairs,
 };
 use burstscope::detector::{DetectorParams, SlopeGrid};
@@ -288,8 +288,8 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
         let counts: Vec<MatchCounts> = report.methods[0].by_pair.iter().map(|pair| pair.counts).collect();
         assert_eq!(counts, expected, "evaluate matches, {matching:?}");
         // `colmap`, whose solution is of all pairs together: of two bursts it is that of the pair.
-        let camera = CameraChoice::default();
-        let job = ColmapJob { features: job.clone(), matching: matching.clone(), pairs: PairSelection::All, camera };
+        let cameras = BurstCameras::default();
+        let job = ColmapJob { features: job.clone(), matching: matching.clone(), pairs: PairSelection::All, cameras };
         let mut store = FeatureStore::open(&home.path().join("two"), &job.features).expect("a folder");
         let report = export_colmap(&mut store, &files[..2], &job, &mut |_| {}, &monitor).expect("exported");
         assert_eq!(report.pairs[0].counts, expected[0], "colmap of two, {matching:?}");

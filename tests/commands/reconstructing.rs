@@ -179,6 +179,55 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
 }
 
 #[test]
+fn bursts_of_two_cameras_have_a_camera_each() {
+    fn colmap<'a>(more: &[&'a str]) -> Vec<&'a str> {
+        [&["colmap", "set", "--slopes-u", "-2:2:5", "--out", "rec"], more].concat()
+    }
+    let home = tempfile::tempdir().expect("a folder");
+    fs::create_dir(home.path().join("set")).expect("made");
+    let scene = "synth scene --width 240 --height 180 --frames 4 --max-slope 1.5 --snr 10 --seed 3 --out";
+    for name in ["set/left", "set/right"] {
+        run_well(home.path(), &scene.split(' ').chain([name]).collect::<Vec<_>>());
+    }
+    let lens =
+        |focal: u32| format!("model = \"PINHOLE\"\nwidth = 240\nheight = 180\nparams = [{focal}, {focal}, 120, 90]\n");
+    fs::write(home.path().join("set/right/camera.toml"), lens(240)).expect("written");
+    fs::write(home.path().join("lens.toml"), lens(250)).expect("written");
+    let text = run_well(home.path(), &colmap(&["--camera", "left=lens.toml"]));
+    for line in [
+        "camera PINHOLE 240 180 250 250 120 90 of 1 image (from lens.toml)\n",
+        "camera PINHOLE 240 180 240 240 120 90 of 1 image (from set/right/camera.toml)\n",
+    ] {
+        assert!(text.contains(line), "{text}");
+    }
+    let json = |more: &[&str]| -> serde_json::Value {
+        serde_json::from_str(&run_well(home.path(), &colmap(&[more, &["--json"]].concat()))).expect("JSON")
+    };
+    let both = json(&["--camera", "left=lens.toml"]);
+    assert_eq!((&both["known_camera"], &both["matching"]["geometry"]), (&true.into(), &"essential".into()));
+    assert!(both["matching"].get("camera").is_none() && both["pairs"][0]["resumed"] == true, "{both}");
+    let camera = &both["cameras"][1];
+    let expected = serde_json::json!({ "model": "PINHOLE", "width": 240, "height": 180, "params": [240.0, 240.0, 120.0, 90.0],
+        "known": true, "from": ["set/right/camera.toml"], "images": [2] });
+    assert_eq!(*camera, expected);
+    let manifest = fs::read_to_string(home.path().join("rec/manifest.json")).expect("a manifest");
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    assert_eq!(manifest["claims"]["settings"]["export"]["cameras"], both["cameras"]);
+    // The file alone leaves the other camera guessed; one camera for all is that of all.
+    let found = json(&[]);
+    assert_eq!((&found["known_camera"], &found["cameras"][0]["known"]), (&false.into(), &false.into()));
+    assert_eq!((&found["cameras"][1], &found["pairs"][0]["resumed"]), (camera, &false.into()));
+    let all = json(&["--camera", "lens.toml"]);
+    assert_eq!((all["cameras"].as_array().map(Vec::len), &all["known_camera"]), (Some(1), &true.into()));
+    let unknown = run_badly(home.path(), &colmap(&["--camera", "lef=lens.toml"]), 2);
+    assert!(unknown.contains("'lef'") && unknown.contains("left, right"), "{unknown}");
+    let twice = run_badly(home.path(), &colmap(&["--camera", "lens.toml", "--camera", "lens.toml"]), 2);
+    assert!(twice.contains("FOLDER=CAMERA"), "{twice}");
+    let pair = ["match", "set/left", "set/right", "--camera", "left=lens.toml", "--out", "m"];
+    assert!(run_badly(home.path(), &pair, 2).contains("left=lens.toml"));
+}
+
+#[test]
 fn datasets_that_make_no_sense_say_what_would() {
     let home = tempfile::tempdir().expect("a folder");
     run_well(

@@ -181,8 +181,8 @@ fn figures_that_are_being_made_are_whole_or_not_there() {
 #[test]
 fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
     use crate::datasets::{dataset, few_slopes, start, walk};
-    use burstscope::dataset::{CameraChoice, ColmapJob, FeatureJob, FeatureStore, ImageKind, export_colmap};
-    use burstscope::matching::{CameraModel, MatchParams, PairSelection};
+    use burstscope::dataset::{BurstCameras, ColmapJob, FeatureJob, FeatureStore, ImageKind, export_colmap};
+    use burstscope::matching::{MatchParams, PairSelection};
     let home = tempfile::tempdir().unwrap();
     let mut window = start(walk(home.path())).open();
     let (ours, theirs) = (home.path().join("from-window"), home.path().join("from-command"));
@@ -198,7 +198,7 @@ fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
         features: FeatureJob { detector: few_slopes().into(), open: Default::default(), images: ImageKind::default() },
         matching: MatchParams::default(),
         pairs: PairSelection::All,
-        camera: CameraChoice::Guessed(CameraModel::SimpleRadial),
+        cameras: BurstCameras::default(),
     };
     for out in [&ours, &theirs] {
         let mut store = FeatureStore::open(out, &job.features).unwrap();

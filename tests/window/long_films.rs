@@ -67,8 +67,8 @@ fn features_of_other_parameters_are_replaced_only_after_a_question() {
 #[test]
 fn the_window_writes_the_database_that_the_command_writes() {
     use burstscope::burst::OpenOptions;
-    use burstscope::dataset::{CameraChoice, ColmapJob, FeatureJob, FeatureStore, ImageKind, export_colmap};
-    use burstscope::matching::{CameraModel, MatchParams, PairSelection};
+    use burstscope::dataset::{BurstCameras, ColmapJob, FeatureJob, FeatureStore, ImageKind, export_colmap};
+    use burstscope::matching::{MatchParams, PairSelection};
     let home = tempfile::tempdir().unwrap();
     let mut window = start(walk(home.path())).open();
     let (ours, theirs) = (home.path().join("from-window"), home.path().join("from-command"));
@@ -84,7 +84,7 @@ fn the_window_writes_the_database_that_the_command_writes() {
         },
         matching: MatchParams::default(),
         pairs: PairSelection::All,
-        camera: CameraChoice::Guessed(CameraModel::SimpleRadial),
+        cameras: BurstCameras::default(),
     };
     let bursts = dataset(&window).bursts.clone();
     let mut store = FeatureStore::open(&theirs, &job.features).unwrap();

@@ -1,17 +1,24 @@
-//! The camera of a dataset, and the default for an unknown camera.
+//! The cameras of a dataset, and the default for an unknown camera.
 
+use crate::burst::BurstFiles;
 use crate::error::{Error, ErrorKind, Result};
-use crate::files::{MAX_SETTINGS_BYTES, read_text};
+use crate::files::{MAX_SETTINGS_BYTES, path_text, read_text};
 use crate::matching::{Camera, CameraModel};
-use std::path::Path;
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
 
-/// Camera of a dataset: known from a calibration, or guessed as COLMAP does.
+/// Camera file that is taken without being asked for, beside the frames of a burst or in a folder above them.
+const CAMERA_FILE: &str = "camera.toml";
+
+/// Camera of bursts: known from a calibration, or guessed as COLMAP does.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CameraChoice {
     /// Unknown: as in COLMAP a focal length of 1.2 times the larger side, and a camera for each size of images.
     Guessed(CameraModel),
     /// One known camera for all images.
     Known(Camera),
+    /// Known camera of some bursts, and the file, or the words, that it is from.
+    Own(Camera, PathBuf),
 }
 
 impl Default for CameraChoice {
@@ -29,21 +36,96 @@ impl CameraChoice {
     pub fn for_images(&self, size: (usize, usize)) -> Result<Camera> {
         match self {
             Self::Guessed(model) => Ok(guessed(*model, size)),
-            Self::Known(camera) if (camera.width, camera.height) == size => Ok(camera.clone()),
-            Self::Known(camera) => {
+            Self::Known(camera) | Self::Own(camera, _) if (camera.width, camera.height) == size => Ok(camera.clone()),
+            Self::Known(camera) | Self::Own(camera, _) => {
                 let problem = format!(
                     "the camera is given for images of {}×{}, but this burst has {}×{}",
                     camera.width, camera.height, size.0, size.1
                 );
-                Err(Error::new(ErrorKind::Failed, problem, "give the camera of these images"))
+                let error = Error::new(ErrorKind::Failed, problem, "give the camera of these images");
+                Err(if let Some(from) = self.source() { error.about(from) } else { error })
             }
         }
     }
 
-    /// Whether the focal length is known.
-    pub fn is_known(&self) -> bool {
-        matches!(self, Self::Known(_))
+    /// The camera whose focal length is known.
+    pub fn known(&self) -> Option<&Camera> {
+        if let Self::Known(camera) | Self::Own(camera, _) = self { Some(camera) } else { None }
     }
+
+    /// File, or words, that it is from.
+    pub fn source(&self) -> Option<&PathBuf> {
+        if let Self::Own(_, from) = self { Some(from) } else { None }
+    }
+}
+
+/// Cameras of a dataset.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct BurstCameras {
+    /// Cameras of single bursts, by their names.
+    pub own: BTreeMap<String, CameraChoice>,
+    /// Camera of all other bursts.
+    pub rest: CameraChoice,
+}
+
+impl BurstCameras {
+    /// The cameras of `bursts`, which were found in `inputs`: those `given` for a folder or a burst, the nearest of
+    /// several; else the known one of the `rest`; else that of a file `camera.toml` beside the frames or in a folder
+    /// above them, up to the input. A folder is named by the last parts of its path, a burst by its name.
+    ///
+    /// # Errors
+    /// A camera for what is no burst and no folder of any, and a file that is no camera.
+    pub fn of(
+        bursts: &[BurstFiles],
+        inputs: &[PathBuf],
+        given: &[(String, CameraChoice)],
+        rest: CameraChoice,
+    ) -> Result<Self> {
+        let places: Vec<Vec<&Path>> = bursts.iter().map(|burst| places_of(burst, inputs)).collect();
+        let all = places.iter().flatten();
+        if let Some((name, _)) = given.iter().find(|(name, _)| !all.clone().any(|place| place.ends_with(name))) {
+            let names: BTreeSet<String> =
+                all.filter_map(|place| place.file_name()).map(|name| path_text(name.as_ref())).collect();
+            let few: Vec<String> = names.into_iter().take(8).collect();
+            let problem = format!("there is no burst and no folder of bursts '{name}'");
+            return Err(Error::param("camera", problem, format!("there are such as {}", few.join(", "))));
+        }
+        let mut own = BTreeMap::new();
+        for (burst, places) in bursts.iter().zip(&places) {
+            // Of the same name given twice, the last counts, as of other options.
+            let given = places.iter().find_map(|place| given.iter().rfind(|(name, _)| place.ends_with(name)));
+            let mut files = places[1..].iter().map(|folder| folder.join(CAMERA_FILE));
+            if let Some((_, choice)) = given {
+                own.insert(burst.name.clone(), choice.clone());
+            } else if rest.known().is_none()
+                && let Some(file) = files.find(|file| file.is_file())
+            {
+                own.insert(burst.name.clone(), CameraChoice::Own(read_camera(&file)?, file));
+            }
+        }
+        Ok(Self { own, rest })
+    }
+
+    /// Camera of the burst of this name.
+    pub fn of_burst(&self, name: &str) -> &CameraChoice {
+        self.own.get(name).unwrap_or(&self.rest)
+    }
+
+    /// Known cameras; that of the rest first.
+    pub fn known(&self) -> impl Iterator<Item = &Camera> {
+        [&self.rest].into_iter().chain(self.own.values()).filter_map(CameraChoice::known)
+    }
+}
+
+/// Places of a burst, the nearest first: its name, the folder of its frames, and those above that up to the one of
+/// `inputs` in which it was found.
+fn places_of<'a>(burst: &'a BurstFiles, inputs: &[PathBuf]) -> Vec<&'a Path> {
+    let path = burst.paths.first().map_or(Path::new(""), PathBuf::as_path);
+    let files = usize::from(!path.is_dir());
+    let input = path.ancestors().position(|above| inputs.iter().any(|input| input == above)).unwrap_or(0);
+    // An input that is a file stands in a folder that was not named.
+    let folders = path.ancestors().skip(files).take((input + 1 - files).max(1));
+    [Path::new(&burst.name)].into_iter().chain(folders).collect()
 }
 
 fn guessed(model: CameraModel, (width, height): (usize, usize)) -> Camera {

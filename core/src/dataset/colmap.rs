@@ -5,11 +5,11 @@
 //! computed again; the places on which all pairs agree are. Features are in memory only while they are found or matched:
 //! memory does not grow with the bursts.
 
-use super::CameraChoice;
+use super::camera::{BurstCameras, CameraChoice};
 use super::features::{BurstEvent, BurstFeatures, FeatureJob, FeatureStore, IMAGES_FOLDER, detect_all};
 use super::kept_pairs::{KeptPairs, PairFound, PairedImage};
 use super::pairs::{BurstSide, DetectedBurst, PairSource, for_pairs, seen_part};
-use super::report::{ColmapReport, ImageReport, Joined, PairReport};
+use super::report::{CameraReport, ColmapReport, ImageReport, Joined, PairReport};
 use crate::burst::{Burst, BurstFiles};
 use crate::detector::{Descriptor, DetectorParams, SearchParams};
 use crate::error::{Error, ErrorKind, Result};
@@ -18,8 +18,10 @@ use crate::export::{
 };
 use crate::matching::align::Measured;
 use crate::matching::aligned::{Alignment, Inlier, Seen};
+use crate::matching::params::doc;
 use crate::matching::{
-    Blob, Camera, Geometry, MatchCounts, MatchParams, PairSelection, Refusal, TwoViewModel, Unaligned, Verification,
+    Blob, Camera, Geometry, MatchCounts, MatchParams, MatchSide, PairSelection, Refusal, TwoViewModel, Verification,
+    match_features,
 };
 use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
@@ -34,12 +36,12 @@ pub(super) const DATABASE_FILE: &str = "database.db";
 pub struct ColmapJob {
     /// Parameters of finding features.
     pub features: FeatureJob,
-    /// Parameters of matching. A known camera is used for verification; [`MatchParams::camera`] is set from it.
+    /// Parameters of matching. A pair of known cameras is verified with them; [`MatchParams::camera`] is set from them.
     pub matching: MatchParams,
     /// Selection of the pairs of bursts that are matched.
     pub pairs: PairSelection,
-    /// Camera of all images, or the model that is guessed for each size.
-    pub camera: CameraChoice,
+    /// Cameras of the images, or the model that is guessed for each size.
+    pub cameras: BurstCameras,
 }
 
 /// Finds the features of `bursts`, matches them, and writes the input of COLMAP's mapper into the folder of `store`,
@@ -68,7 +70,7 @@ pub fn export_colmap(
         }
         on(event);
     };
-    detect_all(store, bursts, &job.camera, &mut tell, monitor)?;
+    detect_all(store, bursts, &job.cameras, &mut tell, monitor)?;
     check_enough(done.len())?;
     let pairs = match &job.pairs {
         // A list is of all bursts, also of those that cannot be opened.
@@ -87,7 +89,7 @@ pub fn export_colmap(
     };
     let open = |place: usize| store.open_burst(&bursts[done[place].0], &monitor.silent());
     let report = write_database(store, (job, &matching, &pairs), (done.len(), &written, &open), on, monitor)?;
-    store.exported_with = job.words();
+    store.exported_with = job.words(&report);
     // If the folder was removed meanwhile, it now holds only the database.
     store.begin_writing()?;
     Ok(report)
@@ -114,7 +116,8 @@ pub fn export_detections(
     store.protect(&sources)?;
     store.check_output(&folder.join(DATABASE_FILE))?;
     // A camera of another size fails before anything is written.
-    let sizes = bursts.iter().map(|of| job.camera.for_images(of.burst.size()));
+    let choices = sources.iter().map(|source| job.cameras.of_burst(&source.name));
+    let sizes = choices.zip(bursts).map(|(choice, of)| choice.for_images(of.burst.size()));
     sizes.collect::<Result<Vec<_>>>()?;
     let found: Vec<BurstFeatures> =
         sources.iter().zip(bursts).map(|(source, of)| store.keep(source, of, monitor)).collect::<Result<_>>()?;
@@ -125,7 +128,7 @@ pub fn export_detections(
     let open = |place: usize| Ok((bursts[place].burst.clone(), bursts[place].params.clone()));
     let report =
         write_database(&store, (job, &matching, &job.pairs), (found.len(), &written, &open), &mut |_| {}, monitor)?;
-    store.exported_with = job.words();
+    store.exported_with = job.words(&report);
     store.begin_writing()?;
     Ok(report)
 }
@@ -147,8 +150,7 @@ fn write_database(
     monitor: &Monitor,
 ) -> Result<ColmapReport> {
     let (database, images_folder) = (store.folder.join(DATABASE_FILE), store.folder.join(IMAGES_FOLDER));
-    let mut report =
-        ColmapReport { database, images_folder, known_camera: job.camera.is_known(), ..Default::default() };
+    let mut report = ColmapReport { database, images_folder, ..Default::default() };
     store.check_output(&report.database)?;
     write_colmap_database(&report.database.clone(), |database| {
         let (mut blobs, mut seen, mut paired) = (Vec::with_capacity(count), Vec::new(), Vec::new());
@@ -158,9 +160,12 @@ fn write_database(
             // Keypoints and descriptors go to the database; shapes alone stay in memory.
             blobs.push(std::mem::take(&mut burst.blobs));
             seen.push(of_burst);
-            add_burst(database, &burst, job, &mut report)?;
-            paired.push(PairedImage { name: burst.image_name, features: burst.keypoints.len(), key });
+            let choice = job.cameras.of_burst(&burst.name);
+            add_burst(database, &burst, choice, &mut report)?;
+            let camera = choice.known().cloned();
+            paired.push(PairedImage { name: burst.image_name, features: burst.keypoints.len(), camera, key });
         }
+        report.known_camera = report.cameras.iter().all(|camera| camera.known);
         // Chosen only here: features may decide, and are all in the database now.
         let descriptors = |place: usize| -> Result<Vec<Descriptor>> { Ok(database.features(place as u32 + 1)?.1) };
         let pairs = &pairs.pairs_by(count, descriptors, monitor)?;
@@ -169,7 +174,7 @@ fn write_database(
         let resumed = match_all(database, (pairs, &blobs), matching, (&kept, open), monitor)?;
         let waiting = add_pairs(database, pairs, matching, (&kept, &resumed), &mut report)?;
         match matching.aligns() {
-            true => align_all(database, (&waiting, &blobs, seen), matching, &mut report, monitor),
+            true => align_all(database, (&waiting, &blobs, seen), &kept, &mut report, monitor),
             false => Ok(()),
         }
     })?;
@@ -181,21 +186,23 @@ fn write_database(
 fn add_burst(
     database: &mut DatabaseWriter<'_>,
     burst: &BurstFeatures,
-    job: &ColmapJob,
+    choice: &CameraChoice,
     report: &mut ColmapReport,
 ) -> Result<()> {
-    let camera = job.camera.for_images(burst.size)?;
-    // One camera for images of one size: the mapper then refines one lens, not many.
-    let camera_id = match report.cameras.iter().position(|c| *c == camera) {
-        Some(index) => index as u32 + 1,
-        None => {
-            let Camera { model, width, height, ref params } = camera;
-            let id = database.add_camera(model.id(), (width, height), params, report.known_camera)?;
-            report.cameras.push(camera);
-            id
-        }
-    };
-    let id = database.add_image(&burst.image_name, camera_id, &burst.keypoints, &burst.descriptors)?;
+    let (camera, known) = (choice.for_images(burst.size)?, choice.known().is_some());
+    // One camera for all images that have an equal one: the mapper then refines one lens, not many.
+    let equal = report.cameras.iter().position(|of| of.camera == camera && of.known == known);
+    let place = equal.unwrap_or(report.cameras.len());
+    if equal.is_none() {
+        let Camera { model, width, height, ref params } = camera;
+        database.add_camera(model.id(), (width, height), params, known)?;
+        report.cameras.push(CameraReport { camera, known, from: Vec::new(), images: Vec::new() });
+    }
+    let id = database.add_image(&burst.image_name, place as u32 + 1, &burst.keypoints, &burst.descriptors)?;
+    let of = &mut report.cameras[place];
+    of.images.push(id);
+    let new = choice.source().filter(|from| !of.from.contains(from));
+    of.from.extend(new.cloned());
     let (name, image, features) = (burst.name.clone(), burst.image_name.clone(), burst.keypoints.len());
     let (frames, resumed) = (burst.frames, burst.resumed);
     report.images.push(ImageReport { id, burst: name, image, frames, features, resumed });
@@ -237,7 +244,9 @@ fn match_all(
     let resumed: Vec<bool> = pairs.par_iter().map(has).collect::<Result<_>>()?;
     let missing = pairs.iter().zip(&resumed).filter(|(_, resumed)| !**resumed).map(|(pair, _)| *pair);
     let missing: Vec<(usize, usize)> = missing.collect();
-    let keep = |pair: (usize, usize), found: Unaligned| kept.keep(pair, PairFound::of(&found));
+    let keep = |pair, sides: [MatchSide<'_>; 2]| {
+        kept.keep(pair, PairFound::of(&match_features(sides, &kept.matching(pair), &monitor.silent())?))
+    };
     let mut source = InDatabase { database, blobs, open };
     for_pairs::<Error, ()>(&missing, matching, &mut source, (&keep, &mut |_| Ok(())), monitor)?;
     monitor.check()?;
@@ -282,7 +291,7 @@ fn add_pairs(
 fn align_all(
     database: &mut DatabaseWriter<'_>,
     (waiting, blobs, seen): (&[Waiting], &[Vec<Blob>], Vec<Seen>),
-    matching: &MatchParams,
+    kept: &KeptPairs<'_>,
     report: &mut ColmapReport,
     monitor: &Monitor,
 ) -> Result<()> {
@@ -303,7 +312,7 @@ fn align_all(
     let confirmed: Vec<Option<Verification>> = waiting
         .par_iter()
         .zip(&linked)
-        .map(|(pair, inliers)| aligned.confirmed(pair.images, inliers, matching, &monitor.silent()))
+        .map(|(pair, inliers)| aligned.confirmed(pair.images, inliers, &kept.matching(pair.images), &monitor.silent()))
         .collect::<Result<_, _>>()?;
     // Features move first: geometries are of the places in the database.
     for (&id, places) in ids.iter().zip(&aligned.places) {
@@ -336,25 +345,26 @@ fn check_enough(bursts: usize) -> Result<()> {
 }
 
 impl ColmapJob {
-    /// Options of matching, pairs, camera and pictures, as the manifest has them.
-    fn words(&self) -> Value {
-        let camera = match &self.camera {
-            CameraChoice::Known(camera) => camera.to_string(),
+    /// Options of matching, pairs, cameras and pictures, as the manifest has them, with the cameras of the images.
+    fn words(&self, report: &ColmapReport) -> Value {
+        let camera = match &self.cameras.rest {
+            CameraChoice::Known(camera) | CameraChoice::Own(camera, _) => camera.to_string(),
             CameraChoice::Guessed(model) => format!("guessed {}", model.name()),
         };
         // As text, like the options of the search.
         let (matching, pairs) = (toml::to_string(&self.matching).ok(), self.pairs.to_string());
-        json!({ "matching": matching, "pairs": pairs, "camera": camera, "images": self.features.images })
+        let (cameras, images) = (&report.cameras, self.features.images);
+        json!({ "matching": matching, "pairs": pairs, "camera": camera, "cameras": cameras, "images": images })
     }
 
     fn verified_matching(&self) -> Result<MatchParams> {
-        let camera = if let CameraChoice::Known(camera) = &self.camera { Some(camera.clone()) } else { None };
         // A guessed focal length is too uncertain for an essential matrix.
-        let matching = MatchParams { camera, ..self.matching.clone() };
+        let matching = MatchParams { camera: self.cameras.known().next().cloned(), ..self.matching.clone() };
         matching.validate()?;
+        self.cameras.known().try_for_each(|camera| camera.validate(doc::CAMERA.name))?;
         if matching.geometry == Geometry::None {
             return Err(Error::param(
-                crate::matching::params::doc::GEOMETRY.name,
+                doc::GEOMETRY.name,
                 "COLMAP's mapper takes verified matches only",
                 "give fundamental, essential or homography",
             ));

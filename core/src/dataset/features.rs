@@ -1,7 +1,7 @@
 //! The features of each burst of a dataset: found once, stored in files, and read from there the next time.
 
-use super::CameraChoice;
 use super::blobs::StoredBlobs;
+use super::camera::{BurstCameras, CameraChoice};
 use super::kept::{
     BurstRecord, KeptBurst, NotKept, calibration_files, detector_text, differences, settings_of, tidy_pairs,
     write_manifest,
@@ -468,7 +468,7 @@ pub fn image_name(source: &BurstFiles) -> String {
 pub fn detect_all(
     store: &mut FeatureStore,
     bursts: &[BurstFiles],
-    camera: &CameraChoice,
+    cameras: &BurstCameras,
     on: &mut dyn FnMut(BurstEvent<'_>),
     monitor: &Monitor,
 ) -> Result<()> {
@@ -479,6 +479,7 @@ pub fn detect_all(
     let share = 1.0 / bursts.len().max(1) as f32;
     for (index, source) in bursts.iter().enumerate() {
         on(BurstEvent::Begin(index));
+        let camera = cameras.of_burst(&source.name);
         match store.features(source, camera, &monitor.part(index as f32 * share, share)) {
             Ok(features) => on(BurstEvent::Done(index, &features)),
             // A full disk, say, would fail for every burst.

@@ -1,16 +1,16 @@
 //! Pairs of an export that are matched, kept so that another run solves for the places of all images alone.
 //!
 //! `records/pairs/A.png/B.png.pair` holds what the database and the joint solution need of a pair ([`PairFound`]): the
-//! mark and a line of JSON with what it was made from (program, options of matching, and checksums of the features and
-//! frames of both bursts), then 32-bit words, little end first, and the CRC-32 of all before. A file that is not whole,
-//! or was made from anything else, counts as none. Bursts in memory have no files, and their pairs stay there too.
+//! mark and a line of JSON with what it was made from (program, options of matching, cameras, checksums of features and
+//! frames), then 32-bit words, little end first, and the CRC-32 of all before. A file that is not whole, or was made
+//! from anything else, counts as none. Bursts in memory have no files, and their pairs stay there too.
 
 use super::features::FeatureStore;
 use super::kept::pairs_folder;
 use crate::error::{Error, Result};
 use crate::export::{MadeFrom, write_whole};
 use crate::files::{MAX_TABLE_BYTES, lock::FolderLock, mark::PAIR_MARK, read_bytes};
-use crate::matching::{MatchParams, Refusal, TwoViewModel, Unaligned, align::Measured, aligned::Inlier};
+use crate::matching::{Camera, MatchParams, Refusal, TwoViewModel, Unaligned, align::Measured, aligned::Inlier};
 use nalgebra::Matrix3;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
@@ -105,6 +105,7 @@ pub(super) fn why_refused(path: &Path, matches: usize) -> Option<Refusal> {
 pub(super) struct PairedImage {
     pub name: String,
     pub features: usize,
+    pub camera: Option<Camera>,
     /// Source of its features: `None` for a burst in memory.
     pub key: Option<Value>,
 }
@@ -122,12 +123,17 @@ impl<'a> KeptPairs<'a> {
         Self { store, matching, images, in_memory: Mutex::default() }
     }
 
+    /// Parameters with which a pair is matched: for its cameras.
+    pub fn matching(&self, (a, b): (usize, usize)) -> MatchParams {
+        self.matching.with_cameras(self.images[a].camera.as_ref(), self.images[b].camera.as_ref())
+    }
+
     /// The file of a pair, and the bytes with which it begins; `None` for bursts in memory.
-    fn file(&self, (a, b): (usize, usize)) -> Option<(PathBuf, Vec<u8>)> {
+    fn file(&self, pair @ (a, b): (usize, usize)) -> Option<(PathBuf, Vec<u8>)> {
         let [a, b] = [&self.images[a], &self.images[b]];
         let (of_a, of_b) = (a.key.as_ref()?, b.key.as_ref()?);
         // Options as text, because a number may look different as a value.
-        let matching = serde_json::to_string(self.matching).expect("parameters are plain values");
+        let matching = serde_json::to_string(&self.matching(pair)).expect("parameters are plain values");
         let made_from = MadeFrom::new(json!({ "matching": matching, "bursts": [of_a, of_b] }));
         let made_from = serde_json::to_vec(&made_from).expect("plain values");
         let path = pairs_folder(&self.store.folder).join(&a.name).join(format!("{}.pair", b.name));
@@ -170,14 +176,14 @@ impl<'a> KeptPairs<'a> {
         let is_whole = odd.is_empty() && crc32fast::hash(content) == u32::from_le_bytes(*checksum);
         let words: Vec<u32> = words.iter().map(|word| u32::from_le_bytes(*word)).collect();
         let features = [a, b].map(|image| self.images[image].features);
-        is_whole.then(|| PairFound::from_words(&words, self.matching, features)).flatten()
+        is_whole.then(|| PairFound::from_words(&words, &self.matching((a, b)), features)).flatten()
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::matching::{Camera, Geometry};
+    use crate::matching::Geometry;
     use proptest::prelude::*;
 
     fn params(geometry: Geometry) -> MatchParams {

@@ -1,7 +1,7 @@
 //! A dataset: many bursts along a robot's path, and the results from all of them together.
 //!
 //! Features of each burst ([`features`]), matches of pairs of bursts ([`pairs`]), gathering of the features of several
-//! runs ([`mod@gather`]), and the folder for COLMAP ([`colmap`]). [`camera`] describes the lens.
+//! runs ([`mod@gather`]), and the folder for COLMAP ([`colmap`]). [`camera`] describes the lenses.
 
 mod blobs;
 pub mod camera;
@@ -20,7 +20,7 @@ mod report;
 mod source;
 mod stamp;
 
-pub use camera::CameraChoice;
+pub use camera::{BurstCameras, CameraChoice};
 #[cfg(feature = "colmap")]
 pub use colmap::{ColmapJob, export_colmap, export_detections};
 #[cfg(feature = "colmap")]
@@ -32,6 +32,6 @@ pub use pairs::{
     BurstSide, DetectedBurst, KeptBursts, MatchedPair, PairSource, match_bursts, match_pairs, match_rows, read_pairs,
 };
 pub use picture::{BurstPicture, ImageKind, burst_plane, thumbnail};
-pub use report::{ColmapReport, ImageReport, Joined, PairReport};
+pub use report::{CameraReport, ColmapReport, ImageReport, Joined, PairReport};
 pub use source::DatasetSource;
 pub use stamp::Comparison;

@@ -198,19 +198,20 @@ pub fn match_pairs<E: From<Error>>(
     monitor: &Monitor,
 ) -> Result<usize, E> {
     let mut on = |(indices, sides, found): MadePair<'_, Unaligned>| on(MatchedPair { indices, sides, found: &found });
-    for_pairs(pairs, params, source, (&|_, found| Ok(found), &mut on), monitor)
+    let matched = |_, sides: [MatchSide<'_>; 2]| match_features(sides, params, &monitor.silent());
+    for_pairs(pairs, params, source, (&matched, &mut on), monitor)
 }
 
 /// A pair with what was made of its matches.
 type MadePair<'a, T> = ((usize, usize), [&'a BurstSide; 2], T);
 
-type Make<'a, T> = &'a (dyn Fn((usize, usize), Unaligned) -> Result<T> + Sync);
+type Make<'a, T> = &'a (dyn Fn((usize, usize), [MatchSide<'_>; 2]) -> Result<T> + Sync);
 
 /// Takes a pair, in their order.
 type On<'a, T, E> = &'a mut dyn FnMut(MadePair<'_, T>) -> Result<(), E>;
 
-/// Matches pairs as [`match_pairs`] does. `make` gets the matches of a pair on the thread that has found them, at once;
-/// what it makes of them is passed on, a few pairs at a time.
+/// Passes pairs on as [`match_pairs`] does, with what `make`, on one of several threads, makes of the features of each,
+/// a few pairs at a time. Of `params` only the alignment counts, which needs pictures.
 pub(super) fn for_pairs<E: From<Error>, T: Send>(
     pairs: &[(usize, usize)],
     params: &MatchParams,
@@ -248,9 +249,7 @@ pub(super) fn for_pairs<E: From<Error>, T: Send>(
         let there = |&(a, b): &(usize, usize)| Some(((a, b), [loaded.get(&a)?, loaded.get(&b)?]));
         let some: Vec<_> = ordered[done..done + count].iter().filter_map(there).collect();
         left_out += count - some.len();
-        let of_pair = |&(indices, sides): &(_, [&BurstSide; 2])| {
-            make(indices, match_features(sides.map(BurstSide::side), params, &monitor.silent())?)
-        };
+        let of_pair = |&(indices, sides): &(_, [&BurstSide; 2])| make(indices, sides.map(BurstSide::side));
         let made: Vec<T> = some.par_iter().map(of_pair).collect::<Result<_>>()?;
         for ((indices, sides), made) in some.into_iter().zip(made) {
             on((indices, sides, made))?;

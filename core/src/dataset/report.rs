@@ -1,9 +1,24 @@
 //! Report of an export to COLMAP: what the database holds, and whether a mapper can start from it.
 
-use crate::files::serialize_path;
+use crate::files::{serialize_path, serialize_paths};
 use crate::matching::{Camera, MatchCounts, Refusal, aligned::Moved};
 use serde::Serialize;
 use std::{cmp::Reverse, collections::BTreeMap, path::PathBuf};
+
+/// Report of one camera of the database.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct CameraReport {
+    /// Its intrinsics.
+    #[serde(flatten)]
+    pub camera: Camera,
+    /// Whether the focal length is known.
+    pub known: bool,
+    /// Files, or words, that the camera of single bursts is from; empty for that of all others.
+    #[serde(serialize_with = "serialize_paths")]
+    pub from: Vec<PathBuf>,
+    /// Ids of its images, in ascending order.
+    pub images: Vec<u32>,
+}
 
 /// Report of one image of the database.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -73,9 +88,9 @@ pub struct ColmapReport {
     pub database: PathBuf,
     #[serde(serialize_with = "serialize_path")]
     pub images_folder: PathBuf,
-    /// Cameras, one for each size of image.
-    pub cameras: Vec<Camera>,
-    /// Whether the focal length is known.
+    /// Cameras, in ascending id: the known ones, and a guessed one for each size of image.
+    pub cameras: Vec<CameraReport>,
+    /// Whether the focal lengths of all cameras are known.
     pub known_camera: bool,
     /// Images, in ascending id.
     pub images: Vec<ImageReport>,

@@ -3,8 +3,8 @@
 
 use burstscope_core::burst::{Burst, BurstFiles, OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use burstscope_core::dataset::{
-    BurstEvent, BurstPicture, CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, burst_plane,
-    export_colmap,
+    BurstCameras, BurstEvent, BurstPicture, CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind,
+    burst_plane, export_colmap,
 };
 use burstscope_core::detect::{Searched, search};
 use burstscope_core::detector::view::{in_focus_view, stack_view};
@@ -50,7 +50,7 @@ pub fn job() -> ColmapJob {
         },
         matching: MatchParams::default(),
         pairs: PairSelection::All,
-        camera: CameraChoice::default(),
+        cameras: BurstCameras::default(),
     }
 }
 
@@ -70,8 +70,13 @@ pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<Col
 fn written(home: &Path, known: bool) -> (ColmapReport, PathBuf) {
     let out = home.join("out");
     let job = if known {
-        let camera = CameraChoice::Known(Camera::centred(SIZE.0, SIZE.1, 250.0));
-        ColmapJob { camera, matching: MatchParams { geometry: Geometry::Essential, ..MatchParams::default() }, ..job() }
+        let rest = CameraChoice::Known(Camera::centred(SIZE.0, SIZE.1, 250.0));
+        let cameras = BurstCameras { rest, ..BurstCameras::default() };
+        ColmapJob {
+            cameras,
+            matching: MatchParams { geometry: Geometry::Essential, ..MatchParams::default() },
+            ..job()
+        }
     } else {
         job()
     };
@@ -87,7 +92,7 @@ fn files_and_tables_agree() {
     let names: Vec<&str> = report.images.iter().map(|i| i.image.as_str()).collect();
     assert_eq!(names, ["frame_002.png", "frame_007.png", "frame_012.png"]);
     assert_eq!(
-        (report.cameras[0].to_string().as_str(), report.known_camera),
+        (report.cameras[0].camera.to_string().as_str(), report.known_camera),
         ("SIMPLE_RADIAL 260 200 312 130 100 0", false)
     );
     let db = Connection::open(&report.database).expect("a database");
@@ -205,7 +210,7 @@ fn colmap_reads_what_was_written() {
         let camera = &json["cameras"][0];
         let model = if known { "SIMPLE_PINHOLE" } else { "SIMPLE_RADIAL" };
         assert_eq!((camera["model"].as_str(), camera["width"].as_u64()), (Some(model), Some(SIZE.0 as u64)));
-        assert_eq!(camera["params"].as_array().map(Vec::len), Some(report.cameras[0].params.len()));
+        assert_eq!(camera["params"].as_array().map(Vec::len), Some(report.cameras[0].camera.params.len()));
         assert_eq!(camera["prior"], known);
         if let Some(frames) = json["frames"].as_u64() {
             assert_eq!(frames, 3);
@@ -286,6 +291,60 @@ fn inliers_are_as_many_as_colmaps() {
         println!("of {} matches: {ours} inliers, COLMAP {theirs}", pair.counts.putative);
         assert!(ours * 100 >= theirs * 97, "{ours} and {theirs}");
     }
+}
+
+#[test]
+fn each_image_refers_to_its_own_camera_and_pairs_of_other_cameras_are_matched_anew() {
+    let home = tempfile::tempdir().expect("a folder");
+    let (bursts, out) = (walk(home.path()), home.path().join("out"));
+    let names = ["frame_002", "frame_007", "frame_012"];
+    let of = |focal_px| Camera::centred(SIZE.0, SIZE.1, focal_px);
+    let own = |focal_px, from: &str| CameraChoice::Own(of(focal_px), from.into());
+    let job = |own: &[(&str, CameraChoice)], rest| {
+        let own = own.iter().map(|(name, choice)| ((*name).to_owned(), choice.clone())).collect();
+        let matching = MatchParams { geometry: Geometry::Essential, ..MatchParams::default() };
+        ColmapJob { cameras: BurstCameras { own, rest }, matching, ..job() }
+    };
+    let known = CameraChoice::Known(of(250.0));
+    let database = || fs::read(out.join("database.db")).expect("a file");
+    // One camera for all, and equal ones from two files: one row, and pairs that are matched once.
+    let report = done(&bursts, &out, &job(&[], known.clone()));
+    assert_eq!((report.cameras.len(), &report.cameras[0].images, report.known_camera), (1, &vec![1, 2, 3], true));
+    let first = database();
+    let equal = [own(250.0, "a.toml"), own(250.0, "b.toml"), own(250.0, "a.toml")];
+    let equal: Vec<(&str, CameraChoice)> = names.into_iter().zip(equal).collect();
+    let report = done(&bursts, &out, &job(&equal, CameraChoice::default()));
+    assert!(database() == first && report.pairs.iter().all(|pair| pair.resumed) && report.known_camera);
+    assert_eq!((report.cameras.len(), &report.cameras[0].from), (1, &vec!["a.toml".into(), "b.toml".into()]));
+    // Another camera for the last: its pairs alone are matched again, with both cameras.
+    let table = |report: &ColmapReport| -> (Vec<(u32, u32)>, Vec<u32>) {
+        let db = Connection::open(&report.database).expect("a database");
+        let rows = |sql: &str| {
+            let mut query = db.prepare(sql).expect("a query");
+            let rows = query.query_map([], |row| Ok((row.get(0)?, row.get(1)?))).expect("rows");
+            rows.collect::<Result<Vec<(u32, u32)>, _>>().expect("numbers")
+        };
+        let images =
+            "SELECT camera_id, prior_focal_length FROM images JOIN cameras USING (camera_id) ORDER BY image_id";
+        let kinds = rows("SELECT config, rows FROM two_view_geometries WHERE config > 1 ORDER BY pair_id");
+        (rows(images), kinds.into_iter().map(|(config, _)| config).collect())
+    };
+    let report = done(&bursts, &out, &job(&[("frame_012", own(245.0, "c.toml"))], known));
+    let matched_before = |report: &ColmapReport| report.pairs.iter().map(|pair| pair.resumed).collect::<Vec<_>>();
+    assert_eq!(matched_before(&report), [true, false, false]);
+    let (cameras, kinds) = table(&report);
+    assert_eq!((cameras, report.known_camera), (vec![(1, 1), (1, 1), (2, 1)], true));
+    assert!(kinds.contains(&2) && !kinds.contains(&3), "essential matrices: {kinds:?}");
+    // A pair of which one camera is unknown has a fundamental matrix.
+    let report = done(&bursts, &out, &job(&[("frame_012", own(245.0, "c.toml"))], CameraChoice::default()));
+    assert_eq!(matched_before(&report), [false; 3]);
+    let (cameras, kinds) = table(&report);
+    assert_eq!((cameras, report.known_camera), (vec![(1, 0), (1, 0), (2, 1)], false));
+    assert!(kinds.contains(&3) && !kinds.contains(&2), "fundamental matrices: {kinds:?}");
+    let wrong = CameraChoice::Own(Camera::centred(9, 9, 9.0), "c.toml".into());
+    let (refused, _) = export(&bursts, &out, &job(&[("frame_012", wrong)], CameraChoice::default()));
+    let refused = refused.expect_err("another size").to_string();
+    assert!(refused.contains("c.toml") && refused.contains("9×9"), "{refused}");
 }
 
 fn done(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> ColmapReport {
@@ -419,5 +478,8 @@ fn what_makes_no_sense_is_said_before_anything_is_done() {
     assert!(error(nonsense).contains("levels"));
     assert!(!out.exists());
     let small = CameraChoice::Known(Camera::centred(SIZE.0 / 2, SIZE.1 / 2, 100.0));
-    assert!(error(ColmapJob { camera: small, ..job() }).contains("130×100"));
+    assert!(
+        error(ColmapJob { cameras: BurstCameras { rest: small, ..BurstCameras::default() }, ..job() })
+            .contains("130×100")
+    );
 }

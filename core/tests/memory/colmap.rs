@@ -5,7 +5,7 @@ use crate::peak_over;
 use burstscope_core::Monitor;
 use burstscope_core::burst::{OpenOptions, SequenceCut, cut_sequence, find_bursts};
 use burstscope_core::dataset::{
-    CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, export_colmap,
+    BurstCameras, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, export_colmap,
 };
 use burstscope_core::detector::{Method, NoiseGate, SearchParams};
 use burstscope_core::matching::{MatchParams, PairSelection};
@@ -37,7 +37,7 @@ fn the_memory_of_an_export_does_not_grow_with_the_number_of_bursts() {
         features: FeatureJob { detector: params, open: OpenOptions::default(), images: ImageKind::default() },
         matching: MatchParams::default(),
         pairs: PairSelection::Sequential(4),
-        camera: CameraChoice::default(),
+        cameras: BurstCameras::default(),
     };
     let unaligned = ColmapJob { matching: MatchParams { align: false, ..MatchParams::default() }, ..aligned.clone() };
     let pool = rayon::ThreadPoolBuilder::new().num_threads(2).build().expect("a pool");

@@ -178,7 +178,7 @@ fn say_what_was_exported(model: &mut Model, done: &crate::requests::ColmapDone) 
     let report = &done.report;
     let verified = report.pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)).count();
     model.shell.messages.resolved(Work::Exporting.title());
-    model.results.datasets.exported = report.database.parent().map(Into::into);
+    model.results.datasets.exported = report.database.parent().map(|folder| (folder.into(), report.known_camera));
     model.shell.messages.note(format!(
         "Wrote {}: {}, {}, {verified} of them verified; {}",
         report.database.display(),

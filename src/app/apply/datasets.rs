@@ -4,6 +4,8 @@ use crate::app::document::{BurstPair, DatasetChoice};
 use crate::app::results::{Effect, Model, Read, Work};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
+#[cfg(feature = "colmap")]
+use crate::dataset::{BurstCameras, CameraChoice, ColmapJob, FeatureJob, ImageKind};
 use crate::engine::Engine;
 use crate::requests::DatasetRequest;
 use std::path::PathBuf;
@@ -101,14 +103,17 @@ fn start_matching_pairs(model: &mut Model, pairs: Vec<BurstPair>, engine: &Engin
 #[cfg(feature = "colmap")]
 pub(in crate::app) fn export_database(model: &mut Model, out: PathBuf, engine: &Engine) {
     let Some(dataset) = &model.results.datasets.open else { return };
-    let request = crate::requests::ColmapRequest {
-        out,
-        kept: dataset.folder.clone(),
-        params: Read::of(model).asked(),
-        open: dataset.open.clone(),
-        matching: model.document.matching.clone(),
+    let matching = model.document.matching.clone();
+    let rest = matching.camera.clone().map_or_else(CameraChoice::default, CameraChoice::Known);
+    let (detector, images) = (Read::of(model).asked(), ImageKind::default());
+    let job = ColmapJob {
+        features: FeatureJob { detector, open: dataset.open.clone(), images },
+        matching,
         pairs: model.document.pairs.selection(),
+        cameras: BurstCameras { rest, ..Default::default() },
     };
+    let (inputs, kept) = (dataset.source.paths.clone(), dataset.folder.clone());
+    let request = crate::requests::ColmapRequest { out, inputs, kept, job };
     let bursts = dataset.bursts.clone();
     model.shell.messages.resolved(Work::Exporting.title());
     let request = DatasetRequest::Colmap { bursts, request: Box::new(request) };

@@ -94,8 +94,8 @@ fn pairs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 fn next_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Next", |ui| {
         button_ui(ui, model, queue, ActionId::ExportDatabase, None);
-        let Some(folder) = &model.results.datasets.exported else { return };
-        let [make, map, python] = next_commands(folder, model.document.matching.camera.is_some());
+        let Some((folder, knows_cameras)) = &model.results.datasets.exported else { return };
+        let [make, map, python] = next_commands(folder, *knows_cameras);
         ui.add_space(4.0);
         let lines = [("COLMAP", format!("{make} && {map}")), ("pycolmap", python)];
         for (name, line) in lines {

@@ -1,42 +1,20 @@
 //! Export of a whole dataset for COLMAP's mapper: the work of the command `colmap`, as a request.
 
 use super::DatasetEvent;
-use crate::burst::{BurstFiles, OpenOptions};
-use crate::dataset::{
-    BurstEvent, CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind, export_colmap, gather,
-};
-use crate::detector::SearchParams;
+use crate::burst::BurstFiles;
+use crate::dataset::{BurstCameras, BurstEvent, ColmapJob, ColmapReport, FeatureStore, export_colmap, gather};
 use crate::error::Error;
-use crate::matching::{CameraModel, MatchParams, PairSelection};
 use crate::monitor::Monitor;
 use std::path::PathBuf;
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct ColmapRequest {
     pub out: PathBuf,
+    /// Paths of the dataset: a file `camera.toml` in a folder there is the camera of its bursts, if `job` has none.
+    pub inputs: Vec<PathBuf>,
     /// Folder in which the dataset's features are kept: those of the same parameters are copied, not found again.
     pub kept: Option<PathBuf>,
-    pub params: SearchParams,
-    pub open: OpenOptions,
-    /// Parameters of matching, with the camera where it is known.
-    pub matching: MatchParams,
-    pub pairs: PairSelection,
-}
-
-impl ColmapRequest {
-    fn job(&self) -> ColmapJob {
-        let camera = self.matching.camera.clone();
-        ColmapJob {
-            features: FeatureJob {
-                detector: self.params.clone(),
-                open: self.open.clone(),
-                images: ImageKind::default(),
-            },
-            matching: self.matching.clone(),
-            pairs: self.pairs.clone(),
-            camera: camera.map_or(CameraChoice::Guessed(CameraModel::SimpleRadial), CameraChoice::Known),
-        }
-    }
+    pub job: ColmapJob,
 }
 
 #[derive(Debug, Clone)]
@@ -48,7 +26,7 @@ pub struct ColmapDone {
 /// Bursts whose features are in the folder, or where the dataset keeps them, are not searched again.
 pub(super) fn run(
     bursts: &[BurstFiles],
-    request: &ColmapRequest,
+    ColmapRequest { out, inputs, kept, mut job }: ColmapRequest,
     tell: &dyn Fn(DatasetEvent),
     monitor: &Monitor,
 ) -> Result<ColmapDone, Error> {
@@ -59,9 +37,9 @@ pub(super) fn run(
         }
         DatasetEvent::of(&event).into_iter().for_each(tell);
     };
-    let job = request.job();
-    let mut store = FeatureStore::open(&request.out, &job.features)?;
-    if let Some(kept) = request.kept.clone().filter(|kept| *kept != request.out && kept.is_dir()) {
+    job.cameras = BurstCameras::of(bursts, &inputs, &[], job.cameras.rest)?;
+    let mut store = FeatureStore::open(&out, &job.features)?;
+    if let Some(kept) = kept.filter(|kept| *kept != out && kept.is_dir()) {
         gather(&mut store, bursts, &[kept], monitor)?;
     }
     let report = export_colmap(&mut store, bursts, &job, &mut on, monitor)?;

@@ -3,7 +3,7 @@
 use super::{DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
 use crate::burst::{Entries, OpenOptions};
 use crate::dataset::{
-    BurstEvent, CameraChoice, DatasetSource, FeatureStore, KeptBursts, MatchedPair, detect_all, match_pairs,
+    BurstCameras, BurstEvent, DatasetSource, FeatureStore, KeptBursts, MatchedPair, detect_all, match_pairs,
 };
 use crate::detector::SearchParams;
 use crate::monitor::{Monitor, Stage};
@@ -24,7 +24,7 @@ impl Request for DatasetRequest {
             }
             Self::Detect { bursts, keeping } => {
                 let mut on = |event: BurstEvent<'_>| DatasetEvent::of(&event).into_iter().for_each(tell);
-                detect_all(&mut keeping.store()?, &bursts, &CameraChoice::default(), &mut on, monitor)?;
+                detect_all(&mut keeping.store()?, &bursts, &BurstCameras::default(), &mut on, monitor)?;
                 Ok(DatasetAnswer::Detected)
             }
             Self::Match { bursts, keeping, pairs, matching } => {
@@ -40,7 +40,7 @@ impl Request for DatasetRequest {
             }
             #[cfg(feature = "colmap")]
             Self::Colmap { bursts, request } => {
-                let done = super::colmap::run(&bursts, &request, tell, monitor)?;
+                let done = super::colmap::run(&bursts, *request, tell, monitor)?;
                 Ok(DatasetAnswer::Colmap(Box::new(done)))
             }
         }

@@ -8,7 +8,11 @@ use burstscope::requests::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, Keeping, OpenDataset, Request, Work,
 };
 #[cfg(feature = "colmap")]
-use burstscope::{matching::PairSelection, requests::ColmapRequest};
+use burstscope::{
+    dataset::{ColmapJob, FeatureJob},
+    matching::PairSelection,
+    requests::ColmapRequest,
+};
 use std::path::Path;
 use std::sync::Mutex;
 
@@ -113,24 +117,36 @@ fn an_export_to_a_new_folder_takes_the_features_that_are_kept() {
     let bursts = look(home.path(), nights(home.path()), params()).bursts;
     let keeping = keeping(home.path(), params().into());
     assert_eq!(detect(&bursts, &keeping, &Monitor::default()).0, Ok(()));
-    let exported = |out: &str, params: DetectorParams| {
+    let report = |out: &str, params: DetectorParams| {
         let request = ColmapRequest {
             out: home.path().join(out),
+            inputs: vec![home.path().join("nights")],
             kept: Some(keeping.folder.clone()),
-            params: params.into(),
-            open: Default::default(),
-            matching: Default::default(),
-            pairs: PairSelection::All,
+            job: ColmapJob {
+                features: FeatureJob { detector: params.into(), open: Default::default(), images: Default::default() },
+                matching: Default::default(),
+                pairs: PairSelection::All,
+                cameras: Default::default(),
+            },
         };
         let request = DatasetRequest::Colmap { bursts: bursts.clone(), request: Box::new(request) };
         match request.compute(&Work::alone(&Monitor::default())) {
-            Ok(DatasetAnswer::Colmap(done)) => done.report.images.iter().map(|image| image.resumed).collect::<Vec<_>>(),
+            Ok(DatasetAnswer::Colmap(done)) => done.report,
             other => panic!("{other:?}"),
         }
     };
+    let exported = |out, params| report(out, params).images.iter().map(|image| image.resumed).collect::<Vec<_>>();
     assert_eq!(exported("new", params()), [true, true], "the broken burst is left out");
     assert!(home.path().join("new/features/a.png.txt").is_file() && home.path().join("new/images/c.png").is_file());
     // Features of other parameters are found anew; the dataset's own folder can be exported into too.
     assert_eq!(exported("other", DetectorParams { levels: 3, ..params() }), [false, false]);
     assert_eq!(exported("kept", params()), [true, true]);
+    // A camera beside the frames of a burst is its own.
+    let (width, height) = image::image_dimensions(home.path().join("nights/c/frame_000.png")).expect("a picture");
+    let text = format!("model = \"SIMPLE_PINHOLE\"\nwidth = {width}\nheight = {height}\nparams = [300, 60, 40]\n");
+    let file = home.path().join("nights/c/camera.toml");
+    std::fs::write(&file, text).expect("written");
+    let cameras = report("new", params()).cameras;
+    let known: Vec<_> = cameras.iter().map(|of| (of.known, of.from.clone(), of.images.clone())).collect();
+    assert_eq!(known, [(false, vec![], vec![1]), (true, vec![file], vec![2])]);
 }

@@ -1,6 +1,7 @@
 //! Tests of the public functions of `dataset`, a module for each of its files.
 
 mod camera {
+    use burstscope_core::burst::BurstFiles;
     use burstscope_core::dataset::camera::*;
     use burstscope_core::matching::*;
 
@@ -14,6 +15,47 @@ mod camera {
         assert_eq!(choice.for_images((64, 48)).map(|c| c.params[0]), Ok(50.0));
         let error = choice.for_images((48, 64)).expect_err("another size").to_string();
         assert!(error.contains("64×48") && error.contains("48×64"), "{error}");
+    }
+
+    #[test]
+    fn bursts_have_the_camera_that_is_given_for_their_folder_or_lies_beside_them() {
+        let home = tempfile::tempdir().expect("a folder");
+        let input = home.path().join("flight");
+        let write = |folder: &str, focal_px: f64| {
+            let text = format!("model = \"SIMPLE_PINHOLE\"\nwidth = 8\nheight = 6\nparams = [{focal_px}, 4, 3]\n");
+            std::fs::create_dir_all(home.path().join(folder)).expect("made");
+            std::fs::write(home.path().join(folder).join("camera.toml"), text).expect("written");
+        };
+        // Above the input no file counts.
+        write("", 1.0);
+        write("flight/right", 3.0);
+        std::fs::create_dir_all(input.join("left")).expect("made");
+        let burst = |name: &str, path: &str| BurstFiles { name: name.into(), paths: vec![input.join(path)] };
+        let bursts = [burst("left", "left"), burst("one", "right/one.npy"), burst("two", "right/two.npy")];
+        let given = |names: &[(&str, f64)]| -> Vec<(String, CameraChoice)> {
+            let own = |focal_px| CameraChoice::Own(Camera::centred(8, 6, focal_px), "given".into());
+            names.iter().map(|(name, focal_px)| ((*name).to_owned(), own(*focal_px))).collect()
+        };
+        let focal_px = |names: &[(&str, f64)], rest: CameraChoice| {
+            let cameras = BurstCameras::of(&bursts, &[input.clone()], &given(names), rest).expect("cameras");
+            bursts.each_ref().map(|burst| cameras.of_burst(&burst.name).known().map(|camera| camera.params[0]))
+        };
+        let unknown = CameraChoice::default;
+        assert_eq!(focal_px(&[], unknown()), [None, Some(3.0), Some(3.0)]);
+        assert_eq!(focal_px(&[("left", 7.0), ("two", 8.0)], unknown()), [Some(7.0), Some(3.0), Some(8.0)]);
+        assert_eq!(focal_px(&[("right/", 7.0), ("right", 8.0)], unknown()), [None, Some(8.0), Some(8.0)]);
+        assert_eq!(focal_px(&[("flight", 7.0), ("right", 8.0)], unknown()), [Some(7.0), Some(8.0), Some(8.0)]);
+        let known = CameraChoice::Known(Camera::centred(8, 6, 9.0));
+        assert_eq!(focal_px(&[("one", 7.0)], known), [Some(9.0), Some(7.0), Some(9.0)]);
+        write("flight", 2.0);
+        assert_eq!(focal_px(&[], unknown()), [Some(2.0), Some(3.0), Some(3.0)]);
+        let of = |names: &[(&str, f64)]| BurstCameras::of(&bursts, &[input.clone()], &given(names), unknown());
+        assert_eq!(of(&[]).expect("cameras").own["two"].source(), Some(&input.join("right/camera.toml")));
+        let error = of(&[("righ", 7.0)]).expect_err("no such folder").to_string();
+        assert!(error.contains("'righ'") && error.contains("flight, left, one, right, two"), "{error}");
+        std::fs::write(input.join("right/camera.toml"), "model = 3").expect("written");
+        let error = of(&[]).expect_err("no camera").to_string();
+        assert!(error.contains("camera.toml"), "{error}");
     }
 
     #[test]

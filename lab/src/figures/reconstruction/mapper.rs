@@ -37,7 +37,7 @@ mod with_database {
     use crate::synth::write_trajectory;
     use burstscope_core::burst::{BurstFiles, OpenOptions};
     use burstscope_core::dataset::{
-        CameraChoice, ColmapJob, DatasetSource, FeatureJob, FeatureStore, ImageKind, export_colmap,
+        BurstCameras, CameraChoice, ColmapJob, DatasetSource, FeatureJob, FeatureStore, ImageKind, export_colmap,
     };
     use burstscope_core::matching::{Camera, CameraModel, PairSelection};
     use std::fs::File;
@@ -88,7 +88,7 @@ mod with_database {
             },
             matching: how.matching.clone(),
             pairs: PairSelection::default(),
-            camera: CameraChoice::Known(camera),
+            cameras: BurstCameras { rest: CameraChoice::Known(camera), ..Default::default() },
         };
         let mut store = FeatureStore::open(&out, &job.features)?;
         let report = export_colmap(&mut store, &bursts, &job, &mut |_| {}, &silent)?;

@@ -35,8 +35,8 @@ pub struct Datasets {
     pub open: Option<Dataset>,
     pub work: Option<Work>,
     pub wanted: Wanted<DatasetRequest>,
-    /// Folder of the last export, until another dataset is opened.
-    pub exported: Option<PathBuf>,
+    /// Folder of the last export, and whether all its cameras are known; until another dataset is opened.
+    pub exported: Option<(PathBuf, bool)>,
 }
 
 impl Datasets {
