@@ -21,6 +21,7 @@ pub mod histogram;
 pub mod inspector;
 pub mod lesson;
 pub mod measure;
+mod memo;
 pub mod messages;
 pub mod offscreen;
 mod overlays;

@@ -4,26 +4,21 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::{CanvasOutput, Quantity, Readout, overlay};
 use crate::app::document::{FeaturesShown, RangeClass};
 use crate::app::measure::Tool;
+use crate::app::memo::{Itself, Memo};
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::paint;
 use crate::app::results::{Read, Stale};
-use crate::app::view::fixed;
+use crate::app::view::{ColourBy, fixed};
 use crate::app::{canvas, style};
 use crate::burst::Offset;
 use crate::detector::{Detection, Feature, MotionField, Scale, Slope, SlopeAxis};
-use crate::requests::{MotionMap, PictureAnswer, PictureKind, PictureRequest, line_of};
+use crate::requests::{PictureAnswer, PictureKind, PictureRequest, line_of};
 use egui::{Align, Frame, Layout, Margin, Rect, RichText, Ui, UiBuilder, vec2};
 use std::sync::Arc;
 
-/// Colours of a picture of motions on the card.
-struct Colours {
-    of: Arc<MotionMap>,
-    /// Line along which the colours run, if they do.
-    line: Option<(f32, SlopeAxis)>,
-    /// Layers of the field that are drawn dark.
-    hidden: Vec<u8>,
-    texture: egui::TextureHandle,
-}
+/// Colours of a picture of motions on the card, made of the motions, the line along which the colours run, if they do,
+/// and the layers of the field that are drawn dark.
+type Colours = Memo<(Itself, Option<(f32, SlopeAxis)>, Vec<u8>), egui::TextureHandle>;
 
 /// Brightness of the hidden layers of a field, as a fraction.
 const HIDDEN: f32 = 0.2;
@@ -34,8 +29,8 @@ pub struct PictureState {
     pub visible_image: Option<Rect>,
     pub ui_from_image: Option<canvas::RectTransform>,
     shown: Option<canvas::Picture>,
-    colours: Option<Colours>,
-    scale: Option<(Arc<Detection>, overlay::ColourScale)>,
+    colours: Colours,
+    scale: Memo<(Itself, ColourBy), overlay::ColourScale>,
     /// Numbers of features drawn in full, and in view, as last drawn; `None` without features.
     pub drawn_of: Option<(usize, usize)>,
     /// Feature under the pointer, as last drawn.
@@ -64,7 +59,7 @@ impl PictureState {
     pub(in crate::app) fn paint_colours(&mut self, ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput) {
         let (features, filter) = (model.features_of_motion(id), model.filter_of(id));
         let Some(motion) = model.picture_in(id).and_then(|picture| picture.motion.as_ref()) else {
-            self.colours = None;
+            self.colours = Memo::default();
             return;
         };
         let Some(rect_image) = self.shown.as_ref().map(canvas::Picture::rect_image) else { return };
@@ -76,8 +71,7 @@ impl PictureState {
             !hidden.is_empty() && motion.field.as_ref().is_some_and(of)
         };
         let line = line_of(&motion.grid, features);
-        let is_same = |last: &Colours| Arc::ptr_eq(&last.of, motion) && last.hidden == hidden && last.line == line;
-        if !self.colours.as_ref().is_some_and(is_same) {
+        let texture = self.colours.get((motion.into(), line, hidden.clone()), || {
             let colours = motion.colours(features);
             // Only every n-th pixel, where the card cannot hold a picture of this size.
             let most = ui.ctx().input(|i| i.max_texture_side).max(1) as u32;
@@ -92,12 +86,9 @@ impl PictureState {
                 egui::Color32::from_rgb(r, g, b)
             });
             let image = egui::ColorImage::new(size, pixels.collect());
-            let texture = ui.ctx().load_texture("winning slopes", image, egui::TextureOptions::NEAREST);
-            self.colours = Some(Colours { of: motion.clone(), line, hidden: hidden.clone(), texture });
-        }
-        if let Some(colours) = &self.colours {
-            paint(&output.painter, colours.texture.id(), output.ui_from_image.rect(rect_image));
-        }
+            ui.ctx().load_texture("winning slopes", image, egui::TextureOptions::NEAREST)
+        });
+        paint(&output.painter, texture.id(), output.ui_from_image.rect(rect_image));
         if let Some(field) = &motion.field {
             let known = |u: f32, v: f32| field.known_at(u, v).filter(|_| !is_hidden(u, v));
             overlay::draw_field(output, field, motion.grid.max_magnitude().max(f32::MIN_POSITIVE), known);
@@ -132,14 +123,8 @@ impl PictureState {
     /// Colours of the features of `detection`, constant until the next detection or another choice.
     pub fn colour_scale(&mut self, model: Read<'_>, detection: &Arc<Detection>) -> overlay::ColourScale {
         let by = model.document.colour_by;
-        let scale = match &self.scale {
-            Some((of, scale)) if Arc::ptr_eq(of, detection) && scale.by == by => scale.clone(),
-            _ => {
-                let scale = overlay::ColourScale::of(by, &detection.features, &detection.slopes);
-                self.scale = Some((detection.clone(), scale.clone()));
-                scale
-            }
-        };
+        let of = || overlay::ColourScale::of(by, &detection.features, &detection.slopes);
+        let scale = self.scale.get((detection.into(), by), of).clone();
         let coherences = model.results.coherence.of(detection);
         scale.with_coherences(coherences).with_set_up(model.document.set_up.depths_by())
     }

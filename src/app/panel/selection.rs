@@ -2,6 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Side;
+use crate::app::memo::{Itself, Memo};
 use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
 use crate::app::results::{Read, verdict_words};
@@ -191,17 +192,7 @@ const SAMPLES: usize = 72;
 const SIGMAS: f32 = 6.0;
 
 #[derive(Default)]
-pub struct PatchTexture(Option<(PatchKey, TextureHandle)>);
-
-#[derive(Clone, Copy, PartialEq)]
-struct PatchKey {
-    plane: usize,
-    centre: (f32, f32),
-    half_width_px: f32,
-    angle_rad: f32,
-    display: Display,
-    dark: bool,
-}
+pub struct PatchTexture(Memo<(Itself, [f32; 4], Display, bool), TextureHandle>);
 
 pub struct PatchView<'a> {
     pub name: &'a str,
@@ -219,21 +210,13 @@ impl PatchView<'_> {
         let Some(plane) = plane else { return };
         let half_width_px = (SIGMAS * self.feature.sigma).max(4.0);
         let angle_rad = if self.turned { self.feature.orientation } else { 0.0 };
-        let key = PatchKey {
-            plane: Arc::as_ptr(plane) as usize,
-            centre: (self.feature.u, self.feature.v),
-            half_width_px,
-            angle_rad,
-            display: self.display,
-            dark: ui.visuals().dark_mode,
-        };
-        if texture.0.as_ref().is_none_or(|(k, _)| *k != key) {
-            let patch = sample_patch(plane, key.centre, key.half_width_px, key.angle_rad, SAMPLES);
-            texture.0 = Some((key, texture_of(ui, self.name, &patch, &self.display)));
-        }
-        if let Some((_, texture)) = &texture.0 {
-            paint(ui.painter(), texture.id(), rect);
-        }
+        let Feature { u, v, .. } = self.feature;
+        let key = (plane.into(), [u, v, half_width_px, angle_rad], self.display, ui.visuals().dark_mode);
+        let texture = texture.0.get(key, || {
+            let patch = sample_patch(plane, (u, v), half_width_px, angle_rad, SAMPLES);
+            texture_of(ui, self.name, &patch, &self.display)
+        });
+        paint(ui.painter(), texture.id(), rect);
         let radius = self.feature.circle_radius_px() * 0.5 * side / half_width_px;
         let tip = rect.center() + radius * Vec2::angled(self.feature.orientation - angle_rad);
         for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.4, Color32::from_rgb(255, 214, 90))] {

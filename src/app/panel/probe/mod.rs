@@ -7,6 +7,7 @@ mod shares;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Destination, FeaturesShown, Side};
+use crate::app::memo::{Itself, Memo};
 use crate::app::panel::selection::texture_of;
 use crate::app::panel::widgets::{named, paint, progress_ui, section_ui, warning_ui, weak_ui};
 use crate::app::parts::mark;
@@ -214,14 +215,7 @@ fn strength_text(answer: &Probed, value: f32) -> String {
 }
 
 #[derive(Default)]
-pub struct PlaneTexture(Option<Made>);
-
-struct Made {
-    of: Arc<dyn Any + Send + Sync>,
-    display: Display,
-    dark: bool,
-    texture: TextureHandle,
-}
+pub struct PlaneTexture(Memo<(Itself, Display, bool), TextureHandle>);
 
 impl PlaneTexture {
     /// Draws a picture of the answer `of` into `rect`.
@@ -234,18 +228,9 @@ impl PlaneTexture {
         display: Display,
         plane: impl FnOnce() -> Plane,
     ) {
-        let dark = ui.visuals().dark_mode;
-        let of: Arc<dyn Any + Send + Sync> = of.clone();
-        // The texture keeps its answer alive, so that no other has its address.
-        let is_same = |made: &Made| std::ptr::addr_eq(Arc::as_ptr(&made.of), Arc::as_ptr(&of));
-        let fits = |made: &Made| is_same(made) && made.display == display && made.dark == dark;
-        if !self.0.as_ref().is_some_and(fits) {
-            let texture = texture_of(ui, name, &plane(), &display);
-            self.0 = Some(Made { of, display, dark, texture });
-        }
-        if let Some(made) = &self.0 {
-            paint(ui.painter(), made.texture.id(), rect);
-        }
+        let key = (of.into(), display, ui.visuals().dark_mode);
+        let texture = self.0.get(key, || texture_of(ui, name, &plane(), &display));
+        paint(ui.painter(), texture.id(), rect);
     }
 }
 

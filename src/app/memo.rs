@@ -1,0 +1,35 @@
+//! Values that are made again when their key changes.
+
+use std::any::Any;
+use std::sync::Arc;
+
+/// The last value, with its key.
+pub struct Memo<K, V>(Option<(K, V)>);
+
+impl<K, V> Default for Memo<K, V> {
+    fn default() -> Self {
+        Self(None)
+    }
+}
+
+impl<K: PartialEq, V> Memo<K, V> {
+    pub fn get(&mut self, key: K, make: impl FnOnce() -> V) -> &V {
+        let kept = self.0.take().filter(|(of, _)| *of == key);
+        &self.0.insert(kept.unwrap_or_else(|| (key, make()))).1
+    }
+}
+
+/// A shared value, which equals itself alone. It is kept alive, so that no other has its address.
+pub struct Itself(Arc<dyn Any + Send + Sync>);
+
+impl<T: Any + Send + Sync> From<&Arc<T>> for Itself {
+    fn from(shared: &Arc<T>) -> Self {
+        Self(shared.clone())
+    }
+}
+
+impl PartialEq for Itself {
+    fn eq(&self, other: &Self) -> bool {
+        std::ptr::addr_eq(Arc::as_ptr(&self.0), Arc::as_ptr(&other.0))
+    }
+}
