@@ -6,7 +6,7 @@ use super::dialogs::Question;
 use super::session::Session;
 use crate::app::document::datasets::Which;
 use crate::app::document::{Action, ExportKind, Purpose, Side};
-use crate::app::figure::drawing_of;
+use crate::app::figure::figure_of;
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{mask_of, profiles_of};
 use crate::app::messages::Messages;
@@ -235,8 +235,8 @@ fn prepare(purpose: Purpose, model: Read<'_>, widgets: &PaneWidgets) -> Result<W
             }))
         }
         Purpose::Export(ExportKind::Figure) => {
-            let drawing = drawing_of(model, widgets, &model.document.figure)?;
-            Ok(work(move |path| export::write_drawing(path, &drawing)))
+            let figure = figure_of(model, widgets, &model.document.figure)?;
+            Ok(work(move |path| export::write_drawing(path, &figure.drawing())))
         }
         Purpose::Export(kind) => picture_work(model, kind),
         _ => Err("nothing is written for this".to_owned()),

@@ -4,8 +4,9 @@ use super::actions::menu::Palette;
 use super::actions::{ActionId, Queue, menu};
 use super::dataset::CutDialog;
 use super::dialogs::{PathField, ReplaceFile, ShapeDialog};
-use super::figure::FilmDialog;
+use super::figure::{FigureDialog, FilmDialog};
 use super::files;
+use super::inspector::PaneWidgets;
 use super::lesson::Lessons;
 use crate::app::document::{Action, Purpose, Side};
 use crate::app::panel::glossary::GlossaryWindow;
@@ -22,7 +23,7 @@ pub(super) struct Overlays {
     pub sheet_open: bool,
     pub about_open: bool,
     pub glossary: GlossaryWindow,
-    pub figure_open: bool,
+    pub figure: FigureDialog,
     pub film: FilmDialog,
     pub calibration: Option<OpenOptions>,
     pub path_field: Option<PathField>,
@@ -49,7 +50,7 @@ impl Overlays {
             ActionId::Shortcuts => self.sheet_open = !self.sheet_open,
             ActionId::About => self.about_open = true,
             ActionId::Glossary => self.glossary.open(None),
-            ActionId::FigureOptions => self.figure_open = true,
+            ActionId::FigureOptions => self.figure.is_open = true,
             ActionId::FilmOptions => self.film.is_open = true,
             ActionId::Calibration => {
                 self.calibration_draft(&model.document.calibration);
@@ -75,7 +76,7 @@ impl Overlays {
             || self.sheet_open
             || self.about_open
             || lessons.list_is_open
-            || self.figure_open
+            || self.figure.is_open
             || self.film.is_open
             || self.calibration.is_some()
             || self.path_field.is_some()
@@ -86,7 +87,13 @@ impl Overlays {
             || !self.choice.is_empty()
     }
 
-    pub fn ui(&mut self, ctx: &Context, model: Read<'_>, lessons: &mut Lessons, queue: &mut Queue) -> Vec<Effect> {
+    pub fn ui(
+        &mut self,
+        ctx: &Context,
+        (model, widgets): (Read<'_>, &PaneWidgets),
+        lessons: &mut Lessons,
+        queue: &mut Queue,
+    ) -> Vec<Effect> {
         let mut effects = Vec::new();
         self.palette.ui(ctx, model, queue);
         menu::sheet_ui(ctx, &mut self.sheet_open);
@@ -95,10 +102,7 @@ impl Overlays {
         if lessons.open.is_some() && !self.are_modal(lessons) {
             super::lesson::highlights_ui(ctx);
         }
-        let mut figure = model.document.figure;
-        let has_matches = model.document.workspace.shows_pair() || model.document.compares_methods();
-        super::figure::figure_dialog_ui(ctx, &mut self.figure_open, &mut figure, has_matches, queue);
-        queue.edit(model.document, Action::SetFigure(figure));
+        self.figure.ui(ctx, model, widgets, queue);
         self.film.ui(ctx, model, queue);
         effects.extend(modals::calibration_ui(ctx, &mut self.calibration, queue).map(Effect::Ask));
         effects.extend(self.path_ui(ctx, model));

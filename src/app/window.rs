@@ -151,7 +151,8 @@ impl BurstscopeApp {
             rings_ui(&ctx, &self.lessons, Read::of(&self.model), &self.widgets);
         }
         about_ui(&ctx, &mut self.overlays.about_open, &self.engine, &mut self.settings);
-        let effects = self.overlays.ui(&ctx, Read::of(&self.model), &mut self.lessons, &mut queue);
+        let shown = (Read::of(&self.model), &self.widgets);
+        let effects = self.overlays.ui(&ctx, shown, &mut self.lessons, &mut queue);
         self.apply(effects);
         self.act(&ctx, queue);
         self.go_on_with_lesson(&ctx, asked);

@@ -6,6 +6,7 @@ mod comparison;
 pub mod dataset;
 mod detect;
 mod explain;
+mod figure;
 mod film;
 mod kind;
 mod map;
@@ -31,6 +32,7 @@ pub use explain::{
     CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest,
     ProbeQuestion, ProbeRequest, Probed, Traced,
 };
+pub use figure::{FigurePicture, FigurePreview, FigureRequest};
 pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::{MotionMap, SlopeColours, line_of};

@@ -127,6 +127,13 @@ pub struct PictureAnswer {
     pub motion: Option<Arc<MotionMap>>,
 }
 
+/// Equal requests have equal answers.
+impl PartialEq for PictureAnswer {
+    fn eq(&self, other: &Self) -> bool {
+        self.request == other.request
+    }
+}
+
 impl PictureAnswer {
     pub fn bytes(&self) -> usize {
         let pixels = std::mem::size_of_val(self.plane.data());

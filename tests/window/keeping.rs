@@ -1,6 +1,7 @@
 //! Saving and loading parameters and sessions, exporting, settings.
 
-use crate::support::{Memory, Start, noisy_stack};
+use crate::flat;
+use crate::support::{Memory, Start, Window, noisy_stack};
 use burstscope::app::Startup;
 use burstscope::app::canvas::View;
 use burstscope::app::document::look::FeaturesShown;
@@ -289,6 +290,55 @@ fn figures_show_what_the_panes_show() {
     assert!((wide..wide + 60.0).contains(&(image.width() as f32)), "{} {wide}", image.width());
     let coloured = image.pixels().filter(|p| p.0.iter().max().unwrap() - p.0.iter().min().unwrap() > 60).count();
     assert!(coloured > 500, "{coloured} pixels of features");
+}
+
+/// The preview in the form of a figure; its label says what is drawn.
+fn previewed(window: &mut Window) -> image::RgbaImage {
+    window.settle();
+    let made = window.app().model.results.preview.made.as_ref().expect("a preview").1.clone();
+    let shown = window.harness.get_by_role_and_label(Role::Image, &made.words).rect();
+    assert!(window.harness.ctx.content_rect().contains_rect(shown), "{shown:?} is in the window");
+    let size = egui::Vec2::from([made.image.width(), made.image.height()].map(|side| side as f32));
+    assert!((shown.size() - size * (400.0 / size.max_elem()).min(1.0)).length() < 1.0, "{shown:?} of {size:?}");
+    made.image.clone()
+}
+
+#[test]
+fn the_form_of_a_figure_shows_what_it_would_write() {
+    let folder = tempfile::tempdir().unwrap();
+    let png = folder.path().join("f.png");
+    let mut window = flat::with_features(flat::open([960.0, 640.0]));
+    window.run_action("export figure…");
+    let on_paper = previewed(&mut window);
+    assert!(window.shows("Preview of 1 picture on 181 × "));
+    assert_eq!(on_paper.width().max(on_paper.height()), 800, "enough for a sharp screen");
+    window.click("PNG");
+    window.click("Pixels");
+    window.harness.run_steps(2);
+    window.harness.get_by_role_and_label(Role::SpinButton, "Width").set_value_accesskit(0.5);
+    window.harness.run_steps(2);
+    let with_legend = previewed(&mut window);
+    assert!(!window.shows(" mm. ") && window.shows(" px. ") && with_legend != on_paper);
+    window.harness.get_by_role_and_label(Role::CheckBox, "Legend of features").click();
+    window.harness.run_steps(2);
+    let without = previewed(&mut window);
+    assert!(without.height() < with_legend.height(), "the legend is gone");
+    window.dialogs.will_choose(&png);
+    window.click("Export…");
+    window.settle();
+    assert!(image::open(&png).unwrap().to_rgba8() == without, "each pixel of the file");
+    assert!(window.app().model.results.preview.made.is_none(), "nothing is drawn without the form");
+    // Why nothing could be written is said in the place of the preview.
+    window.key(egui::Key::Num6);
+    window.settle();
+    window.run_action("export figure…");
+    assert!(previewed(&mut window).width() > without.width(), "two pictures");
+    window.harness.get_by_role_and_label(Role::SpinButton, "Width").set_value_accesskit(32.0);
+    window.harness.run_steps(2);
+    window.settle();
+    assert!(window.shows("choose a smaller scale") && !window.shows("Preview of"));
+    window.click("PDF");
+    assert!(previewed(&mut window).width() <= 800, "vectors have any size");
 }
 
 #[test]

@@ -228,6 +228,7 @@ const PARTS: &[&dyn Part] = &[
     one!(false, |r| r.pair.lost.wanted_pictures, |m, _| m.missing_candidate_pictures(), |m, ended| pair::take_lost_pictures(m, ended)),
     one!(false, |r| r.studies.wanted_chart, |m, _| m.missing_chart(), |m, ended| studies::take_chart(m, ended)),
     asked!(|r| r.studies.wanted, |m, ended, _| studies::take_study(m, ended), |m, report| studies::take_part_of_study(m, report)),
+    one!(true, |r| r.preview.wanted, |m, _| m.missing_preview(), |m, ended| panes::take_preview(m, ended)),
     asked!(|r| r.figures, |m, ended, _| studies::take_figures(m, ended)),
     asked!(|r| r.poses.reading, |m, ended, _| studies::take_trajectories(m, ended)),
     asked!(|r| r.datasets.wanted, |m, ended, engine| dataset_answers::take_dataset_answer(m, ended, engine), |m, event| dataset_answers::take_dataset_event(m, &event)),

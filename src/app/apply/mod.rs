@@ -24,6 +24,7 @@ mod tests;
 use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Pointed, Side, Visibility};
+use crate::app::results::pictures::PreviewResults;
 use crate::app::results::{Effect, Model, Read};
 use crate::engine::Engine;
 use crate::teach::BottomTab;
@@ -161,5 +162,7 @@ pub fn point_at(model: &mut Model, pointed: Pointed) {
         Pointed::Place(place) => model.results.probed.pointer = place,
         Pointed::Dots(features) => model.results.probed.as_dots = features,
         Pointed::Lines(drawn, all) => model.results.pair.lines_drawn = (drawn, all),
+        Pointed::Figure(None) => model.results.preview = PreviewResults::default(),
+        Pointed::Figure(asked) => model.results.preview.asked = asked.map(|asked| *asked),
     }
 }

@@ -20,7 +20,7 @@ use crate::inspect::pair::Lost;
 use crate::inspect::place::ProbeSubject;
 use crate::matching::MatchParams;
 use crate::plane::display::Display;
-use crate::requests::{BurstSource, ProbeQuestion, ViewKind};
+use crate::requests::{BurstSource, FigureRequest, ProbeQuestion, ViewKind};
 use crate::teach::BottomTab;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -248,6 +248,8 @@ pub enum Pointed {
     Dots(Vec<usize>),
     /// Numbers of match lines that are drawn, and of those that could be.
     Lines(usize, usize),
+    /// The figure that its form would write; `None` without a form.
+    Figure(Option<Box<FigureRequest>>),
 }
 
 impl From<ActionId> for Action {

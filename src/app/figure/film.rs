@@ -1,29 +1,21 @@
 //! Export of a film: the dialog that chooses its contents and says its size and rate.
 
+use super::export_row_ui;
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::{Action, FilmChoice, FilmContent};
+use crate::app::memo::{Itself, Memo};
 use crate::app::panel::widgets::modal_ui;
 use crate::app::results::Read;
-use crate::detector::Detection;
 use crate::export::film::{FILM_RATES, estimated_film_bytes};
-use crate::plane::Plane;
 use crate::plane::display::to_rgba8;
 use egui::{DragValue, Grid, Ui};
 use image::imageops::{FilterType, resize};
-use std::sync::Arc;
 
-#[derive(Debug, Default)]
+#[derive(Default)]
 pub struct FilmDialog {
     pub is_open: bool,
-    described: Option<Described>,
-}
-
-#[derive(Debug)]
-struct Described {
-    choice: FilmChoice,
-    picture: Option<Arc<Plane>>,
-    found: Option<Arc<Detection>>,
-    text: String,
+    /// Words about the choice, the picture and the features.
+    told: Memo<(FilmChoice, [Option<Itself>; 2]), String>,
 }
 
 /// Longest side, pixels, of the picture in which the bytes of a pixel are measured.
@@ -42,35 +34,13 @@ impl FilmDialog {
             choice_ui(ui, &mut film);
             queue.edit(model.document, Action::SetFilm(film));
             ui.add_space(4.0);
-            ui.label(self.described(model));
+            let picture = model.picture().map(|picture| Itself::from(&picture.plane));
+            let found = model.found_of(model.active_side()).map(|found| Itself::from(&found.detection));
+            ui.label(self.told.get((model.document.film, [picture, found]), || tell(model)));
             ui.weak("GIF has 256 colours; PNG writes a file for each picture, of which ffmpeg makes a film");
-            ui.add_space(8.0);
-            ui.horizontal(|ui| {
-                let export = ActionId::ExportFilmGif;
-                if ui.button("Export…").on_hover_text(export.action().help).clicked() {
-                    queue.push(export);
-                    close = true;
-                }
-                close |= ui.button("Close").clicked();
-            });
+            close = export_row_ui(ui, ActionId::ExportFilmGif, queue, |_| {});
         });
         self.is_open &= !(close || dismissed);
-    }
-
-    fn described(&mut self, model: Read<'_>) -> String {
-        let picture = model.picture().map(|picture| picture.plane.clone());
-        let found = model.found_of(model.active_side()).map(|found| found.detection.clone());
-        let is_same = |described: &&Described| {
-            described.choice == model.document.film
-                && described.picture.as_ref().map(Arc::as_ptr) == picture.as_ref().map(Arc::as_ptr)
-                && described.found.as_ref().map(Arc::as_ptr) == found.as_ref().map(Arc::as_ptr)
-        };
-        if let Some(described) = self.described.as_ref().filter(is_same) {
-            return described.text.clone();
-        }
-        let text = tell(model);
-        self.described = Some(Described { choice: model.document.film, picture, found, text: text.clone() });
-        text
     }
 }
 

@@ -9,22 +9,24 @@ use crate::app::actions::{ActionId, Queue};
 use crate::app::canvas::overlay::{ColourBy, ColourScale, MatchLine, Pane, drawn_lines};
 use crate::app::canvas::{self, RectTransform, number};
 use crate::app::document::export::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
-use crate::app::document::{FigureChoice, MethodId, RangeClass, Side};
+use crate::app::document::{Action, FigureChoice, MethodId, Pointed, RangeClass, Side};
 use crate::app::inspector::{PaneWidgets, joined_panes};
+use crate::app::memo::{Itself, Memo};
 use crate::app::pane::PaneId;
 use crate::app::panel::features::FeatureLayer;
-use crate::app::panel::picture::{PictureState, at_time, describe};
-use crate::app::panel::widgets::modal_ui;
+use crate::app::panel::picture::{PictureState, describe};
+use crate::app::panel::widgets::{error_ui, modal_ui};
 use crate::app::results::{MatchRow, Matches, Read};
+use crate::app::workspace::pair::lines::line_of;
+use crate::burst::Offset;
 use crate::detector::{Feature, Quantity};
 use crate::export::{
-    ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
-    LegendEntry, MatchKind, lay_out, motion_over,
+    ColourBar, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
+    LegendEntry, MatchKind, motion_over,
 };
-use crate::plane::Plane;
-use crate::plane::display::{Display, to_rgba8};
-use crate::requests::{PictureAnswer, slope_legend, titled};
-use egui::{DragValue, Ui};
+use crate::plane::display::Display;
+use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, slope_legend, titled};
+use egui::{Align, ColorImage, DragValue, Image, Layout, TextureHandle, TextureOptions, Ui, Vec2, vec2};
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
@@ -45,15 +47,32 @@ fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: 
     let mut links = Vec::new();
     let (mut all, mut drawn) = (Vec::new(), Vec::new());
     for (method, matches, shown) in shown {
+        let joined = joined_of(model, widgets, panes, (method, matches));
+        let is_selected = |index| method.is_none() && model.document.selected_match == Some(index);
         let mut rows: Vec<MatchRow<'_>> = shown.into_iter().filter_map(|index| matches.row(index)).collect();
-        let in_window = (choice.matches == FigureAmount::Drawn)
-            .then(|| drawn_in_window(model, widgets, panes, (method, matches), &rows));
+        // Matches with lines in the window, between the first two panes that are joined.
+        let in_window = joined.first().filter(|_| choice.matches == FigureAmount::Drawn);
+        let in_window = in_window.and_then(|(ids, shifts)| {
+            let (ui_from_image, rect_ui) = (widgets.ui_from_image(ids[0])?, widgets.rect_ui(ids[0])?);
+            let lines: Vec<MatchLine> = rows.iter().map(|row| line_of(row, *shifts, None)).collect();
+            let most = (false, model.most_lines(method));
+            let drawn = drawn_lines(&lines, &Pane { ui_from_image, rect_ui }, most, is_selected);
+            Some(drawn.iter().map(|line| line.index).collect::<BTreeSet<usize>>())
+        });
         rows.sort_by(|a, b| a.found.distance.total_cmp(&b.found.distance).then(a.index.cmp(&b.index)));
         all.extend(rows.iter().map(|row| MatchKind::of(row.inlier)));
         let mut rows = choice.matches.of(rows);
         rows.retain(|row| in_window.as_ref().is_none_or(|drawn| drawn.contains(&row.index)));
         drawn.extend(rows.iter().map(|row| MatchKind::of(row.inlier)));
-        links.extend(links_between(model, widgets, panes, (method, matches), &rows));
+        for (ids, shifts) in joined {
+            let panels = ids.map(|id| panes.iter().position(|pane| *pane == id).unwrap_or(usize::MAX));
+            let link = |row: &MatchRow<'_>| {
+                let line = line_of(row, shifts, None);
+                let link = FigureLink::of_match(panels, [line.a, line.b].map(Into::into), line.kind);
+                FigureLink { weight: if is_selected(line.index) { 2.0 } else { link.weight }, ..link }
+            };
+            links.extend(rows.iter().map(link).filter(has_numbers));
+        }
     }
     let label = |kind: MatchKind, drawn, all| match model.document.compares_methods() {
         // The title of each method has its count.
@@ -65,62 +84,24 @@ fn matches_of(model: Read<'_>, widgets: &PaneWidgets, panes: &[PaneId], choice: 
     FigureMatches { links, legend }
 }
 
-/// Panes with their places in the window; those hidden behind a tab have no neighbours.
-fn places_of(widgets: &PaneWidgets, panes: &[PaneId]) -> Vec<(PaneId, egui::Rect)> {
+/// Panes of A and of B that the window joins for the matches of `method`, with the times of their pictures from mid-burst.
+fn joined_of(
+    model: Read<'_>,
+    widgets: &PaneWidgets,
+    panes: &[PaneId],
+    (method, matches): (Option<MethodId>, &Matches),
+) -> Vec<([PaneId; 2], [Offset<f32>; 2])> {
+    // Panes hidden behind a tab have no neighbours.
     let place = |id: &PaneId| Some((*id, widgets.rect_ui(*id).filter(egui::Rect::is_positive)?));
-    panes.iter().filter_map(place).collect()
-}
-
-/// Indices of the matches whose lines the window draws between the first two panes that it joins.
-fn drawn_in_window(
-    model: Read<'_>,
-    widgets: &PaneWidgets,
-    panes: &[PaneId],
-    (method, matches): (Option<MethodId>, &Matches),
-    rows: &[MatchRow<'_>],
-) -> BTreeSet<usize> {
-    let places = places_of(widgets, panes);
-    let of_a = joined_panes(model, &places, method).pairs.first().map(|(a, _)| places[*a]);
-    let Some((ui_from_image, (id, rect_ui))) = of_a.and_then(|a| Some((widgets.ui_from_image(a.0)?, a))) else {
-        return rows.iter().map(|row| row.index).collect();
-    };
-    let shift = model.frames_from_middle(id, matches.detection(Side::A)).unwrap_or_default();
-    let line = |row: &MatchRow<'_>| {
-        let feature = at_time(row.a, shift);
-        let (a, b, colour) = (egui::pos2(feature.u, feature.v), egui::Pos2::ZERO, egui::Color32::default());
-        MatchLine { index: row.index, a, b, kind: MatchKind::of(row.inlier), colour }
-    };
-    let lines: Vec<MatchLine> = rows.iter().map(line).collect();
-    let is_selected = |index| method.is_none() && model.document.selected_match == Some(index);
-    let drawn = drawn_lines(&lines, &Pane { ui_from_image, rect_ui }, (false, model.most_lines(method)), is_selected);
-    drawn.iter().map(|line| line.index).collect()
-}
-
-fn links_between(
-    model: Read<'_>,
-    widgets: &PaneWidgets,
-    panes: &[PaneId],
-    (method, matches): (Option<MethodId>, &Matches),
-    rows: &[MatchRow<'_>],
-) -> Vec<FigureLink> {
-    let places = places_of(widgets, panes);
+    let places: Vec<_> = panes.iter().filter_map(place).collect();
     let shift = |id: PaneId, side| model.frames_from_middle(id, matches.detection(side)).unwrap_or_default();
-    let panel = |id: PaneId| panes.iter().position(|pane| *pane == id).unwrap_or(usize::MAX);
-    let mut links = Vec::new();
-    for (a, b) in joined_panes(model, &places, method).pairs {
-        let (a, b) = (places[a].0, places[b].0);
-        let shifts = [shift(a, Side::A), shift(b, Side::B)];
-        for row in rows {
-            let ends = [at_time(row.a, shifts[0]), at_time(row.b, shifts[1])].map(|feature| [feature.u, feature.v]);
-            let link = FigureLink::of_match([panel(a), panel(b)], ends, MatchKind::of(row.inlier));
-            let is_selected = method.is_none() && model.document.selected_match == Some(row.index);
-            links.push(FigureLink { weight: if is_selected { 2.0 } else { link.weight }, ..link });
-        }
-    }
-    links
+    let pairs =
+        joined_panes(model, &places, method).pairs.into_iter().map(|(a, b)| [a, b].map(|place| places[place].0));
+    pairs.map(|ids| (ids, [shift(ids[0], Side::A), shift(ids[1], Side::B)])).collect()
 }
 
-pub fn drawing_of(model: Read<'_>, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<Drawing, String> {
+/// The figure of the panes by `choice`, or why there is none.
+pub fn figure_of(model: Read<'_>, widgets: &PaneWidgets, choice: &FigureChoice) -> Result<FigureRequest, String> {
     let rows = if choice.all_panes && model.document.workspace.needs_burst() {
         model.document.panes.arrangement().in_rows()
     } else {
@@ -135,14 +116,21 @@ pub fn drawing_of(model: Read<'_>, widgets: &PaneWidgets, choice: &FigureChoice)
         };
         row.iter().filter_map(panel).collect()
     };
-    let rows: Vec<Vec<FigurePanel>> = rows.iter().map(&mut panels).collect();
+    let rows: Vec<Vec<FigurePicture>> = rows.iter().map(&mut panels).collect();
     if rows.iter().all(Vec::is_empty) {
         return Err("there is no picture; open a burst first".to_owned());
     }
-    Ok(lay_out(&rows, &matches_of(model, widgets, &panes, choice), &choice.options()))
+    let matches = matches_of(model, widgets, &panes, choice);
+    Ok(FigureRequest { rows, matches, options: choice.options(), format: choice.format })
 }
 
-fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePanel> {
+/// Whether no number of it is NaN, with which it would not even equal itself. What lacks a number is not drawn.
+fn has_numbers<T: PartialEq>(value: &T) -> bool {
+    let same = value;
+    value == same
+}
+
+fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureChoice) -> Option<FigurePicture> {
     let picture = model.picture_in(id)?;
     let shown = crate::app::panel::picture::canvas_picture(picture);
     let visible = widgets.get(id).and_then(|widget| part_in_view(&widget.picture)).filter(|_| !choice.whole_picture);
@@ -151,17 +139,6 @@ fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureC
         return None;
     }
     let display = model.display_of(id);
-    let part = Plane::from_fn(region.columns.len(), region.rows.len(), |u, v| {
-        shown.plane.at(region.columns.start + u, region.rows.start + v)
-    });
-    let rgba = match &picture.motion {
-        Some(motion) => {
-            let (u, v) = (region.columns.start as u32, region.rows.start as u32);
-            let (width, height) = (region.columns.len() as u32, region.rows.len() as u32);
-            image::imageops::crop_imm(&motion.colours(model.features_of_motion(id)), u, v, width, height).to_image()
-        }
-        None => to_rgba8(&part, &display),
-    };
     let step = shown.image_from_picture_scale;
     let layer = FeatureLayer::of(model, id);
     let view = widgets.ui_from_image(id).zip(Some(visible.unwrap_or_else(|| shown.rect_image())));
@@ -170,16 +147,18 @@ fn panel_of(model: Read<'_>, widgets: &PaneWidgets, id: PaneId, choice: &FigureC
         Some(layer) if choice.legend && !drawn.is_empty() => legend(&layer.scale(model), layer, &drawn),
         _ => Vec::new(),
     };
-    Some(FigurePanel {
-        size: part.size(),
-        rgba: Arc::new(rgba.into_raw()),
+    let panel = FigurePanel {
+        size: (region.columns.len(), region.rows.len()),
+        rgba: Arc::default(),
         origin_image: [(region.columns.start as f32 - 0.5) * step, (region.rows.start as f32 - 0.5) * step],
         image_px_per_px: step,
         marks: layer.map(|layer| marks(model, &layer, &drawn)).unwrap_or_default(),
         title: choice.titles.then(|| title_of(model, id, picture)),
         legend,
         bar: (choice.colour_bar && picture.motion.is_none()).then(|| colour_bar(&display, model.range_class(id))),
-    })
+    };
+    let features = model.features_of_motion(id).iter().copied().filter(has_numbers).collect();
+    Some(FigurePicture { picture: picture.clone(), region, display, features, panel })
 }
 
 /// Title of a picture: where methods are compared the method with the count of its inliers, in *Two bursts* the burst,
@@ -231,13 +210,13 @@ fn marks(model: Read<'_>, layer: &FeatureLayer, drawn: &[usize]) -> Vec<FigureMa
             orientation: (layer.orientations && !faint).then_some(placed.orientation),
             // The motion over the whole burst is the same in every frame.
             motion: (layer.motions && !faint).then(|| motion_over(own, positions)),
-            motion_sigma: if layer.stale { 0.0 } else { mark.motion_sigma },
+            motion_sigma: if layer.stale { 0.0 } else { mark.motion_sigma.max(0.0) },
             opacity: if faint || layer.stale { 0.35 } else { mark.opacity },
             weight: if layer.selected == Some(i) { 2.0 } else { 1.0 },
             ..mark
         }
     };
-    drawn.iter().map(mark).collect()
+    drawn.iter().map(mark).filter(has_numbers).collect()
 }
 
 fn colour_bar(display: &Display, class: RangeClass) -> ColourBar {
@@ -285,37 +264,87 @@ fn rgb(colour: egui::Color32) -> [u8; 3] {
     [colour.r(), colour.g(), colour.b()]
 }
 
-pub fn figure_dialog_ui(
-    ctx: &egui::Context,
-    open: &mut bool,
-    choice: &mut FigureChoice,
-    has_matches: bool,
-    queue: &mut Queue,
-) {
-    if !*open {
-        return;
-    }
-    let mut close = false;
-    let dismissed = modal_ui(ctx, "figure", 380.0, "Figure of what is shown", |ui| {
-        ui.weak("Features, filter, colours and part of the picture as in the panes");
-        ui.add_space(6.0);
-        size_ui(ui, choice, has_matches);
-        ui.add_space(4.0);
-        switches_ui(ui, choice);
-        ui.add_space(8.0);
-        ui.horizontal(|ui| {
-            let help = ActionId::FigureOptions.action().help;
-            if ui.button("Export…").on_hover_text(help).clicked() {
-                queue.push(ActionId::ExportFigure);
-                close = true;
-            }
-            if ui.button("Reset").on_hover_text("Give every choice its default").clicked() {
-                *choice = FigureChoice::default();
-            }
-            close |= ui.button("Close").clicked();
+/// The form of a figure, with a preview of the file beside the choices.
+#[derive(Default)]
+pub struct FigureDialog {
+    pub is_open: bool,
+    texture: Memo<Itself, TextureHandle>,
+}
+
+/// Width of the choices, points.
+const CHOICES: f32 = 380.0;
+
+impl FigureDialog {
+    pub fn ui(&mut self, ctx: &egui::Context, model: Read<'_>, widgets: &PaneWidgets, queue: &mut Queue) {
+        if !self.is_open {
+            return;
+        }
+        // What a small window has beside the choices.
+        let room = ctx.content_rect().size() - vec2(CHOICES + 90.0, 200.0);
+        let room = room.clamp(Vec2::splat(120.0), Vec2::splat(400.0));
+        let (mut choice, mut close, mut asked) = (model.document.figure, false, None);
+        let width = CHOICES + room.x + 12.0;
+        let dismissed = modal_ui(ctx, "figure", width, "Figure of what is shown", |ui| {
+            ui.weak("Features, filter, colours and part of the picture as in the panes");
+            ui.add_space(6.0);
+            ui.horizontal_top(|ui| {
+                ui.vertical(|ui| {
+                    ui.set_width(CHOICES);
+                    let document = model.document;
+                    size_ui(ui, &mut choice, document.workspace.shows_pair() || document.compares_methods());
+                    ui.add_space(4.0);
+                    switches_ui(ui, &mut choice);
+                    close = export_row_ui(ui, ActionId::ExportFigure, queue, |ui| {
+                        if ui.button("Reset").on_hover_text("Give every choice its default").clicked() {
+                            choice = FigureChoice::default();
+                        }
+                    });
+                });
+                let figure = figure_of(model, widgets, &choice);
+                let column = Layout::top_down(Align::Center);
+                ui.allocate_ui_with_layout(room, column, |ui| self.preview_ui(ui, model, &figure));
+                asked = figure.ok();
+            });
         });
+        queue.edit(model.document, Action::SetFigure(choice));
+        self.is_open &= !(close || dismissed);
+        let asked = asked.filter(|_| self.is_open);
+        queue.set(&model.results.preview.asked, asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
+    }
+
+    /// Draws the last preview that was made, until that of `figure` is there, or why there is none.
+    fn preview_ui(&mut self, ui: &mut Ui, model: Read<'_>, figure: &Result<FigureRequest, String>) {
+        ui.set_min_size(ui.available_size());
+        let preview = &model.results.preview;
+        let failure = |figure| preview.wanted.failure().filter(|(of, _)| *of == figure).map(|(_, why)| why.to_string());
+        match (figure.as_ref().map_or_else(|why| Some(why.clone()), failure), &preview.made) {
+            (Some(why), _) => _ = error_ui(ui, why),
+            (None, None) => _ = ui.weak("Drawing…"),
+            (None, Some((_, made))) => {
+                let texture = self.texture.get(made.into(), || {
+                    let size = [made.image.width(), made.image.height()].map(|side| side as usize);
+                    let image = ColorImage::from_rgba_unmultiplied(size, made.image.as_raw());
+                    ui.ctx().load_texture("preview of the figure", image, TextureOptions::LINEAR)
+                });
+                // Fewer pixels than there is room for are not enlarged.
+                let image = Image::new(texture).fit_to_original_size(1.0 / ui.ctx().pixels_per_point());
+                ui.add(image.max_size(ui.available_size()).alt_text(&made.words)).on_hover_text(&made.words);
+            }
+        }
+    }
+}
+
+/// Draws the last row of a form: a button that exports, others, and one that closes. Returns whether the form is to be
+/// closed.
+fn export_row_ui(ui: &mut Ui, export: ActionId, queue: &mut Queue, others_ui: impl FnOnce(&mut Ui)) -> bool {
+    ui.add_space(8.0);
+    let row = ui.horizontal(|ui| {
+        let exports = ui.button("Export…").on_hover_text(export.action().help).clicked();
+        queue.push_if(exports, export);
+        others_ui(ui);
+        ui.button("Close").clicked() || exports
     });
-    *open &= !(close || dismissed);
+    row.inner
 }
 
 fn switches_ui(ui: &mut Ui, choice: &mut FigureChoice) {
@@ -408,8 +437,9 @@ fn amount_ui(ui: &mut Ui, amount: &mut FigureAmount, label: egui::Id) {
 mod tests {
     use super::*;
     use crate::app::apply::bench::open;
+    use crate::plane::Plane;
     use crate::requests::{PictureKind, PictureRequest};
-    use egui::{Rect, pos2, vec2};
+    use egui::{Rect, pos2};
 
     #[test]
     fn a_squeezed_pane_is_drawn_with_its_whole_picture() {

@@ -16,6 +16,7 @@ use crate::teach::Lesson;
 use compare::Compare;
 use explained::{CoherenceState, ExplainedState};
 use pair::PairState;
+use pictures::PreviewResults;
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -76,6 +77,7 @@ pub struct Results {
     pub pictures: HashMap<PaneId, PanePicture>,
     pub patch: Option<PictureAnswer>,
     pub wanted_patch: Wanted<PictureRequest>,
+    pub preview: PreviewResults,
     pub hovered: Option<usize>,
     pub reselect: Option<SavedSelection>,
     /// Indices of the features that pass the filter, in the table's order; see `explained::refresh_listed`.

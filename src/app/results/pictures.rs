@@ -8,14 +8,30 @@ use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::{FoundFeatures, Read};
 use crate::burst::Offset;
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeAxis};
+use crate::engine::Wanted;
 use crate::plane::display::Display;
 use crate::requests::{
-    Film, MAX_FILM_PICTURES, OpenBurst, PictureAnswer, PictureKind, PictureRequest, Sweep, ViewKind,
+    FigurePreview, FigureRequest, Film, MAX_FILM_PICTURES, OpenBurst, PictureAnswer, PictureKind, PictureRequest,
+    Sweep, ViewKind,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
 
+/// Preview of the figure that its form would write.
+#[derive(Debug, Default)]
+pub struct PreviewResults {
+    /// The figure that the form would write, as of the last pass; `None` without a form.
+    pub asked: Option<FigureRequest>,
+    pub made: Option<(FigureRequest, Arc<FigurePreview>)>,
+    pub wanted: Wanted<FigureRequest>,
+}
+
 impl<'a> Read<'a> {
+    pub fn missing_preview(self) -> Option<FigureRequest> {
+        let PreviewResults { asked, made, .. } = &self.results.preview;
+        asked.clone().filter(|asked| made.as_ref().is_none_or(|(of, _)| of != asked))
+    }
+
     /// Pictures that are played in the pane in focus: how many, the place of that on show, and the action for a place.
     pub fn sweep(self) -> (usize, usize, Box<dyn Fn(usize) -> Action + 'a>) {
         let (id, cursor, params) = (self.document.focus(), *self.document.cursor(), self.cursor_params());

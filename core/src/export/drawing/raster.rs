@@ -18,14 +18,32 @@ const PIXELS_PER_INCH: f32 = 300.0;
 
 /// Draws one pixel for each figure pixel, or 300 an inch on paper. Fails when the figure is too large.
 pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
-    let pixels_per_unit = if drawing.unit == FigureUnit::Point { PIXELS_PER_INCH / 72.0 } else { 1.0 };
+    rasterise_at(drawing, pixels_per_unit(drawing))
+}
+
+/// Draws a figure as [`rasterise`] does, in larger pixels where it would have more than `most_px` (columns, rows).
+pub(super) fn rasterise_within(drawing: &Drawing, most_px: [u32; 2]) -> Result<RgbaImage, String> {
+    let fitting = most_px.into_iter().zip(drawing.size).map(|(most, side)| most as f32 / side);
+    rasterise_at(drawing, fitting.fold(pixels_per_unit(drawing), f32::min))
+}
+
+pub(super) fn pixels_per_unit(drawing: &Drawing) -> f32 {
+    if drawing.unit == FigureUnit::Point { PIXELS_PER_INCH / 72.0 } else { 1.0 }
+}
+
+/// Columns and rows of the pixels. Fails when there are too many.
+pub(super) fn size_px(drawing: &Drawing, pixels_per_unit: f32) -> Result<[u16; 2], String> {
     let [width, height] = drawing.size.map(|side| (side * pixels_per_unit - 1e-3).ceil());
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
         return Err(format!(
             "the figure would have {width:.0} × {height:.0} pixels, and at most {MAX_SIDE_PX:.0} a side are drawn; choose a smaller scale, or write PDF or SVG"
         ));
     }
-    let (width, height) = (width as u16, height as u16);
+    Ok([width as u16, height as u16])
+}
+
+fn rasterise_at(drawing: &Drawing, pixels_per_unit: f32) -> Result<RgbaImage, String> {
+    let [width, height] = size_px(drawing, pixels_per_unit)?;
     let mut pixels = memory::zeroed(usize::from(width) * usize::from(height) * 4);
     pixels.fill(255);
     let mut context = RenderContext::new(width, height);

@@ -109,11 +109,7 @@ fn feature_of_a(matches: &Matches, view: &MatchView<'_>, pos: Pos2) -> Option<us
 
 /// `shifts` are positions from mid-burst. The line has the colour of its kind, or of the difference of the motions beside
 /// the `largest` one.
-pub(in crate::app::workspace) fn line_of(
-    row: &MatchRow<'_>,
-    shifts: [Offset<f32>; 2],
-    largest: Option<f32>,
-) -> MatchLine {
+pub fn line_of(row: &MatchRow<'_>, shifts: [Offset<f32>; 2], largest: Option<f32>) -> MatchLine {
     let kind = MatchKind::of(row.inlier);
     let place = |f: &Feature, dt: Offset<f32>| {
         let f = at_time(f, dt);

@@ -1,7 +1,7 @@
 //! Two bursts side by side, and the matches between them.
 
 mod detail;
-pub(super) mod lines;
+pub mod lines;
 pub mod parameters;
 mod table;
 
