@@ -282,7 +282,9 @@ fn report_work(model: Read<'_>) -> Result<Work, String> {
     let is_probed = model.document.probe.side == side;
     // The trail of the probe is that of the features on show, unless it lacks one.
     let traced = model.results.probed.traced.clone().filter(|_| is_probed && model.untraced().is_none());
-    let places: Vec<[f32; 2]> = model.probed_place().filter(|_| is_probed).into_iter().collect();
+    let pinned = model.places_of(side).map(|(_, place)| place.clone());
+    let places = pinned.chain(model.place_to_pin().filter(|_| is_probed)).map(|place| (place.name, place.at));
+    let places: Vec<(String, [f32; 2])> = places.collect();
     let calibration = model.calibration_of(side).clone();
     Ok(Box::new(move |path| {
         let is_text = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("md"));

@@ -40,9 +40,10 @@ pub struct ReportArgs {
     /// The file to write: .md, .svg, .pdf or .png; of several bursts .md, or the table alone as .csv.
     #[arg(long, short, value_name = "FILE.md")]
     pub out: PathBuf,
-    /// A place to be told about, in pixels at mid-burst: column and row. Give the option again for more places.
-    #[arg(long, value_name = "U,V", allow_hyphen_values = true, value_parser = parse_place)]
-    pub at: Vec<[f32; 2]>,
+    /// A place to be told about, in pixels at mid-burst: column and row, after its name if it has one. Give the option
+    /// again for more places.
+    #[arg(long, value_name = "[NAME=]U,V", allow_hyphen_values = true, value_parser = parse_named_place)]
+    pub at: Vec<(Option<String>, [f32; 2])>,
     /// A folder that 'colmap' wrote from these bursts. Tells of its pairs too: what the verified ones join, how many were
     /// refused and why, and the weakest; a burst without a verified pair stands out.
     #[cfg(feature = "colmap")]
@@ -58,10 +59,15 @@ pub struct ReportArgs {
     pub overwrite: OverwriteArgs,
 }
 
+fn parse_named_place(text: &str) -> Result<(Option<String>, [f32; 2]), String> {
+    let (name, place) = text.rsplit_once('=').unzip();
+    Ok((name.map(str::to_owned), parse_place(place.unwrap_or(text))?))
+}
+
 const REPORT_HELP: &str = "\
 Examples:
   burstscope report night/ --out night.md
-  burstscope report night/ --out night.pdf --at 412,230 --at 96,58
+  burstscope report night/ --out night.pdf --at 412,230 --at mast=96,58
   burstscope report nights/ --out flight.md
   burstscope report nights/ --pairs-of rec --out flight.md
 
@@ -99,10 +105,14 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         true => Err(error),
         false => Ok(()),
     });
-    is_known.and_then(|()| args.at.iter().try_for_each(|place| check_place(*place, burst.size())))?;
+    is_known.and_then(|()| args.at.iter().try_for_each(|(_, place)| check_place(*place, burst.size())))?;
     let cache = ProbeCache::new(&burst, &params, &console.monitor.part(0.0, SEARCH_SHARE))?;
     let rest = console.monitor.part(SEARCH_SHARE, 1.0 - SEARCH_SHARE);
-    let page = BurstPage::of((&cache, &burst, info), &args.at, &args.study, &rest)?;
+    let named = |(number, (name, at)): (usize, &(Option<String>, [f32; 2]))| {
+        (name.clone().unwrap_or_else(|| format!("Place {number}")), *at)
+    };
+    let places: Vec<(String, [f32; 2])> = (1..).zip(&args.at).map(named).collect();
+    let page = BurstPage::of((&cache, &burst, info), &places, &args.study, &rest)?;
     let is_text = args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("md"));
     let drawing = if is_text { None } else { Some(page_drawing(&page, &silent)?) };
     console.monitor.check()?;
@@ -118,7 +128,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         notes: notes.iter().map(|note| &note.text).collect::<Vec<_>>(), features: detection.features.len(),
         frame_noise: detection.frame_noise, noise_gate_factor: detection.noise_gate_factor, tally: &detection.tally,
         spectrum: &page.spectrum, decoys: page.decoys.as_ref().ok(), no_decoys: page.decoys.as_ref().err(),
-        places: &page.places,
+        places: page.places.iter().map(|(_, place)| place).collect::<Vec<_>>(),
     };
     console.say_document("report", &document)
 }

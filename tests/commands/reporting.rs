@@ -54,7 +54,8 @@ fn a_report_says_what_the_other_commands_say() {
 #[test]
 fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     let home = tempfile::tempdir().expect("a folder");
-    let line = |out: &'static str| [&["report", "--out", out, "--quiet", "--at", "92,58"], &LINE[..]].concat();
+    let at = ["--at", "92,58", "--at", "the mast=12,34"];
+    let line = |out: &'static str| [&["report", "--out", out, "--quiet"], &at[..], &LINE[..]].concat();
     for out in ["r.md", "r.svg", "r.pdf", "r.png"] {
         // The second run replaces what the first one wrote.
         (0..2).for_each(|_| assert_eq!(run_well(home.path(), &line(out)), ""));
@@ -70,6 +71,10 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     assert_eq!((count("image"), Some(count("circle") as u64)), (1, features.as_u64()));
     assert!(svg.contains("Place 1 at (92, 58)") && svg.contains("below the noise gate"));
     let texts = || document.descendants().filter(|node| node.has_tag_name("text"));
+    for (name, heading) in [("1", "Place 1 at (92, 58)"), ("the mast", "the mast at (12, 34)")] {
+        let is_there = |words: &str| texts().any(|text| text.text() == Some(words));
+        assert!(is_there(name) && is_there(heading), "{name} is in the picture, and {heading} below it");
+    }
     let lowest = texts().filter_map(|text| text.attribute("y")?.parse::<f64>().ok()).fold(0.0, f64::max);
     let height =
         document.root_element().attribute("viewBox").and_then(|view| view.rsplit(' ').next()?.parse::<f64>().ok());
@@ -86,6 +91,7 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
         ("report gone --out r.md", 1, "gone"),
         ("report demo --out r.md --at 900,5", 2, "is outside the"),
         ("report demo --out r.md --at 5", 2, "is not U,V in pixels"),
+        ("report demo --out r.md --at mast=5", 2, "'5' is not U,V in pixels"),
         ("report demo --out r.md --copies 0", 2, "--copies: 0; give 1 to 100"),
         ("report demo demo-later --out r.svg", 2, "name the report of several bursts .md or .csv"),
         ("report demo demo-later --out r.md --at 5,5", 2, "--at: a place is one of one burst"),

@@ -48,6 +48,7 @@ mod noise;
 mod opening;
 mod pairs;
 mod panes;
+mod pinned;
 mod playing;
 mod probe;
 mod probe_plane;

@@ -83,6 +83,8 @@ fn any_action() -> impl Strategy<Value = Action> {
         prop::option::of(0..9usize).prop_map(Action::AskFeature),
         (0..9usize).prop_map(Action::ForgetKept),
         (0..9usize).prop_map(Action::UseFrames),
+        (0..3usize).prop_map(|place| Action::NamePlace(place, "a \"mast\"".to_owned())),
+        (0..3usize).prop_map(Action::ForgetPlace),
     ]
 }
 

@@ -133,6 +133,12 @@ changes {
         *document.focused_ranges_mut().display_mut(class) = display;
     /// All but its value ranges.
     SetLook(Look) => |document, look| document.set_look(look);
+    NamePlace(usize, String) => |document, index, name| if let Some(place) = document.places.get_mut(index) {
+        place.name = name;
+    };
+    ForgetPlace(usize) => |document, index| if index < document.places.len() {
+        document.places.remove(index);
+    };
     OpenTab(BottomTab) => |document, tab| (document.bottom_tab, document.panels.bottom) = (tab, Visibility::Open);
 
     /// Values of single parameters.

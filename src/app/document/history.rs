@@ -1,9 +1,9 @@
 //! Undo and redo of the user's settings: the parameters of the detector and of matching, the calibration of the open
-//! burst, and the slopes of cursors.
+//! burst, pinned places, and the slopes of cursors.
 //! Automatic changes (slopes that were found, the slope with most features) are no steps. A continued change (a drag,
 //! typing, playing through the slopes) is one step.
 
-use crate::app::document::Document;
+use crate::app::document::{Document, PinnedPlace};
 use crate::app::pane::{Pane, PaneId};
 use crate::burst::OpenOptions;
 use crate::detector::params::doc;
@@ -13,8 +13,8 @@ use crate::matching::MatchParams;
 const MAX_STEPS: usize = 200;
 
 impl Document {
-    fn given(&self) -> (&SearchParams, &MatchParams, &OpenOptions) {
-        (&self.params, &self.matching, &self.calibration)
+    fn given(&self) -> (&SearchParams, &MatchParams, &OpenOptions, &[PinnedPlace]) {
+        (&self.params, &self.matching, &self.calibration, &self.places)
     }
 
     fn slopes_on_show(&self) -> Vec<(PaneId, Slope)> {
@@ -26,7 +26,7 @@ impl Document {
         for (id, pane) in from.panes.iter() {
             self.panes.get_mut(id).into_iter().for_each(|own| own.cursor.slope = pane.cursor.slope);
         }
-        (self.params, self.matching) = (from.params, from.matching);
+        (self.params, self.matching, self.places) = (from.params, from.matching, from.places);
         from.calibration
     }
 
@@ -40,6 +40,7 @@ impl Document {
         let mut names: Vec<&str> = changed.map(|record| record.label).collect();
         let others = [
             (now.1 != was.1, "Matching"),
+            (now.3 != was.3, "Places"),
             (now.2.times != was.2.times, "Times"),
             (
                 OpenOptions { times: None, ..now.2.clone() } != OpenOptions { times: None, ..was.2.clone() },

@@ -187,7 +187,7 @@ fn replaces(action: &Action, before: &Action) -> bool {
     match (action, before) {
         (A::Change(of), A::Change(last)) => of.iter().map(|one| one.parameter).eq(last.iter().map(|one| one.parameter)),
         (A::SetDisplay(of, _), A::SetDisplay(last, _)) => of == last,
-        (A::NameKept(of, _), A::NameKept(last, _)) => of == last,
+        (A::NameKept(of, _), A::NameKept(last, _)) | (A::NamePlace(of, _), A::NamePlace(last, _)) => of == last,
         _ => action.sets_field() && discriminant(action) == discriminant(before),
     }
 }

@@ -30,7 +30,7 @@ pub use look::{FeaturesShown, Look, RangeClass, Ranges};
 pub use method::{CompareLook, MethodId};
 pub use pair::{MatchColumn, MatchLook, MatchesAs, PairTab};
 pub use panes::{Destination, Measure, Panels, Visibility};
-pub use probe::{Probe, SetUpState};
+pub use probe::{PinnedPlace, Probe, SetUpState};
 pub use side::{Side, Sides};
 
 use crate::app::pane::Panes;
@@ -65,6 +65,9 @@ pub struct Document {
     pub selected: Option<usize>,
     pub set_up: SetUpState,
     pub probe: Probe,
+    /// Of all bursts: another burst begins without, and a burst that is opened again has its places again.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub places: Vec<PinnedPlace>,
     pub comparisons: Sides<Comparison>,
     /// Test whose rejected candidates are marked.
     pub shown_test: Option<Test>,

@@ -5,7 +5,7 @@ use crate::app::view::KnownOfFeature;
 use crate::detector::{Feature, Slope};
 use crate::inspect::place::Judged;
 use crate::inspect::slopes::SetUp;
-use crate::requests::ProbeQuestion;
+use crate::requests::{BurstSource, ProbeQuestion};
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -25,6 +25,17 @@ impl Probe {
     pub fn is_on(&self) -> bool {
         self.follows || self.question.is_some()
     }
+}
+
+/// A place of a burst that has a name.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PinnedPlace {
+    pub name: String,
+    /// Pixels at mid-burst.
+    pub at: [f32; 2],
+    /// The burst, or the burst that a copy is made of.
+    pub of: BurstSource,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]

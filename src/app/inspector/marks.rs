@@ -27,7 +27,7 @@ pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[Draw
         let Some(pos) = same_place(model, first.shown, other.shown, pos_image) else { continue };
         let value = value_at(model, widgets, other, pos);
         let text = value.map(|value| value.readout.short_text());
-        mark(&other.output, pos, text.as_deref());
+        mark(&other.output, pos, text.as_deref(), POINTER);
         widgets.values.extend(value);
     }
 }
@@ -49,13 +49,13 @@ fn value_at(model: Read<'_>, widgets: &PaneWidgets, drawn: &Drawn, pos_image: Po
 }
 
 /// Draws a cross with a gap in its middle, so that the marked place can be seen, and a text beside it.
-fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>) {
+fn mark(output: &CanvasOutput, pos_image: Pos2, text: Option<&str>, colour: Color32) {
     let (painter, rect) = (&output.painter, output.response.rect);
     let centre = output.ui_from_image.pos(pos_image);
     if !rect.contains(centre) {
         return;
     }
-    for (width, colour) in [(3.0, Color32::from_black_alpha(150)), (1.2, Color32::from_rgb(255, 214, 90))] {
+    for (width, colour) in [(3.0, Color32::from_black_alpha(150)), (1.2, colour)] {
         for direction in [vec2(1.0, 0.0), vec2(-1.0, 0.0), vec2(0.0, 1.0), vec2(0.0, -1.0)] {
             painter.line_segment([centre + 3.0 * direction, centre + 10.0 * direction], Stroke::new(width, colour));
         }
@@ -81,9 +81,9 @@ pub(in crate::app) fn mid_burst(model: Read<'_>, id: PaneId, pos_image: Pos2) ->
     Some((pane.side, [place.x, place.y]))
 }
 
-/// Maps a mid-burst place that moves by `slope` to pane `id`; `None` for panes of the burst that is not probed.
-fn in_pane(model: Read<'_>, id: PaneId, place: [f32; 2], slope: Slope) -> Option<Pos2> {
-    let pane = model.pane(id).filter(|pane| pane.side == model.document.probe.side)?;
+/// Maps a mid-burst place of the burst of `side` that moves by `slope` to pane `id`; `None` for panes of the other burst.
+fn in_pane(model: Read<'_>, id: PaneId, (side, place): (Side, [f32; 2]), slope: Slope) -> Option<Pos2> {
+    let pane = model.pane(id).filter(|pane| pane.side == side)?;
     let kind = model.picture_in(id)?.request.kind;
     let cursor = Cursor { slope, ..pane.cursor };
     let [u, v] = place;
@@ -98,6 +98,7 @@ fn used(model: Read<'_>, side: Side) -> Option<(&Positions, Range<usize>)> {
 
 /// Draws the probe's marks, and takes the place under the pointer: Shift+click probes it, any click ends following.
 pub(super) fn probe_ui(ui: &Ui, model: Read<'_>, widgets: &PaneWidgets, drawn: &[Drawn], queue: &mut Queue) {
+    place_marks_ui(model, drawn);
     probe_marks_ui(model, drawn);
     let pointed = pointed(drawn);
     let pointer = pointed.and_then(|(drawn, pos)| mid_burst(model, drawn.shown, pos));
@@ -191,34 +192,49 @@ pub(in crate::app) fn is_with_shift(ui: &Ui) -> bool {
     })
 }
 
+/// Marks the pinned places of each picture's burst, as they lie at the slope on show.
+fn place_marks_ui(model: Read<'_>, drawn: &[Drawn]) {
+    for (drawn, pane) in drawn.iter().filter_map(|drawn| Some((drawn, model.pane(drawn.shown)?))) {
+        // A gold standard was taken from a place of its own.
+        let places = model.places_of(pane.side).filter(|_| pane.method != Some(MethodId::Gold));
+        for (_, place) in places {
+            if let Some(pos) = in_pane(model, drawn.shown, (pane.side, place.at), pane.cursor.slope) {
+                mark(&drawn.output, pos, Some(&place.name), MARK);
+            }
+        }
+    }
+}
+
 fn probe_marks_ui(model: Read<'_>, drawn: &[Drawn]) {
     let Some(place) = model.probed_place() else { return };
     let answer = model.results.probed.answer.as_ref().filter(|_| model.probe_is_current());
     let is_linked = |id: PaneId| model.document.panes.has_link(id, Link::Place);
-    let is_probed = |id: PaneId| model.document.panes.is_on(id, model.document.probe.side);
+    let side = model.document.probe.side;
+    let is_probed = |id: PaneId| model.document.panes.is_on(id, side);
     // B's panes are not linked to A's; where none of the probed burst's panes is linked, all of them show the marks.
     let any_linked = drawn.iter().any(|drawn| is_probed(drawn.pane) && is_linked(drawn.pane));
     for drawn in drawn.iter().filter(|drawn| is_linked(drawn.pane) || !any_linked) {
         let own = model.pane(drawn.pane).map_or_else(Slope::default, |pane| pane.cursor.slope);
         let slope = answer.map_or(own, |answer| answer.probe.subject.slope);
-        if let Some(pos) = in_pane(model, drawn.shown, place, slope) {
+        if let Some(pos) = in_pane(model, drawn.shown, (side, place), slope) {
             probe_mark(&drawn.output, pos);
         }
         let Some(probe) = answer.map(|answer| &answer.probe) else { continue };
         let Some(fate) = probe.subject_fate() else { continue };
         // The selected candidate, and the rival that beat it.
-        if let Some(pos) = in_pane(model, drawn.shown, fate.pos_image, fate.slope) {
+        if let Some(pos) = in_pane(model, drawn.shown, (side, fate.pos_image), fate.slope) {
             blob(&drawn.output, pos, fate.sigma, MARK);
         }
         let rival = fate.first_failed.and_then(|test| fate.report(test).rival);
         if let Some(rival) = rival
-            && let Some(pos) = in_pane(model, drawn.shown, rival.pos_image, rival.slope)
+            && let Some(pos) = in_pane(model, drawn.shown, (side, rival.pos_image), rival.slope)
         {
             blob(&drawn.output, pos, rival.sigma, RIVAL);
         }
     }
 }
 
+const POINTER: Color32 = Color32::from_rgb(255, 214, 90);
 const MARK: Color32 = Color32::from_rgb(80, 220, 255);
 const RIVAL: Color32 = Color32::from_rgb(255, 120, 90);
 

@@ -56,7 +56,7 @@ impl Own {
 }
 
 /// The burst that a dark copy or one with things planted is made of.
-fn origin(source: &BurstSource) -> BurstSource {
+pub(super) fn origin(source: &BurstSource) -> BurstSource {
     match source {
         BurstSource::DarkCopy { of, .. } | BurstSource::Planted { of, .. } => origin(of),
         source => source.absolute(),

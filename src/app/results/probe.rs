@@ -2,9 +2,10 @@
 //!
 //! One place of one burst is probed at a time. Swapping the sides takes the probe along with its burst.
 
-use crate::app::document::{Probe, Side};
+use crate::app::document::{PinnedPlace, Probe, Side};
 use crate::app::pane::{Pane, PaneId};
 use crate::app::results::Read;
+use crate::app::results::own::origin;
 use crate::detector::scale_space::ScaleSpace;
 use crate::detector::{ParamChange, Slope};
 use crate::engine::Wanted;
@@ -38,7 +39,25 @@ impl ProbeResults {
 
 impl<'a> Read<'a> {
     pub fn has_probe(self) -> bool {
-        self.document.probe.is_open || self.document.probe.is_on() || self.results.probed.answer.is_some()
+        let probe = &self.document.probe;
+        let has_place = self.places_of(probe.side).next().is_some();
+        probe.is_open || probe.is_on() || self.results.probed.answer.is_some() || has_place
+    }
+
+    /// Pinned places of the burst of `side`, each with its index in the document.
+    pub fn places_of(self, side: Side) -> impl Iterator<Item = (usize, &'a PinnedPlace)> {
+        let open = self.burst_of(side).map(|open| origin(&open.source));
+        self.document.places.iter().enumerate().filter(move |(_, place)| open.as_ref() == Some(&place.of))
+    }
+
+    /// The probed place with a name that is free; `None` where it is pinned already.
+    pub fn place_to_pin(self) -> Option<PinnedPlace> {
+        let side = self.document.probe.side;
+        let (at, of) = (self.probed_place()?, origin(&self.burst_of(side)?.source));
+        let is_free = |name: &String| self.places_of(side).all(|(_, place)| place.name != *name);
+        let numbers = 1 + self.places_of(side).count()..;
+        let name = numbers.map(|number| format!("Place {number}")).find(is_free)?;
+        self.places_of(side).all(|(_, place)| place.at != at).then_some(PinnedPlace { name, at, of })
     }
 
     /// The place that is probed, pixels at mid-burst: that of the question, or of the answer while that is not known.

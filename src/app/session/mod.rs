@@ -66,7 +66,7 @@ impl Session {
         // Settings that name other files, which a case does not hold.
         let document = &mut self.document;
         (document.calibration, document.calibration_of_b) = Default::default();
-        (document.gold, document.dataset, document.trajectories) = Default::default();
+        (document.gold, document.dataset, document.trajectories, document.places) = Default::default();
         if self.document.probe.side == Side::B {
             self.document.probe = Probe::default();
         }

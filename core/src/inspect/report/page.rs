@@ -33,8 +33,8 @@ pub struct BurstPage<'a> {
     pub spectrum: Spectrum,
     /// False rates, or the reason why there are none.
     pub decoys: Result<DecoyReport, String>,
-    /// Fates of the places asked about.
-    pub places: Vec<Probe>,
+    /// Names and fates of the places asked about.
+    pub places: Vec<(String, Probe)>,
 }
 
 /// Share of the work that copies of the burst take.
@@ -43,13 +43,14 @@ const DECOYS: f32 = 0.7;
 const SLOPES: usize = 12;
 
 impl<'a> BurstPage<'a> {
-    /// Asks all questions of a search of `burst`, which `info` describes: `places` (u, v) are input pixels.
+    /// Asks all questions of a search of `burst`, which `info` describes: `places` have a name each, and (u, v) in
+    /// input pixels.
     ///
     /// # Errors
     /// A place outside the picture, and cancellation. A burst without decoys of `study` has a reason instead.
     pub fn of(
         (cache, burst, info): (&'a ProbeCache, &'a Burst, Info),
-        places: &[[f32; 2]],
+        places: &[(String, [f32; 2])],
         study: &DecoyStudy,
         monitor: &Monitor,
     ) -> Result<Self> {
@@ -58,7 +59,8 @@ impl<'a> BurstPage<'a> {
             report => report.map_err(|error| error.to_string()),
         };
         let rest = monitor.part(DECOYS, 1.0 - DECOYS);
-        let places = places.iter().map(|&place| probe(cache, place, &ProbeOptions::default(), &rest));
+        let fate = |at: [f32; 2]| probe(cache, at, &ProbeOptions::default(), &rest);
+        let places = places.iter().map(|(name, at)| Ok((name.clone(), fate(*at)?)));
         Ok(Self {
             cache,
             burst,
@@ -76,7 +78,7 @@ impl<'a> BurstPage<'a> {
                 self.write_input(out)?;
                 self.write_slopes(out)?;
                 self.write_features(out)?;
-                (1..).zip(&self.places).try_for_each(|(index, place)| write_place(out, index, place))
+                self.places.iter().try_for_each(|(name, place)| write_place(out, name, place))
             })
     }
 
@@ -135,8 +137,8 @@ impl<'a> BurstPage<'a> {
         write_table(out, ["samples", "rejected as"], rejected.map(|(why, count)| [grouped(count), why.to_owned()]))
     }
 
-    /// The page as a drawing, at least as long as A4, with `picture` on top, circles around the features, and numbers
-    /// at the places asked about; `caption` says what the picture is.
+    /// The page as a drawing, at least as long as A4, with `picture` on top, circles around the features, and names
+    /// or numbers at the places asked about; `caption` says what the picture is.
     pub fn drawing(&self, picture: &Plane, caption: &str) -> Drawing {
         let mut sheet = Sheet { shapes: Vec::new(), y: MARGIN };
         sheet.picture(picture, self);
@@ -154,9 +156,9 @@ impl<'a> BurstPage<'a> {
     }
 }
 
-fn write_place(out: &mut String, index: usize, probe: &Probe) -> std::fmt::Result {
+fn write_place(out: &mut String, name: &str, probe: &Probe) -> std::fmt::Result {
     let [u, v] = probe.pos_image.map(|x| number(x, 1));
-    writeln!(out, "\n## Place {index} at ({u}, {v})\n\n{}\n", escaped(&probe.summary))?;
+    writeln!(out, "\n## {} at ({u}, {v})\n\n{}\n", escaped(name), escaped(&probe.summary))?;
     write_items(out, reasons(probe).into_iter().chain(doubts(probe)))?;
     let Some(fate) = probe.subject_fate() else { return Ok(()) };
     write_items(out, [(sentence(&fate.verdict), String::new())])?;
@@ -275,8 +277,10 @@ impl Sheet {
             radius: scale * feature.circle_radius_px(),
             style: if feature.at_slope_limit { stroke.dashed([2.4; 2]) } else { stroke }.into(),
         });
-        let name = |(index, place): (usize, &Probe)| words_at(at(place.pos_image), 1.3 * SIZE, RED, index.to_string());
-        let shapes = rings.chain((1..).zip(&page.places).map(name)).collect();
+        // Of a numbered place the number is enough.
+        let short = |name: &str| name.strip_prefix("Place ").unwrap_or(name).to_owned();
+        let names = page.places.iter().map(|(name, place)| words_at(at(place.pos_image), 1.3 * SIZE, RED, short(name)));
+        let shapes = rings.chain(names).collect();
         self.shapes.push(FigureShape::Clipped { rect, round: false, shapes });
         self.y += rect.size[1] + 0.5 * SIZE;
     }

@@ -6,22 +6,22 @@ mod response;
 mod shares;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::document::{Action, Destination, FeaturesShown, Side};
+use crate::app::document::{Action, Destination, FeaturesShown, PinnedPlace, Side};
 use crate::app::memo::{Itself, Memo};
 use crate::app::panel::selection::texture_of;
-use crate::app::panel::widgets::{named, paint, progress_ui, section_ui, warning_ui, weak_ui};
+use crate::app::panel::widgets::{name_field, named, paint, progress_ui, section_ui, warning_ui, weak_ui};
 use crate::app::parts::mark;
 use crate::app::results::{Read, verdict_words};
 use crate::app::style;
 use crate::app::view::signed;
 use crate::detector::{ParamChange, Slope};
-use crate::inspect::place::{CauseKind, Judged, Suspicion, SuspicionKind, Verdict};
+use crate::inspect::place::{CauseKind, Judged, ProbeSubject, Suspicion, SuspicionKind, Verdict};
 use crate::inspect::words::{number, sentence, slope_text};
 use crate::plane::Plane;
 use crate::plane::display::Display;
-use crate::requests::Probed;
+use crate::requests::{ProbeQuestion, Probed};
 use crate::teach::Part;
-use egui::{Frame, Label, Margin, Rect, RichText, ScrollArea, Stroke, TextureHandle, Ui};
+use egui::{Frame, Label, Margin, Rect, RichText, ScrollArea, Stroke, TextEdit, TextureHandle, Ui};
 use std::any::Any;
 use std::sync::Arc;
 
@@ -112,8 +112,33 @@ fn tools_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::ProbeFeature, Some("Selected"));
         button_ui(ui, model, queue, ActionId::ProbeStrongest, Some("Strongest"));
         button_ui(ui, model, queue, ActionId::CloseProbe, Some("Clear probe"));
+        button_ui(ui, model, queue, ActionId::PinPlace, Some("Pin place"));
     });
     ui.add_space(2.0);
+    let side = model.document.probe.side;
+    let mut places = model.places_of(side).peekable();
+    if places.peek().is_some() {
+        ScrollArea::vertical().id_salt("pinned").max_height(140.0).show(ui, |ui| {
+            places.for_each(|pinned| place_ui(ui, side, pinned, queue));
+        });
+    }
+}
+
+/// Draws the row of a pinned place, in which it is probed, gets another name, and is removed.
+fn place_ui(ui: &mut Ui, side: Side, (index, place): (usize, &PinnedPlace), queue: &mut Queue) {
+    let (mut name, [u, v]) = (place.name.clone(), place.at.map(|x| number(x, 1)));
+    ui.horizontal(|ui| {
+        let again = ui.small_button("Probe").on_hover_text(format!("Probe ({u}, {v}) again"));
+        named(&again, egui::Role::Button, format!("Probe {name}"));
+        let question = ProbeQuestion::At { place: place.at, wanted: ProbeSubject::Best };
+        queue.push_if(again.clicked(), Action::Probe(side, question));
+        let field = ui.add(TextEdit::singleline(&mut name).desired_width(110.0));
+        name_field(&field, "Name of place", &name);
+        let remove = ui.small_button("Remove").on_hover_text("No longer keep this place");
+        named(&remove, egui::Role::Button, format!("Remove {name}"));
+        queue.push_if(remove.clicked(), Action::ForgetPlace(index));
+    });
+    queue.set(&place.name, name, |name| Action::NamePlace(index, name));
 }
 
 fn busy_ui(ui: &mut Ui, model: Read<'_>) {

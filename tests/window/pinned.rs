@@ -1,0 +1,93 @@
+//! Places that are pinned: named, marked in the pictures, probed again, kept with the session, and reported.
+
+use crate::support::{Start, Window, noisy_stack};
+use burstscope::app::document::look::FeaturesShown;
+use burstscope::app::document::side::Side;
+use burstscope::inspect::words::number;
+use egui::accesskit::Role;
+use egui::{Key, Shape, pos2};
+use egui_kittest::kittest::Queryable;
+
+fn probe_at(window: &mut Window, u: f32, v: f32) {
+    let at = window.app().ui_from_image(pos2(u, v)).unwrap();
+    window.shift_click_at(at);
+    window.settle();
+}
+
+fn pinned(window: &Window) -> Vec<(String, [f32; 2])> {
+    window.app().read().places_of(Side::A).map(|(_, place)| (place.name.clone(), place.at)).collect()
+}
+
+fn names(window: &Window) -> Vec<String> {
+    pinned(window).into_iter().map(|(name, _)| name).collect()
+}
+
+/// How often a text is drawn.
+fn drawn(window: &Window, text: &str) -> usize {
+    let is_text = |shape: &Shape| matches!(shape, Shape::Text(drawn) if drawn.galley.text() == text);
+    window.harness.output().shapes.iter().filter(|clipped| is_text(&clipped.shape)).count()
+}
+
+#[test]
+fn a_pinned_place_has_a_name_and_stays_with_its_burst() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
+    // Shown features would be probed instead of the places beside them.
+    window.app_mut().model.document.look.overlay = FeaturesShown::None;
+    probe_at(&mut window, 92.0, 58.0);
+    let first = window.app().read().probed_place().expect("a place");
+    window.click("Pin place");
+    assert_eq!(pinned(&window), [("Place 1".to_owned(), first)]);
+    assert!(window.app().read().place_to_pin().is_none(), "it is pinned already");
+    // The field of its name, and the picture.
+    assert_eq!(drawn(&window, "Place 1"), 2);
+    window.harness.get_by_role_and_label(Role::TextInput, "Name of place").focus();
+    window.harness.run_steps(2);
+    window.ctrl(Key::A);
+    window.harness.get_by_role_and_label(Role::TextInput, "Name of place").type_text("mast");
+    window.harness.run_steps(2);
+    window.key(Key::Enter);
+    window.settle();
+    assert_eq!((names(&window), drawn(&window, "mast"), drawn(&window, "Place 1")), (vec!["mast".to_owned()], 2, 0));
+    window.key(Key::Num6);
+    window.settle();
+    assert_eq!(drawn(&window, "mast"), 3, "both pictures mark it");
+    probe_at(&mut window, 24.4, 194.6);
+    window.click("Pin place");
+    window.settle();
+    assert_eq!(names(&window), ["mast", "Place 2"]);
+    window.ctrl(Key::Z);
+    assert_eq!(names(&window), ["mast"]);
+    window.run_action("redo");
+    assert_eq!(names(&window), ["mast", "Place 2"]);
+    window.click("Probe mast");
+    window.settle();
+    assert_eq!(window.app().read().probed_place(), Some(first));
+
+    let page = folder.path().join("r.md");
+    window.dialogs.will_choose(&page);
+    window.run_action("report");
+    window.settle();
+    let text = std::fs::read_to_string(&page).expect("a report");
+    for (name, at) in pinned(&window) {
+        let [u, v] = at.map(|x| number(x, 1));
+        assert_eq!(text.matches(&format!("## {name} at ({u}, {v})")).count(), 1, "{text}");
+    }
+    assert!(!text.contains("## Place 3"), "the probed place is one of them");
+
+    let mut other = window.kept_and_opened_in_another(&folder.path().join("s.toml"));
+    assert_eq!(pinned(&other), pinned(&window));
+    other.drop_file(noisy_stack(folder.path(), 3, 48, 48));
+    other.settle();
+    assert!(pinned(&other).is_empty() && drawn(&other, "mast") == 0, "they are of another burst");
+    other.run_action("open demo burst");
+    other.settle();
+    assert_eq!(names(&other), ["mast", "Place 2"], "its burst has them again");
+    other.click("Probe");
+    other.click("Remove mast");
+    other.settle();
+    assert_eq!((names(&other), drawn(&other, "mast")), (vec!["Place 2".to_owned()], 0));
+    other.click("Probe Place 2");
+    other.settle();
+    assert_eq!(other.app().read().probed_place(), Some(pinned(&other)[0].1));
+}
