@@ -20,6 +20,7 @@ impl<K: PartialEq, V> Memo<K, V> {
 }
 
 /// A shared value, which equals itself alone. It is kept alive, so that no other has its address.
+#[derive(Debug)]
 pub struct Itself(Arc<dyn Any + Send + Sync>);
 
 impl<T: Any + Send + Sync> From<&Arc<T>> for Itself {

@@ -84,7 +84,7 @@ fn window() -> Window {
         features,
         display: Display { max: 0.1, ..Display::default() },
         view: View::fit(),
-        histogram: HistogramPanel::new(),
+        histogram: HistogramPanel::default(),
         colour_by: ColourBy::SlopeDirection,
         selected: None,
         hovered: None,

@@ -2,7 +2,7 @@
 //! the list.
 
 use crate::app::document::Side;
-use crate::app::results::slot::ListedFor;
+use crate::app::memo::Itself;
 use crate::app::results::{Model, Read};
 use crate::detector::params::doc;
 use crate::detector::{Detection, ParamChange, Slope};
@@ -76,14 +76,8 @@ pub fn refresh_listed(model: &mut Model) {
     let slope =
         if model.document.filter.near_slope.is_some() { model.document.cursor().slope } else { Slope::default() };
     let judged = model.results.coherence.of(&found.detection);
-    let now = ListedFor {
-        detection: Arc::as_ptr(&found.detection) as usize,
-        judged: judged.map_or(0, |judged| Arc::as_ptr(judged) as usize),
-        filter: model.document.filter.clone(),
-        order: model.document.order,
-        slope,
-        set_up: model.document.set_up.depths_by().copied(),
-    };
+    let (filter, order, set_up) = (&model.document.filter, model.document.order, model.document.set_up.depths_by());
+    let now = ((&found.detection).into(), judged.map(Itself::from), filter.clone(), order, slope, set_up.copied());
     if model.results.listed_for.as_ref() != Some(&now) {
         let (features, grid) = (&found.detection.features, &found.detection.slopes);
         model.results.listed = model.document.listed(features, judged.map_or(&[], |judged| &judged[..]), grid, slope);

@@ -2,12 +2,13 @@
 
 use crate::app::apply::{comparison, explained, panes, params, probe};
 use crate::app::document::{Comparison, Cursor, Side};
+use crate::app::memo::Itself;
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::pair::lost::{CANDIDATES, LostFeatures, Why};
 use crate::app::results::{Matches, Model, Read, Slot};
 use crate::engine::{Ended, Engine};
 use crate::inspect::pair::Losses;
-use crate::requests::{LossesRequest, MatchRequest, OpenBurst, PicturesRequest, are_stacked};
+use crate::requests::{LossesRequest, MatchRequest, OpenBurst, are_stacked};
 use std::sync::Arc;
 
 /// Takes newly made matches. The selection is kept where the same pair of features was matched again.
@@ -30,8 +31,8 @@ pub fn refresh_listed_matches(model: &mut Model) {
         return;
     };
     let (look, order) = (&document.match_look, document.match_order);
-    let now = (std::sync::Arc::as_ptr(&matches.result) as usize, look.listing(), order);
-    if pair.listed_for != Some(now) {
+    let now = (Itself::from(&matches.result), look.listing(), order);
+    if pair.listed_for.as_ref() != Some(&now) {
         pair.listed = matches.listed(look, order);
         pair.listed_for = Some(now);
     }
@@ -95,11 +96,6 @@ pub(super) fn take_matches(model: &mut Model, ended: Ended<MatchRequest>) {
         }
         Err(error) => model.shell.messages.failed("Matching", &error),
     }
-}
-
-pub(super) fn take_patches(model: &mut Model, ended: Ended<PicturesRequest>) {
-    let before = std::mem::take(&mut model.results.pair.patches);
-    model.results.pair.patches = model.shell.messages.answer(ended.result, "Patches").unwrap_or(before);
 }
 
 pub(in crate::app) fn close_second(model: &mut Model, engine: &Engine) {
@@ -167,16 +163,6 @@ pub(super) fn take_losses(model: &mut Model, ended: Ended<LossesRequest>) {
         model.results.pair.lost.fold();
     }
     refresh_why(model);
-}
-
-pub(super) fn take_price(model: &mut Model, ended: Ended<MatchRequest>) {
-    model.results.pair.lost.priced = ended.result.ok().or_else(|| model.results.pair.lost.priced.take());
-}
-
-pub(super) fn take_lost_pictures(model: &mut Model, ended: Ended<PicturesRequest>) {
-    if let Ok(pictures) = ended.result {
-        model.results.pair.lost.pictures = pictures;
-    }
 }
 
 pub fn ask_feature(model: &mut Model, index: Option<usize>) {

@@ -9,9 +9,7 @@ use crate::app::results::panes::Play;
 use crate::app::results::{Model, Read};
 use crate::app::view::View;
 use crate::detector::{Feature, FrameRange};
-use crate::engine::Ended;
-use crate::requests::{FigureRequest, PictureAnswer, PictureRequest, ViewKind};
-use std::sync::Arc;
+use crate::requests::{PictureAnswer, ViewKind};
 use std::time::{Duration, Instant};
 
 pub fn change_panes(model: &mut Model, change: Change) {
@@ -79,16 +77,6 @@ pub fn open_probe(model: &mut Model) {
     if model.document.panels.right == Visibility::Closed && !Read::of(model).shows_slice() {
         model.document.panels.right = Visibility::Auto;
     }
-}
-
-pub(super) fn take_patch(model: &mut Model, ended: Ended<PictureRequest>) {
-    model.results.patch = model.shell.messages.answer(ended.result, "Patch").or_else(|| model.results.patch.take());
-}
-
-/// A failure stays with what was wanted, and the preview before it.
-pub(super) fn take_preview(model: &mut Model, ended: Ended<FigureRequest>) {
-    let preview = &mut model.results.preview;
-    preview.made = ended.result.ok().map(|made| (ended.request, Arc::new(made))).or(preview.made.take());
 }
 
 pub(in crate::app) fn forget_asked_pictures(model: &mut Model) {

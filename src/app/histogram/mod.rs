@@ -71,10 +71,6 @@ impl RangeOf {
 }
 
 impl HistogramPanel {
-    pub fn new() -> Self {
-        Self::default()
-    }
-
     /// Returns whether `display` changed. `visible` is the part of the image that the canvas shows, image pixels.
     pub fn ui(&mut self, ui: &mut Ui, picture: Option<&Picture>, visible: Option<Rect>, display: &mut Display) -> bool {
         let before = *display;

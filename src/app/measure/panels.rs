@@ -5,6 +5,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::gpu::PictureId;
 use crate::app::inspector::PaneWidgets;
+use crate::app::memo::Memo;
 use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{named, still_plot};
 use crate::app::results::Read;
@@ -18,30 +19,19 @@ use std::collections::HashMap;
 
 const BINS: usize = 64;
 
-#[derive(Debug, Clone)]
-struct RegionValues {
-    picture: PictureId,
-    region: Region,
-    statistics: Option<RegionStatistics>,
-    histogram: Option<Histogram>,
-}
+type RegionValues = (Option<RegionStatistics>, Option<Histogram>);
 
-#[derive(Debug, Default)]
-pub struct RegionCache(HashMap<PaneId, RegionValues>);
+#[derive(Default)]
+pub struct RegionCache(HashMap<PaneId, Memo<(PictureId, Region), RegionValues>>);
 
 impl RegionCache {
     fn of(&mut self, of: &PaneRegion) -> &RegionValues {
-        let fits = |known: &RegionValues| known.picture == of.picture.id && known.region == of.region;
-        if !self.0.get(&of.id).is_some_and(fits) {
-            let plane = &of.picture.plane;
-            let statistics = region_statistics(plane, &of.region);
+        self.0.entry(of.id).or_default().get((of.picture.id, of.region.clone()), || {
+            let statistics = region_statistics(&of.picture.plane, &of.region);
             // A region of one value has no histogram.
             let range = statistics.map(|s| (s.min, s.max)).filter(|(min, max)| min < max);
-            let histogram = range.map(|(min, max)| histogram(plane, &of.region, min, max, BINS));
-            let known = RegionValues { picture: of.picture.id, region: of.region.clone(), statistics, histogram };
-            self.0.insert(of.id, known);
-        }
-        &self.0[&of.id]
+            (statistics, range.map(|(min, max)| histogram(&of.picture.plane, &of.region, min, max, BINS)))
+        })
     }
 }
 
@@ -73,7 +63,7 @@ pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, cache: &mu
     }
     let panes = measured_panes(model, region.pane).into_iter();
     let regions: Vec<PaneRegion> = panes.filter_map(|id| region_in(model, widgets, &region, id)).collect();
-    let rows: Vec<[String; COLUMNS.len()]> = regions.iter().map(|of| row(of, cache.of(of).statistics)).collect();
+    let rows: Vec<[String; COLUMNS.len()]> = regions.iter().map(|of| row(of, cache.of(of).0)).collect();
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::MeasureRegion, Some("Draw a rectangle"));
         if ui.button("Copy numbers").on_hover_text("Copy the table, tabs between the columns").clicked() {
@@ -85,7 +75,7 @@ pub fn region_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, cache: &mu
         ui.weak(format!("{from} to {to}: {:.1} × {:.1} px", rect.width(), rect.height()));
     });
     let focused = regions.iter().find(|of| of.id == model.document.focus()).or(regions.first());
-    let histogram = focused.and_then(|of| Some((of.number, cache.of(of).histogram.clone()?)));
+    let histogram = focused.and_then(|of| Some((of.number, cache.of(of).1.clone()?)));
     ui.horizontal_top(|ui| {
         let width = (0.72 * ui.available_width()).max(300.0);
         ui.allocate_ui(egui::vec2(width, ui.available_height()), |ui| {

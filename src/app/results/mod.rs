@@ -3,14 +3,16 @@
 //! Nothing in this room changes what is set. Panels and panes get `Read`, whose methods are values of the document and
 //! the results; `app/apply` takes the answers and requests what is missing.
 
-use crate::app::document::{Document, History, Purpose, SavedSelection, Side, Sides};
+use crate::app::document::{Document, Filter, History, Order, Purpose, SavedSelection, Side, Sides};
+use crate::app::memo::Itself;
 use crate::app::messages::Messages;
 use crate::app::pane::PaneId;
 use crate::burst::Positions;
 use crate::dataset::DatasetSource;
-use crate::detector::SearchParams;
+use crate::detector::{Quantity, SearchParams, Slope};
 use crate::engine::{Ended, Wanted};
 use crate::figures::FiguresJob;
+use crate::inspect::slopes::SetUp;
 use crate::requests::{BurstSource, OpenRequest, PictureAnswer, PictureRequest, PossibleShape};
 use crate::teach::Lesson;
 use compare::Compare;
@@ -90,11 +92,14 @@ pub struct Results {
     pub poses: TrajectoryResults,
     /// What was set for another burst than the open one, until the user decides on it.
     pub left_behind: Option<own::Own>,
-    pub listed_for: Option<slot::ListedFor>,
+    pub listed_for: Option<ListedFor>,
     pub figures: Wanted<FiguresJob>,
     pub datasets: Datasets,
     pub studies: studies::Studies,
 }
+
+/// The detection, its verdicts, filter, order, slope and set-up by which features are listed.
+type ListedFor = (Itself, Option<Itself>, Filter, Order<Quantity>, Slope, Option<SetUp>);
 
 impl Results {
     pub fn pointed(&self) -> impl PartialEq + use<> {

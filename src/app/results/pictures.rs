@@ -22,6 +22,7 @@ use std::sync::Arc;
 pub struct PreviewResults {
     /// The figure that the form would write, as of the last pass; `None` without a form.
     pub asked: Option<FigureRequest>,
+    /// The last one that was made; a failure stays with the request.
     pub made: Option<(FigureRequest, Arc<FigurePreview>)>,
     pub wanted: Wanted<FigureRequest>,
 }

@@ -2,17 +2,16 @@
 //! was opened is never overwritten.
 
 use crate::app::document::filter::near_slope;
-use crate::app::document::{Document, Filter, Order, SavedSelection, Side};
+use crate::app::document::{Document, SavedSelection, Side};
 use crate::app::results::Read;
 use crate::app::results::comparison::ComparisonResults;
 use crate::app::results::own::Own;
 use crate::app::view::quantity_value;
 use crate::burst::OpenOptions;
-use crate::detector::{Advice, DetectorParams, Feature, Quantity, Slope, SlopeGrid, explain, follows, shared_slopes};
+use crate::detector::{Advice, DetectorParams, Feature, Slope, SlopeGrid, explain, follows, shared_slopes};
 use crate::engine::{Engine, Wanted};
 use crate::error::Error;
 use crate::inspect::place::Judged;
-use crate::inspect::slopes::SetUp;
 use crate::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobId, OpenBurst, OpenRequest};
 use std::ops::Deref;
 use std::path::PathBuf;
@@ -230,16 +229,6 @@ impl Document {
         });
         indices
     }
-}
-
-#[derive(Debug, Clone, PartialEq)]
-pub struct ListedFor {
-    pub detection: usize,
-    pub judged: usize,
-    pub filter: Filter,
-    pub order: Order<Quantity>,
-    pub slope: Slope,
-    pub set_up: Option<SetUp>,
 }
 
 impl Read<'_> {

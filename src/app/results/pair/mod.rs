@@ -10,6 +10,7 @@ pub use lost::{LostFeatures, PATCHES, lost_words};
 pub use matches::{MatchRow, Matches, PAIR_NUMBERS};
 
 use crate::app::document::{MatchColumn, MatchLook, MethodId, Order, SavedMatch, Side};
+use crate::app::memo::Itself;
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
 use crate::engine::Wanted;
@@ -32,7 +33,7 @@ pub struct PairState {
     pub matching: Wanted<MatchRequest>,
     pub patches: Vec<PictureAnswer>,
     pub wanted_patches: Wanted<PicturesRequest>,
-    pub listed_for: Option<(usize, MatchLook, Order<MatchColumn>)>,
+    pub listed_for: Option<(Itself, MatchLook, Order<MatchColumn>)>,
 }
 
 impl<'a> Read<'a> {
