@@ -7,6 +7,7 @@ mod plot;
 
 use crate::app::canvas::{Picture, number};
 use crate::app::gpu::PictureId;
+use crate::app::memo::Memo;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
 use egui::{CursorIcon, DragValue, Rangef, Rect, Response, Sense, Slider, Ui, vec2};
@@ -20,19 +21,12 @@ const PLOT_POINTS: f32 = 118.0;
 const PERCENTILES: [f32; 2] = [0.1, 99.9];
 
 /// State of the histogram panel: one for each kind of picture, as each kind has its own range and axis.
-#[derive(Debug, Clone, Default)]
+#[derive(Default)]
 pub struct HistogramPanel {
-    counted: Option<Counted>,
+    data_range: Memo<PictureId, Option<(f32, f32)>>,
+    counts: Memo<(PictureId, Rangef), Histogram>,
     axis: Option<Rangef>,
     drag: Option<Drag>,
-}
-
-#[derive(Debug, Clone)]
-struct Counted {
-    id: PictureId,
-    data_range: Option<(f32, f32)>,
-    axis: Rangef,
-    histogram: Histogram,
 }
 
 fn full_range(picture: &Picture) -> Option<(f32, f32)> {
@@ -115,9 +109,8 @@ impl HistogramPanel {
         if response.double_clicked() {
             self.axis = None;
         }
-        let counted = self.count(picture, display);
-        let geometry = PlotGeometry::new(rect, counted.axis);
-        let counts = counted.histogram.clone();
+        let (axis, counts) = self.count(picture, display);
+        let geometry = PlotGeometry::new(rect, axis);
         let grip = self.drag_handles(&response, &geometry, display);
         if ui.is_rect_visible(rect) {
             plot::draw(ui, &ui.painter_at(rect), &geometry, &counts, display, grip);
@@ -134,25 +127,18 @@ impl HistogramPanel {
         }
     }
 
-    fn count(&mut self, picture: &Picture, display: &Display) -> &Counted {
-        let known = self.counted.take().filter(|c| c.id == picture.id);
-        let data_range = match &known {
-            Some(counted) => counted.data_range,
-            None => full_range(picture),
-        };
+    /// The axis, and what is counted along it.
+    fn count(&mut self, picture: &Picture, display: &Display) -> (Rangef, Histogram) {
+        let data_range = *self.data_range.get(picture.id, || full_range(picture));
         // While a handle is dragged the axis stays.
         let axis = match self.axis {
             Some(axis) if self.drag.is_some() || axis_fits(axis, data_range, display) => axis,
             _ => axis_for(data_range, display),
         };
         self.axis = Some(axis);
-        let counted = known.filter(|c| c.axis == axis).unwrap_or_else(|| Counted {
-            id: picture.id,
-            data_range,
-            axis,
-            histogram: histogram(&picture.drawn, &Region::whole(&picture.drawn), axis.min, axis.max, BINS),
-        });
-        self.counted.insert(counted)
+        let whole = Region::whole(&picture.drawn);
+        let counted = || histogram(&picture.drawn, &whole, axis.min, axis.max, BINS);
+        (axis, self.counts.get((picture.id, axis), counted).clone())
     }
 
     fn drag_handles(&mut self, response: &Response, geometry: &PlotGeometry, display: &mut Display) -> Option<Grip> {
