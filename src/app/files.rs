@@ -110,10 +110,7 @@ pub(super) fn purpose_of_dropped(
             let truth = compared.estimate.is_some() && compared.truth.is_none();
             if truth { Purpose::OpenTruth } else { Purpose::OpenEstimate }
         }
-        _ => match side {
-            Side::A => Purpose::OpenFiles,
-            Side::B => Purpose::OpenFilesB,
-        },
+        _ => Purpose::OpenFiles(side),
     }
 }
 
@@ -125,8 +122,7 @@ pub(super) fn action_of(purpose: Purpose, paths: Vec<PathBuf>, messages: &mut Me
     let named = first.to_str().filter(|_| !first.exists()).and_then(BurstSource::named);
     let source = || named.unwrap_or(BurstSource::Paths(paths.clone()));
     Some(match purpose {
-        Purpose::OpenFolder | Purpose::OpenFiles | Purpose::OpenPath => Action::Open(Side::A, source()),
-        Purpose::OpenFolderB | Purpose::OpenFilesB | Purpose::OpenPathB => Action::Open(Side::B, source()),
+        Purpose::OpenFolder(side) | Purpose::OpenFiles(side) | Purpose::OpenPath(side) => Action::Open(side, source()),
         Purpose::OpenDataset => Action::OpenDataset(DatasetSource::of_bursts(paths)),
         Purpose::OpenEstimate => Action::OpenTrajectory(Which::Estimate, first),
         Purpose::OpenTruth => Action::OpenTrajectory(Which::Truth, first),
@@ -403,7 +399,7 @@ mod tests {
             Some("no burst is open; open one first")
         );
         assert!(
-            prepared(Purpose::OpenFolder, Read::of(&model)).is_err(),
+            prepared(Purpose::OpenFolder(Side::A), Read::of(&model)).is_err(),
             "nothing is written when something is opened"
         );
     }

@@ -55,8 +55,8 @@ impl Overlays {
             ActionId::Calibration => {
                 self.calibration_draft(&model.document.calibration);
             }
-            ActionId::OpenPath => self.open_path_field(Purpose::OpenPath, String::new(), false),
-            ActionId::OpenPathB => self.open_path_field(Purpose::OpenPathB, String::new(), false),
+            ActionId::OpenPath => self.open_path_field(Purpose::OpenPath(Side::A), String::new(), false),
+            ActionId::OpenPathB => self.open_path_field(Purpose::OpenPath(Side::B), String::new(), false),
             _ => return false,
         }
         true

@@ -207,8 +207,8 @@ macro_rules! actions {
 }
 
 actions! {
-    OpenFolder, File 0, "Open folder…", [CTRL O], "Open a folder of frames" => Ask(Purpose::OpenFolder);
-    OpenFiles, File 0, "Open files…", [CTRL_SHIFT O], "Open image files, a multi-page TIFF or a .npy stack" => Ask(Purpose::OpenFiles);
+    OpenFolder, File 0, "Open folder…", [CTRL O], "Open a folder of frames" => Ask(Purpose::OpenFolder(Side::A));
+    OpenFiles, File 0, "Open files…", [CTRL_SHIFT O], "Open image files, a multi-page TIFF or a .npy stack" => Ask(Purpose::OpenFiles(Side::A));
     OpenDataset, File 0, "Open dataset…", [CTRL_SHIFT D], "Open a folder of bursts, or a long sequence that is cut into bursts" => Ask(Purpose::OpenDataset);
     OpenPath, File 0, "Open path…", [CTRL L], "Type or paste the path of a burst";
     Calibration, File 0, "Calibration…", [], "Bias and flat frame, black level, full scale, linear light, colours of raw frames";
@@ -357,8 +357,8 @@ actions! {
     CloseFeatures, Features 3, "Close opened features", [], "Stop comparing with the features of the file" => Run(|model, _| comparison::forget_reference(model, Read::of(model).active_side(), Reference::File)), when |model| when::refers_to(model, Reference::File);
     ShowTruth, Features 3, "Compare with the truth", [], "Mark found, missed, repeated and false features, for bursts with known truth" => Run(change::show_truth), when |model| when::refers_to(model, Reference::Truth), on when::shows_truth;
 
-    OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst" => Ask(Purpose::OpenFolderB), when when::has_burst;
-    OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst" => Ask(Purpose::OpenFilesB), when when::has_burst;
+    OpenFolderB, Pair 0, "Open B: folder…", [CTRL_SHIFT B], "Open a folder of frames as the second burst" => Ask(Purpose::OpenFolder(Side::B)), when when::has_burst;
+    OpenFilesB, Pair 0, "Open B: files…", [], "Open image files, a multi-page TIFF or a .npy stack as the second burst" => Ask(Purpose::OpenFiles(Side::B)), when when::has_burst;
     OpenPathB, Pair 0, "Open B: path…", [], "Type or paste the path of the second burst", when when::has_burst;
     OpenDemoB, Pair 0, "Later demo burst as B", [], "Open the demo street a little later as the second burst" => Run(|model, engine| _ = opening::open(model, Side::B, BurstSource::DemoLater, engine)), when when::has_burst;
     CloseB, Pair 0, "Close B", [], "Close the second burst" => Run(pair::close_second), when when::has_both;

@@ -53,15 +53,14 @@ impl FileDialogs for SystemDialogs {
             dialog = dialog.add_filter(question.purpose.title(), &extensions).add_filter("All files", &["*"]);
         }
         match question.purpose {
-            Purpose::OpenFolder
-            | Purpose::OpenFolderB
+            Purpose::OpenFolder(_)
             | Purpose::OpenLessons
             | Purpose::OpenMasks
             | Purpose::OpenDataset
             | Purpose::FeatureFolder
             | Purpose::PaperFigures
             | Purpose::ExportDatabase => dialog.pick_folder().map(|p| vec![p]),
-            Purpose::OpenFiles | Purpose::OpenFilesB => dialog.pick_files(),
+            Purpose::OpenFiles(_) => dialog.pick_files(),
             purpose if purpose.saves() => dialog.set_file_name(&question.suggested_name).save_file().map(|p| vec![p]),
             _ => dialog.pick_file().map(|p| vec![p]),
         }

@@ -109,18 +109,15 @@ impl Default for FilmChoice {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Purpose {
-    OpenFolder,
-    OpenFiles,
+    OpenFolder(Side),
+    OpenFiles(Side),
+    OpenPath(Side),
     OpenDataset,
     FeatureFolder,
     PaperFigures,
     ExportDatabase,
     OpenEstimate,
     OpenTruth,
-    OpenPath,
-    OpenFolderB,
-    OpenFilesB,
-    OpenPathB,
     /// A sharp image of the view of a side, used as its gold standard.
     OpenGold(Side),
     OpenFeatures(Side),
@@ -201,18 +198,18 @@ impl ExportKind {
 impl Purpose {
     pub fn title(self) -> &'static str {
         match self {
-            Self::OpenFolder => "Open a folder of frames",
-            Self::OpenFiles => "Open image files",
+            Self::OpenFolder(Side::A) => "Open a folder of frames",
+            Self::OpenFiles(Side::A) => "Open image files",
             Self::OpenDataset => "Open a folder of bursts, or a long sequence",
             Self::FeatureFolder => "Choose a folder for the dataset's features",
             Self::PaperFigures => "Choose a folder for the figures of the paper",
             Self::ExportDatabase => "Choose a folder for COLMAP's database",
             Self::OpenEstimate => "Open an estimated trajectory",
             Self::OpenTruth => "Open a true trajectory",
-            Self::OpenPath => "Open a path",
-            Self::OpenFolderB => "Open a folder of frames as B",
-            Self::OpenFilesB => "Open image files as B",
-            Self::OpenPathB => "Open a path as B",
+            Self::OpenPath(Side::A) => "Open a path",
+            Self::OpenFolder(Side::B) => "Open a folder of frames as B",
+            Self::OpenFiles(Side::B) => "Open image files as B",
+            Self::OpenPath(Side::B) => "Open a path as B",
             Self::OpenGold(Side::A) => "Open the gold standard of A",
             Self::OpenGold(Side::B) => "Open the gold standard of B",
             Self::OpenFeatures(_) => "Open features",
@@ -258,7 +255,7 @@ impl Purpose {
 
     pub fn extensions(self) -> Vec<&'static str> {
         match self {
-            Self::OpenFiles | Self::OpenFilesB => [crate::burst::supported_extensions(), vec![CASE_EXTENSION]].concat(),
+            Self::OpenFiles(_) => [crate::burst::supported_extensions(), vec![CASE_EXTENSION]].concat(),
             Self::OpenBias | Self::OpenFlat | Self::OpenMask | Self::OpenGold(_) => {
                 crate::burst::supported_extensions()
             }
