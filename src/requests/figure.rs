@@ -2,7 +2,9 @@
 
 use super::{JobError, PictureAnswer, Request, Urgency, Work};
 use crate::detector::Feature;
-use crate::export::{Drawing, FigureFormat, FigureMatches, FigureOptions, FigurePanel, FigureUnit, lay_out};
+use crate::export::{
+    Drawing, FigureFormat, FigureMatches, FigureOptions, FigurePanel, FigureUnit, lay_out, rasterise_preview,
+};
 use crate::inspect::words::counted;
 use crate::plane::display::Display;
 use crate::plane::statistics::Region;
@@ -67,7 +69,8 @@ impl Request for FigureRequest {
     fn compute(self, work: &Work<'_, Infallible>) -> Result<FigurePreview, JobError> {
         let drawing = self.drawing();
         work.monitor.check()?;
-        let image = self.format.preview(&drawing, PREVIEW_PX).map_err(JobError::Failed)?;
+        let to_pixels = self.format == FigureFormat::Png;
+        let image = rasterise_preview(&drawing, PREVIEW_PX, to_pixels).map_err(JobError::Failed)?;
         let (scale, unit) = if drawing.unit == FigureUnit::Point { (25.4 / 72.0, "mm") } else { (1.0, "px") };
         let [width, height] = drawing.size.map(|side| scale * side);
         let pictures = counted(self.rows.iter().map(Vec::len).sum(), "picture");

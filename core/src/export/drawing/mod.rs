@@ -24,7 +24,7 @@ pub use panel::{
     ColourBar, FigureMark, FigureOptions, FigurePanel, FigureWidth, LegendEntry, LegendMark, motion_over, sigma_over,
 };
 pub use plot::{Plot, Series, SeriesPoint, range_from_zero};
-pub use raster::rasterise;
+pub use raster::{rasterise, rasterise_preview};
 pub use shape::{
     Anchor, Colour, DASH, Dashes, Drawing, Face, FigureRect, FigureShape, FigureStroke, FigureUnit, SOLID, Style,
 };

@@ -21,18 +21,23 @@ pub fn rasterise(drawing: &Drawing) -> Result<RgbaImage, String> {
     rasterise_at(drawing, pixels_per_unit(drawing))
 }
 
-/// Draws a figure as [`rasterise`] does, in larger pixels where it would have more than `most_px` (columns, rows).
-pub(super) fn rasterise_within(drawing: &Drawing, most_px: [u32; 2]) -> Result<RgbaImage, String> {
+/// Draws a figure as [`rasterise`] does, in larger pixels where it would have more than `most_px` (columns, rows). Fails
+/// when the figure is too large for a file of pixels, if it goes to one.
+pub fn rasterise_preview(drawing: &Drawing, most_px: [u32; 2], to_pixels: bool) -> Result<RgbaImage, String> {
+    let whole = pixels_per_unit(drawing);
+    if to_pixels {
+        size_px(drawing, whole)?;
+    }
     let fitting = most_px.into_iter().zip(drawing.size).map(|(most, side)| most as f32 / side);
-    rasterise_at(drawing, fitting.fold(pixels_per_unit(drawing), f32::min))
+    rasterise_at(drawing, fitting.fold(whole, f32::min))
 }
 
-pub(super) fn pixels_per_unit(drawing: &Drawing) -> f32 {
+fn pixels_per_unit(drawing: &Drawing) -> f32 {
     if drawing.unit == FigureUnit::Point { PIXELS_PER_INCH / 72.0 } else { 1.0 }
 }
 
 /// Columns and rows of the pixels. Fails when there are too many.
-pub(super) fn size_px(drawing: &Drawing, pixels_per_unit: f32) -> Result<[u16; 2], String> {
+fn size_px(drawing: &Drawing, pixels_per_unit: f32) -> Result<[u16; 2], String> {
     let [width, height] = drawing.size.map(|side| (side * pixels_per_unit - 1e-3).ceil());
     if width > MAX_SIDE_PX || height > MAX_SIDE_PX {
         return Err(format!(

@@ -1,7 +1,7 @@
 //! Files of drawings and their numbers: the one list of endings, and what each means.
 
 use super::pdf::pdf;
-use super::raster::{pixels_per_unit, rasterise, rasterise_within, size_px};
+use super::raster::rasterise;
 use super::shape::Drawing;
 use super::svg::write_svg;
 use super::table::Table;
@@ -9,7 +9,6 @@ use crate::error::{Error, ErrorKind, Result};
 use crate::export::atomic::{write_marked, write_text, write_whole};
 use crate::export::png::{Bitmap, write_png};
 use crate::files::mark::OutputKind;
-use image::RgbaImage;
 use serde::{Deserialize, Serialize};
 use std::{io::Write, path::Path};
 
@@ -70,17 +69,6 @@ impl FigureFormat {
             let remedy = format!("end the name in {} or {last}", others.join(", "));
             Error::new(ErrorKind::Request, "the ending says what is written", remedy).about(path)
         })
-    }
-
-    /// The picture that a file of this format shows of `drawing`, in at most `most_px` (columns, rows) pixels.
-    ///
-    /// # Errors
-    /// Why the file cannot be written: a drawing too large for pixels, or without size.
-    pub fn preview(self, drawing: &Drawing, most_px: [u32; 2]) -> Result<RgbaImage, String> {
-        if self == Self::Png {
-            size_px(drawing, pixels_per_unit(drawing))?;
-        }
-        rasterise_within(drawing, most_px)
     }
 
     fn write(self, path: &Path, drawing: &Drawing, table: &dyn Fn() -> Table) -> Result<()> {

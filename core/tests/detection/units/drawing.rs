@@ -81,19 +81,20 @@ fn what_is_too_large_is_said() {
 #[test]
 fn a_preview_is_what_a_file_shows_in_no_more_pixels_than_are_asked_for() {
     let of = drawing(vec![line([0.0, 30.0], [60.0, 30.0])]);
-    let preview = |format: FigureFormat, most| format.preview(&of, most).expect("small");
+    let preview = |most, to_pixels| rasterise_preview(&of, most, to_pixels).expect("small");
     let whole = rasterise(&of).expect("small");
-    assert!(preview(FigureFormat::Png, [60, 40]) == whole);
-    assert!(preview(FigureFormat::Pdf, [400, 300]) == whole, "it is not enlarged");
-    let half = preview(FigureFormat::Svg, [30, 300]);
+    assert!(preview([60, 40], true) == whole);
+    assert!(preview([400, 300], false) == whole, "it is not enlarged");
+    let half = preview([30, 300], true);
     assert_eq!(half.dimensions(), (30, 20));
     let [red, green, ..] = half.get_pixel(15, 15).0;
     assert!(red > 250 && green < 5, "the line is as much smaller");
     assert_eq!(half.get_pixel(15, 5).0, [255; 4]);
     let large = Drawing { size: [1e6, 1e5], ..drawing(Vec::new()) };
-    let refused = FigureFormat::Png.preview(&large, [100, 100]);
+    let refused = rasterise_preview(&large, [100, 100], true);
     assert!(refused.is_err_and(|why| why.contains("smaller scale")), "no file of it would be written");
-    assert_eq!(FigureFormat::Pdf.preview(&large, [100, 100]).expect("vectors have any size").dimensions(), (100, 10));
+    let vectors = rasterise_preview(&large, [100, 100], false).expect("vectors have any size");
+    assert_eq!(vectors.dimensions(), (100, 10));
 }
 
 #[test]
