@@ -160,8 +160,7 @@ JSON (--json), beside version, params, name and inputs:
   \"most_features_at\": {\"u\", \"v\"} or null, not counting the ends of the range
   \"spectrum\": {\"grid\", \"frames\", \"features\", \"at_limit\", \"judgement\": {\"sentence\", \"fits\", \"advice\" or null}, \"finding\" (as slopes_found of detect), \"cost\": {\"slopes\", \"samples\", \"search_secs\"},
     \"bars\": [{\"at\": [i, j], \"slope\": {\"u\", \"v\"}, \"is_searched\", \"is_on_rim\", \"features\", \"at_limit\", \"evidence\" (0 … 1), \"coverage\" (0 … 1)}],
-    \"aliases\": [{\"period_px\", \"correlation\", \"direction\", \"slope\", \"inside_range\", \"side_lobe\", \"places\": [[u, v]]}],
-    \"advice\": [{\"subject\": range, step, direction, frames, aliases, coverage or cost, \"number\", \"sentence\", \"changes\": [{\"parameter\", \"value\"}]}]}";
+    \"advice\": [{\"subject\": range, step, direction, frames, coverage or cost, \"number\", \"sentence\", \"changes\": [{\"parameter\", \"value\"}]}]}";
 
 /// Say why there is a feature at a place, or why there is none.
 ///

@@ -39,7 +39,6 @@ pub struct MatchFigure {
 }
 
 impl MatchPictures {
-    /// The picture of a burst, and its name.
     fn of(self, of: &DetectedBurst<'_>, monitor: &Monitor) -> Result<(Arc<Plane>, String), Error> {
         let DetectedBurst { burst, params, detection } = of;
         let slope = || {

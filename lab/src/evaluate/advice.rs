@@ -51,8 +51,7 @@ impl Statement {
             Some((AdviceSubject::Cost, _)) => Cost,
             Some((AdviceSubject::Frames, Some(_))) => Times,
             Some((AdviceSubject::Frames | AdviceSubject::Coverage, _)) => Frames,
-            // Textures that repeat themselves are no fault of the slopes.
-            None | Some((AdviceSubject::Aliases, _)) => Unknown,
+            None => Unknown,
         }
     }
 }

@@ -54,7 +54,6 @@ impl Menu {
         }
     }
 
-    /// Menu in which this one is a submenu.
     pub fn parent(self) -> Option<Self> {
         matches!(self, Self::Panes | Self::Cursor).then_some(Self::View)
     }
@@ -131,7 +130,6 @@ pub enum Does {
     Change(fn(&mut Model, &Engine) -> Option<Effect>),
 }
 
-/// Whether an action is possible now.
 pub fn enabled(id: ActionId, model: Read<'_>) -> bool {
     let ActionRow { when, does, .. } = id.action();
     match (when, does) {
@@ -155,7 +153,6 @@ pub fn checked(id: ActionId, model: Read<'_>) -> Option<bool> {
 }
 
 impl ActionId {
-    /// Kind of picture that the action shows.
     pub fn shown(self) -> Option<ViewKind> {
         match self.action().does {
             Some(Does::Show(kind)) => Some(kind),

@@ -125,7 +125,6 @@ pub fn draws_features(model: Read<'_>) -> bool {
     (model.document.workspace.record().draws_features)(model.document)
 }
 
-/// The slopes that are given, or were found.
 fn searched_grid(model: Read<'_>) -> Option<SlopeGrid> {
     let is_known = model.document.params.method == Method::Buff && model.knows_slopes(Side::A);
     is_known.then(|| model.grid_of(Side::A))

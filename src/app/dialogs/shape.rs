@@ -9,7 +9,6 @@ use egui::{
     Button, ColorImage, Context, Image, Key, Role, ScrollArea, TextEdit, TextureHandle, TextureOptions, Ui, vec2,
 };
 
-/// Pictures in a row.
 const COLUMNS: usize = 4;
 const CELL_POINTS: egui::Vec2 = vec2(150.0, 112.0);
 

@@ -76,7 +76,6 @@ pub enum LabQuestion {
 }
 
 impl LabQuestion {
-    /// All questions, with name and meaning.
     pub const ALL: [(Self, &'static str, &'static str); 5] = [
         (
             Self::Dark,

@@ -158,7 +158,6 @@ fn cells(model: Read<'_>, method: MethodId) -> Vec<String> {
     of_search.into_iter().chain(of_pair).chain([time]).map(or_dash).collect()
 }
 
-/// The table of the methods that are shown.
 pub fn methods_table(model: Read<'_>) -> Table {
     let cell = |text: String| match text.parse() {
         Ok(number) => Cell::Number(number, text.split_once('.').map_or(0, |(_, decimals)| decimals.len())),

@@ -39,7 +39,6 @@ pub fn error_ui(ui: &mut Ui, text: impl Into<RichText>) -> Response {
     ui.add(Label::new(text.into().color(ui.visuals().error_fg_color)).wrap())
 }
 
-/// Draws a text in the middle of the empty space.
 pub fn instead_ui(ui: &mut Ui, text: impl Into<String>) {
     ui.centered_and_justified(|ui| ui.weak(text.into()));
 }

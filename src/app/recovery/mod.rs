@@ -137,7 +137,6 @@ impl Recovery {
         true
     }
 
-    /// Returns the file of the session to restore.
     pub fn settle(&mut self, choice: RecoveryChoice, messages: &mut Messages) -> Option<PathBuf> {
         self.is_asking = choice == RecoveryChoice::Discard;
         match choice {

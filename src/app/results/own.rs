@@ -21,7 +21,6 @@ pub struct Own {
 }
 
 impl Own {
-    /// Words for what was set.
     pub fn words(&self) -> Vec<&'static str> {
         let OpenOptions { mask, take, times, views, axis, array, topic, .. } = &self.calibration;
         let words = [

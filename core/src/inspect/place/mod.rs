@@ -46,5 +46,3 @@ pub use suspicion::{
 pub(super) use hidden_cause::too_small;
 pub(super) use order::is_same_motion;
 pub(super) use probe::{Near, near, sorted_by_stage};
-pub(super) use shares::directions;
-pub(super) use suspicion::stack_around;

@@ -159,7 +159,7 @@ pub fn direction_of(slope: Slope) -> [f32; 2] {
 }
 
 /// The directions, of length 1, of the axes of `grid` that have several slopes.
-pub(crate) fn directions(grid: &SlopeGrid) -> impl Iterator<Item = [f32; 2]> {
+pub(super) fn directions(grid: &SlopeGrid) -> impl Iterator<Item = [f32; 2]> {
     let origin = grid.at(0.0, 0.0);
     let axes = [(grid.u.count, grid.at(1.0, 0.0)), (grid.v.count, grid.at(0.0, 1.0))];
     let towards = move |to: Slope| direction_of(Slope::new(to.u - origin.u, to.v - origin.v));

@@ -262,7 +262,7 @@ fn period_at(trail: &Trail, feature: &Feature, monitor: &Monitor) -> Result<Opti
 }
 
 /// The motion stack at `slope` around a place, less its value in the middle, and the place's position in it.
-pub(crate) fn stack_around(
+fn stack_around(
     trail: &Trail,
     [u, v]: [f32; 2],
     slope: Slope,

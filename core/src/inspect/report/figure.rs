@@ -2,7 +2,7 @@
 
 use crate::export::sheet::{Anchor, Area, BLUE, FAINT, Face, GREEN, GRID, INK, RED, Sheet, Style};
 use crate::export::{CURVE_COLUMNS, Cell, Drawing, Figure, FigureStroke, SPECTRUM_COLUMNS, Table};
-use crate::inspect::place::{Fate, Outcome, Probe, Shares, Slice, dirichlet, outline};
+use crate::inspect::place::{Fate, Outcome, Probe, Shares, Slice, outline};
 use crate::inspect::slopes::{SlopeBar, Spectrum};
 use crate::inspect::words::{capitalised, counted, number, sentence, slope_text, value_text};
 use crate::plane::Plane;
@@ -240,9 +240,6 @@ fn spectrum_drawing(spectrum: &Spectrum, name: &str) -> Drawing {
     let top = sheet.paragraph((24.0, 52.0), 13.0, SLOPES_WIDTH - 48.0, &found) + 24.0;
     let mut end =
         if spectrum.grid.is_plane() { plane(&mut sheet, top, spectrum) } else { line(&mut sheet, top, spectrum) };
-    if let Some(alias) = spectrum.aliases.first() {
-        end = kernel(&mut sheet, end + 34.0, spectrum.frames, f64::from(alias.period_px));
-    }
     end += 18.0;
     if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
         end = sheet.paragraph((24.0, end), 13.0, SLOPES_WIDTH - 48.0, &sentence(&fits.sentence));
@@ -360,21 +357,4 @@ fn plane(sheet: &mut Sheet, top: f64, spectrum: &Spectrum) -> f64 {
     }
     sheet.text((SLOPES_LEFT, end + 6.0), 11.0, Anchor::Start, "dashes: the slopes searched");
     end + 14.0
-}
-
-fn kernel(sheet: &mut Sheet, top: f64, frames: usize, period: f64) -> f64 {
-    let area = Area { x: SLOPES_LEFT, y: top, width: SLOPES_WIDTH - SLOPES_LEFT - 30.0, height: 70.0 };
-    let text =
-        format!("A texture of period {} px in {frames} frames, at slopes beside its own", number(period as f32, 1));
-    heading(sheet, 12.0, area, &text);
-    let range = (-1.5 * period, 1.5 * period);
-    let point = |k: usize| {
-        let x = f64::from(k as u32) / 600.0;
-        let slope = range.0 + x * (range.1 - range.0);
-        Some((area.x + x * area.width, area.bottom() - dirichlet(frames, period, slope) * area.height))
-    };
-    sheet.rectangle(area, FigureStroke::from(GRID));
-    sheet.polyline((0..=600).map(point), FigureStroke::new(INK, 1.2));
-    sheet.axis_below(area, range, "px/frame off");
-    area.bottom() + 40.0
 }

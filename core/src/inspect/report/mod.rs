@@ -275,14 +275,6 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
     if hidden > 0 {
         writeln!(out, "  and {} with less", counted(hidden, "more slope"))?;
     }
-    for alias in &spectrum.aliases {
-        let (period, [u, v]) = (number(alias.period_px, 1), alias.places[0].map(|x| number(x, 0)));
-        write!(out, "  repeats itself  every {period} px around ({u}, {v})")?;
-        if alias.places.len() > 1 {
-            write!(out, " and at {}", counted(alias.places.len() - 1, "more place"))?;
-        }
-        writeln!(out)?;
-    }
     if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
         writeln!(out, "  {}", fits.sentence)?;
     }

@@ -1,19 +1,18 @@
-//! Advice: that of the judgement on direction, range and step; on aliases that the range need not include; on frames
-//! that add nothing, and on frames that much of the picture has left. It is tried before it is offered: the advice that
-//! would be given after its changes is computed, from the frames and their field of motion over the changed slopes.
+//! Advice: that of the judgement on direction, range and step; on frames that add nothing, and on frames that much of
+//! the picture has left. It is tried before it is offered: the advice that would be given after its changes is computed,
+//! from the frames and their field of motion over the changed slopes.
 
 use super::fit::Judging;
-use super::{Alias, Spectrum, coverage_share};
+use super::{Spectrum, coverage_share};
 use crate::burst::TimesChoice;
 use crate::detect::search;
 use crate::detector::field::field_over;
-use crate::detector::params::doc;
 use crate::detector::slopes::retimed;
 use crate::detector::{
     Feature, ParamChange, Slope, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict, Slopes, find_slopes,
 };
 use crate::inspect::ProbeCache;
-use crate::inspect::words::{counted, number, slope_text};
+use crate::inspect::words::slope_text;
 use crate::monitor::{Cancelled, Monitor};
 use serde::Serialize;
 
@@ -29,8 +28,6 @@ pub enum AdviceSubject {
     Direction,
     /// Frames add nothing, because the motion is not straight.
     Frames,
-    /// A texture responds at several of the slopes searched.
-    Aliases,
     /// Much of the picture leaves the frames at the relevant slopes.
     Coverage,
     /// More slopes are searched than needed.
@@ -43,8 +40,8 @@ pub struct SlopeAdvice {
     /// Subject of the advice.
     pub subject: AdviceSubject,
     /// Number that the advice is based on: the part of the evidence beyond the range; the loss at half a step; the part
-    /// of the evidence off the line; the number of frames that add nothing; the period in px; the share covered; the
-    /// part of the slopes that is needed.
+    /// of the evidence off the line; the number of frames that add nothing; the share covered; the part of the slopes
+    /// that is needed.
     pub number: f64,
     /// Problem and its reason, as a sentence.
     pub sentence: String,
@@ -75,71 +72,22 @@ pub(super) fn advice(
     let (finding, evidence) = (Some(&spectrum.finding), &spectrum.evidence);
     let judging = Judging::new(cache.detection(), cache.params(), finding, evidence, &cache.burst);
     let Some(judging) = judging else { return Ok(Vec::new()) };
-    let telling = Telling { cache, spectrum, judging };
     let judged = spectrum.judgement.as_ref().and_then(|judgement| judgement.advice.clone());
     // Missing slopes come before superfluous ones, and those of frames that do not move straight after these.
     let is_superfluous = judged.as_ref().is_some_and(|one| one.subject == AdviceSubject::Cost);
     let (missing, superfluous) = if is_superfluous { (None, judged) } else { (judged, None) };
     let tried = |advice: Option<SlopeAdvice>| advice.map(|advice| judging.tried(advice, monitor)).transpose();
-    let (coverage, aliases) = (tried(telling.coverage())?.flatten(), tried(telling.aliases())?.flatten());
-    Ok([missing, coverage, aliases, superfluous].into_iter().flatten().collect())
-}
-
-struct Telling<'a> {
-    cache: &'a ProbeCache,
-    spectrum: &'a Spectrum,
-    judging: Judging<'a>,
+    Ok([missing, tried(judging.coverage(spectrum))?.flatten(), superfluous].into_iter().flatten().collect())
 }
 
 /// Minimum share of the picture that all frames should show at the typical slope of the evidence.
 const COVERED: f32 = 0.7;
-const ALIAS_PLACES: usize = 2;
 
-impl Telling<'_> {
-    fn aliases(&self) -> Option<SlopeAdvice> {
-        let alias: &Alias =
-            self.spectrum.aliases.iter().find(|a| a.inside_range > 0 && a.places.len() >= ALIAS_PLACES)?;
-        let [u, v] = alias.places[0];
-        let period = number(alias.period_px, 1);
-        let ([u, v], lobe) = ([u, v].map(|x| number(x, 0)), 100.0 * alias.side_lobe);
-        let (more, times) = (counted(alias.places.len() - 1, "more place"), counted(alias.inside_range, "time"));
-        let sentence = format!(
-            "the texture around ({u}, {v}) and at {more} repeats every {period} px, so it responds again at slopes {period} px/frame apart, {times} within the range, with side lobes of {lobe:.0} % between them"
-        );
-        let changes = self.within_a_period(alias).into_iter().collect();
-        Some(SlopeAdvice::new(AdviceSubject::Aliases, f64::from(alias.period_px), sentence, changes))
-    }
-
-    /// The part of the range around the evidence that contains no alias; `None` where the evidence itself needs more.
-    fn within_a_period(&self, alias: &Alias) -> Option<ParamChange> {
-        let grid = self.judging.grid;
-        let of_first = |d: [f32; 2]| {
-            let origin = grid.at(0.0, 0.0);
-            let to = grid.at(1.0, 0.0);
-            grid.u.count > 1 && ((to.u - origin.u) * d[0] + (to.v - origin.v) * d[1]).abs() > 0.5 * grid.u.step()
-        };
-        let second = !of_first(alias.direction);
-        let (parameter, axis) = if second { (doc::SLOPES_V, grid.v) } else { (doc::SLOPES_U, grid.u) };
-        let (min, max) = self.judging.reach_of(second, |_| true)?;
-        let margin = 0.5 * (0.9 * alias.period_px - (max - min));
-        if margin < 0.0 || axis.step() <= 0.0 {
-            return None;
-        }
-        let first = ((min - margin - axis.min) / axis.step()).ceil().max(0.0);
-        let last = ((max + margin - axis.min) / axis.step()).floor().min((axis.count - 1) as f32);
-        let count = (last - first) as usize + 1;
-        (last > first && count < axis.count).then(|| {
-            let tidy = |x: f32| (1e4 * x).round() / 1e4;
-            let part = SlopeAxis { min: tidy(axis.value(first)), max: tidy(axis.value(last)), count };
-            ParamChange::new(parameter, part)
-        })
-    }
-
-    fn coverage(&self) -> Option<SlopeAdvice> {
-        let size = self.cache.burst.size();
-        let frames = self.spectrum.frames;
+impl Judging<'_> {
+    fn coverage(&self, spectrum: &Spectrum) -> Option<SlopeAdvice> {
+        let (size, frames) = (self.burst.size(), spectrum.frames);
         // The typical slope: half of the evidence moves faster.
-        let mut slopes: Vec<(Slope, f32)> = self.spectrum.evidence.iter().map(|e| (e.slope, e.significance)).collect();
+        let mut slopes: Vec<(Slope, f32)> = spectrum.evidence.iter().map(|e| (e.slope, e.significance)).collect();
         slopes.sort_by(|a, b| a.0.magnitude().total_cmp(&b.0.magnitude()));
         let half = 0.5 * slopes.iter().map(|s| s.1).sum::<f32>();
         let mut sum = 0.0;
@@ -148,11 +96,11 @@ impl Telling<'_> {
             sum >= half
         })?;
         let covered = |count: usize| {
-            let positions = self.judging.positions.part(self.judging.middle(count));
+            let positions = self.positions.part(self.middle(count));
             coverage_share(typical, &positions, size)
         };
         let share = covered(frames);
-        if share >= COVERED || self.spectrum.finding.verdict == SlopeVerdict::Film {
+        if share >= COVERED || spectrum.finding.verdict == SlopeVerdict::Film {
             return None;
         }
         let enough = (2..frames).rev().find(|&count| covered(count) >= COVERED).unwrap_or(2);
@@ -160,12 +108,10 @@ impl Telling<'_> {
         let sentence = format!(
             "at the typical slope {slope} px/frame all {frames} frames show only {percent:.0} % of the picture; the middle {enough} show {of_middle:.0} %"
         );
-        let changes = vec![self.judging.middle_frames(enough)];
+        let changes = vec![self.middle_frames(enough)];
         Some(SlopeAdvice::new(AdviceSubject::Coverage, f64::from(share), sentence, changes))
     }
-}
 
-impl Judging<'_> {
     /// `advice` with changes that help: its own, or those to the slopes found. A fault that neither mends is said
     /// without changes; a saving that does not help is not said at all, nor is what the frames refute.
     pub fn tried(&self, advice: SlopeAdvice, monitor: &Monitor) -> Result<Option<SlopeAdvice>, Cancelled> {
@@ -188,15 +134,12 @@ impl Judging<'_> {
             let is_held = beyond.is_held(Some(&self.grid), self.burst, self.detection.frames_used.clone(), monitor)?;
             return Ok(is_held.then_some(advice));
         }
-        let own = match advice.subject {
-            AdviceSubject::Aliases | AdviceSubject::Cost => None,
-            _ => self.own_slopes(monitor)?,
-        };
+        let own = if advice.subject == AdviceSubject::Cost { None } else { self.own_slopes(monitor)? };
         // Where all of a range would cost more than twice what the motion's own does, that is tried first.
         let is_dear = own.zip(wanted).is_some_and(|(own, wanted)| 2 * own.len() < wanted.len());
         let grids = if is_dear { [own, wanted] } else { [wanted, own] };
         for grid in grids.into_iter().flatten().filter(|grid| *grid != self.grid) {
-            if self.is_mended_by(grid, own, advice.subject, monitor)? {
+            if self.is_mended_by(grid, own, monitor)? {
                 return Ok(Some(SlopeAdvice { changes: self.changes_to(grid), ..advice }));
             }
         }
@@ -228,13 +171,7 @@ impl Judging<'_> {
     }
 
     /// Whether no fault is left with the slopes of `grid`, or none but that of now.
-    fn is_mended_by(
-        &self,
-        grid: SlopeGrid,
-        own: Option<SlopeGrid>,
-        subject: AdviceSubject,
-        monitor: &Monitor,
-    ) -> Result<bool, Cancelled> {
+    fn is_mended_by(&self, grid: SlopeGrid, own: Option<SlopeGrid>, monitor: &Monitor) -> Result<bool, Cancelled> {
         let found = self.finding.filter(|finding| is_of_frames(finding)).map(|finding| finding.grid);
         if grid.len() == 1 || own == Some(grid) || own.is_none() && found == Some(grid) {
             return Ok(true);
@@ -260,8 +197,6 @@ impl Judging<'_> {
         let features: Vec<Feature> = self.features.iter().filter(|feature| is_at_rim(feature)).copied().collect();
         let after = Judging { grid, field: field.as_ref(), features: &features, ..*self };
         let (now, then) = (self.fault_of_slopes(), after.fault_of_slopes());
-        // A range without aliases may hold more than is found.
-        let then = then.filter(|then| (subject, then.subject) != (AdviceSubject::Aliases, AdviceSubject::Cost));
         let is_less =
             |now: SlopeAdvice, then: &SlopeAdvice| now.subject == then.subject && then.number < 0.5 * now.number;
         Ok(then.is_none_or(|then| now.is_some_and(|now| is_less(now, &then))))

@@ -13,7 +13,6 @@ pub use fit::{SlopeJudgement, is_doubtful, judgement};
 pub use set_up::{SetUp, SetUpSlopes, set_up_bounds};
 
 use super::ProbeCache;
-use super::place::{directions, dirichlet, period_along, stack_around};
 use crate::burst::Positions;
 use crate::detector::slopes::SlopeEvidence;
 use crate::detector::{Detection, Feature, Slope, SlopeFinding, SlopeGrid};
@@ -70,8 +69,6 @@ pub struct Spectrum {
     /// Confirmed evidence, strongest first.
     #[serde(skip)]
     pub evidence: Vec<SlopeEvidence>,
-    /// Periodic textures.
-    pub aliases: Vec<Alias>,
     /// Cost of the search.
     pub cost: Cost,
     /// Number of frames used.
@@ -100,7 +97,6 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
     evidence.sort_by(|a, b| b.significance.total_cmp(&a.significance));
     let detection = trail.detection();
     let bars = bars(cache, &grid, &evidence);
-    let aliases = aliases(cache, &evidence, &finding.evidence, monitor)?;
     let judging = fit::Judging::new(detection, params, Some(&finding), &evidence, &cache.burst);
     let judgement = judging.map(|judging| judging.judgement(monitor)).transpose()?;
     let spectrum = Spectrum {
@@ -111,7 +107,6 @@ pub fn spectrum(cache: &ProbeCache, monitor: &Monitor) -> Result<Spectrum, Cance
         judgement,
         finding,
         evidence,
-        aliases,
         cost: Cost { slopes: grid.len(), samples: detection.tally.samples, search_secs: detection.times.search_secs },
         frames: detection.frames_used.len(),
         advice: Vec::new(),
@@ -217,106 +212,6 @@ fn bars(cache: &ProbeCache, grid: &SlopeGrid, evidence: &[SlopeEvidence]) -> Vec
             }
         })
         .collect()
-}
-
-/// A texture that is periodic along an axis of the slopes.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Alias {
-    /// Period, pixels: slopes that differ by as many px/frame look alike.
-    pub period_px: f32,
-    /// Correlation of the texture with itself after a period, 0 … 1.
-    pub correlation: f32,
-    /// Direction of the slopes along which it is periodic, u and v, of length 1.
-    pub direction: [f32; 2],
-    /// Slope of the texture, px/frame, as far as it can be distinguished from its aliases.
-    pub slope: Slope,
-    /// Number of aliases of that slope within the slopes searched.
-    pub inside_range: usize,
-    /// Height (0 … 1) of the side lobes between them, for the frames used.
-    pub side_lobe: f32,
-    /// Places of the texture: (u, v) of the middle of each window, input pixels, the clearest first.
-    pub places: Vec<[f32; 2]>,
-}
-
-const AMBIGUOUS: f32 = 0.5;
-const SIGNIFICANT: f32 = 6.5;
-const MAX_WINDOWS: usize = 120;
-/// Relative difference below which two periods are the same.
-const SAME_PERIOD: f32 = 0.12;
-/// Pixels to each side in which a period is searched.
-const HALF_PX: usize = 32;
-
-/// Periodic textures, those with aliases in range and with the most places first; `all` is evidence of every window.
-fn aliases(
-    cache: &ProbeCache,
-    confirmed: &[SlopeEvidence],
-    all: &[SlopeEvidence],
-    monitor: &Monitor,
-) -> Result<Vec<Alias>, Cancelled> {
-    let grid = cache.params().used_slopes();
-    let frames = cache.trail.frames().0.len();
-    if frames < 2 {
-        return Ok(Vec::new());
-    }
-    let mut windows: Vec<&SlopeEvidence> =
-        all.iter().filter(|e| e.significance >= SIGNIFICANT && e.ambiguity >= AMBIGUOUS).collect();
-    windows.sort_by(|a, b| b.significance.total_cmp(&a.significance));
-    windows.truncate(MAX_WINDOWS);
-    // Beyond the first zero, which lies 1/N of a period from the peak.
-    let first = 1.0 / frames as f64;
-    let lobes = (0..=200).map(|k| first + (0.5 - first) * f64::from(k) / 200.0).map(|x| dirichlet(frames, 1.0, x));
-    let side_lobe = if frames > 2 { lobes.fold(0.0, f64::max) as f32 } else { 0.0 };
-    let mut found: Vec<Alias> = Vec::new();
-    for window in windows {
-        monitor.check()?;
-        let slope = believed(window, confirmed);
-        let (stack, centre) = stack_around(&cache.trail, window.centre, slope, HALF_PX + 8, monitor)?;
-        for direction in directions(&grid) {
-            let Some(period) = period_along(&stack, centre, direction, HALF_PX) else { continue };
-            let same = |alias: &&mut Alias| {
-                alias.direction == direction && (alias.period_px / period.px - 1.0).abs() < SAME_PERIOD
-            };
-            match found.iter_mut().find(same) {
-                Some(alias) => {
-                    alias.correlation = alias.correlation.max(period.correlation);
-                    let apart = |[u, v]: &[f32; 2]| (u - window.centre[0]).hypot(v - window.centre[1]);
-                    if alias.places.iter().all(|place| apart(place) > HALF_PX as f32) {
-                        alias.places.push(window.centre);
-                    }
-                }
-                None => {
-                    let inside_range = inside_range(&grid, slope, direction, period.px);
-                    let (period_px, correlation, places) = (period.px, period.correlation, vec![window.centre]);
-                    found.push(Alias { period_px, correlation, direction, slope, inside_range, side_lobe, places });
-                }
-            }
-        }
-    }
-    let matters = |alias: &Alias| (alias.inside_range > 0, alias.places.len());
-    found.sort_by(|a, b| matters(b).cmp(&matters(a)).then(b.correlation.total_cmp(&a.correlation)));
-    Ok(found)
-}
-
-/// The slope of the smallest confirmed evidence that contains the window's middle, otherwise the window's own.
-fn believed(window: &SlopeEvidence, confirmed: &[SlopeEvidence]) -> Slope {
-    let holds = |e: &&SlopeEvidence| {
-        (e.centre[0] - window.centre[0]).abs() <= 0.5 * e.size[0]
-            && (e.centre[1] - window.centre[1]).abs() <= 0.5 * e.size[1]
-    };
-    let area = |e: &SlopeEvidence| e.size[0] * e.size[1];
-    let smallest = confirmed.iter().filter(holds).min_by(|a, b| area(a).total_cmp(&area(b)));
-    smallest.map_or(window.slope, |e| e.slope)
-}
-
-/// The number of slopes whole periods away from `slope` within the range of the axis along `direction`.
-fn inside_range(grid: &SlopeGrid, slope: Slope, direction: [f32; 2], period: f32) -> usize {
-    let along = |s: Slope| s.u * direction[0] + s.v * direction[1];
-    let own = along(slope);
-    let (min, max) =
-        grid.slopes().map(along).fold((f32::INFINITY, f32::NEG_INFINITY), |(a, b), x| (a.min(x), b.max(x)));
-    let reach = ((max - min).abs() / period).ceil() as i64 + 1;
-    let around = |k: &i64| *k != 0 && (min..=max).contains(&(own + *k as f32 * period));
-    (-reach..=reach).filter(around).count()
 }
 
 #[cfg(test)]

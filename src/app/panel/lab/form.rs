@@ -7,7 +7,6 @@ use crate::synth::Motion;
 use egui::{DragValue, Grid, Id, TextEdit, Ui};
 use std::ops::RangeInclusive;
 
-/// Record of a setting.
 struct Setting {
     label: &'static str,
     /// Text after a number.

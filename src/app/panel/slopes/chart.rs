@@ -4,10 +4,9 @@ use crate::app::canvas::number;
 use crate::app::panel::widgets::{dot_ui, named};
 use crate::app::style;
 use crate::detector::Slope;
-use crate::inspect::place::dirichlet;
-use crate::inspect::slopes::{Alias, SlopeBar, Spectrum};
+use crate::inspect::slopes::{SlopeBar, Spectrum};
 use crate::plane::display::ColourMap;
-use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
+use egui::{Align2, Color32, Painter, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
 pub(super) struct Marks {
     pub here: Slope,
@@ -204,30 +203,4 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
     });
     let line = if marks.expected.is_some() { "; line: the set-up" } else { "" };
     ui.label(RichText::new(format!("right: u, down: v; framed: the slopes searched{line}")).small().weak());
-}
-
-pub(super) fn kernel_ui(ui: &mut Ui, alias: &Alias, frames: usize) {
-    let period = f64::from(alias.period_px);
-    let (px, count) = (number(alias.period_px, 3), alias.places.len());
-    let places = if count == 1 { "place" } else { "places" };
-    let text = format!(
-        "A texture that repeats every {px} px, at {count} {places}, responds again at slopes {px} px/frame apart"
-    );
-    ui.add(egui::Label::new(RichText::new(text).small()).wrap());
-    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width().min(360.0), 46.0), Sense::hover());
-    let painter = ui.painter_at(rect);
-    painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
-    let inner = rect.shrink2(vec2(4.0, 4.0));
-    const STEPS: usize = 240;
-    let point = |k: usize| -> Pos2 {
-        let x = k as f32 / STEPS as f32;
-        let value = dirichlet(frames, period, (f64::from(x) - 0.5) * 3.0 * period);
-        pos2(inner.left() + x * inner.width(), inner.bottom() - value as f32 * inner.height())
-    };
-    painter.line((0..=STEPS).map(point).collect(), Stroke::new(1.2, ui.visuals().text_color()));
-    named(&response, egui::Role::Image, "Response beside the slope of a texture");
-    response.on_hover_text(
-        "Dirichlet kernel: response of the texture in the mean of the frames, at slopes up to 1.5 periods from its \
-         own. The peaks beside the middle are aliases, the low ones between them side lobes",
-    );
 }

@@ -1,4 +1,4 @@
-//! Slopes of the burst: features and evidence at each slope, aliases, and advice.
+//! Slopes of the burst: features and evidence at each slope, and advice.
 
 pub(super) mod chart;
 mod set_up;
@@ -86,10 +86,6 @@ fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue:
         let text = format!("Cost: {}, {} samples", counted(cost.slopes, "slope"), grouped(cost.samples));
         let tip = format!("Search time: {} s", number(cost.search_secs, 2));
         weak_ui(ui, text).on_hover_text(tip);
-        if let Some(alias) = spectrum.aliases.first() {
-            ui.add_space(4.0);
-            chart::kernel_ui(ui, alias, spectrum.frames);
-        }
     });
 }
 

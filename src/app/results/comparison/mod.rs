@@ -91,7 +91,6 @@ impl<'a> Read<'a> {
 }
 
 impl ComparisonResults {
-    /// Takes the answer that is wanted now.
     pub fn take(&mut self, compared: ComparedWith, set: &mut Comparison) {
         let (ComparedWith { request, differences }, Some(with)) = (compared, set.with) else { return };
         let (is_whole_truth, ours) = match &differences {

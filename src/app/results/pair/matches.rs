@@ -14,7 +14,6 @@ use std::time::Duration;
 /// A number's name, help, and text, where there is one.
 type PairNumber = (&'static str, &'static str, fn(&MatchCounts) -> Option<String>);
 
-/// Numbers of the matches of two bursts.
 pub const PAIR_NUMBERS: [PairNumber; 5] = [
     ("Putative", "Matches by descriptors alone", |counts| Some(counts.putative.to_string())),
     ("Inliers", "Putative matches that agree with the geometry of the two views", |counts| {
