@@ -10,7 +10,6 @@ mod figure;
 mod film;
 mod kind;
 mod map;
-mod match_figure;
 mod open;
 mod picture;
 mod pictures;
@@ -32,11 +31,12 @@ pub use explain::{
     CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest,
     ProbeQuestion, ProbeRequest, Probed, Traced,
 };
-pub use figure::{FigurePicture, FigurePreview, FigureRequest};
+pub use figure::{
+    FigurePicture, FigurePreview, FigureRequest, MatchFigure, MatchPictures, are_stacked, page_drawing, titled,
+};
 pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::{MotionMap, SlopeColours, line_of};
-pub use match_figure::{MatchFigure, MatchPictures, are_stacked, page_drawing, titled};
 pub use open::{BurstId, OpenBurst};
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};

@@ -4,7 +4,7 @@ use crate::support::{Start, Window};
 use burstscope::app::actions::{ACTIONS, ActionId, Menu};
 use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::document::look::FeaturesShown;
-use egui::{Key, Modifiers};
+use egui::{Key, Modifiers, Rect};
 use egui_kittest::kittest::Queryable;
 
 #[test]
@@ -166,14 +166,22 @@ fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
     for size in [[1280.0, 800.0], [960.0, 640.0], [720.0, 480.0]] {
         let mut window = Start { size, ..Start::without_auto_detect() }.open();
         for menu in Menu::ALL.into_iter().filter(|menu| menu.has_content(window.app().read())).collect::<Vec<_>>() {
-            window.click(menu.label());
-            window.harness.run_steps(3);
-            let last = ACTIONS.iter().rfind(|action| action.menu == menu).expect("it has entries");
-            let entry = menu.submenu(last.group).unwrap_or(last.label);
-            let rect = |window: &Window| window.harness.get_all_by_label_contains(entry).last().expect("drawn").rect();
-            let at = rect(&window);
-            scroll_to_end(&mut window, egui::pos2(at.center().x, size[1] * 0.4));
-            let at = rect(&window);
+            let rect = |window: &Window, entry: &str| {
+                window.harness.get_all_by_label_contains(entry).last().expect("drawn").rect()
+            };
+            // To the end of the menu, or of the one that it is in and then of its own.
+            let mut at = Rect::NOTHING;
+            for menu in menu.parent().into_iter().chain([menu]) {
+                window.click(menu.label());
+                window.harness.run_steps(3);
+                let last = ACTIONS.iter().rfind(|action| action.menu == menu).expect("it has entries");
+                let below = Menu::ALL.into_iter().rfind(|below| below.parent() == Some(menu)).map(Menu::label);
+                let entry = below.or(menu.submenu(last.group)).unwrap_or(last.label);
+                let before = rect(&window, entry);
+                scroll_to_end(&mut window, egui::pos2(before.center().x, size[1] * 0.4));
+                at = rect(&window, entry);
+            }
+            let entry = menu.label();
             let screen = window.harness.ctx.content_rect();
             assert!(screen.contains_rect(at), "{size:?} {menu:?}: {entry} at {at:?}");
             window.key(Key::Escape);

@@ -7,14 +7,12 @@
 mod arrangement;
 mod changes;
 mod links;
-mod place;
 mod preset;
 mod set;
 mod tiles;
 
 pub use arrangement::{Arrangement, Direction, MAX_PANES, Part};
-pub use links::{Link, PaneLinks};
-pub use place::place_in;
+pub use links::{Link, PaneLinks, place_in};
 pub use preset::{MethodsPreset, Preset, SidesPreset};
 pub use set::{PaneGroup, Panes};
 pub use tiles::{arrangement_of, tree_of};
