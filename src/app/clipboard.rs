@@ -19,7 +19,8 @@ pub fn feature_text(feature: &Feature) -> String {
 
 pub fn match_text(row: &MatchRow<'_>) -> String {
     let headings = MatchColumn::ALL.map(MatchColumn::heading).join("\t");
-    let values = MatchColumn::ALL.map(|column| column.text(row)).join("\t");
+    // A table reads hyphens alone as minus signs.
+    let values = MatchColumn::ALL.map(|column| column.text(row).replace('−', "-")).join("\t");
     format!("{headings}\n{values}")
 }
 
@@ -28,7 +29,7 @@ pub fn value_text(readout: &Readout) -> String {
 }
 
 pub fn place_text(readout: &Readout) -> String {
-    format!("{}, {}", fixed(readout.u, 2), fixed(readout.v, 2))
+    format!("{}, {}", fixed(readout.u, 2), fixed(readout.v, 2)).replace('−', "-")
 }
 
 pub fn picture_of(model: Read<'_>, id: PaneId) -> Option<egui::ColorImage> {

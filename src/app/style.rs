@@ -1,6 +1,6 @@
 //! Style of the window: muted colours, small type and little spacing, so that most of the space is for the picture.
 
-use super::view::without_minus_zero;
+use super::view::with_minus;
 use egui::style::NumberFormatter;
 use egui::{Color32, CornerRadius, FontId, Stroke, Style, TextStyle, Theme, style::ScrollStyle, vec2};
 
@@ -56,9 +56,8 @@ fn common(style: &mut Style) {
 }
 
 pub(in crate::app) fn numbers(style: &mut Style) {
-    style.number_formatter = NumberFormatter::new(|value, decimals| {
-        without_minus_zero(egui::emath::format_with_decimals_in_range(value, decimals))
-    });
+    style.number_formatter =
+        NumberFormatter::new(|value, decimals| with_minus(egui::emath::format_with_decimals_in_range(value, decimals)));
 }
 
 fn dark(style: &mut Style) {

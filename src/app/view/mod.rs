@@ -177,24 +177,24 @@ pub fn signed_number(value: f32, digits: usize) -> String {
 
 /// Formats with `decimals` decimals; a number that rounds to zero has no minus.
 pub fn fixed(value: f32, decimals: usize) -> String {
-    without_minus_zero(format!("{value:.decimals$}"))
+    with_minus(format!("{value:.decimals$}"))
 }
 
 /// Formats as [`fixed`] does, with a `+` before positive numbers; zero has no sign.
 pub fn signed(value: f32, decimals: usize) -> String {
     let text = format!("{value:+.decimals$}");
     let is_zero = !text.contains(|c: char| ('1'..='9').contains(&c)) && value.is_finite();
-    if is_zero { text.trim_start_matches(['+', '-']).to_owned() } else { text }
+    if is_zero { text.trim_start_matches(['+', '-']).to_owned() } else { with_minus(text) }
 }
 
 pub fn signed_slope(slope: Slope, decimals: usize) -> String {
     format!("{}, {}", signed(slope.u, decimals), signed(slope.v, decimals))
 }
 
-/// Drops the minus sign of a number that was rounded to zero: `-0.00` becomes `0.00`.
-pub fn without_minus_zero(text: String) -> String {
+/// A number as it is shown: with a minus sign for a hyphen, and none before what was rounded to zero.
+pub fn with_minus(text: String) -> String {
     let is_zero = !text.contains(|c: char| ('1'..='9').contains(&c)) && text.contains('0');
-    if is_zero { text.trim_start_matches(['-', '−']).to_owned() } else { text }
+    if is_zero { text.trim_start_matches(['-', '−']).to_owned() } else { text.replace('-', "−") }
 }
 
 #[cfg(test)]
@@ -203,17 +203,17 @@ mod tests {
 
     #[test]
     fn a_number_that_rounds_to_zero_has_no_minus() {
-        let cases = [("-0.00", "0.00"), ("−0", "0"), ("-0.01", "-0.01"), ("+0.00", "+0.00"), ("−∞", "−∞"), ("–", "–")];
+        let cases = [("-0.00", "0.00"), ("−0", "0"), ("-0.01", "−0.01"), ("+0.00", "+0.00"), ("−∞", "−∞"), ("–", "–")];
         for (text, wanted) in cases {
-            assert_eq!(without_minus_zero(text.to_owned()), wanted);
+            assert_eq!(with_minus(text.to_owned()), wanted);
         }
-        assert_eq!([fixed(-0.004, 2), fixed(-0.006, 2), fixed(0.0, 1)], ["0.00", "-0.01", "0.0"]);
+        assert_eq!([fixed(-0.004, 2), fixed(-0.006, 2), fixed(0.0, 1)], ["0.00", "−0.01", "0.0"]);
         assert_eq!([signed(-0.004, 2), signed(-0.0, 1), signed(2.5, 1)], ["0.00", "0.0", "+2.5"]);
-        assert_eq!(signed_slope(Slope::new(-0.001, -1.5), 2), "0.00, -1.50");
+        assert_eq!(signed_slope(Slope::new(-0.001, -1.5), 2), "0.00, −1.50");
         let mut style = egui::Style::default();
         crate::app::style::numbers(&mut style);
         assert_eq!(style.number_formatter.format(-0.001, 2..=2), "0.00");
-        assert_eq!(style.number_formatter.format(-0.25, 2..=2), "-0.25");
+        assert_eq!(style.number_formatter.format(-0.25, 2..=2), "−0.25");
     }
 
     #[test]
@@ -221,10 +221,10 @@ mod tests {
         let known = Feature { field: Slope::new(-0.5, 0.0), field_sigma: 0.1, layer: 2, ..Feature::default() };
         let unknown = Feature { field_sigma: f32::INFINITY, layer: 0, ..known };
         let text = |quantity, feature| quantity_text(quantity, 0, feature, KnownOfFeature::default());
-        for (quantity, value) in [(Quantity::FieldU, "-0.50"), (Quantity::FieldV, "0.00"), (Quantity::Layer, "2")] {
+        for (quantity, value) in [(Quantity::FieldU, "−0.50"), (Quantity::FieldV, "0.00"), (Quantity::Layer, "2")] {
             assert_eq!([&known, &unknown].map(|feature| text(quantity, feature)), [value, "–"], "{quantity:?}");
         }
-        assert_eq!(motion_text(known.field, 0.414, 2), "-0.50, 0.00 ± 0.41 px/frame");
+        assert_eq!(motion_text(known.field, 0.414, 2), "−0.50, 0.00 ± 0.41 px/frame");
         let layer = MotionLayer { slope: Slope::new(2.1, -0.001), spread: 0.1, share: 0.384, inverse_depth: Some(1.0) };
         assert_eq!(layer_text(1, &layer), "1: (2.10, 0.00) px/frame, 38 %");
         assert_eq!(depth_text([8.0, 0.8]), "8 ± 0.8 m");
