@@ -131,7 +131,10 @@ fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets,
     };
     if has_menu && model.document.workspace.inspects() {
         let [choice, _] = look.overlay.words();
-        let text = if text.is_empty() { format!("{choice} ⏷") } else { format!("{choice}: {text} ⏷") };
+        let text = match &*text {
+            "" => format!("Features: {} ⏷", choice.to_lowercase()),
+            count => format!("{choice}: {count} ⏷"),
+        };
         let menu = ui.menu_button(RichText::new(text).small(), |ui| {
             features_shown_ui(ui, &mut look.overlay, model, id);
         });

@@ -94,10 +94,9 @@ fn slope_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             }
         }
     };
-    if strip.is_some() {
-        rows_ui(ui)
-    } else {
-        _ = ui.horizontal(rows_ui)
+    match strip {
+        Some(_) => rows_ui(ui),
+        None => _ = ui.horizontal(rows_ui),
     }
     queue.set(&before, slope, |slope| Action::SetSlope(model.document.focus(), slope));
 }

@@ -37,7 +37,8 @@ mod camera {
             names.iter().map(|(name, focal_px)| ((*name).to_owned(), own(*focal_px))).collect()
         };
         let focal_px = |names: &[(&str, f64)], rest: CameraChoice| {
-            let cameras = BurstCameras::of(&bursts, &[input.clone()], &given(names), rest).expect("cameras");
+            let cameras =
+                BurstCameras::of(&bursts, std::slice::from_ref(&input), &given(names), rest).expect("cameras");
             bursts.each_ref().map(|burst| cameras.of_burst(&burst.name).known().map(|camera| camera.params[0]))
         };
         let unknown = CameraChoice::default;
@@ -49,7 +50,8 @@ mod camera {
         assert_eq!(focal_px(&[("one", 7.0)], known), [Some(9.0), Some(7.0), Some(9.0)]);
         write("flight", 2.0);
         assert_eq!(focal_px(&[], unknown()), [Some(2.0), Some(3.0), Some(3.0)]);
-        let of = |names: &[(&str, f64)]| BurstCameras::of(&bursts, &[input.clone()], &given(names), unknown());
+        let of =
+            |names: &[(&str, f64)]| BurstCameras::of(&bursts, std::slice::from_ref(&input), &given(names), unknown());
         assert_eq!(of(&[]).expect("cameras").own["two"].source(), Some(&input.join("right/camera.toml")));
         let error = of(&[("righ", 7.0)]).expect_err("no such folder").to_string();
         assert!(error.contains("'righ'") && error.contains("flight, left, one, right, two"), "{error}");
