@@ -232,7 +232,7 @@ impl Document {
 }
 
 impl Read<'_> {
-    /// Default of [`Filter::near_slope`]: as for the features over the picture.
+    /// Default of `near_slope` of a filter: as for the features over the picture.
     pub fn near_slope(self) -> f32 {
         near_slope(self.found_of(Side::A).map_or(&self.results.slots.a.usable_params.slopes, |f| &f.detection.slopes))
     }
