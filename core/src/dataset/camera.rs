@@ -17,7 +17,7 @@ pub enum CameraChoice {
     Guessed(CameraModel),
     /// One known camera for all images.
     Known(Camera),
-    /// Known camera of some bursts, and the file, or the words, that it is from.
+    /// Known camera of some bursts, with its source: a file, or the words of an option.
     Own(Camera, PathBuf),
 }
 
@@ -53,7 +53,7 @@ impl CameraChoice {
         if let Self::Known(camera) | Self::Own(camera, _) = self { Some(camera) } else { None }
     }
 
-    /// File, or words, that it is from.
+    /// Source of a camera of some bursts: a file, or the words of an option.
     pub fn source(&self) -> Option<&PathBuf> {
         if let Self::Own(_, from) = self { Some(from) } else { None }
     }
@@ -117,8 +117,8 @@ impl BurstCameras {
     }
 }
 
-/// Places of a burst, the nearest first: its name, the folder of its frames, and those above that up to the one of
-/// `inputs` in which it was found.
+/// Places of a burst, the nearest first: the name of the burst, the folder of the frames, and each parent folder, up to
+/// and including the input folder.
 fn places_of<'a>(burst: &'a BurstFiles, inputs: &[PathBuf]) -> Vec<&'a Path> {
     let path = burst.paths.first().map_or(Path::new(""), PathBuf::as_path);
     let files = usize::from(!path.is_dir());
