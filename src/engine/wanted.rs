@@ -9,9 +9,6 @@ use std::any::TypeId;
 use std::fmt;
 use std::time::Duration;
 
-/// Time left to a superseded picture: a slider shows steps in between, and the next picture does not wait long.
-const PICTURE_GRACE: Duration = Duration::from_millis(250);
-
 type JobsOf<R> = Jobs<R, <R as Request>::Answer, <R as Request>::Partial>;
 
 /// [`Self::want`] takes, in each pass, what is missing. A request that failed or was cancelled is not repeated until
@@ -81,7 +78,7 @@ impl<R: Request> Wanted<R> {
             None if is_picture => {
                 // One picture at a time has all cores.
                 let lane = Lane::Type(TypeId::of::<R>(), urgency);
-                jobs.submit_as(Manner { urgency, grace: PICTURE_GRACE, lane }, 0, request.clone())
+                jobs.submit_as(Manner { urgency, grace: request.grace(), lane }, 0, request.clone())
             }
             None => jobs.submit_as(Manner { urgency, grace: Duration::ZERO, ..jobs.manner }, 0, request.clone()),
         };

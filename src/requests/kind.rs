@@ -279,9 +279,14 @@ impl PictureKind {
         }
     }
 
-    /// Input pixels for one pixel of this picture: 2^octave for a picture of an octave, else 1.
+    /// Octave of its pixels: 0 for a picture without.
+    pub fn octave(self) -> i32 {
+        self.scale().map_or(0, |scale| scale.octave)
+    }
+
+    /// Input pixels for one pixel of this picture: 2^octave.
     pub fn input_px_per_pixel(self) -> f32 {
-        self.scale().map_or(1.0, |scale| (scale.octave as f32).exp2())
+        (self.octave() as f32).exp2()
     }
 }
 

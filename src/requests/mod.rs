@@ -37,7 +37,7 @@ pub use figure::{
 pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::{MotionMap, SlopeColours, line_of};
-pub use open::{BurstId, OpenBurst};
+pub use open::{BurstId, OpenBurst, PREVIEW_OCTAVES};
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};
 pub use pictures::PicturesRequest;

@@ -3,13 +3,15 @@
 use super::{BurstSource, JobError, PossibleShape};
 use crate::burst::{Burst, LikelyShape, OpenOptions, find_bursts, likely_shapes};
 use crate::dataset::BurstPicture;
+use crate::detector::view::coarse_frames;
 use crate::error::{Error, ErrorKind};
 use crate::inspect::result::{has_truth, truth_of};
 use crate::inspect::words::counted;
-use crate::monitor::Monitor;
+use crate::monitor::{Cancelled, Monitor};
+use crate::plane::Plane;
 use crate::synth::{Truth, synth_chart};
-use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// Identifies one opening of a burst: opening the same files again gives another id.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
@@ -22,7 +24,11 @@ pub struct OpenBurst {
     pub burst: Arc<Burst>,
     pub source: BurstSource,
     planted: Option<Arc<Truth>>,
+    coarse: Arc<[OnceLock<Vec<Plane>>; PREVIEW_OCTAVES.len()]>,
 }
+
+/// Octaves on whose pixels motion stacks are previewed: a finer one would cost nearly the whole picture, and memory.
+pub const PREVIEW_OCTAVES: [i32; 3] = [2, 3, 4];
 
 impl PartialEq for OpenBurst {
     fn eq(&self, other: &Self) -> bool {
@@ -33,7 +39,20 @@ impl PartialEq for OpenBurst {
 impl OpenBurst {
     pub fn new(burst: Burst, source: BurstSource) -> Self {
         static COUNTER: AtomicU64 = AtomicU64::new(1);
-        Self { id: BurstId(COUNTER.fetch_add(1, Ordering::Relaxed)), burst: Arc::new(burst), source, planted: None }
+        let id = BurstId(COUNTER.fetch_add(1, Ordering::Relaxed));
+        Self { id, burst: Arc::new(burst), source, planted: None, coarse: Arc::default() }
+    }
+
+    /// Frames on the pixels of `octave`, made once; none for an octave without previews.
+    pub(super) fn coarse(&self, octave: i32, monitor: &Monitor) -> Result<&[Plane], Cancelled> {
+        let Some(kept) = PREVIEW_OCTAVES.iter().zip(&*self.coarse).find(|(of, _)| **of == octave) else {
+            return Ok(&[]);
+        };
+        if kept.1.get().is_none() {
+            // Another thread may have made them meanwhile: they are the same.
+            let _ = kept.1.set(coarse_frames(&self.burst, octave, monitor)?);
+        }
+        Ok(kept.1.get().map_or(&[], Vec::as_slice))
     }
 
     pub fn truth(&self, monitor: &Monitor) -> Result<Option<Truth>, Error> {

@@ -1,6 +1,6 @@
 //! Pictures of a burst: a frame, a motion stack, a DoG response, a map, the merged frames, or a difference of two.
 
-use super::{BurstId, MotionMap, OpenBurst, PictureKind, RangeClass, ViewKind};
+use super::{BurstId, MotionMap, OpenBurst, PREVIEW_OCTAVES, PictureKind, RangeClass, ViewKind};
 use crate::detector::params::Stage;
 use crate::detector::{DetectorParams, Feature, FrameRange, Method, Scale};
 use crate::monitor::{Cancelled, Monitor};
@@ -12,6 +12,9 @@ use image::RgbaImage;
 use std::hash::{DefaultHasher, Hash, Hasher};
 use std::mem::{Discriminant, discriminant};
 use std::sync::Arc;
+
+/// Least number of pixels of a frame with previews: the whole picture takes longer than a tenth of a second.
+const PREVIEWED_PX: usize = 3_000_000;
 
 impl RangeClass {
     pub fn of(request: &PictureRequest) -> Self {
@@ -27,6 +30,8 @@ pub struct PictureRequest {
     pub params: DetectorParams,
     /// Standard deviation of the Gaussian by which it is smoothed for looking at it, input pixels; 0 for none.
     pub smoothing_px: f32,
+    /// Octave on whose pixels a preview is made first, if it has one; it decides nothing about the picture.
+    pub preview_octave: Option<i32>,
     minus: Option<Box<PictureRequest>>,
 }
 
@@ -57,7 +62,7 @@ impl PartialEq for PictureRequest {
 
 impl PictureRequest {
     pub fn new(burst: OpenBurst, kind: PictureKind, params: DetectorParams) -> Self {
-        Self { burst, kind, params, smoothing_px: 0.0, minus: None }
+        Self { burst, kind, params, smoothing_px: 0.0, preview_octave: None, minus: None }
     }
 
     /// By a Gaussian of `sigma_px` input pixels; unchanged where the values are no brightnesses or responses.
@@ -80,7 +85,20 @@ impl PictureRequest {
     /// The picture without what is subtracted from it, and without smoothing.
     #[must_use]
     pub fn alone(&self) -> Self {
-        Self { minus: None, smoothing_px: 0.0, ..self.clone() }
+        Self { minus: None, smoothing_px: 0.0, preview_octave: None, ..self.clone() }
+    }
+
+    /// With a preview at the resolution at which it is seen, if that is cheap: of the sum of large frames without masks.
+    #[must_use]
+    pub fn previewed(self, points_per_pixel: f32) -> Self {
+        let octave = (1.0 / points_per_pixel).log2().ceil() as i32;
+        let is_sum = matches!(self.kind, PictureKind::Stack { .. }) && self.params.method == Method::Buff;
+        let octave = octave.min(PREVIEW_OCTAVES[PREVIEW_OCTAVES.len() - 1]);
+        let (width, height) = self.burst.burst.size();
+        let is_wanted = width * height >= PREVIEWED_PX && PREVIEW_OCTAVES.contains(&octave);
+        let is_cheap = is_wanted && is_sum && self.minus.is_none();
+        let is_masked = || self.burst.burst.frames.iter().any(|frame| frame.mask().is_some());
+        Self { preview_octave: (is_cheap && !is_masked()).then_some(octave), ..self }
     }
 
     pub(crate) fn key(&self) -> PictureKey {
@@ -125,6 +143,8 @@ pub struct PictureAnswer {
     /// Pixels as drawn: `plane`, or smoothed.
     pub drawn: Arc<Plane>,
     pub motion: Option<Arc<MotionMap>>,
+    /// Octave of its pixels: not the request's only of a preview, whose values are not the picture's.
+    pub octave: i32,
 }
 
 /// Equal requests have equal answers.
@@ -153,7 +173,7 @@ impl PictureAnswer {
         let (step, step_other) = (self.request.kind.input_px_per_pixel(), other.request.kind.input_px_per_pixel());
         let plane = Arc::new(difference(&self.plane, &other.plane, step / step_other));
         let request = self.request.alone().less(&other.request);
-        Self { request, drawn: plane.clone(), plane, motion: None }
+        Self { request, drawn: plane.clone(), plane, motion: None, octave: self.octave }
     }
 
     pub(crate) fn smoothed(self, sigma_px: f32, monitor: &Monitor) -> Result<Self, Cancelled> {

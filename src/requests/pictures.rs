@@ -9,16 +9,16 @@ use crate::detector::Interpolation;
 use crate::detector::field::NO_FIELD;
 use crate::detector::stack::motion_stack;
 use crate::detector::view::{
-    combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_view,
+    coarse_stack_view, combined_view, coverage_view, dog_view, field_view, gate_noise_map, in_focus_view, stack_view,
 };
 use crate::inspect::place::winning_slopes;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::{Mask, Plane};
-use std::convert::Infallible;
 use std::sync::Arc;
+use std::time::Duration;
 
 /// Computes a picture that is not a difference.
-fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<PictureAnswer, JobError> {
+fn plain(request: PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<PictureAnswer, JobError> {
     let (trails, monitor) = (work.caches.trails, work.monitor);
     let mut motion = None;
     let burst = &request.burst.burst;
@@ -75,7 +75,17 @@ fn plain(request: PictureRequest, work: &Work<'_, Infallible>) -> Result<Picture
         }
     };
     let plane = with_unseen(plane, &request, monitor)?;
-    Ok(PictureAnswer { request, drawn: plane.clone(), plane, motion })
+    let octave = request.kind.octave();
+    Ok(PictureAnswer { request, drawn: plane.clone(), plane, motion, octave })
+}
+
+/// Shows the stack on coarse pixels first, where that is asked for.
+fn preview(request: &PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<(), Cancelled> {
+    let (PictureKind::Stack { slope }, Some(octave)) = (request.kind, request.preview_octave) else { return Ok(()) };
+    let (burst, frames) = (&request.burst.burst, request.burst.coarse(octave, work.monitor)?);
+    let plane = Arc::new(coarse_stack_view((burst, frames, octave), &request.params, slope, work.monitor)?);
+    (work.tell)(PictureAnswer { request: request.clone(), drawn: plane.clone(), plane, motion: None, octave });
+    Ok(())
 }
 
 /// `plane` with a mask over the pixels that no frame shows at the slope: their values come from filled pixels.
@@ -101,7 +111,7 @@ fn with_unseen(plane: Arc<Plane>, request: &PictureRequest, monitor: &Monitor) -
 
 impl Request for PictureRequest {
     type Answer = PictureAnswer;
-    type Partial = Infallible;
+    type Partial = PictureAnswer;
 
     fn urgency(&self) -> Urgency {
         let own = if self.kind.about().is_slow { Urgency::SlowPicture } else { Urgency::Picture };
@@ -112,10 +122,16 @@ impl Request for PictureRequest {
         caches.pictures.get(self)
     }
 
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<PictureAnswer, JobError> {
+    /// With a preview, a superseded picture ends soon after it: the next one is as quick.
+    fn grace(&self) -> Duration {
+        Duration::from_millis(if self.preview_octave.is_some() { 60 } else { 250 })
+    }
+
+    fn compute(self, work: &Work<'_, PictureAnswer>) -> Result<PictureAnswer, JobError> {
         if let Some(picture) = self.cached(&work.caches) {
             return Ok(picture);
         }
+        preview(&self, work)?;
         let picture = match self.minus().cloned() {
             // The picture without smoothing is kept too, for another one.
             _ if self.smoothing_px > 0.0 => {
@@ -137,13 +153,13 @@ pub struct PicturesRequest(pub Vec<PictureRequest>);
 
 impl Request for PicturesRequest {
     type Answer = Vec<PictureAnswer>;
-    type Partial = Infallible;
+    type Partial = PictureAnswer;
 
     fn urgency(&self) -> Urgency {
         self.0.iter().map(PictureRequest::urgency).max().unwrap_or(Urgency::Picture)
     }
 
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<PictureAnswer>, JobError> {
+    fn compute(self, work: &Work<'_, PictureAnswer>) -> Result<Vec<PictureAnswer>, JobError> {
         self.0.into_iter().map(|request| request.compute(work)).collect()
     }
 }

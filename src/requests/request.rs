@@ -21,6 +21,11 @@ pub trait Request: Clone + PartialEq + Send + 'static {
         Self::URGENCY
     }
 
+    /// Time left to a superseded request of a picture: a slider shows steps in between, and the next waits no longer.
+    fn grace(&self) -> Duration {
+        Duration::from_millis(250)
+    }
+
     /// The answer, if it is kept and needs no work.
     fn cached(&self, _caches: &Caches<'_>) -> Option<Self::Answer> {
         None

@@ -2,16 +2,21 @@
 
 use crate::datasets::{click_burst, start, walk};
 use crate::support::{Start, Window};
-use burstscope::Monitor;
 use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::document::side::Side;
 use burstscope::app::results::Read;
 use burstscope::app::results::datasets::BurstState;
-use burstscope::detector::Slope;
+use burstscope::burst::Burst;
 use burstscope::detector::view::{dog_view, stack_view};
+use burstscope::detector::{DetectorParams, Slope};
+use burstscope::engine::{Engine, Wanted};
+use burstscope::plane::Mask;
+use burstscope::requests::{BurstSource, OpenBurst, PictureKind, PictureRequest};
+use burstscope::{Monitor, Plane};
 use egui::Key;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
+use std::sync::Arc;
 
 #[test]
 fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
@@ -74,6 +79,48 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
         (window.app().model.document.cursor().kind, window.app().model.document.cursor().frame),
         (ViewKind::Frame, 7)
     );
+}
+
+#[test]
+fn a_large_stack_is_previewed_at_the_resolution_at_which_it_is_seen() {
+    let scene = |u: f32, v: f32| 0.5 + 0.2 * (0.021 * u + 0.6).sin() + 0.2 * (0.017 * v - 0.011 * u).cos();
+    let frame = |t: usize| Plane::from_fn(2100, 1500, |u, v| scene(u as f32 - 2.0 * t as f32, v as f32 + t as f32));
+    let burst = |frames: Vec<Plane>| OpenBurst::new(Burst::from_planes("large", frames), BurstSource::Demo);
+    let of = |burst: &OpenBurst, slope: Slope| {
+        PictureRequest::new(burst.clone(), PictureKind::Stack { slope }, DetectorParams::default())
+    };
+    let large = burst((0..3).map(frame).collect());
+    let engine = Engine::new(Arc::new(|| {}), 1 << 28);
+    for (points_per_pixel, octave) in [(0.3, 2), (0.24, 3), (0.01, 4)] {
+        let (mut wanted, mut told) = (Wanted::default(), Vec::new());
+        // Each time another one: what is kept needs no preview.
+        let slope = Slope::new(2.0 + 0.1 * octave as f32, -1.0);
+        wanted.ask(&engine, of(&large, slope).previewed(points_per_pixel));
+        let whole = loop {
+            told.extend(wanted.take_partial());
+            if let Some(ended) = wanted.take().pop() {
+                break ended.result.expect("not cancelled");
+            }
+            std::thread::sleep(std::time::Duration::from_millis(1));
+        };
+        told.extend(wanted.take_partial());
+        let [preview] = &told[..] else { panic!("{} previews", told.len()) };
+        assert_eq!((preview.octave, whole.octave, &preview.request), (octave, 0, &whole.request));
+        let step = 1 << octave;
+        let inside = |count: usize| 2..count / step - 2;
+        for (u, v) in inside(1500).flat_map(|v| inside(2100).map(move |u| (u, v))).step_by(31) {
+            let off = (preview.plane.at(u, v) - whole.plane.at(step * u, step * v)).abs();
+            assert!(off < 0.02, "({u}, {v}) at octave {octave}: {off}");
+        }
+    }
+    // Not where it is seen whole, nor where it is quick, nor where it would not show what a mask hides.
+    let slope = Slope::new(1.0, 0.0);
+    assert_eq!(of(&large, slope).previewed(0.7).preview_octave, None);
+    let small = burst(vec![Plane::zeros(400, 300); 3]);
+    assert_eq!(of(&small, slope).previewed(0.3).preview_octave, None);
+    let mask = Mask::new(Plane::from_fn(2100, 1500, |u, _| f32::from(u > 9))).expect("hides some");
+    let masked = burst(vec![frame(0).masked(Some(mask)), frame(1)]);
+    assert_eq!(of(&masked, slope).previewed(0.3).preview_octave, None);
 }
 
 #[test]

@@ -13,6 +13,7 @@ use crate::error::{Error, Result};
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Motion-stack image at any `slope` (px/frame) of the frames that `params` use. Input-pixel size, [0, 1] unit.
 ///
@@ -26,6 +27,37 @@ use std::ops::Range;
 pub fn stack_view(burst: &Burst, params: &DetectorParams, slope: Slope, monitor: &Monitor) -> Result<Plane, Cancelled> {
     let (frames, positions) = used(burst, params);
     motion_stack(&frames, &positions, slope, params.rules.interpolation, monitor)
+}
+
+/// Frames of `burst` on the pixels of `octave` (1 or more), each the mean of a square about it: see [`coarse_stack_view`].
+pub fn coarse_frames(burst: &Burst, octave: i32, monitor: &Monitor) -> Result<Vec<Plane>, Cancelled> {
+    let ((columns, rows), step) = (burst.size(), 1 << octave);
+    let window = |at: usize, count: usize| (at * step).saturating_sub(step / 2)..count.min(at * step + step / 2 + 1);
+    let coarse = |frame: &Arc<Plane>| {
+        let row_of = |y: usize, row: &mut [f32]| {
+            let (seen, mut sums) = (window(y, rows), vec![0.0; columns]);
+            seen.clone().for_each(|v| sums.iter_mut().zip(frame.row(v)).for_each(|(sum, x)| *sum += x));
+            for (x, mean) in row.iter_mut().enumerate() {
+                let of = window(x, columns);
+                *mean = sums[of.clone()].iter().sum::<f32>() / (of.len() * seen.len()) as f32;
+            }
+        };
+        by_rows(octave_size(burst.size(), octave), row_of, monitor)
+    };
+    burst.frames.iter().map(coarse).collect()
+}
+
+/// Motion-stack image at `slope` (px/frame of the input image) on the pixels of `octave`, for looking at it before
+/// [`stack_view`] is there, at 4^−octave of the cost. `frames` are all [`coarse_frames`] of the burst.
+pub fn coarse_stack_view(
+    (burst, frames, octave): (&Burst, &[Plane], i32),
+    params: &DetectorParams,
+    slope: Slope,
+    monitor: &Monitor,
+) -> Result<Plane, Cancelled> {
+    let (used, pixel) = (params.used_frames(burst.len()), (octave as f32).exp2());
+    let (positions, slope) = (burst.positions.part(used.clone()), Slope::new(slope.u / pixel, slope.v / pixel));
+    motion_stack(&frames[used].iter().collect::<Vec<_>>(), &positions, slope, params.rules.interpolation, monitor)
 }
 
 /// Combination of the shifted frames at any `slope`, as [`stack_view`] shows their mean.

@@ -6,7 +6,7 @@ use crate::app::apply::{comparison, dataset_answers, detection, explained, metho
 use crate::app::document::Side;
 use crate::app::results::{Effect, Matches, MethodFound, Model, Read, Results};
 use crate::engine::{Ended, Engine, Want, Wanted};
-use crate::requests::{Compared, Detected, JobError, Request, Urgency};
+use crate::requests::{Compared, Detected, JobError, PictureAnswer, RangeClass, Request, Urgency};
 use std::mem::take;
 use std::sync::Arc;
 
@@ -74,6 +74,15 @@ impl Part for PanePictures {
 
     fn take(&self, pass: &mut Pass<'_>) -> Vec<Effect> {
         let pictures = &mut pass.model.results.pictures;
+        for shown in pictures.values_mut() {
+            // The first picture sets the range of values, which a preview must not.
+            let is_new = |preview: &PictureAnswer| {
+                let class = |picture: &PictureAnswer| RangeClass::of(&picture.request);
+                shown.picture.as_ref().is_some_and(|picture| class(picture) == class(preview))
+            };
+            let previews = shown.wanted.take_partial();
+            shown.preview = previews.into_iter().rfind(is_new).or(shown.preview.take());
+        }
         let taken = pictures.iter_mut().map(|(id, shown)| (*id, shown.wanted.take()));
         for (id, ended) in
             taken.collect::<Vec<_>>().into_iter().flat_map(|(id, all)| all.into_iter().map(move |ended| (id, ended)))

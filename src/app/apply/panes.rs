@@ -53,7 +53,7 @@ pub(in crate::app) fn step_play(model: &mut Model) -> Option<(Option<Action>, Du
     let (now, every) = (Instant::now(), Duration::from_secs(1) / u32::from(model.document.play.rate.clamp(1, 60)));
     let due = model.shell.play.due.is_none_or(|due| now >= due);
     // The next picture waits for this one, so that a slow machine plays slowly and skips none.
-    let next = (due && Read::of(model).pictures_are_current()).then(|| {
+    let next = (due && Read::of(model).pictures_are_seen()).then(|| {
         let step = model.shell.play.step + 1;
         model.shell.play = Play { step, due: Some(now + every) };
         let (count, _, action) = Read::of(model).sweep();
@@ -95,7 +95,7 @@ pub fn take_picture(model: &mut Model, id: PaneId, picture: PictureAnswer) {
     let Some(pane) = panes.get_mut(id) else { return };
     pane.own_ranges.as_mut().unwrap_or(&mut look.ranges).propose(&picture);
     let shown = model.results.pictures.entry(id).or_default();
-    (shown.picture, shown.problem) = (Some(picture), None);
+    (shown.picture, shown.preview, shown.problem) = (Some(picture), None, None);
     settle_ranges(model);
 }
 

@@ -44,7 +44,7 @@ pub fn header_ui(
     let many = model.document.panes.are_many();
     let width = ui.available_width();
     let is_slice = matches!(model.pane(id).map(|pane| pane.content), Some(Content::Slice(_)));
-    widgets.of(id).picture.refresh(model.picture_in(id));
+    widgets.of(id).picture.refresh(model.drawn_in(id));
     let margin = if many { Margin::symmetric(4, 1) } else { Margin::symmetric(8, 3) };
     Frame::new().inner_margin(margin).fill(ui.visuals().panel_fill).show(ui, |ui| {
         ui.horizontal(|ui| {

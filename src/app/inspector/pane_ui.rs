@@ -53,7 +53,7 @@ pub(super) fn picture_ui(
         _ => id,
     };
     let state = &mut widgets.of(shown).picture;
-    state.refresh(model.picture_in(shown));
+    state.refresh(model.drawn_in(shown));
     let problem = model.problem_of(shown);
     let before = model.pane(id).map(|pane| pane.view).unwrap_or_default();
     let mut view = before;
@@ -106,7 +106,7 @@ pub(super) fn over_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, d
     let rect = drawn.output.response.rect;
     let x = egui::lerp(rect.x_range(), at);
     let state = &mut widgets.of(other).picture;
-    state.refresh(model.picture_in(other));
+    state.refresh(model.drawn_in(other));
     let right = Rect::from_min_max(pos2(x, rect.top()), rect.max);
     let canvas = Canvas { picture: state.shown(), ..canvas_of(model, other, "Wipe, right side") };
     let over = canvas.show_over(ui, &drawn.output, right);

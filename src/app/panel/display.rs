@@ -38,7 +38,7 @@ pub fn display_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, with_
 pub fn range_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, queue: &mut Queue) {
     let Some(pane) = model.pane(id) else { return };
     let PaneWidget { picture: pictures, display: state, .. } = widgets.of(id);
-    pictures.refresh(model.picture_in(id));
+    pictures.refresh(model.drawn_in(id));
     let class = model.range_class(id);
     let whose = if pane.own_ranges.is_some() { "This pane's range for" } else { "One range for all" };
     ui.weak(format!("{whose} {}", class.label()))

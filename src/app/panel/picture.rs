@@ -98,7 +98,8 @@ impl PictureState {
     /// Value and its quantity at `pos_image` in the picture of pane `id`; `None` outside it.
     pub(in crate::app) fn readout_at(&self, model: Read<'_>, id: PaneId, pos_image: egui::Pos2) -> Option<Readout> {
         let picture = model.picture_in(id)?;
-        let readout = canvas::readout(self.shown()?, pos_image, model.full_scale(id))?;
+        let shown = self.shown().filter(|shown| Arc::ptr_eq(&shown.plane, &picture.plane))?;
+        let readout = canvas::readout(shown, pos_image, model.full_scale(id))?;
         let quantity = match RangeClass::of(&picture.request) {
             RangeClass::Frame | RangeClass::Intensity | RangeClass::Response | RangeClass::Difference => {
                 Quantity::Value
@@ -132,10 +133,7 @@ impl PictureState {
 
 pub(in crate::app) fn canvas_picture(picture: &PictureAnswer) -> canvas::Picture {
     let (plane, label) = (picture.plane.clone(), describe(picture));
-    let on_canvas = match picture.request.kind.scale() {
-        Some(scale) => canvas::Picture::of_octave(plane, scale.octave, picture.request.burst.burst.size(), label),
-        None => canvas::Picture::new(plane, label),
-    };
+    let on_canvas = canvas::Picture::of_octave(plane, picture.octave, picture.request.burst.burst.size(), label);
     canvas::Picture { drawn: picture.drawn.clone(), ..on_canvas }
 }
 

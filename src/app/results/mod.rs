@@ -113,6 +113,8 @@ impl Results {
 #[derive(Debug, Default)]
 pub struct PanePicture {
     pub picture: Option<PictureAnswer>,
+    /// Later picture on coarse pixels, which is drawn until it is there whole.
+    pub preview: Option<PictureAnswer>,
     pub problem: Option<(PictureRequest, String)>,
     pub wanted: Wanted<PictureRequest>,
 }

@@ -120,6 +120,12 @@ impl<'a> Read<'a> {
         }
     }
 
+    /// Picture to draw in pane `id`: the last one, or a preview of the next.
+    pub fn drawn_in(self, id: PaneId) -> Option<&'a PictureAnswer> {
+        let preview = self.results.pictures.get(&id).and_then(|shown| shown.preview.as_ref());
+        preview.filter(|preview| self.pane(id).is_some_and(|pane| self.fits(pane, preview))).or(self.picture_in(id))
+    }
+
     pub fn problem_of(self, id: PaneId) -> Option<&'a str> {
         let (request, why) = self.results.pictures.get(&id)?.problem.as_ref()?;
         (*request == self.wanted(id)?).then_some(why.as_str())
@@ -184,7 +190,7 @@ impl<'a> Read<'a> {
             Content::Cursor | Content::Merge | Content::Map(_) => self.wanted_alone(id)?,
             Content::Slice(_) => return None,
         };
-        Some(request.smoothed(self.document.look.smoothing_px))
+        Some(request.smoothed(self.document.look.smoothing_px).previewed(self.pane(id)?.view.points_per_pixel()))
     }
 
     fn wanted_alone(self, id: PaneId) -> Option<PictureRequest> {
@@ -213,6 +219,14 @@ impl<'a> Read<'a> {
 
     pub fn pictures_are_current(self) -> bool {
         self.document.panes.shown().into_iter().all(|id| self.is_current(id))
+    }
+
+    /// Whether each pane shows what it wants, or a preview of it.
+    pub fn pictures_are_seen(self) -> bool {
+        let preview = |id: PaneId| self.results.pictures.get(&id)?.preview.as_ref().map(|preview| &preview.request);
+        let is_seen =
+            |id: PaneId| self.is_current(id) || preview(id).is_some() && preview(id) == self.wanted(id).as_ref();
+        self.document.panes.shown().into_iter().all(is_seen)
     }
 
     pub fn slope_in_picture(self, id: PaneId) -> Option<Slope> {
