@@ -19,6 +19,7 @@
 //! detector, synth     the method; bursts with known truth
 //! burst               opening, decoding and calibrating frames
 //! kernel              vector code of the detector's steps
+//! camera              intrinsics of cameras
 //! plane               one float image
 //! files               small text files, names of files, locks and marks
 //! error               the one record of everything that goes wrong
@@ -37,6 +38,7 @@
 
 pub mod baseline;
 pub mod burst;
+pub mod camera;
 pub mod dataset;
 pub mod detect;
 pub mod detector;

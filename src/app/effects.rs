@@ -206,14 +206,25 @@ impl BurstscopeApp {
         let Self { model, engine, .. } = self;
         let Some(first) = paths.first() else { return };
         match purpose {
-            Purpose::OpenBias | Purpose::OpenFlat | Purpose::OpenMask | Purpose::OpenMasks | Purpose::OpenTimes => {
+            Purpose::OpenTimes => {
                 let draft = self.overlays.calibration_draft(&model.document.calibration);
-                match purpose {
-                    Purpose::OpenBias => draft.bias = Some(first.clone()),
-                    Purpose::OpenFlat => draft.flat = Some(first.clone()),
-                    Purpose::OpenTimes => draft.times = Some(TimesChoice::List(first.clone())),
-                    _ => draft.mask = Some(first.clone()),
-                }
+                draft.times = Some(TimesChoice::List(first.clone()));
+            }
+            Purpose::OpenBias
+            | Purpose::OpenFlat
+            | Purpose::OpenMask
+            | Purpose::OpenMasks
+            | Purpose::OpenRotations
+            | Purpose::OpenLens => {
+                let draft = self.overlays.calibration_draft(&model.document.calibration);
+                let path = match purpose {
+                    Purpose::OpenBias => &mut draft.bias,
+                    Purpose::OpenFlat => &mut draft.flat,
+                    Purpose::OpenRotations => &mut draft.rotations,
+                    Purpose::OpenLens => &mut draft.lens,
+                    _ => &mut draft.mask,
+                };
+                *path = Some(first.clone());
             }
             Purpose::OpenLessons => model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => studies::make_figures(model, first.clone(), engine),

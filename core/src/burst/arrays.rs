@@ -91,7 +91,15 @@ impl Burst {
         let frame_names = (0..count).map(|t| format!("frame {t}")).collect();
         let origins = (0..count).map(|t| (path.clone(), t)).collect();
         let positions = placed(&mut vec![path], Some((count, None)), &of_grid, monitor)?.positions;
-        let raw = RawBurst { name: name.into(), frames, frame_names, origins, taken: Vec::new(), positions };
+        let raw = RawBurst {
+            name: name.into(),
+            frames,
+            frame_names,
+            origins,
+            taken: Vec::new(),
+            positions,
+            seconds: Vec::new(),
+        };
         let mask = decoded("mask", arrays.mask, options)?.map_or_else(Vec::new, |mask| mask.frames);
         let masks = Masks::of_frames(&mask, (count, raw.size()), options, Path::new("mask"))?;
         calibrated(raw, calibration, &masks, Vec::new(), options, monitor)

@@ -28,6 +28,7 @@ mod open;
 mod options;
 mod positions;
 mod reading;
+mod rotations;
 mod source;
 mod stamps;
 mod times;

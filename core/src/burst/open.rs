@@ -10,6 +10,7 @@ use super::notes::{Remark, suggested_full_scale};
 use super::options::{Encoding, OpenOptions};
 use super::positions::Positions;
 use super::reading::{Declared, Expected, FileScale, RawFrame, Reading, Ticker, in_order};
+use super::rotations::turned;
 use super::source::only_burst;
 use super::stamps::Timing;
 use super::views::{placed, views_of};
@@ -93,7 +94,7 @@ pub(super) fn calibrated(
     if !is_plain {
         check_overflow(&frames, &raw.origins)?;
     }
-    Ok(Burst {
+    let burst = Burst {
         name: raw.name,
         positions: raw.positions,
         frames,
@@ -106,7 +107,12 @@ pub(super) fn calibrated(
         remarks,
         taken: raw.taken,
         sources,
-    })
+    };
+    let files: Vec<PathBuf> = raw.origins.into_iter().map(|(file, _)| file).collect();
+    match options.files_of_rotations(&files) {
+        Some([list, lens]) => turned(burst, &raw.seconds, (&list, &lens), options.take, monitor),
+        None => Ok(burst),
+    }
 }
 
 pub(super) struct Measured {
@@ -135,6 +141,8 @@ pub(super) struct RawBurst {
     pub origins: Vec<(PathBuf, usize)>,
     pub taken: Vec<String>,
     pub positions: Positions,
+    /// As of [`Timing`].
+    pub seconds: Vec<f64>,
 }
 
 impl RawBurst {
@@ -169,7 +177,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
             frames = views_of(first, picture, grid, tiling)?;
         }
         let in_one = Some((frames.len(), views));
-        let Timing { positions, said, .. } = placed(&mut vec![first.clone()], in_one, options, monitor)?;
+        let Timing { positions, seconds, said, .. } = placed(&mut vec![first.clone()], in_one, options, monitor)?;
         let name = file_name(first);
         let columns = positions.rows_and_columns().map_or(frames.len(), |(_, columns)| columns);
         let frame_names = match frames.len() {
@@ -181,7 +189,7 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
         check_samples(&frames, options, page)?;
         let origins = (0..frames.len()).map(|t| (first.clone(), t)).collect();
         let taken = taken.into_iter().chain(said).collect();
-        return Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions });
+        return Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions, seconds });
     }
     let size = (width, height);
     limits.check_burst(&inputs[0], files.len() as u64, size.0 as u64, size.1 as u64)?;
@@ -201,8 +209,9 @@ fn read(inputs: &[PathBuf], options: &OpenOptions, monitor: &Monitor) -> Result<
     check_samples(&frames, options, |t| files[t].clone())?;
     let frame_names = files.iter().map(|f| file_name(f)).collect();
     let origins = files.into_iter().map(|f| (f, 0)).collect();
-    let taken = taken.into_iter().chain(timing.said).chain(timing.doubt).collect();
-    Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions: timing.positions })
+    let Timing { positions, seconds, said, doubt } = timing;
+    let taken = taken.into_iter().chain(said).chain(doubt).collect();
+    Ok(RawBurst { name: source.name, frames, frame_names, origins, taken, positions, seconds })
 }
 
 fn check_samples(frames: &[RawFrame], options: &OpenOptions, path: impl Fn(usize) -> PathBuf) -> Result<()> {

@@ -3,6 +3,7 @@
 //! Declared sizes are checked against the [`Limits`] before pixels are allocated: no file can exhaust the memory.
 
 use super::layout::{AxisChoice, Dump, FrameRange, Mosaic, TimesChoice, ViewsChoice};
+use crate::camera::CAMERA_FILE;
 use crate::error::{Error, ErrorKind, Result};
 use crate::plane::memory::machine_bytes;
 use serde::{Deserialize, Serialize};
@@ -93,6 +94,17 @@ pub struct OpenOptions {
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE|names|header|found|even"))]
     #[serde(skip_serializing_if = "Option::is_none")]
     pub times: Option<TimesChoice>,
+    /// Orientations of the camera (x right, y down, z forward) in the world, by which each frame is turned to mid-burst,
+    /// so that slopes are of the camera's way alone: a line a frame (qx qy qz qw), or lines with stamps for frames with
+    /// times (TUM: seconds tx ty tz qx qy qz qw; EuRoC: nanoseconds,x,y,z,qw,qx,qy,qz). Also beside or above the frames.
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub rotations: Option<PathBuf>,
+    /// Camera file by which rotations move the pixels, as for colmap's --camera, also beside or above the frames
+    /// [default: camera.toml there].
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", requires = "rotations"))]
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub lens: Option<PathBuf>,
     /// Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one picture that
     /// holds all views side by side or interleaved; names for rows and columns in the names of the files
     /// (view_03_07.png, which needs no option where all of a grid are there). 1xN takes them as frames in time.
@@ -111,11 +123,11 @@ impl OpenOptions {
         *self == Self { limits: self.limits, ..Self::default() }
     }
 
-    /// These options with the mask, part, times, views and place in a file of `other`: what holds for one burst alone.
+    /// These options with the mask, part, times, rotations, views and place in a file of `other`: what holds for one burst alone.
     #[must_use]
     pub fn with_burst_of(self, other: &Self) -> Self {
-        let Self { mask, take, times, views, axis, array, topic, .. } = other.clone();
-        Self { mask, take, times, views, axis, array, topic, ..self }
+        let Self { mask, take, times, views, axis, array, topic, rotations, lens, .. } = other.clone();
+        Self { mask, take, times, views, axis, array, topic, rotations, lens, ..self }
     }
 
     /// Options other than the default: names on a command line, with values as text; `None` for switches.
@@ -135,25 +147,26 @@ impl OpenOptions {
         given.map(|(name, value)| (name.replace('_', "-"), text(value))).collect()
     }
 
-    /// Paths of the files that are read beside the frames: bias, flat, mask, list of times.
+    /// Paths of the files that are read beside the frames: bias, flat, mask, lists of times and rotations, camera.
     pub fn paths_mut(&mut self) -> impl Iterator<Item = &mut PathBuf> {
         let times = match &mut self.times {
             Some(TimesChoice::List(path)) => Some(path),
             _ => None,
         };
-        self.bias.iter_mut().chain(&mut self.flat).chain(&mut self.mask).chain(times)
+        let of_camera = self.rotations.iter_mut().chain(&mut self.lens);
+        self.bias.iter_mut().chain(&mut self.flat).chain(&mut self.mask).chain(times).chain(of_camera)
     }
 
     /// File with the times of `frames`, also beside them or in the folder above; `None` where no list is to be read.
     pub fn list_of_times(&self, frames: &[PathBuf]) -> Option<PathBuf> {
         let Some(TimesChoice::List(path)) = &self.times else { return None };
-        let frame = frames.first().and_then(|frame| std::path::absolute(frame).ok()).unwrap_or_default();
-        let near = || frame.ancestors().skip(1).take(2).map(|folder| folder.join(path.file_name().unwrap_or_default()));
-        Some(if path.exists() {
-            path.clone()
-        } else {
-            near().find(|file| file.is_file()).unwrap_or_else(|| path.clone())
-        })
+        Some(near(path, frames, 2))
+    }
+
+    /// Files with the rotations of `frames` and of their camera; `None` where the frames are not to be turned.
+    pub fn files_of_rotations(&self, frames: &[PathBuf]) -> Option<[PathBuf; 2]> {
+        let lens = self.lens.as_deref().unwrap_or(Path::new(CAMERA_FILE));
+        self.rotations.as_deref().map(|list| [near(list, frames, 2), near(lens, frames, 4)])
     }
 
     /// The paths of [`paths_mut`](Self::paths_mut), cloned.
@@ -191,6 +204,16 @@ impl OpenOptions {
         };
         Err(Error::param("take", problem, format!("give A..B with 0 ≤ A < B ≤ {count}")))
     }
+}
+
+/// `path`, or where nothing is there the file of its name beside the first of `frames` or in one of the folders above,
+/// `levels` in all.
+fn near(path: &Path, frames: &[PathBuf], levels: usize) -> PathBuf {
+    let frame = frames.first().and_then(|frame| std::path::absolute(frame).ok()).unwrap_or_default();
+    let mut files =
+        frame.ancestors().skip(1).take(levels).map(|folder| folder.join(path.file_name().unwrap_or_default()));
+    let found = if path.exists() { None } else { files.find(|file| file.is_file()) };
+    found.unwrap_or_else(|| path.to_owned())
 }
 
 mod as_text {

@@ -278,6 +278,8 @@ fn counters(names: &[String], runs: &[Vec<Run<'_>>], dates: &[Seconds<'_>], is_i
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Timing {
     pub positions: Positions,
+    /// Time of each frame on the clock of its stamps, seconds; empty where only intervals or nothing is known.
+    pub seconds: Vec<f64>,
     /// Source of the times and what was guessed; `None` for even ones.
     pub said: Option<String>,
     /// A note that the order of even frames contradicts the times that their names or files have.
@@ -310,6 +312,15 @@ impl Source {
         }
     }
 
+    /// Seconds of some frames.
+    fn seconds(&self, frames: &[usize]) -> Vec<f64> {
+        let second = |t: &usize| match self {
+            Self::Stamps(stamps) => stamps.seconds(*t),
+            Self::Headers(seconds) => seconds[*t],
+        };
+        frames.iter().map(second).collect()
+    }
+
     fn order(&self) -> Vec<usize> {
         match self {
             Self::Stamps(stamps) => {
@@ -333,7 +344,11 @@ fn choice_of(options: &OpenOptions) -> Option<&TimesChoice> {
 
 impl Timing {
     pub fn even(frames: usize) -> Self {
-        Self { positions: Positions::even(frames), said: None, doubt: None }
+        Self::at(Positions::even(frames))
+    }
+
+    pub fn at(positions: Positions) -> Self {
+        Self { positions, seconds: Vec::new(), said: None, doubt: None }
     }
 
     /// Positions of the frames of `files`, by the choice in `options`: one each, of which those to be taken stay, in
@@ -392,7 +407,8 @@ impl Timing {
             }
             *files = order.iter().map(|t| files[*t].clone()).collect();
         }
-        Ok(Self { positions, said: Some(said), doubt: None })
+        let seconds = if are_frames { Vec::new() } else { found.times.seconds(order) };
+        Ok(Self { positions, seconds, said: Some(said), doubt: None })
     }
 }
 

@@ -265,6 +265,11 @@ impl Stamps {
         };
         frames.iter().map(|t| time(self.values[*t].value - first)).collect()
     }
+
+    /// Seconds of frame `t` on the clock of the stamps, to the digits of a double.
+    pub fn seconds(&self, t: usize) -> f64 {
+        self.values[t].value as f64 * (1e9 * self.unit.record().1 / PARTS as f64)
+    }
 }
 
 #[derive(Debug, Clone, PartialEq)]

@@ -25,7 +25,7 @@ pub(super) fn placed(
 ) -> Result<Timing> {
     let grid = |grid: ViewGrid, said: String| {
         let positions = Positions::grid(grid.rows, grid.columns);
-        Ok::<_, Error>(Timing { positions, said: (grid.rows > 1).then_some(said), doubt: None })
+        Ok::<_, Error>(Timing { said: (grid.rows > 1).then_some(said), ..Timing::at(positions) })
     };
     let has_times = !matches!(options.times, None | Some(TimesChoice::Even));
     let file = files.first().cloned().unwrap_or_default();
@@ -151,7 +151,7 @@ fn by_name(files: &mut [PathBuf], places: &[[usize; 2]]) -> Option<Timing> {
     let (unevenness, count) = (positions.unevenness(), files.len());
     let said = format!("the names have rows and columns: {unevenness}; --views 1x{count} takes them as frames in time");
     let said = positions.are_views().then_some(said);
-    Some(Timing { positions, said, doubt: None })
+    Some(Timing { said, ..Timing::at(positions) })
 }
 
 /// Size (columns, rows) of a view in a picture of `size` that holds a grid; an error unless the sides are multiples.

@@ -1,14 +1,12 @@
 //! The cameras of a dataset, and the default for an unknown camera.
 
 use crate::burst::BurstFiles;
+pub use crate::camera::read_camera;
+use crate::camera::{CAMERA_FILE, Camera, CameraModel};
 use crate::error::{Error, ErrorKind, Result};
-use crate::files::{MAX_SETTINGS_BYTES, path_text, read_text};
-use crate::matching::{Camera, CameraModel};
+use crate::files::path_text;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
-
-/// Camera file that is taken without being asked for, beside the frames of a burst or in a folder above them.
-const CAMERA_FILE: &str = "camera.toml";
 
 /// Camera of bursts: known from a calibration, or guessed as COLMAP does.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,19 +137,4 @@ fn guessed(model: CameraModel, (width, height): (usize, usize)) -> Camera {
         _ => 0.0,
     };
     Camera { model, width, height, params: model.param_names().iter().map(value).collect() }
-}
-
-/// Reads a camera file: TOML with `model`, `width`, `height` and `params` (in COLMAP's order and convention).
-pub fn read_camera(path: &Path) -> Result<Camera> {
-    let fail = |problem: String| {
-        Error::param(
-            "camera",
-            format!("{problem}: {}", path.display()),
-            "write the file as: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each",
-        )
-    };
-    let text = read_text(path, MAX_SETTINGS_BYTES).map_err(|e| fail(e.to_string()))?;
-    let camera: Camera = toml::from_str(&text).map_err(|e| fail(e.message().to_owned()))?;
-    camera.validate("camera")?;
-    Ok(camera)
 }

@@ -210,6 +210,7 @@ impl FeatureStore {
         let mut files = source.files()?;
         let list = self.job.open.list_of_times(&files).filter(|list| list.is_file());
         files.extend(self.job.open.mask_files(&files));
+        files.extend(self.job.open.files_of_rotations(&files).into_iter().flatten().filter(|file| file.is_file()));
         files.extend(list);
         Ok(files)
     }

@@ -16,17 +16,16 @@
 
 pub mod align;
 pub mod aligned;
-pub mod camera;
 pub mod geometry;
 pub mod params;
 mod predicted;
 pub mod putative;
 mod selection;
 
+pub use crate::camera::{self, Camera, CameraModel};
 use align::Measured;
 pub use aligned::{PairAlignment, Pictures};
 use aligned::{align_pair, before_alignment, measure_inliers};
-pub use camera::{Camera, CameraModel};
 pub use geometry::{PointPair, TwoViewModel, Verification, verify};
 pub use params::{Geometry, MatchParams};
 pub use predicted::{Agreement, Expected, PREDICTED_RATIO, Prediction};

@@ -1,6 +1,6 @@
 //! The parameters of matching, with their descriptions and checks: the command line, the window and files use [`doc`].
 
-use super::camera::Camera;
+use crate::camera::Camera;
 use crate::detector::params::{Param, TextValue, words};
 use crate::error::{Error, Result};
 use crate::files::without_table;

@@ -46,6 +46,7 @@ fn a_known_point_is_where_the_picture_has_it() {
     let camera = BurstCamera {
         world_from_camera: Isometry3::from_parts(Translation3::new(0.1, -0.2, 0.3), world::turn(-0.1, 0.05, 0.04)),
         step: Vector3::new(0.03, -0.01, 0.08),
+        shake: world::Shake::default(),
     };
     let mut places = Vec::new();
     for dt in [-4.5, -2.0, 0.0, 0.3, 4.5] {

@@ -126,6 +126,8 @@ pub enum Purpose {
     OpenMask,
     OpenMasks,
     OpenTimes,
+    OpenRotations,
+    OpenLens,
     OpenLessons,
     RestoreSession,
     SaveSession,
@@ -218,6 +220,8 @@ impl Purpose {
             Self::OpenMask => "Choose a mask",
             Self::OpenMasks => "Choose a folder of masks",
             Self::OpenTimes => "Choose a list of times",
+            Self::OpenRotations => "Choose rotations",
+            Self::OpenLens => "Choose a camera",
             Self::OpenLessons => "Open lessons",
             Self::RestoreSession => "Open a session",
             Self::SaveSession => "Save the session",
@@ -243,6 +247,10 @@ impl Purpose {
             Self::PaperFigures => "A new or an empty folder, or one with figures: finished ones are kept",
             Self::FeatureFolder => "A new or an empty folder, or one that burstscope colmap wrote",
             Self::OpenMasks => "A folder with a mask for each file of frames: NAME.EXT.png, or the frame's own name",
+            Self::OpenRotations => {
+                "Orientations of the camera: qx qy qz qw a line, or lines as of TUM or EuRoC with stamps"
+            }
+            Self::OpenLens => "A camera file, such as camera.toml",
             Self::OpenTimes => "A time a line, in the order of the frames, or lines with a name and a time",
             Self::OpenFeatures(_) => "A table of features (CSV), or the text that COLMAP imports",
             Self::OpenLessons => "A folder of lessons (TOML files), or one of them",

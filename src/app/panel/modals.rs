@@ -132,12 +132,18 @@ pub fn calibration_ui(ctx: &egui::Context, draft: &mut Option<OpenOptions>, queu
             let bias = "Dark frame, or a stack or folder of dark frames, that is subtracted from each frame";
             let flat = "Picture of an evenly lit bright surface, by which each frame is divided";
             let mask = "Picture of the frames' size, white where they are seen: what it hides is in no mean and gives no features";
+            let turns = "Orientations of the camera in the frames, by which these are turned to mid-burst: slopes are then of its way alone";
+            let lens = "File of the camera that took the frames; camera.toml beside or above them is found";
+            let is_turned = options.rotations.is_some();
             let frames = [
                 ("Bias frame", &mut options.bias, bias, &[Purpose::OpenBias][..]),
                 ("Flat frame", &mut options.flat, flat, &[Purpose::OpenFlat]),
                 ("Mask", &mut options.mask, mask, &[Purpose::OpenMask, Purpose::OpenMasks]),
+                ("Rotations", &mut options.rotations, turns, &[Purpose::OpenRotations]),
+                ("Camera", &mut options.lens, lens, &[Purpose::OpenLens]),
             ];
-            for (label, path, tip, purposes) in frames {
+            let shown = if is_turned { frames.len() } else { frames.len() - 1 };
+            for (label, path, tip, purposes) in frames.into_iter().take(shown) {
                 ui.label(label).on_hover_text(tip);
                 close |= file_ui(ui, label, path, purposes, &mut choice, queue);
                 ui.end_row();

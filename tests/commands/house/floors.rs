@@ -5,10 +5,11 @@ use super::reading::{code, files, rooms_used};
 /// Rooms from the bottom up. Those up to floor 10 are the library, those up to 13 the measuring bench (but for its part
 /// of `synth`); Cargo separates both from those above. A room uses rooms of lower numbers only, and none of its own
 /// number.
-const FLOORS: [(&str, u32); 23] = [
+const FLOORS: [(&str, u32); 24] = [
     ("monitor", 0),
     ("error", 1),
     ("files", 2),
+    ("camera", 3),
     ("plane", 3),
     ("kernel", 4),
     ("burst", 4),

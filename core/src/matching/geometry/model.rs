@@ -3,7 +3,7 @@
 use super::essential::{RelativePose, pose_in_front};
 use super::linear::{Homography, mapped, sampson_squared, squared_error};
 use super::points::RayPair;
-use crate::matching::camera::Camera;
+use crate::camera::Camera;
 use crate::matching::params::{Geometry, MatchParams};
 use nalgebra::{Matrix3, Vector3};
 

@@ -7,7 +7,7 @@
 
 use super::model::{TwoViewModel, straightened};
 use super::points::{cross_matrix, null_vector};
-use crate::matching::camera::Camera;
+use crate::camera::Camera;
 use nalgebra::{Matrix3, Vector2, Vector3};
 
 /// Transfer of points into the other view by their parallax, in pixels without distortion ([`Parallax::straight`]).

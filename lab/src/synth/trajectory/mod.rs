@@ -11,7 +11,7 @@
 mod leaves;
 pub mod world;
 
-pub use world::{BurstCamera, Lens, ScenePlane};
+pub use world::{BurstCamera, Lens, ScenePlane, Shake};
 
 use super::noisy::{CLEARANCE_SIGMAS, FrameLevels, NoisyExposure};
 use crate::synth::write::{frame_name, io, write_folder, write_frame, write_json};
@@ -68,6 +68,10 @@ pub struct TrajectoryParams {
     /// Largest apparent motion on an axis, pixels per frame; the camera's speed is chosen for it.
     #[cfg_attr(feature = "cli", arg(long, value_name = "SLOPE", default_value_t = Self::default().max_slope))]
     pub max_slope: f64,
+    /// Degrees by which the camera turns during a burst, about, unevenly and about all axes; its orientation in each frame
+    /// is then in the burst's rotations.txt.
+    #[cfg_attr(feature = "cli", arg(long = "shake", value_name = "DEGREES", default_value_t = Self::default().shake_deg))]
+    pub shake_deg: f64,
     /// Amount of light.
     #[cfg_attr(feature = "cli", arg(skip))]
     pub light: Light,
@@ -93,6 +97,7 @@ impl Default for TrajectoryParams {
             planes: 4,
             motion: Motion::OneD,
             max_slope: 3.0,
+            shake_deg: 0.0,
             light: Light::default(),
             read_noise: 2.0,
             bits: 12,
@@ -142,6 +147,9 @@ impl TrajectoryParams {
         }
         if !(1..=16).contains(&self.planes) {
             return Err(Error::param("planes", format!("{} planes", self.planes), "give 1 to 16"));
+        }
+        if !(0.0..=10.0).contains(&self.shake_deg) {
+            return Err(Error::param("shake", format!("{} degrees", self.shake_deg), "give 0 to 10"));
         }
         let (name, value) = match self.light {
             Light::Snr(snr) => ("snr", snr),
@@ -206,7 +214,11 @@ impl Trajectory {
         let stations = world::stations(params);
         let planes = world::planes(params, &lens, &stations, monitor)?;
         let camera = |station| world::burst_camera(params, &lens, &planes, station, monitor);
-        let (cameras, slopes): (Vec<_>, Vec<_>) = stations.iter().map(camera).collect::<Result<_, Cancelled>>()?;
+        let (mut cameras, slopes): (Vec<_>, Vec<_>) = stations.iter().map(camera).collect::<Result<_, Cancelled>>()?;
+        // Slopes are those of the way alone.
+        for (index, camera) in cameras.iter_mut().enumerate() {
+            camera.shake = world::Shake::of(params, index);
+        }
         let mut levels = FrameLevels::default();
         // The light is set from all views together, so that one exposure serves the whole trajectory.
         for camera in &cameras {
@@ -337,7 +349,7 @@ pub struct BurstTruth {
     pub name: String,
     /// `tx ty tz qx qy qz qw` of the camera in the world at mid-burst.
     pub world_from_camera: [f64; 7],
-    /// Motion of the camera from one frame to the next, in the world; it does not turn.
+    /// Motion of the camera from one frame to the next, in the world; it turns only where it shakes.
     pub step: [f64; 3],
     /// Minimum and maximum apparent motion to the right.
     pub slope_u: [f64; 2],
@@ -346,7 +358,7 @@ pub struct BurstTruth {
 }
 
 /// Writes a trajectory into the folder `dir`, which is created: `bursts/NAME/frame_000.png` … (16 bit), `gold/NAME.png`
-/// (the views at mid-burst without noise, 16 bit), `poses.txt` (lines `timestamp tx ty tz qx qy qz qw`: the burst's
+/// (the views at mid-burst without noise, 16 bit), `bursts/NAME/rotations.txt` of a camera that shakes, `poses.txt` (lines `timestamp tx ty tz qx qy qz qw`: the burst's
 /// number, the camera in the world at mid-burst), `lens.toml` (the camera) and `trajectory.json` (the truth). An
 /// earlier trajectory in `dir` is replaced as a whole; a folder that holds anything else is left unchanged.
 ///
@@ -369,6 +381,10 @@ pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) 
                 monitor.check()?;
                 write_frame(&folder.join(frame_name(t)), frame)?;
             }
+            if trajectory.params.shake_deg > 0.0 {
+                let file = folder.join("rotations.txt");
+                std::fs::write(&file, rotations(trajectory, index)).map_err(io(&file))?;
+            }
             write_frame(&gold.join(format!("{name}.png")), &trajectory.gold(index, monitor)?)?;
             monitor.report(Stage::Write, (index + 1) as f32 / count as f32);
         }
@@ -381,6 +397,16 @@ pub fn write_trajectory(dir: &Path, trajectory: &Trajectory, monitor: &Monitor) 
         write("lens.toml", trajectory.lens.to_toml())?;
         Ok(monitor.check()?)
     })
+}
+
+fn rotations(trajectory: &Trajectory, burst: usize) -> String {
+    let mut text = String::from("# qx qy qz qw: orientation of the camera in the world, a line a frame\n");
+    let frames = trajectory.params.frames;
+    for t in 0..frames {
+        let turn = trajectory.cameras[burst].at(t as f64 - 0.5 * (frames as f64 - 1.0)).rotation;
+        text += &format!("{} {} {} {}\n", turn.i, turn.j, turn.k, turn.w);
+    }
+    text
 }
 
 fn poses(trajectory: &Trajectory) -> String {

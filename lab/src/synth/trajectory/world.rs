@@ -79,6 +79,7 @@ pub(super) fn planes(
             };
             // The part seen at mid-burst, and the motion of content from there to the first and last frame.
             let way = 1.5 * params.max_slope * 0.5 * (params.frames - 1) as f64;
+            let way = way + lens.focal_px * params.shake_deg.to_radians();
             let [left, top, right, bottom] = frame.seen_from(lens, stations, way + 8.0)?;
             let (width, height) = ((right - left).ceil() as usize, (bottom - top).ceil() as usize);
             if (width + 16) * (height + 16) > MAX_SAMPLES / (4 * params.planes) {
@@ -183,7 +184,10 @@ pub(super) fn burst_camera(
     let (world_from_camera, heading) = *station;
     let half_span = 0.5 * (params.frames - 1) as f64;
     let points = points_seen(planes, lens, &world_from_camera);
-    let at_speed = |speed: f64| BurstCamera { world_from_camera, step: world_from_camera.rotation * (speed * heading) };
+    let at_speed = |speed: f64| {
+        let step = world_from_camera.rotation * (speed * heading);
+        BurstCamera { world_from_camera, step, shake: Shake::default() }
+    };
     let largest = |motions: &[[f64; 2]]| motions.iter().flatten().fold(0.0f64, |max, x| max.max(x.abs()));
     // A start near 0, where apparent motion is proportional to the speed.
     let mut speed = if half_span > 0.0 && params.max_slope > 0.0 { 1e-4 } else { 0.0 };
@@ -252,15 +256,45 @@ pub struct BurstCamera {
     pub world_from_camera: Isometry3<f64>,
     /// Motion from one frame to the next, metres, in the world.
     pub step: Vector3<f64>,
+    /// Turning beside the step.
+    pub shake: Shake,
+}
+
+/// Uneven turning of a camera, as of a hand: none at mid-burst. Angles are pitch, yaw and roll, radians.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct Shake {
+    /// Angles that go to and fro.
+    swing: Vector3<f64>,
+    /// Angles at the ends of the burst, alike at both.
+    nod: Vector3<f64>,
+    /// Phase of both, radians a frame.
+    rate: f64,
+}
+
+impl Shake {
+    /// Shake of burst `index`, about an axis of its own.
+    pub(super) fn of(params: &TrajectoryParams, index: usize) -> Self {
+        let (angle, half_span) = (2.4 * index as f64, 0.5 * (params.frames as f64 - 1.0).max(1.0));
+        let (sin, cos, size) = (libm::sin(angle), libm::cos(angle), params.shake_deg.to_radians());
+        let [swing, nod] = [Vector3::new(cos, sin, 0.3) * (0.45 * size), Vector3::new(-sin, cos, -0.3) * (0.2 * size)];
+        Self { swing, nod, rate: 2.5 / half_span }
+    }
+
+    fn at(&self, dt: f64) -> UnitQuaternion<f64> {
+        let phase = self.rate * dt;
+        let angles = self.swing * libm::sin(phase) + self.nod * (1.0 - libm::cos(phase));
+        turn(angles.y, angles.x, angles.z)
+    }
 }
 
 impl BurstCamera {
     /// The pose of the camera in the world `dt` frames after mid-burst.
     pub fn at(&self, dt: f64) -> Isometry3<f64> {
-        Isometry3::from_parts(
-            Translation3::from(self.world_from_camera.translation.vector + dt * self.step),
-            self.world_from_camera.rotation,
-        )
+        let place = Translation3::from(self.world_from_camera.translation.vector + dt * self.step);
+        let rotation = self.world_from_camera.rotation;
+        // Bits of a camera that does not turn stay as they are.
+        let is_still = self.shake == Shake::default();
+        Isometry3::from_parts(place, if is_still { rotation } else { rotation * self.shake.at(dt) })
     }
 
     /// The pixel of a point of the world `dt` frames after mid-burst; see [`Lens::pixel`].
@@ -462,6 +496,7 @@ mod tests {
         let camera = BurstCamera {
             world_from_camera: Isometry3::from_parts(Translation3::identity(), turn(0.3, 0.0, 0.0)),
             step: Vector3::new(0.1, 0.0, 0.0),
+            shake: Shake::default(),
         };
         let ahead = Point3::new(0.3f64.sin(), 0.0, 0.3f64.cos());
         let seen = camera.pixel_of(&LENS, &ahead, 0.0).expect("in front");

@@ -4,13 +4,17 @@
 //! pixel is (0.5, 0.5)** there. [`Camera::direction_of`] and [`Camera::pixel_of`] use Burstscope's, where it is (0, 0).
 
 use crate::error::{Error, Result};
+use crate::files::{MAX_SETTINGS_BYTES, read_text};
 use nalgebra::Matrix3;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
 use std::{fmt, str::FromStr};
 use strum::{EnumCount, VariantArray};
 
 /// Half a pixel: the centre of the first pixel in COLMAP's convention.
 const FIRST_PIXEL: f64 = 0.5;
+/// Camera file that is taken without being asked for, beside the frames of a burst or in a folder above them.
+pub(crate) const CAMERA_FILE: &str = "camera.toml";
 
 /// Mapping from directions to pixels.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, EnumCount, VariantArray)]
@@ -325,4 +329,19 @@ impl FromStr for Camera {
         camera.validate("camera").map_err(|e| format!("{}; {}", e.problem, e.remedy))?;
         Ok(camera)
     }
+}
+
+/// Reads a camera file: TOML with `model`, `width`, `height` and `params` (in COLMAP's order and convention).
+pub fn read_camera(path: &Path) -> Result<Camera> {
+    let fail = |problem: String| {
+        Error::param(
+            "camera",
+            format!("{problem}: {}", path.display()),
+            "write the file as: model = \"PINHOLE\", width = 640, height = 480, params = [500.0, 500.0, 320.0, 240.0], a line each",
+        )
+    };
+    let text = read_text(path, MAX_SETTINGS_BYTES).map_err(|e| fail(e.to_string()))?;
+    let camera: Camera = toml::from_str(&text).map_err(|e| fail(e.message().to_owned()))?;
+    camera.validate("camera")?;
+    Ok(camera)
 }
