@@ -6,11 +6,12 @@
 //! the program.
 
 use crate::damage::{absurd_tomls, damage, damaged, damaged_text, says_something};
+use burstscope_core::burst::OpenOptions;
 use burstscope_core::dataset::camera::read_camera;
 use burstscope_core::detector::{SearchParams, Slopes};
 use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
 use burstscope_core::inspect::result::{read_features, read_truth};
-use burstscope_core::{DetectorParams, Monitor, SlopeGrid, detect};
+use burstscope_core::{Burst, DetectorParams, Monitor, SlopeGrid, detect};
 use burstscope_lab::evaluate::accuracy::stands_apart;
 use burstscope_lab::evaluate::poses::{read_sparse_model, read_trajectory};
 use burstscope_lab::synth::{ChartParams, synth_chart, write_burst};
@@ -229,6 +230,20 @@ proptest! {
     fn cameras(damages in damage()) {
         match read_camera(&file(folder!(), "camera.toml", &damaged(CAMERA.as_bytes(), &damages))) {
             Ok(camera) => prop_assert!(camera.validate("camera").is_ok()),
+            Err(error) => prop_assert!(says_something(&error)),
+        }
+    }
+
+    #[test]
+    fn rotations(damages in damage()) {
+        let folder = folder!();
+        file(folder, "camera.toml", b"model = \"SIMPLE_PINHOLE\"\nwidth = 16\nheight = 12\nparams = [20.0, 8.0, 6.0]\n");
+        let list = file(folder, "turns.csv", &damaged(b"#t,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n2,0,0,0,0.8,0.6,0,0\n", &damages));
+        let frames: Vec<PathBuf> = (0..2).map(|t| folder.join(format!("turned_{t}.pgm"))).collect();
+        frames.iter().for_each(|frame| std::fs::write(frame, [&b"P5 16 12 255\n"[..], &[7; 16 * 12]].concat()).expect("written"));
+        let options = OpenOptions { rotations: Some(list), ..OpenOptions::default() };
+        match Burst::open_with(&frames, &options, &Monitor::default()) {
+            Ok(burst) => prop_assert!(burst.frames.iter().all(|frame| frame.data().iter().all(|x| x.is_finite()))),
             Err(error) => prop_assert!(says_something(&error)),
         }
     }
