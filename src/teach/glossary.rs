@@ -10,7 +10,7 @@ const TEXT: &str = include_str!("../../assets/glossary.toml");
 
 /// Contents of a pane by their names in the glossary: the kinds of picture, and what is made of several.
 fn pictures() -> impl Iterator<Item = &'static str> {
-    ViewKind::ALL.into_iter().map(|kind| kind.about().key).chain(["slice", "difference"])
+    ViewKind::ALL.into_iter().map(|kind| kind.key()).chain(["slice", "difference"])
 }
 
 /// Source of a notion, so that nobody cites the paper for what is not in it.

@@ -18,14 +18,17 @@ use crate::synth::Example;
 use crate::teach::Workspace;
 use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 use serde::{Deserialize, Serialize};
+use strum::{EnumCount, IntoStaticStr, VariantArray};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, EnumCount, IntoStaticStr, VariantArray)]
 pub enum Menu {
     File,
     Edit,
     View,
     Panes,
+    #[strum(serialize = "Slope and frame")]
     Cursor,
+    #[strum(serialize = "Detection")]
     Detect,
     Features,
     Pair,
@@ -34,24 +37,10 @@ pub enum Menu {
 }
 
 impl Menu {
-    pub const ALL: [Self; 10] = {
-        use Menu::*;
-        [File, Edit, View, Panes, Cursor, Detect, Features, Pair, Dataset, Help]
-    };
+    pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
     pub fn label(self) -> &'static str {
-        match self {
-            Self::File => "File",
-            Self::Edit => "Edit",
-            Self::View => "View",
-            Self::Panes => "Panes",
-            Self::Cursor => "Slope and frame",
-            Self::Detect => "Detection",
-            Self::Features => "Features",
-            Self::Pair => "Pair",
-            Self::Dataset => "Dataset",
-            Self::Help => "Help",
-        }
+        self.into()
     }
 
     pub fn parent(self) -> Option<Self> {

@@ -48,6 +48,12 @@ impl Preset {
         };
         // A frame does not depend on the slope.
         let moving = if base.cursor.kind == ViewKind::Frame { ViewKind::Stack } else { base.cursor.kind };
+        let at_slope = |slope: Slope, is_linked: bool| {
+            at(&|p| {
+                p.show(moving);
+                (p.cursor.slope, p.slope_chosen, p.links.cursor) = (slope, true, is_linked);
+            })
+        };
         match self {
             // Methods have panes of their own.
             Self::Single | Self::Methods => Laid { rows: vec![vec![base]], focus: 0 },
@@ -58,12 +64,7 @@ impl Preset {
             }
             Self::TwoSlopes => {
                 // Without a link, because the two slopes are to be moved on their own.
-                let two = two_slopes(base.cursor.slope, params).map(|slope| {
-                    at(&|p| {
-                        p.show(moving);
-                        (p.cursor.slope, p.slope_chosen, p.links.cursor) = (slope, true, false);
-                    })
-                });
+                let two = two_slopes(base.cursor.slope, params).map(|slope| at_slope(slope, false));
                 Laid { rows: vec![two.to_vec()], focus: 0 }
             }
             Self::ThreeSlopes | Self::FiveSlopes | Self::SevenSlopes | Self::NineSlopes => {
@@ -75,12 +76,7 @@ impl Preset {
                 };
                 let (slopes, focus) = neighbouring_slopes(base.cursor.slope, params, count);
                 // With a link, so that neighbours keep their distance as one is moved.
-                let panes = slopes.into_iter().map(|slope| {
-                    at(&|p| {
-                        p.show(moving);
-                        (p.cursor.slope, p.slope_chosen, p.links.cursor) = (slope, true, true);
-                    })
-                });
+                let panes = slopes.into_iter().map(|slope| at_slope(slope, true));
                 Laid { rows: in_rows(panes.collect()), focus }
             }
             Self::Scales => {
