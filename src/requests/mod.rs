@@ -40,7 +40,6 @@ pub use map::{MotionMap, SlopeColours, line_of};
 pub use open::{BurstId, OpenBurst, PREVIEW_OCTAVES};
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};
-pub use pictures::PicturesRequest;
 pub use request::{Caches, JobError, JobId, PictureStore, PossibleShape, Request, Running, Urgency, Work, time_left};
 pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};

@@ -261,6 +261,7 @@ actions! {
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation" => Switch(look.orientations);
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours" => Switch(look.legend);
     FocusUnderPointer, View 3, "Focus under the pointer", [SHIFT Z], "Show the place under the pointer at its own motion, as long as this is on, or while Ctrl is held" => Switch(follows_focus), when when::inspects_burst;
+    FocusLoupe, View 3, "Focus in a loupe", [], "Show that place in a loupe beside the pointer, in one frame, the motion stack and all in focus, and leave the pane as it is; a click takes the slope" => Switch(panels.loupe), when when::inspects_burst;
     AutoContrast, View 3, "Auto contrast", [SHIFT A], "Set contrast and brightness so that all but the darkest and brightest 0.1 % of the values can be told apart" => Run(|model, _| panes::auto_contrast(model)), when when::has_picture;
     NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale, response, SNR, slope limit or coherence in turn" => Set(change::colour_next);
     ToggleLeft, View 4, "Cursor and parameters", [CTRL B], "Show or hide the panel on the left" => Run(change::toggle_left), on |model| model.shows_left();

@@ -7,7 +7,6 @@ use crate::app::document::Side;
 use crate::app::results::{Effect, Matches, MethodFound, Model, Read, Results};
 use crate::engine::{Ended, Engine, Want, Wanted};
 use crate::requests::{Compared, Detected, JobError, PictureAnswer, RangeClass, Request, Urgency};
-use std::mem::take;
 use std::sync::Arc;
 
 /// Pass of the window. While the pointer drags a value, long work waits for the final one.
@@ -217,12 +216,12 @@ const PARTS: &[&dyn Part] = &[
     asked!(|r| r.slots.a.opening, |_, ended, _| vec![Effect::Opened(Side::A, ended)]),
     asked!(|r| r.slots.b.opening, |_, ended, _| vec![Effect::Opened(Side::B, ended)]),
     &PanePictures,
-    one!(false, |r| r.wanted_patch, |m, _| m.missing_patch(), |m, ended| m.results.patch = m.shell.messages.answer(ended.result, "Patch").or(m.results.patch.take())),
+    one!(false, |r| r.patches.wanted, |m, _| m.missing_stack(), |m, ended| panes::take_stack(m, ended)),
+    one!(false, |r| r.patches.wanted_in_focus, |m, drags| m.missing_in_focus(drags), |m, ended| m.results.patches.in_focus = m.shell.messages.answer(ended.result, "Loupe").or(m.results.patches.in_focus.take())),
     one!(false, |r| r.slots.a.detecting, |m, drags| m.missing_features(Side::A, drags), |m, ended| detection::take_features(m, Side::A, ended), |m, first| detection::take_first_features(m, Side::A, first)),
     one!(false, |r| r.slots.b.detecting, |m, drags| m.missing_features(Side::B, drags), |m, ended| detection::take_features(m, Side::B, ended), |m, first| detection::take_first_features(m, Side::B, first)),
     one!(false, |r| r.probed.wanted_trail, |m, drags| m.missing_trail(drags), |m, ended| probe::take_probed_trail(m, ended)),
     one!(false, |r| r.probed.wanted_answer, |m, _| m.missing_probe(), |m, ended| probe::take_probed(m, ended)),
-    one!(false, |r| r.pair.wanted_patches, |m, _| m.missing_patches(), |m, ended| m.results.pair.patches = m.shell.messages.answer(ended.result, "Patches").unwrap_or(take(&mut m.results.pair.patches))),
     one!(false, |r| r.pair.matching, |m, drags| m.missing_matches(drags), |m, ended| pair::take_matches(m, ended)),
     asked!(|r| r.compare.opening_gold.a, |m, ended, _| methods::take_gold(m, Side::A, ended)),
     asked!(|r| r.compare.opening_gold.b, |m, ended, _| methods::take_gold(m, Side::B, ended)),
@@ -236,7 +235,6 @@ const PARTS: &[&dyn Part] = &[
     one!(true, |r| r.coherence.wanted.b, |m, _| m.missing_coherence(Side::B), |m, ended| explained::take_coherences(m, ended)),
     one!(false, |r| r.pair.lost.wanted, |m, _| m.missing_losses(), |m, ended| pair::take_losses(m, ended)),
     one!(false, |r| r.pair.lost.pricing, |m, _| m.missing_price(), |m, ended| m.results.pair.lost.priced = ended.result.ok().or(m.results.pair.lost.priced.take())),
-    one!(false, |r| r.pair.lost.wanted_pictures, |m, _| m.missing_candidate_pictures(), |m, ended| m.results.pair.lost.pictures = ended.result.unwrap_or(take(&mut m.results.pair.lost.pictures))),
     one!(false, |r| r.studies.wanted_chart, |m, _| m.missing_chart(), |m, ended| studies::take_chart(m, ended)),
     asked!(|r| r.studies.wanted, |m, ended, _| studies::take_study(m, ended), |m, report| studies::take_part_of_study(m, report)),
     one!(true, |r| r.preview.wanted, |m, _| m.missing_preview(), |m, ended| m.results.preview.made = ended.result.ok().map(|made| (ended.request, Arc::new(made))).or(m.results.preview.made.take())),

@@ -162,6 +162,7 @@ pub fn point_at(model: &mut Model, pointed: Pointed) {
         Pointed::Place(place) => model.results.probed.pointer = place,
         Pointed::Dots(features) => model.results.probed.as_dots = features,
         Pointed::Lines(drawn, all) => model.results.pair.lines_drawn = (drawn, all),
+        Pointed::Loupe(place) => model.results.patches.loupe = place,
         Pointed::Figure(None) => model.results.preview = PreviewResults::default(),
         Pointed::Figure(asked) => model.results.preview.asked = asked.map(|asked| *asked),
     }

@@ -256,6 +256,8 @@ pub enum Pointed {
     Lines(usize, usize),
     /// The figure that its form would write; `None` without a form.
     Figure(Option<Box<FigureRequest>>),
+    /// Burst and motion of the place in the loupe; `None` without a loupe.
+    Loupe(Option<(Side, Slope)>),
 }
 
 impl From<ActionId> for Action {

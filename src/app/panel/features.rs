@@ -192,6 +192,7 @@ pub fn features_ui(
     if let Some(i) = pointed
         && !output.response.dragged()
         && !model.document.playing
+        && model.results.patches.loupe.is_none()
     {
         let name = layer.method.map_or_else(|| format!("#{i}"), |method| method.label().to_owned());
         let judged = model.results.coherence.of(&layer.detection).and_then(|values| values.get(i));

@@ -18,7 +18,7 @@ use crate::teach::Lesson;
 use compare::Compare;
 use explained::{CoherenceState, ExplainedState};
 use pair::PairState;
-use pictures::PreviewResults;
+use pictures::{PatchResults, PreviewResults};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -77,8 +77,7 @@ pub struct Read<'a> {
 pub struct Results {
     pub slots: Sides<Slot>,
     pub pictures: HashMap<PaneId, PanePicture>,
-    pub patch: Option<PictureAnswer>,
-    pub wanted_patch: Wanted<PictureRequest>,
+    pub patches: PatchResults,
     pub preview: PreviewResults,
     pub hovered: Option<usize>,
     pub reselect: Option<SavedSelection>,
@@ -105,7 +104,7 @@ impl Results {
     pub fn pointed(&self) -> impl PartialEq + use<> {
         let probe = (self.probed.pointer, self.probed.as_dots.clone());
         let rows = self.slots.both().map(|slot| slot.comparison.hovered);
-        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.poses.hovered, probe)
+        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.poses.hovered, probe, self.patches.loupe)
     }
 }
 
