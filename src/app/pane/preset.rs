@@ -298,25 +298,3 @@ impl Panes {
         pane
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::detector::SlopeGrid;
-
-    #[test]
-    fn the_pane_in_focus_goes_on_in_every_preset() {
-        let params = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 7), ..DetectorParams::default() };
-        for (preset, ..) in Preset::ALL {
-            for kind in ViewKind::OF_CURSOR {
-                let mut pane = Pane::new(Side::A);
-                pane.cursor.slope = Slope::new(1.0, 0.0);
-                pane.show(kind);
-                let laid = preset.lay_out(&pane, &params);
-                let panes: Vec<&Pane> = laid.rows.iter().flatten().collect();
-                assert_eq!(panes[laid.focus].cursor.slope, Slope::new(1.0, 0.0), "{preset:?} {kind:?}");
-                assert!(panes.iter().all(|pane| pane.side == Side::A));
-            }
-        }
-    }
-}

@@ -23,7 +23,7 @@ pub struct SelectionState {
     frame: PatchTexture,
 }
 
-pub(in crate::app) fn walk_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
+pub fn walk_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         button_ui(ui, model, queue, ActionId::PreviousFeature, Some("Previous"));

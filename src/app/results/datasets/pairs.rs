@@ -115,26 +115,3 @@ impl PairTable {
         rows
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn pairs_are_listed_in_the_order_that_was_clicked() {
-        let mut table = PairTable::default();
-        for (pair, putative, inliers) in [((0, 1), 30, 20), ((0, 2), 40, 0), ((1, 2), 30, 25)] {
-            table.take(pair, MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() });
-        }
-        let pairs = |table: &PairTable| table.listed().into_iter().map(|(p, _)| p).collect::<Vec<_>>();
-        assert_eq!((pairs(&table), table.strongest()), (vec![(0, 1), (0, 2), (1, 2)], 25));
-        table.sort_by(PairColumn::Inliers);
-        assert_eq!(pairs(&table), [(1, 2), (0, 1), (0, 2)]);
-        table.sort_by(PairColumn::Inliers);
-        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)]);
-        table.sort_by(PairColumn::Putative);
-        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
-        [PairColumn::Pair; 2].into_iter().for_each(|column| table.sort_by(column));
-        assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
-    }
-}
