@@ -213,7 +213,7 @@ actions! {
     FigureOptions, File 4, "Export figure…", [], "Write the panes with their overlays for a paper: choose PDF, SVG or PNG, width, letters, and what is shown", when when::has_picture;
     ExportFigure, File 4, "Export figure as before…", [], "Write the panes with their overlays with the choices of the last figure" => Ask(Purpose::Export(ExportKind::Figure)), when when::has_picture;
     FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames; its size and rate are said before it is written", when when::has_burst;
-    ExportFilmGif, File 4, "Export film as before…", [], "Write the film of the last choice, a sweep over the slopes at first, as an animation (GIF) or as PNG pictures" => Ask(Purpose::Export(ExportKind::Film)), when when::has_burst;
+    ExportFilmGif, File 4, "Export film as before…", [], "Write the film of the last choice, a sweep over the slopes at first, as an animation (GIF, MP4) or as PNG pictures" => Ask(Purpose::Export(ExportKind::Film)), when when::has_burst;
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes" => Ask(Purpose::Export(ExportKind::Profile)), when |model| model.document.measure.line.is_some() && when::in_inspect(model);
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts" => Ask(Purpose::Export(ExportKind::Matches)), when |model| model.results.pair.matches.is_some();
     ExportMethods, File 5, "Export table of methods…", [], "Write the numbers of all methods as CSV, or as LaTeX to a name that ends in .tex" => Ask(Purpose::Export(ExportKind::Methods)), when |model| model.document.compares_methods() && !model.methods_shown().is_empty();

@@ -21,6 +21,7 @@ mod toy;
 mod y4m;
 
 pub use dump::{LikelyShape, likely_shapes};
+pub(crate) use film::{Ran, ffmpeg, file_url, ran};
 
 use super::options::{Limits, OpenOptions};
 use super::reading::confined::{self, wire::Part};
