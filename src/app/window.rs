@@ -152,7 +152,7 @@ impl BurstscopeApp {
         }
         about_ui(&ctx, &mut self.overlays.about_open, &self.engine, &mut self.settings);
         let shown = (Read::of(&self.model), &self.widgets);
-        let effects = self.overlays.ui(&ctx, shown, &mut self.lessons, &mut queue);
+        let effects = self.overlays.ui(&ctx, shown, &self.settings, &mut self.lessons, &mut queue);
         self.apply(effects);
         self.act(&ctx, queue);
         self.go_on_with_lesson(&ctx, asked);

@@ -21,6 +21,7 @@ mod trail;
 pub use comparison::{ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest, next_commands,
+    old_model,
 };
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};
@@ -37,7 +38,7 @@ pub use figure::{
 pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::{MotionMap, SlopeColours, line_of};
-pub use open::{BurstId, OpenBurst, PREVIEW_OCTAVES};
+pub use open::{BurstId, FolderRequest, OpenBurst, PREVIEW_OCTAVES, ShapeRequest};
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};
 pub use request::{Caches, JobError, JobId, PictureStore, PossibleShape, Request, Running, Urgency, Work, time_left};

@@ -7,7 +7,6 @@ use crate::app::document::Side;
 use crate::app::results::{Effect, Matches, MethodFound, Model, Read, Results};
 use crate::engine::{Ended, Engine, Want, Wanted};
 use crate::requests::{Compared, Detected, JobError, PictureAnswer, RangeClass, Request, Urgency};
-use std::sync::Arc;
 
 /// Pass of the window. While the pointer drags a value, long work waits for the final one.
 struct Pass<'a> {
@@ -237,7 +236,9 @@ const PARTS: &[&dyn Part] = &[
     one!(false, |r| r.pair.lost.pricing, |m, _| m.missing_price(), |m, ended| m.results.pair.lost.priced = ended.result.ok().or(m.results.pair.lost.priced.take())),
     one!(false, |r| r.studies.wanted_chart, |m, _| m.missing_chart(), |m, ended| studies::take_chart(m, ended)),
     asked!(|r| r.studies.wanted, |m, ended, _| studies::take_study(m, ended), |m, report| studies::take_part_of_study(m, report)),
-    one!(true, |r| r.preview.wanted, |m, _| m.missing_preview(), |m, ended| m.results.preview.made = ended.result.ok().map(|made| (ended.request, Arc::new(made))).or(m.results.preview.made.take())),
+    one!(true, |r| r.preview.wanted, |m, _| m.results.preview.missing(), |m, ended| m.results.preview.take(ended)),
+    one!(true, |r| r.shape.wanted, |m, _| m.results.shape.missing(), |m, ended| m.results.shape.take(ended)),
+    one!(true, |r| r.folder.wanted, |m, _| m.results.folder.missing(), |m, ended| m.results.folder.take(ended)),
     asked!(|r| r.figures, |m, ended, _| studies::take_figures(m, ended)),
     asked!(|r| r.poses.reading, |m, ended, _| studies::take_trajectories(m, ended)),
     asked!(|r| r.datasets.wanted, |m, ended, engine| dataset_answers::take_dataset_answer(m, ended, engine), |m, event| dataset_answers::take_dataset_event(m, &event)),

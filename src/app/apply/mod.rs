@@ -24,7 +24,6 @@ mod tests;
 use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Pointed, Side, Visibility};
-use crate::app::results::pictures::PreviewResults;
 use crate::app::results::{Effect, Model, Read};
 use crate::engine::Engine;
 use crate::teach::BottomTab;
@@ -163,7 +162,8 @@ pub fn point_at(model: &mut Model, pointed: Pointed) {
         Pointed::Dots(features) => model.results.probed.as_dots = features,
         Pointed::Lines(drawn, all) => model.results.pair.lines_drawn = (drawn, all),
         Pointed::Loupe(place) => model.results.patches.loupe = place,
-        Pointed::Figure(None) => model.results.preview = PreviewResults::default(),
-        Pointed::Figure(asked) => model.results.preview.asked = asked.map(|asked| *asked),
+        Pointed::Figure(asked) => model.results.preview.ask(asked.map(|asked| *asked)),
+        Pointed::Shape(asked) => model.results.shape.ask(asked),
+        Pointed::Folder(asked) => model.results.folder.ask(asked),
     }
 }

@@ -20,7 +20,7 @@ use crate::inspect::pair::Lost;
 use crate::inspect::place::ProbeSubject;
 use crate::matching::MatchParams;
 use crate::plane::display::Display;
-use crate::requests::{BurstSource, FigureRequest, ProbeQuestion, ViewKind};
+use crate::requests::{BurstSource, FigureRequest, FolderRequest, ProbeQuestion, ShapeRequest, ViewKind};
 use crate::teach::BottomTab;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -258,6 +258,10 @@ pub enum Pointed {
     Figure(Option<Box<FigureRequest>>),
     /// Burst and motion of the place in the loupe; `None` without a loupe.
     Loupe(Option<(Side, Slope)>),
+    /// The shape that is typed for a file without header.
+    Shape(Option<ShapeRequest>),
+    /// The folder of the path that is typed.
+    Folder(Option<FolderRequest>),
 }
 
 impl From<ActionId> for Action {

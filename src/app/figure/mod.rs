@@ -24,6 +24,7 @@ use crate::export::{
     ColourBar, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
     LegendEntry, MatchKind, motion_over,
 };
+use crate::inspect::words::counted;
 use crate::plane::display::Display;
 use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, slope_legend, titled};
 use egui::{Align, ColorImage, DragValue, Image, Layout, TextureHandle, TextureOptions, Ui, Vec2, vec2};
@@ -169,7 +170,7 @@ fn title_of(model: Read<'_>, id: PaneId, picture: &PictureAnswer) -> String {
     match (pane.method, model.burst_of(pane.side)) {
         (Some(method), _) => {
             let counts = model.method_matches(method).and_then(|matches| matches.result.counts.inliers);
-            let inliers = counts.map_or_else(String::new, |count| format!(" · {count} inliers"));
+            let inliers = counts.map_or_else(String::new, |count| format!(" · {}", counted(count, "inlier")));
             format!("{}{inliers} · {shown}", method.label())
         }
         (None, Some(burst)) if model.document.workspace.shows_pair() => {
@@ -309,18 +310,16 @@ impl FigureDialog {
         queue.edit(model.document, Action::SetFigure(choice));
         self.is_open &= !(close || dismissed);
         let asked = asked.filter(|_| self.is_open);
-        queue.set(&model.results.preview.asked, asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
+        queue.set(model.results.preview.asked(), asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
     }
 
     /// Draws the last preview that was made, until that of `figure` is there, or why there is none.
     fn preview_ui(&mut self, ui: &mut Ui, model: Read<'_>, figure: &Result<FigureRequest, String>) {
         ui.set_min_size(ui.available_size());
-        let preview = &model.results.preview;
-        let failure = |figure| preview.wanted.failure().filter(|(of, _)| *of == figure).map(|(_, why)| why.to_string());
-        match (figure.as_ref().map_or_else(|why| Some(why.clone()), failure), &preview.made) {
-            (Some(why), _) => _ = error_ui(ui, why),
-            (None, None) => _ = ui.weak("Drawing…"),
-            (None, Some((_, made))) => {
+        match model.results.preview.on_show(figure) {
+            Err(why) => _ = error_ui(ui, why),
+            Ok(None) => _ = ui.weak("Drawing…"),
+            Ok(Some(made)) => {
                 let texture = self.texture.get(made.into(), || {
                     let size = [made.image.width(), made.image.height()].map(|side| side as usize);
                     let image = ColorImage::from_rgba_unmultiplied(size, made.image.as_raw());

@@ -13,12 +13,15 @@ use crate::detector::{Quantity, SearchParams, Slope};
 use crate::engine::{Ended, Wanted};
 use crate::figures::FiguresJob;
 use crate::inspect::slopes::SetUp;
-use crate::requests::{BurstSource, OpenRequest, PictureAnswer, PictureRequest, PossibleShape};
+use crate::requests::{
+    BurstSource, FigurePreview, FigureRequest, FolderRequest, OpenRequest, PictureAnswer, PictureRequest,
+    PossibleShape, ShapeRequest,
+};
 use crate::teach::Lesson;
 use compare::Compare;
 use explained::{CoherenceState, ExplainedState};
 use pair::PairState;
-use pictures::{PatchResults, PreviewResults};
+use pictures::{PatchResults, Preview};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -78,7 +81,9 @@ pub struct Results {
     pub slots: Sides<Slot>,
     pub pictures: HashMap<PaneId, PanePicture>,
     pub patches: PatchResults,
-    pub preview: PreviewResults,
+    pub preview: Preview<FigureRequest, FigurePreview>,
+    pub shape: Preview<ShapeRequest, PossibleShape>,
+    pub folder: Preview<FolderRequest, Vec<String>>,
     pub hovered: Option<usize>,
     pub reselect: Option<SavedSelection>,
     /// Indices of the features that pass the filter, in the table's order; see `explained::refresh_listed`.

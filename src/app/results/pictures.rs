@@ -8,24 +8,58 @@ use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::{FoundFeatures, Read};
 use crate::burst::Offset;
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeAxis};
-use crate::engine::Wanted;
+use crate::engine::{Ended, Wanted};
 use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::{
-    FigurePreview, FigureRequest, Film, MAX_FILM_PICTURES, OpenBurst, PictureAnswer, PictureKind, PictureRequest,
-    Sweep, ViewKind,
+    Film, MAX_FILM_PICTURES, OpenBurst, PictureAnswer, PictureKind, PictureRequest, Request, Sweep, ViewKind,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Preview of the figure that its form would write.
-#[derive(Debug, Default)]
-pub struct PreviewResults {
-    /// The figure that the form would write, as of the last pass; `None` without a form.
-    pub asked: Option<FigureRequest>,
+/// Preview in a form: of the figure that it would write, say.
+#[derive(Debug)]
+pub struct Preview<R: Request<Answer = A>, A> {
+    /// Request of the form, as of the last pass; `None` without a form.
+    asked: Option<R>,
     /// The last one that was made; a failure stays with the request.
-    pub made: Option<(FigureRequest, Arc<FigurePreview>)>,
-    pub wanted: Wanted<FigureRequest>,
+    pub made: Option<(R, Arc<A>)>,
+    pub wanted: Wanted<R>,
+}
+
+impl<R: Request<Answer = A>, A> Default for Preview<R, A> {
+    fn default() -> Self {
+        Self { asked: None, made: None, wanted: Wanted::default() }
+    }
+}
+
+impl<R: Request<Answer = A>, A> Preview<R, A> {
+    pub fn asked(&self) -> &Option<R> {
+        &self.asked
+    }
+
+    /// Takes the request of the form; without a form nothing is kept.
+    pub fn ask(&mut self, asked: Option<R>) {
+        match asked {
+            None => *self = Self::default(),
+            asked => self.asked = asked,
+        }
+    }
+
+    pub fn missing(&self) -> Option<R> {
+        self.asked.clone().filter(|asked| self.made.as_ref().is_none_or(|(of, _)| of != asked))
+    }
+
+    pub fn take(&mut self, ended: Ended<R>) {
+        self.made = ended.result.ok().map(|made| (ended.request, Arc::new(made))).or(self.made.take());
+    }
+
+    /// The last answer, until that of `asked` is there; the error says why there will be none.
+    pub fn on_show(&self, asked: &Result<R, String>) -> Result<Option<&Arc<A>>, String> {
+        let failure = |asked| self.wanted.failure().filter(|(of, _)| *of == asked).map(|(_, why)| why.to_string());
+        let why = asked.as_ref().map_or_else(|why| Some(why.clone()), failure);
+        why.map_or(Ok(self.made.as_ref().map(|(_, made)| made)), Err)
+    }
 }
 
 /// Pictures from which patches are cut: of features, of matches, and of the place in the loupe.
@@ -42,11 +76,6 @@ pub struct PatchResults {
 }
 
 impl<'a> Read<'a> {
-    pub fn missing_preview(self) -> Option<FigureRequest> {
-        let PreviewResults { asked, made, .. } = &self.results.preview;
-        asked.clone().filter(|asked| made.as_ref().is_none_or(|(of, _)| of != asked))
-    }
-
     /// Pictures that are played in the pane in focus: how many, the place of that on show, and the action for a place.
     pub fn sweep(self) -> (usize, usize, Box<dyn Fn(usize) -> Action + 'a>) {
         let (id, cursor, params) = (self.document.focus(), *self.document.cursor(), self.cursor_params());

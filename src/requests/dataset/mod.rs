@@ -122,6 +122,12 @@ impl Request for ThumbnailsRequest {
     }
 }
 
+/// Sentence about a model beside the database in `out`, which was made of another one; `None` where there is none.
+pub fn old_model(out: &Path) -> Option<String> {
+    let old = out.join("sparse");
+    old.exists().then(|| format!("{} is of an earlier database: its poses are not of this one", old.display()))
+}
+
 /// Commands that reconstruct what an export wrote to `out`: the mapper of COLMAP in two lines, or that of pycolmap. A
 /// known camera is held; a guessed one is refined.
 pub fn next_commands(out: &Path, knows_camera: bool) -> [String; 3] {
