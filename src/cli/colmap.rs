@@ -19,7 +19,7 @@ use crate::inspect::words::{counted, some_of};
 use crate::matching::aligned::Moved;
 use crate::matching::params::doc;
 use crate::matching::{CameraModel, PairSelection};
-use crate::requests::next_commands;
+use crate::requests::{next_commands, old_model};
 use clap::{Arg, ArgAction, Args};
 use std::path::{Path, PathBuf};
 
@@ -101,7 +101,8 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         BurstEvent::Done(_, burst) => {
             let from = if burst.resumed { ", from an earlier run" } else { "" };
             let slopes = burst.slopes.as_ref().map_or(String::new(), |found| format!("; slopes {}", found.summary()));
-            let line = format!("{}: {} features{from}{slopes}\n", burst.name, burst.keypoints.len());
+            let features = counted(burst.keypoints.len(), "feature");
+            let line = format!("{}: {features}{from}{slopes}\n", burst.name);
             said = std::mem::replace(&mut said, Ok(())).and_then(|()| console.say(&line));
             // What follows the last burst is about all.
             console.go_on(String::new());
@@ -114,10 +115,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let [make, map, python] = next_commands(&args.out, report.known_camera);
     let then = format!("\nNext:\n  {make}\n  {map}\nor:\n  {python}\n");
     let mut text = summary(&report, &job.features);
-    let old = args.out.join("sparse");
-    if old.exists() {
-        text += &format!("{} is of an earlier database: its poses are not of this one\n", old.display());
-    }
+    text.extend(old_model(&args.out).map(|old| old + "\n"));
     console.say(&(text + if report.no_start.is_none() { &then } else { "" }))?;
     let asked = document! { params: &job.features.detector, matching: &job.matching };
     let gathered = gathered.map(|gathered| document! { gathered });
@@ -163,9 +161,11 @@ fn summary(report: &ColmapReport, features: &FeatureJob) -> String {
     let resumed = report.pairs.iter().filter(|p| p.resumed).count();
     let resumed = if resumed > 0 { format!(", {resumed} from an earlier run") } else { String::new() };
     text += &format!(
-        "{}, {}{resumed}: {putative} matches, {inliers} inliers in {}\n",
+        "{}, {}{resumed}: {}, {} in {}\n",
         counted(report.images.len(), "image"),
         counted(report.pairs.len(), "pair"),
+        counted(putative, "match"),
+        counted(inliers, "inlier"),
         counted(verified, "verified pair"),
     );
     text += &joined_text(&report.joined);

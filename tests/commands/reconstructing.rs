@@ -109,9 +109,13 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
         "colmap mapper --database_path 'my rec/database.db' --image_path 'my rec/images' --output_path 'my rec/sparse'";
     assert!(text.contains(&format!("{next}\n")), "{text}");
     assert!(text.contains("half a frame after mid-burst"), "four frames: {text}");
+    assert!(!text.contains("earlier database"), "{text}");
+    fs::create_dir(home.path().join("my rec/sparse")).expect("made");
     // A stack is at mid-burst itself, and its features are there already.
     let text = run_well(home.path(), &[&arguments[..], &["--images", "stack"]].concat());
     assert!(!text.contains("mid-burst") && text.contains("3 pairs, 3 from an earlier run: "), "{text}");
+    assert!(text.contains("sparse is of an earlier database"), "{text}");
+    fs::remove_dir(home.path().join("my rec/sparse")).expect("removed");
     // Of few features few match: no pair from which a mapper can start, and the command ends with that.
     let few = ["colmap", "film", "--burst-length", "4", "--slopes-u", "-2:2:5", "--max-features", "20", "--out", "few"];
     let output = run(home.path(), &few);

@@ -178,9 +178,11 @@ fn say_what_was_exported(model: &mut Model, done: &crate::requests::ColmapDone) 
     let report = &done.report;
     let verified = report.pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)).count();
     model.shell.messages.resolved(Work::Exporting.title());
-    model.results.datasets.exported = report.database.parent().map(|folder| (folder.into(), report.known_camera));
+    let folder = report.database.parent();
+    model.results.datasets.exported = folder.map(|folder| (folder.into(), report.known_camera));
+    let old = folder.and_then(crate::requests::old_model).map_or_else(String::new, |old| format!("; {old}"));
     model.shell.messages.note(format!(
-        "Wrote {}: {}, {}, {verified} of them verified; {}",
+        "Wrote {}: {}, {}, {verified} of them verified; {}{old}",
         report.database.display(),
         counted(report.images.len(), "image"),
         counted(report.pairs.len(), "pair"),

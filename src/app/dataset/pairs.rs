@@ -8,6 +8,7 @@ use crate::app::panel::widgets::{instead_ui, middle_elided};
 use crate::app::results::datasets::pairs::PairTable;
 use crate::app::results::{BurstState, Dataset};
 use crate::app::style;
+use crate::inspect::words::counted;
 use crate::plane::display::ColourMap;
 use egui::epaint::TextShape;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
@@ -119,11 +120,11 @@ pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
     let inliers = match (counts.inliers, counts.refused) {
         (_, Some(reason)) => format!("refused: {}", reason.words()),
         (None, None) => "not verified".to_owned(),
-        (Some(inliers), None) => format!("{inliers} inliers"),
+        (Some(inliers), None) => counted(inliers, "inlier"),
     };
     format!(
-        "{names}\n{} putative matches, {inliers}\nmatch ratio {:.3}, match score {}, inlier ratio {}",
-        counts.putative,
+        "{names}\n{}, {inliers}\nmatch ratio {:.3}, match score {}, inlier ratio {}",
+        counted(counts.putative, "putative match"),
         counts.match_ratio(),
         share(counts.match_score()),
         share(counts.inlier_ratio())
@@ -288,54 +289,4 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: 
         queue.push(Action::SortPairs(PairColumn::ALL[column]));
     }
     opened
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_and_columns_have_the_names_of_their_bursts() {
-        let burst = |name: &str| crate::burst::BurstFiles { name: name.to_owned(), paths: Vec::new() };
-        let dataset = Dataset::new(crate::requests::OpenDataset {
-            strays: Vec::new(),
-            source: crate::dataset::DatasetSource::of_bursts(Vec::new()),
-            bursts: std::sync::Arc::new(vec![burst("0"), burst("dusk")]),
-            frames_of_one: None,
-            folder: None,
-            folder_error: None,
-            params: Default::default(),
-            open: Default::default(),
-            finished: vec![None; 2],
-            other_params: None,
-        });
-        let context = egui::Context::default();
-        let screen = Rect::from_min_size(Pos2::ZERO, vec2(600.0, 500.0));
-        let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
-        let mut output = context
-            .run_ui(input, |ui| assert_eq!(matrix_ui(ui, &dataset, &dataset.choice(), &mut Queue::default()), None));
-        output.textures_delta.clear();
-        let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
-            egui::Shape::Text(text) => Some((text.galley.text().to_owned(), text.angle != 0.0)),
-            _ => None,
-        };
-        let mut texts: Vec<(String, bool)> = output.shapes.iter().filter_map(text).collect();
-        texts.sort();
-        let both = |name: &str| [false, true].map(|upwards| (name.to_owned(), upwards));
-        assert_eq!(texts, [both("0"), both("dusk")].concat());
-    }
-
-    #[test]
-    fn more_is_lighter_and_numbers_can_be_read() {
-        let colours = CountColours::new(400);
-        let lightness = |c: Color32| 0.3 * f32::from(c.r()) + 0.59 * f32::from(c.g()) + 0.11 * f32::from(c.b());
-        let mut before = -1.0;
-        for count in [0, 1, 10, 50, 150, 300, 400] {
-            let (fill, text) = colours.of(count);
-            assert!(lightness(fill) > before, "{count}");
-            before = lightness(fill);
-            assert!((lightness(fill) - lightness(text)).abs() > 80.0, "{count}: {fill:?} {text:?}");
-        }
-        assert_eq!(CountColours::new(0).of(0).1, Color32::WHITE);
-    }
 }

@@ -208,7 +208,8 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     let more =
         if survey.marks.len() > shown.len() { format!(" (the {} strongest)", shown.len()) } else { String::new() };
     let min_snr = crate::inspect::place::SurveyOptions::default().min_snr;
-    let text = format!("{} candidates{more}: {}; SNR ≥ {min_snr}", survey.marks.len(), test.reason());
+    let all = counted(survey.marks.len(), "candidate");
+    let text = format!("{all}{more}: {}; SNR ≥ {min_snr}", test.reason());
     note_ui(ui, output, &text);
     let clip = output.painter.clip_rect();
     let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };
