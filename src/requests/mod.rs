@@ -33,7 +33,7 @@ pub use explain::{
     ProbeQuestion, ProbeRequest, Probed, Traced,
 };
 pub use figure::{
-    FigurePicture, FigurePreview, FigureRequest, MatchFigure, MatchPictures, are_stacked, page_drawing, titled,
+    FigurePicture, FigurePreview, FigureRequest, MatchFigure, MatchPictures, are_stacked, titled, write_page,
 };
 pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};

@@ -191,7 +191,7 @@ impl ExportKind {
             Self::CurvesCsv => (&["csv", "tex"], "Export curves as CSV", "curves"),
             Self::CurvesSvg => (&["svg", "pdf", "png"], "Export curves as SVG", "curves"),
             Self::Case => (&[CASE_EXTENSION], "Save case", "case"),
-            Self::Report => (&["pdf", "svg", "png", "md"], "Write a report as PDF, SVG, PNG or Markdown", "report"),
+            Self::Report => (&["pdf", "svg", "png", "md", "html"], "Write a report as a drawing or a page", "report"),
             Self::Film => (&["gif", "mp4", "png"], "Export film as GIF, MP4 or PNG pictures", "film"),
             Self::Mask => (&["png"], "Save the mask", "mask"),
             Self::Sheet => (&["md"], "Export lesson sheet as Markdown", "lesson"),
