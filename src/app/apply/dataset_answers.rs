@@ -166,7 +166,7 @@ fn say_what_was_found(model: &mut Model, seconds: f64) {
 
 fn say_what_matched(model: &mut Model, left_out: usize, seconds: f64) {
     let Some(dataset) = &model.results.datasets.open else { return };
-    let mut text = format!("{} matched in {seconds:.1} s", counted(dataset.matches.len(), "pair"));
+    let mut text = format!("{} matched in {seconds:.1} s", counted(dataset.matches.counts.len(), "pair"));
     if left_out > 0 {
         text += &format!("; {left_out} left out, whose bursts have no features yet");
     }

@@ -97,7 +97,7 @@ fn header_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::DetectAll, None);
         notice_ui(ui, model, dataset, queue);
     }
-    if !dataset.matches.is_empty() && model.document.workspace != Workspace::Matches {
+    if !dataset.matches.counts.is_empty() && model.document.workspace != Workspace::Matches {
         button_ui(ui, model, queue, ActionId::WorkspaceMatches, None);
     }
     if model.document.dataset.as_ref().is_some_and(|set| set.selected().is_some()) {

@@ -115,7 +115,7 @@ fn move_selection(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, response: &Re
 pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
     let name = |place: usize| dataset.bursts.get(place).map_or("?", |b| b.name.as_str());
     let names = format!("{} – {}", name(pair.0), name(pair.1));
-    let Some(counts) = dataset.matches.get(pair) else { return format!("{names}\nnot matched yet") };
+    let Some(counts) = dataset.matches.counts.get(&pair) else { return format!("{names}\nnot matched yet") };
     let share = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.3}"));
     let inliers = match (counts.inliers, counts.refused) {
         (_, Some(reason)) => format!("refused: {}", reason.words()),
@@ -183,7 +183,7 @@ fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: O
                 continue;
             }
             let inner = if grid.cell > 12.0 { rect.shrink(0.5) } else { rect };
-            let counts = pair_of(row, column).and_then(|pair| dataset.matches.get(pair));
+            let counts = pair_of(row, column).and_then(|pair| dataset.matches.counts.get(&pair));
             let shown = counts.map(PairTable::strength);
             let is_refused = counts.is_some_and(|counts| counts.refused.is_some());
             let (fill, text_colour) = match shown {
@@ -251,7 +251,7 @@ fn names(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: 
 
 /// Draws the list. Returns the double-clicked pair.
 pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mut Queue) -> Option<BurstPair> {
-    if dataset.matches.is_empty() {
+    if dataset.matches.counts.is_empty() {
         instead_ui(ui, "Match pairs to see them here");
         return None;
     }
@@ -267,7 +267,8 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: 
         let (a, b) = pair_at(item);
         format!("{} – {}", dataset.bursts[a].name, dataset.bursts[b].name)
     };
-    let text = |column: usize, item: usize| match (PairColumn::ALL[column], dataset.matches.get(pair_at(item))) {
+    let text = |column: usize, item: usize| match (PairColumn::ALL[column], dataset.matches.counts.get(&pair_at(item)))
+    {
         (PairColumn::Pair, _) => names(item),
         (column, counts) => counts.map_or_else(String::new, |counts| column.text(counts)),
     };
