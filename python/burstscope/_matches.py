@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from typing_extensions import Unpack
 
+    Camera = Union[str, os.PathLike[str], pycolmap.Camera]
+
 
 class Matches(Made):
     """Putative matches of two detections, and which of them agree with a geometry of the two views. Made by `match`.
@@ -35,11 +37,11 @@ class Matches(Made):
 
     _a: Detection
     _b: Detection
-    _asked: tuple[str | None, Given]
+    _asked: tuple[list[str], Given]
     _raw: _burstscope.RawMatches
 
     @classmethod
-    def _of(cls, a: Detection, b: Detection, asked: tuple[str | None, Given], progress: Progress = False) -> Matches:
+    def _of(cls, a: Detection, b: Detection, asked: tuple[list[str], Given], progress: Progress = False) -> Matches:
         self = cls.__new__(cls)
         self._a, self._b, self._asked = a, b, asked
         with shown(progress) as tell:
@@ -356,18 +358,20 @@ def match(
     a: Detection,
     b: Detection,
     *,
-    camera: Union[str, os.PathLike[str], pycolmap.Camera, None] = None,
+    camera: Union[Camera, tuple[Camera, Camera], None] = None,
     progress: Progress = None,
     **keywords: Unpack[MatchKeywords],
 ) -> Matches:
-    """Matches the features of two bursts and verifies the matches; the same bits as ``burstscope match`` gives.
+    """Matches the features of two bursts and verifies the matches; the same bits as ``burstscope match`` gives with the same
+    cameras.
 
     Parameters
     ----------
     a, b : Detection
-    camera : str, path of a TOML file or pycolmap.Camera, optional
-        The camera of both, such as ``"PINHOLE,640,480,500,500,320,240"`` (in COLMAP's order and convention). With one,
-        matches are verified by the essential matrix.
+    camera : str, path of a TOML file or pycolmap.Camera, or two of them, optional
+        The camera of both, such as ``"PINHOLE,640,480,500,500,320,240"`` (in COLMAP's order and convention), or a tuple
+        of A's and B's. With them, matches are verified by the essential matrix. A file ``camera.toml`` beside the frames,
+        which the command finds, is not looked for.
     progress : callable, False or None
         See `burstscope.detect`.
     **keywords
@@ -383,8 +387,10 @@ def match(
         A parameter that makes no sense.
     """
     a, b = (needed(name, found, Detection, "make it, detect(burst)") for name, found in (("a", a), ("b", b)))
-    text = None if camera is None else _camera_text(camera)
-    return Matches._of(a, b, (text, texts(keywords)), progress)
+    cameras = camera if isinstance(camera, tuple) else () if camera is None else (camera,)
+    if isinstance(camera, tuple) and len(camera) != 2:
+        raise ValueError(f"camera: a tuple of {len(camera)}; give one camera, or A's and B's")
+    return Matches._of(a, b, ([_camera_text(one) for one in cameras], texts(keywords)), progress)
 
 
 @documented(MatchKeywords)
@@ -392,7 +398,7 @@ def colmap(
     detections: Sequence[Detection],
     out: Union[str, os.PathLike[str]],
     *,
-    camera: Union[str, os.PathLike[str], pycolmap.Camera, None] = None,
+    camera: Union[Camera, None] = None,
     camera_model: str = "SIMPLE_RADIAL",
     pairs: str = "all",
     images: Literal["middle", "merged", "stack"] = "middle",

@@ -332,6 +332,22 @@ fn a_dataset_is_a_folder_of_burst_folders() {
 }
 
 #[test]
+fn of_bursts_a_folder_too_deep_the_folders_above_are_told() {
+    let folder = folder();
+    for name in ["left/burst_0", "left/burst_1", "right/burst_0", "notes"] {
+        fs::create_dir_all(folder.path().join(name)).expect("made");
+        if name != "notes" {
+            save(&folder.path().join(name).join("1.png"), &grey8(3, 2, 0));
+        }
+    }
+    let error = find_bursts(&[folder.path().to_path_buf()], &OpenOptions::default()).expect_err("too deep");
+    let [left, right] = ["left", "right"].map(|name| folder.path().join(name));
+    let given = format!("give the folders above them, such as {} {}", left.display(), right.display());
+    assert_eq!(error.remedy, format!("bursts lie a folder deeper: {given}"));
+    assert_eq!(names(&[left, right]), ["burst_0", "burst_1", "burst_0-2"]);
+}
+
+#[test]
 fn a_long_sequence_is_cut_into_bursts_in_natural_order() {
     let folder = folder();
     for t in 0..12 {
