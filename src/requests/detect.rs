@@ -67,7 +67,7 @@ impl Request for DetectRequest {
         // As `params`, of the burst itself.
         let searched = DetectorParams { frames: params.frames, ..cache.trail.searched_with().clone() };
         let (finding, detection) = (cache.finding.clone(), Arc::new(detection));
-        let search_secs = cache.trail.search_secs();
+        let search_secs = cache.trail.search_secs;
         let shown = if params.method == Method::Buff { Some(cache.shown(monitor)?) } else { None };
         let judgement = judgement(&detection, &params, shown, &burst.burst, monitor)?;
         Ok(Detected { burst: burst.id, asked, params, searched, search_secs, finding, detection, judgement })

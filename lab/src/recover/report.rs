@@ -208,9 +208,10 @@ impl RecoverReport {
         self.levels.values(varied).iter().filter_map(share).collect()
     }
 
-    /// Probability that a thing's response with its noise passes the gate.
+    /// Probability that a thing's response with its noise, which is normal, passes the gate.
     fn expected_share(&self, one: &Planted) -> f64 {
-        one.expected_snr_d.map_or(0.0, |snr| normal_share(snr - f64::from(self.noise_gate_factor)))
+        let beyond = |snr: f64| snr - f64::from(self.noise_gate_factor);
+        one.expected_snr_d.map_or(0.0, |snr| 0.5 * libm::erfc(-beyond(snr) / std::f64::consts::SQRT_2))
     }
 
     fn fit(&mut self) {
@@ -402,11 +403,6 @@ impl RecoverReport {
 
 fn prior(noise_gate_factor: f32, levels: &Levels) -> Prior {
     Prior::of_gate(f64::from(noise_gate_factor), levels.expected_half.max(1e-9).ln())
-}
-
-/// Share of the standard normal distribution below `x`.
-fn normal_share(x: f64) -> f64 {
-    0.5 * libm::erfc(-x / std::f64::consts::SQRT_2)
 }
 
 /// The things as a table, one row each.

@@ -179,7 +179,7 @@ fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTr
     let whose = if scene.truth.is_empty() { "estimate" } else { "truth" };
     let text = format!("{} (the {whose}'s unit)", crate::app::canvas::number(length as f32, 3));
     painter.text(from + vec2(0.0, -5.0), Align2::LEFT_BOTTOM, text, font.clone(), weak);
-    let [right, up] = model.document.trajectories.projection.axis_names();
+    let (_, [right, up], _) = model.document.trajectories.projection.about();
     let text = format!("{right}: to the right,  {up}: up");
     painter.text(rect.right_bottom() + vec2(-10.0, -8.0), Align2::RIGHT_BOTTOM, text, font, weak);
 }

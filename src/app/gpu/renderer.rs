@@ -363,13 +363,8 @@ pub struct PicturePaint {
 }
 
 impl PicturePaint {
-    pub fn into_shape(self, rect_ui: egui::Rect) -> egui::Shape {
-        egui_wgpu::Callback::new_paint_callback(rect_ui, self).into()
-    }
-
     fn uniforms(&self, pixels_per_point: f32) -> Uniforms {
-        let origin_ui = self.ui_from_picture.anchor_to();
-        let anchor = self.ui_from_picture.anchor_from();
+        let RectTransform { anchor_from: anchor, anchor_to: origin_ui, .. } = self.ui_from_picture;
         let display = self.display.sanitised();
         let backdrop = [self.backdrop.r(), self.backdrop.g(), self.backdrop.b()].map(|c| f32::from(c) / 255.0);
         let picture_px_per_px = screen_ratio(1.0 / (self.ui_from_picture.scale() * pixels_per_point));

@@ -71,7 +71,8 @@ impl FeatureLayer {
             hovered: model.results.hovered.filter(|_| is_listed),
             stale: is_stale,
             orientations: model.document.look.orientations && inspected,
-            motions: model.document.look.motion_vectors && (inspected || pane.method.is_some_and(MethodId::is_buff)),
+            motions: model.document.look.motion_vectors
+                && (inspected || matches!(pane.method, Some(MethodId::Buff1d | MethodId::Buff2d))),
             is_listed,
             method: pane.method,
             only_slope: model.document.look.overlay == FeaturesShown::ThisSlope,

@@ -186,7 +186,7 @@ fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
     if px_per_pixel < 0.999 || (px_per_pixel - px_per_pixel.round()).abs() > 1e-3 {
         return transform;
     }
-    let centre = transform.anchor_from();
+    let centre = transform.anchor_from;
     let border_ui = transform.pos(pos2(centre.x.floor() - 0.5, centre.y.floor() - 0.5));
     // A border in the middle of a screen pixel would flicker between its neighbours.
     let on_screen = |x: f32| (x * pixels_per_point).round() / pixels_per_point;
@@ -197,8 +197,8 @@ fn snapped(transform: RectTransform, pixels_per_point: f32) -> RectTransform {
 /// points, not as an offset, which would lose its fraction at 128-fold zoom in the corner of a huge picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RectTransform {
-    anchor_from: Pos2,
-    anchor_to: Pos2,
+    pub anchor_from: Pos2,
+    pub anchor_to: Pos2,
     scale: f32,
 }
 
@@ -210,14 +210,6 @@ impl RectTransform {
 
     pub fn scale(&self) -> f32 {
         self.scale
-    }
-
-    pub fn anchor_from(&self) -> Pos2 {
-        self.anchor_from
-    }
-
-    pub fn anchor_to(&self) -> Pos2 {
-        self.anchor_to
     }
 
     pub fn pos(&self, from: Pos2) -> Pos2 {

@@ -50,7 +50,8 @@ pub struct Trail {
     stayed: Vec<(usize, Blob)>,
     pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
-    pub(super) search_secs: f32,
+    /// Seconds that the search behind this trail took, with the description of its features.
+    pub search_secs: f32,
 }
 
 impl Trail {
@@ -118,11 +119,6 @@ impl Trail {
     /// Parameters of the detection, which may be stricter than those of the [search](Trail::searched_with).
     pub fn params(&self) -> &DetectorParams {
         &self.inputs.params
-    }
-
-    /// Seconds that the search behind this trail took, with the description of its features.
-    pub fn search_secs(&self) -> f32 {
-        self.search_secs
     }
 
     /// Parameters of the search behind this trail: parameters that [follow](super::follows) from them need no search.
