@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from typing_extensions import Unpack
 
-    Camera = Union[str, os.PathLike[str], pycolmap.Camera]
+    _Camera = Union[str, os.PathLike[str], pycolmap.Camera]
 
 
 class Matches(Made):
@@ -358,7 +358,7 @@ def match(
     a: Detection,
     b: Detection,
     *,
-    camera: Union[Camera, tuple[Camera, Camera], None] = None,
+    camera: Union[_Camera, tuple[_Camera, _Camera], None] = None,
     progress: Progress = None,
     **keywords: Unpack[MatchKeywords],
 ) -> Matches:
@@ -398,7 +398,7 @@ def colmap(
     detections: Sequence[Detection],
     out: Union[str, os.PathLike[str]],
     *,
-    camera: Union[Camera, None] = None,
+    camera: Union[_Camera, None] = None,
     camera_model: str = "SIMPLE_RADIAL",
     pairs: str = "all",
     images: Literal["middle", "merged", "stack"] = "middle",
