@@ -461,7 +461,7 @@ mod pairs {
     fn pairs_are_listed_in_the_order_that_was_clicked() {
         let mut table = PairTable::default();
         for (pair, putative, inliers) in [((0, 1), 30, 20), ((0, 2), 40, 0), ((1, 2), 30, 25)] {
-            table.take(pair, MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() });
+            table.counts.insert(pair, MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() });
         }
         let pairs = |table: &PairTable| table.listed().into_iter().map(|(p, _)| p).collect::<Vec<_>>();
         assert_eq!((pairs(&table), table.strongest()), (vec![(0, 1), (0, 2), (1, 2)], 25));
