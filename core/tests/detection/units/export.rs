@@ -20,6 +20,14 @@ mod atomic {
         assert_eq!(error, Err(Error::unwritten(&path, &io::Error::other("disk full"))));
         assert_eq!(std::fs::read(&path).expect("read"), b"old");
         assert_eq!(count(folder.path()), 1);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
+            write_whole(&path, |w| w.write_all(b"new")).expect("written");
+            let mode = std::fs::metadata(&path).expect("a file").permissions().mode();
+            assert_eq!((mode & 0o777, std::fs::read(&path).expect("read")), (0o640, b"new".to_vec()), "kept");
+        }
         let path = folder.path().join("new.txt");
         let panicked = std::panic::catch_unwind(|| write_whole(&path, |_| panic!("on purpose")));
         assert!(panicked.is_err());

@@ -29,6 +29,15 @@ fn lossless_pictures_of_8_bit_are_exact() {
             }
         }
     }
+    // Grey is exact as a colour too, whatever its alpha.
+    let [rgb, rgba, grey_alpha] = ["rgb.png", "rgba.png", "la.png"].map(|name| folder.path().join(name));
+    save(&rgb, &ImageBuffer::from_fn(256, 1, |u, _| Rgb([u as u8; 3])));
+    save(&rgba, &ImageBuffer::from_fn(256, 1, |u, _| Rgba([u as u8, u as u8, u as u8, 255 - u as u8])));
+    save(&grey_alpha, &ImageBuffer::from_fn(256, 1, |u, _| LumaA([u as u8, 7])));
+    for path in [rgb, rgba, grey_alpha] {
+        let burst = Burst::open(&path).expect("opens");
+        assert!((0..256).all(|n| burst.frames[0].at(n, 0) == n as f32 / 255.0), "{}", path.display());
+    }
 }
 
 #[test]

@@ -48,6 +48,9 @@ mod arrays {
         let arrays = Arrays { frames: vec![frame(), frame()], ..Arrays::default() };
         let burst = Burst::from_arrays("shared", arrays, &OpenOptions::default(), &Monitor::default()).expect("made");
         assert!(burst.frames.iter().all(|plane| std::ptr::eq(plane.data(), owner.pixels())));
+        let mut changed = Plane::clone(&burst.frames[0]);
+        (changed.data_mut()[3], changed.row_mut(1)[0]) = (9.0, 7.0);
+        assert_eq!((changed.at(3, 0), changed.at(0, 1), owner.pixels()[3]), (9.0, 7.0, 0.25), "copied before a change");
     }
 
     #[test]
