@@ -196,7 +196,6 @@ pub(in crate::matching) mod tests {
         "OPENCV 640 480 600 610 322 241 -0.3 0.1 0.001 -0.0005".parse().expect("a camera")
     }
 
-    /// A scene with all points on one slanted plane.
     fn on_a_plane(random: &mut Stream, counts: (usize, usize), sigma: f64) -> Scene {
         let depth = |_: &mut Stream, [x, y]: [f64; 2]| 4.0 / (1.0 + 0.3 * x - 0.2 * y);
         scene(random, camera(), counts, sigma, depth)
