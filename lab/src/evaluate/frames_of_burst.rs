@@ -309,13 +309,9 @@ mod tests {
         let report = study.run(&burst, None, Some(&truth), &Monitor::default()).expect("a report");
         assert_eq!((report.rows.len(), report.rows[0].false_features), (1, None));
         assert_eq!(report.rows[0].matches, None);
-        let fails = |study: &BurstFramesStudy, truth: Option<&Truth>| {
-            study.run(&burst, None, truth, &Monitor::default()).expect_err("nonsense").to_string()
-        };
-        let too_many = BurstFramesStudy { frame_counts: vec![5], ..study.clone() };
-        assert!(fails(&too_many, None).starts_with("frame-counts: 5 of 4 frames"));
         let other = Truth { frames: 5, ..truth };
-        assert!(fails(&study, Some(&other)).contains("truth.json is of 5 frames, but the burst has 4"));
+        let error = study.run(&burst, None, Some(&other), &Monitor::default()).expect_err("nonsense").to_string();
+        assert!(error.contains("truth.json is of 5 frames, but the burst has 4"));
         let monitor = Monitor::default();
         monitor.cancel();
         assert!(study.run(&burst, None, None, &monitor).is_err_and(|error| error.is_cancelled()));

@@ -49,6 +49,8 @@ fn a_known_point_is_where_the_picture_has_it() {
         step: Vector3::new(0.03, -0.01, 0.08),
         shake: world::Shake::default(),
     };
+    assert_eq!(lens.direction(99.5, 74.5), Vector3::new(0.0, 0.0, 1.0));
+    assert_eq!(lens.pixel(&Point3::new(0.0, 0.0, -1.0)), None);
     let mut places = Vec::new();
     for dt in [-4.5, -2.0, 0.0, 0.3, 4.5] {
         let picture = world::render(std::slice::from_ref(&plane), &lens, &camera.at(dt), &Monitor::default());
@@ -110,6 +112,7 @@ fn apparent_motion_follows_from_depth_and_reaches_the_largest_that_was_asked_for
                     .expect("the wall fills the image");
                     let depth = camera.world_from_camera.inverse_transform_point(&point).z;
                     let from = camera.pixel_of(&trajectory.lens, &point, 0.0).expect("in front");
+                    assert!((from[0] - 80.0).abs() < 1e-9 && (from[1] - 60.0).abs() < 1e-9, "{from:?}");
                     let to = camera.pixel_of(&trajectory.lens, &point, 1.0).expect("in front");
                     let expected = -trajectory.lens.focal_px * camera.step.norm() / depth;
                     assert!((to[0] - from[0] - expected).abs() < 1e-9 && (to[1] - from[1]).abs() < 1e-9);
