@@ -139,12 +139,6 @@ pub struct MatchRequest {
     pub params: MatchParams,
 }
 
-impl PartialEq for MatchRequest {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.a, &other.a) && Arc::ptr_eq(&self.b, &other.b) && self.params == other.params
-    }
-}
-
 impl Request for MatchRequest {
     type Answer = Matched;
     type Partial = Infallible;

@@ -46,3 +46,28 @@ pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
 pub(crate) use trail::trail_of;
 pub use trail::{DetectionSource, NothingKept, TrailStore};
+
+use std::sync::Arc;
+
+macro_rules! equal_if {
+    ($($of:ty: |$a:ident, $b:ident| $same:expr;)*) => {
+        $(impl PartialEq for $of {
+            fn eq(&self, other: &Self) -> bool {
+                let ($a, $b) = (self, other);
+                $same
+            }
+        })*
+    };
+}
+
+// What decides an answer, where the whole is large or follows from that.
+equal_if! {
+    OpenBurst: |a, b| a.id == b.id;
+    DetectionSource: |a, b| (&a.burst, &a.asked, &a.params) == (&b.burst, &b.asked, &b.params);
+    Traced: |a, b| Arc::ptr_eq(&a.cache, &b.cache);
+    CoherenceRequest: |a, b| Arc::ptr_eq(&a.detection, &b.detection);
+    ComparisonRequest: |a, b| a.with == b.with && Arc::ptr_eq(&a.detection, &b.detection);
+    MatchRequest: |a, b| Arc::ptr_eq(&a.a, &b.a) && Arc::ptr_eq(&a.b, &b.b) && a.params == b.params;
+    LossesRequest: |a, b| Arc::ptr_eq(&a.result, &b.result);
+    TrajectorySource: |a, b| a.path() == b.path();
+}

@@ -33,12 +33,6 @@ pub struct OpenBurst {
 /// Octaves on whose pixels motion stacks are previewed: a finer one would cost nearly the whole picture, and memory.
 pub const PREVIEW_OCTAVES: [i32; 3] = [2, 3, 4];
 
-impl PartialEq for OpenBurst {
-    fn eq(&self, other: &Self) -> bool {
-        self.id == other.id
-    }
-}
-
 impl OpenBurst {
     pub fn new(burst: Burst, source: BurstSource) -> Self {
         static COUNTER: AtomicU64 = AtomicU64::new(1);

@@ -77,12 +77,6 @@ impl TrajectorySource {
     }
 }
 
-impl PartialEq for TrajectorySource {
-    fn eq(&self, other: &Self) -> bool {
-        self.path() == other.path()
-    }
-}
-
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosesRequest {
     pub estimate: Option<TrajectorySource>,
