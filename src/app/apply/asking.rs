@@ -143,7 +143,7 @@ impl Part for Methods {
                     if error != JobError::Cancelled {
                         messages.error(job.method.label(), error.to_string());
                     }
-                    compare.take_failure(job, error.to_string());
+                    compare.failed.push((job, error.to_string()));
                 }
             }
         }
@@ -174,38 +174,28 @@ impl Part for Methods {
 /// Makes a [`One`]: whether it ends, where its requests are, what is missing, and how an answer is taken, and a partial
 /// one.
 macro_rules! one {
-    ($ends:literal, |$r:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr) => {
-        one!($ends, |$r| $wanted, |$of, $drags| $missing, |$to, $ended| $take, |_, _| ())
+    (@$ends:literal, |$r:ident| $wanted:expr, $missing:expr, $take:expr) => {
+        one!(@$ends, |$r| $wanted, $missing, $take, |_, _| ())
     };
-    ($ends:literal, |$r:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr, $take_partial:expr) => {
+    (@$ends:literal, |$r:ident| $wanted:expr, $missing:expr, $take:expr, $take_partial:expr) => {
         &One {
             wanted: |$r| &$wanted,
             wanted_mut: |$r| &mut $wanted,
-            missing: |$of, $drags| $missing,
+            missing: $missing,
             ends: $ends,
-            take: |$to, $ended, _| {
-                $take;
-                Vec::new()
-            },
+            take: $take,
             take_partial: $take_partial,
         }
+    };
+    ($ends:literal, |$r:ident| $wanted:expr, $missing:expr, |$to:ident, $ended:ident| $take:expr $(, $take_partial:expr)?) => {
+        one!(@$ends, |$r| $wanted, $missing, |$to, $ended, _| { $take; Vec::new() } $(, $take_partial)?)
     };
 }
 
 /// Makes a [`One`] that the user asks for: nothing is missing by itself.
 macro_rules! asked {
-    (|$r:ident| $wanted:expr, $take:expr) => {
-        asked!(|$r| $wanted, $take, |_, _| ())
-    };
-    (|$r:ident| $wanted:expr, $take:expr, $take_partial:expr) => {
-        &One {
-            wanted: |$r| &$wanted,
-            wanted_mut: |$r| &mut $wanted,
-            missing: |_, _| None,
-            ends: false,
-            take: $take,
-            take_partial: $take_partial,
-        }
+    (|$r:ident| $wanted:expr, $take:expr $(, $take_partial:expr)?) => {
+        one!(@false, |$r| $wanted, |_, _| None, $take $(, $take_partial)?)
     };
 }
 
