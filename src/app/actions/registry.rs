@@ -311,7 +311,7 @@ actions! {
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame" => Set(change::search_line), on when::searches_line;
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: the present ones, and some to both sides of them" => Run(change::search_plane), on when::searches_plane;
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline" => Set(|document| document.params.method = Method::Sift), on |model| model.document.params.method == Method::Sift;
-    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.forget_failures()), when |model| model.document.compares_methods();
+    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.failed.clear()), when |model| model.document.compares_methods();
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::A)), when when::has_burst;
     OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::B)), when when::has_both;
     SlopesFromSetUp, Detect 3, "Slopes from the set-up", [], "Compute the slopes from speed, turning, frame rate, lens and depths, and read slopes as depths" => Set(|document| document.show_set_up());

@@ -49,10 +49,6 @@ pub struct Playback {
 }
 
 impl Playback {
-    pub fn is_over(&self) -> bool {
-        self.steps.is_empty()
-    }
-
     /// The next action. A step begins when all that was wanted before it is there: then `rests`.
     pub fn next(&mut self, rests: bool) -> Option<Action> {
         if !self.goes_on && !rests {

@@ -6,7 +6,7 @@ mod film;
 pub use film::FilmDialog;
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::overlay::{ColourBy, ColourScale, MatchLine, Pane, drawn_lines};
+use crate::app::canvas::overlay::{ColourBy, ColourScale, MatchLine, Pane, UNKNOWN, drawn_lines};
 use crate::app::canvas::{self, RectTransform, number};
 use crate::app::document::export::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::document::{Action, FigureChoice, MethodId, Pointed, RangeClass, Side};
@@ -256,8 +256,8 @@ fn legend(scale: &ColourScale, layer: &FeatureLayer, drawn: &[usize]) -> Vec<Leg
         let label = format!("{} {}", canvas::number(x, 3), scale.by.unit());
         LegendEntry::square(rgb(scale.along(x)), label.trim_end().to_owned())
     };
-    let has_grey = features().any(|(i, feature)| scale.colour(i, feature) == scale.unknown());
-    let grey = LegendEntry::square(rgb(scale.unknown()), "not known".to_owned());
+    let has_grey = features().any(|(i, feature)| scale.colour(i, feature) == UNKNOWN);
+    let grey = LegendEntry::square(rgb(UNKNOWN), "not known".to_owned());
     (0..5).map(step).chain(has_grey.then_some(grey)).collect()
 }
 

@@ -45,7 +45,7 @@ pub struct PictureRenderer {
     pub(super) window: Option<egui::Context>,
     frame: u64,
     frame_open: bool,
-    uploads: u64,
+    pub uploads: u64,
 }
 
 impl PictureRenderer {
@@ -79,10 +79,6 @@ impl PictureRenderer {
     pub(super) fn with_budget_of(self, adapter: &wgpu::Adapter) -> Self {
         let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         Self { budget_bytes: if is_software { SOFTWARE_BUDGET_BYTES } else { BUDGET_BYTES }, ..self }
-    }
-
-    pub fn uploads(&self) -> u64 {
-        self.uploads
     }
 
     /// Uploads the picture if it is missing. The caller fills in `uniforms`, except for what depends on its layout.

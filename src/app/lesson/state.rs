@@ -145,7 +145,7 @@ impl Lessons {
     /// Opens a lesson at the step where it was left last. The project on show is put aside until the lesson is left.
     #[must_use]
     pub fn start(&mut self, lesson: Arc<Lesson>) -> Vec<Staged> {
-        let mut staged = self.leave();
+        let mut staged = self.end(false);
         self.list_is_open = false;
         let Progress { step, done } = self.progress_in(&lesson);
         let snr = SnrTrace::default();
@@ -155,12 +155,9 @@ impl Lessons {
         staged
     }
 
+    /// Leaves the lesson; a burst that is being opened is opened in the project before it, if it `keeps_opening`.
     #[must_use]
-    pub fn leave(&mut self) -> Vec<Staged> {
-        self.end(false)
-    }
-
-    fn end(&mut self, keeps_opening: bool) -> Vec<Staged> {
+    pub fn end(&mut self, keeps_opening: bool) -> Vec<Staged> {
         self.remember();
         self.open.take().map(|_| Staged::EndLesson { keeps_opening }).into_iter().collect()
     }
@@ -182,7 +179,7 @@ impl Lessons {
     #[must_use]
     pub fn go_on(&mut self, asked: Option<LessonAction>, is_restoring: bool, model: Read<'_>) -> Vec<Staged> {
         match asked {
-            Some(LessonAction::Leave) => return self.leave(),
+            Some(LessonAction::Leave) => return self.end(false),
             Some(LessonAction::Step(step)) => {
                 if let Some(open) = &mut self.open {
                     let spot = open.step().state.spot;

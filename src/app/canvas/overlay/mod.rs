@@ -10,7 +10,7 @@ mod match_lines;
 mod strokes;
 
 pub use crate::app::view::ColourBy;
-pub use colour_by::{ColourScale, rgb};
+pub use colour_by::{ColourScale, UNKNOWN, rgb};
 pub use density::{Drawn, Group, drawn, drawn_lines};
 pub use fans::{add_fan, draw_field};
 pub use match_lines::{MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};

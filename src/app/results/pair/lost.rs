@@ -40,12 +40,7 @@ pub struct Why {
 impl LostFeatures {
     pub fn count(&self, lost: Lost) -> usize {
         let all = self.found.iter().flat_map(|found| found.lost.iter().enumerate());
-        all.filter(|(index, at)| **at == lost && !self.is_folded(*index)).count()
-    }
-
-    /// Whether another orientation of the keypoint of `index` stands for it.
-    pub fn is_folded(&self, index: usize) -> bool {
-        self.twin(index).is_some()
+        all.filter(|(index, at)| **at == lost && self.twin(*index).is_none()).count()
     }
 
     /// Feature that stands for `index`, as another orientation of its keypoint.

@@ -40,7 +40,8 @@ impl<'a> Read<'a> {
     }
 
     pub fn saved_match(self) -> Option<SavedMatch> {
-        Some(self.selected_match()?.saved())
+        let MatchRow { a, b, .. } = self.selected_match()?;
+        Some(SavedMatch { a: [a.u, a.v], b: [b.u, b.v] })
     }
 
     /// Index of the match in focus: the selected one, or while none is selected, the one under the pointer.
