@@ -339,21 +339,4 @@ mod tests {
         let first = found.detection.features.len();
         assert!((1..bench.read().features().len()).contains(&first), "{first}");
     }
-
-    #[test]
-    fn what_was_cancelled_is_not_begun_again_by_itself() {
-        let mut bench = bench_with(Example::Street);
-        bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 31, -3.0..=3.0, 31).into();
-        bench.run_until(|model, _| model.results.slots.a.detecting.is_pending());
-        assert!(bench.read().is_searching());
-        bench.read().cancel_searches();
-        bench.settle();
-        assert!(bench.model.results.slots.a.found.is_none() && !bench.read().wants_detection(Side::A));
-        assert!(bench.model.results.slots.a.detecting.failure().is_some_and(|(_, why)| *why == JobError::Cancelled));
-        assert!(bench.model.shell.messages.errors().is_empty(), "a person did not want it");
-        // Other parameters are another detection.
-        bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3).into();
-        bench.settle();
-        assert!(bench.read().features_are_current(Side::A));
-    }
 }

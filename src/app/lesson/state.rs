@@ -256,14 +256,4 @@ mod tests {
         let progress = lessons.progress_in(&lesson);
         assert_eq!((progress.step, progress.done), (lesson.steps.len() - 1, [1].into()));
     }
-
-    #[test]
-    fn lessons_that_are_opened_again_are_there_once() {
-        let mut lessons = Lessons::default();
-        let lesson = Lesson { name: "mine".to_owned(), ..(*built_in()[0]).clone() };
-        lessons.add(vec![lesson.clone()]);
-        lessons.add(vec![Lesson { title: "New".to_owned(), ..lesson }]);
-        assert_eq!(lessons.all().count(), built_in().len() + 1);
-        assert_eq!(lessons.opened[0].title, "New");
-    }
 }

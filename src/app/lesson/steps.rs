@@ -165,9 +165,8 @@ mod tests {
     #[test]
     fn every_layout_is_seen_as_what_it_is() {
         let mut model = Model::default();
-        use Layout::*;
-        let all = [FrameAndStack, Single, TwoSlopes, ThreeSlopes, FiveSlopes, Slice, TwoByTwo, Scales, Methods];
-        for layout_made in all {
+        // The search has seven slopes.
+        for (layout_made, ..) in Layout::ALL.into_iter().filter(|(made, ..)| *made != Layout::NineSlopes) {
             panes::lay_out(&mut model, layout_made);
             assert_eq!(layout(Read::of(&model)), Some(layout_made));
         }

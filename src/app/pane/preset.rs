@@ -166,6 +166,25 @@ impl SidesPreset {
     ];
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodsPreset {
+    #[default]
+    Panes,
+    Wipe,
+    Flip,
+    Matches,
+}
+
+impl MethodsPreset {
+    pub const ALL: [(Self, &'static str, &'static str); 4] = [
+        (Self::Panes, "Panes", "A picture for each method, side by side"),
+        (Self::Wipe, "Wipe", "Two methods in one picture, with a line between them that can be dragged"),
+        (Self::Flip, "Flip", "Two methods in one place: Y flips from one to the other"),
+        (Self::Matches, "Match lines", "A row for each method: its matches between A and B"),
+    ];
+}
+
 impl Panes {
     pub fn lay_out_sides(&mut self, preset: SidesPreset) {
         let own = Side::BOTH.map(PaneId::of);
@@ -198,28 +217,7 @@ impl Panes {
         let focus = self.placed_in(PaneGroup::Pair).1;
         self.replace(PaneGroup::Pair, Arrangement::rows(&rows), made, focus);
     }
-}
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MethodsPreset {
-    #[default]
-    Panes,
-    Wipe,
-    Flip,
-    Matches,
-}
-
-impl MethodsPreset {
-    pub const ALL: [(Self, &'static str, &'static str); 4] = [
-        (Self::Panes, "Panes", "A picture for each method, side by side"),
-        (Self::Wipe, "Wipe", "Two methods in one picture, with a line between them that can be dragged"),
-        (Self::Flip, "Flip", "Two methods in one place: Y flips from one to the other"),
-        (Self::Matches, "Match lines", "A row for each method: its matches between A and B"),
-    ];
-}
-
-impl Panes {
     /// On B as well where the preset shows matches. A wipe or flip takes SIFT and BuFF 1D where these are compared.
     pub fn lay_out_methods(&mut self, preset: MethodsPreset, methods: &[MethodId], both: bool) {
         let usual = [MethodId::Sift, MethodId::Buff1d];
