@@ -12,7 +12,6 @@ use std::time::{Duration, Instant};
 /// Minimum number of frames run, so that everything measured in one frame and placed in the next has settled.
 const MIN_FRAMES: usize = 3;
 
-/// A window that exists only in memory.
 pub struct Offscreen {
     pub context: egui::Context,
     setup: WgpuSetup,

@@ -29,7 +29,6 @@ use std::sync::Arc;
 /// Most columns and rows of a preview: those of its place on a screen with two pixels a point.
 const PREVIEW_PX: [u32; 2] = [800; 2];
 
-/// Picture of a pane in a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigurePicture {
     pub picture: PictureAnswer,

@@ -28,7 +28,6 @@ use std::sync::Arc;
 
 pub const MAX_FILM_PICTURES: usize = 1000;
 
-/// Quantity that a film sweeps over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sweep {
     /// Slope along u, px/frame: first, last, number of steps.

@@ -93,7 +93,6 @@ pub struct ActionRow {
     is_on: Option<fn(Read<'_>) -> bool>,
 }
 
-/// Plain doings of actions.
 #[derive(Debug, Clone, Copy)]
 pub enum Does {
     Ask(Purpose),
@@ -101,12 +100,10 @@ pub enum Does {
     Workspace(Workspace),
     LayOut(Preset),
     Show(ViewKind),
-    /// Turns a value of the document on or off.
     Switch {
         is_on: fn(&Document) -> bool,
         turn: fn(&mut Document),
     },
-    /// Changes the document alone.
     Set(fn(&mut Document)),
     /// Goes to a slope of the grid from the slope on show.
     Slope(fn(&SlopeGrid, Slope) -> Slope),

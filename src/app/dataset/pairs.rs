@@ -4,7 +4,7 @@ use super::filmstrip::side_colour;
 use crate::app::document::datasets::pair_of;
 use crate::app::document::{Action, BurstPair, DatasetChoice, PairColumn, Queue, Side};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
-use crate::app::panel::widgets::{instead_ui, middle_elided};
+use crate::app::panel::widgets::{instead_ui, middle_elided, strip_of_colours};
 use crate::app::results::datasets::pairs::PairTable;
 use crate::app::results::{BurstState, Dataset};
 use crate::app::style;
@@ -30,11 +30,6 @@ pub struct Grid {
 }
 
 impl Grid {
-    fn cell_side(count: usize, room: egui::Vec2) -> f32 {
-        let side = (room.x - NAMES_WIDTH).min(room.y - HEAD_HEIGHT) / count.max(1) as f32;
-        side.floor().clamp(*CELL_RANGE.start(), *CELL_RANGE.end())
-    }
-
     pub fn cell_at(&self, pos: Pos2) -> Option<(usize, usize)> {
         let at = |x: f32, origin: f32| {
             let place = ((x - origin) / self.cell).floor();
@@ -52,7 +47,8 @@ impl Grid {
 /// Draws the matrix. A click selects a pair; returns the double-clicked pair, which is to be opened.
 pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mut Queue) -> Option<BurstPair> {
     let count = dataset.bursts.len();
-    let cell = Grid::cell_side(count, ui.available_size() - vec2(12.0, 12.0));
+    let room = ui.available_size() - vec2(12.0 + NAMES_WIDTH, 12.0 + HEAD_HEIGHT);
+    let cell = (room.min_elem() / count.max(1) as f32).floor().clamp(*CELL_RANGE.start(), *CELL_RANGE.end());
     let side = count as f32 * cell;
     let mut opened = None;
     egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
@@ -154,14 +150,9 @@ pub fn legend_ui(ui: &mut Ui, most: usize) {
     const STEPS: usize = 48;
     ui.label(RichText::new("inliers   0").small().weak());
     let (rect, response) = ui.allocate_exact_size(vec2(160.0, 8.0), Sense::hover());
-    let colours = CountColours::new(STEPS - 1);
-    for step in 0..STEPS {
-        let at = |k: usize| egui::lerp(rect.x_range(), k as f32 / STEPS as f32);
-        // The bar's colours are uniform; the counts along it grow with the square.
-        let count = ((step * step) as f32 / (STEPS - 1) as f32).round() as usize;
-        let part = Rect::from_x_y_ranges(at(step)..=at(step + 1), rect.y_range());
-        ui.painter().rect_filled(part, 0.0, colours.of(count).0);
-    }
+    // The bar's colours are uniform; the counts along it grow with the square.
+    let colours = ColourMap::Viridis.lut();
+    strip_of_colours(ui.painter(), rect, STEPS, |step, _| colours[255 * step / (STEPS - 1)]);
     ui.label(RichText::new(most.to_string()).small().weak());
     response.on_hover_text("Inliers of a pair; the colour grows with the square root of their number");
 }

@@ -141,7 +141,6 @@ changes {
     };
     OpenTab(BottomTab) => |document, tab| (document.bottom_tab, document.panels.bottom) = (tab, Visibility::Open);
 
-    /// Values of single parameters.
     Change(Vec<ParamChange>) => |document, changes| document.change(&changes);
     ReadDepths(bool) => |document, reads| document.read_depths(reads);
     ShowTest(#[serde(with = "or_none")] Option<Test>) => |document, test|

@@ -44,7 +44,6 @@ struct Written {
 #[derive(Debug, Default)]
 pub struct Playback {
     pub steps: Steps,
-    /// Whether the step of the last action goes on.
     pub goes_on: bool,
 }
 

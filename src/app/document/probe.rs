@@ -27,7 +27,6 @@ impl Probe {
     }
 }
 
-/// A place of a burst that has a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PinnedPlace {

@@ -363,7 +363,9 @@ impl PicturePaint {
         let RectTransform { anchor_from: anchor, anchor_to: origin_ui, .. } = self.ui_from_picture;
         let display = self.display.sanitised();
         let backdrop = [self.backdrop.r(), self.backdrop.g(), self.backdrop.b()].map(|c| f32::from(c) / 255.0);
-        let picture_px_per_px = screen_ratio(1.0 / (self.ui_from_picture.scale() * pixels_per_point));
+        let ratio = 1.0 / (self.ui_from_picture.scale() * pixels_per_point);
+        // 1 where it differs only by rounding, so that pixels are copied and not mixed with neighbours.
+        let picture_px_per_px = if (ratio - 1.0).abs() < 1e-5 { 1.0 } else { ratio };
         Uniforms {
             origin_px: [origin_ui.x * pixels_per_point, origin_ui.y * pixels_per_point],
             anchor_picture: [anchor.x, anchor.y],
@@ -378,11 +380,6 @@ impl PicturePaint {
             ..bytemuck::Zeroable::zeroed()
         }
     }
-}
-
-/// 1 where the ratio differs from it only by rounding, so that pixels are copied and not mixed with neighbours.
-fn screen_ratio(picture_px_per_px: f32) -> f32 {
-    if (picture_px_per_px - 1.0).abs() < 1e-5 { 1.0 } else { picture_px_per_px }
 }
 
 impl egui_wgpu::CallbackTrait for PicturePaint {

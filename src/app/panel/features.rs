@@ -38,7 +38,6 @@ pub struct FeatureLayer {
     pub method: Option<MethodId>,
     /// Whether only features at `slope` are drawn, if there is one.
     pub only_slope: bool,
-    /// Whether all that is shown is drawn in full.
     draws_all: bool,
 }
 

@@ -7,7 +7,6 @@ use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};
 use crate::app::results::Read;
 use crate::app::view::signed_slope;
-use crate::burst::Offset;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
@@ -16,7 +15,7 @@ use crate::inspect::result::DecoyStudy;
 use crate::inspect::words::{capitalised, counted, sentence};
 use crate::plane::display::ColourMap;
 use crate::requests::{ProbeQuestion, ViewKind};
-use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use std::sync::Arc;
 
 pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
@@ -197,7 +196,10 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
         return;
     };
     let shown = strongest(survey);
-    let circle = |mark: &CandidateMark| circle_of(mark, slopes.slope(mark.sample.slope_index), dt);
+    let circle = |mark: &CandidateMark| {
+        let moved = slopes.slope(mark.sample.slope_index).displacement(dt);
+        (Pos2::from(mark.pos_image) + moved.into(), std::f32::consts::SQRT_2 * mark.sigma)
+    };
     let selected = model.document.selected_candidate;
     let marks = shown.iter().map(|&index| {
         let mark = &survey.marks[index];
@@ -236,12 +238,6 @@ fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
         indices.sort_unstable();
     }
     indices
-}
-
-/// Place in a frame at an offset from mid-burst, and radius of the circle, image pixels.
-fn circle_of(mark: &CandidateMark, slope: Slope, from_middle: Offset<f32>) -> (Pos2, f32) {
-    let [u, v] = mark.pos_image;
-    (pos2(u, v) + slope.displacement(from_middle).into(), std::f32::consts::SQRT_2 * mark.sigma)
 }
 
 /// Colour of a margin: yellow for nearly passed, dark for far from it.
