@@ -53,9 +53,7 @@ impl Overlays {
             ActionId::Glossary => self.glossary.open(None),
             ActionId::FigureOptions => self.figure.is_open = true,
             ActionId::FilmOptions => self.film.is_open = true,
-            ActionId::Calibration => {
-                self.calibration_draft(&model.document.calibration);
-            }
+            ActionId::Calibration => _ = self.calibration_draft(&model.document.calibration),
             ActionId::OpenPath => self.open_path_field(Purpose::OpenPath(Side::A), String::new(), false),
             ActionId::OpenPathB => self.open_path_field(Purpose::OpenPath(Side::B), String::new(), false),
             _ => return false,

@@ -52,9 +52,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     use Action as A;
     match action {
         A::Do(id) => return do_row(id, model, engine).into_iter().collect(),
-        A::Open(side, source) => {
-            opening::open(model, side, source, engine);
-        }
+        A::Open(side, source) => _ = opening::open(model, side, source, engine),
         A::OpenDataset(source) => {
             let options = Read::of(model).options_of_new_dataset();
             datasets::look_at_dataset(model, source, None, options, engine);

@@ -16,9 +16,7 @@ use std::time::{Duration, Instant};
 
 pub fn change_panes(model: &mut Model, change: Change) {
     match change {
-        Change::Split(id, direction) => {
-            model.document.panes.split(id, direction);
-        }
+        Change::Split(id, direction) => _ = model.document.panes.split(id, direction),
         Change::Close(id) => model.document.panes.close(id),
         Change::LayOut(id, preset) => {
             model.document.panes.set_focus(id);

@@ -155,9 +155,7 @@ fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
                     ui.toggle_value(shown, row.name).on_hover_text(tip);
                 });
             }
-            None => {
-                label_ui(ui, row.name, NAME_WIDTH);
-            }
+            None => _ = label_ui(ui, row.name, NAME_WIDTH),
         }
         count_ui(ui, RichText::new(grouped(row.samples)).monospace());
         if let Some(candidates) = row.candidates {

@@ -339,9 +339,7 @@ fn expected_ui(output: &CanvasOutput, points: &[egui::Pos2]) {
                     painter.line_segment([*one - diagonal, *one + diagonal], stroke);
                 }
             }
-            _ => {
-                painter.line(points.to_vec(), stroke);
-            }
+            _ => _ = painter.line(points.to_vec(), stroke),
         }
     }
 }
