@@ -27,7 +27,7 @@ use crate::inspect::place::kept_of;
 use crate::inspect::report::BurstPage;
 use crate::inspect::result::DecoyStudy;
 use crate::monitor::Monitor;
-use crate::requests::{BurstSource, OpenBurst, write_page};
+use crate::requests::{BurstSource, JobError, OpenBurst, write_page};
 use crate::teach::{Lesson, Workspace, sheet};
 use image::RgbaImage;
 use std::fmt::Display;
@@ -184,7 +184,10 @@ pub(super) fn write(
 ) -> Result<(), String> {
     let rules = may_replace(&path, model);
     let prepared = match lesson {
-        Some(lesson) if purpose == Purpose::Export(ExportKind::Sheet) => Ok(whole_work(sheet(lesson))),
+        Some(lesson) if purpose == Purpose::Export(ExportKind::Sheet) => {
+            let text = sheet(lesson);
+            Ok(work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes()))))
+        }
         _ => prepare(purpose, model, widgets),
     };
     let work = rules.check(&path).map_err(|e| e.to_string()).and(prepared)?;
@@ -243,10 +246,6 @@ fn work<E: Display>(write: impl FnOnce(&Path) -> Result<(), E> + Send + 'static)
     Box::new(move |path| write(path).map_err(|error| error.to_string()))
 }
 
-fn whole_work(text: String) -> Work {
-    work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())))
-}
-
 fn settings_work(toml: String) -> Work {
     let text = written_by() + &toml;
     work(move |path| export::write_text(path, OutputKind::Settings, text))
@@ -282,19 +281,16 @@ fn report_work(model: Read<'_>) -> Result<Work, String> {
     let places = pinned.chain(model.place_to_pin().filter(|_| is_probed)).map(|place| (place.name, place.at));
     let places: Vec<(String, [f32; 2])> = places.collect();
     let calibration = model.calibration_of(side).clone();
-    Ok(Box::new(move |path| {
+    Ok(work(move |path| -> Result<(), JobError> {
         let monitor = Monitor::default();
         let cache = match traced {
             Some(traced) => traced.cache,
-            None => Arc::new(source.trail(&monitor).map_err(|error| error.to_string())?),
+            None => Arc::new(source.trail(&monitor)?),
         };
         let OpenBurst { burst, source, .. } = &source.burst;
-        let written = source.info(&calibration, &monitor).and_then(|info| {
-            let info = Info { name: burst.name.clone(), ..info };
-            let page = BurstPage::of((&cache, burst, info), &places, &DecoyStudy::default(), &monitor)?;
-            write_page(path, &page, &monitor)
-        });
-        written.map_err(|error| error.to_string())
+        let info = Info { name: burst.name.clone(), ..source.info(&calibration, &monitor)? };
+        let page = BurstPage::of((&cache, burst, info), &places, &DecoyStudy::default(), &monitor)?;
+        Ok(write_page(path, &page, &monitor)?)
     }))
 }
 

@@ -59,7 +59,11 @@ impl Along<'_> {
             let sigma_d = self.inputs.sigma_d(octave, level, slope, &offsets[own]) * factor;
             Ok(FrameResponse { frame: frames_used.start + t, pos_frame, covers, value, sigma_d })
         };
-        times.kept.iter().zip(times.from_middle()).enumerate().map(response).collect()
+        let answers: Result<Vec<_>, _> = times.kept.iter().zip(times.from_middle()).enumerate().map(response).collect();
+        let mut answers = answers?;
+        // Of a copy whose frames are in another order, its own times count.
+        answers.sort_by_key(|answer| answer.frame);
+        Ok(answers)
     }
 
     pub(super) fn evenness(&self, feature: &Feature, monitor: &Monitor) -> Result<Evenness, Cancelled> {
