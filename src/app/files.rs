@@ -29,7 +29,6 @@ use crate::inspect::result::DecoyStudy;
 use crate::monitor::Monitor;
 use crate::requests::{BurstSource, JobError, OpenBurst, write_page};
 use crate::teach::{Lesson, Workspace, sheet};
-use image::RgbaImage;
 use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -259,15 +258,15 @@ fn case_work(model: Read<'_>) -> Result<Work, String> {
     let note = answer.map_or_else(String::new, |answer| answer.probe.summary.clone());
     let search = model.asked();
     let session = Session::of(model).map(|session| session.for_case().to_toml());
-    Ok(Box::new(move |path| {
+    Ok(work(move |path| -> Result<(), JobError> {
         if path.extension().is_none_or(|ending| ending != CASE_EXTENSION) {
-            return Err(format!("{}: a case is opened by its ending; name the file .{CASE_EXTENSION}", path.display()));
+            let problem =
+                format!("{}: a case is opened by its ending; name the file .{CASE_EXTENSION}", path.display());
+            return Err(JobError::Failed(problem));
         }
-        let (case, burst) =
-            Case::of(&open.burst, &search, (place, None), &note, &Monitor::default()).map_err(|e| e.to_string())?;
-        let truth = open.truth(&Monitor::default()).map_err(|e| e.to_string())?;
-        let enclosed = Enclosed { session, truth };
-        write_case(path, (&case, &burst), &enclosed, &Monitor::default()).map_err(|e| e.to_string())
+        let (case, burst) = Case::of(&open.burst, &search, (place, None), &note, &Monitor::default())?;
+        let enclosed = Enclosed { session, truth: open.truth(&Monitor::default())? };
+        Ok(write_case(path, (&case, &burst), &enclosed, &Monitor::default())?)
     }))
 }
 
@@ -344,18 +343,17 @@ fn picture_work(model: Read<'_>, kind: ExportKind) -> Result<Work, String> {
         (model.display_of(model.document.focus()), model.features_of_motion(model.document.focus()).to_vec());
     Ok(match kind {
         ExportKind::Tiff => work(move |path| export::write_tiff(path, &picture.plane)),
-        _ => work(move |path| export::write_png(path, picture_of(&picture.rgba(&display, &features)))),
+        _ => work(move |path| {
+            let rgba = picture.rgba(&display, &features);
+            let (width, height) = (rgba.width() as usize, rgba.height() as usize);
+            export::write_png(path, export::Bitmap::rgba(width, height, rgba.as_raw()))
+        }),
     })
 }
 
 fn values_work(figure: impl Into<export::Figure>) -> Work {
     let figure = figure.into();
     work(move |path| figure.write(path))
-}
-
-fn picture_of(rgba: &RgbaImage) -> export::Bitmap<'_> {
-    let (width, height) = rgba.dimensions();
-    export::Bitmap::rgba(width as usize, height as usize, rgba.as_raw())
 }
 
 #[cfg(test)]

@@ -59,16 +59,15 @@ impl Along<'_> {
             let sigma_d = self.inputs.sigma_d(octave, level, slope, &offsets[own]) * factor;
             Ok(FrameResponse { frame: frames_used.start + t, pos_frame, covers, value, sigma_d })
         };
-        let answers: Result<Vec<_>, _> = times.kept.iter().zip(times.from_middle()).enumerate().map(response).collect();
-        let mut answers = answers?;
-        // Of a copy whose frames are in another order, its own times count.
-        answers.sort_by_key(|answer| answer.frame);
-        Ok(answers)
+        let all = times.kept.iter().zip(times.from_middle()).enumerate().map(response);
+        let mut all = all.collect::<Result<Vec<_>, Cancelled>>()?;
+        // A copy of the burst may have its frames in another order.
+        all.sort_by_key(|one| one.frame);
+        Ok(all)
     }
 
     pub(super) fn evenness(&self, feature: &Feature, monitor: &Monitor) -> Result<Evenness, Cancelled> {
-        let (scale, place) = (feature.scale(), [feature.u, feature.v]);
-        Ok(evenness_of(&self.each_frame(scale, place, feature.slope, monitor)?))
+        Ok(evenness_of(&self.each_frame(feature.scale(), [feature.u, feature.v], feature.slope, monitor)?))
     }
 }
 
@@ -134,18 +133,16 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     let is_seen = of_all > 2.0 * (2.0 / n).sqrt() * noise && of_all > 0.0;
     let coherence = is_seen.then(|| (of_mean / of_all).clamp(0.0, 1.0) as f32);
     let free = n - 1.0;
-    let unevenness = match () {
-        () if free < 1.0 => 0.0,
-        () if noise <= 0.0 => {
-            // Without noise only rounding remains: differences of a thousandth do not count.
-            let spread = ((square - mean * mean).max(0.0)).sqrt();
-            if spread > 1e-3 * mean.abs() { f64::from(UNEVEN) * (spread / (0.3 * mean.abs().max(1e-30))) } else { 0.0 }
-        }
-        () => {
-            // Standardised: the number of frames then does not change the limit.
-            let chi2: f64 = answers.iter().map(|a| ((value(a) - mean) / f64::from(a.1).max(1e-30)).powi(2)).sum();
-            (chi2 - free) / (2.0 * free).sqrt()
-        }
+    let unevenness = if free < 1.0 {
+        0.0
+    } else if noise <= 0.0 {
+        // Without noise only rounding remains: differences of a thousandth do not count.
+        let spread = ((square - mean * mean).max(0.0)).sqrt();
+        if spread > 1e-3 * mean.abs() { f64::from(UNEVEN) * (spread / (0.3 * mean.abs().max(1e-30))) } else { 0.0 }
+    } else {
+        // Standardised: the number of frames then does not change the limit.
+        let chi2: f64 = answers.iter().map(|a| ((value(a) - mean) / f64::from(a.1).max(1e-30)).powi(2)).sum();
+        (chi2 - free) / (2.0 * free).sqrt()
     };
     let uneven = unevenness > f64::from(UNEVEN);
     // The frames that respond lie next to each other and are not all.

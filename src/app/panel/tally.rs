@@ -90,7 +90,8 @@ fn decoys_ui(ui: &mut Ui, model: Read<'_>, ask: &str, told: Option<(String, Opti
         ui.add(Label::new(with_whole_numbers(&text)).wrap()).on_hover_text(format!("{DECOYS_HELP}.{tip}"));
         return;
     }
-    let Some(found) = &model.results.slots.a.found else { return };
+    // Known decoys wait for the verdicts on the features that they are compared with.
+    let Some(found) = model.found_of(Side::A).filter(|_| model.decoys().is_none()) else { return };
     let asked = &model.results.explained.asked_decoys;
     if asked.is_pending() {
         let progress = asked.running().map_or_else(|| "waiting".to_owned(), |running| progress_text(&running));
@@ -149,17 +150,15 @@ fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {
 /// The bar's length grows with the logarithm of the count. With `shown` the name is a switch.
 fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
     ui.horizontal(|ui| {
-        match shown {
-            Some(shown) => {
-                let size = vec2(NAME_WIDTH, ui.spacing().interact_size.y);
-                ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                    ui.set_min_width(NAME_WIDTH);
-                    let tip =
-                        "Show the candidates that fail this test first in the picture, coloured by how far they fail";
-                    ui.toggle_value(shown, row.name).on_hover_text(tip);
-                });
-            }
-            None => _ = label_ui(ui, row.name, NAME_WIDTH),
+        if let Some(shown) = shown {
+            let size = vec2(NAME_WIDTH, ui.spacing().interact_size.y);
+            ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.set_min_width(NAME_WIDTH);
+                let tip = "Show the candidates that fail this test first in the picture, coloured by how far they fail";
+                ui.toggle_value(shown, row.name).on_hover_text(tip);
+            });
+        } else {
+            label_ui(ui, row.name, NAME_WIDTH);
         }
         count_ui(ui, RichText::new(grouped(row.samples)).monospace());
         if let Some(candidates) = row.candidates {
