@@ -84,8 +84,7 @@ impl Request for LossesRequest {
         let losses = Losses::new(self.pair(), work.monitor)?;
         let counts = losses.counts(work.monitor)?;
         let lost = (0..self.request.a.features.len()).map(|index| losses.lost(index)).collect();
-        let nearest = losses.nearest();
-        Ok(FoundLosses { request: self, lost, counts, nearest })
+        Ok(FoundLosses { nearest: losses.nearest(), request: self, lost, counts })
     }
 }
 

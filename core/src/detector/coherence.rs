@@ -128,11 +128,10 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     let square = answers.iter().map(|a| value(a).powi(2)).sum::<f64>() / n;
     let noise = answers.iter().map(|a| f64::from(a.1).powi(2)).sum::<f64>() / n;
     // Noise adds σ²/n to the squared mean and σ² to the mean square.
-    let (of_mean, of_all) = (mean * mean - noise / n, square - noise);
+    let (of_mean, of_all, free) = (mean * mean - noise / n, square - noise, n - 1.0);
     // The mean square is known to about √(2/n) of the noise's; below twice that there is too little to compare.
     let is_seen = of_all > 2.0 * (2.0 / n).sqrt() * noise && of_all > 0.0;
     let coherence = is_seen.then(|| (of_mean / of_all).clamp(0.0, 1.0) as f32);
-    let free = n - 1.0;
     let unevenness = if free < 1.0 {
         0.0
     } else if noise <= 0.0 {

@@ -158,7 +158,7 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
             ("Discard…", "Delete the saved session; the files that it names stay", RecoveryChoice::Discard),
         ] {
             let button = ui.add_enabled(!offer.is_restoring, Button::new(words)).on_hover_text(tip);
-            choice = button.clicked().then_some(chosen).or(choice.take());
+            choice = button.clicked().then_some(chosen).or(choice);
         }
     });
     if !offer.is_asking {

@@ -228,7 +228,7 @@ impl Trail {
     }
 
     /// Searches the same frames in another order: the frame at place i among the kept ones gets the time of the frame
-    /// at place `order[i]`, for questions about that copy. Noise model, gates, slopes and field stay; all features are kept.
+    /// at place `order[i]`, for questions about that copy. Noise model, gates, slopes and field stay; none is cut.
     ///
     /// # Panics
     /// If `order` is no permutation of the places of the frames that took part.

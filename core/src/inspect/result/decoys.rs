@@ -130,7 +130,7 @@ pub struct FalseRate {
     pub error: Option<f64>,
 }
 
-/// Rates of a search, and the features of the copies with the verdict on each among the frames and features of its copy.
+/// Rates of a search, and the features of its copies, each with the verdict on it among those of its copy.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decoys {
     /// The rates.
@@ -161,9 +161,8 @@ fn is_still(feature: &Feature, spread_frames: f32) -> bool {
     feature.slope.magnitude() * spread_frames < feature.sigma
 }
 
-/// Searches copies of the burst of `trail` for the features of its detection; `judges` asks for the verdicts that
-/// [`Decoys::among`] needs. All features count, beyond the maximum number too, which would cut those of burst and
-/// copies alike.
+/// Searches copies of the burst of `trail` for its features; `judges` asks for the verdicts that [`Decoys::among`]
+/// needs. All features count, beyond the maximum number too, which would cut those of burst and copies alike.
 ///
 /// # Errors
 /// A number of copies that is out of range or that so few frames do not have, and cancellation.
@@ -236,7 +235,7 @@ impl DecoyReport {
         }
     }
 
-    /// Number of the features found here that the copies let expect by chance, a clause; where they tell none, the reason.
+    /// Number of features found here that the copies let expect by chance, a clause; where they tell none, the reason.
     pub fn expected_words(&self) -> String {
         let (all, mean) = (&self.rates[0], self.rates[0].mean_in_copies());
         match self.doubt() {

@@ -141,7 +141,7 @@ pub fn found_words(finding: &SlopeFinding) -> Option<String> {
 }
 
 /// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the
-/// slopes fit the burst, with the change that mends it, and which were found. The tab has the judgement while it is open.
+/// slopes fit the burst, with the change that mends it, and which were found. The open tab has the judgement itself.
 pub fn verdict_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let advice = model.found_of(Side::A).filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
     let is_in_tab = model.shows_bottom() && model.document.bottom_tab == BottomTab::Slopes;
