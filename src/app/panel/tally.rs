@@ -104,7 +104,7 @@ fn decoys_ui(ui: &mut Ui, model: Read<'_>, ask: &str, told: Option<(String, Opti
     }
     let copies = DecoyStudy::default().copies;
     let secs = (copies as f32 * found.search_secs).ceil();
-    let tip = format!("{DECOYS_HELP}.\n\nIt takes {copies} searches, about {secs:.0} s, in the background");
+    let tip = format!("{DECOYS_HELP}.\n\nIt takes {copies} searches and verdicts, over {secs:.0} s, in the background");
     let is_current = model.stale().is_none() && model.takes_advice(Side::A);
     let button = ui.add_enabled(is_current, Button::new(ask)).on_hover_text(tip);
     if button.on_disabled_hover_text("The parameters changed: press Detect first").clicked() {
