@@ -6,8 +6,8 @@ use crate::app::canvas::RectTransform;
 use crate::plane::Plane;
 use crate::plane::display::{ColourMap, Display};
 use std::collections::{BTreeMap, HashMap};
-use std::num::NonZeroU64;
 use std::sync::{Arc, Mutex};
+use wgpu::util::{DeviceExt as _, TextureDataOrder};
 
 /// Memory of the pictures on the card, bytes; beyond it those unused for longest are removed.
 const BUDGET_BYTES: u64 = 512 << 20;
@@ -34,7 +34,6 @@ struct Pane {
 /// State that the paint callbacks share. Lives in egui's callback resources.
 pub struct PictureRenderer {
     pipeline: wgpu::RenderPipeline,
-    layout: wgpu::BindGroupLayout,
     lut: wgpu::TextureView,
     limits: DeviceLimits,
     budget_bytes: u64,
@@ -57,11 +56,9 @@ impl PictureRenderer {
         limits: DeviceLimits,
         failures: Failures,
     ) -> Self {
-        let layout = bind_group_layout(device);
         Self {
-            pipeline: pipeline(device, &layout, target),
+            pipeline: pipeline(device, target),
             lut: lut_texture(device, queue),
-            layout,
             limits,
             budget_bytes: BUDGET_BYTES,
             target_is_srgb: target.is_srgb(),
@@ -111,12 +108,12 @@ impl PictureRenderer {
                 usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
                 mapped_at_creation: false,
             });
-            let bind_group = bind_group(device, &self.layout, &buffer, view, &self.lut);
+            let bind_group = bind_group(device, &self.pipeline, &buffer, view, &self.lut);
             Pane { buffer, bind_group, picture: id, last_used_frame: 0 }
         });
         // A bind group names its texture: another picture in the pane needs another group.
         if pane.picture != id {
-            pane.bind_group = bind_group(device, &self.layout, &pane.buffer, view, &self.lut);
+            pane.bind_group = bind_group(device, &self.pipeline, &pane.buffer, view, &self.lut);
             pane.picture = id;
         }
         pane.last_used_frame = self.frame;
@@ -204,47 +201,16 @@ pub(super) fn lut_row(map: ColourMap) -> u32 {
     ColourMap::ALL.iter().position(|&m| m == map).unwrap_or(0) as u32
 }
 
-pub(super) fn bind_group_layout(device: &wgpu::Device) -> wgpu::BindGroupLayout {
-    let texture = |binding, view_dimension| wgpu::BindGroupLayoutEntry {
-        binding,
-        visibility: wgpu::ShaderStages::FRAGMENT,
-        ty: wgpu::BindingType::Texture {
-            sample_type: wgpu::TextureSampleType::Float { filterable: false },
-            view_dimension,
-            multisampled: false,
-        },
-        count: None,
-    };
-    device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
-        label: Some("burstscope picture"),
-        entries: &[
-            wgpu::BindGroupLayoutEntry {
-                binding: 0,
-                visibility: wgpu::ShaderStages::FRAGMENT,
-                ty: wgpu::BindingType::Buffer {
-                    ty: wgpu::BufferBindingType::Uniform,
-                    has_dynamic_offset: false,
-                    // wgpu checks the shader's structure against this size when the pipeline is made.
-                    min_binding_size: NonZeroU64::new(size_of::<Uniforms>() as u64),
-                },
-                count: None,
-            },
-            texture(1, wgpu::TextureViewDimension::D2Array),
-            texture(2, wgpu::TextureViewDimension::D2),
-        ],
-    })
-}
-
 pub(super) fn bind_group(
     device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
+    pipeline: &wgpu::RenderPipeline,
     uniforms: &wgpu::Buffer,
     picture: &wgpu::TextureView,
     lut: &wgpu::TextureView,
 ) -> wgpu::BindGroup {
     device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: Some("burstscope pane"),
-        layout,
+        layout: &pipeline.get_bind_group_layout(0),
         entries: &[
             wgpu::BindGroupEntry { binding: 0, resource: uniforms.as_entire_binding() },
             wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::TextureView(picture) },
@@ -253,20 +219,12 @@ pub(super) fn bind_group(
     })
 }
 
-pub(super) fn pipeline(
-    device: &wgpu::Device,
-    layout: &wgpu::BindGroupLayout,
-    target: wgpu::TextureFormat,
-) -> wgpu::RenderPipeline {
+pub(super) fn pipeline(device: &wgpu::Device, target: wgpu::TextureFormat) -> wgpu::RenderPipeline {
     let module = device.create_shader_module(wgpu::include_wgsl!("picture.wgsl"));
-    let pipeline_layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
-        label: Some("burstscope picture"),
-        bind_group_layouts: &[Some(layout)],
-        immediate_size: 0,
-    });
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some("burstscope picture"),
-        layout: Some(&pipeline_layout),
+        // That of the shader's bindings.
+        layout: None,
         vertex: wgpu::VertexState {
             module: &module,
             entry_point: Some("vs_main"),
@@ -297,24 +255,18 @@ pub(super) fn lut_texture(device: &wgpu::Device, queue: &wgpu::Queue) -> wgpu::T
     for [r, g, b] in ColourMap::ALL.into_iter().flat_map(ColourMap::lut) {
         bytes.extend_from_slice(&[r, g, b, 255]);
     }
-    let size = wgpu::Extent3d { width: 256, height: ColourMap::ALL.len() as u32, depth_or_array_layers: 1 };
-    let texture = device.create_texture(&wgpu::TextureDescriptor {
+    let described = wgpu::TextureDescriptor {
         label: Some("burstscope colour maps"),
-        size,
+        size: wgpu::Extent3d { width: 256, height: ColourMap::ALL.len() as u32, depth_or_array_layers: 1 },
         mip_level_count: 1,
         sample_count: 1,
         dimension: wgpu::TextureDimension::D2,
         // Not sRGB, which would convert the values of the maps as they are read.
         format: wgpu::TextureFormat::Rgba8Unorm,
-        usage: wgpu::TextureUsages::TEXTURE_BINDING | wgpu::TextureUsages::COPY_DST,
+        usage: wgpu::TextureUsages::TEXTURE_BINDING,
         view_formats: &[],
-    });
-    queue.write_texture(
-        texture.as_image_copy(),
-        &bytes,
-        wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(256 * 4), rows_per_image: None },
-        size,
-    );
+    };
+    let texture = device.create_texture_with_data(queue, &described, TextureDataOrder::LayerMajor, &bytes);
     texture.create_view(&wgpu::TextureViewDescriptor::default())
 }
 
