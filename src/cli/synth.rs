@@ -110,9 +110,9 @@ pub struct SynthArgs {
 #[derive(Debug, Subcommand)]
 pub enum SynthKind {
     /// Discs on an even background, each with its own slope.
-    Chart(ChartArgs),
+    Chart(BurstArgs<ChartParams>),
     /// Textured layers at several depths, each with its own slope.
-    Scene(SceneArgs),
+    Scene(BurstArgs<SceneParams>),
     /// Noisy copies of real frames, as our camera would have taken them in the dark.
     Noisy(NoisyArgs),
     /// Bursts along a camera's way past textured planes, with its poses.
@@ -120,26 +120,14 @@ pub enum SynthKind {
 }
 
 const OUT_HELP: &str = "Folder to make, for frame_000.png … or view_00_00.png … (16 bit) and truth.json; an earlier synthetic burst in it is replaced";
-/// Discs on an even background, each with its own slope.
+/// A burst of one kind, with the parameters of that kind.
 #[derive(Debug, Clone, Args)]
 #[command(allow_negative_numbers = true)]
-pub struct ChartArgs {
+pub struct BurstArgs<P: Args> {
     #[arg(long, short, value_name = "DIR", help = OUT_HELP)]
     pub out: PathBuf,
     #[command(flatten)]
-    pub params: ChartParams,
-    #[command(flatten)]
-    pub output: OutputArgs,
-}
-
-/// Textured layers at several depths, each with its own slope.
-#[derive(Debug, Clone, Args)]
-#[command(allow_negative_numbers = true)]
-pub struct SceneArgs {
-    #[arg(long, short, value_name = "DIR", help = OUT_HELP)]
-    pub out: PathBuf,
-    #[command(flatten)]
-    pub params: SceneParams,
+    pub params: P,
     #[command(flatten)]
     pub output: OutputArgs,
 }
