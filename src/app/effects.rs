@@ -179,7 +179,7 @@ impl BurstscopeApp {
                 self.overlays.cut = Some(CutDialog::new(paths, frames, self.settings.burst_length));
             }
             Effect::ReplaceFeatures => self.overlays.replace_features = true,
-            Effect::ForgetThumbnails => self.thumbnails.clear(),
+            Effect::ForgetThumbnails => self.thumbnails = Default::default(),
             Effect::Ask(purpose) => {
                 if let Err(Question { purpose, suggested_name, .. }) =
                     self.chooser.ask(files::question(purpose, Read::of(model)))

@@ -48,7 +48,7 @@ pub struct BurstscopeApp {
     pub(super) lost_device: Option<String>,
     pub(super) end: EndRequest,
     pub(super) is_ending: bool,
-    pub(super) settings: Settings,
+    pub settings: Settings,
     title: String,
 }
 
@@ -390,14 +390,6 @@ impl BurstscopeApp {
         let readouts =
             self.model.document.panes.shown().into_iter().filter_map(|id| self.widgets.get(id)?.picture.readout);
         readouts.into_iter().next().map(|readout: Readout| readout.to_string())
-    }
-
-    pub fn remembered(&self) -> &Settings {
-        &self.settings
-    }
-
-    pub fn recent(&self) -> &[BurstSource] {
-        &self.settings.recent
     }
 
     pub fn asks_for_shape(&self) -> bool {

@@ -73,11 +73,6 @@ impl<'a, T> Work<'a, T> {
     pub fn alone(monitor: &'a Monitor) -> Self {
         Self { caches: Caches { trails: &NothingKept, pictures: &NothingKept }, monitor, tell: &|_| {} }
     }
-
-    #[must_use]
-    pub fn telling(self, tell: &'a (dyn Fn(T) + Sync)) -> Self {
-        Self { tell, ..self }
-    }
 }
 
 /// Identifies one request; later requests have larger ids.

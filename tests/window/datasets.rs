@@ -88,8 +88,8 @@ fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector(
     window.ctrl(Key::ArrowLeft);
     window.settle();
     assert_eq!(window.app().read().frame_count(), 3);
-    assert_eq!(window.app().remembered().datasets, [DatasetSource::of_bursts(vec![nights])]);
-    assert!(window.app().recent().is_empty(), "bursts of a dataset are not remembered one by one");
+    assert_eq!(window.app().settings.datasets, [DatasetSource::of_bursts(vec![nights])]);
+    assert!(window.app().settings.recent.is_empty(), "bursts of a dataset are not remembered one by one");
     window.click("Close dataset");
     assert!(window.app().model.results.datasets.open.is_none() && !window.shows("Burst second"));
     // Of a folder of bursts one is chosen as B.

@@ -20,8 +20,8 @@ fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
     burstscope::synth::write_burst(&path, &burst, &truth, &burstscope::Monitor::default()).unwrap();
     let mut window = Start::of(&path).open();
     assert!(window.shows("36 frames are long for one burst"));
-    let length = 36 / window.app().remembered().burst_length;
-    let label = format!("Cut into bursts of {}", window.app().remembered().burst_length);
+    let length = 36 / window.app().settings.burst_length;
+    let label = format!("Cut into bursts of {}", window.app().settings.burst_length);
     window.click(&label);
     window.settle();
     assert_eq!(dataset(&window).bursts.len(), length);

@@ -41,7 +41,7 @@ fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
     window.click("Open…");
     window.settle();
     assert_eq!((window.app().read().frame_count(), window.app().read().size()), (4, (64, 48)));
-    assert_eq!(window.app().recent(), [BurstSource::Paths(vec![path])]);
+    assert_eq!(window.app().settings.recent, [BurstSource::Paths(vec![path])]);
 }
 
 #[test]
@@ -271,7 +271,7 @@ fn tab_completes_a_path_and_arrows_choose_among_names_and_paths_of_before() {
     window.key(egui::Key::Tab);
     window.key(egui::Key::Enter);
     window.settle();
-    assert_eq!(window.app().recent(), [BurstSource::Paths(vec![path.clone()])]);
+    assert_eq!(window.app().settings.recent, [BurstSource::Paths(vec![path.clone()])]);
     // Built-in bursts are completed as files are.
     begin(&mut window);
     write(&mut window, "demo-al");

@@ -305,7 +305,7 @@ actions! {
     Detect, Detect 0, "Detect", [NONE D], "Find features with these parameters" => Run(change::detect), when when::can_detect;
     Cancel, Detect 0, "Cancel", [NONE Escape], "Stop the detection or the opening" => Run(|model, _| Read::of(model).cancel_searches()), when |model| model.is_searching();
     AutoDetect, Detect 0, "Detect after each change", [NONE A], "Detect by itself whenever a parameter or the burst changes" => Switch(auto_detect);
-    Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame" => Set(change::search_line), on when::searches_line;
+    Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame" => Set(|document| (document.params.method, document.params.slopes) = (Method::Buff, SlopeGrid::default().into())), on when::searches_line;
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: the present ones, and some to both sides of them" => Run(change::search_plane), on when::searches_plane;
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline" => Set(|document| document.params.method = Method::Sift), on |model| model.document.params.method == Method::Sift;
     CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.failed.clear()), when |model| model.document.compares_methods();

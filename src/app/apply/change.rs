@@ -8,7 +8,7 @@ use crate::app::document::method::plane_of;
 use crate::app::document::{Document, Reference, Side, Visibility};
 use crate::app::pane::Pane;
 use crate::app::results::{Model, Read};
-use crate::detector::{Method, SlopeGrid};
+use crate::detector::Method;
 use crate::engine::Engine;
 use crate::requests::BurstSource;
 use crate::teach::{BottomTab, Workspace};
@@ -100,10 +100,6 @@ pub fn go_to_busiest_slope(model: &mut Model, _: &Engine) {
 pub fn colour_next(document: &mut Document) {
     let mut later = ColourBy::choices(document.set_up.reads_depths).skip_while(|by| *by != document.colour_by);
     document.colour_by = later.nth(1).unwrap_or_default();
-}
-
-pub fn search_line(document: &mut Document) {
-    (document.params.method, document.params.slopes) = (Method::Buff, SlopeGrid::default().into());
 }
 
 pub fn search_plane(model: &mut Model, _: &Engine) {

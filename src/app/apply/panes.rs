@@ -4,7 +4,7 @@ use crate::app::apply::{methods, params};
 use crate::app::document::cursor::back_and_forth;
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Cursor, Destination, Document, PlayOver, RangeClass, Side, Visibility};
-use crate::app::pane::{PaneId, Preset};
+use crate::app::pane::{Content, PaneId, Preset};
 use crate::app::results::panes::Play;
 use crate::app::results::pictures::PatchResults;
 use crate::app::results::{Model, Read};
@@ -74,7 +74,8 @@ pub fn open_left(model: &mut Model) {
 pub fn open_probe(model: &mut Model) {
     (model.document.probe.is_open, model.results.probed.problem) = (true, None);
     // Slices show the place themselves, and need the space.
-    if model.document.panels.right == Visibility::Closed && !Read::of(model).shows_slice() {
+    let has_slice = model.document.panes.each_shown().any(|pane| matches!(pane.content, Content::Slice(_)));
+    if model.document.panels.right == Visibility::Closed && !has_slice {
         model.document.panels.right = Visibility::Auto;
     }
 }

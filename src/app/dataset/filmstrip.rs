@@ -286,10 +286,6 @@ pub struct Thumbnails {
 }
 
 impl Thumbnails {
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
-
     /// State of the thumbnail of `burst`; an unknown one is requested next.
     pub fn get(&mut self, burst: &BurstFiles) -> Option<&ThumbnailState> {
         if !self.shown.contains_key(&burst.name) {

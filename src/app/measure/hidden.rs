@@ -1,6 +1,6 @@
 //! Outlines of the hidden parts of frames, drawn with the pointer over a picture, which become a mask's file.
 
-use super::{Hidden, MaskShape, Measure, Tool, strokes};
+use super::{Hidden, MaskShape, Measure, STROKES, Tool};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::document::{Action, Side};
@@ -143,9 +143,7 @@ pub(super) fn outlines_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput) {
     for hidden in &model.document.measure.hidden {
         match hidden {
             Hidden::Outline(outline) => {
-                strokes()
-                    .into_iter()
-                    .for_each(|stroke| _ = output.painter.add(Shape::closed_line(ui(outline), stroke)));
+                STROKES.into_iter().for_each(|stroke| _ = output.painter.add(Shape::closed_line(ui(outline), stroke)));
             }
             Hidden::Stroke { path, radius_px } => {
                 let colour = super::COLOUR.gamma_multiply(0.45);
@@ -190,12 +188,8 @@ pub fn hidden_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
                 }
                 measure.is_open &= measure.shape == MaskShape::Polygon;
                 button_ui(ui, model, queue, ActionId::UseMask, Some("Use as mask…"));
-                let back = egui::Button::new("Take back");
-                if ui
-                    .add_enabled(!measure.hidden.is_empty(), back)
-                    .on_hover_text("Remove what was drawn last")
-                    .clicked()
-                {
+                let back = ui.add_enabled(!measure.hidden.is_empty(), egui::Button::new("Take back"));
+                if back.on_hover_text("Remove what was drawn last").clicked() {
                     measure.take_back();
                 }
                 queue.edit(model.document, Action::SetMeasure(measure));

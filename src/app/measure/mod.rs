@@ -70,20 +70,21 @@ pub fn profiles_of(model: Read<'_>, widgets: &PaneWidgets, line: &MeasuredLine) 
     measured_panes(model, line.pane).into_iter().filter_map(of).collect()
 }
 
+fn rect_in(model: Read<'_>, region: &MeasuredRegion, id: PaneId) -> Option<Rect> {
+    let corner = |pos| mapped(model, region.pane, id, pos);
+    Some(Rect::from_min_max(corner(region.rect_image.min)?, corner(region.rect_image.max)?))
+}
+
 pub fn region_in(model: Read<'_>, widgets: &PaneWidgets, region: &MeasuredRegion, id: PaneId) -> Option<PaneRegion> {
     let picture = widgets.get(id)?.picture.shown()?.clone();
-    let rect = region.rect_image;
-    let corners = [rect.min, rect.max].map(|pos| mapped(model, region.pane, id, pos));
-    let rect = Rect::from_min_max(corners[0]?, corners[1]?);
-    let region = picture.region(rect);
+    let region = picture.region(rect_in(model, region, id)?);
     let (number, label) = (model.document.panes.number(id)?, short_description(model, id, false));
     Some(PaneRegion { id, number, label, picture, region })
 }
 
 const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);
-fn strokes() -> [Stroke; 2] {
-    [Stroke::new(3.0, Color32::from_black_alpha(150)), Stroke::new(1.2, COLOUR)]
-}
+const STROKES: [Stroke; 2] =
+    [Stroke { width: 3.0, color: Color32::from_black_alpha(150) }, Stroke { width: 1.2, color: COLOUR }];
 
 pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Queue) {
     let response = &output.response;
@@ -133,29 +134,21 @@ pub fn draw_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput, queue: &mut Q
 
 pub fn measure_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput) {
     let pos_ui = |pos: Pos2| output.ui_from_image.pos(pos);
-    let strokes = strokes();
     hidden::outlines_ui(model, id, output);
     if let Some(line) = model.document.measure.line
         && measured_panes(model, line.pane).contains(&id)
         && let [Some(from), Some(to)] = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos))
     {
-        for stroke in strokes {
-            output.painter.line_segment([pos_ui(from), pos_ui(to)], stroke);
-        }
+        STROKES.into_iter().for_each(|stroke| _ = output.painter.line_segment([pos_ui(from), pos_ui(to)], stroke));
         // A ring marks the start of the line.
-        output.painter.circle_stroke(pos_ui(from), 3.5, strokes[1]);
+        output.painter.circle_stroke(pos_ui(from), 3.5, STROKES[1]);
     }
     if let Some(region) = model.document.measure.region
         && measured_panes(model, region.pane).contains(&id)
+        && let Some(rect) = rect_in(model, &region, id)
     {
-        let rect = region.rect_image;
-        let corners = [rect.min, rect.max].map(|pos| mapped(model, region.pane, id, pos));
-        if let [Some(min), Some(max)] = corners {
-            let rect = Rect::from_min_max(pos_ui(min), pos_ui(max));
-            for stroke in strokes {
-                output.painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle);
-            }
-        }
+        let rect = Rect::from_min_max(pos_ui(rect.min), pos_ui(rect.max));
+        STROKES.into_iter().for_each(|stroke| _ = output.painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Middle));
     }
 }
 

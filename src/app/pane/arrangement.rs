@@ -225,14 +225,11 @@ mod tests {
     fn any_arrangement() -> impl Strategy<Value = Arrangement> {
         let leaf = (0u32..6).prop_map(pane);
         leaf.prop_recursive(12, 40, 4, |inner| {
-            let parts = prop::collection::vec((any::<f32>(), inner.clone()), 0..4);
+            let part = (any::<f32>(), inner.clone()).prop_map(|(share, inner)| Part { share, inner });
+            let parts = prop::collection::vec(part, 0..4);
             prop_oneof![
-                parts.clone().prop_map(|p| Arrangement::Row(
-                    p.into_iter().map(|(share, inner)| Part { share, inner }).collect()
-                )),
-                parts.prop_map(|p| Arrangement::Column(
-                    p.into_iter().map(|(share, inner)| Part { share, inner }).collect()
-                )),
+                parts.clone().prop_map(Arrangement::Row),
+                parts.prop_map(Arrangement::Column),
                 (prop::collection::vec(inner, 0..4), any::<usize>())
                     .prop_map(|(parts, active)| Arrangement::Tabs { parts, active }),
             ]

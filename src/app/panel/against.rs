@@ -21,10 +21,9 @@ pub fn colour(with: Reference, kind: Compared) -> Color32 {
         (_, Compared::Theirs) => Color32::from_rgb(0xff, 0x6b, 0xb5),
         (_, Compared::WrongMotion) => Color32::from_rgb(0x4d, 0xd0, 0xe1),
         (Reference::Truth, Compared::Ours) => Color32::from_rgb(0xff, 0x8a, 0x3d),
-        (_, Compared::Ours) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
+        (Reference::Truth, Compared::Same) | (_, Compared::Ours) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
         (_, Compared::Moved) => Color32::from_rgb(0xff, 0xd2, 0x4a),
         (_, Compared::Repeated) => Color32::from_rgb(0xc4, 0xa2, 0xff),
-        (Reference::Truth, Compared::Same) => Color32::from_rgb(0x5c, 0xe0, 0x7c),
         (_, Compared::Same) => Color32::from_rgb(0x86, 0xb7, 0xee),
     }
 }
@@ -81,9 +80,8 @@ pub fn against_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
             let mut on = model.document.comparisons[side].shows(kind);
             let text = format!("{} {}", shown.label(kind), shown.count(kind));
             key_ui(ui, shown, kind);
-            if ui.checkbox(&mut on, text).on_hover_text("Draw and list these").changed() {
-                queue.push(Action::ShowKind(side, kind, on));
-            }
+            let response = ui.checkbox(&mut on, text).on_hover_text("Draw and list these");
+            queue.push_if(response.changed(), Action::ShowKind(side, kind, on));
         }
     });
     if let Some(row) = table_ui(ui, model, side, shown, queue) {
@@ -122,9 +120,7 @@ fn table_ui(ui: &mut Ui, model: Read<'_>, side: Side, shown: &Shown, queue: &mut
     table
         .header(20.0, |mut header| {
             for heading in ["", "u", "v", "σ", "Slope", "Ours", ""] {
-                header.col(|ui| {
-                    ui.label(RichText::new(heading).small());
-                });
+                header.col(|ui| cell_ui(ui, RichText::new(heading).small(), true));
             }
         })
         .body(|body| {
@@ -152,9 +148,8 @@ fn table_ui(ui: &mut Ui, model: Read<'_>, side: Side, shown: &Shown, queue: &mut
                     clicked = Some(index);
                 }
                 response.context_menu(|ui| {
-                    if ui.button("Probe this place").on_hover_text(PROBE_HELP).clicked() {
-                        queue.push(Action::Probe(side, row.question()));
-                    }
+                    let response = ui.button("Probe this place").on_hover_text(PROBE_HELP);
+                    queue.push_if(response.clicked(), Action::Probe(side, row.question()));
                 });
                 if !row.note.is_empty() {
                     response.on_hover_text(&row.note);

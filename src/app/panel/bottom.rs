@@ -45,9 +45,8 @@ fn tabs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         if !has_content(tab, model) {
             continue;
         }
-        if ui.selectable_label(is_open && model.document.bottom_tab == tab, name).on_hover_text(help).clicked() {
-            queue.push(Action::ToggleTab(tab));
-        }
+        let response = ui.selectable_label(is_open && model.document.bottom_tab == tab, name).on_hover_text(help);
+        queue.push_if(response.clicked(), Action::ToggleTab(tab));
     }
 }
 

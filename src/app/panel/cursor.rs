@@ -1,7 +1,7 @@
 //! Cursor of the focused pane: its sliders and buttons. Slopes along an axis have a slider, and below it bars of features
 //! and evidence, with the ends of the searched range, which can be dragged; others have a pad.
 
-use super::slopes::chart::{bar_text, evidence_colour, feature_colour, on_line};
+use super::slopes::chart::{bar_text, feature_colour, on_line};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::cursor::{level_range, octave_range, slope_limit, stepped};
 use crate::app::document::{Action, PlayOver, Side};
@@ -286,7 +286,7 @@ fn bars_ui(ui: &Ui, model: Read<'_>, second: bool, rect: Rect, x_of: &dyn Fn(f32
         if bar.evidence > 0.0 {
             let thin = (0.4 * half).max(0.8);
             let evidence = Rect::from_min_max(pos2(x - thin, top(bar.evidence / part)), pos2(x + thin, rect.bottom()));
-            painter.rect_filled(evidence, 0.0, evidence_colour(ui));
+            painter.rect_filled(evidence, 0.0, crate::app::style::good(ui));
         }
     }
     let nearest = response.hover_pos().and_then(|pos| {

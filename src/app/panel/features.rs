@@ -143,9 +143,7 @@ pub fn features_ui(
 ) {
     (state.drawn_of, state.pointed) = (None, None);
     let is_probed = id == model.probed_pane_id();
-    if is_probed && !model.results.probed.as_dots.is_empty() {
-        queue.push(Pointed::Dots(Vec::new()));
-    }
+    queue.push_if(is_probed && !model.results.probed.as_dots.is_empty(), Pointed::Dots(Vec::new()));
     let Some(mut layer) = FeatureLayer::of(model, id) else { return };
     let Some(pane) = model.pane(id) else { return };
     let (side, is_of_burst) = (pane.side, model.document.workspace.probes() && pane.method.is_none());
@@ -169,9 +167,7 @@ pub fn features_ui(
     if is_probed && layer.method.is_none() {
         let here = model.results.probed.features_here();
         let dots: Vec<usize> = here.into_iter().filter(|feature| in_full.dots.contains(feature)).collect();
-        if !dots.is_empty() {
-            queue.push(Pointed::Dots(dots));
-        }
+        queue.push_if(!dots.is_empty(), Pointed::Dots(dots));
     }
     let pointed = pointer.and_then(|pos| layer.at(output, &in_full, pos));
     if pointer.is_some() {

@@ -106,9 +106,7 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             .column(Column::exact(116.0))
             .columns(Column::remainder().at_least(55.0), columns().count())
             .header(20.0, |mut header| {
-                header.col(|ui| {
-                    ui.label(RichText::new("Method").small());
-                });
+                header.col(|ui| cell_ui(ui, RichText::new("Method").small(), true));
                 for (name, help) in columns() {
                     let (_, cell) = header.col(|ui| cell_ui(ui, RichText::new(name).small(), false));
                     cell.on_hover_text(help);

@@ -61,9 +61,8 @@ fn show_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel, queue: &mut Queue) 
              of intensity, b the variance in the dark",
         );
         let tip = format!("{} (Shift+N)", ViewKind::Noise.about().help);
-        if ui.button("Show σ in the picture").on_hover_text(tip).clicked() {
-            queue.push(Action::Show(model.document.focus(), ViewKind::Noise));
-        }
+        let response = ui.button("Show σ in the picture").on_hover_text(tip);
+        queue.push_if(response.clicked(), Action::Show(model.document.focus(), ViewKind::Noise));
     });
 }
 

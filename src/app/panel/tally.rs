@@ -285,9 +285,8 @@ pub fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 let wanted = ProbeSubject::Candidate(mark.sample);
                 queue.push(Action::Probe(Side::A, ProbeQuestion::At { place: mark.pos_image, wanted }));
             }
-            if ui.button("Clear").on_hover_text("Clear the selection").clicked() {
-                queue.push(Action::SelectCandidate(None));
-            }
+            let response = ui.button("Clear").on_hover_text("Clear the selection");
+            queue.push_if(response.clicked(), Action::SelectCandidate(None));
         });
     });
 }

@@ -2,7 +2,6 @@
 
 use crate::app::document::Visibility;
 use crate::app::document::workspace::Right;
-use crate::app::pane::Content;
 use crate::app::results::Read;
 use std::time::Instant;
 
@@ -70,9 +69,5 @@ impl Read<'_> {
 
     pub fn shows_bottom(self) -> bool {
         self.document.panels.bottom.or(!self.document.workspace.probes() || self.document.compares_methods())
-    }
-
-    pub fn shows_slice(self) -> bool {
-        self.document.panes.each_shown().any(|pane| matches!(pane.content, Content::Slice(_)))
     }
 }

@@ -133,10 +133,6 @@ impl<'a> Read<'a> {
         of_match.or_else(|| Some((Side::A, self.asked_feature()?)))
     }
 
-    pub fn probe_is_here(self) -> bool {
-        self.document.probe.side == Side::A || self.document.workspace.shows_pair()
-    }
-
     pub fn probed_pane_id(self) -> PaneId {
         let side = self.document.probe.side;
         if self.document.focused().side == side { self.document.focus() } else { self.document.pane_for(side) }

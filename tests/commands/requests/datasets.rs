@@ -47,8 +47,8 @@ fn keeping(home: &Path, params: SearchParams) -> Keeping {
 fn detect(bursts: &Bursts, keeping: &Keeping, monitor: &Monitor) -> (Result<(), JobError>, Vec<DatasetEvent>) {
     let told = Mutex::new(Vec::new());
     let request = DatasetRequest::Detect { bursts: bursts.clone(), keeping: keeping.clone() };
-    let end =
-        request.compute(&Work::alone(monitor).telling(&|event| told.lock().expect("no panic").push(event))).map(drop);
+    let tell = |event| told.lock().expect("no panic").push(event);
+    let end = request.compute(&Work { tell: &tell, ..Work::alone(monitor) }).map(drop);
     (end, told.into_inner().expect("no panic"))
 }
 
@@ -92,7 +92,7 @@ fn each_burst_is_told_of_and_what_is_finished_stays_finished() {
                 matched.lock().expect("no panic").push((pair, counts.putative));
             }
         };
-        let answer = request.compute(&Work::alone(&Monitor::default()).telling(&tell));
+        let answer = request.compute(&Work { tell: &tell, ..Work::alone(&Monitor::default()) });
         assert!(matches!(answer, Ok(DatasetAnswer::Matched { left_out }) if left_out == without), "{answer:?}");
         let matched = matched.into_inner().expect("no panic");
         assert!(matched.len() == 1 && matched[0].0 == (0, 2) && matched[0].1 > 0, "{matched:?}");

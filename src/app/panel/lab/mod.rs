@@ -100,9 +100,8 @@ fn kept_ui(ui: &mut Ui, studies: &Studies, queue: &mut Queue) {
             shown.widget_info(|| egui::WidgetInfo::selected(Role::CheckBox, true, is_shown, format!("Show {name}")));
             let field = ui.add(TextEdit::singleline(&mut name).desired_width(120.0));
             name_field(&field, "Name of kept curves", &name);
-            if ui.small_button("Remove").on_hover_text("Remove these curves").clicked() {
-                queue.push(Action::ForgetKept(index));
-            }
+            let response = ui.small_button("Remove").on_hover_text("Remove these curves");
+            queue.push_if(response.clicked(), Action::ForgetKept(index));
         });
         queue.set(&kept.is_shown, is_shown, |shown| Action::ShowKept(index, shown));
         queue.set(&kept.name, name, |name| Action::NameKept(index, name));

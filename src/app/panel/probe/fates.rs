@@ -84,14 +84,17 @@ fn list_ui(ui: &mut Ui, answer: &Probed, listed: Range<usize>, queue: &mut Queue
 
 /// Positions of the list's columns, as fractions of its width: distance, σ, slope and strength end there, the test
 /// begins there.
-const COLUMNS: [f32; 5] = [0.10, 0.19, 0.515, 0.635, 0.655];
+const COLUMNS: [(f32, Align2); 5] = {
+    let right = Align2::RIGHT_CENTER;
+    [(0.10, right), (0.19, right), (0.515, right), (0.635, right), (0.655, Align2::LEFT_CENTER)]
+};
 
 fn heading_ui(ui: &mut Ui) {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), ROW), Sense::hover());
     let colour = ui.visuals().weak_text_color();
     let font = TextStyle::Small.resolve(ui.style());
     let names = ["away", "σ px", "slope", "SNR", "fails first at"];
-    for ((name, x), align) in names.into_iter().zip(COLUMNS).zip(ALIGNS) {
+    for (name, (x, align)) in names.into_iter().zip(COLUMNS) {
         let pos = egui::pos2(rect.left() + x * rect.width(), rect.center().y);
         ui.painter().text(pos, align, name, font.clone(), colour);
     }
@@ -101,11 +104,6 @@ fn heading_ui(ui: &mut Ui) {
          these the kept ones, then those with the largest SNR; farther away the nearest come first",
     );
 }
-
-const ALIGNS: [Align2; 5] = {
-    let right = Align2::RIGHT_CENTER;
-    [right, right, right, right, Align2::LEFT_CENTER]
-};
 
 /// Draws one candidate; returns whether it was clicked.
 fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
@@ -123,7 +121,7 @@ fn row_ui(ui: &mut Ui, probe: &Probe, index: usize, selected: bool) -> bool {
     let away = number((u - at_u).hypot(v - at_v), 1);
     let font = FontId::proportional(12.0);
     let texts = [away, number(fate.sigma, 1), slope_text(fate.slope), snr_text(fate.snr), outcome.clone()];
-    for ((text, x), align) in texts.iter().zip(COLUMNS).zip(ALIGNS) {
+    for (text, (x, align)) in texts.iter().zip(COLUMNS) {
         let pos = egui::pos2(rect.left() + x * rect.width(), rect.center().y);
         let good = *text == outcome && fate.is_kept() && !selected;
         let colour = if good { style::good(ui) } else { colour };

@@ -42,7 +42,7 @@ pub fn probe_tab_ui(
     help: &str,
     queue: &mut Queue,
 ) -> bool {
-    if !model.probe_is_here() {
+    if model.document.probe.side == Side::B && !model.document.workspace.shows_pair() {
         return false;
     }
     if model.has_probe() {
@@ -162,9 +162,8 @@ fn stale_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if model.probe_is_stale() && !model.results.slots[model.document.probe.side].detecting.is_pending() {
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new("Stale: found with other parameters").color(style::warning(ui)));
-            if ui.small_button("Detect again").on_hover_text("Search with the parameters as they are now").clicked() {
-                queue.push(ActionId::Detect);
-            }
+            let response = ui.small_button("Detect again").on_hover_text("Search with the parameters as they are now");
+            queue.push_if(response.clicked(), ActionId::Detect);
         });
     }
 }

@@ -23,10 +23,6 @@ pub(super) fn chart_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: 
     }
 }
 
-pub(in crate::app::panel) fn evidence_colour(ui: &Ui) -> Color32 {
-    style::good(ui)
-}
-
 /// Colour of the features at a slope: another one where most of them are at the limit.
 pub(in crate::app::panel) fn feature_colour(ui: &Ui, bar: &SlopeBar) -> Color32 {
     if 2 * bar.at_limit > bar.features { style::warning(ui) } else { style::ACCENT }
@@ -83,9 +79,9 @@ fn line_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
         let down = (inner.bottom() - axis) * bar.evidence / part;
         let evidence = Rect::from_min_max(pos2(x - half, axis + 1.0), pos2(x + half, axis + 1.0 + down));
         if bar.is_searched {
-            painter.rect_filled(evidence, 0.0, evidence_colour(ui));
+            painter.rect_filled(evidence, 0.0, style::good(ui));
         } else if bar.evidence > 0.0 {
-            painter.rect_stroke(evidence, 0.0, Stroke::new(1.5, evidence_colour(ui)), StrokeKind::Inside);
+            painter.rect_stroke(evidence, 0.0, Stroke::new(1.5, style::good(ui)), StrokeKind::Inside);
         }
     }
     painter.hline(inner.x_range(), axis, Stroke::new(1.0, ui.visuals().weak_text_color()));
@@ -125,7 +121,7 @@ fn key_ui(ui: &mut Ui, marks: &Marks) {
         let keys = [
             (style::ACCENT, "features", "Features whose slope is nearest to each"),
             (style::warning(ui), "at the limit", "Features whose response still rises beyond the searched slopes"),
-            (evidence_colour(ui), "evidence", "What the frames have in common at each slope, before any threshold"),
+            (style::good(ui), "evidence", "What the frames have in common at each slope, before any threshold"),
         ];
         let set_up =
             (expected_colour(ui), "set-up", "Slopes of things between the nearest and the farthest, by the set-up");

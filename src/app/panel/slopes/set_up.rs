@@ -74,9 +74,8 @@ fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let mut reads = model.document.set_up.reads_depths;
         let tip =
             "Give every feature the depth that its motion means, with its error: in the table, in the tips over the picture, and as colours";
-        if ui.checkbox(&mut reads, "Read slopes as depths").on_hover_text(tip).changed() {
-            queue.push(Action::ReadDepths(reads));
-        }
+        let response = ui.checkbox(&mut reads, "Read slopes as depths").on_hover_text(tip);
+        queue.push_if(response.changed(), Action::ReadDepths(reads));
     });
     match slopes {
         Ok(slopes) => ui.add(Label::new(slopes.sentence(&set_up)).wrap()),

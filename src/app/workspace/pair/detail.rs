@@ -210,9 +210,7 @@ fn remedy_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         if price.as_ref().is_some_and(|price| price.starts_with("matches")) {
             let response = ui.button("Apply").on_hover_text("Match again so; Undo reverts it");
             named(&response, egui::Role::Button, format!("Apply {change}"));
-            if response.clicked() {
-                queue.push(Action::SetMatching(Box::new(params)));
-            }
+            queue.push_if(response.clicked(), Action::SetMatching(Box::new(params)));
         }
         ui.add(Label::new(format!("{change}: {}", price.as_deref().unwrap_or("trying it…"))).wrap());
     });

@@ -140,9 +140,8 @@ pub fn sides_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         });
         for id in [ActionId::LinkCursors, ActionId::LinkViews, ActionId::LinkRanges] {
             let mut on = checked(id, model).unwrap_or(false);
-            if ui.checkbox(&mut on, id.action().label).on_hover_text(tooltip(ui.ctx(), id.action())).clicked() {
-                queue.push(id);
-            }
+            let response = ui.checkbox(&mut on, id.action().label).on_hover_text(tooltip(ui.ctx(), id.action()));
+            queue.push_if(response.clicked(), id);
         }
         if let Some(error) =
             model.results.slots.b.param_error.as_ref().filter(|_| model.results.slots.a.param_error.is_none())
