@@ -247,7 +247,7 @@ pub(super) fn noise_text(report: &NoiseReport) -> String {
     format!(
         "{} of {frames} frames of {width}×{height} for each row, {megapixels:.1} Mpx of image, seeds from {first_seed}\n\n\
          False features in a million pixels of the image (± standard error), how many there were, and most in a burst\n{table}",
-        counted(*bursts as usize, "burst")
+        counted(*bursts, "burst")
     )
 }
 
