@@ -43,6 +43,6 @@ pub use picture::{PictureAnswer, PictureRequest};
 pub use pictures::PicturesRequest;
 pub use request::{Caches, JobError, JobId, PictureStore, PossibleShape, Request, Running, Urgency, Work, time_left};
 pub use source::BurstSource;
-pub use study::{ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
+pub use study::{ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which};
 pub(crate) use trail::trail_of;
 pub use trail::{DetectionSource, NothingKept, TrailStore};

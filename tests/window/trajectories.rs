@@ -2,8 +2,8 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::apply;
-use burstscope::app::document::datasets::Which;
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
+use burstscope::requests::Which;
 use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -66,7 +66,7 @@ fn the_errors_are_those_of_the_library() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, report) = open_both(home.path());
     assert_eq!(window.app().model.document.workspace, Workspace::Trajectories);
-    assert_eq!(window.app().model.results.poses.report().map(|r| (**r).clone()), Some(report.clone()));
+    assert_eq!(window.app().model.results.poses.report(Which::Estimate).map(|r| (**r).clone()), Some(report.clone()));
     assert!(window.shows("13 of 14 (93 %)"));
     for errors in [&report.absolute, &report.relative] {
         assert!(window.shows(&format!("{:.4}", errors.translation.rmse)));
@@ -78,12 +78,59 @@ fn the_errors_are_those_of_the_library() {
     // Motions over three poses have other errors.
     window.harness.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
     window.settle();
-    let over_three = window.app().model.results.poses.report().unwrap().clone();
+    let over_three = window.app().model.results.poses.report(Which::Estimate).unwrap().clone();
     assert_eq!((over_three.step, over_three.relative.count), (3, 10));
     assert!(window.shows(&format!("{:.4}", over_three.relative.translation.rmse)));
     window.run_action("close trajectories");
     window.settle();
     assert!(window.app().model.results.poses.is_empty() && window.shows("none yet"));
+}
+
+/// Writes the model of `files` as the second of two parts, with one of its cameras far off; the first part is smaller.
+fn second_estimate(home: &Path) -> PathBuf {
+    let rec = home.join("merge");
+    for (part, images) in [("0", 3), ("1", 13)] {
+        std::fs::create_dir_all(rec.join(part)).unwrap();
+        let text = std::fs::read_to_string(home.join("sparse/images.txt")).unwrap();
+        let mut lines: Vec<String> = text.lines().take(2 * images).map(str::to_owned).collect();
+        lines[4] = "3 1 0 0 0 9 9 9 1 burst_02.png".to_owned();
+        std::fs::write(rec.join(part).join("images.txt"), lines.join("\n") + "\n").unwrap();
+        std::fs::copy(home.join("sparse/points3D.txt"), rec.join(part).join("points3D.txt")).unwrap();
+    }
+    rec
+}
+
+#[test]
+fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, first) = open_both(home.path());
+    assert!(window.shows("13 of 14 cameras right"));
+    window.dialogs.will_choose(second_estimate(home.path()));
+    window.run_action("open second estimate");
+    window.settle();
+    assert!(window.shows("merge/1, the largest of 2 parts"));
+    let poses = &window.app().model.results.poses;
+    let [one, two] = Which::ESTIMATES.map(|which| poses.report(which).unwrap().clone());
+    assert_eq!((&*one, two.right), (&first, 12), "one far off shifts the alignment by all, and not the count");
+    assert_eq!(poses.scene(&window.app().model.document.trajectories).cameras.map(|spots| spots.len()), [13, 13, 14]);
+    assert!(window.shows("12 of 14 cameras right"));
+    for report in [&one, &two] {
+        assert!(window.shows(&format!("{:.4}", report.absolute.translation.rmse)));
+        assert!(window.shows(&format!("{:.3}", report.absolute.rotation_deg.rmse)));
+    }
+    // A row has what each estimate has; the image without a camera has a row too.
+    assert!(window.shows("error 2") && window.shows(&format!("{:.4}", two.pairs[2].translation_error)));
+    window.harness.get_by_role_and_label(Role::Row, "Camera burst_09.png").click_accesskit();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.document.trajectories.selected, Some(9));
+    let other = window.kept_and_opened_in_another(&home.path().join("two.burstscope.toml"));
+    let model = &other.app().model;
+    assert_eq!(model.results.poses.report(Which::Second).map(|r| r.absolute), Some(two.absolute));
+    assert_eq!(model.document.trajectories.selected, Some(9));
+    window.harness.get_by_label("Close Second estimate").click();
+    window.settle();
+    let poses = &window.app().model.results.poses;
+    assert!(poses.read(Which::Second).is_none() && poses.report(Which::Estimate).is_some());
 }
 
 #[test]
@@ -93,9 +140,10 @@ fn a_camera_is_pointed_at_in_the_plane() {
     window.app_mut().model.document.trajectories.projection = Projection::Xz;
     window.settle();
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
-    let scene = window.app().model.results.poses.scene(window.app().model.document.trajectories.projection, false);
+    let scene = window.app().model.results.poses.scene(&window.app().model.document.trajectories);
     let view = window.app().model.document.trajectories.view;
-    let at = canvas.center() + view.points_per_pixel() * (scene.estimate[6].pos - egui::Pos2::from(view.centre_image));
+    let at =
+        canvas.center() + view.points_per_pixel() * (scene.cameras[0][6].pos - egui::Pos2::from(view.centre_image));
     window.harness.hover_at(at);
     window.harness.run_steps(30);
     assert_eq!(window.app().model.results.poses.hovered, Some(6));
@@ -112,7 +160,7 @@ fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
     window.settle();
     assert!(window.app().model.document.trajectories.points && window.shows("3D points"));
     let app = window.app_mut();
-    apply::studies::open_trajectory(&mut app.model, Which::Estimate, home.path().join("truth.txt"), &app.engine);
+    apply::studies::open_trajectory(&mut app.model, Which::Estimate, Some(home.path().join("truth.txt")), &app.engine);
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::CheckBox, "3D points").is_none());
 }
@@ -155,17 +203,17 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     let broken = home.path().join("broken.txt");
     std::fs::write(&broken, "1 2 3\n").unwrap();
     let app = window.app_mut();
-    apply::studies::open_trajectory(&mut app.model, Which::Truth, broken, &app.engine);
+    apply::studies::open_trajectory(&mut app.model, Which::Truth, Some(broken), &app.engine);
     window.settle();
     assert!(window.shows("broken.txt") && window.shows("line 1"));
-    assert!(window.app().model.results.poses.report().is_some());
+    assert!(window.app().model.results.poses.report(Which::Estimate).is_some());
     // A truth of other places: both are read, but nothing can be compared.
     let other = home.path().join("other.txt");
     std::fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
     window.drop_file(other);
     window.settle();
-    assert!(window.app().model.results.poses.report().is_none());
-    assert!(window.app().model.results.poses.problem().is_some());
+    assert!(window.app().model.results.poses.report(Which::Estimate).is_none());
+    assert!(window.app().model.results.poses.problems().next().is_some());
     assert!(window.shows("cannot be"));
 }
 
@@ -181,7 +229,7 @@ fn a_session_brings_the_trajectories_back() {
         (model.document.workspace, model.document.trajectories.projection),
         (Workspace::Trajectories, Projection::Yz)
     );
-    assert_eq!(model.results.poses.report().map(|r| r.absolute), Some(report.absolute));
+    assert_eq!(model.results.poses.report(Which::Estimate).map(|r| r.absolute), Some(report.absolute));
 }
 
 #[test]
@@ -190,8 +238,8 @@ fn trajectories() {
     let (mut window, _) = open_both(home.path());
     let compared = &mut window.app_mut().model.results.poses.compared;
     // The place of this test's files differs from run to run.
-    compared.estimate.as_mut().unwrap().0 = "/data/rec/sparse".into();
-    compared.truth.as_mut().unwrap().0 = "/data/truth.txt".into();
+    compared.read[0].as_mut().unwrap().0 = "/data/rec/sparse".into();
+    compared.read[2].as_mut().unwrap().0 = "/data/truth.txt".into();
     window.app_mut().model.document.trajectories.selected = Some(3);
     window.app_mut().model.shell.messages.note("Opened demo");
     window.snapshot("trajectories");

@@ -66,7 +66,8 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
             comparison::lay_over(model, side, path);
             model.document.bottom_tab = BottomTab::Compared;
         }
-        A::OpenTrajectory(which, path) => studies::open_trajectory(model, which, path, engine),
+        A::OpenTrajectory(which, path) => studies::open_trajectory(model, which, Some(path), engine),
+        A::CloseTrajectory(which) => studies::open_trajectory(model, which, None, engine),
         A::OpenBurstAt(place) => dataset_answers::open_burst_at(model, place, engine),
         A::CutOpenBurst(length) => datasets::cut_open_burst(model, length, engine),
         A::Calibrate(options) => return vec![opening::calibrate(model, options, engine)],

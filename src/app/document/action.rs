@@ -2,7 +2,6 @@
 //! drawn; they are applied after the drawing, by one function (`apply::apply`).
 
 use crate::app::actions::registry::ActionId;
-use crate::app::document::datasets::Which;
 use crate::app::document::panes::Change;
 use crate::app::document::{
     BurstPair, CompareLook, Compared, Destination, Document, FigureChoice, FilmChoice, Filter, Lab, Look, MatchColumn,
@@ -20,7 +19,7 @@ use crate::inspect::pair::Lost;
 use crate::inspect::place::ProbeSubject;
 use crate::matching::MatchParams;
 use crate::plane::display::Display;
-use crate::requests::{BurstSource, FigureRequest, ProbeQuestion, ViewKind};
+use crate::requests::{BurstSource, FigureRequest, ProbeQuestion, ViewKind, Which};
 use crate::teach::BottomTab;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -177,6 +176,7 @@ others {
     /// Features of another program.
     OpenFeatures(Side, PathBuf),
     OpenTrajectory(Which, PathBuf),
+    CloseTrajectory(Which),
     /// The burst at a place of the open dataset.
     OpenBurstAt(usize),
     /// The open burst as a dataset of bursts of this many frames.

@@ -3,6 +3,7 @@
 use crate::app::document::Side;
 use crate::export::case::CASE_EXTENSION;
 use crate::export::{FigureAmount, FigureFormat, FigureOptions, FigureWidth};
+use crate::requests::Which;
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -116,8 +117,7 @@ pub enum Purpose {
     FeatureFolder,
     PaperFigures,
     ExportDatabase,
-    OpenEstimate,
-    OpenTruth,
+    OpenTrajectory(Which),
     /// A sharp image of the view of a side, used as its gold standard.
     OpenGold(Side),
     OpenFeatures(Side),
@@ -206,8 +206,9 @@ impl Purpose {
             Self::FeatureFolder => "Choose a folder for the dataset's features",
             Self::PaperFigures => "Choose a folder for the figures of the paper",
             Self::ExportDatabase => "Choose a folder for COLMAP's database",
-            Self::OpenEstimate => "Open an estimated trajectory",
-            Self::OpenTruth => "Open a true trajectory",
+            Self::OpenTrajectory(Which::Estimate) => "Open an estimated trajectory",
+            Self::OpenTrajectory(Which::Second) => "Open a second estimated trajectory",
+            Self::OpenTrajectory(Which::Truth) => "Open a true trajectory",
             Self::OpenPath(Side::A) => "Open a path",
             Self::OpenFolder(Side::B) => "Open a folder of frames as B",
             Self::OpenFiles(Side::B) => "Open image files as B",
@@ -238,7 +239,7 @@ impl Purpose {
     pub fn hint(self) -> &'static str {
         match self {
             Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
-            Self::OpenEstimate | Self::OpenTruth => {
+            Self::OpenTrajectory(_) => {
                 "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"
             }
             Self::ExportDatabase => {

@@ -202,8 +202,7 @@ impl Read<'_> {
         let calibration = calibrations.into_iter().flat_map(OpenOptions::paths);
         files.extend(calibration.flat_map(|path| BurstSource::Paths(vec![path]).files()));
         files.extend(self.document.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
-        let trajectories = [&self.document.trajectories.estimate, &self.document.trajectories.truth];
-        for path in trajectories.into_iter().flatten() {
+        for path in self.document.trajectories.paths().into_iter().flatten() {
             // A model is a folder.
             files.extend(std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()));
             files.push(path.clone());

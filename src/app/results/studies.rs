@@ -1,15 +1,18 @@
 //! Studies: the Lab's, with the curves so far and the chart on show, and that of estimated and true trajectories.
 
-use crate::app::document::{LabQuestion, LabSet, Side};
+use crate::app::document::{LabQuestion, LabSet, Side, Trajectories};
 use crate::app::results::Read;
+use crate::app::view::View;
 use crate::engine::Wanted;
-use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
+use crate::evaluate::poses::{PairReport, PoseReport, PoseStudy, Trajectory};
 use crate::recover::{Planted, RecoverReport, RecoverStudy};
-use crate::requests::{BurstSource, ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
+use crate::requests::{
+    BurstSource, ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which,
+};
 use crate::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyReport};
-use std::cell::OnceCell;
+use nalgebra::Isometry3;
+use std::cell::RefCell;
 use std::collections::HashMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.
@@ -24,18 +27,21 @@ const POINTS_OUTSIDE: f64 = 0.02;
 /// Margin around the cameras, as a fraction of the longer side.
 const MARGIN: f64 = 0.06;
 
+/// A camera as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spot {
     /// Position in plane units, positive downwards.
     pub pos: egui::Pos2,
+    /// Place among the poses of its trajectory.
     pub index: usize,
-    pub pair: Option<usize>,
+    /// Place of the true camera: its own, or that of its pair.
+    pub camera: Option<usize>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlaneScene {
-    pub truth: Vec<Spot>,
-    pub estimate: Vec<Spot>,
+    /// Cameras in the order of [`Which::ALL`].
+    pub cameras: [Vec<Spot>; 3],
     /// Points of the estimate, in plane units: all, or at most 20 000 of them.
     pub points: Vec<egui::Pos2>,
     pub size: (usize, usize),
@@ -46,78 +52,94 @@ pub struct PlaneScene {
 #[derive(Debug, Default)]
 pub struct TrajectoryResults {
     pub compared: ComparedPoses,
+    /// Camera of the truth, by its place.
     pub hovered: Option<usize>,
     pub reading: Wanted<PosesRequest>,
-    /// Without and with points.
-    pub scenes: [OnceCell<[Arc<PlaneScene>; Projection::ALL.len()]>; 2],
+    /// The scene last drawn, and what it was drawn by.
+    kept: RefCell<Option<(Trajectories, Arc<PlaneScene>)>>,
 }
 
 impl TrajectoryResults {
     pub fn request(&self, study: PoseStudy) -> PosesRequest {
-        let source = |read: &ReadModel| read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory));
-        match self.reading.pending() {
-            Some(asked) => PosesRequest { study, ..asked.clone() },
-            None => {
-                PosesRequest { estimate: source(&self.compared.estimate), truth: source(&self.compared.truth), study }
-            }
-        }
+        let source =
+            |read: &ReadTrajectory| read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory));
+        let asked = self.reading.pending().map(|asked| asked.sources.clone());
+        PosesRequest { sources: asked.unwrap_or_else(|| self.compared.read.each_ref().map(source)), study }
     }
 
     pub fn is_empty(&self) -> bool {
-        self.compared.estimate.is_none() && self.compared.truth.is_none()
+        self.compared.read.iter().all(Option::is_none)
     }
 
-    pub fn report(&self) -> Option<&Arc<PoseReport>> {
-        self.compared.report.as_ref()?.as_ref().ok()
+    pub fn read(&self, which: Which) -> Option<&Arc<Trajectory>> {
+        self.compared.read[which as usize].as_ref().map(|(_, trajectory)| trajectory)
     }
 
-    pub fn problem(&self) -> Option<&str> {
-        self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
+    /// Comparison of an estimate with the truth.
+    pub fn report(&self, which: Which) -> Option<&Arc<PoseReport>> {
+        self.compared.reports.get(which as usize)?.as_ref()?.as_ref().ok()
+    }
+
+    pub fn reports(&self) -> impl Iterator<Item = (Which, &Arc<PoseReport>)> {
+        Which::ESTIMATES.into_iter().filter_map(|which| Some((which, self.report(which)?)))
+    }
+
+    /// The camera that an estimate has for a true one.
+    pub fn pair(&self, which: Which, camera: usize) -> Option<&PairReport> {
+        let index = *self.compared.pairs.get(camera)?.get(which as usize)?;
+        self.report(which)?.pairs.get(index?)
+    }
+
+    /// Why an estimate cannot be compared with the truth.
+    pub fn problems(&self) -> impl Iterator<Item = &str> {
+        self.compared.reports.iter().flatten().filter_map(|report| report.as_ref().err().map(String::as_str))
     }
 
     /// Whether the estimate is a sparse model, which has points.
     pub fn has_points(&self) -> bool {
-        self.compared.estimate.as_ref().is_some_and(|(_, estimate)| estimate.model.is_some())
+        self.read(Which::Estimate).is_some_and(|estimate| estimate.model.is_some())
     }
 
-    pub fn scene(&self, projection: Projection, points: bool) -> Arc<PlaneScene> {
-        let made = || Projection::ALL.map(|projection| Arc::new(PlaneScene::of(&self.compared, projection, points)));
-        self.scenes[usize::from(points)].get_or_init(made)[projection as usize].clone()
+    pub fn scene(&self, set: &Trajectories) -> Arc<PlaneScene> {
+        let by = Trajectories { view: View::fit(), selected: None, ..set.clone() };
+        let mut kept = self.kept.borrow_mut();
+        let (_, scene) = match kept.take() {
+            Some(last) if last.0 == by => kept.insert(last),
+            _ => kept.insert((by, Arc::new(PlaneScene::of(&self.compared, set)))),
+        };
+        scene.clone()
     }
 }
 
-pub type ReadModel = Option<(PathBuf, Arc<Trajectory>)>;
-
 impl PlaneScene {
-    /// An estimate that cannot be aligned is drawn only without a truth, because its coordinates are different ones.
-    pub fn of(compared: &ComparedPoses, projection: Projection, with_points: bool) -> Self {
-        let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
-        let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
-            trajectory.poses.iter().map(|p| move_to(&p.world_from_camera)).collect::<Vec<_>>()
-        };
-        let as_it_is = |pose: &nalgebra::Isometry3<f64>| -> [f64; 3] { pose.translation.vector.into() };
-        let truth = compared.truth.as_ref().map_or_else(Vec::new, |(_, t)| centres(t, &as_it_is));
-        let estimate = match (&compared.estimate, report) {
-            (Some((_, e)), Some(r)) => centres(e, &|pose| r.truth_from_estimate.apply(pose).translation.vector.into()),
-            (Some((_, e)), None) if truth.is_empty() => centres(e, &as_it_is),
-            _ => Vec::new(),
-        };
-        let model = compared.estimate.as_ref().and_then(|(_, e)| e.model.as_ref()).filter(|_| with_points);
+    /// An estimate that cannot be aligned is drawn only without a truth, because its coordinates are different ones; of
+    /// two without a truth the first.
+    pub fn of(compared: &ComparedPoses, set: &Trajectories) -> Self {
+        let [first, _, truth] = compared.read.each_ref().map(|read| read.as_ref().map(|(_, read)| read));
+        let report = |of: usize| compared.reports.get(of)?.as_ref()?.as_ref().ok();
+        let cameras = [0, 1, 2].map(|of| -> Vec<Isometry3<f64>> {
+            let read = compared.read[of].iter().flat_map(|(_, read)| &read.poses);
+            let poses = read.map(|pose| pose.world_from_camera);
+            match report(of) {
+                Some(report) => poses.map(|pose| report.truth_from_estimate.apply(&pose)).collect(),
+                None if of == 2 || of == 0 && truth.is_none() => poses.collect(),
+                None => Vec::new(),
+            }
+        });
+        let model = first.and_then(|estimate| estimate.model.as_ref()).filter(|_| set.points);
         let every = model.map_or(1, |model| model.points.len().div_ceil(MOST_POINTS).max(1));
         let of_model = model.iter().flat_map(|model| model.points.iter().step_by(every).map(|p| p.position));
-        let points: Vec<[f64; 3]> = match report {
+        let points: Vec<[f64; 3]> = match report(0) {
             Some(r) => of_model.map(|p| r.truth_from_estimate.place(p).into()).collect(),
-            None if truth.is_empty() => of_model.collect(),
+            None if truth.is_none() => of_model.collect(),
             None => Vec::new(),
         };
-        let axes = projection.axes(if truth.is_empty() { &estimate } else { &truth });
-        let pairs = report.map_or(&[][..], |r| &r.pairs);
-        let of_truth: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.truth, k)).collect();
-        let of_estimate: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.estimate, k)).collect();
-        let [truth, estimate, points] =
-            [truth, estimate, points].map(|places| places.into_iter().map(|p| axes.project(p)).collect::<Vec<_>>());
         // The truth determines the section shown, so that a diverging estimate does not shrink the truth to a point.
-        let framed = if truth.is_empty() { &estimate } else { &truth };
+        let framed = if truth.is_some() { &cameras[2] } else { &cameras[0] };
+        let framed: Vec<[f64; 3]> = framed.iter().map(|pose| pose.translation.vector.into()).collect();
+        let axes = set.projection.axes(&framed);
+        let flat = |places: &[[f64; 3]]| places.iter().map(|place| axes.project(*place)).collect::<Vec<_>>();
+        let (framed, points) = (flat(&framed), flat(&points));
         let range = |k: usize| {
             let mut along: Vec<f64> = points.iter().map(|p| p[k]).filter(|x| x.is_finite()).collect();
             along.sort_by(f64::total_cmp);
@@ -139,14 +161,18 @@ impl PlaneScene {
             let (x, y) = (0.5 * width + (p[0] - mid_right) * scale, 0.5 * height - (p[1] - mid_up) * scale);
             egui::pos2(x as f32, y as f32)
         };
-        let spots = |flat: &[[f64; 2]], pair_of: &HashMap<usize, usize>| {
-            let spot =
-                |(index, p): (usize, &[f64; 2])| Spot { pos: place(p), index, pair: pair_of.get(&index).copied() };
-            flat.iter().enumerate().map(spot).collect()
+        let spots = |of: usize| {
+            let pairs = report(of).map_or(&[][..], |report| &report.pairs);
+            let paired: HashMap<usize, usize> = pairs.iter().map(|pair| (pair.estimate, pair.truth)).collect();
+            let spot = |(index, pose): (usize, &Isometry3<f64>)| Spot {
+                pos: place(&axes.project(pose.translation.vector.into())),
+                index,
+                camera: if of == 2 { Some(index) } else { paired.get(&index).copied() },
+            };
+            cameras[of].iter().enumerate().map(spot).collect()
         };
         Self {
-            truth: spots(&truth, &of_truth),
-            estimate: spots(&estimate, &of_estimate),
+            cameras: [spots(0), spots(1), spots(2)],
             points: points.iter().filter(|p| p[0].is_finite() && p[1].is_finite()).map(place).collect(),
             size: (width.ceil() as usize, height.ceil() as usize),
             scale,

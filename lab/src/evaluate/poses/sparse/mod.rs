@@ -98,6 +98,12 @@ impl SparseModel {
         self.images.iter().map(pose).collect()
     }
 
+    /// Words on the part that was taken of a reconstruction in several; `None` where it is in one.
+    pub fn taken(&self) -> Option<String> {
+        let parts = self.other_models + 1;
+        (parts > 1).then(|| format!("took {}, the largest of {parts} parts", self.folder.display()))
+    }
+
     /// The statistics of the model.
     pub fn summary(&self) -> ModelSummary {
         let points = self.points.len() as f64;
@@ -256,7 +262,9 @@ mod tests {
         written(&small, "txt");
         std::fs::write(small.join("images.txt"), "1 1 0 0 0 0 0 0 1 a.png\n\n").expect("written");
         let model = read_sparse_model(home.path()).expect("a model");
-        assert_eq!((model.images.len(), model.other_models, model.folder), (2, 1, home.path().join("1")));
+        assert_eq!((model.images.len(), &model.folder), (2, &home.path().join("1")));
+        assert_eq!(model.taken(), Some(format!("took {}, the largest of 2 parts", model.folder.display())));
+        assert_eq!(SparseModel { other_models: 0, ..model }.taken(), None);
     }
 
     #[test]
