@@ -153,6 +153,41 @@ fn a_camera_is_pointed_at_in_the_plane() {
 }
 
 #[test]
+fn a_free_view_goes_around_the_cameras_and_back() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    window.harness.get_by_role_and_label(Role::ComboBox, "Seen from").click();
+    window.harness.run_steps(2);
+    window.harness.get_by_label("Free view").click();
+    window.settle();
+    let set = |window: &Window| window.app().model.document.trajectories.clone();
+    let scene = |window: &Window| window.app().model.results.poses.scene(&set(window));
+    let is_at = |window: &Window, orbit: [f32; 2]| {
+        let off = set(window).orbit.into_iter().zip(orbit).map(|(is, wanted)| (is - wanted).abs());
+        assert!(off.fold(0.0, f32::max) < 0.01, "{:?} for {orbit:?}", set(window).orbit);
+    };
+    assert_eq!((set(&window).projection, set(&window).orbit), (Projection::Free, [0.0; 2]));
+    let begin = scene(&window);
+    let spot = &begin.cameras[2][0];
+    assert!(spot.frustum.iter().all(|corner| corner.is_finite() && *corner != spot.pos), "{spot:?}");
+    let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
+    let from = canvas.center() + egui::vec2(-300.0, 100.0);
+    window.drag(from, from + egui::vec2(100.0, 50.0));
+    is_at(&window, [-40.0, 20.0]);
+    let turned = scene(&window);
+    assert_eq!((turned.size, turned.scale), (begin.size, begin.scale), "it turns without a change of size");
+    assert!(turned.cameras[2][0].pos.distance(spot.pos) > 10.0);
+    // From straight above it goes no farther; the pan of the fixed planes stays as it is.
+    window.drag(from, from + egui::vec2(0.0, 250.0));
+    is_at(&window, [-40.0, 70.0]);
+    assert!(set(&window).view.is_fit());
+    let other = window.kept_and_opened_in_another(&home.path().join("free.burstscope.toml"));
+    is_at(&other, [-40.0, 70.0]);
+    window.double_click_at(from);
+    assert_eq!(set(&window).orbit, [0.0; 2]);
+}
+
+#[test]
 fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());

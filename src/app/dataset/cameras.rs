@@ -4,15 +4,21 @@ use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::document::{Action, Pointed, Queue};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
 use crate::app::panel::widgets::instead_ui;
+use crate::app::results::studies::ORBIT_BEGINS;
 use crate::app::results::{PlaneScene, Read, Spot};
 use crate::app::style;
-use crate::evaluate::poses::{PairReport, PoseReport};
+use crate::evaluate::poses::{PairReport, PoseReport, Projection};
 use crate::export::round_length;
 use crate::requests::Which;
-use egui::{Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2};
+use egui::{
+    Align2, Color32, FontId, Mesh, Painter, PointerButton, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, pos2, vec2,
+};
 
 /// Maximum distance of the pointer from a camera, in points.
 const REACH: f32 = 12.0;
+
+/// Turn of a free view for each point of a drag.
+const DEGREES_PER_POINT: f32 = 0.4;
 
 pub fn colour(ui: &Ui, which: Which) -> Color32 {
     match which {
@@ -39,7 +45,7 @@ fn is_marked(model: Read<'_>, camera: Option<usize>) -> bool {
     camera.is_some() && (camera == model.results.poses.hovered || camera == model.document.trajectories.selected)
 }
 
-/// Draws the plane; the pointer pans, zooms, and hovers over or selects cameras.
+/// Draws the plane; the pointer pans (a free view it turns), zooms, and hovers over or selects cameras.
 pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let (rect, response) = ui.allocate_exact_size(ui.available_size().max(vec2(64.0, 64.0)), Sense::click_and_drag());
     response.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Canvas, true, "Trajectories"));
@@ -56,7 +62,8 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut view = model.document.trajectories.view;
     view.settle(rect, scene.size, pixels_per_point);
     let before = view;
-    navigate(ui, &response, rect, &mut view, true);
+    let is_free = model.document.trajectories.projection == Projection::Free;
+    navigate(ui, &response, rect, &mut view, !is_free);
     let ui_from_plane = view.settle(rect, scene.size, pixels_per_point);
     let pointed = response.hover_pos().and_then(|pos| nearest(&scene, &ui_from_plane, pos));
     let camera = pointed.and_then(|(_, spot)| spot.camera);
@@ -68,6 +75,13 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         queue.push(Action::OpenCamera(label_of(model, which, spot.index).to_owned()));
         // A double click fits the view, except on a camera.
         view = before;
+    } else if is_free && response.double_clicked() {
+        queue.edit(model.document, Action::Orbit([0.0; 2]));
+    } else if is_free && response.dragged_by(PointerButton::Primary) {
+        let ([around, above], by) = (model.document.trajectories.orbit, DEGREES_PER_POINT * response.drag_delta());
+        // Up stays up: the view goes no farther than to straight above or below.
+        let above = (above + by.y + ORBIT_BEGINS[1]).clamp(-90.0, 90.0) - ORBIT_BEGINS[1];
+        queue.edit(model.document, Action::Orbit([(around - by.x) % 360.0, above]));
     }
     // Settling alone is no action of the user: only a view that looks different is recorded.
     queue.push_if(!view.is_drawn_as(&model.document.trajectories.view), Action::MoveCameras(view));
@@ -148,6 +162,7 @@ fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from
         places.collect::<Vec<_>>()
     });
     let error_colour = ui.visuals().error_fg_color;
+    let is_free = model.document.trajectories.projection == Projection::Free;
     let mut dots = Mesh::default();
     for point in &scene.points {
         dots.add_colored_rect(Rect::from_center_size(ui_from_plane.pos(*point), vec2(2.0, 2.0)), point_colour(ui));
@@ -165,6 +180,10 @@ fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from
         for (spot, at) in scene.cameras[which as usize].iter().zip(&places[which as usize]) {
             let is_missing = which == Which::Truth && is_missing(model, spot.index);
             let colour = if is_missing { error_colour } else { colour(ui, which) };
+            for k in (0..4).filter(|_| is_free) {
+                let corner = |k: usize| ui_from_plane.pos(spot.frustum[k % 4]);
+                painter.line(vec![*at, corner(k), corner(k + 1)], Stroke::new(1.0, colour));
+            }
             sign(painter, which, *at, if is_marked(model, spot.camera) { 5.0 } else { 3.0 }, colour);
         }
     }
@@ -214,8 +233,10 @@ fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTr
     let whose = if model.results.poses.read(Which::Truth).is_none() { "estimate" } else { "truth" };
     let text = format!("{} (the {whose}'s unit)", crate::app::canvas::number(length as f32, 3));
     painter.text(from + vec2(0.0, -5.0), Align2::LEFT_BOTTOM, text, font.clone(), weak);
-    let [right, up] = model.document.trajectories.projection.axis_names();
-    let text = format!("{right}: to the right,  {up}: up");
+    let text = match model.document.trajectories.projection.axis_names() {
+        ["", _] => "drag: around,  double click: from the start again".to_owned(),
+        [right, up] => format!("{right}: to the right,  {up}: up"),
+    };
     painter.text(rect.right_bottom() + vec2(-10.0, -8.0), Align2::RIGHT_BOTTOM, text, font, weak);
 }
 

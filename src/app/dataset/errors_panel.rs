@@ -58,7 +58,9 @@ fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let trajectories: &Trajectories = &model.document.trajectories;
     let (mut projection, mut study) = (trajectories.projection, trajectories.study);
     Grid::new("study").num_columns(2).show(ui, |ui| {
-        let label = ui.label("Seen from").on_hover_text("The plane in which the cameras are drawn");
+        let label = ui
+            .label("Seen from")
+            .on_hover_text("The plane in which the cameras are drawn, or a free view that dragging turns");
         choice_ui(ui, "projection", label.id, None, &mut projection, Projection::ALL, Projection::name);
         ui.end_row();
         if model.results.poses.has_points() {

@@ -97,6 +97,7 @@ fields {
     SetPairChoice(PairChoice) => pairs;
     SetProjection(Projection) => trajectories.projection;
     MoveCameras(View) => trajectories.view;
+    Orbit([f32; 2]) => trajectories.orbit;
     SelectCamera(#[serde(with = "or_none")] Option<usize>) => trajectories.selected;
 }
 large {

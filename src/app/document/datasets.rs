@@ -97,6 +97,8 @@ pub struct Trajectories {
     pub truth: Option<PathBuf>,
     pub study: PoseStudy,
     pub projection: Projection,
+    /// Degrees by which a free view was turned around and above.
+    pub orbit: [f32; 2],
     /// Whether the points of a sparse model are drawn.
     pub points: bool,
     pub view: View,

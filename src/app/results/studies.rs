@@ -4,13 +4,13 @@ use crate::app::document::{LabQuestion, LabSet, Side, Trajectories};
 use crate::app::results::Read;
 use crate::app::view::View;
 use crate::engine::Wanted;
-use crate::evaluate::poses::{PairReport, PoseReport, PoseStudy, Trajectory};
+use crate::evaluate::poses::{PairReport, PoseReport, PoseStudy, Projection, Trajectory};
 use crate::recover::{Planted, RecoverReport, RecoverStudy};
 use crate::requests::{
     BurstSource, ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which,
 };
 use crate::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyReport};
-use nalgebra::Isometry3;
+use nalgebra::{Isometry3, Vector3};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -27,11 +27,21 @@ const POINTS_OUTSIDE: f64 = 0.02;
 /// Margin around the cameras, as a fraction of the longer side.
 const MARGIN: f64 = 0.06;
 
+/// Degrees around and above from which a free view is first seen, so that it shows depth.
+pub const ORBIT_BEGINS: [f32; 2] = [30.0, 20.0];
+
+/// Corners of a picture of 4:3 and 62° before a camera, in parts of the section shown: sparse models are read without
+/// their cameras' angles.
+const FRUSTUM: [[f64; 3]; 4] =
+    [[-0.024, -0.018, 0.04], [0.024, -0.018, 0.04], [0.024, 0.018, 0.04], [-0.024, 0.018, 0.04]];
+
 /// A camera as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spot {
     /// Position in plane units, positive downwards.
     pub pos: egui::Pos2,
+    /// Corners of a picture before the camera, in its order around, in plane units.
+    pub frustum: [egui::Pos2; 4],
     /// Place among the poses of its trajectory.
     pub index: usize,
     /// Place of the true camera: its own, or that of its pair.
@@ -129,43 +139,54 @@ impl PlaneScene {
         let model = first.and_then(|estimate| estimate.model.as_ref()).filter(|_| set.points);
         let every = model.map_or(1, |model| model.points.len().div_ceil(MOST_POINTS).max(1));
         let of_model = model.iter().flat_map(|model| model.points.iter().step_by(every).map(|p| p.position));
-        let points: Vec<[f64; 3]> = match report(0) {
-            Some(r) => of_model.map(|p| r.truth_from_estimate.place(p).into()).collect(),
-            None if truth.is_none() => of_model.collect(),
+        let points: Vec<Vector3<f64>> = match report(0) {
+            Some(r) => of_model.map(|p| r.truth_from_estimate.place(p)).collect(),
+            None if truth.is_none() => of_model.map(Vector3::from).collect(),
             None => Vec::new(),
         };
         // The truth determines the section shown, so that a diverging estimate does not shrink the truth to a point.
         let framed = if truth.is_some() { &cameras[2] } else { &cameras[0] };
-        let framed: Vec<[f64; 3]> = framed.iter().map(|pose| pose.translation.vector.into()).collect();
-        let axes = set.projection.axes(&framed);
-        let flat = |places: &[[f64; 3]]| places.iter().map(|place| axes.project(*place)).collect::<Vec<_>>();
-        let (framed, points) = (flat(&framed), flat(&points));
-        let range = |k: usize| {
-            let mut along: Vec<f64> = points.iter().map(|p| p[k]).filter(|x| x.is_finite()).collect();
+        let begin = set.projection.axes(framed);
+        let sides = [begin.right, begin.up, begin.ahead()];
+        let [across, up, deep] = sides.map(|axis| {
+            let mut along: Vec<f64> = points.iter().map(|p| axis.dot(p)).filter(|x| x.is_finite()).collect();
             along.sort_by(f64::total_cmp);
             let outside = (POINTS_OUTSIDE * along.len() as f64) as usize;
             let most = along.into_iter().rev().skip(outside).rev().skip(outside);
-            let finite = framed.iter().map(|p| p[k]).filter(|x| x.is_finite()).chain(most);
+            let of_cameras = framed.iter().map(|pose| axis.dot(&pose.translation.vector));
+            let finite = of_cameras.filter(|x| x.is_finite()).chain(most);
             finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        });
+        let middle = |(low, high): (f64, f64)| if (low + high).is_finite() { 0.5 * (low + high) } else { 0.0 };
+        let middle = sides[0] * middle(across) + sides[1] * middle(up) + sides[2] * middle(deep);
+        let [across, up, deep] = [across, up, deep].map(|(low, high)| high - low);
+        // A free view has the same size and middle from wherever it is seen.
+        let (axes, across, up) = if set.projection == Projection::Free {
+            let [around, above] = [0, 1].map(|k| f64::from(set.orbit[k] + ORBIT_BEGINS[k]));
+            let all = Vector3::new(across, up, deep).norm();
+            (begin.turned(around, above), all, all)
+        } else {
+            (begin, across, up)
         };
-        let ((left, right), (down, up)) = (range(0), range(1));
-        let extent = (right - left).max(up - down);
+        let extent = across.max(up);
         let scale = if extent.is_finite() && extent > 0.0 { PLANE_UNITS / extent } else { 1.0 };
         // Cameras on a line or in one place still get a plane around them.
         let side = |extent: f64| if extent.is_finite() { (extent * scale).max(0.3 * PLANE_UNITS) } else { PLANE_UNITS };
         let margin = 2.0 * MARGIN * PLANE_UNITS;
-        let (width, height) = (side(right - left) + margin, side(up - down) + margin);
-        let middle = |low: f64, high: f64| if (low + high).is_finite() { 0.5 * (low + high) } else { 0.0 };
-        let (mid_right, mid_up) = (middle(left, right), middle(down, up));
-        let place = |p: &[f64; 2]| {
-            let (x, y) = (0.5 * width + (p[0] - mid_right) * scale, 0.5 * height - (p[1] - mid_up) * scale);
-            egui::pos2(x as f32, y as f32)
+        let (width, height) = (side(across) + margin, side(up) + margin);
+        let place = |p: &Vector3<f64>| {
+            let [right, up] = axes.project((p - middle).into());
+            egui::pos2((0.5 * width + right * scale) as f32, (0.5 * height - up * scale) as f32)
         };
         let spots = |of: usize| {
             let pairs = report(of).map_or(&[][..], |report| &report.pairs);
             let paired: HashMap<usize, usize> = pairs.iter().map(|pair| (pair.estimate, pair.truth)).collect();
             let spot = |(index, pose): (usize, &Isometry3<f64>)| Spot {
-                pos: place(&axes.project(pose.translation.vector.into())),
+                pos: place(&pose.translation.vector),
+                frustum: FRUSTUM.map(|corner| {
+                    let corner = pose.rotation * Vector3::from(corner) * (PLANE_UNITS / scale);
+                    place(&(pose.translation.vector + corner))
+                }),
                 index,
                 camera: if of == 2 { Some(index) } else { paired.get(&index).copied() },
             };
@@ -173,7 +194,7 @@ impl PlaneScene {
         };
         Self {
             cameras: [spots(0), spots(1), spots(2)],
-            points: points.iter().filter(|p| p[0].is_finite() && p[1].is_finite()).map(place).collect(),
+            points: points.iter().filter(|p| p.iter().all(|x| x.is_finite())).map(place).collect(),
             size: (width.ceil() as usize, height.ceil() as usize),
             scale,
         }

@@ -147,6 +147,8 @@ pub enum Projection {
     Xz,
     /// Along x.
     Yz,
+    /// From where the user turned it, see [`PlaneAxes::turned`].
+    Free,
 }
 
 /// The two directions of a plane, of length 1 and at right angles.
@@ -160,7 +162,7 @@ pub struct PlaneAxes {
 
 impl Projection {
     /// All projections, in the order of a picker.
-    pub const ALL: [Self; 4] = [Self::Principal, Self::Xy, Self::Xz, Self::Yz];
+    pub const ALL: [Self; 5] = [Self::Principal, Self::Xy, Self::Xz, Self::Yz, Self::Free];
 
     /// Name, labels of the two axes, and the axes unless they follow from the cameras' places.
     fn about(self) -> (&'static str, [&'static str; 2], Option<[Vector3<f64>; 2]>) {
@@ -169,6 +171,7 @@ impl Projection {
             Self::Xy => ("x, y", ["x", "y"], Some([Vector3::x(), Vector3::y()])),
             Self::Xz => ("x, z", ["x", "z"], Some([Vector3::x(), Vector3::z()])),
             Self::Yz => ("y, z", ["y", "z"], Some([Vector3::y(), Vector3::z()])),
+            Self::Free => ("Free view", ["", ""], None),
         }
     }
 
@@ -182,9 +185,13 @@ impl Projection {
         self.about().1
     }
 
-    /// The plane's axes. `centres` matter only for the principal plane.
-    pub fn axes(self, centres: &[[f64; 3]]) -> PlaneAxes {
-        self.about().2.map_or_else(|| principal_axes(centres), |[right, up]| PlaneAxes { right, up })
+    /// The plane's axes. `cameras` matter only for the principal plane, and for the free view, which begins as they look.
+    pub fn axes(self, cameras: &[Isometry3<f64>]) -> PlaneAxes {
+        match self.about().2 {
+            Some([right, up]) => PlaneAxes { right, up },
+            None if self == Self::Free => upright_axes(cameras),
+            None => principal_axes(cameras),
+        }
     }
 }
 
@@ -194,13 +201,36 @@ impl PlaneAxes {
         let place = Vector3::from(centre);
         [self.right.dot(&place), self.up.dot(&place)]
     }
+
+    /// Direction away from the viewer.
+    pub fn ahead(&self) -> Vector3<f64> {
+        self.up.cross(&self.right)
+    }
+
+    /// The axes after the viewer went around by `around` to the right, about the axis up, and then higher by `above`,
+    /// degrees.
+    pub fn turned(self, around: f64, above: f64) -> Self {
+        let about = |axis: Vector3<f64>, degrees: f64| Rotation3::new(axis * degrees.to_radians());
+        let right = about(self.up, around) * self.right;
+        Self { right, up: about(right, -above) * self.up }
+    }
+}
+
+/// The mean directions to the right and up in the pictures of the cameras.
+fn upright_axes(cameras: &[Isometry3<f64>]) -> PlaneAxes {
+    let mean = |axis: Vector3<f64>| cameras.iter().map(|camera| camera.rotation * axis).sum::<Vector3<f64>>();
+    let least = 1e-3 * cameras.len().max(1) as f64;
+    // The picture's v points down. Cameras that look in all directions have no mean one.
+    let up = (-mean(Vector3::y())).try_normalize(least).unwrap_or(Vector3::y());
+    let across = |axis: Vector3<f64>| (axis - up * up.dot(&axis)).try_normalize(least);
+    let any = [mean(Vector3::x()), Vector3::x() / 1e-3, Vector3::z() / 1e-3].into_iter().find_map(across);
+    PlaneAxes { right: any.unwrap_or(Vector3::x()), up }
 }
 
 /// The two directions in which the centres spread most, each to the side of its largest coordinate.
-fn principal_axes(centres: &[[f64; 3]]) -> PlaneAxes {
-    let n = centres.len().max(1) as f64;
-    let mean = centres.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() / n;
-    let covariance: Matrix3<f64> = centres.iter().map(|c| Vector3::from(*c) - mean).map(|d| d * d.transpose()).sum();
+fn principal_axes(cameras: &[Isometry3<f64>]) -> PlaneAxes {
+    let mean = Spread::of(cameras).mean;
+    let covariance: Matrix3<f64> = cameras.iter().map(|c| c.translation.vector - mean).map(|d| d * d.transpose()).sum();
     let scale = covariance.amax();
     // Cameras in one place have no plane of their own.
     if !(scale.is_finite() && scale > 0.0) {
@@ -291,19 +321,34 @@ mod tests {
     #[test]
     fn the_principal_plane_shows_the_way() {
         // Along (−1, 0, −1) mostly, then along y.
-        let centres: Vec<[f64; 3]> = (0..9).map(|k| k as f64).map(|k| [-k, 0.1 * (k - 4.0).powi(2), -k]).collect();
-        let axes = Projection::Principal.axes(&centres);
+        let centres = (0..9).map(|k| k as f64).map(|k| [-k, 0.1 * (k - 4.0).powi(2), -k]);
+        let axes = Projection::Principal.axes(&centres.map(|centre| pose(centre, [0.0; 3])).collect::<Vec<_>>());
         let half = 0.5f64.sqrt();
         assert!((axes.right - Vector3::new(half, 0.0, half)).norm() < 1e-9, "{axes:?}");
         assert!((axes.up - Vector3::y()).norm() < 1e-9);
         assert!((axes.project([-1.0, 2.0, -1.0])[0] + 2.0f64.sqrt()).abs() < 1e-9);
     }
 
+    #[test]
+    fn a_free_view_begins_as_the_cameras_look_and_goes_around() {
+        // The cameras look along −z: a half turn about y puts x to the left in the world.
+        let cameras = [0.0, 1.0].map(|x| pose([x, 0.0, 0.0], [0.0, 2.0 * FRAC_PI_2, 0.0]));
+        let axes = Projection::Free.axes(&cameras);
+        let near = |a: Vector3<f64>, b: Vector3<f64>| (a - b).norm() < 1e-9;
+        assert!(near(axes.right, -Vector3::x()) && near(axes.up, -Vector3::y()) && near(axes.ahead(), -Vector3::z()));
+        // From the right the viewer looks to the left; from above it looks down.
+        assert!(near(axes.turned(90.0, 0.0).ahead(), -axes.right));
+        assert!(near(axes.turned(0.0, 90.0).ahead(), -axes.up) && near(axes.turned(0.0, 90.0).up, axes.ahead()));
+    }
+
     proptest! {
         #[test]
         fn axes_are_of_length_one_and_at_right_angles(centres in prop::collection::vec(prop::array::uniform3(-1e6f64..1e6), 0..9)) {
-            let PlaneAxes { right, up } = Projection::Principal.axes(&centres);
-            prop_assert!((right.norm() - 1.0).abs() < 1e-9 && (up.norm() - 1.0).abs() < 1e-9 && right.dot(&up).abs() < 1e-9);
+            let cameras: Vec<_> = centres.iter().map(|&c| pose(c, c)).collect();
+            for projection in [Projection::Principal, Projection::Free] {
+                let PlaneAxes { right, up } = projection.axes(&cameras).turned(30.0, 20.0);
+                prop_assert!((right.norm() - 1.0).abs() < 1e-9 && (up.norm() - 1.0).abs() < 1e-9 && right.dot(&up).abs() < 1e-9);
+            }
         }
     }
 }
