@@ -191,62 +191,6 @@ fn last_number(text: &str) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use nalgebra::Isometry3;
-    use proptest::prelude::*;
-
-    fn pose(label: &str, order: u32, time: Option<f64>) -> Pose {
-        Pose { label: label.to_owned(), order, time, world_from_camera: Isometry3::identity() }
-    }
-
-    fn named(names: &[&str]) -> Vec<Pose> {
-        names.iter().enumerate().map(|(k, name)| pose(name, k as u32, None)).collect()
-    }
-
-    fn timed(times: &[f64]) -> Vec<Pose> {
-        times.iter().enumerate().map(|(k, &time)| pose(&time.to_string(), k as u32, Some(time))).collect()
-    }
-
-    fn paired(estimate: &[Pose], truth: &[Pose]) -> Pairing {
-        associate(estimate, truth, None, 0.02).expect("paired")
-    }
-
-    #[test]
-    fn images_of_one_name_belong_together() {
-        let pairing = paired(&named(&["c.png", "a.png", "x.png"]), &named(&["a.png", "b.png", "c.png"]));
-        assert_eq!(pairing, Pairing { by: Association::Name, pairs: vec![(1, 0), (0, 2)] });
-        // Folders and endings count only as long as some whole names agree.
-        let pairing = paired(&named(&["gold/a.png", "gold/b.png"]), &named(&["b.tiff", "a.tiff"]));
-        assert_eq!(pairing.pairs, [(1, 0), (0, 1)]);
-        let pairing = paired(&named(&["a.png", "b.png"]), &named(&["a.png", "b.tiff"]));
-        assert_eq!(pairing.pairs, [(0, 0)]);
-        // A name that could be either of two is left out.
-        let pairing = paired(&named(&["a.png", "b.png"]), &named(&["1/a.jpg", "2/a.jpg", "b.jpg"]));
-        assert_eq!(pairing.pairs, [(1, 2)]);
-        let error = associate(&named(&["a.png"]), &named(&["b.png"]), None, 0.02).expect_err("none").to_string();
-        assert!(error.contains("by name") && error.contains("'a.png'") && error.contains("--associate"), "{error}");
-    }
-
-    #[test]
-    fn nearest_times_belong_together_once() {
-        let pairing = paired(&timed(&[0.011, 1.0, 1.004, 2.5]), &timed(&[0.0, 1.003, 3.0]));
-        assert_eq!(pairing, Pairing { by: Association::Time, pairs: vec![(0, 0), (2, 1)] });
-        // The numbers in the names of a model's images are times.
-        let model = [pose("i/image.0023.png", 2, None), pose("i/image.0030.png", 3, None)];
-        let pairing = paired(&model, &timed(&[16.0, 23.0, 30.0]));
-        assert_eq!(pairing, Pairing { by: Association::Time, pairs: vec![(0, 1), (1, 2)] });
-    }
-
-    #[test]
-    fn places_count_where_times_say_nothing() {
-        let model = [pose("a.png", 0, None), pose("c.png", 2, None)];
-        let truth = timed(&[100.5, 101.5, 102.5]);
-        assert_eq!(paired(&model, &truth), Pairing { by: Association::Order, pairs: vec![(0, 0), (1, 2)] });
-        // An image beyond the truth shows that the order was not meant.
-        let model = [pose("a.png", 0, None), pose("z.png", 7, None)];
-        let error = associate(&model, &truth, None, 0.02).expect_err("unclear").to_string();
-        assert!(error.contains("0 and places in the sequence for 1 of the estimate's 2"), "{error}");
-        assert_eq!(associate(&model, &truth, Some(Association::Order), 0.02).expect("forced").pairs, [(0, 0)]);
-    }
 
     #[test]
     fn the_last_number_of_a_name_is_read() {
@@ -262,25 +206,6 @@ mod tests {
         ];
         for (name, number) in cases {
             assert_eq!(last_number(name), number, "{name}");
-        }
-    }
-
-    proptest! {
-        #[test]
-        fn no_pose_is_in_two_pairs(
-            estimate in prop::collection::vec((0u32..6, prop::option::of(0.0f64..3.0)), 0..8),
-            truth in prop::collection::vec((0u32..6, prop::option::of(0.0f64..3.0)), 0..8),
-            by in prop::option::of(prop::sample::select(vec![Association::Name, Association::Time])),
-        ) {
-            let poses = |v: &[(u32, Option<f64>)]| -> Vec<Pose> {
-                v.iter().enumerate().map(|(k, &(name, time))| pose(&format!("é{name}"), k as u32, time)).collect()
-            };
-            if let Ok(Pairing { pairs, .. }) = associate(&poses(&estimate), &poses(&truth), by, 0.5) {
-                for (k, a) in pairs.iter().enumerate() {
-                    prop_assert!(a.0 < estimate.len() && a.1 < truth.len());
-                    prop_assert!(pairs[..k].iter().all(|b| a.0 != b.0 && a.1 > b.1));
-                }
-            }
         }
     }
 }
