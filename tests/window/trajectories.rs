@@ -2,7 +2,9 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::apply;
+use burstscope::app::document::{PairTab, SavedSelection};
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
+use burstscope::matching::MatchCounts;
 use burstscope::requests::Which;
 use burstscope::teach::Workspace;
 use egui::accesskit::Role;
@@ -112,7 +114,7 @@ fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
     let poses = &window.app().model.results.poses;
     let [one, two] = Which::ESTIMATES.map(|which| poses.report(which).unwrap().clone());
     assert_eq!((&*one, two.right), (&first, 12), "one far off shifts the alignment by all, and not the count");
-    assert_eq!(poses.scene(&window.app().model.document.trajectories).cameras.map(|spots| spots.len()), [13, 13, 14]);
+    assert_eq!(poses.scene(&window.app().model.document.trajectories).cameras.each_ref().map(Vec::len), [13, 13, 14]);
     assert!(window.shows("12 of 14 cameras right"));
     for report in [&one, &two] {
         assert!(window.shows(&format!("{:.4}", report.absolute.translation.rmse)));
@@ -229,6 +231,74 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     let at = row(&window, "Camera burst_02.png");
     window.double_click_at(at);
     assert!(window.shows("nights has no burst with the name of the camera burst_02.png"));
+}
+
+/// Opens a dataset of bursts of noise by the names of some cameras; `places` of them.
+fn open_nights(window: &mut Window, home: &Path, places: &[usize]) {
+    let nights = home.join("nights");
+    for k in places {
+        let burst = nights.join(format!("burst_{k:02}"));
+        std::fs::create_dir_all(&burst).unwrap();
+        noisy_stack(&burst, 3, 40, 40);
+    }
+    window.dialogs.will_choose(&nights);
+    window.run_action("open dataset");
+    window.settle();
+}
+
+#[test]
+fn a_camera_leads_to_its_weakest_pair_and_a_missing_one_to_the_reason() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    open_nights(&mut window, home.path(), &[8, 9, 10]);
+    let dataset = window.app_mut().model.results.datasets.open.as_mut().unwrap();
+    for (pair, putative, inliers) in [((0, 1), 30, 12), ((0, 2), 400, 350), ((1, 2), 20, 3)] {
+        let counts = MatchCounts { keypoints_a: 500, putative, inliers: Some(inliers), ..MatchCounts::default() };
+        dataset.matches.take(pair, counts);
+    }
+    window.run_action("trajectories");
+    window.settle();
+    let select = |window: &mut Window, name: &str| {
+        window.harness.get_by_role_and_label(Role::Row, name).click_accesskit();
+        window.harness.run_steps(2);
+    };
+    select(&mut window, "Camera burst_10.png");
+    assert!(window.shows("Weakest pair: burst_09, burst_10"));
+    select(&mut window, "Camera burst_09.png");
+    assert!(window.shows("not registered"));
+    assert!(window.shows("12 inliers of about 30 needed; 94 % of 500 keypoints lost: ratio test or mutual check"));
+    window.harness.get_by_label("Best pair: burst_08, burst_09").click();
+    window.settle();
+    let document = &window.app().model.document;
+    assert_eq!((document.workspace, document.pair_tab), (Workspace::Pair, PairTab::Unmatched));
+    assert_eq!(document.dataset.as_ref().unwrap().selected(), Some((0, 1)));
+}
+
+#[test]
+fn a_point_leads_to_its_features() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    open_nights(&mut window, home.path(), &[1, 2]);
+    window.run_action("trajectories");
+    window.harness.get_by_role_and_label(Role::CheckBox, "3D points").click();
+    window.settle();
+    let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
+    let set = &window.app().model.document.trajectories;
+    let scene = window.app().model.results.poses.scene(set);
+    let (point, at) = scene.points[0];
+    let at = canvas.center() + set.view.points_per_pixel() * (at - egui::Pos2::from(set.view.centre_image));
+    window.click_at(at);
+    assert_eq!(window.app().model.document.trajectories.point, Some(point));
+    assert!(window.shows("burst_00.png, keypoint 0") && window.shows("burst_02.png, keypoint 0"));
+    window.harness.get_by_label("burst_01.png, keypoint 0").click();
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!((model.document.workspace, window.app().read().frame_count()), (Workspace::Inspect, 3));
+    assert_eq!(model.results.reselect, Some(SavedSelection::of_index(0)), "it waits for the features");
+    window.run_action("detect");
+    window.settle();
+    let found = !window.app().read().features().is_empty();
+    assert_eq!(window.app().model.document.selected, found.then_some(0));
 }
 
 #[test]

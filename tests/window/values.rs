@@ -169,10 +169,10 @@ mod trajectories {
         let drawn = scene(&both, Projection::Xz, true);
         let (width, height) = (drawn.size.0 as f32, drawn.size.1 as f32);
         let section = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
-        let inside = drawn.points.iter().filter(|p| section.contains(**p)).count();
+        let inside = drawn.points.iter().filter(|(_, p)| section.contains(*p)).count();
         assert!(drawn.points.len() == points && inside > points * 9 / 10, "{inside} of {points}");
         // Ahead is up, and the cameras look ahead.
-        let nearest = drawn.points.iter().map(|p| p.y).fold(0.0, f32::max);
+        let nearest = drawn.points.iter().map(|(_, p)| p.y).fold(0.0, f32::max);
         assert!(drawn.cameras[2].iter().all(|camera| camera.pos.y > nearest && section.contains(camera.pos)));
         assert_eq!(scene(&both, Projection::Xz, false).points, []);
         // Not aligned, the points have no place beside the truth.

@@ -314,6 +314,10 @@ mod sparse_models {
             assert_eq!((summary.registered_images, summary.points, summary.points_per_image), (2, 2, 1.0));
             assert_eq!((summary.mean_track_length, summary.mean_reprojection_error_px), (3.0, 1.0));
             assert!(model.points.iter().all(|p| p.position[..2] == [1.0, 2.0]), "{:?}", model.points);
+            // Its other images are not in the model.
+            let seen: Vec<(usize, usize)> = model.points.iter().flat_map(|point| model.seen_by(point)).collect();
+            let of_binary = [(0, 0), (1, 0)];
+            assert_eq!(seen, if format == "bin" { &of_binary[..] } else { &[(1, 0), (0, 5), (1, 2), (0, 1)] });
             let poses = model.poses();
             assert_eq!((poses[0].order, poses[0].label.as_str(), poses[0].time), (1, "first.png", None));
         }

@@ -74,7 +74,8 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
         A::TakeLeftBehind(uses) => opening::take_left_behind(model, uses, engine),
         A::DetectAllAnyway => datasets::detect_all(model, engine),
         A::SetPoseStudy(study) => studies::set_pose_study(model, study, engine),
-        A::OpenCamera(label) => dataset_answers::look_at_camera(model, &label, engine),
+        A::OpenCamera(label) => dataset_answers::look_at_camera(model, &label, None, engine),
+        A::OpenFeature(label, index) => dataset_answers::look_at_camera(model, &label, Some(index), engine),
         A::Note(text) => model.shell.messages.note(text),
         A::DismissMessage(id) => model.shell.messages.dismiss(id),
         A::ColourBy(by) => {

@@ -161,6 +161,7 @@ pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) -
                 set.view = View::fit();
             }
             set.selected.take_if(|_| is_other(Which::Truth));
+            set.point.take_if(|_| is_other(Which::Estimate));
             let models = compared.read.iter().flatten().filter_map(|(_, read)| read.model.as_ref());
             if let Some(taken) = models.filter_map(|model| model.taken()).next() {
                 model.shell.messages.note(capitalised(&taken));

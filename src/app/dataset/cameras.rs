@@ -70,7 +70,11 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if response.hovered() {
         queue.point(&model.results.poses.hovered, camera, Pointed::Camera);
     }
-    queue.push_if(response.clicked(), Action::SelectCamera(camera));
+    // A camera comes before the points around it.
+    let point = response.hover_pos().filter(|_| pointed.is_none());
+    let point = point.and_then(|pos| nearest_point(&scene, &ui_from_plane, pos));
+    let select = point.map_or(Action::SelectCamera(camera), Action::SelectPoint);
+    queue.push_if(response.clicked(), select);
     if let Some((which, spot)) = pointed.filter(|_| response.double_clicked()) {
         queue.push(Action::OpenCamera(label_of(model, which, spot.index).to_owned()));
         // A double click fits the view, except on a camera.
@@ -94,6 +98,9 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         };
         let text = text + "\nDouble-click to open its burst";
         response.on_hover_text_at_pointer(text);
+    } else if let Some(point) = point.and_then(|point| model.results.poses.model()?.points.get(point)) {
+        response
+            .on_hover_text_at_pointer(format!("3D point, seen {} times\nClick for its features", point.track.len()));
     }
 }
 
@@ -103,6 +110,13 @@ fn nearest<'a>(scene: &'a PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) 
     let near = spots.map(|(which, s)| (ui_from_plane.pos(s.pos).distance(pos), which, s));
     let (_, which, spot) = near.filter(|n| n.0 <= REACH).min_by(|a, b| a.0.total_cmp(&b.0))?;
     Some((which, spot))
+}
+
+/// Place in the model of the nearest point that is drawn.
+fn nearest_point(scene: &PlaneScene, ui_from_plane: &RectTransform, pos: Pos2) -> Option<usize> {
+    let near = scene.points.iter().map(|(point, at)| (ui_from_plane.pos(*at).distance(pos), *point));
+    let (distance, point) = near.min_by(|a, b| a.0.total_cmp(&b.0))?;
+    (distance <= 0.5 * REACH).then_some(point)
 }
 
 fn label_of(model: Read<'_>, which: Which, index: usize) -> &str {
@@ -164,8 +178,16 @@ fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from
     let error_colour = ui.visuals().error_fg_color;
     let is_free = model.document.trajectories.projection == Projection::Free;
     let mut dots = Mesh::default();
-    for point in &scene.points {
-        dots.add_colored_rect(Rect::from_center_size(ui_from_plane.pos(*point), vec2(2.0, 2.0)), point_colour(ui));
+    let selected = model.document.trajectories.point;
+    for (point, at) in &scene.points {
+        let at = ui_from_plane.pos(*at);
+        if let Some((sparse, _)) = model.results.poses.model().zip(selected.filter(|selected| selected == point)) {
+            for (image, _) in sparse.points.get(*point).into_iter().flat_map(|point| sparse.seen_by(point)) {
+                painter.line_segment([at, places[0][image]], Stroke::new(1.0, ui.visuals().strong_text_color()));
+            }
+            painter.circle_filled(at, 4.0, ui.visuals().strong_text_color());
+        }
+        dots.add_colored_rect(Rect::from_center_size(at, vec2(2.0, 2.0)), point_colour(ui));
     }
     painter.add(dots);
     // Differences lie below the trajectories, whose marks stay whole.
@@ -190,7 +212,7 @@ fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from
 }
 
 /// Whether no estimate that is compared has the true camera.
-fn is_missing(model: Read<'_>, camera: usize) -> bool {
+pub fn is_missing(model: Read<'_>, camera: usize) -> bool {
     model.results.poses.compared.pairs.get(camera).is_some_and(|pairs| pairs.iter().all(Option::is_none))
 }
 
@@ -248,8 +270,7 @@ pub fn errors_text(PoseReport { right, images, absolute, .. }: &PoseReport) -> S
 
 /// The number of points, and how many of them are drawn if not all are.
 fn points_text(model: Read<'_>, scene: &PlaneScene) -> String {
-    let estimate = model.results.poses.read(Which::Estimate);
-    let all = estimate.and_then(|estimate| estimate.model.as_ref()).map_or(0, |model| model.points.len());
+    let all = model.results.poses.model().map_or(0, |model| model.points.len());
     match scene.points.len() {
         drawn if drawn < all => format!("3D points, {drawn} of {all} drawn"),
         drawn => format!("{drawn} 3D points"),

@@ -1,11 +1,13 @@
 //! Panel of the trajectories: their files, the settings of the comparison, the errors, and the reconstruction.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
-use crate::app::dataset::cameras::{colour, name};
+use crate::app::dataset::cameras::{camera_label, camera_text, colour, is_missing, name};
 use crate::app::document::{Action, Trajectories};
 use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
+use crate::app::results::datasets::pairs::lost_text;
 use crate::app::results::{Dataset, Read};
-use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection};
+use crate::evaluate::poses::sparse::SparsePoint;
+use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection, SparseModel};
 use crate::inspect::words::capitalised;
 use crate::matching::ImageCounts;
 use crate::requests::Which;
@@ -18,8 +20,14 @@ pub fn errors_panel_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         file_ui(ui, model, queue, ActionId::OpenTruth, Which::Truth);
         study_ui(ui, model, queue);
     });
-    model.results.poses.problems().for_each(|problem| _ = error_ui(ui, problem));
-    let poses = &model.results.poses;
+    let (poses, set) = (&model.results.poses, &model.document.trajectories);
+    poses.problems().for_each(|problem| _ = error_ui(ui, problem));
+    if let Some(camera) = set.selected.filter(|camera| *camera < poses.compared.pairs.len()) {
+        section_ui(ui, "Camera", |ui| camera_ui(ui, model, queue, camera));
+    }
+    if let Some((sparse, point)) = poses.model().and_then(|sparse| Some((sparse, sparse.points.get(set.point?)?))) {
+        section_ui(ui, "3D point", |ui| point_ui(ui, queue, sparse, point));
+    }
     if poses.reports().next().is_some() {
         section_ui(ui, "Errors", |ui| {
             for (which, report) in poses.reports() {
@@ -54,6 +62,44 @@ fn file_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, which:
     }
 }
 
+/// A camera, its burst, and the pair by which it hangs: that with the fewest inliers, or where no estimate has the camera,
+/// the one that comes nearest to it.
+fn camera_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, camera: usize) {
+    ui.label(camera_text(model, camera));
+    let label = camera_label(model, camera);
+    let Some(dataset) = &model.results.datasets.open else {
+        ui.weak("Open the dataset to go to its burst and its pairs.");
+        return;
+    };
+    queue.push_if(ui.button("Open its burst").clicked(), Action::OpenCamera(label.to_owned()));
+    let is_missing = is_missing(model, camera);
+    let pair = dataset.place_of_camera(label).and_then(|place| dataset.matches.of_burst(place, is_missing));
+    let Some((pair, counts)) = pair else {
+        ui.weak("No pair of its burst has a match: match the dataset's pairs.");
+        return;
+    };
+    let (name, [a, b]) = (if is_missing { "Best pair" } else { "Weakest pair" }, [pair.0, pair.1]);
+    let [a, b] = [a, b].map(|place| dataset.bursts[place].name.as_str());
+    let (text, step) = lost_text(&counts, model.losses_of(pair));
+    if ui.button(format!("{name}: {a}, {b}")).on_hover_text("Show it, with why its features are lost").clicked() {
+        queue.push(Action::SelectPair(pair));
+        queue.push(ActionId::ShowPair);
+        queue.push(Action::ShowLost(step, true));
+    }
+    ui.label(text);
+}
+
+/// A point with its keypoints, which are the features of their bursts where the model was made from the dataset's.
+fn point_ui(ui: &mut Ui, queue: &mut Queue, sparse: &SparseModel, point: &SparsePoint) {
+    ui.label(format!("seen {} times, {:.2} px off in the mean", point.track.len(), point.reprojection_error_px));
+    for (image, keypoint) in sparse.seen_by(point) {
+        let name = &sparse.images[image].name;
+        let response = ui.link(format!("{name}, keypoint {keypoint}"));
+        let response = response.on_hover_text("Open the burst with the feature of this number, if the dataset is open");
+        queue.push_if(response.clicked(), Action::OpenFeature(name.clone(), keypoint));
+    }
+}
+
 fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let trajectories: &Trajectories = &model.document.trajectories;
     let (mut projection, mut study) = (trajectories.projection, trajectories.study);
@@ -63,7 +109,7 @@ fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             .on_hover_text("The plane in which the cameras are drawn, or a free view that dragging turns");
         choice_ui(ui, "projection", label.id, None, &mut projection, Projection::ALL, Projection::name);
         ui.end_row();
-        if model.results.poses.has_points() {
+        if model.results.poses.model().is_some() {
             let label = ui.label("3D points").on_hover_text("Draw the points of the estimate that the cameras saw");
             let mut points = trajectories.points;
             ui.checkbox(&mut points, "").labelled_by(label.id);
@@ -127,8 +173,7 @@ fn errors_ui(ui: &mut Ui, which: Which, report: &PoseReport) {
 }
 
 fn reconstruction_ui(ui: &mut Ui, model: Read<'_>) {
-    let estimate = model.results.poses.read(Which::Estimate);
-    let summary = estimate.and_then(|estimate| estimate.model.as_ref()).map(|model| model.summary());
+    let summary = model.results.poses.model().map(SparseModel::summary);
     let matched = model.results.datasets.open.as_ref().and_then(Dataset::image_counts);
     // Without a truth the number of images is unknown, and with it the share.
     let registered = match (model.results.poses.report(Which::Estimate), &summary) {

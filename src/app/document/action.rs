@@ -98,7 +98,6 @@ fields {
     SetProjection(Projection) => trajectories.projection;
     MoveCameras(View) => trajectories.view;
     Orbit([f32; 2]) => trajectories.orbit;
-    SelectCamera(#[serde(with = "or_none")] Option<usize>) => trajectories.selected;
 }
 large {
     /// All parameters, as a file has them.
@@ -161,6 +160,10 @@ changes {
     ChooseBurst(Side, usize) => |document, side, place|
         document.dataset.iter_mut().for_each(|set| set.choose(side, place));
     SelectPair(BurstPair) => |document, pair| document.dataset.iter_mut().for_each(|set| set.select(pair));
+    SelectCamera(#[serde(with = "or_none")] Option<usize>) => |document, camera|
+        (document.trajectories.selected, document.trajectories.point) = (camera, None);
+    SelectPoint(usize) => |document, point|
+        (document.trajectories.selected, document.trajectories.point) = (None, Some(point));
     /// With other points the section shown is another one.
     ShowPoints(bool) => |document, points|
         (document.trajectories.points, document.trajectories.view) = (points, View::fit());
@@ -225,6 +228,8 @@ others {
     SetPoseStudy(PoseStudy),
     /// The burst of a camera, by its label.
     OpenCamera(String),
+    /// The burst of a camera, with the feature of an index.
+    OpenFeature(String, usize),
 
     Note(String),
     DismissMessage(u64),

@@ -173,8 +173,12 @@ impl Read<'_> {
         }
     }
 
-    /// Index of the feature nearest to `saved` in place, scale and slope, if it is near enough to be the same feature.
+    /// Index of the feature nearest to `saved` in place, scale and slope, if it is near enough to be the same feature; the
+    /// index in `saved` where nothing else is known.
     pub fn find_again(self, saved: &SavedSelection) -> Option<usize> {
+        if saved.sigma == 0.0 {
+            return Some(saved.index).filter(|index| *index < self.features().len());
+        }
         let distance = |f: &Feature| {
             let place = (f.u - saved.u).hypot(f.v - saved.v) / saved.sigma.max(0.5);
             let scale = (f.sigma / saved.sigma).log2().abs();

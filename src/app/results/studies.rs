@@ -4,7 +4,7 @@ use crate::app::document::{LabQuestion, LabSet, Side, Trajectories};
 use crate::app::results::Read;
 use crate::app::view::View;
 use crate::engine::Wanted;
-use crate::evaluate::poses::{PairReport, PoseReport, PoseStudy, Projection, Trajectory};
+use crate::evaluate::poses::{PairReport, PoseReport, PoseStudy, Projection, SparseModel, Trajectory};
 use crate::recover::{Planted, RecoverReport, RecoverStudy};
 use crate::requests::{
     BurstSource, ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which,
@@ -52,8 +52,8 @@ pub struct Spot {
 pub struct PlaneScene {
     /// Cameras in the order of [`Which::ALL`].
     pub cameras: [Vec<Spot>; 3],
-    /// Points of the estimate, in plane units: all, or at most 20 000 of them.
-    pub points: Vec<egui::Pos2>,
+    /// Points of the estimate by their places in the model, in plane units: all, or at most 20 000 of them.
+    pub points: Vec<(usize, egui::Pos2)>,
     pub size: (usize, usize),
     /// Plane units for one unit of the truth.
     pub scale: f64,
@@ -66,7 +66,7 @@ pub struct TrajectoryResults {
     pub hovered: Option<usize>,
     pub reading: Wanted<PosesRequest>,
     /// The scene last drawn, and what it was drawn by.
-    kept: RefCell<Option<(Trajectories, Arc<PlaneScene>)>>,
+    pub kept: RefCell<Option<(Trajectories, Arc<PlaneScene>)>>,
 }
 
 impl TrajectoryResults {
@@ -105,13 +105,13 @@ impl TrajectoryResults {
         self.compared.reports.iter().flatten().filter_map(|report| report.as_ref().err().map(String::as_str))
     }
 
-    /// Whether the estimate is a sparse model, which has points.
-    pub fn has_points(&self) -> bool {
-        self.read(Which::Estimate).is_some_and(|estimate| estimate.model.is_some())
+    /// The estimate as a sparse model, which has points.
+    pub fn model(&self) -> Option<&SparseModel> {
+        self.read(Which::Estimate)?.model.as_ref()
     }
 
     pub fn scene(&self, set: &Trajectories) -> Arc<PlaneScene> {
-        let by = Trajectories { view: View::fit(), selected: None, ..set.clone() };
+        let by = Trajectories { view: View::fit(), selected: None, point: None, ..set.clone() };
         let mut kept = self.kept.borrow_mut();
         let (_, scene) = match kept.take() {
             Some(last) if last.0 == by => kept.insert(last),
@@ -194,7 +194,7 @@ impl PlaneScene {
         };
         Self {
             cameras: [spots(0), spots(1), spots(2)],
-            points: points.iter().filter(|p| p.iter().all(|x| x.is_finite())).map(place).collect(),
+            points: (0..).step_by(every).zip(points.iter().map(place)).filter(|(_, p)| p.is_finite()).collect(),
             size: (width.ceil() as usize, height.ceil() as usize),
             scale,
         }

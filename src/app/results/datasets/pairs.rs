@@ -1,6 +1,10 @@
 //! The matches of a dataset's pairs in numbers, and in which order they are listed.
 
-use crate::app::document::{BurstPair, Order, PairColumn};
+use crate::app::document::{BurstPair, Order, PairColumn, Side};
+use crate::app::results::Read;
+use crate::app::results::pair::lost_words;
+use crate::dataset::INLIERS_TO_START;
+use crate::inspect::pair::Lost;
 use crate::matching::{MatchCounts, MatchParams};
 use std::collections::BTreeMap;
 
@@ -100,6 +104,15 @@ impl PairTable {
         self.counts.values().map(Self::strength).max().unwrap_or(0)
     }
 
+    /// Of the pairs of a burst that have a match, that with the most inliers, or else with the fewest.
+    pub fn of_burst(&self, place: usize, strongest: bool) -> Option<(BurstPair, MatchCounts)> {
+        let own = |((a, b), counts): &(&BurstPair, &MatchCounts)| (*a == place || *b == place) && counts.putative > 0;
+        let own = self.counts.iter().filter(own);
+        let by = |(_, counts): &(&BurstPair, &MatchCounts)| (Self::strength(counts), counts.putative);
+        let found = if strongest { own.max_by_key(by) } else { own.min_by_key(by) };
+        found.map(|(pair, counts)| (*pair, *counts))
+    }
+
     pub fn listed(&self) -> Vec<(BurstPair, MatchCounts)> {
         let mut rows: Vec<(BurstPair, MatchCounts)> = self.counts.iter().map(|(p, c)| (*p, *c)).collect();
         let Order { column, descending } = self.order;
@@ -116,9 +129,39 @@ impl PairTable {
     }
 }
 
+/// Inliers of a pair beside those that a mapper needs, and the step at which most of the features of its first burst were
+/// lost, as far as it is known: without the `steps` of each feature the counts alone tell.
+pub fn lost_text(counts: &MatchCounts, steps: Option<&[(Lost, usize); 6]>) -> (String, Lost) {
+    let MatchCounts { keypoints_a, putative, inliers, refused, .. } = *counts;
+    let lost = match steps {
+        Some(steps) => steps.iter().skip(1).map(|&(lost, count)| (lost, count, lost_words(lost)[0])).collect(),
+        None => vec![
+            (Lost::RatioTest, keypoints_a.saturating_sub(putative), "ratio test or mutual check"),
+            (Lost::Geometry, putative.saturating_sub(inliers.unwrap_or(putative)), "geometry"),
+        ],
+    };
+    let all: usize = steps.map_or(keypoints_a, |steps| steps.iter().map(|(_, count)| count).sum());
+    // Of equal ones the earlier step.
+    let (lost, count, step) = lost.into_iter().rev().max_by_key(|(_, count, _)| *count).expect("there are steps");
+    let percent = 100.0 * count as f64 / all.max(1) as f64;
+    let refused = refused.map_or_else(String::new, |why| format!("; refused: {}", why.words()));
+    let text = format!("{} inliers of about {INLIERS_TO_START} needed{refused}", inliers.unwrap_or(0));
+    (format!("{text}; {percent:.0} % of {all} keypoints lost: {step}"), lost)
+}
+
+impl<'a> Read<'a> {
+    /// Numbers of features lost at each step in a pair of the dataset, where its bursts are open and matched.
+    pub fn losses_of(self, (a, b): BurstPair) -> Option<&'a [(Lost, usize); 6]> {
+        let dataset = self.results.datasets.open.as_ref()?;
+        let is_open = |side, place| dataset.place_of(self.burst_of(side)) == Some(place);
+        self.losses().filter(|_| is_open(Side::A, a) && is_open(Side::B, b)).map(|found| &found.counts)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::matching::Refusal;
 
     #[test]
     fn pairs_are_listed_in_the_order_that_was_clicked() {
@@ -136,5 +179,25 @@ mod tests {
         assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
         [PairColumn::Pair; 2].into_iter().for_each(|column| table.sort_by(column));
         assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
+        let of_burst = |strongest| table.of_burst(0, strongest).map(|(pair, _)| pair);
+        assert_eq!([of_burst(true), of_burst(false)], [Some((0, 1)), Some((0, 2))]);
+        assert_eq!(table.of_burst(3, true), None);
+    }
+
+    #[test]
+    fn the_step_that_lost_most_is_said_as_far_as_it_is_known() {
+        let counts = MatchCounts { keypoints_a: 200, putative: 60, inliers: Some(12), ..MatchCounts::default() };
+        let (text, lost) = lost_text(&counts, None);
+        assert_eq!(text, "12 inliers of about 30 needed; 70 % of 200 keypoints lost: ratio test or mutual check");
+        let mut steps = Lost::ALL.map(|lost| (lost, 12));
+        (steps[2].1, steps[3].1) = (18, 134);
+        let exact = lost_text(&counts, Some(&steps));
+        assert_eq!(exact.0, "12 inliers of about 30 needed; 67 % of 200 keypoints lost: mutual check");
+        assert_eq!((lost, exact.1), (Lost::RatioTest, Lost::MutualCheck));
+        let refused = MatchCounts { putative: 190, inliers: Some(0), refused: Some(Refusal::Motions), ..counts };
+        assert!(
+            lost_text(&refused, None).0.contains("refused: the motions")
+                && lost_text(&refused, None).0.ends_with("geometry")
+        );
     }
 }

@@ -29,14 +29,14 @@ pub struct SparseImage {
 }
 
 /// A point of the model.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct SparsePoint {
     /// Place in the model's world.
     pub position: [f64; 3],
     /// Mean reprojection error over its keypoints, pixels.
     pub reprojection_error_px: f64,
-    /// Number of keypoints of the track.
-    pub track_length: usize,
+    /// Id of the image, and index of the keypoint in it, each time that the point is seen.
+    pub track: Box<[[u32; 2]]>,
 }
 
 /// A sparse model.
@@ -98,6 +98,12 @@ impl SparseModel {
         self.images.iter().map(pose).collect()
     }
 
+    /// Places of the images that see a point, with the indices of their keypoints.
+    pub fn seen_by(&self, point: &SparsePoint) -> impl Iterator<Item = (usize, usize)> {
+        let place = |id: u32| self.images.binary_search_by_key(&id, |image| image.id).ok();
+        point.track.iter().filter_map(move |&[id, keypoint]| Some((place(id)?, keypoint as usize)))
+    }
+
     /// Words on the part that was taken of a reconstruction in several; `None` where it is in one.
     pub fn taken(&self) -> Option<String> {
         let parts = self.other_models + 1;
@@ -112,7 +118,7 @@ impl SparseModel {
             registered_images: self.images.len(),
             points: self.points.len(),
             points_per_image: observations as f64 / self.images.len() as f64,
-            mean_track_length: self.points.iter().map(|p| p.track_length as f64).sum::<f64>() / points,
+            mean_track_length: self.points.iter().map(|p| p.track.len() as f64).sum::<f64>() / points,
             mean_reprojection_error_px: self.points.iter().map(|p| p.reprojection_error_px).sum::<f64>() / points,
         }
     }
