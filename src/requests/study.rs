@@ -53,29 +53,29 @@ impl Request for FiguresJob {
     }
 }
 
-/// Source of a trajectory: a path, or a trajectory that was read already.
+/// A trajectory by its path, with what was read there already.
 #[derive(Debug, Clone)]
-pub enum TrajectorySource {
-    Path(PathBuf),
-    Read(PathBuf, Arc<Trajectory>),
+pub struct TrajectorySource {
+    pub path: PathBuf,
+    pub read: Option<Arc<Trajectory>>,
 }
 
 impl TrajectorySource {
     fn read(self) -> Result<(PathBuf, Arc<Trajectory>), JobError> {
-        match self {
-            Self::Path(path) => {
-                let trajectory = read_trajectory(&path)?;
-                Ok((path, Arc::new(trajectory)))
-            }
-            Self::Read(path, trajectory) => Ok((path, trajectory)),
-        }
+        let read = self.read.map_or_else(|| read_trajectory(&self.path).map(Arc::new), Ok)?;
+        Ok((self.path, read))
+    }
+}
+
+impl From<PathBuf> for TrajectorySource {
+    fn from(path: PathBuf) -> Self {
+        Self { path, read: None }
     }
 }
 
 impl PartialEq for TrajectorySource {
     fn eq(&self, other: &Self) -> bool {
-        let [Self::Path(mine) | Self::Read(mine, _), Self::Path(theirs) | Self::Read(theirs, _)] = [self, other];
-        mine == theirs
+        self.path == other.path
     }
 }
 

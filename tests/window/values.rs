@@ -191,6 +191,51 @@ mod trajectories {
     }
 }
 
+mod pairs_of_a_dataset {
+    use burstscope::app::document::PairColumn;
+    use burstscope::app::results::datasets::pairs::{PairTable, lost_text};
+    use burstscope::inspect::pair::Lost;
+    use burstscope::matching::{MatchCounts, Refusal};
+
+    #[test]
+    fn pairs_are_listed_in_the_order_that_was_clicked() {
+        let mut table = PairTable::default();
+        for (pair, putative, inliers) in [((0, 1), 30, 20), ((0, 2), 40, 0), ((1, 2), 30, 25)] {
+            table.take(pair, MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() });
+        }
+        let pairs = |table: &PairTable| table.listed().into_iter().map(|(p, _)| p).collect::<Vec<_>>();
+        assert_eq!((pairs(&table), table.strongest()), (vec![(0, 1), (0, 2), (1, 2)], 25));
+        table.sort_by(PairColumn::Inliers);
+        assert_eq!(pairs(&table), [(1, 2), (0, 1), (0, 2)]);
+        table.sort_by(PairColumn::Inliers);
+        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)]);
+        table.sort_by(PairColumn::Putative);
+        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
+        [PairColumn::Pair; 2].into_iter().for_each(|column| table.sort_by(column));
+        assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
+        let of_burst = |strongest| table.of_burst(0, strongest).map(|(pair, _)| pair);
+        assert_eq!([of_burst(true), of_burst(false)], [Some((0, 1)), Some((0, 2))]);
+        assert_eq!(table.of_burst(3, true), None);
+    }
+
+    #[test]
+    fn the_step_that_lost_most_is_said_as_far_as_it_is_known() {
+        let counts = MatchCounts { keypoints_a: 200, putative: 60, inliers: Some(12), ..MatchCounts::default() };
+        let (text, lost) = lost_text(&counts, None);
+        assert_eq!(text, "12 inliers of about 30 needed; 70 % of 200 keypoints lost: ratio test or mutual check");
+        let mut steps = Lost::ALL.map(|lost| (lost, 12));
+        (steps[2].1, steps[3].1) = (18, 134);
+        let exact = lost_text(&counts, Some(&steps));
+        assert_eq!(exact.0, "12 inliers of about 30 needed; 67 % of 200 keypoints lost: mutual check");
+        assert_eq!((lost, exact.1), (Lost::RatioTest, Lost::MutualCheck));
+        let refused = MatchCounts { putative: 190, inliers: Some(0), refused: Some(Refusal::Motions), ..counts };
+        assert!(
+            lost_text(&refused, None).0.contains("refused: the motions")
+                && lost_text(&refused, None).0.ends_with("geometry")
+        );
+    }
+}
+
 mod listed {
     use burstscope::app::document::Document;
     use burstscope::app::document::filter::{Filter, Interval, Order, near_slope};

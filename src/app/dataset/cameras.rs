@@ -7,6 +7,7 @@ use crate::app::panel::widgets::instead_ui;
 use crate::app::results::studies::ORBIT_BEGINS;
 use crate::app::results::{PlaneScene, Read, Spot};
 use crate::app::style;
+use crate::evaluate::poses::sparse::SparseImage;
 use crate::evaluate::poses::{PairReport, PoseReport, Projection};
 use crate::export::round_length;
 use crate::requests::Which;
@@ -54,7 +55,7 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let scene = model.results.poses.scene(&model.document.trajectories);
     if scene.cameras.iter().all(Vec::is_empty) {
         let none = "Open an estimated and a true trajectory to compare them";
-        let text = model.results.poses.problems().next().unwrap_or(none);
+        let text = model.results.poses.problems().next().map_or(none, |(_, problem)| problem);
         message(ui, &painter, rect, text);
         return;
     }
@@ -92,10 +93,8 @@ pub fn plane_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     draw(ui, &painter, model, &scene, &ui_from_plane);
     frame_ui(ui, model, &scene, &ui_from_plane, rect);
     if let Some((which, spot)) = pointed.filter(|_| !response.dragged()) {
-        let text = match spot.camera.filter(|_| model.results.poses.reports().next().is_some()) {
-            Some(camera) => camera_text(model, camera),
-            None => label_of(model, which, spot.index).to_owned(),
-        };
+        let label = || label_of(model, which, spot.index).to_owned();
+        let text = spot.camera.map_or_else(label, |camera| camera_text(model, camera));
         let text = text + "\nDouble-click to open its burst";
         response.on_hover_text_at_pointer(text);
     } else if let Some(point) = point.and_then(|point| model.results.poses.model()?.points.get(point)) {
@@ -171,10 +170,8 @@ fn line(painter: &Painter, which: Which, along: &[Pos2], colour: Color32) {
 }
 
 fn draw(ui: &Ui, painter: &Painter, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTransform) {
-    let places = scene.cameras.each_ref().map(|spots| {
-        let places = spots.iter().map(|s| ui_from_plane.pos(s.pos));
-        places.collect::<Vec<_>>()
-    });
+    let place = |spot: &Spot| ui_from_plane.pos(spot.pos);
+    let places = scene.cameras.each_ref().map(|spots| spots.iter().map(place).collect::<Vec<_>>());
     let error_colour = ui.visuals().error_fg_color;
     let is_free = model.document.trajectories.projection == Projection::Free;
     let mut dots = Mesh::default();
@@ -256,7 +253,7 @@ fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTr
     let text = format!("{} (the {whose}'s unit)", crate::app::canvas::number(length as f32, 3));
     painter.text(from + vec2(0.0, -5.0), Align2::LEFT_BOTTOM, text, font.clone(), weak);
     let text = match model.document.trajectories.projection.axis_names() {
-        ["", _] => "drag: around,  double click: from the start again".to_owned(),
+        ["", _] => "A drag turns the view, a double click begins again".to_owned(),
         [right, up] => format!("{right}: to the right,  {up}: up"),
     };
     painter.text(rect.right_bottom() + vec2(-10.0, -8.0), Align2::RIGHT_BOTTOM, text, font, weak);
@@ -288,22 +285,19 @@ struct Bar {
 /// A bar for each image: of the truth, in its order, where there is a comparison, otherwise of the estimate.
 fn bars(model: Read<'_>) -> Vec<Bar> {
     let poses = &model.results.poses;
-    let models = Which::ESTIMATES.map(|which| poses.read(which).filter(|read| read.model.is_some()).map(|_| which));
-    if models == [None; 2] {
-        return Vec::new();
-    }
     if poses.compared.pairs.is_empty() {
-        let images = poses.read(Which::Estimate).into_iter().flat_map(|read| read.poses.iter().enumerate());
-        let points = |index| vec![(Which::Estimate, points_of(model, Which::Estimate, index))];
-        return images.map(|(index, p)| Bar { label: p.label.clone(), points: points(index), camera: None }).collect();
+        let images = poses.model().into_iter().flat_map(|sparse| &sparse.images);
+        let points = |image: &SparseImage| vec![(Which::Estimate, Some(image.points))];
+        return images.map(|i| Bar { label: i.name.clone(), points: points(i), camera: None }).collect();
     }
+    let models = poses.reports().filter(|(_, report)| report.model.is_some());
+    let models: Vec<Which> = models.map(|(which, _)| which).collect();
     let bar = |camera: usize| {
-        let shown = models.into_iter().flatten().filter(|which| poses.report(*which).is_some());
         let points = |which| points_of(model, which, poses.pair(which, camera)?.estimate);
-        let points = shown.map(|which| (which, points(which))).collect();
+        let points = models.iter().map(|&which| (which, points(which))).collect();
         Bar { label: camera_label(model, camera).to_owned(), points, camera: Some(camera) }
     };
-    (0..poses.compared.pairs.len()).map(bar).collect()
+    (0..poses.compared.pairs.len()).filter(|_| !models.is_empty()).map(bar).collect()
 }
 
 pub fn points_strip_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {

@@ -21,7 +21,9 @@ pub fn errors_panel_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         study_ui(ui, model, queue);
     });
     let (poses, set) = (&model.results.poses, &model.document.trajectories);
-    poses.problems().for_each(|problem| _ = error_ui(ui, problem));
+    for (which, problem) in poses.problems() {
+        error_ui(ui, format!("{}: {problem}", name(which)));
+    }
     if let Some(camera) = set.selected.filter(|camera| *camera < poses.compared.pairs.len()) {
         section_ui(ui, "Camera", |ui| camera_ui(ui, model, queue, camera));
     }
@@ -62,8 +64,8 @@ fn file_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, which:
     }
 }
 
-/// A camera, its burst, and the pair by which it hangs: that with the fewest inliers, or where no estimate has the camera,
-/// the one that comes nearest to it.
+/// A camera, with its burst and the pair by which it hangs: the weakest of the burst, or where no estimate has the camera
+/// the best.
 fn camera_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, camera: usize) {
     ui.label(camera_text(model, camera));
     let label = camera_label(model, camera);
@@ -75,7 +77,7 @@ fn camera_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, camera: usize) {
     let is_missing = is_missing(model, camera);
     let pair = dataset.place_of_camera(label).and_then(|place| dataset.matches.of_burst(place, is_missing));
     let Some((pair, counts)) = pair else {
-        ui.weak("No pair of its burst has a match: match the dataset's pairs.");
+        ui.weak("Its burst has no matched pair in the open dataset.");
         return;
     };
     let (name, [a, b]) = (if is_missing { "Best pair" } else { "Weakest pair" }, [pair.0, pair.1]);

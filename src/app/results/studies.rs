@@ -44,7 +44,7 @@ pub struct Spot {
     pub frustum: [egui::Pos2; 4],
     /// Place among the poses of its trajectory.
     pub index: usize,
-    /// Place of the true camera: its own, or that of its pair.
+    /// Place of the true camera, which an estimate without a pair has not.
     pub camera: Option<usize>,
 }
 
@@ -71,8 +71,8 @@ pub struct TrajectoryResults {
 
 impl TrajectoryResults {
     pub fn request(&self, study: PoseStudy) -> PosesRequest {
-        let source =
-            |read: &ReadTrajectory| read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory));
+        let known = |(path, read)| TrajectorySource { path, read: Some(read) };
+        let source = |read: &ReadTrajectory| read.clone().map(known);
         let asked = self.reading.pending().map(|asked| asked.sources.clone());
         PosesRequest { sources: asked.unwrap_or_else(|| self.compared.read.each_ref().map(source)), study }
     }
@@ -101,8 +101,9 @@ impl TrajectoryResults {
     }
 
     /// Why an estimate cannot be compared with the truth.
-    pub fn problems(&self) -> impl Iterator<Item = &str> {
-        self.compared.reports.iter().flatten().filter_map(|report| report.as_ref().err().map(String::as_str))
+    pub fn problems(&self) -> impl Iterator<Item = (Which, &String)> {
+        let reports = Which::ESTIMATES.into_iter().zip(&self.compared.reports);
+        reports.filter_map(|(which, report)| Some((which, report.as_ref()?.as_ref().err()?)))
     }
 
     /// The estimate as a sparse model, which has points.
