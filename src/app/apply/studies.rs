@@ -162,8 +162,8 @@ pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) -
             }
             set.selected.take_if(|_| is_other(Which::Truth));
             set.point.take_if(|_| is_other(Which::Estimate));
-            let models = compared.read.iter().flatten().filter_map(|(_, read)| read.model.as_ref());
-            if let Some(taken) = models.filter_map(|model| model.taken()).next() {
+            let mut models = compared.read.iter().flatten().filter_map(|(_, read)| read.model.as_ref());
+            if let Some(taken) = models.find_map(|model| model.taken()) {
                 model.shell.messages.note(capitalised(&taken));
             }
             let reading = std::mem::take(&mut model.results.poses.reading);
