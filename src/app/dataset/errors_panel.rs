@@ -142,7 +142,7 @@ fn errors_ui(ui: &mut Ui, which: Which, report: &PoseReport) {
     let paired =
         format!("{} poses paired {}, scale {:.5}", report.absolute.count, report.associated.phrase(), report.scale);
     ui.weak(paired).on_hover_text("The estimate is aligned with the truth by the similarity that minimises the squared distances of the camera centres (Umeyama 1991)");
-    let right = "Within 3 % of the way's extent and 3° of the truth, aligned by the two cameras by which most are; the errors are aligned by all";
+    let right = "Within 3 % of the way's extent and 3° of the truth, aligned by two cameras or by all, as most are right; the errors are aligned by all";
     ui.label(format!("{} of {} cameras right", report.right, report.images)).on_hover_text(right);
     if report.absolute.count <= 2 {
         ui.weak("Two poses always fit: their errors say nothing.");
