@@ -223,6 +223,8 @@ mod pairs_of_a_dataset {
         let counts = MatchCounts { keypoints_a: 200, putative: 60, inliers: Some(12), ..MatchCounts::default() };
         let (text, lost) = lost_text(&counts, None);
         assert_eq!(text, "12 inliers of about 30 needed; 70 % of 200 keypoints lost: ratio test or mutual check");
+        let known = MatchCounts { not_mutual: Some(20), ..counts };
+        assert!(lost_text(&known, None).0.ends_with("60 % of 200 keypoints lost: ratio test"));
         let mut steps = Lost::ALL.map(|lost| (lost, 12));
         (steps[2].1, steps[3].1) = (18, 134);
         let exact = lost_text(&counts, Some(&steps));

@@ -132,11 +132,14 @@ impl PairTable {
 /// Inliers of a pair beside those that a mapper needs, and the step at which most of the features of its first burst were
 /// lost, as far as it is known: without the `steps` of each feature the counts alone tell.
 pub fn lost_text(counts: &MatchCounts, steps: Option<&[(Lost, usize); 6]>) -> (String, Lost) {
-    let MatchCounts { keypoints_a, putative, inliers, refused, .. } = *counts;
+    let MatchCounts { keypoints_a, putative, inliers, refused, not_mutual, .. } = *counts;
+    let by_descriptor = keypoints_a.saturating_sub(putative + not_mutual.unwrap_or(0));
+    let first = if not_mutual.is_some() { "ratio test" } else { "ratio test or mutual check" };
     let lost = match steps {
         Some(steps) => steps.iter().skip(1).map(|&(lost, count)| (lost, count, lost_words(lost)[0])).collect(),
         None => vec![
-            (Lost::RatioTest, keypoints_a.saturating_sub(putative), "ratio test or mutual check"),
+            (Lost::RatioTest, by_descriptor, first),
+            (Lost::MutualCheck, not_mutual.unwrap_or(0), "mutual check"),
             (Lost::Geometry, putative.saturating_sub(inliers.unwrap_or(putative)), "geometry"),
         ],
     };
