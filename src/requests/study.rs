@@ -67,12 +67,6 @@ impl TrajectorySource {
     }
 }
 
-impl From<PathBuf> for TrajectorySource {
-    fn from(path: PathBuf) -> Self {
-        Self { path, read: None }
-    }
-}
-
 impl PartialEq for TrajectorySource {
     fn eq(&self, other: &Self) -> bool {
         self.path == other.path

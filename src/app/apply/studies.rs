@@ -128,7 +128,7 @@ pub(super) fn take_figures(model: &mut Model, ended: Ended<FiguresJob>) -> Vec<E
 pub fn open_trajectory(model: &mut Model, which: Which, path: Option<PathBuf>, engine: &Engine) {
     let (set, poses) = (&mut model.document.trajectories, &mut model.results.poses);
     let mut request = poses.request(set.study);
-    request.sources[which as usize] = path.clone().map(TrajectorySource::from);
+    request.sources[which as usize] = path.clone().map(|path| TrajectorySource { path, read: None });
     *set.paths_mut()[which as usize] = path;
     poses.reading.ask(engine, request);
     model.document.open_workspace(Workspace::Trajectories);
@@ -190,7 +190,7 @@ pub(in crate::app) fn show_demo_cameras(model: &mut Model, engine: &Engine) {
 pub(in crate::app) fn read_trajectories(model: &mut Model, engine: &Engine) {
     model.results.poses = TrajectoryResults::default();
     let set = &model.document.trajectories;
-    let sources = set.paths().map(|path| path.clone().map(TrajectorySource::from));
+    let sources = set.paths().map(|path| path.clone().map(|path| TrajectorySource { path, read: None }));
     if sources.iter().any(Option::is_some) {
         model.results.poses.reading.ask(engine, PosesRequest { sources, study: set.study });
     }
