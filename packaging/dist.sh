@@ -13,6 +13,20 @@ trap 'rm -rf "$work"' EXIT
 mkdir -p "$out"
 rm -f "$out"/burstscope-*.tar.gz "$out"/burstscope_*.deb
 
+# Manual pages: the program's, and those of the commands that a page names.
+pages=$work/man1
+mkdir "$pages"
+write_pages() {
+    local name=burstscope word
+    for word; do name=$name-$word; done
+    "$program" man "$@" >"$pages/$name.1"
+    for word in $(sed -n "s/\\\\-/-/g; s/^$name-\(.*\)(1)$/\1/p" "$pages/$name.1"); do
+        write_pages "$@" "$word"
+    done
+}
+write_pages
+gzip -9n "$pages"/*
+
 # The portable package: one folder that runs from anywhere.
 name=burstscope-$version-$triple
 mkdir "$work/$name"
@@ -20,6 +34,7 @@ install -m 755 "$program" "$work/$name/"
 strip "$work/$name/burstscope"
 install -m 644 assets/burstscope.desktop assets/icon.svg README.md CITATION.cff LICENSE-APACHE LICENSE-MIT assets/THIRD-PARTY.txt "$work/$name/"
 install -m 755 packaging/install.sh "$work/$name/"
+install -Dm 644 "$pages"/* -t "$work/$name/share/man/man1"
 tar -C "$work" --owner=0 --group=0 --sort=name -czf "$out/$name.tar.gz" "$name"
 
 if ! command -v dpkg-deb >/dev/null; then
@@ -32,6 +47,7 @@ else
     install -Dm 755 "$work/$name/burstscope" "$root/usr/bin/burstscope"
     install -Dm 644 assets/burstscope.desktop "$root/usr/share/applications/burstscope.desktop"
     install -Dm 644 assets/icon.svg "$root/usr/share/icons/hicolor/scalable/apps/burstscope.svg"
+    install -Dm 644 "$pages"/* -t "$root/usr/share/man/man1"
     install -Dm 644 README.md "$root/usr/share/doc/burstscope/README"
     install -Dm 644 assets/THIRD-PARTY.txt CITATION.cff -t "$root/usr/share/doc/burstscope"
     {

@@ -52,12 +52,24 @@ noticed() {
     echo "   notices: $1"
 }
 
+# The manual pages: the program's, and one of a command of two words.
+documented() {
+    for page in burstscope burstscope-evaluate-chart; do
+        chroot "$base/root" sh -c "gzip -dc $1/$page.1.gz | grep -q '^.TH $page 1 '" || {
+            echo "try: no page of $page in $1" >&2
+            exit 1
+        }
+    done
+    echo "   manual pages: $1"
+}
+
 for package in "$out"/burstscope-*.tar.gz; do
     echo "== $(basename "$package"), $(stat -c %s "$package") bytes"
     fresh
     chroot "$base/root" sh -euc "tar -xzf /packages/$(basename "$package") -C /opt && /opt/burstscope-*/install.sh /usr/local >/dev/null"
     start "portable package" /usr/local/bin
     noticed /usr/local/share/doc/burstscope/THIRD-PARTY.txt
+    documented /usr/local/share/man/man1
 done
 
 for package in "$out"/burstscope_*.deb; do
@@ -66,6 +78,7 @@ for package in "$out"/burstscope_*.deb; do
     chroot "$base/root" dpkg --install "/packages/$(basename "$package")" >/dev/null
     start "Debian package" /usr/bin
     noticed /usr/share/doc/burstscope/THIRD-PARTY.txt
+    documented /usr/share/man/man1
     chroot "$base/root" dpkg --remove burstscope >/dev/null
 done
 

@@ -154,7 +154,7 @@ fn look_at_each(engine: &Engine, bursts: &Bursts, params: &SearchParams) -> Soak
             let kind = PictureKind::Stack { slope: Slope::new(u, 0.0) };
             answer_of(engine, wanted, PictureRequest::new(burst.clone(), kind, params.at_given()));
         }
-        assert!(engine.wait_idle(PATIENCE));
+        wait_for(|| engine.is_idle().then_some(()));
         soak.note(engine);
         assert_eq!(engine.held().trails, 1, "that of the burst that is open");
     }
@@ -189,7 +189,7 @@ fn five_hundred_bursts_leave_no_more_behind_than_one_hundred() {
 
     find_all(&engine, &dataset.bursts, &keeping).assert_does_not_grow("a dataset");
     look_at_each(&engine, &dataset.bursts, &params).assert_does_not_grow("bursts one by one");
-    assert!(engine.wait_idle(PATIENCE));
+    wait_for(|| engine.is_idle().then_some(()));
     engine.keep_trails_of(&[]);
     let left = engine.held();
     assert_eq!((left.trails, left.trail_bytes, left.requests), (0, 0, 0));

@@ -118,24 +118,3 @@ impl fmt::Display for Error {
 }
 
 impl std::error::Error for Error {}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_path_ends_the_line_and_anything_else_begins_it() {
-        let path = Path::new("night/f0.png");
-        let content = Error::new(ErrorKind::Content, "made for 9 pixels", "give another").about(path);
-        for (error, words) in [
-            (Error::param("ratio", "2 is above 1", "give 0 to 1"), "ratio: 2 is above 1; give 0 to 1"),
-            (Error::param("", "there is no format 'x'", ""), "there is no format 'x'"),
-            (content, "night/f0.png: made for 9 pixels; give another"),
-            (Error::unread(path, "it is gone"), "cannot read this: it is gone: night/f0.png"),
-            (Error::new(ErrorKind::Locked, "another writes", "wait").about(path), "another writes; wait: night/f0.png"),
-            (Cancelled.into(), "cancelled"),
-        ] {
-            assert_eq!(error.to_string(), words);
-        }
-    }
-}

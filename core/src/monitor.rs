@@ -22,51 +22,44 @@ pub struct Progress {
 }
 
 /// The stages of long work, in the order in which they happen.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, strum::Display)]
 pub enum Stage {
     /// Reading and decoding files.
+    #[strum(to_string = "Opening frames")]
     Open,
     /// Aligning frames and averaging them.
+    #[strum(to_string = "Merging frames")]
     Merge,
     /// Finding the slopes of a burst.
+    #[strum(to_string = "Finding slopes")]
     Slopes,
     /// Estimating the noise of a frame.
+    #[strum(to_string = "Estimating noise")]
     Noise,
     /// Smoothing and stacking frames, filtering over scales and searching one octave.
+    #[strum(to_string = "Searching octave {octave}")]
     Search {
         /// The octave being searched; −1 is the doubled image.
         octave: i32,
     },
     /// Orientations and descriptors.
+    #[strum(to_string = "Describing features")]
     Describe,
     /// Comparing the responses of single frames along the tracks of features.
+    #[strum(to_string = "Comparing frames")]
     Frames,
     /// Comparing descriptors, and verifying their matches geometrically.
+    #[strum(to_string = "Matching features")]
     Match,
     /// Making a synthetic burst.
+    #[strum(to_string = "Making the burst")]
     Synth,
     /// Running detectors over many synthetic bursts and scoring what they find.
+    #[strum(to_string = "Evaluating")]
     Evaluate,
     /// Writing files.
+    #[strum(to_string = "Writing files")]
     Write,
-}
-
-impl std::fmt::Display for Stage {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Open => f.write_str("Opening frames"),
-            Self::Merge => f.write_str("Merging frames"),
-            Self::Slopes => f.write_str("Finding slopes"),
-            Self::Noise => f.write_str("Estimating noise"),
-            Self::Search { octave } => write!(f, "Searching octave {octave}"),
-            Self::Describe => f.write_str("Describing features"),
-            Self::Frames => f.write_str("Comparing frames"),
-            Self::Match => f.write_str("Matching features"),
-            Self::Synth => f.write_str("Making the burst"),
-            Self::Evaluate => f.write_str("Evaluating"),
-            Self::Write => f.write_str("Writing files"),
-        }
-    }
 }
 
 type Listener = Arc<dyn Fn(Progress) + Send + Sync>;

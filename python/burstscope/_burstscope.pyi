@@ -122,7 +122,7 @@ def motion_field(burst: RawBurst, file: _Path | None, given: _Given, progress: _
 def match_features(
     a: tuple[RawBurst | None, RawDetection],
     b: tuple[RawBurst | None, RawDetection],
-    camera: str | None,
+    cameras: Sequence[str],
     given: _Given,
     progress: _Progress,
 ) -> RawMatches: ...

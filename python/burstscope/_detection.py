@@ -17,11 +17,12 @@ from numpy.typing import NDArray
 from burstscope import _burstscope, _drawing
 from burstscope._keywords import DetectorKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import Made, data_frame, documented, raw_burst, texts
+from burstscope._values import Made, data_frame, documented, hloc_name, raw_burst, texts, write_hdf5
 from burstscope._values import path as path_of
 
 if TYPE_CHECKING:
     import cv2
+    import h5py
     import pandas
     import pycolmap
     from matplotlib.axes import Axes
@@ -363,6 +364,73 @@ class Detection(Made):
             for index, ((x, y), sigma, angle, strength, octave) in enumerate(rows)
         ]
         return keypoints, self.descriptors.astype(np.float32)
+
+    def _unit_descriptors(self) -> NDArray[np.float32]:
+        """Descriptors of length 1 [n, 128]."""
+        rows = self.descriptors.astype(np.float32)
+        unit: NDArray[np.float32] = rows / np.maximum(np.linalg.norm(rows, axis=1, keepdims=True), np.float32(1e-6))
+        return unit
+
+    def to_hloc(self) -> dict[str, NDArray[Any]]:
+        """What hloc keeps of the features of an image: ``keypoints`` [n, 2], ``scores``, ``scales`` and ``oris`` [n] and
+        ``descriptors`` [128, n], all float32, and ``image_size`` [2], columns and rows, int64.
+
+        Keypoints are `xy`: hloc, too, has the centre of the first pixel at (0, 0). Scores are `strength`, scales `sigma`,
+        oris `angle`; descriptors have length 1.
+
+        Raises
+        ------
+        ValueError
+            The burst, and so the size of the image, is not known.
+        """
+        _, rows, columns = self.burst.shape
+        return {
+            "keypoints": self.xy,
+            "scores": self.strength,
+            "scales": self.sigma,
+            "oris": self.angle,
+            "descriptors": np.ascontiguousarray(self._unit_descriptors().T),
+            "image_size": np.array([columns, rows], np.int64),
+        }
+
+    def write_hloc(self, file: Union[str, os.PathLike[str], h5py.File], name: str) -> None:
+        """Writes `to_hloc` into hloc's file of features (HDF5), in place of features of the same image.
+
+        Parameters
+        ----------
+        file : path, or h5py.File
+            Such as ``features.h5``; a file that is not there is made.
+        name : str
+            The name of the image, as hloc has it in its lists: its path below the folder of the images.
+
+        Raises
+        ------
+        ImportError
+            h5py is not installed.
+        ValueError
+            A name with a space; a burst that is not known.
+        """
+        write_hdf5(file, hloc_name("name", name), self.to_hloc())
+
+    def to_lightglue(self) -> dict[str, NDArray[np.float32]]:
+        """What LightGlue takes of an image with its weights for SIFT, float32: ``keypoints`` [1, n, 2], ``scales``, ``oris``
+        and ``keypoint_scores`` [1, n], ``descriptors`` [1, n, 128], and ``image_size`` [1, 2], columns and rows.
+
+        ``{name: torch.from_numpy(values) for name, values in found.to_lightglue().items()}`` are its tensors; the matches
+        that it returns are rows of the features. Places are COLMAP's, with the centre of the first pixel at (0.5, 0.5), as
+        of the SIFT with which those weights were trained; scales are `sigma`, oris `angle`, keypoint_scores `strength`, and
+        descriptors have length 1. ``found[:2048]`` are the strongest 2048.
+
+        Raises
+        ------
+        ValueError
+            The burst, and so the size of the image, is not known.
+        """
+        arrays = self.to_hloc()
+        named = {"keypoint_scores": arrays["scores"], "keypoints": self.to_colmap()[:, :2], "descriptors": arrays["descriptors"].T}
+        named |= {name: arrays[name] for name in ("scales", "oris", "image_size")}
+        # Copies, because a tensor could be written to.
+        return {name: np.array(values, np.float32, order="C")[None] for name, values in named.items()}
 
     def to_colmap(self) -> NDArray[np.float32]:
         """COLMAP's keypoints [n, 4]: x, y, scale, orientation; the centre of the first pixel is (0.5, 0.5)."""

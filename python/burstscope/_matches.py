@@ -16,14 +16,17 @@ from burstscope import _burstscope, _drawing
 from burstscope._detection import Detection, _fixed
 from burstscope._keywords import MatchKeywords
 from burstscope._progress import Progress, shown
-from burstscope._values import Given, Made, data_frame, documented, needed, texts
+from burstscope._values import Given, Made, data_frame, documented, hloc_name, needed, texts, write_hdf5
 from burstscope._values import path as path_of
 
 if TYPE_CHECKING:
+    import h5py
     import pandas
     import pycolmap
     from matplotlib.axes import Axes
     from typing_extensions import Unpack
+
+    _Camera = Union[str, os.PathLike[str], pycolmap.Camera]
 
 
 class Matches(Made):
@@ -34,11 +37,11 @@ class Matches(Made):
 
     _a: Detection
     _b: Detection
-    _asked: tuple[str | None, Given]
+    _asked: tuple[list[str], Given]
     _raw: _burstscope.RawMatches
 
     @classmethod
-    def _of(cls, a: Detection, b: Detection, asked: tuple[str | None, Given], progress: Progress = False) -> Matches:
+    def _of(cls, a: Detection, b: Detection, asked: tuple[list[str], Given], progress: Progress = False) -> Matches:
         self = cls.__new__(cls)
         self._a, self._b, self._asked = a, b, asked
         with shown(progress) as tell:
@@ -190,12 +193,8 @@ class Matches(Made):
         """
         from burstscope import _plot
 
-        if which is None:
-            which = np.ones(len(self), bool) if self.inliers is None else self.inliers
-        which = np.asarray(which)
-        if which.shape != (len(self),) or which.dtype != bool:
-            raise ValueError(f"which: an array of {which.dtype} {which.shape}; give a bool for each of the {len(self)} matches")
-        return _plot.matches(self, ax, which, as_found, how)
+        chosen = self._chosen(self.inliers if which is None else which)
+        return _plot.matches(self, ax, chosen, as_found, how)
 
     def to_pandas(self) -> pandas.DataFrame:
         """A table of pandas with a row a match and the columns of the CSV file that ``burstscope match`` writes: NaN where a
@@ -227,6 +226,66 @@ class Matches(Made):
         }
         rows = ((names, values.reshape(len(self), -1)) for names, values in columns.items())
         return data_frame({name: values[:, k] for names, values in rows for k, name in enumerate(names)})
+
+    def _chosen(self, which: Any) -> NDArray[np.bool_]:
+        """The argument ``which`` as an array, of all for ``None``."""
+        chosen = np.ones(len(self), bool) if which is None else np.asarray(which)
+        if chosen.shape != (len(self),) or chosen.dtype != bool:
+            raise ValueError(f"which: an array of {chosen.dtype} {chosen.shape}; give a bool for each of the {len(self)} matches")
+        return chosen
+
+    def to_hloc(self, which: NDArray[np.bool_] | None = None) -> dict[str, NDArray[Any]]:
+        """What hloc keeps of a pair of images: ``matches0`` [n], for each feature of A the row of B's, or -1 (int32), and
+        ``matching_scores0`` [n], 0 without a match (float32).
+
+        As of hloc's nearest neighbours, the score is (1 + c)/2 with the cosine c of the angle between both descriptors.
+
+        Parameters
+        ----------
+        which : bool array [m], optional
+            The matches: by default all putative ones, which hloc has COLMAP verify. ``matches.inliers`` are verified.
+
+        Raises
+        ------
+        ValueError
+            An array that has not a bool for each match.
+        """
+        chosen = self._chosen(which)
+        a, b = self.pairs[chosen].T
+        rows, scores = np.full(len(self.a), -1, np.int32), np.zeros(len(self.a), np.float32)
+        # Descriptors have length 512.
+        rows[a], scores[a] = b, 1 - (self.distance[chosen] / 512) ** 2 / 4
+        return {"matches0": rows, "matching_scores0": scores.clip(0, 1)}
+
+    def write_hloc(
+        self,
+        file: Union[str, os.PathLike[str], h5py.File],
+        name_a: str,
+        name_b: str,
+        which: NDArray[np.bool_] | None = None,
+    ) -> None:
+        """Writes `to_hloc` into hloc's file of matches (HDF5), in place of matches of the same two images in this order.
+
+        Parameters
+        ----------
+        file : path, or h5py.File
+            Such as ``matches.h5``; a file that is not there is made.
+        name_a, name_b : str
+            The names of the images, as for `Detection.write_hloc`; a line ``name_a name_b`` in hloc's list of pairs asks
+            for them.
+        which : bool array [m], optional
+            As of `to_hloc`.
+
+        Raises
+        ------
+        ImportError
+            h5py is not installed.
+        ValueError
+            A name with a space.
+        """
+        names = [hloc_name(name, value) for name, value in (("name_a", name_a), ("name_b", name_b))]
+        # A pair is a group of two names, in which folders are joined to the name.
+        write_hdf5(file, "/".join(name.replace("/", "-") for name in names), self.to_hloc(which))
 
     def write_colmap(self, database: Union[str, os.PathLike[str], pycolmap.Database], id_a: int, id_b: int) -> None:
         """Writes the putative matches of two images into a database of COLMAP, which verifies them itself.
@@ -299,18 +358,20 @@ def match(
     a: Detection,
     b: Detection,
     *,
-    camera: Union[str, os.PathLike[str], pycolmap.Camera, None] = None,
+    camera: Union[_Camera, tuple[_Camera, _Camera], None] = None,
     progress: Progress = None,
     **keywords: Unpack[MatchKeywords],
 ) -> Matches:
-    """Matches the features of two bursts and verifies the matches; the same bits as ``burstscope match`` gives.
+    """Matches the features of two bursts and verifies the matches; the same bits as ``burstscope match`` gives with the same
+    cameras.
 
     Parameters
     ----------
     a, b : Detection
-    camera : str, path of a TOML file or pycolmap.Camera, optional
-        The camera of both, such as ``"PINHOLE,640,480,500,500,320,240"`` (in COLMAP's order and convention). With one,
-        matches are verified by the essential matrix.
+    camera : str, path of a TOML file or pycolmap.Camera, or two of them, optional
+        The camera of both, such as ``"PINHOLE,640,480,500,500,320,240"`` (in COLMAP's order and convention), or a tuple
+        of A's and B's. With them, matches are verified by the essential matrix. A file ``camera.toml`` beside the frames,
+        which the command finds, is not looked for.
     progress : callable, False or None
         See `burstscope.detect`.
     **keywords
@@ -326,8 +387,10 @@ def match(
         A parameter that makes no sense.
     """
     a, b = (needed(name, found, Detection, "make it, detect(burst)") for name, found in (("a", a), ("b", b)))
-    text = None if camera is None else _camera_text(camera)
-    return Matches._of(a, b, (text, texts(keywords)), progress)
+    cameras = camera if isinstance(camera, tuple) else () if camera is None else (camera,)
+    if isinstance(camera, tuple) and len(camera) != 2:
+        raise ValueError(f"camera: a tuple of {len(camera)}; give one camera, or A's and B's")
+    return Matches._of(a, b, ([_camera_text(one) for one in cameras], texts(keywords)), progress)
 
 
 @documented(MatchKeywords)
@@ -335,7 +398,7 @@ def colmap(
     detections: Sequence[Detection],
     out: Union[str, os.PathLike[str]],
     *,
-    camera: Union[str, os.PathLike[str], pycolmap.Camera, None] = None,
+    camera: Union[_Camera, None] = None,
     camera_model: str = "SIMPLE_RADIAL",
     pairs: str = "all",
     images: Literal["middle", "merged", "stack"] = "middle",

@@ -89,7 +89,7 @@ def film(
     force: bool = False,
     **keywords: Unpack[FilmKeywords],
 ) -> Path:
-    """Writes a sweep over slope, scale or frames as an animation (GIF), as ``burstscope film``.
+    """Writes a sweep over slope, scale or frames as an animation (GIF, or MP4 by ``ffmpeg``), as ``burstscope film``.
 
     It runs in a process of its own.
 
@@ -97,7 +97,7 @@ def film(
     ----------
     burst : Burst
     out : path
-        The file, named ``.gif``.
+        The file, named ``.gif`` or ``.mp4``; ``.png`` gives a file for each picture, named after it.
     slope : (u, v), optional
         Slope of a sweep over scale or frames, pixels per frame.
     force : bool

@@ -29,6 +29,31 @@ def data_frame(table: Mapping[str, Any]) -> Any:
     return pandas.DataFrame(table)
 
 
+def write_hdf5(file: Any, group: str, arrays: Mapping[str, Any]) -> None:
+    """Writes arrays into a group of an HDF5 file, which may be open, in place of a group of that name."""
+    try:
+        import h5py
+    except ImportError:
+        raise ImportError("h5py, which hloc's files need, is not installed: pip install h5py") from None
+    if isinstance(file, (str, os.PathLike)):
+        with h5py.File(file, "a") as opened:
+            write_hdf5(opened, group, arrays)
+        return
+    if group in file:
+        del file[group]
+    made = file.create_group(group)
+    for name, values in arrays.items():
+        made.create_dataset(name, data=values)
+
+
+def hloc_name(name: str, value: Any) -> str:
+    """The name of an image in hloc, which splits its lists at spaces."""
+    text = needed(name, value, str, "give the name of an image, such as 'night.png'")
+    if not text or text.split() != [text]:
+        raise ValueError(f"{name}: {text!r}; hloc's lists are split at spaces, so give a name without any")
+    return text
+
+
 def documented(keywords: Any) -> Callable[[Function], Function]:
     """Appends the documentation of the keywords to that of a function."""
 

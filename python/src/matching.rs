@@ -160,17 +160,17 @@ impl RawMatches {
     }
 }
 
-/// Matches the features of two detections and verifies the matches.
+/// Matches the features of two detections and verifies the matches; of two `cameras` the first is A's.
 #[pyfunction]
 pub(crate) fn match_features(
     py: Python<'_>,
     a: (Option<PyRef<'_, RawBurst>>, PyRef<'_, RawDetection>),
     b: (Option<PyRef<'_, RawBurst>>, PyRef<'_, RawDetection>),
-    camera: Option<String>,
+    cameras: Vec<String>,
     given: Given,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<RawMatches> {
-    let params = match_params(camera.as_deref(), &given)?;
+    let params = match_params(&cameras, &given)?;
     let text =
         serde_json::to_string(&params).map_err(|error| raised(&burstscope::cli::Failure::Failed(error.into())))?;
     if params.aligns() && (a.0.is_none() || b.0.is_none()) {
@@ -203,7 +203,7 @@ pub(crate) fn export_colmap(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<String> {
     let wrong = |name: &str, error: serde_json::Error| PyValueError::new_err(format!("{name}: {error}"));
-    let matching = match_params(camera.as_deref(), &given)?;
+    let matching = match_params(camera.as_slice(), &given)?;
     let (pairs, images, model) = words;
     let pairs = pairs.parse().map_err(|error| PyValueError::new_err(format!("pairs: {error}")))?;
     let guessed = CameraChoice::Guessed(serde_json::from_value(model.into()).map_err(|e| wrong("camera_model", e))?);

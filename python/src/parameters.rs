@@ -27,11 +27,15 @@ pub(crate) fn search_params(file: Option<&Path>, given: &Given) -> PyResult<Sear
     base.with_texts(given).map_err(|error| raised(&Failure::from(error)))
 }
 
-/// The parameters of matching with a camera, as a text or the path of a TOML file, and the given values.
-pub(crate) fn match_params(camera: Option<&str>, given: &Given) -> PyResult<MatchParams> {
-    let camera = camera.map(parse_camera).transpose().map_err(|e| PyValueError::new_err(format!("camera: {e}")))?;
+/// The parameters of matching with no camera, one of both images or one of each, as texts or paths of TOML files, and
+/// the given values.
+pub(crate) fn match_params(cameras: &[String], given: &Given) -> PyResult<MatchParams> {
+    let cameras: Result<Vec<_>, String> = cameras.iter().map(|camera| parse_camera(camera)).collect();
+    let cameras = cameras.map_err(|error| PyValueError::new_err(format!("camera: {error}")))?;
     let given = records(&matching_doc::ALL, given)?;
-    MatchParams::of_texts(Default::default(), camera, given).map_err(|error| raised(&Failure::from(error)))
+    let params = MatchParams::of_texts(Default::default(), cameras.first().cloned(), given);
+    let params = params.map_err(|error| raised(&Failure::from(error)))?;
+    Ok(if let [a, b] = &cameras[..] { params.with_cameras(Some(a), Some(b)) } else { params })
 }
 
 fn records<'a, P>(records: &[Param<P>], given: &'a Given) -> PyResult<Vec<(Param<P>, &'a str)>> {

@@ -178,6 +178,13 @@ def test_a_camera_is_text_file_or_pycolmaps(street: tuple[bs.Detection, bs.Detec
     assert {result.params["geometry"] for result in results} == {"essential"}
     assert len({len(result) for result in results}) == 1
     assert [result.params["camera"] for result in results] == 3 * [results[0].params["camera"]]
+    # Of each its own: equal ones are one.
+    simple = f"SIMPLE_PINHOLE,{columns},{rows},{columns},{columns / 2},{rows / 2}"
+    same, other = (bs.match(*street, camera=(text, camera_b), min_inliers=8) for camera_b in (file, simple))
+    assert "camera_b" not in same.params and len(same) == len(results[0])
+    assert other.params["camera"] == results[0].params["camera"] and other.params["camera_b"]["model"] == "SIMPLE_PINHOLE"
+    with pytest.raises(ValueError, match="camera: a tuple of 1; give one camera, or A's and B's"):
+        bs.match(*street, camera=(text,))  # type: ignore[arg-type]
 
 
 def test_opencv_gets_keypoints_and_descriptors_that_it_matches(street: tuple[bs.Detection, bs.Detection]) -> None:

@@ -65,8 +65,8 @@ def test_a_slider_holds_its_own_pictures(chart: bs.Burst, tmp_path: Path) -> Non
         bs.slider(chart, [])
 
 
-def test_there_are_six_small_notebooks() -> None:
-    assert len(NOTEBOOKS) == 6
+def test_there_are_eight_small_notebooks() -> None:
+    assert len(NOTEBOOKS) == 8
     assert sum(path.stat().st_size for path in NOTEBOOKS) < MOST_BYTES
 
 
@@ -74,7 +74,7 @@ def test_there_are_six_small_notebooks() -> None:
 def test_a_notebook_runs_from_nothing(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     nbclient = pytest.importorskip("nbclient")
     nbformat = pytest.importorskip("nbformat")
-    for package in ("pycolmap", "matplotlib"):
+    for package in ("pycolmap", "matplotlib", "h5py"):
         if package in path.read_text():
             pytest.importorskip(package)
     monkeypatch.setenv("JUPYTER_PLATFORM_DIRS", "1")

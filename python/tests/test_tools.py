@@ -255,3 +255,57 @@ def test_floats_above_one_say_what_full_scale_was_taken(tmp_path: Path) -> None:
 
 def test_noise_prints_its_text(chart: bs.Burst) -> None:
     assert str(bs.noise(chart)).startswith("noise of a frame: 0.01")
+
+
+def test_hloc_has_features_of_images_and_matches_of_pairs(found: bs.Detection, tmp_path: Path) -> None:
+    h5py = pytest.importorskip("h5py")
+    some = found[::-1][:20]
+    matched = bs.match(found, some, align=False)
+    assert len(matched) > 10
+    features, pairs = tmp_path / "features.h5", tmp_path / "matches.h5"
+    for _ in range(2):  # the second time in place of the first
+        found.write_hloc(features, "left/a.png")
+        some.write_hloc(features, "b.png")
+        matched.write_hloc(pairs, "left/a.png", "b.png")
+    with h5py.File(features, "r") as file:
+        kept = file["left/a.png"]
+        shapes = {name: values.shape for name, values in kept.items()}
+        n = len(found)
+        assert shapes == {
+            "keypoints": (n, 2), "scores": (n,), "scales": (n,), "oris": (n,), "descriptors": (128, n), "image_size": (2,),
+        }  # fmt: skip
+        np.testing.assert_array_equal(kept["keypoints"][:], found.xy)
+        np.testing.assert_allclose(np.linalg.norm(kept["descriptors"][:], axis=0), 1, atol=1e-5)
+        # A matcher makes an image of that size, so it is whole numbers.
+        assert kept["image_size"][:].tolist() == [240, 180] and kept["image_size"].dtype.kind == "i"
+    with h5py.File(pairs, "r") as file:
+        rows, scores = (file["left-a.png/b.png"][name][:] for name in ("matches0", "matching_scores0"))
+    np.testing.assert_array_equal(np.flatnonzero(rows >= 0), matched.pairs[:, 0])
+    np.testing.assert_array_equal(rows[rows >= 0], matched.pairs[:, 1])
+    a, b = (one.to_hloc()["descriptors"] for one in (found, some))
+    cosines = (a[:, matched.pairs[:, 0]] * b[:, matched.pairs[:, 1]]).sum(0)
+    np.testing.assert_allclose(scores[rows >= 0], (1 + cosines) / 2, atol=0.01)
+    assert (scores[rows < 0] == 0).all()
+    none = np.zeros(len(matched), bool)
+    assert (matched.to_hloc(none)["matches0"] == -1).all()
+    with pytest.raises(ValueError, match="a bool for each"):
+        matched.to_hloc(none[1:])
+    with pytest.raises(ValueError, match="name: 'a b.png'; hloc's lists are split at spaces"):
+        found.write_hloc(features, "a b.png")
+
+
+def test_lightglue_has_arrays_with_the_axis_of_a_batch(found: bs.Detection, tmp_path: Path) -> None:
+    arrays = found.to_lightglue()
+    n = len(found)
+    assert {name: values.shape for name, values in arrays.items()} == {
+        "keypoints": (1, n, 2), "keypoint_scores": (1, n), "scales": (1, n), "oris": (1, n), "descriptors": (1, n, 128),
+        "image_size": (1, 2),
+    }  # fmt: skip
+    # torch.from_numpy takes them as they are.
+    assert all(a.dtype == np.float32 and a.flags.writeable and a.flags.c_contiguous for a in arrays.values())
+    np.testing.assert_array_equal(arrays["keypoints"][0], found.xy + np.float32(0.5))
+    np.testing.assert_array_equal(arrays["scales"][0], found.sigma)
+    np.testing.assert_allclose(np.linalg.norm(arrays["descriptors"], axis=2), 1, atol=1e-5)
+    assert arrays["image_size"].tolist() == [[240, 180]] and np.abs(arrays["oris"]).max() <= np.pi + 1e-6
+    with pytest.raises(ValueError, match="load.path, burst=burst"):
+        bs.load(found.save(tmp_path / "f.npz")).to_lightglue()

@@ -128,7 +128,7 @@ impl BurstscopeApp {
                 self.stage(panels.map(Action::SetPanels));
             }
             ActionId::LeaveLesson => {
-                let staged = self.lessons.leave();
+                let staged = self.lessons.end(false);
                 self.stage(staged);
             }
             ActionId::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),

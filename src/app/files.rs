@@ -26,7 +26,7 @@ use crate::inspect::place::kept_of;
 use crate::inspect::report::BurstPage;
 use crate::inspect::result::DecoyStudy;
 use crate::monitor::Monitor;
-use crate::requests::{BurstSource, OpenBurst, Which, page_drawing};
+use crate::requests::{BurstSource, OpenBurst, Which, write_page};
 use crate::teach::{Lesson, Workspace, sheet};
 use image::RgbaImage;
 use std::fmt::Display;
@@ -281,23 +281,18 @@ fn report_work(model: Read<'_>) -> Result<Work, String> {
     let places: Vec<(String, [f32; 2])> = places.collect();
     let calibration = model.calibration_of(side).clone();
     Ok(Box::new(move |path| {
-        let is_text = path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("md"));
         let monitor = Monitor::default();
         let cache = match traced {
             Some(traced) => traced.cache,
             None => Arc::new(source.trail(&monitor).map_err(|error| error.to_string())?),
         };
         let OpenBurst { burst, source, .. } = &source.burst;
-        let page = source.info(&calibration, &monitor).and_then(|info| {
+        let written = source.info(&calibration, &monitor).and_then(|info| {
             let info = Info { name: burst.name.clone(), ..info };
-            BurstPage::of((&cache, burst, info), &places, &DecoyStudy::default(), &monitor)
+            let page = BurstPage::of((&cache, burst, info), &places, &DecoyStudy::default(), &monitor)?;
+            write_page(path, &page, &monitor)
         });
-        let page = page.map_err(|error| error.to_string())?;
-        if is_text {
-            return export::write_text(path, OutputKind::Page, page.markdown()).map_err(|error| error.to_string());
-        }
-        let drawing = page_drawing(&page, &monitor).map_err(|error| error.to_string())?;
-        export::write_drawing(path, &drawing).map_err(|error| error.to_string())
+        written.map_err(|error| error.to_string())
     }))
 }
 

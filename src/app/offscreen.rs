@@ -12,11 +12,10 @@ use std::time::{Duration, Instant};
 /// Minimum number of frames run, so that everything measured in one frame and placed in the next has settled.
 const MIN_FRAMES: usize = 3;
 
-/// A window that exists only in memory.
 pub struct Offscreen {
-    context: egui::Context,
+    pub context: egui::Context,
     setup: WgpuSetup,
-    render_state: RenderState,
+    pub render_state: RenderState,
     size_points: egui::Vec2,
     pixels_per_point: f32,
     size_px: [u32; 2],
@@ -66,14 +65,6 @@ impl Offscreen {
         let size_px = [size.x.round() as u32, size.y.round() as u32];
         let (start, shapes) = (Instant::now(), Vec::new());
         Ok(Self { context, setup, render_state, size_points, pixels_per_point, size_px, start, shapes })
-    }
-
-    pub fn context(&self) -> &egui::Context {
-        &self.context
-    }
-
-    pub fn render_state(&self) -> &RenderState {
-        &self.render_state
     }
 
     fn is_lost(&self) -> bool {

@@ -8,6 +8,7 @@ use super::figure::{FigureDialog, FilmDialog};
 use super::files;
 use super::inspector::PaneWidgets;
 use super::lesson::Lessons;
+use super::settings::Settings;
 use crate::app::document::{Action, Purpose, Side};
 use crate::app::panel::glossary::GlossaryWindow;
 use crate::app::panel::modals;
@@ -52,9 +53,7 @@ impl Overlays {
             ActionId::Glossary => self.glossary.open(None),
             ActionId::FigureOptions => self.figure.is_open = true,
             ActionId::FilmOptions => self.film.is_open = true,
-            ActionId::Calibration => {
-                self.calibration_draft(&model.document.calibration);
-            }
+            ActionId::Calibration => _ = self.calibration_draft(&model.document.calibration),
             ActionId::OpenPath => self.open_path_field(Purpose::OpenPath(Side::A), String::new(), false),
             ActionId::OpenPathB => self.open_path_field(Purpose::OpenPath(Side::B), String::new(), false),
             _ => return false,
@@ -91,6 +90,7 @@ impl Overlays {
         &mut self,
         ctx: &Context,
         (model, widgets): (Read<'_>, &PaneWidgets),
+        remembered: &Settings,
         lessons: &mut Lessons,
         queue: &mut Queue,
     ) -> Vec<Effect> {
@@ -105,11 +105,11 @@ impl Overlays {
         self.figure.ui(ctx, model, widgets, queue);
         self.film.ui(ctx, model, queue);
         effects.extend(modals::calibration_ui(ctx, &mut self.calibration, queue).map(Effect::Ask));
-        effects.extend(self.path_ui(ctx, model));
+        effects.extend(self.path_ui(ctx, (model, remembered), queue));
         if let Some(burst) = modals::chooser_ui(ctx, &mut self.choice) {
             queue.push(Action::Open(self.choice_side, burst));
         }
-        if let Some((side, source, dump)) = self.shape.ui(ctx) {
+        if let Some((side, source, dump)) = self.shape.ui(ctx, model, queue) {
             queue.push(Action::Calibrate(OpenOptions { raw: Some(dump), ..model.document.calibration.clone() }));
             queue.push(Action::Open(side, source));
         }
@@ -129,10 +129,15 @@ impl Overlays {
         effects
     }
 
-    fn path_ui(&mut self, ctx: &Context, model: Read<'_>) -> Option<Effect> {
+    fn path_ui(
+        &mut self,
+        ctx: &Context,
+        (model, remembered): (Read<'_>, &Settings),
+        queue: &mut Queue,
+    ) -> Option<Effect> {
         if let Some(field) = &mut self.path_field {
             let purpose = field.purpose;
-            let (path, stay) = field.ui(ctx);
+            let (path, stay) = field.ui(ctx, (model, &remembered.recent_paths(purpose)), queue);
             if !stay {
                 self.path_field = None;
             }

@@ -3,13 +3,14 @@
 use super::actions::ActionId;
 use super::document::{Action, Document, Queue};
 use super::lesson::Progress;
-use crate::app::document::{FigureChoice, MatchLook, Panels};
+use crate::app::document::{FigureChoice, MatchLook, Panels, Purpose};
 use crate::app::pane::PaneLinks;
 use crate::dataset::DatasetSource;
 use crate::engine::DEFAULT_CACHE_BYTES;
 use crate::requests::BurstSource;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
+use std::path::PathBuf;
 
 pub const STORAGE_KEY: &str = "burstscope settings";
 
@@ -74,6 +75,19 @@ impl Settings {
         if matches!(source, BurstSource::Paths(_)) {
             put_first(&mut self.recent, source);
         }
+    }
+
+    /// Paths that were opened for such a purpose, the last one first.
+    pub fn recent_paths(&self, purpose: Purpose) -> Vec<String> {
+        let paths: Vec<&[PathBuf]> = match purpose {
+            Purpose::OpenDataset => self.datasets.iter().map(|source| &source.paths[..]).collect(),
+            _ if purpose.opens_burst() => self.recent.iter().map(BurstSource::paths).collect(),
+            _ => Vec::new(),
+        };
+        paths
+            .iter()
+            .filter_map(|paths| Some(<&[PathBuf; 1]>::try_from(*paths).ok()?[0].display().to_string()))
+            .collect()
     }
 
     pub fn remember_dataset(&mut self, source: &DatasetSource) {

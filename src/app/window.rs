@@ -102,7 +102,7 @@ impl BurstscopeApp {
     }
 
     pub fn is_settled(&self) -> bool {
-        self.rests() && self.playback.as_ref().is_none_or(Playback::is_over)
+        self.rests() && self.playback.as_ref().is_none_or(|playback| playback.steps.is_empty())
     }
 
     pub(super) fn rests(&self) -> bool {
@@ -128,7 +128,7 @@ impl BurstscopeApp {
         let (mut queue, in_hall) = (Queue::default(), self.model.document.panels.hall);
         let mut asked = None;
         // While a dialog is open, or is being opened by the system, only the dialog gets keys.
-        let recovery_asks = self.recovery.as_ref().is_some_and(Recovery::is_asking);
+        let recovery_asks = self.recovery.as_ref().is_some_and(|recovery| recovery.is_asking);
         if !self.overlays.are_modal(&self.lessons) && !recovery_asks && !self.chooser.is_asking() {
             self.overlays.glossary.take_escape(&ctx);
             asked = take_hall_keys(&ctx, &self.lessons, Read::of(&self.model));
@@ -152,7 +152,7 @@ impl BurstscopeApp {
         }
         about_ui(&ctx, &mut self.overlays.about_open, &self.engine, &mut self.settings);
         let shown = (Read::of(&self.model), &self.widgets);
-        let effects = self.overlays.ui(&ctx, shown, &mut self.lessons, &mut queue);
+        let effects = self.overlays.ui(&ctx, shown, &self.settings, &mut self.lessons, &mut queue);
         self.apply(effects);
         self.act(&ctx, queue);
         self.go_on_with_lesson(&ctx, asked);
@@ -319,7 +319,7 @@ impl BurstscopeApp {
                 if let Some(path) = path {
                     self.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
                     let waits_for = self.restoring.waits_for(Read::of(&self.model));
-                    self.recovery.iter_mut().for_each(|recovery| recovery.wait_for(waits_for));
+                    self.recovery.iter_mut().for_each(|recovery| recovery.restoring = waits_for);
                 }
             }
         }

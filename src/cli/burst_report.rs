@@ -9,14 +9,14 @@ use crate::burst::Info;
 #[cfg(feature = "colmap")]
 use crate::dataset::read_exported;
 use crate::dataset::{ColmapReport, PairReport};
-use crate::export::{Figure, write_drawing, write_text};
+use crate::export::{Figure, write_text};
 use crate::files::mark::OutputKind;
 use crate::files::path_text;
 use crate::inspect::ProbeCache;
 use crate::inspect::place::check_place;
 use crate::inspect::report::{BurstHealth, BurstPage, FlightRow, flight_page, flight_table, worst_bursts};
 use crate::inspect::result::DecoyStudy;
-use crate::requests::{page_drawing, window_line};
+use crate::requests::{window_line, write_page};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -25,8 +25,8 @@ use std::path::PathBuf;
 ///
 /// The page has the answers of 'info', 'slopes', 'detect', 'decoys' and 'probe': the input with what was guessed, the
 /// slopes with their judgement, the noise and its gate, the features and how many copies in other orders have, how
-/// many samples each test rejects, and the fate of each place of --at. As Markdown it is text and tables; as SVG, PDF
-/// or PNG one sheet under a picture of the burst.
+/// many samples each test rejects, and the fate of each place of --at. As Markdown or HTML it is text and tables; as
+/// SVG, PDF or PNG one sheet under a picture of the burst.
 ///
 /// Of several bursts the page begins with up to five that stand out, the worst first, with the reason and the command
 /// that opens each: those that fail, whose slopes do not fit, that have less than a quarter of the features or twice the
@@ -37,7 +37,7 @@ use std::path::PathBuf;
 pub struct ReportArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
     pub inputs: Vec<PathBuf>,
-    /// The file to write: .md, .svg, .pdf or .png; of several bursts .md, or the table alone as .csv.
+    /// The file to write: .md, .html, .svg, .pdf or .png; of several bursts .md or .html, or the table alone as .csv.
     #[arg(long, short, value_name = "FILE.md")]
     pub out: PathBuf,
     /// A place to be told about, in pixels at mid-burst: column and row, after its name if it has one. Give the option
@@ -68,7 +68,7 @@ const REPORT_HELP: &str = "\
 Examples:
   burstscope report night/ --out night.md
   burstscope report night/ --out night.pdf --at 412,230 --at mast=96,58
-  burstscope report nights/ --out flight.md
+  burstscope report nights/ --out flight.html
   burstscope report nights/ --pairs-of rec --out flight.md
 
 JSON (--json), beside version, params, inputs and file:
@@ -94,7 +94,8 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
         return run_flight(args, &inputs, pairs.as_ref());
     }
     let params = args.run.search.params()?;
-    check_ending(&args.out, &["md", "svg", "pdf", "png"], "--out: name the report .md, .svg, .pdf or .png")?;
+    let endings = ["md", "html", "svg", "pdf", "png"];
+    check_ending(&args.out, &endings, "--out: name the report .md, .html, .svg, .pdf or .png")?;
     let OneBurst { console, input, options, rules } =
         args.run.begin("report", &args.inputs, args.overwrite, &[Some(&args.out)])?;
     let silent = console.monitor.silent();
@@ -113,14 +114,9 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
     };
     let places: Vec<(String, [f32; 2])> = (1..).zip(&args.at).map(named).collect();
     let page = BurstPage::of((&cache, &burst, info), &places, &args.study, &rest)?;
-    let is_text = args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("md"));
-    let drawing = if is_text { None } else { Some(page_drawing(&page, &silent)?) };
     console.monitor.check()?;
     rules.check(&args.out)?;
-    match drawing {
-        None => write_text(&args.out, OutputKind::Page, page.markdown())?,
-        Some(drawing) => write_drawing(&args.out, &drawing)?,
-    }
+    write_page(&args.out, &page, &silent)?;
     console.say(&format!("wrote {}\n", args.out.display()))?;
     let (detection, notes) = (cache.detection(), burst.notes());
     let document = document! {
@@ -135,7 +131,7 @@ pub(super) fn run(args: &ReportArgs) -> Result<(), Failure> {
 
 fn run_flight(args: &ReportArgs, inputs: &[Input], pairs: Option<&ColmapReport>) -> Result<(), Failure> {
     let params = &args.run.search.params()?;
-    check_ending(&args.out, &["md", "csv"], "--out: name the report of several bursts .md or .csv")?;
+    check_ending(&args.out, &["md", "html", "csv"], "--out: name the report of several bursts .md, .html or .csv")?;
     if !args.at.is_empty() {
         return Err(Failure::usage("--at: a place is one of one burst, and the input names several; name one of them"));
     }
@@ -162,9 +158,9 @@ fn run_flight(args: &ReportArgs, inputs: &[Input], pairs: Option<&ColmapReport>)
     }
     console.monitor.check()?;
     rules.check(&args.out)?;
-    match args.out.extension().is_some_and(|ending| ending.eq_ignore_ascii_case("md")) {
-        true => write_text(&args.out, OutputKind::Page, flight_page(&rows, pairs))?,
-        false => Figure::from(flight_table(&rows)).write(&args.out)?,
+    match flight_page(&rows, pairs).text_for(&args.out) {
+        Some(text) => write_text(&args.out, OutputKind::Page, text)?,
+        None => Figure::from(flight_table(&rows)).write(&args.out)?,
     }
     let worst = worst_bursts(&rows);
     let lines: String = worst.iter().map(|(row, why)| format!("{}: {why}\n", row.name)).collect();

@@ -5,6 +5,7 @@ use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, check
 use crate::export::case::{CASE_EXTENSION, Case, Enclosed, write_case};
 use crate::files::path_text;
 use crate::inspect::result::truth_of;
+use crate::inspect::words::counted;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -60,7 +61,8 @@ pub(super) fn run(args: &CaseArgs) -> Result<(), Failure> {
     console.monitor.check()?;
     let bytes = std::fs::metadata(&args.out).map_or(0, |file| file.len());
     let (frames, [columns, rows], [u, v], megabytes) = (case.frames, case.size, case.corner, bytes as f64 * 1e-6);
-    let part = format!("{frames} frames of {columns}×{rows} from ({u}, {v}), {megabytes:.1} MB");
+    let frames = counted(frames, "frame");
+    let part = format!("{frames} of {columns}×{rows} from ({u}, {v}), {megabytes:.1} MB");
     console.say(&format!("{part}\nwrote {}\n", args.out.display()))?;
     console.say_document("case", &document! { file: path_text(&args.out), case, bytes })
 }

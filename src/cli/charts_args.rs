@@ -31,13 +31,6 @@ pub struct DiscsArgs {
     pub radius_law: RadiusLaw,
 }
 
-impl DiscsArgs {
-    pub fn put_on(&self, chart: ChartParams) -> ChartParams {
-        let Self { width, height, discs, radius, radius_law } = self.clone();
-        ChartParams { width, height, discs, radius, radius_law, ..chart }
-    }
-}
-
 /// The charts of a study.
 #[derive(Debug, Clone, Args)]
 #[command(next_help_heading = "Charts")]
@@ -58,7 +51,8 @@ pub struct ChartsArgs {
 impl ChartsArgs {
     /// Parameters of the charts; the study sets ratio and seed.
     pub fn params(&self, max_slope: f64) -> ChartParams {
-        self.discs.put_on(ChartParams { motion: self.motion, max_slope, ..ChartParams::default() })
+        let DiscsArgs { width, height, discs, radius, radius_law } = self.discs.clone();
+        ChartParams { width, height, discs, radius, radius_law, motion: self.motion, max_slope, ..chart() }
     }
 }
 

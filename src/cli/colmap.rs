@@ -1,6 +1,6 @@
 //! `colmap`: writes the input of COLMAP's mapper from a dataset of bursts.
 
-use super::matching_args::parse_folder_camera;
+use super::matching_args::cameras_help;
 use super::report::FailureReport;
 use super::search_options::defaults_file;
 use super::{
@@ -8,8 +8,8 @@ use super::{
 };
 use crate::burst::BurstFiles;
 use crate::dataset::{
-    BurstCameras, BurstEvent, CameraChoice, CameraReport, ColmapJob, ColmapReport, Comparison, FeatureJob,
-    FeatureStore, GatherReport, ImageKind, LeftOut, export_colmap, gather, read_pairs,
+    BurstEvent, CameraChoice, CameraReport, ColmapJob, ColmapReport, Comparison, FeatureJob, FeatureStore,
+    GatherReport, ImageKind, LeftOut, export_colmap, gather, read_pairs,
 };
 use crate::detector::params::doc::NOISE_GATE;
 use crate::detector::{Method, NoiseGate, SearchParams};
@@ -19,8 +19,8 @@ use crate::inspect::words::{counted, some_of};
 use crate::matching::aligned::Moved;
 use crate::matching::params::doc;
 use crate::matching::{CameraModel, PairSelection};
-use crate::requests::next_commands;
-use clap::{Arg, ArgAction, Args};
+use crate::requests::{next_commands, old_model};
+use clap::{Arg, Args};
 use std::path::{Path, PathBuf};
 
 /// Parameters of the search where none are given: as everywhere, with the gate for matching.
@@ -33,16 +33,8 @@ fn gate_help(arg: Arg) -> Arg {
     arg.help(text(NOISE_GATE.short_help())).long_help(text(NOISE_GATE.long_help()))
 }
 
-fn cameras_help(arg: Arg) -> Arg {
-    let [short, long] = [arg.get_help(), arg.get_long_help()].map(|help| help.cloned().unwrap_or_default());
-    let arg = arg.action(ArgAction::Append).value_name("[FOLDER=]CAMERA").value_parser(parse_folder_camera);
-    arg.help(format!("{short}; {FOLDER_CAMERA}")).long_help(format!("{long} {FOLDER_CAMERA}."))
-}
-
 pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let detector = args.run.search.params_over(defaults())?;
-    let camera = args.matching.camera(&args.run.search.file)?;
-    let camera = camera.map_or(CameraChoice::Guessed(args.camera_model), CameraChoice::Known);
     let inputs = resolve_bursts(&args.inputs, args.sequence, &args.run.calibration)?;
     if inputs.iter().any(Input::is_built_in) {
         return Err(Failure::usage(
@@ -72,17 +64,14 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         (pairs, None) => pairs.clone(),
         (_, Some(list)) => PairSelection::Listed(read_pairs(list, &all)?),
     };
-    let cameras = BurstCameras::of(&all, &args.inputs, &args.matching.of_folders, camera)?;
-    let matching = args.matching.params(&args.run.search.file, cameras.known().next())?;
+    let file = &args.run.search.file;
+    let cameras = args.matching.cameras(file, &all, &args.inputs, CameraChoice::Guessed(args.camera_model))?;
+    let matching = args.matching.params(file, cameras.known().next())?;
     let job = ColmapJob { features: FeatureJob { detector, open, images: args.images }, matching, pairs, cameras };
     let comparison = if args.check_content { Comparison::Content } else { Comparison::Times };
     // Files that the command reads must never be replaced by those it writes.
     let opened = [args.run.search.file.params.as_ref(), args.pairs.1.as_ref()].into_iter().flatten();
-    let opened = opened
-        .chain(args.matching.camera_files())
-        .chain(job.cameras.own.values().filter_map(CameraChoice::source))
-        .cloned()
-        .chain(defaults_file());
+    let opened = opened.chain(args.matching.camera_files(&job.cameras)).cloned().chain(defaults_file());
     let store = FeatureStore::open(&args.out, &job.features)?.and_opened(opened.collect());
     let mut store = store.comparing(comparison);
     let mut gathered = None;
@@ -101,7 +90,8 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
         BurstEvent::Done(_, burst) => {
             let from = if burst.resumed { ", from an earlier run" } else { "" };
             let slopes = burst.slopes.as_ref().map_or(String::new(), |found| format!("; slopes {}", found.summary()));
-            let line = format!("{}: {} features{from}{slopes}\n", burst.name, burst.keypoints.len());
+            let features = counted(burst.keypoints.len(), "feature");
+            let line = format!("{}: {features}{from}{slopes}\n", burst.name);
             said = std::mem::replace(&mut said, Ok(())).and_then(|()| console.say(&line));
             // What follows the last burst is about all.
             console.go_on(String::new());
@@ -114,10 +104,7 @@ pub(super) fn run(args: &ColmapArgs) -> Result<(), Failure> {
     let [make, map, python] = next_commands(&args.out, report.known_camera);
     let then = format!("\nNext:\n  {make}\n  {map}\nor:\n  {python}\n");
     let mut text = summary(&report, &job.features);
-    let old = args.out.join("sparse");
-    if old.exists() {
-        text += &format!("{} is of an earlier database: its poses are not of this one\n", old.display());
-    }
+    text.extend(old_model(&args.out).map(|old| old + "\n"));
     console.say(&(text + if report.no_start.is_none() { &then } else { "" }))?;
     let asked = document! { params: &job.features.detector, matching: &job.matching };
     let gathered = gathered.map(|gathered| document! { gathered });
@@ -163,9 +150,11 @@ fn summary(report: &ColmapReport, features: &FeatureJob) -> String {
     let resumed = report.pairs.iter().filter(|p| p.resumed).count();
     let resumed = if resumed > 0 { format!(", {resumed} from an earlier run") } else { String::new() };
     text += &format!(
-        "{}, {}{resumed}: {putative} matches, {inliers} inliers in {}\n",
+        "{}, {}{resumed}: {}, {} in {}\n",
         counted(report.images.len(), "image"),
         counted(report.pairs.len(), "pair"),
+        counted(putative, "match"),
+        counted(inliers, "inlier"),
         counted(verified, "verified pair"),
     );
     text += &joined_text(&report.joined);
@@ -238,9 +227,6 @@ pub struct ColmapArgs {
     #[command(flatten)]
     pub run: BurstSearchArgs,
 }
-
-const FOLDER_CAMERA: &str = "FOLDER=CAMERA, given once for each, is the camera of the burst, or of the bursts of the folder, of this name; \
-    without an option a file camera.toml beside the frames of a burst, or in a folder above them in DATASET, is its camera";
 
 const COLMAP_HELP: &str = "\
 Files in DIR:

@@ -158,21 +158,17 @@ pub struct ManArgs {
 }
 
 pub(super) fn run_man(args: &ManArgs) -> Result<(), Failure> {
-    print(&manual(&args.command)?).map_err(Failure::output)
-}
-
-fn manual(words: &[String]) -> Result<String, Failure> {
     let mut command = Cli::command().disable_help_subcommand(true);
     // A page names the command by the words before it too, which this fills in.
     command.build();
-    for word in words {
-        let unknown = || format!("there is no command '{}'; 'burstscope --help' lists them", words.join(" "));
+    for word in &args.command {
+        let unknown = || format!("there is no command '{}'; 'burstscope --help' lists them", args.command.join(" "));
         command = command.find_subcommand(word).cloned().ok_or_else(|| Failure::usage(unknown()))?;
     }
     let mut page = Vec::new();
     let source = format!("{NAME} {}", env!("CARGO_PKG_VERSION"));
     clap_mangen::Man::new(command).source(source).render(&mut page).map_err(Failure::output)?;
-    Ok(String::from_utf8_lossy(&page).into_owned())
+    print(&String::from_utf8_lossy(&page)).map_err(Failure::output)
 }
 
 /// The burst that `synth` writes with these `arguments` (a chart or a scene and its options), with its mask.

@@ -13,6 +13,7 @@ use crate::files::path_text;
 use crate::inspect::ProbeCache;
 use crate::inspect::place::{Verdict, kept};
 use crate::inspect::slopes::{is_doubtful, judgement};
+use crate::inspect::words::counted;
 use crate::monitor::Stage;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -87,9 +88,9 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     }
     folder.check()?;
     if count > 1 {
-        let features: usize = report.bursts.iter().map(|b| b.features).sum();
+        let features = counted(report.bursts.iter().map(|b| b.features).sum(), "feature");
         let done = report.bursts.len();
-        console.say(&format!("{done} of {count} bursts done, {features} features in {}\n", args.out.display()))?;
+        console.say(&format!("{done} of {count} bursts done, {features} in {}\n", args.out.display()))?;
     }
     console.say_document("detect", &report)?;
     if report.failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }

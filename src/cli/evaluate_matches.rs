@@ -10,6 +10,7 @@ use crate::detector::SlopeGrid;
 use crate::evaluate::matches::MatchRow;
 use crate::evaluate::{BurstMethod, MatchReport, MatchStudy, Searches, Shot, slopes_of};
 use crate::export::{Cell, METHOD_MATCH_COLUMNS, Table};
+use crate::inspect::words::counted;
 use crate::matching::PairSelection;
 use crate::synth::{NoisyExposure, NoisyParams};
 use clap::Args;
@@ -203,8 +204,9 @@ fn exposure(
 }
 
 fn text(report: &MatchReport, noise: Option<AddedNoise>) -> String {
-    let (bursts, pairs, (width, height)) = (report.bursts.len(), report.pairs.len(), report.size);
-    let mut text = format!("{bursts} bursts of {} frames of {width}×{height}, {pairs} pairs\n", report.frames);
+    let (bursts, pairs) = (counted(report.bursts.len(), "burst"), counted(report.pairs.len(), "pair"));
+    let (frames, (width, height)) = (counted(report.frames, "frame"), report.size);
+    let mut text = format!("{bursts} of {frames} of {width}×{height}, {pairs}\n");
     if let Some(AddedNoise { snr, seed, frame_noise, .. }) = noise {
         text +=
             &format!("noise added: SNR {snr} of one pixel in one frame, {frame_noise:.4} of full scale, seed {seed}\n");

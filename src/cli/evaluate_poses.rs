@@ -5,6 +5,7 @@ use super::{Both, Console, Failure, OutputArgs, document};
 use crate::burst::OpenOptions;
 use crate::evaluate::poses::{ErrorSummary, ModelSummary, PoseReport, PoseStudy, evaluate_poses, read_trajectory};
 use crate::export::{Cell, POSE_COLUMNS, Table};
+use crate::inspect::words::counted;
 use clap::Args;
 use std::path::PathBuf;
 
@@ -63,15 +64,18 @@ pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
 
 fn text(report: &PoseReport) -> String {
     let passed = report.images_pass_percent();
+    let images = counted(report.images, "image");
     let mut text = format!(
-        "{} of {} images registered ({passed:.0} %), {} cameras right, within 3 % of the way's extent and 3°\n",
-        report.registered, report.images, report.right
+        "{} of {images} registered ({passed:.0} %), {} right, within 3 % of the way's extent and 3°\n",
+        report.registered,
+        counted(report.right, "camera")
     );
     if let Some(ModelSummary { points, points_per_image, mean_track_length, mean_reprojection_error_px, .. }) =
         report.model
     {
         text += &format!(
-            "{points} 3D points, {points_per_image:.1} an image, seen in {mean_track_length:.2} images each, mean reprojection error {mean_reprojection_error_px:.3} px\n"
+            "{}, {points_per_image:.1} an image, seen in {mean_track_length:.2} images each, mean reprojection error {mean_reprojection_error_px:.3} px\n",
+            counted(points, "3D point")
         );
     }
     let on_line = "; they lie on a line, so the cameras' directions fixed the rotation about it";

@@ -8,6 +8,7 @@ use crate::evaluate::motion_label;
 use crate::evaluate::pure_noise::{NoiseCount, NoiseLevel, NoiseReport};
 use crate::evaluate::statistics::{Errors, Mean};
 use crate::export::{ACCURACY_COLUMNS, BURST_FRAMES_COLUMNS, Cell, METHOD_COLUMNS, NOISE_COLUMNS, Table};
+use crate::inspect::words::counted;
 use crate::synth::{ChartParams, RadiusLaw};
 
 /// Heads over rows of cells, see [`Table::text`].
@@ -244,8 +245,9 @@ pub(super) fn noise_text(report: &NoiseReport) -> String {
     let NoiseReport { bursts, frames, width, height, megapixels, first_seed, .. } = report;
     let table = table(&heads, rows.chain([gates.collect()]));
     format!(
-        "{bursts} bursts of {frames} frames of {width}×{height} for each row, {megapixels:.1} Mpx of image, seeds from {first_seed}\n\n\
-         False features in a million pixels of the image (± standard error), how many there were, and most in a burst\n{table}"
+        "{} of {frames} frames of {width}×{height} for each row, {megapixels:.1} Mpx of image, seeds from {first_seed}\n\n\
+         False features in a million pixels of the image (± standard error), how many there were, and most in a burst\n{table}",
+        counted(*bursts as usize, "burst")
     )
 }
 
@@ -260,7 +262,8 @@ pub(super) fn advice_tables(report: &AdviceReport) -> String {
     });
     let share = or_dash(report.wrong_share, |share| format!("{:.1} %", 100.0 * share));
     let text = format!(
-        "{seeds} bursts for each kind and SNR, seeds from {first_seed}\n\n{}wrong, of what is said and not unknown: {share}\n\n",
+        "{} for each kind and SNR, seeds from {first_seed}\n\n{}wrong, of what is said and not unknown: {share}\n\n",
+        counted(*seeds as usize, "burst"),
         table(&heads, rows)
     );
     let heads: Vec<String> =

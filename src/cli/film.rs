@@ -4,9 +4,10 @@ use super::args::parse_slope;
 use super::{BurstSearchArgs, Failure, INPUT_HELP, OneBurst, OverwriteArgs, document};
 use crate::detect::search;
 use crate::detector::{Method, Slope};
-use crate::export::film::{estimated_film_bytes, film_files, is_film};
+use crate::export::film::{check_film, estimated_film_bytes, film_files, is_film};
 use crate::export::rasterise;
 use crate::files::path_text;
+use crate::inspect::words::counted;
 use crate::requests::{BurstSource, Film, OpenBurst, Sweep};
 use clap::Args;
 use std::path::PathBuf;
@@ -16,7 +17,7 @@ use std::sync::Arc;
 ///
 /// Each picture has the features of its step in the colours of their slopes, the numbers of the step, and a legend.
 /// Pictures share one range of values. The command prints number, size and rate of the pictures, and the estimated size
-/// of the file, before it writes.
+/// of the file (not of an MP4), before it writes.
 #[derive(Debug, Clone, Args)]
 #[command(after_long_help = FILM_HELP)]
 pub struct FilmArgs {
@@ -38,7 +39,8 @@ pub struct FilmArgs {
     /// Longest side of the pictures, pixels; larger ones are made smaller by a whole number.
     #[arg(long, value_name = "PX", default_value_t = 640, value_parser = clap::value_parser!(u32).range(16..=8192))]
     pub max_side: u32,
-    /// The file to write: .gif; or .png for a picture each, sweep-000.png, sweep-001.png, … for sweep.png.
+    /// The file to write: .gif; .mp4, by the ffmpeg in PATH; or .png for a picture each, sweep-000.png, sweep-001.png, …
+    /// for sweep.png.
     #[arg(long, short, value_name = "FILE")]
     pub out: PathBuf,
     #[command(flatten)]
@@ -51,18 +53,19 @@ const FILM_HELP: &str = "\
 Examples:
   burstscope film night/ --sweep slope-u=-3:3:49 --out sweep.gif
   burstscope film night/ --sweep frames --slope -2.1,0 --out frames.gif
-  burstscope film night/ --sweep scale --out scale.png && ffmpeg -framerate 10 -i scale-%03d.png scale.mp4
+  burstscope film night/ --sweep scale --out scale.mp4
 
-JSON (--json): {\"version\", \"detector_revision\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\", \"bytes\"}";
+JSON (--json): {\"version\", \"detector_revision\", \"command\": \"film\", \"file\", \"pictures\", \"width\", \"height\", \"rate\", \"features\", \"estimated_bytes\" (null for MP4), \"bytes\"}";
 
 pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let mut params = args.run.search.params()?;
     if !is_film(&args.out) {
         return Err(Failure::usage(format!(
-            "--out: films are GIF, or a PNG file for each picture; name the file .gif or .png: {}",
+            "--out: films are GIF, MP4, or a PNG file for each picture; name the file .gif, .mp4 or .png: {}",
             args.out.display()
         )));
     }
+    check_film(&args.out)?;
     if !args.no_features {
         // Marks of a film have slopes, whichever method the options name.
         params.method = Method::Buff;
@@ -98,9 +101,10 @@ pub(super) fn run(args: &FilmArgs) -> Result<(), Failure> {
     let estimated = estimated_film_bytes(&args.out, [&first, &middle], count);
     let megabytes = |bytes: u64| format!("{:.1} MB", bytes as f64 * 1e-6);
     console.say(&format!(
-        "{count} pictures of {width}×{height}, {} a second, about {}\n",
+        "{} of {width}×{height}, {} a second{}\n",
+        counted(count, "picture"),
         args.rate,
-        megabytes(estimated)
+        estimated.map_or_else(String::new, |bytes| format!(", about {}", megabytes(bytes)))
     ))?;
     film.write(&args.out, args.rate, &rasterise, &may_write, &console.monitor.part(0.5, 0.5))?;
     let bytes: u64 = files.iter().filter_map(|file| Some(std::fs::metadata(file).ok()?.len())).sum();

@@ -2,16 +2,18 @@
 
 use super::detect::{DetectJob, detect_burst};
 use super::evaluate_tables::or_dash;
+use super::matching_args::cameras_help;
 use super::report::BurstReport;
 use super::{
-    Both, BurstSearchArgs, Console, Failure, MatchingArgs, OverwriteArgs, document, open_options, resolve_pair,
+    Both, BurstSearchArgs, Console, Failure, Input, MatchingArgs, OverwriteArgs, document, open_options, resolve_pair,
 };
-use crate::burst::Burst;
+use crate::burst::{Burst, BurstFiles};
 use crate::dataset::{CameraChoice, DetectedBurst, match_bursts, match_rows};
 use crate::detector::Detection;
 use crate::detector::params::Word;
 use crate::export::{ExportFormat, FigureAmount, FigureFormat, safe_file_name, write_drawing, write_matches_csv};
 use crate::files::path_text;
+use crate::matching::params::doc;
 use crate::matching::{MatchCounts, MatchParams, TwoViewModel};
 use crate::monitor::Stage;
 use crate::requests::{MatchFigure, MatchPictures};
@@ -20,23 +22,28 @@ use std::path::PathBuf;
 
 pub(super) fn run(args: &MatchArgs) -> Result<(), Failure> {
     let params = args.run.search.params()?;
-    let matching = args.matching.params(&args.run.search.file, None)?;
     let mut job = DetectJob::new(&args.out, &args.format, &params)?;
-    // Bursts of another size are refused.
-    job.camera = matching.camera.clone().map_or(job.camera, CameraChoice::Known);
     let console = Console::new(&args.run.output)?;
     let inputs = resolve_pair(&args.a, &args.b, &args.run.calibration)?;
+    let files = |input: &Input| BurstFiles { name: input.name.clone(), paths: input.paths().to_vec() };
+    let (bursts, file): (Vec<_>, _) = (inputs.iter().map(files).collect(), &args.run.search.file);
+    let paths = [args.a.clone(), args.b.clone()];
+    let cameras = args.matching.cameras(file, &bursts, &paths, CameraChoice::default())?;
+    let [of_a, of_b] = [0, 1].map(|side| cameras.of_burst(&bursts[side].name));
+    let matching = args.matching.params(file, cameras.known().next())?.with_cameras(of_a.known(), of_b.known());
     let options = open_options(&inputs, &args.run.calibration)?;
     let name = safe_file_name(&format!("{}_{}", inputs[0].name, inputs[1].name));
     let [matches, picture] =
         ["csv", args.picture.extension()].map(|end| args.out.join(format!("{name}.matches.{end}")));
-    let settings = [args.run.search.file.params.as_ref(), args.matching.camera_files().next()];
+    let settings: Vec<_> = file.params.iter().chain(args.matching.camera_files(&cameras)).map(Some).collect();
     job.rules = args.overwrite.rules(&inputs, &options, &settings);
     // Features, matches and picture are checked together: refused after the search, the work would be lost.
     let folder = job.take_folder(&inputs, &[matches.clone(), picture.clone()])?;
     let mut found: Vec<(BurstReport, Burst, Detection)> = Vec::with_capacity(2);
     for (index, input) in inputs.into_iter().enumerate() {
         console.begin(format!("[{}/2] {}: ", index + 1, input.name));
+        // A burst of another size than its camera's is refused.
+        job.camera = [of_a, of_b][index].clone();
         found.push(detect_burst(input, &options, &job, &folder, &console)?);
     }
     console.begin("matches: ".to_owned());
@@ -111,7 +118,7 @@ fn summary(counts: &MatchCounts, matching: &MatchParams, why_none: &str) -> Stri
 /// with the nearest descriptor, if that is clearly nearer than the second nearest, and both ways. Matches that agree on
 /// a geometry of the two views are inliers.
 #[derive(Debug, Clone, Args)]
-#[command(after_long_help = MATCH_HELP)]
+#[command(after_long_help = MATCH_HELP, mut_arg(doc::CAMERA.name, cameras_help))]
 pub struct MatchArgs {
     /// The first burst: a folder of frames, an image, a multi-page TIFF, a .npy stack, or 'demo'.
     #[arg(value_name = "A")]

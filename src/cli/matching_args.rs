@@ -4,11 +4,12 @@
 
 use super::Failure;
 use super::search_options::{Given, ParamsFileArg, option};
-use crate::dataset::CameraChoice;
+use crate::burst::BurstFiles;
 use crate::dataset::camera::read_camera;
+use crate::dataset::{BurstCameras, CameraChoice};
 use crate::matching::params::doc;
 use crate::matching::{Camera, MatchParams};
-use clap::{ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
+use clap::{Arg, ArgAction, ArgMatches, Args, Command, FromArgMatches, error::ErrorKind};
 use std::path::{Path, PathBuf};
 
 /// The options of matching as they are written: one for each record of a parameter.
@@ -17,7 +18,7 @@ pub struct MatchingArgs {
     given: Given<MatchParams>,
     camera: Option<CameraChoice>,
     /// Cameras of the bursts of some folders, by the names of these.
-    pub of_folders: Vec<FolderCamera>,
+    of_folders: Vec<FolderCamera>,
 }
 
 /// A camera, and the name of the folder or burst whose it is; empty for that of all others.
@@ -66,16 +67,28 @@ impl FromArgMatches for MatchingArgs {
 }
 
 impl MatchingArgs {
-    /// Files of cameras. One that is given in words has none.
-    pub fn camera_files(&self) -> impl Iterator<Item = &PathBuf> {
-        let cameras = self.camera.iter().chain(self.of_folders.iter().map(|(_, camera)| camera));
-        cameras.filter_map(CameraChoice::source).filter(|path| path.is_file())
+    /// Files of the given cameras and of the bursts' own; a camera in words has none.
+    pub fn camera_files<'a>(&'a self, of_bursts: &'a BurstCameras) -> impl Iterator<Item = &'a PathBuf> {
+        let given = self.camera.iter().chain(self.of_folders.iter().map(|(_, camera)| camera));
+        given.chain(of_bursts.own.values()).filter_map(CameraChoice::source).filter(|path| path.is_file())
     }
 
     /// Camera of all bursts but those of some folders, over that of `file`.
-    pub fn camera(&self, file: &ParamsFileArg) -> Result<Option<Camera>, Failure> {
+    fn camera(&self, file: &ParamsFileArg) -> Result<Option<Camera>, Failure> {
         let in_file = file.matching()?.remove(doc::CAMERA.name).and_then(|camera| camera.try_into().ok());
         Ok(self.camera.as_ref().and_then(CameraChoice::known).cloned().or(in_file))
+    }
+
+    /// Cameras of `bursts`, which were found in `inputs`; `guessed` is that of all others, unless one is given.
+    pub fn cameras(
+        &self,
+        file: &ParamsFileArg,
+        bursts: &[BurstFiles],
+        inputs: &[PathBuf],
+        guessed: CameraChoice,
+    ) -> Result<BurstCameras, Failure> {
+        let rest = self.camera(file)?.map_or(guessed, CameraChoice::Known);
+        Ok(BurstCameras::of(bursts, inputs, &self.of_folders, rest)?)
     }
 
     /// Parameters, checked: these over those of `file`. With a camera, or one `of_bursts`, and no geometry, matches are
@@ -87,12 +100,22 @@ impl MatchingArgs {
     }
 }
 
+const FOLDER_CAMERA: &str = "FOLDER=CAMERA, given once for each, is the camera of the burst, or of the bursts of the folder, of this name; \
+    without an option a file camera.toml beside the frames of a burst, or in a folder above them in the input, is its camera";
+
+/// The option of the cameras for a command whose bursts may have one each.
+pub(super) fn cameras_help(arg: Arg) -> Arg {
+    let [short, long] = [arg.get_help(), arg.get_long_help()].map(|help| help.cloned().unwrap_or_default());
+    let arg = arg.action(ArgAction::Append).value_name("[FOLDER=]CAMERA").value_parser(parse_folder_camera);
+    arg.help(format!("{short}; {FOLDER_CAMERA}")).long_help(format!("{long} {FOLDER_CAMERA}."))
+}
+
 fn own_camera(folder: &str, text: &str) -> Result<FolderCamera, String> {
     Ok((folder.to_owned(), CameraChoice::Own(parse_camera(text)?, text.into())))
 }
 
 /// Reads a camera, alone or after `FOLDER=`.
-pub fn parse_folder_camera(text: &str) -> Result<FolderCamera, String> {
+fn parse_folder_camera(text: &str) -> Result<FolderCamera, String> {
     // The name of a file may have the sign.
     let (folder, camera) = text.split_once('=').filter(|_| !Path::new(text).is_file()).unwrap_or(("", text));
     own_camera(folder, camera)

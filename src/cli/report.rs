@@ -11,6 +11,7 @@ use crate::detector::{
 };
 use crate::files::path_text;
 use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
+use crate::inspect::words::counted;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -194,7 +195,8 @@ const BAR_WIDTH: usize = 30;
 pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     let [first, end] = report.frames_used;
     let used = if end - first == report.frames { String::new() } else { format!(", {first}..{end} used") };
-    let mut text = format!("{}: {} frames of {}×{}{used}\n", report.name, report.frames, report.width, report.height);
+    let BurstReport { name, width, height, .. } = report;
+    let mut text = format!("{name}: {} of {width}×{height}{used}\n", counted(report.frames, "frame"));
     let mut line = |head: &str, words: &str| text += &format!("  {head:<9} {words}\n");
     if report.binning > 1 {
         line("binned", &format!("{0}×{0} pixels of the sensor are one pixel", report.binning));
@@ -270,7 +272,7 @@ fn histogram(slopes: &[SlopeCount], rate: Option<&str>) -> String {
     let rest = counts.len() - shown.len();
     if rest > 0 {
         let others = counts.iter().sum::<usize>() - shown.iter().map(|s| s.features).sum::<usize>();
-        text += &format!("    and {rest} more slopes with {others} features\n");
+        text += &format!("    and {} with {}\n", counted(rest, "more slope"), counted(others, "feature"));
     }
     text
 }

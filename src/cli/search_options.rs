@@ -179,7 +179,7 @@ impl SearchArgs {
     }
 
     pub fn gives(&self, record: &Param<SearchParams>) -> bool {
-        self.given.has(record)
+        self.given.0.iter().any(|(given, _)| given == record)
     }
 }
 
@@ -191,10 +191,6 @@ impl<P: Default + 'static> Given<P> {
     pub(super) fn among(records: &[Param<P>], matches: &ArgMatches) -> Self {
         let value = |record: &Param<P>| Some((*record, matches.get_one::<String>(record.name)?.clone()));
         Self(records.iter().filter_map(value).collect())
-    }
-
-    pub(super) fn has(&self, record: &Param<P>) -> bool {
-        self.0.iter().any(|(given, _)| given == record)
     }
 
     pub(super) fn iter(&self) -> impl Iterator<Item = (Param<P>, &str)> {

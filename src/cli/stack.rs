@@ -12,6 +12,7 @@ use crate::detector::view::{combined_view, dog_view, field_view, in_focus_view};
 use crate::detector::{DetectorParams, Method, MotionLayer};
 use crate::export::{OutputRules, write_field_npz, write_field_pfm, write_field_tiff, write_tiff};
 use crate::files::path_text;
+use crate::inspect::words::counted;
 use crate::monitor::Stage;
 use crate::plane::Plane;
 use serde::Serialize;
@@ -136,8 +137,9 @@ pub(super) fn run_merge(args: &MergeArgs) -> Result<(), Failure> {
     let (width, height) = merged.size();
     let frames = used.len();
     console.say(&format!(
-        "{frames} frames of {width}×{height} merged where frame {} is; noise {noise_of_frame:.5} of full scale in a frame, {noise_of_merge:.5} in the image \
+        "{} of {width}×{height} merged where frame {} is; noise {noise_of_frame:.5} of full scale in a frame, {noise_of_merge:.5} in the image \
          ({:.5} if all were averaged)\nwrote {}\n",
+        counted(frames, "frame"),
         merged.frame_names[0],
         noise_of_frame / (frames as f32).sqrt(),
         args.out.display()

@@ -5,6 +5,7 @@ use crate::burst::{Burst, OpenOptions};
 use crate::error::Error;
 use crate::export::{OutputRules, Overwrite, safe_file_name};
 use crate::files::path_text;
+use crate::inspect::words::counted;
 use crate::monitor::Monitor;
 use crate::synth::{
     ChartParams, FrameLevels, Light, NoiseTruth, NoisyParams, SceneParams, Trajectory, TrajectoryParams, Truth,
@@ -36,8 +37,9 @@ fn noisy(args: &NoisyArgs) -> Result<(), Failure> {
     let open = |k: usize| -> Result<Burst, Failure> { inputs[k].open(&options, &console.monitor.silent()) };
     let truth = write_noisy(&args.out, &names, names.len() > 1, &params, &exposure, open, &console.monitor)?;
     let at_mean = if truth.noise.is_some() { " at the mean" } else { "" };
-    let (frames, bursts, noise) = (truth.frames.len(), names.len(), noise_words(truth.noise));
-    let made = format!("{frames} frames of {bursts} bursts, values times {:.4}, {noise}{at_mean}", truth.gain);
+    let (frames, bursts) = (counted(truth.frames.len(), "frame"), counted(names.len(), "burst"));
+    let (gain, noise) = (truth.gain, noise_words(truth.noise));
+    let made = format!("{frames} of {bursts}, values times {gain:.4}, {noise}{at_mean}");
     say_made(&args.out, &made, &truth, &console)
 }
 
@@ -64,9 +66,9 @@ fn trajectory(args: &TrajectoryArgs) -> Result<(), Failure> {
     let light = truth.noise.map_or_else(String::new, |_| {
         format!("SNR {:.2} ({:.2} electrons at scene white), ", trajectory.snr, trajectory.electrons)
     });
-    let (bursts, planes, noise) = (truth.bursts.len(), truth.planes.len(), noise_words(truth.noise));
-    let frames = format!("{} frames of {}×{}", truth.frames, truth.width, truth.height);
-    let made = format!("{bursts} bursts of {frames}, {planes} planes, {light}{noise}");
+    let (bursts, planes) = (counted(truth.bursts.len(), "burst"), counted(truth.planes.len(), "plane"));
+    let frames = format!("{} of {}×{}", counted(truth.frames, "frame"), truth.width, truth.height);
+    let made = format!("{bursts} of {frames}, {planes}, {light}{}", noise_words(truth.noise));
     say_made(&args.out, &made, &truth, &console)
 }
 
@@ -79,8 +81,8 @@ fn one_burst(
     let (burst, truth) = made(&console.monitor)?;
     write_burst(out, &burst, &truth, &console.monitor)?;
     let Truth { frames, width, height, features, noise, .. } = &truth;
-    let known = format!("{} features with known place and slope", features.len());
-    let made = format!("{frames} frames of {width}×{height}, {known}, {}", noise_words(*noise));
+    let known = format!("{} with known place and slope", counted(features.len(), "feature"));
+    let made = format!("{} of {width}×{height}, {known}, {}", counted(*frames, "frame"), noise_words(*noise));
     say_made(out, &made, &truth, &console)
 }
 

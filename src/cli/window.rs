@@ -14,6 +14,7 @@ use crate::detect::search;
 use crate::detector::{Detection, SearchParams};
 use crate::export::case::is_case;
 use crate::export::{OutputRules, safe_file_name};
+use crate::inspect::words::counted;
 use crate::requests::BurstSource;
 use crate::teach::{Lesson, built_in, built_in_names, lessons_at};
 use clap::CommandFactory;
@@ -172,9 +173,7 @@ fn dataset_without_display(
     let (file, console) = begin_without_display(&source.label(), "the bursts are listed")?;
     for burst in source.bursts(&calibration)? {
         match burst.files().map(|files| files.len()) {
-            Ok(count) => {
-                console.say(&format!("{}: {count} {}\n", burst.name, if count == 1 { "file" } else { "files" }))?;
-            }
+            Ok(count) => console.say(&format!("{}: {}\n", burst.name, counted(count, "file")))?,
             Err(error) => console.complain(&format!("{}: {error}", burst.name)),
         }
     }
@@ -199,9 +198,10 @@ fn without_display(
     console.begin(format!("{name}: "));
     let burst = input.open(&calibration, &console.monitor)?;
     let detection = search(&burst, &params, &console.monitor)?.detection;
-    let ((width, height), frames, features) = (burst.size(), burst.len(), detection.features.len());
+    let ((width, height), frames) = (burst.size(), counted(burst.len(), "frame"));
+    let features = counted(detection.features.len(), "feature");
     let table = feature_table(&detection, TABLE_ROWS);
-    console.say(&format!("{name}: {frames} frames of {width}×{height}, {features} features\n\n{table}\n"))?;
+    console.say(&format!("{name}: {frames} of {width}×{height}, {features}\n\n{table}\n"))?;
     let second = second.map(|input| input.source).transpose()?;
     let source = Some(input.source?);
     draw(Startup { source, second, params, calibration, ..Startup::default() }, &file, &console)

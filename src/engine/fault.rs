@@ -24,17 +24,13 @@ pub(super) fn install_hook() {
                 && let Some(key) = name.strip_prefix(THREAD_PREFIX)
             {
                 let mut places = locked(&PLACES);
-                // A panic in a pool surfaces in the thread that waits for the pool: all of them share one key.
-                places.get_or_insert_default().insert(shared_key(key).to_owned(), place.to_string());
+                // A panic in a pool surfaces in the thread that waits for the pool: `7-Search.3` is kept as `7-Search`.
+                let shared = key.split('.').next().unwrap_or(key);
+                places.get_or_insert_default().insert(shared.to_owned(), place.to_string());
             }
             before(info);
         }));
     });
-}
-
-/// Part of the name that a thread of the queue and those of its pool share: `7-Search` of `7-Search.3`.
-fn shared_key(name: &str) -> &str {
-    name.split('.').next().unwrap_or(name)
 }
 
 /// `key` is the name of the thread without its prefix.

@@ -17,12 +17,6 @@ pub struct JobAnswer<A> {
     pub elapsed: Duration,
 }
 
-impl<A> JobAnswer<A> {
-    pub fn is_superseded(&self) -> bool {
-        matches!(self.result, Err(JobError::Superseded))
-    }
-}
-
 struct News<A, P> {
     answers: Vec<(u32, JobAnswer<A>)>,
     partial: Vec<(JobId, P)>,

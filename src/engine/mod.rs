@@ -13,14 +13,12 @@ mod trails;
 mod wanted;
 
 pub use stores::Held;
-pub use stores::PictureCache;
 pub use task::{TaskDone, TaskId};
 pub use wanted::{Ended, Want, Wanted};
 
 use crate::requests::BurstId;
 use queue::JobQueue;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use std::time::{Duration, Instant};
 use stores::Stores;
 
 /// Callback after something was published; may be called from any thread.
@@ -68,15 +66,6 @@ impl Engine {
     /// Whether nothing runs and nothing waits. Answers may still be there to be polled.
     pub fn is_idle(&self) -> bool {
         self.queue.len() == 0
-    }
-
-    /// Waits until nothing runs and nothing waits, or until `timeout` has passed. Returns whether it is idle.
-    pub fn wait_idle(&self, timeout: Duration) -> bool {
-        let end = Instant::now() + timeout;
-        while !self.is_idle() && Instant::now() < end {
-            std::thread::sleep(Duration::from_millis(1));
-        }
-        self.is_idle()
     }
 }
 

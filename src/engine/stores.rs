@@ -74,14 +74,6 @@ impl PictureCache {
         self.bytes
     }
 
-    pub fn len(&self) -> usize {
-        self.entries.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.entries.is_empty()
-    }
-
     pub fn get(&mut self, request: &PictureRequest) -> Option<PictureAnswer> {
         self.clock += 1;
         let (picture, used) = self.entries.get_mut(&request.key())?;

@@ -97,7 +97,7 @@ impl<R: Request> Wanted<R> {
             // An answer to a request that was forgotten has no place here.
             let Some(place) = self.pending.iter().position(|(id, _)| *id == answer.id) else { continue };
             let (id, request) = self.pending.remove(place);
-            if !answer.is_superseded() {
+            if !matches!(answer.result, Err(JobError::Superseded)) {
                 self.ended = Some((request.clone(), answer.result.as_ref().err().cloned()));
                 taken.push(Ended { id, request, result: answer.result, elapsed: answer.elapsed });
             }

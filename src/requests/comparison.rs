@@ -44,12 +44,6 @@ impl PartialEq for ReferenceSource {
     }
 }
 
-impl PartialEq for ComparisonRequest {
-    fn eq(&self, other: &Self) -> bool {
-        self.with == other.with && Arc::ptr_eq(&self.detection, &other.detection)
-    }
-}
-
 impl Request for ComparisonRequest {
     type Answer = ComparedWith;
     type Partial = Infallible;

@@ -67,7 +67,7 @@ impl Request for DetectRequest {
         // As `params`, of the burst itself.
         let searched = DetectorParams { frames: params.frames, ..cache.trail.searched_with().clone() };
         let (finding, detection) = (cache.finding.clone(), Arc::new(detection));
-        let search_secs = cache.trail.search_secs();
+        let search_secs = cache.trail.search_secs;
         let shown = if params.method == Method::Buff { Some(cache.shown(monitor)?) } else { None };
         let judgement = judgement(&detection, &params, shown, &burst.burst, monitor)?;
         Ok(Detected { burst: burst.id, asked, params, searched, search_secs, finding, detection, judgement })
@@ -137,12 +137,6 @@ pub struct MatchRequest {
     /// The bursts of A and B with the parameters of their search, whose pictures align the matches.
     pub bursts: [(OpenBurst, DetectorParams); 2],
     pub params: MatchParams,
-}
-
-impl PartialEq for MatchRequest {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.a, &other.a) && Arc::ptr_eq(&self.b, &other.b) && self.params == other.params
-    }
 }
 
 impl Request for MatchRequest {

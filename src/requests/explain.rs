@@ -75,12 +75,6 @@ impl LossesRequest {
     }
 }
 
-impl PartialEq for LossesRequest {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.result, &other.result)
-    }
-}
-
 impl Request for LossesRequest {
     type Answer = FoundLosses;
     type Partial = Infallible;
@@ -106,12 +100,6 @@ pub struct FoundLosses {
 pub struct Traced {
     pub burst: BurstId,
     pub cache: Arc<ProbeCache>,
-}
-
-impl PartialEq for Traced {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.cache, &other.cache)
-    }
 }
 
 impl Request for DetectionSource {
@@ -211,12 +199,6 @@ pub struct CoherenceRequest {
 pub struct Coherences {
     pub detection: Arc<Detection>,
     pub values: Arc<Vec<Judged>>,
-}
-
-impl PartialEq for CoherenceRequest {
-    fn eq(&self, other: &Self) -> bool {
-        Arc::ptr_eq(&self.detection, &other.detection)
-    }
 }
 
 impl Request for CoherenceRequest {

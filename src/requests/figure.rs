@@ -8,8 +8,9 @@ use crate::detector::{Feature, Method};
 use crate::error::Error;
 use crate::export::{
     ColourBar, Drawing, FigureAmount, FigureFormat, FigureLink, FigureMatches, FigureOptions, FigurePanel, FigureUnit,
-    FigureWidth, MatchKind, lay_out, rasterise_preview,
+    FigureWidth, MatchKind, lay_out, rasterise_preview, write_drawing, write_text,
 };
+use crate::files::mark::OutputKind;
 use crate::inspect::report::BurstPage;
 use crate::inspect::slopes::{features_at_slopes, slope_with_most_features};
 use crate::inspect::words::{counted, number, slope_text};
@@ -22,12 +23,12 @@ use image::RgbaImage;
 use image::imageops::crop_imm;
 use serde::Deserialize;
 use std::convert::Infallible;
+use std::path::Path;
 use std::sync::Arc;
 
 /// Most columns and rows of a preview: those of its place on a screen with two pixels a point.
 const PREVIEW_PX: [u32; 2] = [800; 2];
 
-/// Picture of a pane in a figure.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FigurePicture {
     pub picture: PictureAnswer,
@@ -130,12 +131,16 @@ impl MatchPictures {
     }
 }
 
-/// The page of a burst as a drawing, with the picture that the figure of a match has of it.
-pub fn page_drawing(page: &BurstPage<'_>, monitor: &Monitor) -> Result<Drawing, Error> {
+/// Writes the page of a burst as text or, where the ending of `path` is not of one, as a drawing with the picture that
+/// the figure of a match has of the burst.
+pub fn write_page(path: &Path, page: &BurstPage<'_>, monitor: &Monitor) -> Result<(), Error> {
+    if let Some(text) = page.page().text_for(path) {
+        return write_text(path, OutputKind::Page, text);
+    }
     let cache = page.cache;
     let of = DetectedBurst { burst: &cache.burst, params: cache.params(), detection: cache.detection() };
     let (picture, shown) = MatchPictures::default().of(&of, monitor)?;
-    Ok(page.drawing(&picture, &shown))
+    write_drawing(path, &page.drawing(&picture, &shown))
 }
 
 /// Width over height above which two pictures are larger one above the other.

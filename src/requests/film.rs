@@ -6,7 +6,7 @@ use crate::detector::scale_space::{ScaleSpace, searched_octaves};
 use crate::detector::view::{dog_view, stack_view};
 use crate::detector::{Detection, DetectorParams, Feature, FrameRange, Scale, Slope, SlopeGrid, memory};
 use crate::error::{Error, ErrorKind};
-use crate::export::film::write_film;
+use crate::export::film::{check_film, write_film};
 use crate::export::{
     Cells, ColourBar, Drawing, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, IN_A_CELL,
     LegendEntry, lay_out,
@@ -28,7 +28,6 @@ use std::sync::Arc;
 
 pub const MAX_FILM_PICTURES: usize = 1000;
 
-/// Quantity that a film sweeps over.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Sweep {
     /// Slope along u, px/frame: first, last, number of steps.
@@ -154,6 +153,7 @@ impl Film {
         may_write: &dyn Fn() -> Result<(), Error>,
         monitor: &Monitor,
     ) -> Result<(), Error> {
+        check_film(path)?;
         let room = part_of_memory();
         let prepared = self.prepared(&self.steps(), room, &monitor.part(0.0, 0.5))?;
         may_write()?;
@@ -308,7 +308,7 @@ impl Film {
         self.features(step).filter(|feature| is_drawn([feature.u, feature.v])).collect()
     }
 
-    /// Slopes of all drawn features; GIF frames have one size, so one legend serves all pictures.
+    /// Slopes of all drawn features; pictures have one size, so one legend serves all pictures.
     fn legend(&self) -> Vec<LegendEntry> {
         let (Some(found), colours, steps) = (&self.detection, self.colours(), self.steps()) else { return Vec::new() };
         let drawn = steps.iter().flat_map(|step| self.drawn(step));

@@ -3,7 +3,7 @@
 use crate::detector::params::Stage;
 use crate::detector::{Combine, Scale, Slope};
 use serde::{Deserialize, Serialize};
-use strum::{EnumCount, VariantArray};
+use strum::{EnumCount, IntoStaticStr, VariantArray};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -37,8 +37,11 @@ impl RangeClass {
 }
 
 /// Kind of picture, by its name in sessions, lessons and on the command line.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, EnumCount, VariantArray)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, EnumCount, VariantArray, IntoStaticStr,
+)]
 #[serde(rename_all = "snake_case")]
+#[strum(serialize_all = "snake_case")]
 pub enum ViewKind {
     Frame,
     #[default]
@@ -60,8 +63,6 @@ pub enum ViewKind {
 
 #[derive(Debug, Clone, Copy)]
 pub struct AboutView {
-    /// Name in files, also that of the glossary's entries and at the end of exported files' names.
-    pub key: &'static str,
     pub label: &'static str,
     pub help: &'static str,
     /// Last stage whose parameters decide the picture; `None` where no parameter does.
@@ -77,7 +78,6 @@ pub struct AboutView {
 }
 
 const FRAME: AboutView = AboutView {
-    key: "frame",
     label: "Frame",
     help: "One frame as it was taken",
     stage: None,
@@ -91,9 +91,14 @@ const FRAME: AboutView = AboutView {
 const MAP: AboutView =
     AboutView { stage: Some(Stage::Search), of_slope: true, range: RangeClass::Intensity, is_slow: true, ..FRAME };
 
-const fn combined(combine: Combine, key: &'static str, label: &'static str, help: &'static str) -> AboutView {
-    let (stage, range, combine) = (Some(Stage::Stack), RangeClass::Intensity, Some(combine));
-    AboutView { key, label, help, stage, of_slope: true, range, combine, ..FRAME }
+const fn combined(combine: Combine, range: RangeClass) -> AboutView {
+    AboutView { stage: Some(Stage::Stack), of_slope: true, range, combine: Some(combine), ..FRAME }
+}
+
+impl AboutView {
+    const fn named(self, label: &'static str, help: &'static str) -> Self {
+        Self { label, help, ..self }
+    }
 }
 
 impl ViewKind {
@@ -107,120 +112,68 @@ impl ViewKind {
         use RangeClass::{Difference, Intensity, Noise, Response, Share};
         match self {
             Self::Frame => FRAME,
-            Self::Stack => AboutView {
-                key: "stack",
-                label: "Motion stack",
-                help: "The mean of the frames, shifted by the slope",
-                stage: Some(Stage::Stack),
-                of_slope: true,
-                range: Intensity,
-                ..FRAME
-            },
-            Self::Dog => AboutView {
-                key: "dog",
-                label: "DoG",
-                help: "The difference of Gaussians of the motion stack, which the detector searches",
-                stage: Some(Stage::Response),
-                of_slope: true,
-                of_scale: true,
-                range: Response,
-                ..FRAME
-            },
-            Self::Merge => AboutView {
-                key: "merge",
-                label: "Merged frames",
-                help: "The frames aligned tile by tile and merged into one image",
-                stage: Some(Stage::Frames),
-                range: Intensity,
-                is_slow: true,
-                ..FRAME
-            },
-            Self::Noise => AboutView {
-                key: "noise",
-                label: "Local noise",
-                help: "σ of the noise in the DoG at the slope, octave and level, by place, as the noise gate takes it: \
-                       a candidate must be several times as large",
-                of_scale: true,
-                range: Noise,
-                ..MAP
-            },
-            Self::Coverage => AboutView {
-                key: "coverage",
-                label: "Coverage",
-                help: "The share of the frames that see each place at the slope: \
-                       where it is small, fewer frames are averaged and the noise is stronger",
-                range: Share,
-                ..MAP
-            },
-            Self::Motion => AboutView {
-                key: "motion",
-                label: "Winning slope",
-                help: "The slope that answers most strongly at each place, at the octave and level: it is the colour, \
-                       the brighter the further all other slopes stay behind",
-                of_slope: false,
-                of_scale: true,
-                range: RangeClass::Motion,
-                ..MAP
-            },
-            Self::Field => AboutView {
-                key: "field",
-                label: "Field of motion",
-                help: "The motion of every place, from all that lies around it: its slope is the colour, the \
-                       brighter the more certain it is; grey where it is unknown",
-                of_slope: false,
-                range: RangeClass::Motion,
-                ..MAP
-            },
-            Self::InFocus => AboutView {
-                key: "in_focus",
-                label: "All in focus",
-                help: "The mean of the frames, each place shifted by its own motion: near and far are sharp at once",
-                of_slope: false,
-                ..MAP
-            },
-            Self::Median => combined(
-                Combine::Median,
-                "median",
+            Self::Stack => AboutView { stage: Some(Stage::Stack), of_slope: true, range: Intensity, ..FRAME }
+                .named("Motion stack", "The mean of the frames, shifted by the slope"),
+            Self::Dog => {
+                AboutView { stage: Some(Stage::Response), of_slope: true, of_scale: true, range: Response, ..FRAME }
+                    .named("DoG", "The difference of Gaussians of the motion stack, which the detector searches")
+            }
+            Self::Merge => AboutView { stage: Some(Stage::Frames), range: Intensity, is_slow: true, ..FRAME }
+                .named("Merged frames", "The frames aligned tile by tile and merged into one image"),
+            Self::Noise => AboutView { of_scale: true, range: Noise, ..MAP }.named(
+                "Local noise",
+                "σ of the noise in the DoG at the slope, octave and level, by place, as the noise gate takes it: \
+                 a candidate must be several times as large",
+            ),
+            Self::Coverage => AboutView { range: Share, ..MAP }.named(
+                "Coverage",
+                "The share of the frames that see each place at the slope: \
+                 where it is small, fewer frames are averaged and the noise is stronger",
+            ),
+            Self::Motion => AboutView { of_slope: false, of_scale: true, range: RangeClass::Motion, ..MAP }.named(
+                "Winning slope",
+                "The slope that answers most strongly at each place, at the octave and level: it is the colour, \
+                 the brighter the further all other slopes stay behind",
+            ),
+            Self::Field => AboutView { of_slope: false, range: RangeClass::Motion, ..MAP }.named(
+                "Field of motion",
+                "The motion of every place, from all that lies around it: its slope is the colour, the \
+                 brighter the more certain it is; grey where it is unknown",
+            ),
+            Self::InFocus => AboutView { of_slope: false, ..MAP }.named(
+                "All in focus",
+                "The mean of the frames, each place shifted by its own motion: near and far are sharp at once",
+            ),
+            Self::Median => combined(Combine::Median, Intensity).named(
                 "Median of the frames",
                 "The median of the frames, shifted by the slope: what is in fewer than half of them is gone",
             ),
-            Self::ClippedMean => combined(
-                Combine::ClippedMean,
-                "clipped_mean",
+            Self::ClippedMean => combined(Combine::ClippedMean, Intensity).named(
                 "Clipped mean",
                 "The mean of the frames, shifted by the slope, without values far from the median",
             ),
-            Self::Max => combined(
-                Combine::Max,
-                "max",
+            Self::Max => combined(Combine::Max, Intensity).named(
                 "Maximum",
                 "The largest value of the frames, shifted by the slope: what is bright in any of them",
             ),
-            Self::Min => combined(
-                Combine::Min,
-                "min",
+            Self::Min => combined(Combine::Min, Intensity).named(
                 "Minimum",
                 "The smallest value of the frames, shifted by the slope: what is bright in all of them",
             ),
-            Self::Deviation => AboutView {
-                range: Noise,
-                ..combined(
-                    Combine::Deviation,
-                    "deviation",
-                    "Deviation",
-                    "The standard deviation of the frames, shifted by the slope: noise, and what changes",
-                )
-            },
-            Self::MeanMinusMedian => AboutView {
-                range: Difference,
-                ..combined(
-                    Combine::MeanMinusMedian,
-                    "mean_minus_median",
-                    "Mean minus median",
-                    "What is in some frames only stands out: satellites, cars, lamps that switch, hot pixels",
-                )
-            },
+            Self::Deviation => combined(Combine::Deviation, Noise).named(
+                "Deviation",
+                "The standard deviation of the frames, shifted by the slope: noise, and what changes",
+            ),
+            Self::MeanMinusMedian => combined(Combine::MeanMinusMedian, Difference).named(
+                "Mean minus median",
+                "What is in some frames only stands out: satellites, cars, lamps that switch, hot pixels",
+            ),
         }
+    }
+
+    /// Name in files, also that of the glossary's entries and at the end of exported files' names.
+    pub fn key(self) -> &'static str {
+        self.into()
     }
 
     pub fn label(self) -> &'static str {
@@ -228,26 +181,15 @@ impl ViewKind {
     }
 }
 
-/// Kind of a picture, with its parameters: slopes in pixels per frame; octave −1 is the doubled image.
+/// Kind of a picture, with its parameters: slopes in pixels per frame; octave −1 is the doubled image. The frames that
+/// are merged are those that are used.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum PictureKind {
     Frame(usize),
-    Stack {
-        slope: Slope,
-    },
-    Dog {
-        octave: i32,
-        level: i32,
-        slope: Slope,
-    },
-    /// The frames that are used, aligned tile by tile and merged into one.
+    Stack { slope: Slope },
+    Dog { octave: i32, level: i32, slope: Slope },
     Merge,
-    Map {
-        map: ViewKind,
-        octave: i32,
-        level: i32,
-        slope: Slope,
-    },
+    Map { map: ViewKind, octave: i32, level: i32, slope: Slope },
 }
 
 impl PictureKind {
@@ -297,7 +239,7 @@ mod tests {
     #[test]
     fn a_kind_is_read_by_the_key_of_its_record() {
         for kind in ViewKind::ALL {
-            let key = serde_json::Value::String(kind.about().key.to_owned());
+            let key = serde_json::Value::String(kind.key().to_owned());
             assert_eq!(serde_json::from_value::<ViewKind>(key).ok(), Some(kind));
         }
     }

@@ -21,6 +21,7 @@ mod trail;
 pub use comparison::{ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest, next_commands,
+    old_model,
 };
 #[cfg(feature = "colmap")]
 pub use dataset::{ColmapDone, ColmapRequest};
@@ -32,17 +33,41 @@ pub use explain::{
     ProbeQuestion, ProbeRequest, Probed, Traced,
 };
 pub use figure::{
-    FigurePicture, FigurePreview, FigureRequest, MatchFigure, MatchPictures, are_stacked, page_drawing, titled,
+    FigurePicture, FigurePreview, FigureRequest, MatchFigure, MatchPictures, are_stacked, titled, write_page,
 };
 pub use film::{Film, FilmStep, MAX_FILM_PICTURES, Rasteriser, Sweep, slope_legend};
 pub use kind::{AboutView, PictureKind, RangeClass, ViewKind};
 pub use map::{MotionMap, SlopeColours, line_of};
-pub use open::{BurstId, OpenBurst, PREVIEW_OCTAVES};
+pub use open::{BurstId, FolderRequest, OpenBurst, PREVIEW_OCTAVES, ShapeRequest};
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};
-pub use pictures::PicturesRequest;
 pub use request::{Caches, JobError, JobId, PictureStore, PossibleShape, Request, Running, Urgency, Work, time_left};
 pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which};
 pub(crate) use trail::trail_of;
 pub use trail::{DetectionSource, NothingKept, TrailStore};
+
+use std::sync::Arc;
+
+macro_rules! equal_if {
+    ($($of:ty: |$a:ident, $b:ident| $same:expr;)*) => {
+        $(impl PartialEq for $of {
+            fn eq(&self, other: &Self) -> bool {
+                let ($a, $b) = (self, other);
+                $same
+            }
+        })*
+    };
+}
+
+// What decides an answer, where the whole is large or follows from that.
+equal_if! {
+    OpenBurst: |a, b| a.id == b.id;
+    DetectionSource: |a, b| (&a.burst, &a.asked, &a.params) == (&b.burst, &b.asked, &b.params);
+    Traced: |a, b| Arc::ptr_eq(&a.cache, &b.cache);
+    CoherenceRequest: |a, b| Arc::ptr_eq(&a.detection, &b.detection);
+    ComparisonRequest: |a, b| a.with == b.with && Arc::ptr_eq(&a.detection, &b.detection);
+    MatchRequest: |a, b| Arc::ptr_eq(&a.a, &b.a) && Arc::ptr_eq(&a.b, &b.b) && a.params == b.params;
+    LossesRequest: |a, b| Arc::ptr_eq(&a.result, &b.result);
+    TrajectorySource: |a, b| a.path == b.path;
+}

@@ -1,7 +1,7 @@
 //! Open bursts, and how they are opened.
 
-use super::{BurstSource, JobError, PossibleShape};
-use crate::burst::{Burst, LikelyShape, OpenOptions, find_bursts, likely_shapes};
+use super::{BurstSource, JobError, PossibleShape, Request, Urgency, Work};
+use crate::burst::{Burst, Dump, LikelyShape, Limits, OpenOptions, find_bursts, likely_shapes, shape_of};
 use crate::dataset::BurstPicture;
 use crate::detector::view::coarse_frames;
 use crate::error::{Error, ErrorKind};
@@ -10,6 +10,9 @@ use crate::inspect::words::counted;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::synth::{Truth, synth_chart};
+use std::convert::Infallible;
+use std::ffi::OsStr;
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, OnceLock};
 
@@ -29,12 +32,6 @@ pub struct OpenBurst {
 
 /// Octaves on whose pixels motion stacks are previewed: a finer one would cost nearly the whole picture, and memory.
 pub const PREVIEW_OCTAVES: [i32; 3] = [2, 3, 4];
-
-impl PartialEq for OpenBurst {
-    fn eq(&self, other: &Self) -> bool {
-        self.id == other.id
-    }
-}
 
 impl OpenBurst {
     pub fn new(burst: Burst, source: BurstSource) -> Self {
@@ -97,19 +94,59 @@ impl BurstSource {
     }
 
     fn without_shape(&self, error: &Error, options: &OpenOptions, monitor: &Monitor) -> JobError {
-        const MAX_SIDE_PX: usize = 200;
         let [path] = self.paths() else { return JobError::failed(error) };
         // The shapes come with the error, for a choice by their pictures.
         match likely_shapes(path, &options.limits, monitor) {
-            Ok(shapes) => {
-                let shapes = shapes.into_iter().map(|LikelyShape { dump, frames, first, .. }| PossibleShape {
-                    dump,
-                    frames,
-                    picture: BurstPicture::small(&first, MAX_SIDE_PX),
-                });
-                JobError::NoShape(error.to_string(), shapes.collect())
-            }
+            Ok(shapes) => JobError::NoShape(error.to_string(), shapes.into_iter().map(PossibleShape::from).collect()),
             Err(error) => error.into(),
         }
+    }
+}
+
+impl From<LikelyShape> for PossibleShape {
+    fn from(LikelyShape { dump, frames, first, .. }: LikelyShape) -> Self {
+        const MAX_SIDE_PX: usize = 200;
+        Self { dump, frames, picture: BurstPicture::small(&first, MAX_SIDE_PX) }
+    }
+}
+
+/// The first frame of a file without header in the shape that is typed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ShapeRequest {
+    pub path: PathBuf,
+    pub dump: Dump,
+    pub limits: Limits,
+}
+
+impl Request for ShapeRequest {
+    type Answer = PossibleShape;
+    type Partial = Infallible;
+    const URGENCY: Urgency = Urgency::Picture;
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<PossibleShape, JobError> {
+        Ok(shape_of(&self.path, self.dump, &self.limits, work.monitor)?.into())
+    }
+}
+
+/// Names in a folder, in order, those of folders with a slash.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FolderRequest(pub PathBuf);
+
+impl Request for FolderRequest {
+    type Answer = Vec<String>;
+    type Partial = Infallible;
+    const URGENCY: Urgency = Urgency::Picture;
+
+    fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<String>, JobError> {
+        const MOST: usize = 20_000;
+        let mut names = Vec::new();
+        for entry in std::fs::read_dir(&self.0).map_err(JobError::failed)?.take(MOST) {
+            work.monitor.check()?;
+            let path = entry.map_err(JobError::failed)?.path();
+            let name = path.file_name().and_then(OsStr::to_str);
+            names.extend(name.map(|name| format!("{name}{}", if path.is_dir() { "/" } else { "" })));
+        }
+        names.sort();
+        Ok(names)
     }
 }

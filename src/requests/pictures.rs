@@ -1,4 +1,4 @@
-//! Computation of pictures, one or several at a time.
+//! Computation of pictures.
 
 use super::{
     Caches, JobError, MotionMap, PictureAnswer, PictureKind, PictureRequest, Request, Urgency, ViewKind, Work,
@@ -144,22 +144,5 @@ impl Request for PictureRequest {
         };
         work.caches.pictures.put(&picture);
         Ok(picture)
-    }
-}
-
-/// Several pictures that are shown together, such as the two from which the patches of a match are cut.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PicturesRequest(pub Vec<PictureRequest>);
-
-impl Request for PicturesRequest {
-    type Answer = Vec<PictureAnswer>;
-    type Partial = PictureAnswer;
-
-    fn urgency(&self) -> Urgency {
-        self.0.iter().map(PictureRequest::urgency).max().unwrap_or(Urgency::Picture)
-    }
-
-    fn compute(self, work: &Work<'_, PictureAnswer>) -> Result<Vec<PictureAnswer>, JobError> {
-        self.0.into_iter().map(|request| request.compute(work)).collect()
     }
 }

@@ -150,18 +150,3 @@ impl From<Error> for JobError {
         if error.is_cancelled() { Self::Cancelled } else { Self::failed(error) }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_time_left_follows_from_what_is_done() {
-        let left = |millis, fraction| time_left(Duration::from_millis(millis), fraction);
-        assert_eq!(left(10_000, 0.5), Some(Duration::from_secs(10)));
-        assert_eq!(left(1_000, 0.25), Some(Duration::from_secs(3)));
-        assert_eq!(left(10_000, 0.01), None, "too early to say");
-        assert_eq!(left(400, 0.5), None, "too short to say");
-        assert_eq!(left(10_000, 1.0), None, "it is done");
-    }
-}

@@ -67,12 +67,6 @@ impl TrajectorySource {
     }
 }
 
-impl PartialEq for TrajectorySource {
-    fn eq(&self, other: &Self) -> bool {
-        self.path == other.path
-    }
-}
-
 /// Place of a trajectory among those that are compared: of the estimate, of a second one, or of the truth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]

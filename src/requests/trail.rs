@@ -15,12 +15,6 @@ pub struct DetectionSource {
     pub finding: Option<SlopeFinding>,
 }
 
-impl PartialEq for DetectionSource {
-    fn eq(&self, other: &Self) -> bool {
-        (&self.burst, &self.asked, &self.params) == (&other.burst, &other.asked, &other.params)
-    }
-}
-
 impl DetectionSource {
     /// The slopes are known: they are not searched for again.
     pub fn trail(&self, monitor: &Monitor) -> Result<ProbeCache, JobError> {

@@ -10,7 +10,7 @@ const TEXT: &str = include_str!("../../assets/glossary.toml");
 
 /// Contents of a pane by their names in the glossary: the kinds of picture, and what is made of several.
 fn pictures() -> impl Iterator<Item = &'static str> {
-    ViewKind::ALL.into_iter().map(|kind| kind.about().key).chain(["slice", "difference"])
+    ViewKind::ALL.into_iter().map(|kind| kind.key()).chain(["slice", "difference"])
 }
 
 /// Source of a notion, so that nobody cites the paper for what is not in it.
@@ -56,7 +56,7 @@ pub struct Word {
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct Glossary {
-    words: Vec<Word>,
+    pub words: Vec<Word>,
 }
 
 pub fn glossary() -> &'static Glossary {
@@ -84,10 +84,6 @@ impl Glossary {
         }
         words.sort_by_key(|word| word.word.to_lowercase());
         Ok(Self { words })
-    }
-
-    pub fn words(&self) -> &[Word] {
-        &self.words
     }
 
     pub fn find(&self, name: &str) -> Option<&Word> {
@@ -147,13 +143,13 @@ mod tests {
     #[test]
     fn words_are_short_have_names_of_their_own_and_link_to_one_another() {
         let glossary = glossary();
-        let mut names: Vec<&str> = glossary.words().iter().map(|word| word.name.as_str()).collect();
+        let mut names: Vec<&str> = glossary.words.iter().map(|word| word.name.as_str()).collect();
         let count = names.len();
         assert!(count >= 50, "{count} words");
         names.sort_unstable();
         names.dedup();
         assert_eq!(names.len(), count, "two words have one name");
-        for word in glossary.words() {
+        for word in &glossary.words {
             let is_name = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '-';
             assert!(word.name.chars().all(is_name), "{}", word.name);
             let length = word.text.split_whitespace().count();
@@ -172,7 +168,7 @@ mod tests {
         {
             assert_eq!(glossary().search(text).first().map(|word| word.name.as_str()), first);
         }
-        assert_eq!(glossary().search(" ").len(), glossary().words().len());
+        assert_eq!(glossary().search(" ").len(), glossary().words.len());
     }
 
     #[test]

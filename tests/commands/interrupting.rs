@@ -177,7 +177,8 @@ fn work_on_a_film_stops_also_where_ffmpeg_hangs() {
     std::fs::set_permissions(at("bin/ffmpeg"), std::fs::Permissions::from_mode(0o755)).expect("a program");
     std::fs::write(at("a.mp4"), b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2").expect("written");
     let path = format!("{}:{}", at("bin").display(), std::env::var("PATH").expect("a path"));
-    let commands: [&[&str]; 3] = [
+    let commands: [&[&str]; 4] = [
+        &["film", "demo", "--sweep", "frames", "--no-features", "--out", "x.mp4"],
         &["info", "a.mp4"],
         &["detect", "a.mp4", "--out", "found"],
         &["stack", "a.mp4", "--slope", "0,0", "--out", "a.tiff"],
@@ -195,6 +196,33 @@ fn work_on_a_film_stops_also_where_ffmpeg_hangs() {
             send(signal, child.id());
             assert_eq!(ended(child).status.code(), Some(130), "{arguments:?} {signal}");
             std::fs::remove_file(at("started")).expect("removed");
+            let left = names(home.path());
+            assert!(left.iter().all(|name| ["a.mp4", "bin", "found"].contains(&name.as_str())), "{left:?}");
         }
     }
+}
+
+/// Programs in the place of `ffmpeg`, and none.
+#[test]
+fn an_mp4_without_ffmpeg_or_with_one_that_fails_is_an_error_with_its_words() {
+    use std::os::unix::fs::PermissionsExt;
+    let home = tempfile::tempdir().expect("a folder");
+    let bin = home.path().join("bin");
+    std::fs::create_dir(&bin).expect("made");
+    let film = ["film", "demo", "--sweep", "frames", "--no-features", "--out", "x.mp4"];
+    let fails = || {
+        let output = program(home.path(), &film).env("PATH", &bin).output().expect("it starts");
+        assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
+        assert_eq!(names(home.path()), ["bin"]);
+        stderr(&output)
+    };
+    let words = fails();
+    assert!(words.contains("MP4 needs ffmpeg") && words.contains("or .png") && words.contains("x.mp4"), "{words}");
+    assert!(!words.contains("pictures of"), "before any picture is made: {words}");
+    // The pictures meet a closed pipe.
+    let script = "#!/bin/sh\nexec 0<&-\necho 'a first line' >&2\necho 'no room for it' >&2\nexit 1\n";
+    std::fs::write(bin.join("ffmpeg"), script).expect("written");
+    std::fs::set_permissions(bin.join("ffmpeg"), std::fs::Permissions::from_mode(0o755)).expect("a program");
+    let words = fails();
+    assert!(words.contains("says: no room for it") && words.contains("x.mp4"), "{words}");
 }

@@ -191,6 +191,25 @@ fn files_that_speak_of_the_program_are_not_its_own() {
     assert_eq!(names(&at("out")), ["a.npz"]);
 }
 
+#[needs::program("ffmpeg")]
+#[test]
+fn an_mp4_replaces_no_film_of_others() {
+    let home = tempfile::tempdir().expect("a folder");
+    chart(home.path(), "a");
+    put(home.path(), &[("x.mp4", "\0\0\0\x18ftypisom a film about Burstscope")]);
+    let film = ["film", "a", "--sweep", "frames", "--no-features", "--out", "x.mp4"];
+    refused(home.path(), &film, &["did not write this file", "x.mp4", "--force"]);
+    run_well(home.path(), &[&film[..], &["--force"]].concat());
+    let said = run_well(home.path(), &film);
+    assert!(said.contains("4 pictures of ") && !said.contains("about"), "{said}");
+    let path = home.path().join("x.mp4");
+    let mut bytes = fs::read(&path).expect("read");
+    let place = bytes.len() / 3;
+    bytes[place] ^= 1;
+    fs::write(path, bytes).expect("written");
+    refused(home.path(), &film, &["not as it is now", "x.mp4"]);
+}
+
 #[test]
 fn a_series_of_pictures_leaves_the_file_whose_name_it_goes_by_alone() {
     let home = tempfile::tempdir().expect("a folder");

@@ -109,9 +109,13 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
         "colmap mapper --database_path 'my rec/database.db' --image_path 'my rec/images' --output_path 'my rec/sparse'";
     assert!(text.contains(&format!("{next}\n")), "{text}");
     assert!(text.contains("half a frame after mid-burst"), "four frames: {text}");
+    assert!(!text.contains("earlier database"), "{text}");
+    fs::create_dir(home.path().join("my rec/sparse")).expect("made");
     // A stack is at mid-burst itself, and its features are there already.
     let text = run_well(home.path(), &[&arguments[..], &["--images", "stack"]].concat());
     assert!(!text.contains("mid-burst") && text.contains("3 pairs, 3 from an earlier run: "), "{text}");
+    assert!(text.contains("sparse is of an earlier database"), "{text}");
+    fs::remove_dir(home.path().join("my rec/sparse")).expect("removed");
     // Of few features few match: no pair from which a mapper can start, and the command ends with that.
     let few = ["colmap", "film", "--burst-length", "4", "--slopes-u", "-2:2:5", "--max-features", "20", "--out", "few"];
     let output = run(home.path(), &few);
@@ -223,8 +227,18 @@ fn bursts_of_two_cameras_have_a_camera_each() {
     assert!(unknown.contains("'lef'") && unknown.contains("left, right"), "{unknown}");
     let twice = run_badly(home.path(), &colmap(&["--camera", "lens.toml", "--camera", "lens.toml"]), 2);
     assert!(twice.contains("FOLDER=CAMERA"), "{twice}");
-    let pair = ["match", "set/left", "set/right", "--camera", "left=lens.toml", "--out", "m"];
-    assert!(run_badly(home.path(), &pair, 2).contains("left=lens.toml"));
+    // A pair has them too, each side its own, and with one unknown the fundamental matrix.
+    let pair = |more: &[&str]| -> serde_json::Value {
+        let line = ["match", "set/left", "set/right", "--slopes-u", "-2:2:5", "--out", "m", "--json"];
+        serde_json::from_str(&run_well(home.path(), &[&line, more].concat())).expect("JSON")
+    };
+    let (both, found) = (pair(&["--camera", "left=lens.toml"]), pair(&[]));
+    let focal = |camera: &str| both["matching"][camera]["params"][0].clone();
+    assert_eq!((focal("camera"), focal("camera_b")), (250.0.into(), 240.0.into()));
+    assert_eq!([&both, &found].map(|one| one["matching"]["geometry"].clone()), ["essential", "fundamental"]);
+    let small = ["--camera", "left=PINHOLE,9,9,5,5,4,4"];
+    let line = [&["match", "set/left", "set/right", "--slopes-u", "-2:2:5", "--out", "m"], &small[..]].concat();
+    assert!(run_badly(home.path(), &line, 1).contains("240×180"));
 }
 
 #[test]

@@ -56,7 +56,7 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     let home = tempfile::tempdir().expect("a folder");
     let at = ["--at", "92,58", "--at", "the mast=12,34"];
     let line = |out: &'static str| [&["report", "--out", out, "--quiet"], &at[..], &LINE[..]].concat();
-    for out in ["r.md", "r.svg", "r.pdf", "r.png"] {
+    for out in ["r.md", "r.html", "r.svg", "r.pdf", "r.png"] {
         // The second run replaces what the first one wrote.
         (0..2).for_each(|_| assert_eq!(run_well(home.path(), &line(out)), ""));
         std::fs::write(home.path().join(out), "mine").expect("written");
@@ -86,14 +86,14 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
 fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
     let home = tempfile::tempdir().expect("a folder");
     for (line, code, words) in [
-        ("report demo --out r.docx", 2, "name the report .md, .svg, .pdf or .png"),
+        ("report demo --out r.docx", 2, "name the report .md, .html, .svg, .pdf or .png"),
         ("report demo", 2, "--out"),
         ("report gone --out r.md", 1, "gone"),
         ("report demo --out r.md --at 900,5", 2, "is outside the"),
         ("report demo --out r.md --at 5", 2, "is not U,V in pixels"),
         ("report demo --out r.md --at mast=5", 2, "'5' is not U,V in pixels"),
         ("report demo --out r.md --copies 0", 2, "--copies: 0; give 1 to 100"),
-        ("report demo demo-later --out r.svg", 2, "name the report of several bursts .md or .csv"),
+        ("report demo demo-later --out r.svg", 2, "name the report of several bursts .md, .html or .csv"),
         ("report demo demo-later --out r.md --at 5,5", 2, "--at: a place is one of one burst"),
     ] {
         let told = run_badly(home.path(), &line.split(' ').collect::<Vec<_>>(), code);
@@ -158,6 +158,48 @@ fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
     let cut = ["report", "nights/n2", "--burst-length", "3", "--slopes-u", "-2:2:5", "--out", "cut.md"];
     assert!(run_well(home, &cut).ends_with("wrote cut.md\n"));
     assert!(std::fs::read_to_string(home.join("cut.md")).is_ok_and(|page| page.contains("# 2 bursts\n")));
+}
+
+#[test]
+fn a_page_of_html_says_what_the_page_of_markdown_says_and_needs_no_other_file() {
+    let home = tempfile::tempdir().expect("a folder");
+    let home = home.path();
+    let small = ["--width", "120", "--height", "90", "--discs", "2", "--frames", "5", "--max-slope", "1", "--quiet"];
+    for (name, seed) in [("a<b & \"c\"", "1"), ("it's &amp;", "2")] {
+        let out = format!("nights/{name}");
+        run_well(home, &[&["synth", "chart", "--out", &out, "--seed", seed], &small[..]].concat());
+    }
+    let broken = "<script> & \"co\"";
+    std::fs::create_dir(home.join("nights").join(broken)).expect("a folder");
+    std::fs::write(home.join("nights").join(broken).join("f0.png"), "broken").expect("written");
+    for (input, out, code) in [("nights", "flight", 1), ("nights/a<b & \"c\"", "one", 0)] {
+        let read = |ending: &str| {
+            let out = format!("{out}.{ending}");
+            let line = ["report", input, "--slopes-u", "-1:1:3", "--copies", "1", "--quiet", "--out", &out];
+            assert_eq!(run(home, &line).status.code(), Some(code), "{out}");
+            std::fs::read_to_string(home.join(&out)).expect("a page")
+        };
+        let (markdown, html) = (read("md").replace('\\', ""), read("html"));
+        let (kind, page) = html.split_once('\n').expect("lines");
+        assert_eq!(kind, "<!DOCTYPE html>");
+        let page = roxmltree::Document::parse(page).expect("valid XML");
+        let texts: Vec<(&str, &str)> =
+            page.descendants().filter_map(|node| Some((node.tag_name().name(), node.text()?.trim()))).collect();
+        let all = |tag: &str| texts.iter().filter(|text| text.0 == tag).map(|text| text.1).collect::<Vec<_>>();
+        for text in ["h1", "h2", "p", "li", "pre", "th", "td"].into_iter().flat_map(all) {
+            assert!(markdown.contains(text), "{text:?} is not in {markdown}");
+        }
+        assert_eq!(all("h2").len(), markdown.matches("\n## ").count());
+        assert_eq!(page.descendants().filter(|node| node.has_tag_name("li")).count(), markdown.matches("\n- ").count());
+        for word in ["<script", "<link", "<img", "src=", "href=", "url("] {
+            assert!(!html.contains(word), "{word} in {html}");
+        }
+        if code == 1 {
+            assert!(all("li")[0].starts_with(&format!("{broken}: ")), "{html}");
+            let line = all("pre")[0];
+            assert!(line.starts_with("burstscope ") && line.contains(&format!("nights/{broken}")), "{line}");
+        }
+    }
 }
 
 #[test]

@@ -10,7 +10,8 @@ use burstscope::app::pane::PaneId;
 use burstscope::app::results::{Model, Read};
 use burstscope::app::session::Session;
 use burstscope::burst::OpenOptions;
-use burstscope::detector::{SearchParams, Slope};
+use burstscope::detector::params::doc;
+use burstscope::detector::{ParamChange, SearchParams, Slope};
 use burstscope::requests::{BurstSource, OpenBurst};
 use burstscope::{Burst, Plane};
 
@@ -116,6 +117,7 @@ fn search(edge_threshold: f32) -> Action {
 #[test]
 fn a_drag_is_one_step_that_keeps_its_last_value() {
     let slope = |u| Action::SetSlope(PaneId(1), Slope::new(u, 0.0));
+    let change = |parameter, value| Action::Change(vec![ParamChange::new(parameter, value)]);
     let journal = taken(&[
         (search(3.0), true),
         (search(4.0), true),
@@ -125,8 +127,12 @@ fn a_drag_is_one_step_that_keeps_its_last_value() {
         (slope(1.5), false),
         (Action::Note("seen".into()), false),
         (ActionId::SaveSession.into(), false),
+        (change(doc::EDGE_THRESHOLD, 7), true),
+        (change(doc::EDGE_THRESHOLD, 6), true),
+        (change(doc::LEVELS, 4), false),
     ]);
-    let steps = Steps::from([vec![search(5.0)], vec![search(6.0)], vec![slope(1.0), slope(1.5)]]);
+    let changes = vec![change(doc::EDGE_THRESHOLD, 6), change(doc::LEVELS, 4)];
+    let steps = Steps::from([vec![search(5.0)], vec![search(6.0)], vec![slope(1.0), slope(1.5)], changes]);
     assert_eq!(read_steps(&journal.to_toml()), Ok(steps), "{}", journal.to_toml());
 }
 

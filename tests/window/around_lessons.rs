@@ -258,6 +258,9 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
     window.settle();
     assert!(window.app().read().is_in_lesson(), "it is open");
     assert!(window.shows("First") && window.shows("Step 1 of 1"));
+    let lessons = &mut window.app_mut().lessons;
+    lessons.open_at(folder.path()).unwrap();
+    assert_eq!(lessons.all().count(), built_in().len() + 1, "opened again, it is there once");
     assert_eq!(Purpose::OpenLessons.title(), "Open lessons");
 }
 

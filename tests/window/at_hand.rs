@@ -3,12 +3,16 @@
 use crate::support::{Start, Window};
 use burstscope::app::document::cursor::ViewKind;
 use burstscope::app::document::panes::{Hidden, MaskShape, Visibility};
+use burstscope::app::document::side::Side;
 use burstscope::app::pane::PaneId;
+use burstscope::app::settings::Settings;
 use burstscope::detector::Slope;
 use burstscope::inspect::place::Verdict;
+use burstscope::inspect::words::slope_text;
 use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, Pos2, pos2, vec2};
+use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, pos2, vec2};
 use egui_kittest::kittest::Queryable;
+use std::sync::Arc;
 
 /// Turns the wheel up by a notch, with the pointer at a place of the window.
 fn wheel_at(window: &mut Window, pos: Pos2, modifiers: Modifiers) {
@@ -125,19 +129,63 @@ fn a_frame_beside_a_stack_moves_alone() {
     }
 }
 
-#[test]
-fn the_place_under_the_pointer_comes_into_focus_and_goes_back() {
-    let mut window = Start::automatic().open();
+/// Where in the window there is a place whose motion is not what is shown, and that motion.
+fn place_of_other_motion(window: &Window) -> (Pos2, Slope) {
     let found = window.app().model.results.slots.a.found.as_ref().expect("detected").detection.clone();
     let field = found.field.clone().expect("the demo moves");
-    // A place whose motion is not what is shown.
-    let before = *window.app().model.document.cursor();
-    let other = |slope: Slope| (slope.u - before.slope.u).hypot(slope.v - before.slope.v) > 0.5;
+    let shown = window.app().model.document.cursor().slope;
+    let other = |slope: Slope| (slope.u - shown.u).hypot(slope.v - shown.v) > 0.5;
     let places = (0..400).map(|k| [20.0 + 22.0 * (k % 20) as f32, 20.0 + 16.0 * (k / 20) as f32]);
     let motion = |[u, v]: [f32; 2]| field.known_at(u, v).map(|motion| motion.slope);
     let mut seen = places.filter_map(|place| Some((place, motion(place).filter(|slope| other(*slope))?)));
     let (place, slope) = seen.next().expect("the demo has layers");
-    let at = window.app().ui_from_image(place.into()).expect("drawn");
+    (window.app().ui_from_image(place.into()).expect("drawn"), slope)
+}
+
+#[test]
+fn the_loupe_shows_the_place_under_the_pointer_and_a_click_takes_its_slope() {
+    let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
+    let (at, slope) = place_of_other_motion(&window);
+    let (cursor, before) =
+        (|window: &Window| *window.app().model.document.cursor(), *window.app().model.document.cursor());
+    window.run_action("focus in a loupe");
+    window.harness.event(Event::ModifiersChanged(Modifiers::COMMAND));
+    window.harness.hover_at(at);
+    window.settle();
+    assert_eq!(cursor(&window), before, "the pane stays as it is");
+    for name in [format!("Frame {}", before.frame), "Stack".to_owned(), "In focus".to_owned()] {
+        let patch = format!("{name} in the loupe");
+        assert!(window.harness.query_by_role_and_label(Role::Image, &patch).is_some(), "{patch}");
+    }
+    let (_, taken) = window.app().model.results.patches.loupe.expect("on show");
+    assert!((taken.u - slope.u).abs() < 0.011 && (taken.v - slope.v).abs() < 0.011, "{taken:?} {slope:?}");
+    let stack = window.app().read().stack_at(Side::A, taken).expect("made").clone();
+    assert!(window.app().model.results.patches.in_focus.is_some() && window.shows(&slope_text(taken)));
+    window.snapshot_with_pointer("focus_in_loupe", at);
+    for pressed in [true, false] {
+        let (pos, button, modifiers) = (at, PointerButton::Primary, Modifiers::COMMAND);
+        window.harness.event(Event::PointerButton { pos, button, pressed, modifiers });
+        window.harness.run_steps(1);
+    }
+    assert_eq!(cursor(&window).slope, taken);
+    window.settle();
+    let shown = &window.app().read().picture().expect("made").plane;
+    assert!(Arc::ptr_eq(shown, &stack), "the picture that the loupe had asked for");
+    window.harness.event(Event::ModifiersChanged(Modifiers::NONE));
+    window.harness.run_steps(3);
+    assert!(!window.shows("Sharp at ") && cursor(&window).slope == taken, "the slope stays without the key");
+    window.ctrl(Key::Z);
+    assert_eq!(cursor(&window).slope, before.slope, "the click is one step");
+    let mut settings = Settings::default();
+    settings.take_from(&window.app().model.document);
+    assert!(settings.panels.loupe, "it is kept");
+}
+
+#[test]
+fn the_place_under_the_pointer_comes_into_focus_and_goes_back() {
+    let mut window = Start::automatic().open();
+    let before = *window.app().model.document.cursor();
+    let (at, slope) = place_of_other_motion(&window);
     window.harness.hover_at(at + vec2(3.0, 0.0));
     window.harness.run_steps(2);
     let steps = window.app().model.document.cursor().slope;

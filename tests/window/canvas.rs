@@ -296,9 +296,9 @@ fn exposure_changes_the_picture_without_an_upload() {
         images.push(window.image().unwrap());
     }
     assert!(images[0] != images[1] && images[1] != images[2]);
-    let renderer = window.render_state().renderer.read();
+    let renderer = window.render_state.renderer.read();
     let pictures = renderer.callback_resources.get::<PictureRenderer>().unwrap();
-    assert_eq!(pictures.uploads(), 1);
+    assert_eq!(pictures.uploads, 1);
 }
 
 #[test]

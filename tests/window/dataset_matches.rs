@@ -5,7 +5,8 @@ use crate::support::Window;
 use burstscope::Monitor;
 use burstscope::burst::OpenOptions;
 use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, KeptBursts, MatchedPair, match_pairs};
-use burstscope::matching::{MatchCounts, MatchParams};
+use burstscope::detector::Descriptor;
+use burstscope::matching::{MatchCounts, MatchParams, PairSelection};
 use burstscope::teach::Workspace;
 use egui::Key;
 use egui::accesskit::Role;
@@ -37,6 +38,12 @@ fn expected(home: &Path, pair: (usize, usize)) -> MatchCounts {
     counts.unwrap()
 }
 
+fn kept_of(home: &Path, place: usize) -> burstscope::error::Result<Vec<Descriptor>> {
+    let job = FeatureJob { detector: few_slopes().into(), open: OpenOptions::default(), images: ImageKind::default() };
+    let store = FeatureStore::open(&home.join("film-burstscope-5"), &job)?;
+    Ok(store.kept(&walk_again(home)[place], &Monitor::default()).expect("kept").descriptors)
+}
+
 fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstFiles> {
     let source =
         burstscope::dataset::DatasetSource { paths: vec![home.join("film")], burst_length: Some(5), burst_step: None };
@@ -50,7 +57,7 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     window.click("Match pairs");
     window.settle();
     for pair in [(0, 1), (0, 2), (1, 2)] {
-        assert_eq!(dataset(&window).matches.get(pair), Some(&expected(home.path(), pair)), "{pair:?}");
+        assert_eq!(dataset(&window).matches.counts.get(&pair), Some(&expected(home.path(), pair)), "{pair:?}");
     }
     assert!(window.shows("3 pairs matched"));
     // The list and the matrix select one common pair, which is A and B of the filmstrip.
@@ -83,7 +90,8 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     window.app_mut().model.document.pairs.overlap = 1;
     window.click("Match pairs");
     window.settle();
-    let matched = |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.get(pair).is_some());
+    let matched =
+        |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.counts.contains_key(&pair));
     assert_eq!(matched(&window), [true, false, true]);
     // With other parameters, earlier matches are dropped as soon as pairs are matched again.
     window.app_mut().model.document.matching.ratio = 0.7;
@@ -94,7 +102,18 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     window.click("Match A with B");
     window.settle();
     assert_eq!(matched(&window), [false, true, false]);
-    assert_eq!(dataset(&window).matches.params().ratio, 0.7);
+    assert_eq!(dataset(&window).matches.params.ratio, 0.7);
+    // Those that look most alike, chosen as the command does it.
+    window.harness.get_by_role_and_label(Role::RadioButton, "Each with the most alike").click();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.document.pairs.selection(), PairSelection::Near(1));
+    window.app_mut().model.document.matching = MatchParams::default();
+    window.click("Match pairs");
+    window.settle();
+    let descriptors = |k: usize| kept_of(home.path(), k);
+    let near = PairSelection::Near(1).pairs_by(3, descriptors, &Monitor::default()).unwrap();
+    assert!((2..=3).contains(&near.len()), "each of three bursts has one: {near:?}");
+    assert_eq!(matched(&window), [(0, 1), (0, 2), (1, 2)].map(|pair| near.contains(&pair)));
     // A burst without features is left out.
     std::fs::remove_file(home.path().join("film-burstscope-5/features/frame_012.png.txt")).unwrap();
     window.harness.get_by_role_and_label(Role::RadioButton, "All pairs").click();
@@ -144,7 +163,7 @@ fn trajectory_matrix() {
                 inliers: Some(inliers),
                 ..Default::default()
             };
-            open.matches.take((a, b), counts);
+            open.matches.counts.insert((a, b), counts);
         }
     }
     for state in &mut open.states {

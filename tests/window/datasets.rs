@@ -92,6 +92,11 @@ fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector(
     assert!(window.app().recent().is_empty(), "bursts of a dataset are not remembered one by one");
     window.click("Close dataset");
     assert!(window.app().model.results.datasets.open.is_none() && !window.shows("Burst second"));
+    // Of a folder of bursts one is chosen as B.
+    window.dialogs.will_choose(folder.path().join("nights"));
+    window.run_action("open b: folder");
+    window.wait("the choice", |app| app.choice().len() == 2);
+    assert!(window.app().model.results.datasets.open.is_none());
 }
 
 #[test]

@@ -129,7 +129,10 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     window.harness.key_press(Key::Escape);
     window.wait("the key ends it", |app| !app.model.results.slots.a.detecting.is_pending());
     assert!(!has_all(&window));
+    window.app_mut().model.document.auto_detect = true;
     window.settle();
+    assert!(!has_all(&window), "what was cancelled is not begun again by itself");
+    assert!(window.app().model.shell.messages.errors().is_empty(), "a person did not want it");
 }
 
 #[test]

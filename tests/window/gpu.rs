@@ -76,8 +76,8 @@ fn the_card_shows_the_colours_of_the_cpu() {
                     assert_close(pixel.0, wanted, &format!("{display:?} at ({u}, {v})"));
                 }
                 assert_eq!(image.get_pixel(3, 4).0[..3], NAN_COLOUR);
-                let renderer = window.render_state().renderer.read();
-                uploads = renderer.callback_resources.get::<PictureRenderer>().unwrap().uploads();
+                let renderer = window.render_state.renderer.read();
+                uploads = renderer.callback_resources.get::<PictureRenderer>().unwrap().uploads;
             }
         }
     }
@@ -165,7 +165,7 @@ fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
     // A renderer with a small limit of a texture's side.
     let limits = DeviceLimits { max_side: 128, max_layers: 64 };
     {
-        let state = window.render_state();
+        let state = &window.render_state;
         let small = PictureRenderer::new(&state.device, &state.queue, state.target_format, limits, Default::default());
         state.renderer.write().callback_resources.insert(small);
     }
@@ -236,12 +236,12 @@ fn draw_with_little_memory() {
             Err(error) => {
                 let why = error.to_string();
                 assert!(why.contains("5472 × 3648"), "{why}");
-                let gpu = Gpu::of(window.context()).expect("installed");
+                let gpu = Gpu::of(&window.context).expect("installed");
                 assert_eq!(gpu.obstacle(picture.id, (5472, 3648)), Some(why), "the window says it in its next pass");
                 refused += 1;
             }
         }
-        assert!(Gpu::of(window.context()).is_some_and(|gpu| gpu.lost().is_none()));
+        assert!(Gpu::of(&window.context).is_some_and(|gpu| gpu.lost().is_none()));
         assert_eq!(draw(&mut window, &small, &display, &mut View::fit(), false), before, "{megabytes} MB");
     }
     assert!(refused > 0 && drawn > 0, "{refused} refused, {drawn} drawn");

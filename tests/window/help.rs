@@ -104,6 +104,9 @@ fn the_glossary_is_opened_and_searched() {
     window.harness.run_steps(3);
     assert!(window.shows("Noise gate") && !window.shows("Alias"));
     window.snapshot("flat/glossary");
+    window.harness.key_press(Key::Escape);
+    window.harness.run_steps(3);
+    assert!(!window.shows("Noise gate"), "Escape closes the window from its search field");
 }
 
 #[test]

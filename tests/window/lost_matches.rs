@@ -36,7 +36,7 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     assert!(told(Lost::RatioTest) <= count(Lost::RatioTest) && told(Lost::MutualCheck) < count(Lost::MutualCheck));
     assert!(window.shows(&format!("ratio test {}", told(Lost::RatioTest))));
     assert!(window.shows(&format!("no keypoint {}", told(Lost::NoKeypoint))));
-    let is_listed = |index: &usize| found.lost[*index] != Lost::Not && !lost.is_folded(*index);
+    let is_listed = |index: &usize| found.lost[*index] != Lost::Not && lost.twin(*index).is_none();
     let index = (0..found.lost.len()).find(is_listed).expect("some have no match");
     let outliers = found.request.result.counts.putative - found.request.result.counts.inliers.unwrap();
     assert_eq!(

@@ -30,6 +30,7 @@ mod compared;
 mod dataset_matches;
 mod datasets;
 mod detecting;
+mod drawn_panels;
 mod finding_ones_way;
 mod first_start;
 mod ghosts;
@@ -50,6 +51,8 @@ mod pairs;
 mod panes;
 mod pinned;
 mod playing;
+#[cfg(all(unix, not(target_os = "macos")))]
+mod portal;
 mod probe;
 mod probe_plane;
 mod recovering;

@@ -205,3 +205,86 @@ fn a_file_without_header_is_opened_in_the_shape_that_is_chosen_from_pictures() {
     );
     assert!(window.app().model.shell.messages.errors().is_empty());
 }
+
+#[test]
+fn the_shape_that_is_typed_is_previewed_and_one_that_does_not_fit_says_which_would() {
+    let folder = tempfile::tempdir().unwrap();
+    let frames: ndarray::Array3<f32> = ndarray_npy::read_npy(noisy_stack(folder.path(), 20, 240, 320)).unwrap();
+    let path = folder.path().join("night.bin");
+    let values = frames.iter().flat_map(|x| ((9000.0 * (x + 0.1)) as u16).to_le_bytes());
+    std::fs::write(&path, [7; 5].into_iter().chain(values).collect::<Vec<u8>>()).unwrap();
+    let mut window = Start::without_auto_detect().open();
+    window.dialogs.will_choose(&path);
+    window.click("Open…");
+    window.wait("the question", |app| app.asks_for_shape());
+    window.harness.run_steps(3);
+    assert!(window.shows("No usual size fills this file"), "it has a header of five bytes");
+    let field = |window: &Window| window.harness.get_by_role_and_label(Role::TextInput, "Shape").rect().center();
+    window.click_at(field(&window));
+    window.harness.get_by_role_and_label(Role::TextInput, "Shape").type_text("320x240:u16le");
+    window.settle();
+    assert!(window.shows("no whole number of frames of 320x240:u16le"));
+    assert!(window.shows("320x240:u16le+5 (20 frames)"), "behind the header it fits");
+    window.harness.get_by_role_and_label(Role::TextInput, "Shape").type_text("+5");
+    window.settle();
+    assert!(!window.shows("no whole number"));
+    let words = "First frame in 320x240:u16le+5, 20 frames";
+    assert!(window.harness.query_by_role_and_label(Role::Image, words).is_some());
+    window.click("Open");
+    window.settle();
+    assert_eq!((window.app().read().frame_count(), window.app().read().size()), (20, (320, 240)));
+    let model = &window.app().model;
+    assert!(model.results.shape.asked().is_none(), "nothing is read for a form that is closed");
+    let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
+    assert!(burst.notes().iter().any(|note| note.text.contains("no black level")), "{:?}", burst.notes());
+}
+
+#[test]
+fn tab_completes_a_path_and_arrows_choose_among_names_and_paths_of_before() {
+    let folder = tempfile::tempdir().unwrap();
+    for name in ["night-one", "night-two"] {
+        std::fs::create_dir(folder.path().join(name)).unwrap();
+    }
+    let path = noisy_stack(&folder.path().join("night-two"), 3, 40, 40);
+    let mut window = Start::without_auto_detect().open();
+    let begin = |window: &mut Window| {
+        window.harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::L);
+        window.harness.run_steps(3);
+    };
+    let write = |window: &mut Window, text: &str| {
+        window.harness.get_by_role_and_label(Role::TextInput, "Path").type_text(text);
+        window.settle();
+    };
+    begin(&mut window);
+    write(&mut window, &format!("{}/ni", folder.path().display()));
+    assert!(window.shows("night-one/") && window.shows("night-two/"), "what begins so is offered");
+    // To where the two names part, and then to the second.
+    window.key(egui::Key::Tab);
+    write(&mut window, "t");
+    assert!(!window.shows("night-one/") && window.shows("night-two/"));
+    window.key(egui::Key::Backspace);
+    window.settle();
+    window.key(egui::Key::ArrowDown);
+    window.key(egui::Key::Enter);
+    assert!(window.shows("Open a path"), "the name is chosen, and nothing is opened yet");
+    window.settle();
+    window.key(egui::Key::Tab);
+    window.key(egui::Key::Enter);
+    window.settle();
+    assert_eq!(window.app().recent(), [BurstSource::Paths(vec![path.clone()])]);
+    // Built-in bursts are completed as files are.
+    begin(&mut window);
+    write(&mut window, "demo-al");
+    window.key(egui::Key::Tab);
+    window.key(egui::Key::Enter);
+    window.settle();
+    let source = |window: &Window| window.app().model.results.slots.a.burst.as_ref().map(|open| open.source.clone());
+    assert_eq!(source(&window), BurstSource::named("demo-aliasing"));
+    // On an empty line the arrow offers what was opened last.
+    begin(&mut window);
+    window.key(egui::Key::ArrowDown);
+    window.key(egui::Key::Enter);
+    window.key(egui::Key::Enter);
+    window.settle();
+    assert_eq!(source(&window), Some(BurstSource::Paths(vec![path])));
+}

@@ -108,7 +108,7 @@ fn the_offer_looks_like_this() {
         let record = Record::new(home.path()).unwrap();
         record.write(&format!("version = 4\nburst = {{ paths = [\"/data/{name}\"] }}\n")).unwrap();
         let then = SystemTime::now() - Duration::from_secs(60 * minutes + 20);
-        std::fs::File::options().write(true).open(record.session()).unwrap().set_modified(then).unwrap();
+        std::fs::File::options().write(true).open(&record.session).unwrap().set_modified(then).unwrap();
     }
     let mut window = keeping(home.path(), Start::nothing_open()).open();
     window.harness.get_by_role_and_label(Role::Button, "Restore");
@@ -211,7 +211,7 @@ fn the_window_is_the_same_on_a_new_device() {
     let size = egui::vec2(1000.0, 640.0);
     let mut offscreen = Offscreen::new(size, 1.0, gpu::AdapterChoice::Software).unwrap();
     let startup = Start::without_auto_detect().startup;
-    let mut app = BurstscopeApp::new(offscreen.context(), None, startup);
+    let mut app = BurstscopeApp::new(&offscreen.context, None, startup);
     let mut settled = 0;
     while settled < 5 {
         offscreen.frame(Vec::new(), |ui| app.show(ui));
@@ -219,7 +219,7 @@ fn the_window_is_the_same_on_a_new_device() {
         std::thread::sleep(Duration::from_millis(2));
     }
     let before = offscreen.image().unwrap();
-    offscreen.render_state().device.destroy();
+    offscreen.render_state.device.destroy();
     assert_eq!(offscreen.image().unwrap(), before);
     offscreen.frame(Vec::new(), |ui| app.show(ui));
     assert_eq!(offscreen.image().unwrap(), before);

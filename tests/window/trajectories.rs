@@ -254,7 +254,7 @@ fn a_camera_leads_to_its_weakest_pair_and_a_missing_one_to_the_reason() {
     let dataset = window.app_mut().model.results.datasets.open.as_mut().unwrap();
     for (pair, putative, inliers) in [((0, 1), 30, 12), ((0, 2), 400, 350), ((1, 2), 20, 3)] {
         let counts = MatchCounts { keypoints_a: 500, putative, inliers: Some(inliers), ..MatchCounts::default() };
-        dataset.matches.take(pair, counts);
+        dataset.matches.counts.insert(pair, counts);
     }
     window.run_action("trajectories");
     window.settle();

@@ -191,53 +191,6 @@ mod trajectories {
     }
 }
 
-mod pairs_of_a_dataset {
-    use burstscope::app::document::PairColumn;
-    use burstscope::app::results::datasets::pairs::{PairTable, lost_text};
-    use burstscope::inspect::pair::Lost;
-    use burstscope::matching::{MatchCounts, Refusal};
-
-    #[test]
-    fn pairs_are_listed_in_the_order_that_was_clicked() {
-        let mut table = PairTable::default();
-        for (pair, putative, inliers) in [((0, 1), 30, 20), ((0, 2), 40, 0), ((1, 2), 30, 25)] {
-            table.take(pair, MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() });
-        }
-        let pairs = |table: &PairTable| table.listed().into_iter().map(|(p, _)| p).collect::<Vec<_>>();
-        assert_eq!((pairs(&table), table.strongest()), (vec![(0, 1), (0, 2), (1, 2)], 25));
-        table.sort_by(PairColumn::Inliers);
-        assert_eq!(pairs(&table), [(1, 2), (0, 1), (0, 2)]);
-        table.sort_by(PairColumn::Inliers);
-        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)]);
-        table.sort_by(PairColumn::Putative);
-        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
-        [PairColumn::Pair; 2].into_iter().for_each(|column| table.sort_by(column));
-        assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
-        let of_burst = |strongest| table.of_burst(0, strongest).map(|(pair, _)| pair);
-        assert_eq!([of_burst(true), of_burst(false)], [Some((0, 1)), Some((0, 2))]);
-        assert_eq!(table.of_burst(3, true), None);
-    }
-
-    #[test]
-    fn the_step_that_lost_most_is_said_as_far_as_it_is_known() {
-        let counts = MatchCounts { keypoints_a: 200, putative: 60, inliers: Some(12), ..MatchCounts::default() };
-        let (text, lost) = lost_text(&counts, None);
-        assert_eq!(text, "12 inliers of about 30 needed; 70 % of 200 keypoints lost: ratio test or mutual check");
-        let known = MatchCounts { not_mutual: Some(20), ..counts };
-        assert!(lost_text(&known, None).0.ends_with("60 % of 200 keypoints lost: ratio test"));
-        let mut steps = Lost::ALL.map(|lost| (lost, 12));
-        (steps[2].1, steps[3].1) = (18, 134);
-        let exact = lost_text(&counts, Some(&steps));
-        assert_eq!(exact.0, "12 inliers of about 30 needed; 67 % of 200 keypoints lost: mutual check");
-        assert_eq!((lost, exact.1), (Lost::RatioTest, Lost::MutualCheck));
-        let refused = MatchCounts { putative: 190, inliers: Some(0), refused: Some(Refusal::Motions), ..counts };
-        assert!(
-            lost_text(&refused, None).0.contains("refused: the motions")
-                && lost_text(&refused, None).0.ends_with("geometry")
-        );
-    }
-}
-
 mod listed {
     use burstscope::app::document::Document;
     use burstscope::app::document::filter::{Filter, Interval, Order, near_slope};
@@ -345,5 +298,259 @@ mod listed {
             assert!(!quantity_text(quantity, 0, &feature, KnownOfFeature::default()).is_empty(), "{quantity:?}");
             assert!(record.term.is_none_or(|term| burstscope::teach::glossary::glossary().find(term).is_some()));
         }
+    }
+}
+
+mod view {
+    use burstscope::app::view::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
+    use egui::{Pos2, Rect, Vec2, pos2};
+    use proptest::prelude::*;
+
+    const SIZE: (usize, usize) = (1600, 1200);
+
+    fn canvas() -> Rect {
+        Rect::from_min_size(pos2(30.0, 40.0), Vec2::new(800.0, 600.0))
+    }
+
+    #[test]
+    fn a_view_follows_another_and_keeps_its_distance() {
+        let mut other = View::new(Zoom::PointsPerPixel(2.0), [100.0, 80.0]);
+        let mut mine = View::new(Zoom::PointsPerPixel(2.0), [110.0, 85.0]);
+        let before = other;
+        other.zoom_at(pos2(500.0, 300.0), 1.5, canvas());
+        other.pan(Vec2::new(30.0, -12.0));
+        mine.follow(&before, &other);
+        assert_eq!(mine.zoom, other.zoom);
+        let apart = pos2(mine.centre_image[0], mine.centre_image[1]) - Pos2::from(other.centre_image);
+        assert!((apart - Vec2::new(10.0, 5.0)).length() < 1e-3);
+        let before = other;
+        other.set_fit();
+        mine.follow(&before, &other);
+        assert!(mine.is_fit());
+    }
+
+    #[test]
+    fn zoom_has_limits_and_the_image_stays_reachable() {
+        let mut view = View::fit();
+        view.settle(canvas(), SIZE, 1.0);
+        (0..100).for_each(|_| view.zoom_at(canvas().center(), 2.0, canvas()));
+        assert_eq!(view.points_per_pixel(), MAX_POINTS_PER_PIXEL);
+        (0..100).for_each(|_| view.zoom_at(canvas().center(), 0.5, canvas()));
+        let fit = View::fit().settle(canvas(), SIZE, 1.0).scale();
+        assert!(view.points_per_pixel() <= fit && view.points_per_pixel() > 0.4 * fit);
+        view.pan(Vec2::new(1e7, -1e7));
+        view.settle(canvas(), SIZE, 1.0);
+        assert_eq!(view.centre_image, [-0.5, 1199.5]);
+    }
+
+    proptest! {
+        #[test]
+        fn what_is_under_the_pointer_stays_there(
+            x in 30f32..830.0, y in 40f32..640.0, factors in prop::collection::vec(0.7f32..1.5, 1..12)
+        ) {
+            let mut view = View::fit();
+            view.settle(canvas(), SIZE, 1.0);
+            let pointer = pos2(x, y);
+            let unsnapped = |view: &View| {
+                RectTransform::new(view.centre_image.into(), canvas().center(), view.points_per_pixel())
+            };
+            let before = unsnapped(&view).inverse().pos(pointer);
+            for factor in factors {
+                view.zoom_at(pointer, factor, canvas());
+            }
+            let after = unsnapped(&view).pos(before);
+            prop_assert!((after - pointer).length() < 0.05, "{after:?} instead of {pointer:?}");
+        }
+    }
+
+    #[test]
+    fn positions_stay_exact_far_out_at_high_zoom() {
+        let t = RectTransform::new(pos2(16000.0, 16000.0), pos2(500.0, 400.0), 128.0);
+        let moved = t.pos(pos2(16000.0 + 1.0 / 64.0, 16000.0)) - t.pos(pos2(16000.0, 16000.0));
+        assert!((moved.x - 2.0).abs() < 1e-3, "{moved:?}");
+        let back = t.inverse().pos(t.pos(pos2(-100.0, 20_000.0)));
+        assert!((back - pos2(-100.0, 20_000.0)).length() < 0.02, "{back:?}");
+    }
+}
+
+mod hidden {
+    use burstscope::Burst;
+    use burstscope::app::measure::{Hidden, mask_of};
+    use burstscope::plane::{Mask, Plane};
+    use egui::pos2;
+    use std::sync::Arc;
+
+    #[test]
+    fn a_mask_hides_what_lies_inside_of_outlines_and_what_no_frame_shows() {
+        let plain = Plane::zeros(12, 8);
+        let burst = Burst::from_planes("plain", vec![plain.clone(); 2]);
+        let square = Hidden::Outline(vec![pos2(1.5, 1.5), pos2(4.5, 1.5), pos2(4.5, 3.5), pos2(1.5, 3.5)]);
+        let greys = mask_of(&burst, std::slice::from_ref(&square));
+        let hidden: Vec<usize> = (0..96).filter(|k| greys[*k] == 0).collect();
+        assert_eq!(hidden, [26, 27, 28, 38, 39, 40]);
+        // A rectangle beyond the picture's rim, and an empty rectangle.
+        let beyond = Hidden::Outline(vec![pos2(-9.0, -9.0), pos2(99.0, -9.0), pos2(99.0, 99.0), pos2(-9.0, 99.0)]);
+        assert!(mask_of(&burst, &[beyond]).iter().all(|grey| *grey == 0));
+        assert!(
+            mask_of(&burst, &[Hidden::Outline(vec![pos2(3.0, 3.0)]), Hidden::Outline(Vec::new())])
+                .iter()
+                .all(|grey| *grey == 255)
+        );
+        // Twice around is hidden as once is; a stroke hides the discs along it.
+        let twice = Hidden::Outline(
+            [1.5, 4.5, 4.5, 1.5].iter().zip([1.5, 1.5, 3.5, 3.5]).cycle().take(8).map(|(u, v)| pos2(*u, v)).collect(),
+        );
+        assert_eq!(mask_of(&burst, &[twice]), greys);
+        let stroke = Hidden::Stroke { path: vec![pos2(3.0, 3.0), pos2(8.0, 3.0)], radius_px: 1.0 };
+        let hidden: Vec<usize> = (0..96).filter(|k| mask_of(&burst, std::slice::from_ref(&stroke))[*k] == 0).collect();
+        let row = |v: usize, columns: std::ops::RangeInclusive<usize>| columns.map(move |u| 12 * v + u);
+        let expected: Vec<usize> = row(2, 3..=8).chain(row(3, 2..=9)).chain(row(4, 3..=8)).collect();
+        assert_eq!(hidden, expected);
+        let mask = |column: usize| Mask::new(Plane::from_fn(12, 8, |u, _| f32::from(u != 0 && u != column)));
+        let masked = [5, 6].map(|column| Arc::new(plain.clone().masked(mask(column)))).to_vec();
+        let greys = mask_of(&Burst { frames: masked, ..burst }, &[]);
+        assert!((0..96).all(|k| (greys[k] == 0) == (k % 12 == 0)), "what one frame shows is seen");
+    }
+}
+
+mod set_up {
+    use burstscope::app::document::SetUpState;
+    use burstscope::detector::{Feature, Moves, Slope};
+    use burstscope::inspect::slopes::SetUp;
+
+    #[test]
+    fn only_a_sound_set_up_gives_depths() {
+        let state = SetUpState::default();
+        let alone = Feature { slope: Slope::new(-2.5, 0.0), slope_sigma: 0.25, ..Feature::default() };
+        assert_eq!(state.known(&alone, None).depth_m, None);
+        let read = SetUpState { reads_depths: true, ..state };
+        assert_eq!(read.known(&alone, None).depth_m, Some([8.0, 0.8]), "by itself");
+        let field = Slope::new(-5.0, 0.0);
+        let edge = Feature { field, slope_sigma: 1.0, field_sigma: 0.25, moves: Moves::Edge, ..alone };
+        assert_eq!(read.known(&edge, None).depth_m, Some([4.0, 0.2]), "as its surroundings");
+        let typed = SetUpState { values: SetUp { speed_m_s: -1.0, ..SetUp::default() }, ..read };
+        assert_eq!(typed.depths_by(), None);
+    }
+}
+
+mod presets {
+    use burstscope::app::document::Side;
+    use burstscope::app::document::cursor::ViewKind;
+    use burstscope::app::pane::{Pane, Preset};
+    use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
+
+    #[test]
+    fn the_pane_in_focus_goes_on_in_every_preset() {
+        let params = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 7), ..DetectorParams::default() };
+        for (preset, ..) in Preset::ALL {
+            for kind in ViewKind::OF_CURSOR {
+                let mut pane = Pane::new(Side::A);
+                pane.cursor.slope = Slope::new(1.0, 0.0);
+                pane.show(kind);
+                let laid = preset.lay_out(&pane, &params);
+                let panes: Vec<&Pane> = laid.rows.iter().flatten().collect();
+                assert_eq!(panes[laid.focus].cursor.slope, Slope::new(1.0, 0.0), "{preset:?} {kind:?}");
+                assert!(panes.iter().all(|pane| pane.side == Side::A));
+            }
+        }
+    }
+}
+
+mod pairs {
+    use burstscope::app::document::PairColumn;
+    use burstscope::app::results::datasets::pairs::{PairTable, lost_text};
+    use burstscope::inspect::pair::Lost;
+    use burstscope::matching::{MatchCounts, Refusal};
+
+    #[test]
+    fn pairs_are_listed_in_the_order_that_was_clicked() {
+        let mut table = PairTable::default();
+        for (pair, putative, inliers) in [((0, 1), 30, 20), ((0, 2), 40, 0), ((1, 2), 30, 25)] {
+            table.counts.insert(pair, MatchCounts { putative, inliers: Some(inliers), ..MatchCounts::default() });
+        }
+        let pairs = |table: &PairTable| table.listed().into_iter().map(|(p, _)| p).collect::<Vec<_>>();
+        assert_eq!((pairs(&table), table.strongest()), (vec![(0, 1), (0, 2), (1, 2)], 25));
+        table.sort_by(PairColumn::Inliers);
+        assert_eq!(pairs(&table), [(1, 2), (0, 1), (0, 2)]);
+        table.sort_by(PairColumn::Inliers);
+        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)]);
+        table.sort_by(PairColumn::Putative);
+        assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
+        [PairColumn::Pair; 2].into_iter().for_each(|column| table.sort_by(column));
+        assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
+        let of_burst = |strongest| table.of_burst(0, strongest).map(|(pair, _)| pair);
+        assert_eq!([of_burst(true), of_burst(false)], [Some((0, 1)), Some((0, 2))]);
+        assert_eq!(table.of_burst(3, true), None);
+    }
+
+    #[test]
+    fn the_step_that_lost_most_is_said_as_far_as_it_is_known() {
+        let counts = MatchCounts { keypoints_a: 200, putative: 60, inliers: Some(12), ..MatchCounts::default() };
+        let (text, lost) = lost_text(&counts, None);
+        assert_eq!(text, "12 inliers of about 30 needed; 70 % of 200 keypoints lost: ratio test or mutual check");
+        let known = MatchCounts { not_mutual: Some(20), ..counts };
+        assert!(lost_text(&known, None).0.ends_with("60 % of 200 keypoints lost: ratio test"));
+        let mut steps = Lost::ALL.map(|lost| (lost, 12));
+        (steps[2].1, steps[3].1) = (18, 134);
+        let exact = lost_text(&counts, Some(&steps));
+        assert_eq!(exact.0, "12 inliers of about 30 needed; 67 % of 200 keypoints lost: mutual check");
+        assert_eq!((lost, exact.1), (Lost::RatioTest, Lost::MutualCheck));
+        let refused = MatchCounts { putative: 190, inliers: Some(0), refused: Some(Refusal::Motions), ..counts };
+        assert!(
+            lost_text(&refused, None).0.contains("refused: the motions")
+                && lost_text(&refused, None).0.ends_with("geometry")
+        );
+    }
+}
+
+mod matrix {
+    use burstscope::app::dataset::pairs::{CountColours, matrix_ui};
+    use burstscope::app::document::Queue;
+    use burstscope::app::results::Dataset;
+    use egui::{Color32, Pos2, Rect, vec2};
+
+    #[test]
+    fn rows_and_columns_have_the_names_of_their_bursts() {
+        let burst = |name: &str| burstscope::burst::BurstFiles { name: name.to_owned(), paths: Vec::new() };
+        let dataset = Dataset::new(burstscope::requests::OpenDataset {
+            strays: Vec::new(),
+            source: burstscope::dataset::DatasetSource::of_bursts(Vec::new()),
+            bursts: std::sync::Arc::new(vec![burst("0"), burst("dusk")]),
+            frames_of_one: None,
+            folder: None,
+            folder_error: None,
+            params: Default::default(),
+            open: Default::default(),
+            finished: vec![None; 2],
+            other_params: None,
+        });
+        let context = egui::Context::default();
+        let screen = Rect::from_min_size(Pos2::ZERO, vec2(600.0, 500.0));
+        let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
+        let mut output = context
+            .run_ui(input, |ui| assert_eq!(matrix_ui(ui, &dataset, &dataset.choice(), &mut Queue::default()), None));
+        output.textures_delta.clear();
+        let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
+            egui::Shape::Text(text) => Some((text.galley.text().to_owned(), text.angle != 0.0)),
+            _ => None,
+        };
+        let mut texts: Vec<(String, bool)> = output.shapes.iter().filter_map(text).collect();
+        texts.sort();
+        let both = |name: &str| [false, true].map(|upwards| (name.to_owned(), upwards));
+        assert_eq!(texts, [both("0"), both("dusk")].concat());
+    }
+
+    #[test]
+    fn more_is_lighter_and_numbers_can_be_read() {
+        let colours = CountColours::new(400);
+        let lightness = |c: Color32| 0.3 * f32::from(c.r()) + 0.59 * f32::from(c.g()) + 0.11 * f32::from(c.b());
+        let mut before = -1.0;
+        for count in [0, 1, 10, 50, 150, 300, 400] {
+            let (fill, text) = colours.of(count);
+            assert!(lightness(fill) > before, "{count}");
+            before = lightness(fill);
+            assert!((lightness(fill) - lightness(text)).abs() > 80.0, "{count}: {fill:?} {text:?}");
+        }
+        assert_eq!(CountColours::new(0).of(0).1, Color32::WHITE);
     }
 }

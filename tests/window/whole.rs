@@ -3,6 +3,7 @@
 use crate::cut::cut_off;
 use crate::steps_back::second_click_at;
 use crate::support::{Start, Window, given};
+use burstscope::app::document::panes::Panels;
 use burstscope::app::results::Read;
 use burstscope::detector::{Quantity, Slope};
 use burstscope::requests::BurstSource;
@@ -82,6 +83,42 @@ fn a_match_is_whole() {
     window.key(Key::Home);
     window.settle();
     assert_whole(&mut window, "a match");
+}
+
+#[test]
+fn the_loupe_is_whole_and_beside_its_place_in_one_pane_and_in_several() {
+    use egui::accesskit::Role;
+    use egui_kittest::kittest::{NodeT, Queryable, by};
+    let mut window = open();
+    let document = &mut window.app_mut().model.document;
+    (document.follows_focus, document.panels) = (true, Panels { loupe: true, welcome: false, ..Panels::default() });
+    for layout in [Key::Num5, Key::Num9] {
+        window.key(layout);
+        window.settle();
+        let mut seen = 0;
+        for (size, place) in SIZES.into_iter().flat_map(|size| (0..15).map(move |place| (size, place))) {
+            let parts = vec2([0.03, 0.3, 0.5, 0.7, 0.97][place % 5], [0.2, 0.5, 0.9][place / 5]);
+            let pointer = (parts * vec2(size[0], size[1])).to_pos2();
+            window.harness.set_size(size.into()).hover_at(pointer);
+            window.harness.run_steps(4);
+            assert_eq!(cut_off(&window.harness), Vec::<String>::new(), "{layout:?} {size:?} {pointer}");
+            let is_loupe = |node: &egui_kittest::Node<'_>| {
+                node.accesskit_node().role() == Role::Label && node.rect().height() > 60.0
+            };
+            let mut loupes = window.harness.query_all_by_label_contains("Sharp at ");
+            let Some(loupe) = loupes.find(is_loupe) else { continue };
+            let canvases = by().role(Role::Canvas);
+            let mut panes = window.harness.query_all(canvases).map(|node| node.rect());
+            let pane = panes.find(|pane| pane.contains(pointer)).expect("the pointer is in a pane");
+            assert!(
+                pane.expand(1.0).contains_rect(loupe.rect()) && !loupe.rect().contains(pointer),
+                "{layout:?} {size:?} {pointer}"
+            );
+            seen += 1;
+        }
+        assert!(seen > 4, "{seen} of {layout:?}");
+        assert_whole(&mut window, &format!("the loupe, {layout:?}"));
+    }
 }
 
 #[test]

@@ -339,14 +339,17 @@ pub enum Tiling {
 }
 
 /// Statement that frames are the views of a light field: `names`, `9x9`, `9x9:tiled` or `9x9:eslf`.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, strum::Display)]
 #[serde(try_from = "String", into = "String")]
 pub enum ViewsChoice {
     /// Rows and columns in the names of the files, such as `view_03_07.png`.
+    #[strum(to_string = "names")]
     Names,
     /// Frames are a grid, row by row. A grid of one row is a burst.
+    #[strum(to_string = "{0}")]
     Grid(ViewGrid),
     /// All views of a grid are in one picture.
+    #[strum(to_string = "{0}:{1}")]
     Picture(ViewGrid, Tiling),
 }
 
@@ -369,16 +372,6 @@ impl FromStr for ViewsChoice {
         read().ok_or_else(|| {
             format!("'{text}' is neither names nor ROWSxCOLUMNS, such as 9x9, or 9x9:tiled or 9x9:eslf for one picture")
         })
-    }
-}
-
-impl fmt::Display for ViewsChoice {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Names => f.write_str("names"),
-            Self::Grid(grid) => grid.fmt(f),
-            Self::Picture(grid, tiling) => write!(f, "{grid}:{tiling}"),
-        }
     }
 }
 

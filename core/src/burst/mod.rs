@@ -35,7 +35,8 @@ mod times;
 mod views;
 
 pub use arrays::{ArrayFrame, Arrays};
-pub use formats::{FormatRecord, LikelyShape, file_formats, likely_shapes, serve_decoding};
+pub use formats::{FormatRecord, LikelyShape, file_formats, likely_shapes, serve_decoding, shape_of};
+pub(crate) use formats::{Ran, ffmpeg, file_url, ran};
 pub use info::Info;
 pub use layout::{Axis, AxisChoice, Dump, FrameRange, Mosaic, Tiling, TimesChoice, ViewGrid, ViewsChoice};
 pub use notes::{Note, Remark, RemarkKind};

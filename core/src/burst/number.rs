@@ -151,28 +151,3 @@ impl Number {
         }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn values(number: Number, bytes: &[u8], big_endian: bool) -> Vec<f32> {
-        let mut values = Vec::new();
-        number.convert(bytes, big_endian, None, 1.0, &mut values);
-        values
-    }
-
-    #[test]
-    fn packed_numbers_are_those_of_the_standards() {
-        // Pixel 0 is 0xabc, pixel 1 is 0x123 (12 bit); 0x2ab and 0x1cd, 0x001, 0x3ff (10 bit).
-        assert_eq!(values(Number::U12p, &[0xbc, 0x3a, 0x12], false), [2748.0, 291.0]);
-        assert_eq!(values(Number::U12Packed, &[0xab, 0x3c, 0x12], false), [2748.0, 291.0]);
-        assert_eq!(values(Number::U10Packed, &[0xaa, 0x13, 0x73], false), [683.0, 461.0]);
-        let four = 0x2ab | 0x1cd << 10 | 0x001u64 << 20 | 0x3ff << 30;
-        assert_eq!(values(Number::U10p, &four.to_le_bytes()[..5], false), [683.0, 461.0, 1.0, 1023.0]);
-        assert_eq!((Number::U10p.bytes(5), Number::U12p.bytes(3), Number::U16.bytes(3)), (7, 5, 6));
-        assert_eq!(values(Number::F16, &[0, 0x3c], false), [1.0]);
-        // The last group of an odd number of pixels.
-        assert_eq!(values(Number::U12p, &[0xbc, 0x3a, 0x12, 0xbc, 0x0a], false)[..3], [2748.0, 291.0, 2748.0]);
-    }
-}

@@ -11,7 +11,7 @@ use super::formats::{self, Rank};
 use super::options::OpenOptions;
 use super::stamps::in_order_of_times;
 use crate::error::{Error, ErrorKind, Result};
-use crate::files::path_text;
+use crate::files::{path_text, shell_path};
 use std::path::{Path, PathBuf};
 use std::{cmp::Ordering, collections::HashSet, ffi::OsStr, ops::Range};
 
@@ -101,7 +101,12 @@ pub fn find_entries(inputs: &[PathBuf], options: &OpenOptions) -> Result<Entries
         let found = entries_of_folder(folder, true, options)?;
         if found.bursts.is_empty() {
             let problem = "this folder holds no pictures, nor do its subfolders";
-            let remedy = format!("a burst is a folder of {} files", supported_extensions().join(", "));
+            let has_bursts = |one: &PathBuf| entries_of_folder(one, true, options).is_ok_and(|e| !e.bursts.is_empty());
+            let deeper = list(folder)?.1.into_iter().filter(has_bursts).map(|one| shell_path(&one));
+            let remedy = match &deeper.take(2).collect::<Vec<_>>()[..] {
+                [] => format!("a burst is a folder of {} files", supported_extensions().join(", ")),
+                some => format!("bursts lie a folder deeper: give the folders above them, such as {}", some.join(" ")),
+            };
             return Err(Error::new(ErrorKind::Request, problem, remedy).about(folder));
         }
         entries.bursts.extend(found.bursts);

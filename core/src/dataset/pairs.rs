@@ -9,7 +9,7 @@ use crate::export::{ColmapKeypoint, MatchRow, safe_file_name};
 use crate::files::{MAX_TABLE_BYTES, read_text};
 use crate::matching::aligned::Seen;
 use crate::matching::{
-    Blob, Match, MatchParams, MatchResult, MatchSide, Pictures, Unaligned, match_features, match_pair,
+    Blob, Match, MatchParams, MatchResult, MatchSide, PairSelection, Pictures, Unaligned, match_features, match_pair,
 };
 use crate::monitor::{Monitor, Stage};
 use rayon::prelude::*;
@@ -172,6 +172,19 @@ pub struct KeptBursts<'a> {
     pub store: &'a FeatureStore,
     pub bursts: &'a [BurstFiles],
     pub monitor: &'a Monitor,
+}
+
+impl KeptBursts<'_> {
+    /// The pairs of a `selection`. In [`PairSelection::Near`] bursts that are not finished have no votes.
+    ///
+    /// # Errors
+    /// Cancellation.
+    pub fn pairs(&self, selection: &PairSelection) -> Result<Vec<(usize, usize)>> {
+        let silent = self.monitor.silent();
+        let kept = |index: usize| self.store.kept(&self.bursts[index], &silent);
+        let descriptors = |index| Ok(kept(index).map_or_else(|_| Vec::new(), |kept| kept.descriptors));
+        selection.pairs_by(self.bursts.len(), descriptors, &silent)
+    }
 }
 
 impl<E: From<Error>> PairSource<E> for KeptBursts<'_> {

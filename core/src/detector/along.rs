@@ -119,7 +119,8 @@ impl<'a> Along<'a> {
     }
 
     /// D of the mean of `some` frames (indices among the kept frames) at each of the DoG `levels` of `octave`, on
-    /// the path through `at` (input pixels, at mid-burst) at `slope`, at the octave's nearest pixel.
+    /// the path through `at` (input pixels, at mid-burst) at any `slope`, at the octave's nearest pixel: as the search,
+    /// up to interpolation. The octave must be one that was searched.
     pub fn response(&self, octave: i32, levels: Range<i32>, at: (f32, f32), slope: Slope, some: &[usize]) -> Vec<f32> {
         let frames = self.of(octave);
         let (planes, offsets) = frames.chosen(slope, some);

@@ -28,8 +28,8 @@ pub struct FrameResponse {
 }
 
 impl Along<'_> {
-    /// See [`crate::detector::Trail::frame_responses`].
-    pub(super) fn each_frame(
+    /// The response of each frame at a scale along a motion (input pixels), in time order.
+    pub(crate) fn each_frame(
         &self,
         Scale { octave, level }: Scale,
         place: [f32; 2],

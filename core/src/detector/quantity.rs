@@ -303,7 +303,8 @@ impl Quantity {
             Self::Moves => Record {
                 place: FeatureField::Moves(|f| &mut f.moves),
                 term: Some("field"),
-                width: 150.0,
+                // The longest of its words, “moves with its surroundings”.
+                width: 196.0,
                 colours: Some(Colours { span: Span::Always(0.0, 4.0), ..BRIGHT }),
                 ..named(
                     "motion",

@@ -75,21 +75,3 @@ pub(super) fn replace(path: &Path, fill: impl FnOnce(&Path) -> io::Result<File>)
     drop(file);
     std::fs::rename(unfinished.new_path(), path).map_err(fail)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[cfg(unix)]
-    #[test]
-    fn a_file_keeps_its_permissions_when_it_is_replaced() {
-        use std::os::unix::fs::PermissionsExt;
-        let folder = tempfile::tempdir().expect("folder");
-        let path = folder.path().join("a.txt");
-        std::fs::write(&path, "old").expect("written");
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
-        write_whole(&path, |w| w.write_all(b"new")).expect("written");
-        assert_eq!(std::fs::metadata(&path).expect("file").permissions().mode() & 0o777, 0o640);
-        assert_eq!(std::fs::read(&path).expect("read"), b"new");
-    }
-}

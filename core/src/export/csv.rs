@@ -252,31 +252,3 @@ pub fn profiles_table(profiles: &[(String, Vec<ProfileSample>)]) -> Table {
     let rows = profiles.iter().flat_map(|(name, samples)| samples.iter().map(move |sample| row(name, sample)));
     Table::new("Profiles", PROFILE_COLUMNS, rows.collect())
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    const GOOD: &str = "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit\n\
-                        1.5,2,3,-0.5,1,0,-0.01,inf,-1,2,1\n4,5,6,0,0,0,0.25,9.5,0,0,0\n";
-
-    #[test]
-    fn errors_name_the_line_and_the_column() {
-        assert_eq!(parse(GOOD).expect("good").len(), 2);
-        assert_eq!(parse(GOOD).expect("good")[0].snr, f32::INFINITY);
-        assert_eq!(parse(&GOOD.replace('\n', "\r\n")), parse(GOOD));
-        let cases = [
-            ("", 1, "header"),
-            (&GOOD.replace("sigma", "scale"), 1, "header"),
-            (&GOOD.replace("1.5,", "one,"), 2, "u must be a number, not 'one'"),
-            (&GOOD.replace(",0,0,0\n", ",0,0\n"), 3, "11 cells, not 10"),
-            (&GOOD.replace(",0,0,0\n", ",0,0,yes\n"), 3, "at_slope_limit must be 0 or 1"),
-            (&GOOD.replace(",-1,2,", ",-1.5,2,"), 2, "octave must be a whole number"),
-            (&format!("{GOOD}\n"), 4, "11 cells, not 1"),
-        ];
-        for (text, line, problem) in cases {
-            let (found, message) = parse(text).expect_err(problem);
-            assert!(found == line && message.contains(problem), "{found}: {message}");
-        }
-    }
-}

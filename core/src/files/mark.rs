@@ -1,8 +1,8 @@
 //! The mark by which Burstscope recognises what it wrote, so that it replaces this alone without being told to.
 //!
 //! A [`Mark`] is one record, in JSON: program, kind of the output, format of the mark, and length and checksum of what
-//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML, PDF and LaTeX, or a comment line, at the
-//! end of a file, and claims all bytes before; in `Software` of TIFF, for samples; in a [file](OutputKind::file) of a
+//! it claims. It stands in a text chunk of PNG, a comment of GIF, ZIP, XML, PDF and LaTeX, a free box of MP4, or a comment
+//! line, at the end of a file, and claims all bytes before; in `Software` of TIFF, for samples; in a [file](OutputKind::file) of a
 //! folder. COLMAP's database has a number in its header alone, a matched pair its first line, and tables have none, see
 //! [`is_ours`](crate::export::is_ours).
 
@@ -43,7 +43,7 @@ pub enum OutputKind {
     Unfinished,
     /// PNG or TIFF.
     Picture,
-    /// GIF.
+    /// GIF or MP4.
     Film,
     /// SVG, PDF or LaTeX.
     Drawing,
@@ -151,6 +151,7 @@ impl Checksum {
 enum MarkPlace {
     Png,
     Gif,
+    Mp4,
     Zip,
     Xml,
     Pdf,
@@ -160,15 +161,17 @@ enum MarkPlace {
 
 impl MarkPlace {
     fn of(head: &[u8]) -> Self {
-        let starts: [(&[u8], Self); 6] = [
-            (b"\x89PNG\r\n\x1a\n", Self::Png),
-            (b"GIF8", Self::Gif),
-            (b"PK\x03\x04", Self::Zip),
-            (b"<", Self::Xml),
-            (b"%PDF", Self::Pdf),
-            (b"% ", Self::Latex),
+        let starts: [(usize, &[u8], Self); 7] = [
+            (0, b"\x89PNG\r\n\x1a\n", Self::Png),
+            (0, b"GIF8", Self::Gif),
+            (4, b"ftyp", Self::Mp4),
+            (0, b"PK\x03\x04", Self::Zip),
+            (0, b"<", Self::Xml),
+            (0, b"%PDF", Self::Pdf),
+            (0, b"% ", Self::Latex),
         ];
-        starts.into_iter().find(|(start, _)| head.starts_with(start)).map_or(Self::Line, |(_, place)| place)
+        let begins = |at: usize, start: &[u8]| head.get(at..).is_some_and(|rest| rest.starts_with(start));
+        starts.into_iter().find(|(at, start, _)| begins(*at, start)).map_or(Self::Line, |(.., place)| place)
     }
 
     /// The end of a file, in place of which the mark comes: the last chunk or block, or the length of an empty comment.
@@ -177,7 +180,7 @@ impl MarkPlace {
             Self::Png => b"\0\0\0\0IEND\xae\x42\x60\x82",
             Self::Gif => b"\x3b",
             Self::Zip => b"\0\0",
-            Self::Xml | Self::Pdf | Self::Latex | Self::Line => b"",
+            Self::Mp4 | Self::Xml | Self::Pdf | Self::Latex | Self::Line => b"",
         }
     }
 
@@ -193,6 +196,8 @@ impl MarkPlace {
                 let blocks = text.chunks(255).flat_map(|part| [&[part.len() as u8], part].concat());
                 [b"\x21\xfe".to_vec(), blocks.collect(), vec![0], self.end().to_vec()].concat()
             }
+            // A box with its length and kind, which readers pass over.
+            Self::Mp4 => [&(text.len() as u32 + 8).to_be_bytes()[..], b"free", text].concat(),
             Self::Zip => [&(text.len() as u16).to_le_bytes(), text].concat(),
             Self::Xml => [b"<!-- ", text, b" -->\n"].concat(),
             // Readers look for the end of a PDF in its last thousand bytes.
@@ -203,7 +208,7 @@ impl MarkPlace {
     }
 }
 
-/// Puts the mark into a complete PNG, GIF, ZIP, XML or PDF file, or as a last comment line; an error for a cut file.
+/// Puts the mark into a complete PNG, GIF, MP4, ZIP, XML or PDF file, or as a last comment line; an error for a cut file.
 pub fn seal(file: &mut File, kind: OutputKind) -> io::Result<()> {
     let place = MarkPlace::of(&part_of(file, 0, HEAD)?);
     let length = file.seek(SeekFrom::End(0))?;

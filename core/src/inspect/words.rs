@@ -66,10 +66,11 @@ fn rounded(x: f64, significant: i32, round: fn(f64) -> f64) -> f64 {
     format!("{value:.*}", digits.max(0) as usize).parse().unwrap_or(value)
 }
 
-/// A count with its noun: “1 feature”, “2 features”.
+/// A count with its noun: “1 feature”, “2 features”, “2 matches”.
 pub fn counted(count: usize, what: &str) -> String {
     let grouped = crate::detector::advice::grouped(count as u64);
-    if count == 1 { format!("1 {what}") } else { format!("{grouped} {what}s") }
+    let ending = if what.ends_with("ch") { "es" } else { "s" };
+    if count == 1 { format!("1 {what}") } else { format!("{grouped} {what}{ending}") }
 }
 
 /// Some of these names, and how many more there are: “a, b, c and 2 more”.

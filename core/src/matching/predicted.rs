@@ -490,31 +490,6 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn a_geometry_of_chance_is_refused_and_a_right_one_is_not() {
-        for geometry in [Geometry::Essential, Geometry::Fundamental] {
-            let (mut lost, mut believed) = (0, 0);
-            for seed in 0..20 {
-                let params = MatchParams { seed, ..params(geometry) };
-                let right = matched(&noisy_pair(100 + seed, 150, 150), &params);
-                lost += usize::from(right.prediction.is_some_and(|prediction| !prediction.is_believed()));
-                // Sure matches that agree on a geometry, of places whose nearness has nothing to do with it.
-                let mut wrong = noisy_pair(200 + seed, 60, 0);
-                let mut random = Stream::new(seed, 2);
-                for side in &mut wrong {
-                    for of in &mut side.blobs {
-                        let inverse_depth = random.within(0.05, 0.4);
-                        *of = blob(&mut random, inverse_depth);
-                    }
-                }
-                let found = matched(&wrong, &MatchParams { ratio: 1.0, ..params });
-                believed += usize::from(found.verification.expect("asked for").model.is_some());
-            }
-            println!("{geometry:?}: {lost} right ones lost, {believed} wrong ones believed of 20");
-            assert!(lost == 0 && believed <= 1, "{geometry:?}: {lost} right ones lost, {believed} wrong ones believed");
-        }
-    }
-
-    #[test]
     fn orientations_of_one_place_count_once() {
         let pair = noisy_pair(5, 300, 0);
         let twice = |of: &Features| {

@@ -9,7 +9,7 @@ use super::Plane;
 use super::statistics::{Region, percentiles};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
-use strum::{EnumCount, VariantArray};
+use strum::{EnumCount, IntoStaticStr, VariantArray};
 
 /// Colour of a value that is not a number. No sequential or diverging map contains it.
 pub const NAN_COLOUR: Rgb = [255, 0, 255];
@@ -153,7 +153,9 @@ pub fn to_rgba8(plane: &Plane, display: &Display) -> image::RgbaImage {
 pub type Rgb = [u8; 3];
 
 /// Named table of 256 colours, sequential or diverging.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, EnumCount, VariantArray)]
+#[derive(
+    Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize, EnumCount, VariantArray, IntoStaticStr,
+)]
 #[serde(rename_all = "snake_case")]
 pub enum ColourMap {
     /// Black to white.
@@ -168,10 +170,13 @@ pub enum ColourMap {
     /// A rainbow with many distinct hues; shows fine differences, but is not even in lightness.
     Turbo,
     /// Diverging: blue, white at the centre, red.
+    #[strum(serialize = "Blue – white – red")]
     BlueWhiteRed,
     /// Diverging: blue, black at the centre, orange. Easier on the eyes in a dark room.
+    #[strum(serialize = "Blue – black – orange")]
     BlueBlackOrange,
     /// Diverging: purple, white at the centre, green.
+    #[strum(serialize = "Purple – white – green")]
     PurpleWhiteGreen,
 }
 
@@ -181,16 +186,7 @@ impl ColourMap {
 
     /// Name for the user, in sentence case.
     pub fn name(self) -> &'static str {
-        match self {
-            Self::Grey => "Grey",
-            Self::Viridis => "Viridis",
-            Self::Magma => "Magma",
-            Self::Cividis => "Cividis",
-            Self::Turbo => "Turbo",
-            Self::BlueWhiteRed => "Blue – white – red",
-            Self::BlueBlackOrange => "Blue – black – orange",
-            Self::PurpleWhiteGreen => "Purple – white – green",
-        }
+        self.into()
     }
 
     /// Use of the map, in one sentence.

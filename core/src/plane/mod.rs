@@ -190,28 +190,3 @@ impl PartialEq for Pixels {
         self.get() == other.get()
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    struct Array(Vec<f32>);
-
-    impl PixelOwner for Array {
-        fn pixels(&self) -> &[f32] {
-            &self.0
-        }
-    }
-
-    #[test]
-    fn shared_pixels_are_shown_in_place_and_copied_before_a_change() {
-        let array = Arc::new(Array(vec![1.0, 2.0, 3.0, 4.0]));
-        let plane = Plane::from_shared(2, 2, array.clone());
-        assert!(std::ptr::eq(plane.data(), array.pixels()));
-        let mut changed = plane.clone();
-        changed.data_mut()[3] = 9.0;
-        changed.row_mut(0)[0] = 7.0;
-        assert_eq!((changed.data(), array.pixels()), (&[7.0, 2.0, 3.0, 9.0][..], &[1.0, 2.0, 3.0, 4.0][..]));
-        assert_eq!(plane, Plane::from_vec(2, 2, plane.clone().into_vec()));
-    }
-}

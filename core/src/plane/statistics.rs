@@ -164,11 +164,6 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Width of a bin, in the values' unit.
-    pub fn bin_width(&self) -> f32 {
-        (self.max - self.min) / self.counts.len() as f32
-    }
-
     /// Lower and upper end of bin `i`.
     pub fn bin_range(&self, i: usize) -> (f32, f32) {
         let edge = |i: usize| self.min + (self.max - self.min) * i as f32 / self.counts.len() as f32;

@@ -13,12 +13,7 @@ pub fn words<T>(words: &'static [&'static str]) -> impl TypedValueParser<Value =
 where
     T: DeserializeOwned + Clone + Send + Sync + 'static,
 {
-    PossibleValuesParser::new(words).try_map(|word| read_word::<T>(&word))
-}
-
-/// Reads a value of `T` from its word in a parameter file; fails where `T` has no such word.
-pub fn read_word<T: DeserializeOwned>(word: &str) -> Result<T, serde_json::Error> {
-    serde_json::from_value(serde_json::Value::String(word.to_owned()))
+    PossibleValuesParser::new(words).try_map(|word| serde_json::from_value::<T>(word.into()))
 }
 
 /// Parser of directions of motion.

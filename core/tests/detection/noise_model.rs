@@ -3,7 +3,9 @@
 use burstscope_core::detector::noise_model::WarningKind;
 use burstscope_core::detector::{Method, NoiseModelKind};
 use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{Camera, ChartParams, FeatureTruth, NoiseCase, synth_chart};
+use burstscope_core::synth::{
+    Camera, ChartParams, FeatureTruth, NoiseCase, SceneParams, demo_burst, synth_chart, synth_scene,
+};
 use burstscope_core::{Burst, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
 
 fn params(noise_model: NoiseModelKind) -> DetectorParams {
@@ -140,6 +142,30 @@ fn every_kind_of_noise_is_warned_of() {
         let burst = case.burst((480, 360), 10, 0.02, 3, &Monitor::default()).expect("a burst");
         let warnings = &found(&burst, NoiseModelKind::Local).noise.warnings;
         assert!(warnings.iter().any(|warning| warning.kind == kind), "{case:?}: {warnings:?}");
+    }
+}
+
+#[test]
+fn noise_and_scenes_are_not_warned_of_for_what_they_do_not_have() {
+    use WarningKind::*;
+    let of_case = |case: NoiseCase| case.burst((480, 360), 10, 0.02, 5, &Monitor::default()).expect("a burst");
+    let of_scene = |layers: usize| {
+        let scene = SceneParams { width: 320, height: 240, layers, ..SceneParams::default() };
+        synth_scene(&scene, &Monitor::default()).expect("a scene").0
+    };
+    for (burst, kinds) in [
+        (of_case(NoiseCase::White), &[ChangingLines, Stripes, HotPixels, DiffersByPlace][..]),
+        (of_case(NoiseCase::Correlated), &[ChangingLines, Stripes, HotPixels, DiffersByPlace]),
+        (of_case(NoiseCase::NoisyFrame), &[Stripes, HotPixels]),
+        (of_case(NoiseCase::ClippedBlack), &[DiffersByPlace]),
+        (of_case(NoiseCase::Varying(6)), &[ChangingLines]),
+        (of_case(NoiseCase::Jpeg(60)), &[ChangingLines]),
+        (of_scene(1), &[Stripes, HotPixels]),
+        (of_scene(2), &[ChangingLines]),
+        (demo_burst(), &[ChangingLines]),
+    ] {
+        let warnings = &found(&burst, NoiseModelKind::Local).noise.warnings;
+        assert!(warnings.iter().all(|warning| !kinds.contains(&warning.kind)), "{}: {warnings:?}", burst.name);
     }
 }
 

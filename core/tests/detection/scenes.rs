@@ -4,7 +4,7 @@
 use burstscope_core::burst::Burst;
 use burstscope_core::detector::{Descriptor, DetectorParams, Slope};
 use burstscope_core::matching::{
-    Blob, Camera, Geometry, MatchParams, MatchResult, MatchSide, Pictures, match_features,
+    Blob, Camera, Geometry, MatchParams, MatchResult, MatchSide, Pictures, Refusal, match_features,
 };
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
@@ -200,6 +200,11 @@ fn pairs_of_every_kind_of_scene_are_believed_and_those_of_chance_are_not() {
                     side.blobs.swap(i, random.below(i + 1));
                 }
             }
+            // Where no pictures decide, a contradiction is the end of the geometry.
+            let alone = matched(&pair, &MatchParams { align: false, ..params.clone() });
+            let contradicts = alone.prediction.is_some_and(|prediction| !prediction.is_believed());
+            assert_eq!(alone.counts.refused, contradicts.then_some(Refusal::Motions), "{kind:?}, seed {seed}");
+            assert!(!contradicts || alone.verification.is_some_and(|verified| verified.model.is_none()));
             // Where they fit no camera's way, they say nothing, and the sure matches stand for themselves.
             let of_chance = matched(&pair, &params).prediction.is_some_and(|prediction| prediction.is_believed());
             let more = predicted.counts.inliers > sure.counts.inliers;

@@ -3,11 +3,15 @@
 use burstscope_core::Monitor;
 use burstscope_core::burst::{Burst, Limits, Positions};
 use burstscope_core::detector::SearchParams;
+use burstscope_core::error::ErrorKind;
 use burstscope_core::export::case::{Case, Enclosed, has_truth, read_case, read_session, read_truth, write_case};
+use burstscope_core::files::MAX_SESSION_BYTES;
 use burstscope_core::plane::{Mask, Plane};
 use burstscope_core::synth::{ChartParams, Truth, synth_chart};
+use std::io::{Cursor, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
+use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 fn chart() -> (Burst, Truth) {
     let chart = ChartParams { width: 96, height: 64, discs: 3, frames: 4, radius: 3.6..=8.0, ..ChartParams::default() };
@@ -89,4 +93,33 @@ fn numbers_that_make_no_sense_are_refused_by_their_names() {
         let words = read_case(&path, &Limits::default(), &Monitor::default()).expect_err(name).to_string();
         assert!(words.contains("a.burstcase") && words.contains(name), "{words}");
     }
+}
+
+#[test]
+fn sizes_that_the_frames_do_not_have_and_endless_texts_are_refused() {
+    let search = SearchParams::default();
+    let (case, part) = Case::of(&chart().0, &search, (None, None), "", &Monitor::default()).expect("whole");
+    let (_home, path) = written(&case, &part, &Enclosed::default());
+    let whole = std::fs::read(&path).expect("read");
+    for (size, frames) in [([1 << 40, 1 << 40], 4), ([96, 64], 1 << 40), ([0, 64], 4), ([97, 64], 4), ([96, 64], 5)] {
+        let lying = toml::to_string(&Case { size, frames, ..case.clone() }).expect("plain values");
+        let mut good = ZipArchive::new(Cursor::new(&whole)).expect("a case is a ZIP");
+        let mut zip = ZipWriter::new(Cursor::new(Vec::new()));
+        zip.start_file("case.toml", SimpleFileOptions::default()).expect("begun");
+        zip.write_all(lying.as_bytes()).expect("written");
+        for index in 0..good.len() {
+            let entry = good.by_index_raw(index).expect("an entry");
+            if entry.name() != "case.toml" {
+                zip.raw_copy_file(entry).expect("copied");
+            }
+        }
+        std::fs::write(&path, zip.finish().expect("zipped").into_inner()).expect("written");
+        let error = read_case(&path, &Limits::default(), &Monitor::default()).expect_err("a lie");
+        assert_eq!(error.kind, ErrorKind::Content, "{error}");
+    }
+    // Not read to its end, whatever it unpacks to.
+    let session = Some("#".repeat(MAX_SESSION_BYTES as usize + 1));
+    let (_home, path) = written(&case, &part, &Enclosed { session, truth: None });
+    let error = read_session(&path).expect_err("too long").to_string();
+    assert!(error.contains("session.toml") && error.contains("larger"), "{error}");
 }

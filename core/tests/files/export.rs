@@ -129,7 +129,7 @@ fn an_empty_csv_is_a_header() {
 }
 
 #[test]
-fn csv_errors_name_the_file_and_the_line() {
+fn csv_errors_name_the_file_the_line_and_the_column() {
     let folder = folder();
     let path = folder.path().join("a.csv");
     let error = read_features_csv(&path).expect_err("missing");
@@ -142,6 +142,26 @@ fn csv_errors_name_the_file_and_the_line() {
     let error = read_features_csv(&path).expect_err("not text");
     assert!(error.problem.starts_with("line 3: "), "{error}");
     assert!(error.to_string().contains("a.csv"), "{error}");
+    let read = |text: &str| {
+        fs::write(&path, text).expect("written");
+        read_features_csv(&path)
+    };
+    let good = "u,v,sigma,orientation,slope_u,slope_v,response,snr,octave,level,at_slope_limit\n\
+                1.5,2,3,-0.5,1,0,-0.01,inf,-1,2,1\n4,5,6,0,0,0,0.25,9.5,0,0,0\n";
+    assert_eq!(read(good).map(|features| (features.len(), features[0].snr)), Ok((2, f32::INFINITY)));
+    assert_eq!(read(&good.replace('\n', "\r\n")), read(good));
+    for (text, line, problem) in [
+        ("", 1, "header"),
+        (&good.replace("sigma", "scale"), 1, "header"),
+        (&good.replace("1.5,", "one,"), 2, "u must be a number, not 'one'"),
+        (&good.replace(",0,0,0\n", ",0,0\n"), 3, "11 cells, not 10"),
+        (&good.replace(",0,0,0\n", ",0,0,yes\n"), 3, "at_slope_limit must be 0 or 1"),
+        (&good.replace(",-1,2,", ",-1.5,2,"), 2, "octave must be a whole number"),
+        (&format!("{good}\n"), 4, "11 cells, not 1"),
+    ] {
+        let error = read(text).expect_err(problem).problem;
+        assert!(error.starts_with(&format!("line {line}: ")) && error.contains(problem), "{error}");
+    }
 }
 
 proptest! {

@@ -6,11 +6,13 @@
 //! the program.
 
 use crate::damage::{absurd_tomls, damage, damaged, damaged_text, says_something};
+use burstscope_core::burst::{Limits, OpenOptions};
 use burstscope_core::dataset::camera::read_camera;
 use burstscope_core::detector::{SearchParams, Slopes};
+use burstscope_core::export::case::{self, Case, Enclosed, read_case, write_case};
 use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
 use burstscope_core::inspect::result::{read_features, read_truth};
-use burstscope_core::{DetectorParams, Monitor, SlopeGrid, detect};
+use burstscope_core::{Burst, DetectorParams, Monitor, SlopeGrid, detect};
 use burstscope_lab::evaluate::accuracy::stands_apart;
 use burstscope_lab::evaluate::poses::{read_sparse_model, read_trajectory};
 use burstscope_lab::synth::{ChartParams, synth_chart, write_burst};
@@ -33,8 +35,9 @@ macro_rules! folder {
     }};
 }
 
-/// Sound files of a small burst with known truth: its truth, and its features in both formats.
+/// Sound files of a small burst with known truth: its truth, its features in both formats, and a case of it.
 struct Sound {
+    case: Vec<u8>,
     truth: Vec<u8>,
     csv: Vec<u8>,
     colmap: String,
@@ -58,7 +61,11 @@ fn sound() -> &'static Sound {
         write_colmap(&colmap, &detection.features, &detection.descriptors).expect("written");
         let read = |path: &Path| std::fs::read(path).expect("read");
         let colmap = String::from_utf8(read(&colmap)).expect("text");
-        Sound { truth: read(&folder.join("truth.json")), csv: read(&csv), colmap }
+        let (of_case, whole) = (home.path().join("a.burstcase"), (None, None));
+        let (case, part) = Case::of(&burst, &search.into(), whole, "", &Monitor::default()).expect("a case");
+        let enclosed = Enclosed { session: Some("version = 3\n".repeat(20)), truth: Some(truth) };
+        write_case(&of_case, (&case, &part), &enclosed, &Monitor::default()).expect("written");
+        Sound { case: read(&of_case), truth: read(&folder.join("truth.json")), csv: read(&csv), colmap }
     })
 }
 
@@ -108,6 +115,8 @@ fn sound_inputs_are_read() {
     let folder = folder!();
     assert!(read_camera(&file(folder, "camera.toml", CAMERA.as_bytes())).is_ok());
     assert!(read_truth(&file(folder, "truth.json", &sound().truth)).is_ok());
+    let case = file(folder, "a.burstcase", &sound().case);
+    assert!(read_case(&case, &Limits::default(), &Monitor::default()).is_ok());
     assert_eq!(read_features_csv(&file(folder, "f.csv", &sound().csv)).expect("features").len(), 3);
     assert_eq!(parse_colmap(Path::new("f.txt"), &sound().colmap).expect("features").0.len(), 3);
     assert_eq!(read_trajectory(&file(folder, "poses.txt", TRAJECTORY.as_bytes())).expect("poses").poses.len(), 3);
@@ -234,9 +243,34 @@ proptest! {
     }
 
     #[test]
+    fn rotations(damages in damage()) {
+        let folder = folder!();
+        file(folder, "camera.toml", b"model = \"SIMPLE_PINHOLE\"\nwidth = 16\nheight = 12\nparams = [20.0, 8.0, 6.0]\n");
+        let list = file(folder, "turns.csv", &damaged(b"#t,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n2,0,0,0,0.8,0.6,0,0\n", &damages));
+        let frames: Vec<PathBuf> = (0..2).map(|t| folder.join(format!("turned_{t}.pgm"))).collect();
+        frames.iter().for_each(|frame| std::fs::write(frame, [&b"P5 16 12 255\n"[..], &[7; 16 * 12]].concat()).expect("written"));
+        let options = OpenOptions { rotations: Some(list), ..OpenOptions::default() };
+        match Burst::open_with(&frames, &options, &Monitor::default()) {
+            Ok(burst) => prop_assert!(burst.frames.iter().all(|frame| frame.data().iter().all(|x| x.is_finite()))),
+            Err(error) => prop_assert!(says_something(&error)),
+        }
+    }
+
+    #[test]
     fn truths(damages in damage()) {
         if let Err(error) = read_truth(&file(folder!(), "truth.json", &damaged(&sound().truth, &damages))) {
             prop_assert!(error.to_string().contains("truth.json"));
+        }
+    }
+
+    #[test]
+    fn cases(damages in damage()) {
+        let path = file(folder!(), "a.burstcase", &damaged(&sound().case, &damages));
+        let others = [case::read_session(&path).err(), case::read_truth(&path).err()];
+        prop_assert!(others.iter().flatten().all(|error| error.to_string().contains("a.burstcase")));
+        match read_case(&path, &Limits::default(), &Monitor::default()) {
+            Ok((read, burst)) => prop_assert_eq!(burst.len(), read.frames),
+            Err(error) => prop_assert!(error.to_string().contains("a.burstcase")),
         }
     }
 

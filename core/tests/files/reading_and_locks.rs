@@ -1,8 +1,9 @@
-//! Files in general: which are read and how far, names as text, and locks of folders.
+//! Files in general: which are read and how far, names as text, errors about them, and locks of folders.
 
-use burstscope_core::error::ErrorKind;
+use burstscope_core::error::{Error, ErrorKind};
 use burstscope_core::files::lock::{FolderLock, LOCK_FILE};
 use burstscope_core::files::{explained, path_text, read_text, whole_number, write_problem, written_by};
+use burstscope_core::monitor::Cancelled;
 use std::io;
 use std::path::Path;
 
@@ -152,4 +153,20 @@ fn a_link_in_place_of_the_lock_is_not_followed() {
     std::os::unix::fs::symlink(&precious, home.path().join(LOCK_FILE)).expect("linked");
     assert!(FolderLock::take(home.path()).is_err_and(|error| error.kind == ErrorKind::Unwritten));
     assert_eq!(std::fs::read_to_string(&precious).expect("there"), "precious");
+}
+
+#[test]
+fn a_path_ends_the_line_and_anything_else_begins_it() {
+    let path = Path::new("night/f0.png");
+    let content = Error::new(ErrorKind::Content, "made for 9 pixels", "give another").about(path);
+    for (error, words) in [
+        (Error::param("ratio", "2 is above 1", "give 0 to 1"), "ratio: 2 is above 1; give 0 to 1"),
+        (Error::param("", "there is no format 'x'", ""), "there is no format 'x'"),
+        (content, "night/f0.png: made for 9 pixels; give another"),
+        (Error::unread(path, "it is gone"), "cannot read this: it is gone: night/f0.png"),
+        (Error::new(ErrorKind::Locked, "another writes", "wait").about(path), "another writes; wait: night/f0.png"),
+        (Cancelled.into(), "cancelled"),
+    ] {
+        assert_eq!(error.to_string(), words);
+    }
 }

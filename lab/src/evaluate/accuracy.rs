@@ -272,6 +272,7 @@ pub struct RangeCount {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::chart;
     use super::*;
 
     #[test]
@@ -290,15 +291,7 @@ mod tests {
 
     #[test]
     fn a_disc_stands_apart_until_another_comes_near_in_some_frame() {
-        let chart = ChartParams {
-            width: 160,
-            height: 120,
-            discs: 2,
-            radius: 10.0..=10.0,
-            frames: 2,
-            max_slope: 0.0,
-            ..ChartParams::default()
-        };
+        let chart = ChartParams { frames: 2, ..chart((160, 120), 2, 10.0..=10.0, 0.0) };
         let (_, mut truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
         // 2.4 radii and the other's radius: 34 px between the centres.
         (truth.features[1].u, truth.features[1].v) = (truth.features[0].u + 35.0, truth.features[0].v);

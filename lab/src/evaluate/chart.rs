@@ -349,21 +349,14 @@ pub struct ChartScore {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::chart;
     use super::*;
     use burstscope_core::detector::SlopeGrid;
     use std::sync::{Arc, Mutex};
 
     fn small(frame_counts: Vec<usize>) -> ChartStudy {
-        let chart = ChartParams {
-            width: 200,
-            height: 150,
-            discs: 8,
-            radius: 4.0..=9.0,
-            max_slope: 1.0,
-            ..ChartParams::default()
-        };
         ChartStudy {
-            chart,
+            chart: chart((200, 150), 8, 4.0..=9.0, 1.0),
             snrs: vec![0.8],
             frame_counts,
             seeds: 2,

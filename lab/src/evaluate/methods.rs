@@ -162,6 +162,7 @@ impl Searches {
 
 #[cfg(test)]
 mod tests {
+    use super::super::tests::chart;
     use super::*;
     use crate::synth::{ChartParams, synth_chart};
 
@@ -182,15 +183,7 @@ mod tests {
 
     #[test]
     fn the_means_are_of_all_frames_and_one_frame_is_one() {
-        let chart = ChartParams {
-            width: 200,
-            height: 150,
-            discs: 8,
-            radius: 4.0..=9.0,
-            max_slope: 0.0,
-            snr: 2.0,
-            ..ChartParams::default()
-        };
+        let chart = ChartParams { snr: 2.0, ..chart((200, 150), 8, 4.0..=9.0, 0.0) };
         let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
         let noise = |method, frames: Option<&str>| {
             let frames = frames.map(|f| f.parse().expect("a range"));

@@ -185,7 +185,12 @@ fn check_lists(snrs: &[f64], seeds: u64) -> Result<()> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use std::sync::Arc;
+    use crate::synth::ChartParams;
+    use std::{ops::RangeInclusive, sync::Arc};
+
+    pub fn chart(size: (usize, usize), discs: usize, radius: RangeInclusive<f64>, max_slope: f64) -> ChartParams {
+        ChartParams { width: size.0, height: size.1, discs, radius, max_slope, ..ChartParams::default() }
+    }
 
     #[test]
     fn results_are_in_order_and_progress_ends_at_one() {

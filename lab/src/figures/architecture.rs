@@ -105,14 +105,8 @@ impl MakeFigure for Architecture {
         heading(&mut sheet, 4, "features", "place, scale, orientation, motion");
         // Features are drawn on the stack of the subject's slope, in which the subject is sharp.
         let stack = stack_view(&burst, &self.detector, nearest, &silent)?;
-        let panel = Panel::draw(
-            &mut sheet,
-            (column(4), TOP + 16.0),
-            WIDTH - column(4) - 16.0,
-            &stack,
-            &Display::stretched(&stack),
-            "",
-        );
+        let (at, width) = ((column(4), TOP + 16.0), WIDTH - column(4) - 16.0);
+        let panel = Panel::draw(&mut sheet, at, width, &stack, &Display::stretched(&stack), "");
         // Features are reported at mid-burst: half of their way lies before it.
         let half = (burst.len() as f64 - 1.0) / 2.0;
         sheet.clipped(panel.area, |sheet| {

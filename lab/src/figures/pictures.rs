@@ -15,6 +15,7 @@ use burstscope_core::{burst::Burst, detect::detect, error::Result, export::Figur
 
 const WIDTH: f64 = 900.0;
 const GAP: f64 = 16.0;
+const HALF: f64 = (WIDTH - 3.0 * GAP) / 2.0;
 const DISCS: usize = 9;
 /// Distance to a disc within which a feature finds it, pixels.
 const NEAR_PX: f32 = 4.0;
@@ -22,11 +23,6 @@ const NEAR_PX: f32 = 4.0;
 /// The two examples, which bring their own search parameters.
 #[derive(Debug)]
 pub(super) struct Failures;
-
-fn params(example: Example) -> DetectorParams {
-    let (range, count) = example.slopes_u();
-    DetectorParams { slopes: SlopeGrid::line(range, count), ..DetectorParams::default() }
-}
 
 impl MakeFigure for Failures {
     fn make(&self, _: &Pieces, monitor: &Monitor) -> Result<Made> {
@@ -43,27 +39,35 @@ fn write_feature(csv: &mut String, case: &str, f: &Feature, is: &str) {
     *csv += &format!("{case},{},{},{},{},{},{},{is}\n", f.u, f.v, f.sigma, f.slope.u, f.response, f.snr);
 }
 
-fn half() -> f64 {
-    (WIDTH - 3.0 * GAP) / 2.0
+/// Draws a frame of an example, and beside it its motion stack at `slope`; returns its features and the stack's panel.
+fn searched(
+    sheet: &mut Sheet,
+    example: Example,
+    y: f64,
+    slope: Slope,
+    titles: [&str; 2],
+    monitor: &Monitor,
+) -> Result<(Vec<Feature>, Panel)> {
+    let (burst, silent, (range, count)) = (example.burst(), monitor.silent(), example.slopes_u());
+    let params = DetectorParams { slopes: SlopeGrid::line(range, count), ..DetectorParams::default() };
+    let features = detect(&burst, &params, &silent)?.features;
+    let (frame, stack) = (&burst.frames[burst.len() / 2], stack_view(&burst, &params, slope, &silent)?);
+    Panel::draw(sheet, (GAP, y), HALF, frame, &Display::stretched(frame), titles[0]);
+    let beside = (2.0 * GAP + HALF, y);
+    Ok((features, Panel::draw(sheet, beside, HALF, &stack, &Display::stretched(&stack), titles[1])))
 }
 
 fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f64> {
-    let silent = monitor.silent();
-    let (burst, params) = (Example::Aliasing.burst(), params(Example::Aliasing));
-    let detection = detect(&burst, &params, &silent)?;
     // One period per frame too slow: each lamp lies on its neighbour.
     let wrong = Slope::new(ALIASING_SLOPE - GARLAND_PERIOD, 0.0);
-    let frame = &burst.frames[burst.len() / 2];
-    let title = "(a) one frame: small lamps every 8 px, larger ones apart";
-    Panel::draw(sheet, (GAP, 34.0), half(), frame, &Display::stretched(frame), title);
-    let stack = stack_view(&burst, &params, wrong, &silent)?;
     let title = format!("the motion stack at −{:.0} px/frame, at which nothing moves", wrong.u.abs());
-    let panel = Panel::draw(sheet, (2.0 * GAP + half(), 34.0), half(), &stack, &Display::stretched(&stack), &title);
+    let titles = ["(a) one frame: small lamps every 8 px, larger ones apart", &title];
+    let (features, panel) = searched(sheet, Example::Aliasing, 34.0, wrong, titles, monitor)?;
     let is_false = |f: &&Feature| (f.slope.u - wrong.u).abs() < 0.5;
     sheet.clipped(panel.area, |sheet| {
-        detection.features.iter().filter(is_false).for_each(|f| panel.feature(sheet, f, WRONG));
+        features.iter().filter(is_false).for_each(|f| panel.feature(sheet, f, WRONG));
     });
-    for f in &detection.features {
+    for f in &features {
         let is = match f.slope.u {
             u if (u - ALIASING_SLOPE).abs() < 0.5 => "true slope",
             u if (u - wrong.u).abs() < 0.5 => "alias",
@@ -71,26 +75,22 @@ fn aliasing(sheet: &mut Sheet, csv: &mut String, monitor: &Monitor) -> Result<f6
         };
         write_feature(csv, "aliasing", f, is);
     }
-    let count = detection.features.iter().filter(is_false).count();
+    let count = features.iter().filter(is_false).count();
     // Bright blobs are minima of D: what is positive is darker than what lies around it.
-    let dark = detection.features.iter().filter(is_false).filter(|f| f.response > 0.0).count();
+    let dark = features.iter().filter(is_false).filter(|f| f.response > 0.0).count();
     let text = format!(
         "orange: {count} features at that slope, {dark} of them dark gaps; all moves by {ALIASING_SLOPE} px/frame"
     );
-    sheet.text((2.0 * GAP + half(), panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
+    sheet.text((2.0 * GAP + HALF, panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
     Ok(panel.area.bottom())
 }
 
 fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) -> Result<f64> {
-    let silent = monitor.silent();
-    let (burst, params) = (Example::LowContrast.burst(), params(Example::LowContrast));
-    let detection = detect(&burst, &params, &silent)?;
-    let frame = &burst.frames[burst.len() / 2];
-    let title = "(b) one frame: nine discs, each fainter than the one before";
-    Panel::draw(sheet, (GAP, y), half(), frame, &Display::stretched(frame), title);
-    let stack = stack_view(&burst, &params, Slope::new(1.0, 0.0), &silent)?;
-    let title = "the motion stack at their slope, and what is found";
-    let panel = Panel::draw(sheet, (2.0 * GAP + half(), y), half(), &stack, &Display::stretched(&stack), title);
+    let titles = [
+        "(b) one frame: nine discs, each fainter than the one before",
+        "the motion stack at their slope, and what is found",
+    ];
+    let (features, panel) = searched(sheet, Example::LowContrast, y, Slope::new(1.0, 0.0), titles, monitor)?;
     let finds = |f: &Feature, index: usize| {
         let [u, v] = disc_place(index);
         (f.u - u).hypot(f.v - v) <= NEAR_PX
@@ -99,18 +99,18 @@ fn low_contrast(sheet: &mut Sheet, csv: &mut String, y: f64, monitor: &Monitor) 
     // Every disc is marked at its true place, so that the missed ones show too.
     for index in 0..DISCS {
         let [u, v] = disc_place(index);
-        let is_found = detection.features.iter().any(|f| finds(f, index));
+        let is_found = features.iter().any(|f| finds(f, index));
         found += usize::from(is_found);
         let missed = FigureStroke::new(WRONG, 1.8).dashed([4.0, 3.0]);
         let stroke = if is_found { FigureStroke::new(RIGHT, 1.8) } else { missed };
         panel.circle(sheet, [f64::from(u), f64::from(v)], 10.0, stroke);
     }
-    for f in &detection.features {
+    for f in &features {
         let disc = (0..DISCS).find(|&index| finds(f, index));
         write_feature(csv, "low-contrast", f, &disc.map_or("false".to_owned(), |disc| format!("disc {disc}")));
     }
     let text = format!("blue: found ({found} of {DISCS}); orange, dashed: missed");
-    sheet.text((2.0 * GAP + half(), panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
+    sheet.text((2.0 * GAP + HALF, panel.area.bottom() + 16.0), 12.0, Anchor::Start, &text);
     Ok(panel.area.bottom())
 }
 
@@ -147,7 +147,6 @@ impl MakeFigure for Light {
         let (frame, lit, gold) = (middle(&dark)?, middle(&bright)?, dark.gold(self.burst, &silent)?);
         let mut sheet = Sheet::new(WIDTH, "Bright, gold and dark frames");
         let mut csv = String::from("picture,electrons_at_white,snr,mean,standard_deviation,min,max\n");
-        let half = half();
         let rows: [(&str, &str, &Plane, Display, Option<&Trajectory>); 4] = [
             ("bright", "a frame in good light", &lit, Display::stretched(&lit), Some(&bright)),
             ("gold", "the gold standard: no noise", &gold, Display::default(), None),
@@ -160,8 +159,8 @@ impl MakeFigure for Light {
             if index == 2 {
                 y = end + 60.0;
             }
-            let at = (GAP + (half + GAP) * (index % 2) as f64, y);
-            let panel = Panel::draw(&mut sheet, at, half, plane, &display, &lettered(index, title));
+            let at = (GAP + (HALF + GAP) * (index % 2) as f64, y);
+            let panel = Panel::draw(&mut sheet, at, HALF, plane, &display, &lettered(index, title));
             end = panel.area.bottom();
             let range = summary(plane, &Region::whole(plane)).range();
             let mut levels = FrameLevels::default();

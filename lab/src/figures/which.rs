@@ -51,20 +51,10 @@ impl FigureSize {
 
 impl PaperFigure {
     /// All figures, in the order in which they are made and shown.
-    pub const ALL: [Self; 12] = [
-        Self::Fig1,
-        Self::Fig2,
-        Self::Fig3,
-        Self::Fig4,
-        Self::Fig5,
-        Self::Fig6,
-        Self::Fig7,
-        Self::Fig9,
-        Self::Table1,
-        Self::Table2,
-        Self::Fig8,
-        Self::Table3,
-    ];
+    pub const ALL: [Self; 12] = {
+        use PaperFigure::*;
+        [Fig1, Fig2, Fig3, Fig4, Fig5, Fig6, Fig7, Fig9, Table1, Table2, Fig8, Table3]
+    };
 
     /// Name on the command line, and of its files.
     pub fn name(self) -> &'static str {

@@ -49,10 +49,6 @@ impl FittedCurve {
     pub fn strength_at(&self, share: f64) -> f64 {
         (self.middle + (share / (1.0 - share)).ln() / self.steepness).exp()
     }
-
-    pub fn error_at_half(&self) -> f64 {
-        self.middle.exp() * self.middle_error
-    }
 }
 
 fn logistic(x: f64) -> f64 {

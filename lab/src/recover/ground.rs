@@ -29,10 +29,11 @@ pub struct Ground {
     pub used: Range<usize>,
     pub light: LightNoise,
     /// Brightness of each used frame relative to the others.
-    gains: Vec<f64>,
+    pub gains: Vec<f64>,
     /// σ of one frame's noise, in cells.
     sigma: Plane,
-    brightness: Plane,
+    /// Brightness of the scene, fraction of full scale.
+    pub brightness: Plane,
 }
 
 impl Ground {
@@ -91,15 +92,6 @@ impl Ground {
         let (width, height) = self.sigma.size();
         let at = (cell(u).min((width - 1) as f32), cell(v).min((height - 1) as f32));
         bilinear(&self.sigma, at.0, at.1).map_or(f64::from(self.cache.detection().frame_noise), f64::from)
-    }
-
-    /// Brightness of the scene at (u, v), fraction of full scale.
-    pub fn brightness_at(&self, u: f64, v: f64) -> f64 {
-        bilinear(&self.brightness, u as f32, v as f32).map_or(0.0, f64::from)
-    }
-
-    pub fn gain(&self, t: usize) -> f64 {
-        self.gains[t]
     }
 
     /// Position of the used frame `t` from mid-burst.

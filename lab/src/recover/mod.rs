@@ -25,9 +25,10 @@ use burstscope_core::detector::{SearchParams, Slope, SlopeAxis, Test};
 use burstscope_core::error::{Error, Result};
 use burstscope_core::inspect::result::{Ranking, judge_by_discs, miss};
 use burstscope_core::monitor::{Cancelled, Monitor, Stage};
+use burstscope_core::plane::{Plane, sample::bilinear};
 #[cfg(feature = "cli")]
 use burstscope_core::synth::options::words;
-use burstscope_core::{burst::Burst, inspect::ProbeCache, plane::Plane};
+use burstscope_core::{burst::Burst, inspect::ProbeCache};
 use expected::expected;
 use ground::Ground;
 use rayon::prelude::*;
@@ -391,8 +392,8 @@ impl RecoverStudy {
                     shape: self.shape,
                     radius: one.truth.radius,
                     centre: (u, v),
-                    amplitude: one.amplitude * ground.gain(t),
-                    background: ground.brightness_at(u, v),
+                    amplitude: one.amplitude * ground.gains[t],
+                    background: bilinear(&ground.brightness, u as f32, v as f32).map_or(0.0, f64::from),
                 };
                 painting.paint(&mut frame, &ground.light, &mut stream, monitor)?;
             }

@@ -9,28 +9,14 @@ use burstscope_core::plane::display::{ColourMap, Display};
 
 const CURVE_POINTS: usize = 60;
 
-impl Varied {
-    /// Title of the plot of the share found.
-    pub fn plot_title(self) -> &'static str {
-        match self {
-            Self::Snr => "Planted things found against SNR",
-            Self::Slope => "Planted things found against slope",
-            Self::Size => "Planted things found against radius",
-        }
-    }
-
-    fn label(self) -> &'static str {
-        match self {
-            Self::Snr => "SNR of one pixel in one frame",
-            Self::Slope => "slope, px/frame",
-            Self::Size => "radius, px",
-        }
-    }
-}
-
 /// The plots of a report: shares found over SNR, slope and radius, each with what noise and gate let expect.
 pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
     let plot = |varied: Varied| {
+        let (title, x_label) = match varied {
+            Varied::Snr => ("Planted things found against SNR", "SNR of one pixel in one frame"),
+            Varied::Slope => ("Planted things found against slope", "slope, px/frame"),
+            Varied::Size => ("Planted things found against radius", "radius, px"),
+        };
         let shares = report.shares_over(varied);
         let curve = |label: &str, line, point: &dyn Fn(&LevelShare) -> SeriesPoint| {
             StudyCurve::plain(label, line, shares.iter().map(point).collect())
@@ -50,8 +36,8 @@ pub fn recover_plots(report: &RecoverReport) -> Vec<StudyPlot> {
             curves.push(fitted_curve(report));
         }
         StudyPlot {
-            title: varied.plot_title().to_owned(),
-            x_label: varied.label(),
+            title: title.to_owned(),
+            x_label,
             y_label: "found, %".to_owned(),
             marks_points: true,
             spread: "bars: 68 %",

@@ -8,7 +8,7 @@ use burstscope_core::export::{Cell, PLANTED_COLUMNS, Table};
 use burstscope_core::inspect::words::{counted, number};
 use burstscope_core::{burst::Burst, plane::Plane};
 use serde::Serialize;
-use std::sync::Arc;
+use std::{f64::consts::SQRT_2, sync::Arc};
 
 /// Report of a study, complete or partial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -192,6 +192,8 @@ impl RecoverReport {
     fn shares(&self, varied: Varied) -> Vec<LevelShare> {
         let things: Vec<(f64, &Planted)> =
             self.planted.iter().filter(|one| one.varied == varied).map(|one| (self.level_of(one), one)).collect();
+        // The probability that a response with its noise passes the gate.
+        let passes = |snr: f64| 0.5 * libm::erfc(-(snr - f64::from(self.noise_gate_factor)) / SQRT_2);
         let share = |&level: &f64| {
             // Slopes are f32 and turned by the grid's direction, so that a level comes back with a rounding error.
             let at: Vec<&Planted> = things
@@ -200,17 +202,12 @@ impl RecoverReport {
                 .map(|(_, one)| *one)
                 .collect();
             let found = at.iter().filter(|one| one.found.is_some()).count();
-            let expected = at.iter().map(|one| self.expected_share(one)).sum::<f64>() / at.len() as f64;
+            let expected = at.iter().map(|one| one.expected_snr_d.map_or(0.0, passes)).sum::<f64>() / at.len() as f64;
             let interval = share_interval(found, at.len());
             // An early report has levels without things, and these have no share.
             (!at.is_empty()).then_some(LevelShare { level, planted: at.len(), found, interval, expected })
         };
         self.levels.values(varied).iter().filter_map(share).collect()
-    }
-
-    /// Probability that a thing's response with its noise passes the gate.
-    fn expected_share(&self, one: &Planted) -> f64 {
-        one.expected_snr_d.map_or(0.0, |snr| normal_share(snr - f64::from(self.noise_gate_factor)))
     }
 
     fn fit(&mut self) {
@@ -219,7 +216,7 @@ impl RecoverReport {
         let outcomes: Vec<Outcome> =
             self.planted.iter().filter(|one| one.varied == Varied::Snr && one.is_in_range).map(of).collect();
         self.curve = fitted(&outcomes, &prior(self.noise_gate_factor, &self.levels));
-        let (snr, error) = (self.curve.strength_at(0.5), self.curve.error_at_half());
+        let (snr, error) = (self.curve.strength_at(0.5), self.curve.middle.exp() * self.curve.middle_error);
         let planted = self.levels.snrs.first().zip(self.levels.snrs.last());
         let is_measured = planted.is_some_and(|(first, last)| (*first..=*last).contains(&snr));
         // With nothing but hits, or nothing but misses, the prior alone fixes the middle.
@@ -402,11 +399,6 @@ impl RecoverReport {
 
 fn prior(noise_gate_factor: f32, levels: &Levels) -> Prior {
     Prior::of_gate(f64::from(noise_gate_factor), levels.expected_half.max(1e-9).ln())
-}
-
-/// Share of the standard normal distribution below `x`.
-fn normal_share(x: f64) -> f64 {
-    0.5 * libm::erfc(-x / std::f64::consts::SQRT_2)
 }
 
 /// The things as a table, one row each.

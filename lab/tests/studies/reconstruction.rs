@@ -32,6 +32,7 @@ fn dark_way(motion: Motion) -> Trajectory {
         planes: 4,
         motion,
         max_slope: 3.0,
+        shake_deg: 0.0,
         light: Light::Electrons(2.0),
         read_noise: 2.0,
         bits: 12,

@@ -1,5 +1,6 @@
 //! Trajectories: pictures, poses and truth agree.
 
+use burstscope_core::burst::{Burst, OpenOptions, TimesChoice};
 use burstscope_core::monitor::Monitor;
 use burstscope_core::plane::Plane;
 use burstscope_core::synth::Motion;
@@ -48,6 +49,8 @@ fn a_known_point_is_where_the_picture_has_it() {
         step: Vector3::new(0.03, -0.01, 0.08),
         shake: world::Shake::default(),
     };
+    assert_eq!(lens.direction(99.5, 74.5), Vector3::new(0.0, 0.0, 1.0));
+    assert_eq!(lens.pixel(&Point3::new(0.0, 0.0, -1.0)), None);
     let mut places = Vec::new();
     for dt in [-4.5, -2.0, 0.0, 0.3, 4.5] {
         let picture = world::render(std::slice::from_ref(&plane), &lens, &camera.at(dt), &Monitor::default());
@@ -109,6 +112,7 @@ fn apparent_motion_follows_from_depth_and_reaches_the_largest_that_was_asked_for
                     .expect("the wall fills the image");
                     let depth = camera.world_from_camera.inverse_transform_point(&point).z;
                     let from = camera.pixel_of(&trajectory.lens, &point, 0.0).expect("in front");
+                    assert!((from[0] - 80.0).abs() < 1e-9 && (from[1] - 60.0).abs() < 1e-9, "{from:?}");
                     let to = camera.pixel_of(&trajectory.lens, &point, 1.0).expect("in front");
                     let expected = -trajectory.lens.focal_px * camera.step.norm() / depth;
                     assert!((to[0] - from[0] - expected).abs() < 1e-9 && (to[1] - from[1]).abs() < 1e-9);
@@ -203,4 +207,84 @@ fn nonsense_is_named_with_its_remedy() {
     let monitor = Monitor::default();
     monitor.cancel();
     assert!(Trajectory::new(&small(), &monitor).is_err_and(|error| error.is_cancelled()));
+}
+
+/// Mean distance of the frames of two bursts where both are seen, fractions of full scale, and the share that is seen.
+fn distance(a: &Burst, b: &Burst) -> (f32, f32) {
+    let (mut sum, mut seen, mut all) = (0.0, 0.0, 0.0);
+    for (a, b) in a.frames.iter().zip(&b.frames) {
+        for (u, v) in (0..a.height()).flat_map(|v| (0..a.width()).map(move |u| (u, v))) {
+            all += 1.0;
+            if !a.is_hidden_at(u, v) {
+                sum += (a.at(u, v) - b.at(u, v)).abs();
+                seen += 1.0;
+            }
+        }
+    }
+    (sum / seen, seen / all)
+}
+
+#[test]
+fn known_rotations_turn_the_frames_of_a_shaken_camera_to_those_of_a_still_one() {
+    let light = Light::Snr(f64::INFINITY);
+    let shaken = made(&TrajectoryParams { bursts: 1, shake_deg: 1.5, light, ..small() });
+    let mut still = shaken.clone();
+    still.cameras[0].shake = Shake::default();
+    let (home, monitor) = (tempfile::tempdir().expect("a folder"), Monitor::default());
+    let way = home.path().join("way");
+    write_trajectory(&way, &shaken, &monitor).expect("written");
+    let folder = way.join("bursts/burst_000");
+    let open = |options: OpenOptions| Burst::open_with(std::slice::from_ref(&folder), &options, &monitor);
+    let turned = |list: &str, times: Option<TimesChoice>| {
+        open(OpenOptions {
+            rotations: Some(list.into()),
+            lens: Some("lens.toml".into()),
+            times,
+            ..OpenOptions::default()
+        })
+    };
+    let expected = still.burst(0, &monitor).expect("not cancelled");
+    let (as_taken, _) = distance(&open(OpenOptions::default()).expect("a burst"), &expected);
+    let by_lines = turned("rotations.txt", None).expect("a burst");
+    let (left, seen) = distance(&by_lines, &expected);
+    assert!(left < 0.1 * as_taken && seen > 0.9, "{left} of {as_taken}, {seen} seen");
+    assert!(by_lines.taken.iter().any(|said| said.contains("as rotations.txt says")), "{:?}", by_lines.taken);
+
+    // The same orientations in other forms; with stamps also ten in a frame interval, begun before the first frame.
+    let lists = |every: f64| {
+        let (mut tum, mut euroc) = (String::new(), String::from("#timestamp,x,y,z,qw,qx,qy,qz,vx\n"));
+        for k in 0..(if every < 1.0 { 60 } else { 5 }) {
+            let t = if every < 1.0 { every * f64::from(k) - 0.5 } else { f64::from(k) };
+            let q = shaken.cameras[0].at(t - 2.0).rotation;
+            let [x, y, z, w] = [q.i, q.j, q.k, q.w];
+            tum += &format!("{} 0 0 0 {x} {y} {z} {w}\n", 100.0 + 0.1 * t);
+            euroc += &format!("{},0,0,0,{w},{x},{y},{z},0\n", ((100.0 + 0.1 * t) * 1e9) as i64);
+        }
+        [tum, euroc]
+    };
+    let times: String = (0..5).map(|t| format!("{}\n", 100.0 + 0.1 * f64::from(t))).collect();
+    std::fs::write(folder.join("times_s.txt"), format!("time_s\n{times}")).expect("written");
+    for (every, tolerance) in [(1.0, 1e-6), (0.1, 1e-3)] {
+        for list in lists(every) {
+            std::fs::write(folder.join("list.txt"), list).expect("written");
+            let stamps = (every < 1.0).then(|| TimesChoice::List("times_s.txt".into()));
+            let (off, _) = distance(&turned("list.txt", stamps).expect("a burst"), &by_lines);
+            assert!(off < tolerance, "every {every}: {off}");
+        }
+    }
+    let refused = |list: &str, text: &str, part: &str| {
+        std::fs::write(folder.join(list), text).expect("written");
+        let said = turned(list, None).expect_err("refused").to_string();
+        assert!(said.contains(part) && said.contains(list), "{said}");
+    };
+    refused("two.txt", "0 0 0 1\n0 0 0 1\n", "2 orientations for 5 frames");
+    refused("long.txt", "0 0 0 2\n", "line 1: the quaternion has the length 2");
+    refused("word.txt", "0 0 0 1\n0 0 x 1\n", "line 2: not all of it are numbers");
+    refused("few.txt", "0 0 1\n", "3 numbers, where there are 4, 5 or 8");
+    refused("none.txt", "# nothing\n", "it holds no orientation");
+    std::fs::write(way.join("lens.toml"), Lens { width: 80, ..shaken.lens }.to_toml()).expect("written");
+    let said = turned("rotations.txt", None).expect_err("another size").to_string();
+    assert!(said.contains("80×120") && said.contains("160×120"), "{said}");
+    std::fs::remove_file(way.join("lens.toml")).expect("removed");
+    assert!(turned("rotations.txt", None).expect_err("no camera").to_string().contains("there is no camera lens.toml"));
 }

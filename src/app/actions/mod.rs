@@ -29,7 +29,7 @@ impl ActionId {
     pub fn word(self) -> Option<&'static Word> {
         match self {
             Self::LayoutSlice => glossary().of_picture("slice"),
-            _ => glossary().of_picture(self.shown()?.about().key),
+            _ => glossary().of_picture(self.shown()?.key()),
         }
     }
 }

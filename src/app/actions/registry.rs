@@ -18,14 +18,17 @@ use crate::synth::Example;
 use crate::teach::Workspace;
 use egui::{Key, KeyboardShortcut, Modifiers, ThemePreference};
 use serde::{Deserialize, Serialize};
+use strum::{EnumCount, IntoStaticStr, VariantArray};
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, EnumCount, IntoStaticStr, VariantArray)]
 pub enum Menu {
     File,
     Edit,
     View,
     Panes,
+    #[strum(serialize = "Slope and frame")]
     Cursor,
+    #[strum(serialize = "Detection")]
     Detect,
     Features,
     Pair,
@@ -34,24 +37,10 @@ pub enum Menu {
 }
 
 impl Menu {
-    pub const ALL: [Self; 10] = {
-        use Menu::*;
-        [File, Edit, View, Panes, Cursor, Detect, Features, Pair, Dataset, Help]
-    };
+    pub const ALL: [Self; Self::COUNT] = *Self::VARIANTS.first_chunk().expect("as many");
 
     pub fn label(self) -> &'static str {
-        match self {
-            Self::File => "File",
-            Self::Edit => "Edit",
-            Self::View => "View",
-            Self::Panes => "Panes",
-            Self::Cursor => "Slope and frame",
-            Self::Detect => "Detection",
-            Self::Features => "Features",
-            Self::Pair => "Pair",
-            Self::Dataset => "Dataset",
-            Self::Help => "Help",
-        }
+        self.into()
     }
 
     pub fn parent(self) -> Option<Self> {
@@ -104,7 +93,6 @@ pub struct ActionRow {
     is_on: Option<fn(Read<'_>) -> bool>,
 }
 
-/// Plain doings of actions.
 #[derive(Debug, Clone, Copy)]
 pub enum Does {
     Ask(Purpose),
@@ -112,12 +100,10 @@ pub enum Does {
     Workspace(Workspace),
     LayOut(Preset),
     Show(ViewKind),
-    /// Turns a value of the document on or off.
     Switch {
         is_on: fn(&Document) -> bool,
         turn: fn(&mut Document),
     },
-    /// Changes the document alone.
     Set(fn(&mut Document)),
     /// Goes to a slope of the grid from the slope on show.
     Slope(fn(&SlopeGrid, Slope) -> Slope),
@@ -224,7 +210,7 @@ actions! {
     FigureOptions, File 4, "Export figure…", [], "Write the panes with their overlays for a paper: choose PDF, SVG or PNG, width, letters, and what is shown", when when::has_picture;
     ExportFigure, File 4, "Export figure as before…", [], "Write the panes with their overlays with the choices of the last figure" => Ask(Purpose::Export(ExportKind::Figure)), when when::has_picture;
     FilmOptions, File 4, "Export film…", [], "Choose a sweep over slopes, scales or frames; its size and rate are said before it is written", when when::has_burst;
-    ExportFilmGif, File 4, "Export film as before…", [], "Write the film of the last choice, a sweep over the slopes at first, as an animation (GIF) or as PNG pictures" => Ask(Purpose::Export(ExportKind::Film)), when when::has_burst;
+    ExportFilmGif, File 4, "Export film as before…", [], "Write the film of the last choice, a sweep over the slopes at first, as an animation (GIF, MP4) or as PNG pictures" => Ask(Purpose::Export(ExportKind::Film)), when when::has_burst;
     ExportProfile, File 5, "Export line profile as CSV…", [], "Write the values along the line in all linked panes" => Ask(Purpose::Export(ExportKind::Profile)), when |model| model.document.measure.line.is_some() && when::in_inspect(model);
     ExportMatches, File 5, "Export matches as CSV…", [], "Write one row for each match of two bursts" => Ask(Purpose::Export(ExportKind::Matches)), when |model| model.results.pair.matches.is_some();
     ExportMethods, File 5, "Export table of methods…", [], "Write the numbers of all methods as CSV, or as LaTeX to a name that ends in .tex" => Ask(Purpose::Export(ExportKind::Methods)), when |model| model.document.compares_methods() && !model.methods_shown().is_empty();
@@ -272,6 +258,7 @@ actions! {
     ToggleOrientation, View 3, "Orientation ticks", [NONE R], "Show or hide each feature's orientation" => Switch(look.orientations);
     ToggleLegend, View 3, "Legend", [NONE L], "Show or hide the legend of the features' colours" => Switch(look.legend);
     FocusUnderPointer, View 3, "Focus under the pointer", [SHIFT Z], "Show the place under the pointer at its own motion, as long as this is on, or while Ctrl is held" => Switch(follows_focus), when when::inspects_burst;
+    FocusLoupe, View 3, "Focus in a loupe", [], "Show that place in a loupe beside the pointer, in one frame, the motion stack and all in focus, and leave the pane as it is; a click takes the slope" => Switch(panels.loupe), when when::inspects_burst;
     AutoContrast, View 3, "Auto contrast", [SHIFT A], "Set contrast and brightness so that all but the darkest and brightest 0.1 % of the values can be told apart" => Run(|model, _| panes::auto_contrast(model)), when when::has_picture;
     NextColouring, View 3, "Next feature colouring", [NONE C], "Colour features by slope, scale, response, SNR, slope limit or coherence in turn" => Set(change::colour_next);
     ToggleLeft, View 4, "Cursor and parameters", [CTRL B], "Show or hide the panel on the left" => Run(change::toggle_left), on |model| model.shows_left();
@@ -321,7 +308,7 @@ actions! {
     Preset1d, Detect 1, "Preset BuFF 1D", [], "Search seven horizontal slopes over ±3 px/frame" => Set(change::search_line), on when::searches_line;
     Preset2d, Detect 1, "Preset BuFF 2D", [], "Search slopes in both directions: the present ones, and some to both sides of them" => Run(change::search_plane), on when::searches_plane;
     PresetSift, Detect 1, "Preset SIFT on one frame", [], "Search the middle frame only: the baseline" => Set(|document| document.params.method = Method::Sift), on |model| model.document.params.method == Method::Sift;
-    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.forget_failures()), when |model| model.document.compares_methods();
+    CompareAgain, Detect 2, "Compare again", [], "Run again the methods that failed or were cancelled" => Run(|model, _| model.results.compare.failed.clear()), when |model| model.document.compares_methods();
     OpenGoldA, Detect 2, "Gold standard of A…", [], "Open an image of A's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::A)), when when::has_burst;
     OpenGoldB, Detect 2, "Gold standard of B…", [], "Open an image of B's view that was taken with enough light" => Ask(Purpose::OpenGold(Side::B)), when when::has_both;
     SlopesFromSetUp, Detect 3, "Slopes from the set-up", [], "Compute the slopes from speed, turning, frame rate, lens and depths, and read slopes as depths" => Set(|document| document.show_set_up());

@@ -7,8 +7,6 @@ use crate::app::document::Side;
 use crate::app::results::{Effect, Matches, MethodFound, Model, Read, Results};
 use crate::engine::{Ended, Engine, Want, Wanted};
 use crate::requests::{Compared, Detected, JobError, PictureAnswer, RangeClass, Request, Urgency};
-use std::mem::take;
-use std::sync::Arc;
 
 /// Pass of the window. While the pointer drags a value, long work waits for the final one.
 struct Pass<'a> {
@@ -145,7 +143,7 @@ impl Part for Methods {
                     if error != JobError::Cancelled {
                         messages.error(job.method.label(), error.to_string());
                     }
-                    compare.take_failure(job, error.to_string());
+                    compare.failed.push((job, error.to_string()));
                 }
             }
         }
@@ -176,38 +174,28 @@ impl Part for Methods {
 /// Makes a [`One`]: whether it ends, where its requests are, what is missing, and how an answer is taken, and a partial
 /// one.
 macro_rules! one {
-    ($ends:literal, |$r:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr) => {
-        one!($ends, |$r| $wanted, |$of, $drags| $missing, |$to, $ended| $take, |_, _| ())
+    (@$ends:literal, |$r:ident| $wanted:expr, $missing:expr, $take:expr) => {
+        one!(@$ends, |$r| $wanted, $missing, $take, |_, _| ())
     };
-    ($ends:literal, |$r:ident| $wanted:expr, |$of:ident, $drags:tt| $missing:expr, |$to:ident, $ended:ident| $take:expr, $take_partial:expr) => {
+    (@$ends:literal, |$r:ident| $wanted:expr, $missing:expr, $take:expr, $take_partial:expr) => {
         &One {
             wanted: |$r| &$wanted,
             wanted_mut: |$r| &mut $wanted,
-            missing: |$of, $drags| $missing,
+            missing: $missing,
             ends: $ends,
-            take: |$to, $ended, _| {
-                $take;
-                Vec::new()
-            },
+            take: $take,
             take_partial: $take_partial,
         }
+    };
+    ($ends:literal, |$r:ident| $wanted:expr, $missing:expr, |$to:ident, $ended:ident| $take:expr $(, $take_partial:expr)?) => {
+        one!(@$ends, |$r| $wanted, $missing, |$to, $ended, _| { $take; Vec::new() } $(, $take_partial)?)
     };
 }
 
 /// Makes a [`One`] that the user asks for: nothing is missing by itself.
 macro_rules! asked {
-    (|$r:ident| $wanted:expr, $take:expr) => {
-        asked!(|$r| $wanted, $take, |_, _| ())
-    };
-    (|$r:ident| $wanted:expr, $take:expr, $take_partial:expr) => {
-        &One {
-            wanted: |$r| &$wanted,
-            wanted_mut: |$r| &mut $wanted,
-            missing: |_, _| None,
-            ends: false,
-            take: $take,
-            take_partial: $take_partial,
-        }
+    (|$r:ident| $wanted:expr, $take:expr $(, $take_partial:expr)?) => {
+        one!(@false, |$r| $wanted, |_, _| None, $take $(, $take_partial)?)
     };
 }
 
@@ -217,12 +205,12 @@ const PARTS: &[&dyn Part] = &[
     asked!(|r| r.slots.a.opening, |_, ended, _| vec![Effect::Opened(Side::A, ended)]),
     asked!(|r| r.slots.b.opening, |_, ended, _| vec![Effect::Opened(Side::B, ended)]),
     &PanePictures,
-    one!(false, |r| r.wanted_patch, |m, _| m.missing_patch(), |m, ended| m.results.patch = m.shell.messages.answer(ended.result, "Patch").or(m.results.patch.take())),
+    one!(false, |r| r.patches.wanted, |m, _| m.missing_stack(), |m, ended| panes::take_stack(m, ended)),
+    one!(false, |r| r.patches.wanted_in_focus, |m, drags| m.missing_in_focus(drags), |m, ended| m.results.patches.in_focus = m.shell.messages.answer(ended.result, "Loupe").or(m.results.patches.in_focus.take())),
     one!(false, |r| r.slots.a.detecting, |m, drags| m.missing_features(Side::A, drags), |m, ended| detection::take_features(m, Side::A, ended), |m, first| detection::take_first_features(m, Side::A, first)),
     one!(false, |r| r.slots.b.detecting, |m, drags| m.missing_features(Side::B, drags), |m, ended| detection::take_features(m, Side::B, ended), |m, first| detection::take_first_features(m, Side::B, first)),
     one!(false, |r| r.probed.wanted_trail, |m, drags| m.missing_trail(drags), |m, ended| probe::take_probed_trail(m, ended)),
     one!(false, |r| r.probed.wanted_answer, |m, _| m.missing_probe(), |m, ended| probe::take_probed(m, ended)),
-    one!(false, |r| r.pair.wanted_patches, |m, _| m.missing_patches(), |m, ended| m.results.pair.patches = m.shell.messages.answer(ended.result, "Patches").unwrap_or(take(&mut m.results.pair.patches))),
     one!(false, |r| r.pair.matching, |m, drags| m.missing_matches(drags), |m, ended| pair::take_matches(m, ended)),
     asked!(|r| r.compare.opening_gold.a, |m, ended, _| methods::take_gold(m, Side::A, ended)),
     asked!(|r| r.compare.opening_gold.b, |m, ended, _| methods::take_gold(m, Side::B, ended)),
@@ -236,10 +224,11 @@ const PARTS: &[&dyn Part] = &[
     one!(true, |r| r.coherence.wanted.b, |m, _| m.missing_coherence(Side::B), |m, ended| explained::take_coherences(m, ended)),
     one!(false, |r| r.pair.lost.wanted, |m, _| m.missing_losses(), |m, ended| pair::take_losses(m, ended)),
     one!(false, |r| r.pair.lost.pricing, |m, _| m.missing_price(), |m, ended| m.results.pair.lost.priced = ended.result.ok().or(m.results.pair.lost.priced.take())),
-    one!(false, |r| r.pair.lost.wanted_pictures, |m, _| m.missing_candidate_pictures(), |m, ended| m.results.pair.lost.pictures = ended.result.unwrap_or(take(&mut m.results.pair.lost.pictures))),
     one!(false, |r| r.studies.wanted_chart, |m, _| m.missing_chart(), |m, ended| studies::take_chart(m, ended)),
     asked!(|r| r.studies.wanted, |m, ended, _| studies::take_study(m, ended), |m, report| studies::take_part_of_study(m, report)),
-    one!(true, |r| r.preview.wanted, |m, _| m.missing_preview(), |m, ended| m.results.preview.made = ended.result.ok().map(|made| (ended.request, Arc::new(made))).or(m.results.preview.made.take())),
+    one!(true, |r| r.preview.wanted, |m, _| m.results.preview.missing(), |m, ended| m.results.preview.take(ended)),
+    one!(true, |r| r.shape.wanted, |m, _| m.results.shape.missing(), |m, ended| m.results.shape.take(ended)),
+    one!(true, |r| r.folder.wanted, |m, _| m.results.folder.missing(), |m, ended| m.results.folder.take(ended)),
     asked!(|r| r.figures, |m, ended, _| studies::take_figures(m, ended)),
     asked!(|r| r.poses.reading, |m, ended, _| studies::take_trajectories(m, ended)),
     asked!(|r| r.datasets.wanted, |m, ended, engine| dataset_answers::take_dataset_answer(m, ended, engine), |m, event| dataset_answers::take_dataset_event(m, &event)),
@@ -349,22 +338,5 @@ mod tests {
         assert!(bench.read().features_are_current(Side::A) && bench.read().stale().is_none());
         let first = found.detection.features.len();
         assert!((1..bench.read().features().len()).contains(&first), "{first}");
-    }
-
-    #[test]
-    fn what_was_cancelled_is_not_begun_again_by_itself() {
-        let mut bench = bench_with(Example::Street);
-        bench.model.document.params.slopes = SlopeGrid::plane(-3.0..=3.0, 31, -3.0..=3.0, 31).into();
-        bench.run_until(|model, _| model.results.slots.a.detecting.is_pending());
-        assert!(bench.read().is_searching());
-        bench.read().cancel_searches();
-        bench.settle();
-        assert!(bench.model.results.slots.a.found.is_none() && !bench.read().wants_detection(Side::A));
-        assert!(bench.model.results.slots.a.detecting.failure().is_some_and(|(_, why)| *why == JobError::Cancelled));
-        assert!(bench.model.shell.messages.errors().is_empty(), "a person did not want it");
-        // Other parameters are another detection.
-        bench.model.document.params.slopes = SlopeGrid::line(-1.0..=1.0, 3).into();
-        bench.settle();
-        assert!(bench.read().features_are_current(Side::A));
     }
 }

@@ -246,32 +246,3 @@ fn a_strip_stays_a_strip_when_a_new_burst_is_opened_and_at_the_rim_of_the_range(
     let PictureKind::Stack { slope } = Read::of(&model).wanted(last).expect("open").kind else { panic!("a stack") };
     assert_eq!(slope.u, limit, "what is beyond is shown at the rim");
 }
-
-#[test]
-fn a_folder_of_bursts_is_a_dataset_for_a_and_a_choice_for_b() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["one", "two"] {
-        let folder = home.path().join(name);
-        std::fs::create_dir(&folder).expect("made");
-        for frame in 0..2 {
-            let gray = image::GrayImage::from_pixel(16, 12, image::Luma([frame]));
-            gray.save(folder.join(format!("{frame}.png"))).expect("written");
-        }
-    }
-    let mut bench = Bench::new();
-    let mut opened = |side: Side| {
-        opening::open(&mut bench.model, side, BurstSource::Paths(vec![home.path().to_owned()]), &bench.engine);
-        let effects = bench.run_until(|_, effects| !effects.is_empty());
-        match effects.into_iter().next() {
-            Some(Effect::Opened(of, ended)) if of == side => {
-                let effects = opening::take_opening(&mut bench.model, side, ended, false, &bench.engine);
-                (effects, bench.model.results.datasets.wanted.is_pending())
-            }
-            other => panic!("{side:?} was opened, not {other:?}"),
-        }
-    };
-    let (effects, looks) = opened(Side::B);
-    assert!(matches!(&effects[..], [Effect::Choose(Side::B, bursts)] if bursts.len() == 2) && !looks, "{effects:?}");
-    let (effects, looks) = opened(Side::A);
-    assert!(effects.is_empty() && looks);
-}

@@ -172,7 +172,7 @@ fn say_what_was_found(model: &mut Model, seconds: f64) {
 
 fn say_what_matched(model: &mut Model, left_out: usize, seconds: f64) {
     let Some(dataset) = &model.results.datasets.open else { return };
-    let mut text = format!("{} matched in {seconds:.1} s", counted(dataset.matches.len(), "pair"));
+    let mut text = format!("{} matched in {seconds:.1} s", counted(dataset.matches.counts.len(), "pair"));
     if left_out > 0 {
         text += &format!("; {left_out} left out, whose bursts have no features yet");
     }
@@ -184,9 +184,11 @@ fn say_what_was_exported(model: &mut Model, done: &crate::requests::ColmapDone) 
     let report = &done.report;
     let verified = report.pairs.iter().filter(|pair| pair.counts.inliers.is_some_and(|n| n > 0)).count();
     model.shell.messages.resolved(Work::Exporting.title());
-    model.results.datasets.exported = report.database.parent().map(|folder| (folder.into(), report.known_camera));
+    let folder = report.database.parent();
+    model.results.datasets.exported = folder.map(|folder| (folder.into(), report.known_camera));
+    let old = folder.and_then(crate::requests::old_model).map_or_else(String::new, |old| format!("; {old}"));
     model.shell.messages.note(format!(
-        "Wrote {}: {}, {}, {verified} of them verified; {}",
+        "Wrote {}: {}, {}, {verified} of them verified; {}{old}",
         report.database.display(),
         counted(report.images.len(), "image"),
         counted(report.pairs.len(), "pair"),

@@ -1,12 +1,13 @@
 //! Work on a dataset that is asked for: opening it, finding features and matching in it, and writing it for COLMAP.
 
-use crate::app::document::{BurstPair, DatasetChoice};
+use crate::app::document::DatasetChoice;
 use crate::app::results::{Effect, Model, Read, Work};
 use crate::burst::OpenOptions;
 use crate::dataset::DatasetSource;
 #[cfg(feature = "colmap")]
 use crate::dataset::{BurstCameras, CameraChoice, ColmapJob, FeatureJob, ImageKind};
 use crate::engine::Engine;
+use crate::matching::PairSelection;
 use crate::requests::DatasetRequest;
 use std::path::PathBuf;
 
@@ -77,18 +78,16 @@ pub(in crate::app) fn detect_all(model: &mut Model, engine: &Engine) {
 }
 
 pub(in crate::app) fn match_pairs(model: &mut Model, engine: &Engine) {
-    if let Some(dataset) = &model.results.datasets.open {
-        start_matching_pairs(model, model.document.pairs.selection().pairs(dataset.bursts.len()), engine);
-    }
+    start_matching_pairs(model, model.document.pairs.selection(), engine);
 }
 
 pub(in crate::app) fn match_selected(model: &mut Model, engine: &Engine) {
     if let Some(pair) = model.document.dataset.as_ref().and_then(DatasetChoice::selected) {
-        start_matching_pairs(model, vec![pair], engine);
+        start_matching_pairs(model, PairSelection::Listed(vec![pair]), engine);
     }
 }
 
-fn start_matching_pairs(model: &mut Model, pairs: Vec<BurstPair>, engine: &Engine) {
+fn start_matching_pairs(model: &mut Model, pairs: PairSelection, engine: &Engine) {
     let matching = model.document.matching.clone();
     let Some(dataset) = &mut model.results.datasets.open else { return };
     dataset.matches.begin(&matching);

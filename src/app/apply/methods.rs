@@ -145,12 +145,12 @@ mod tests {
     fn what_failed_is_not_tried_again_until_asked_or_changed() {
         let mut model = methods();
         let job = Read::of(&model).next_compare_job().expect("nothing is there yet");
-        model.results.compare.take_failure(job.clone(), "cancelled".into());
+        model.results.compare.failed.push((job.clone(), "cancelled".into()));
         assert_eq!(model.results.compare.problem(job.method), Some("cancelled"));
         assert_ne!(Read::of(&model).next_compare_job().map(|next| next.method), Some(job.method));
-        model.results.compare.forget_failures();
+        model.results.compare.failed.clear();
         assert_eq!(Read::of(&model).next_compare_job().map(|next| next.method), Some(job.method));
-        model.results.compare.take_failure(job.clone(), "cancelled".into());
+        model.results.compare.failed.push((job.clone(), "cancelled".into()));
         model.document.params.edge_threshold *= 2.0;
         assert_eq!(Read::of(&model).next_compare_job().map(|next| next.method), Some(job.method));
     }

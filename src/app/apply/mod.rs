@@ -24,7 +24,6 @@ mod tests;
 use crate::app::actions::registry::{ActionId, Does};
 use crate::app::document::panes::Change;
 use crate::app::document::{Action, Pointed, Side, Visibility};
-use crate::app::results::pictures::PreviewResults;
 use crate::app::results::{Effect, Model, Read};
 use crate::engine::Engine;
 use crate::teach::BottomTab;
@@ -53,9 +52,7 @@ fn applied(action: Action, model: &mut Model, engine: &Engine) -> Vec<Effect> {
     use Action as A;
     match action {
         A::Do(id) => return do_row(id, model, engine).into_iter().collect(),
-        A::Open(side, source) => {
-            opening::open(model, side, source, engine);
-        }
+        A::Open(side, source) => _ = opening::open(model, side, source, engine),
         A::OpenDataset(source) => {
             let options = Read::of(model).options_of_new_dataset();
             datasets::look_at_dataset(model, source, None, options, engine);
@@ -164,7 +161,9 @@ pub fn point_at(model: &mut Model, pointed: Pointed) {
         Pointed::Place(place) => model.results.probed.pointer = place,
         Pointed::Dots(features) => model.results.probed.as_dots = features,
         Pointed::Lines(drawn, all) => model.results.pair.lines_drawn = (drawn, all),
-        Pointed::Figure(None) => model.results.preview = PreviewResults::default(),
-        Pointed::Figure(asked) => model.results.preview.asked = asked.map(|asked| *asked),
+        Pointed::Loupe(place) => model.results.patches.loupe = place,
+        Pointed::Figure(asked) => model.results.preview.ask(asked.map(|asked| *asked)),
+        Pointed::Shape(asked) => model.results.shape.ask(asked),
+        Pointed::Folder(asked) => model.results.folder.ask(asked),
     }
 }

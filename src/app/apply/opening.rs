@@ -125,7 +125,7 @@ fn take_calibration(model: &mut Model, options: OpenOptions, is_again: bool, eng
 pub fn take_burst(model: &mut Model, burst: OpenBurst) {
     let middle = burst.burst.len() / 2;
     let slot = &mut model.results.slots.a;
-    (slot.burst, slot.found, model.results.patch) = (Some(burst), None, None);
+    (slot.burst, slot.found) = (Some(burst), None);
     slot.detecting.forget();
     panes::forget_asked_pictures(model);
     (model.document.selected, model.results.hovered, model.document.playing) = (None, None, false);

@@ -51,8 +51,7 @@ pub fn swap_sides(model: &mut Model) {
     model.results.compare.gold.swap();
     model.document.gold.swap();
     // Where A alone was looked at, nothing of it is selected any more.
-    (model.results.patch, model.document.selected, model.results.hovered, model.document.playing) =
-        (None, None, None, false);
+    (model.document.selected, model.results.hovered, model.document.playing) = (None, None, false);
     forget_matches(model);
     params::check_params(model);
     explained::refresh_listed(model);
@@ -108,8 +107,6 @@ pub(in crate::app) fn close_second(model: &mut Model, engine: &Engine) {
     model.results.compare.opening_gold.b.forget();
     forget_matches(model);
     model.results.pair.matching.forget();
-    model.results.pair.wanted_patches.forget();
-    model.results.pair.patches.clear();
     Read::of(model).forget_closed_trails(engine);
 }
 
@@ -178,8 +175,8 @@ pub fn refresh_why(model: &mut Model) {
     if model.results.pair.lost.found.is_some() && Read::of(model).losses().is_none() {
         // Another pair: what was asked about is no feature of it.
         model.document.asked_about = None;
-        let LostFeatures { wanted, wanted_pictures, pricing, .. } = std::mem::take(&mut model.results.pair.lost);
-        model.results.pair.lost = LostFeatures { wanted, wanted_pictures, pricing, ..LostFeatures::default() };
+        let LostFeatures { wanted, pricing, .. } = std::mem::take(&mut model.results.pair.lost);
+        model.results.pair.lost = LostFeatures { wanted, pricing, ..LostFeatures::default() };
     }
     let why = match (Read::of(model).asked_feature(), Read::of(model).losses()) {
         (Some(feature), Some(found)) if feature < found.lost.len() => {

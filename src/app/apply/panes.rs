@@ -6,17 +6,17 @@ use crate::app::document::panes::Change;
 use crate::app::document::{Action, Cursor, Destination, Document, PlayOver, RangeClass, Side, Visibility};
 use crate::app::pane::{PaneId, Preset};
 use crate::app::results::panes::Play;
+use crate::app::results::pictures::PatchResults;
 use crate::app::results::{Model, Read};
 use crate::app::view::View;
 use crate::detector::{Feature, FrameRange};
-use crate::requests::{PictureAnswer, ViewKind};
+use crate::engine::Ended;
+use crate::requests::{PictureAnswer, PictureRequest, ViewKind};
 use std::time::{Duration, Instant};
 
 pub fn change_panes(model: &mut Model, change: Change) {
     match change {
-        Change::Split(id, direction) => {
-            model.document.panes.split(id, direction);
-        }
+        Change::Split(id, direction) => _ = model.document.panes.split(id, direction),
         Change::Close(id) => model.document.panes.close(id),
         Change::LayOut(id, preset) => {
             model.document.panes.set_focus(id);
@@ -81,8 +81,15 @@ pub fn open_probe(model: &mut Model) {
 
 pub(in crate::app) fn forget_asked_pictures(model: &mut Model) {
     model.results.pictures.values_mut().for_each(|shown| shown.wanted.forget());
-    model.results.wanted_patch.forget();
-    model.results.pair.wanted_patches.forget();
+    model.results.patches = PatchResults::default();
+}
+
+/// Takes a motion stack from which patches are cut, and forgets those from which none are any more.
+pub fn take_stack(model: &mut Model, ended: Ended<PictureRequest>) {
+    let wanted = Read::of(model).stacks_of_patches();
+    let stack = model.shell.messages.answer(ended.result, "Patches");
+    model.results.patches.stacks.retain(|(request, _)| wanted.contains(request));
+    model.results.patches.stacks.push((ended.request, stack));
 }
 
 /// Takes the picture of a pane, unless it is of another burst than the one that the pane shows now.

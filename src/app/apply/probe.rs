@@ -5,7 +5,7 @@ use crate::app::document::{Probe, Side};
 use crate::app::results::{Model, ProbeResults, Read};
 use crate::detector::{Slope, SlopeGrid, Slopes};
 use crate::engine::Ended;
-use crate::inspect::place::ProbeSubject;
+use crate::inspect::place::{ProbeSubject, check_place};
 use crate::requests::{BurstSource, DetectionSource, JobError, OpenBurst, ProbeQuestion, ProbeRequest, Probed, Traced};
 use crate::synth::Example;
 
@@ -97,15 +97,8 @@ pub(in crate::app) fn follow_with_probe(model: &mut Model) {
 
 /// A place outside the picture only gives a note.
 pub fn ask_probe(model: &mut Model, side: Side, question: ProbeQuestion) {
-    let Some((width, height)) = Read::of(model).burst_of(side).map(|open| open.burst.size()) else { return };
-    let inside = match question {
-        ProbeQuestion::At { place: [u, v], .. } => {
-            let last = |n: usize| n.saturating_sub(1) as f32;
-            (-0.5..=last(width) + 0.5).contains(&u) && (-0.5..=last(height) + 0.5).contains(&v)
-        }
-        ProbeQuestion::Strongest => true,
-    };
-    if !inside {
+    let Some(size) = Read::of(model).burst_of(side).map(|open| open.burst.size()) else { return };
+    if matches!(question, ProbeQuestion::At { place, .. } if check_place(place, size).is_err()) {
         model.shell.messages.note("That place lies outside the picture at mid-burst");
         return;
     }

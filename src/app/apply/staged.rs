@@ -181,9 +181,7 @@ mod tests {
         let before = now.clone();
         change(now);
         history.take(before, now);
-        if !goes_on {
-            history.close(now);
-        }
+        history.close_step(now, goes_on);
     }
 
     #[test]

@@ -153,7 +153,7 @@ impl<'a> Canvas<'a> {
         let (id, plane, display) = (picture.id, picture.drawn.clone(), self.display.sanitised());
         let ui_from_picture = picture.ui_from_picture(output.ui_from_image);
         let paint = PicturePaint { pane, id, plane, ui_from_picture, display, dim, backdrop };
-        output.painter.add(paint.into_shape(rect));
+        output.painter.add(egui_wgpu::Callback::new_paint_callback(rect, paint));
         picture.hatch(&output.painter, output.ui_from_image, rect);
         if self.values {
             self.draw_values(picture, output);

@@ -252,7 +252,7 @@ fn frame_ui(ui: &Ui, model: Read<'_>, scene: &PlaneScene, ui_from_plane: &RectTr
     let whose = if model.results.poses.read(Which::Truth).is_none() { "estimate" } else { "truth" };
     let text = format!("{} (the {whose}'s unit)", crate::app::canvas::number(length as f32, 3));
     painter.text(from + vec2(0.0, -5.0), Align2::LEFT_BOTTOM, text, font.clone(), weak);
-    let text = match model.document.trajectories.projection.axis_names() {
+    let text = match model.document.trajectories.projection.about().1 {
         ["", _] => "A drag turns the view, a double click begins again".to_owned(),
         [right, up] => format!("{right}: to the right,  {up}: up"),
     };

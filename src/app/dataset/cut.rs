@@ -35,7 +35,7 @@ impl CutDialog {
         let mut accepted = None;
         let dismissed = modal_ui(ctx, "cut sequence", 400.0, "Cut a sequence into bursts", |ui| {
             let place = self.paths.first().map_or_else(String::new, |p| p.display().to_string());
-            ui.weak(format!("{} frames: {place}", self.frames));
+            ui.weak(format!("{}: {place}", counted(self.frames, "frame")));
             ui.add_space(6.0);
             self.rows_ui(ui);
             ui.add_space(6.0);
@@ -83,14 +83,13 @@ impl CutDialog {
 
     fn consequence(&self) -> String {
         let count = SequenceCut::new(self.length, Some(self.step)).map_or(0, |cut| cut.ranges(self.frames).len());
-        let bursts = if count == 1 { "burst" } else { "bursts" };
         let used = (count.max(1) - 1) * self.step + self.length;
         let rest = match self.frames.saturating_sub(used) {
             0 => String::new(),
             1 => "; the last frame is left out".to_owned(),
             rest => format!("; the last {rest} frames are left out"),
         };
-        format!("{count} {bursts}, each named after its middle frame{rest}")
+        format!("{}, each named after its middle frame{rest}", counted(count, "burst"))
     }
 }
 

@@ -97,7 +97,7 @@ fn header_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         button_ui(ui, model, queue, ActionId::DetectAll, None);
         notice_ui(ui, model, dataset, queue);
     }
-    if !dataset.matches.is_empty() && model.document.workspace != Workspace::Matches {
+    if !dataset.matches.counts.is_empty() && model.document.workspace != Workspace::Matches {
         button_ui(ui, model, queue, ActionId::WorkspaceMatches, None);
     }
     if model.document.dataset.as_ref().is_some_and(|set| set.selected().is_some()) {
@@ -247,9 +247,7 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
     const RADIUS: f32 = 4.0;
     let (painter, visuals) = (ui.painter(), ui.visuals());
     match state {
-        BurstState::Waiting => {
-            painter.circle_stroke(centre, RADIUS, Stroke::new(1.0, visuals.weak_text_color()));
-        }
+        BurstState::Waiting => _ = painter.circle_stroke(centre, RADIUS, Stroke::new(1.0, visuals.weak_text_color())),
         BurstState::Running => {
             painter.circle_stroke(centre, RADIUS, Stroke::new(1.5, style::warning(ui)));
             painter.circle_filled(centre, 0.4 * RADIUS, style::warning(ui));
@@ -258,9 +256,7 @@ fn mark_ui(ui: &Ui, state: &BurstState, centre: Pos2) {
         BurstState::Done(done) if done.features == 0 => {
             painter.circle_stroke(centre, RADIUS, Stroke::new(2.0, style::warning(ui)));
         }
-        BurstState::Done(_) => {
-            painter.circle_filled(centre, RADIUS, style::good(ui));
-        }
+        BurstState::Done(_) => _ = painter.circle_filled(centre, RADIUS, style::good(ui)),
         BurstState::Failed(_) => {
             let stroke = Stroke::new(2.0, visuals.error_fg_color);
             for arm in [vec2(1.0, 1.0), vec2(1.0, -1.0)] {

@@ -4,10 +4,11 @@ use super::filmstrip::side_colour;
 use crate::app::document::datasets::pair_of;
 use crate::app::document::{Action, BurstPair, DatasetChoice, PairColumn, Queue, Side};
 use crate::app::panel::table::{Heading, Listed, rows_ui};
-use crate::app::panel::widgets::{instead_ui, middle_elided};
+use crate::app::panel::widgets::{instead_ui, middle_elided, strip_of_colours};
 use crate::app::results::datasets::pairs::PairTable;
 use crate::app::results::{BurstState, Dataset};
 use crate::app::style;
+use crate::inspect::words::counted;
 use crate::plane::display::ColourMap;
 use egui::epaint::TextShape;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind, Ui, pos2, vec2};
@@ -29,11 +30,6 @@ pub struct Grid {
 }
 
 impl Grid {
-    fn cell_side(count: usize, room: egui::Vec2) -> f32 {
-        let side = (room.x - NAMES_WIDTH).min(room.y - HEAD_HEIGHT) / count.max(1) as f32;
-        side.floor().clamp(*CELL_RANGE.start(), *CELL_RANGE.end())
-    }
-
     pub fn cell_at(&self, pos: Pos2) -> Option<(usize, usize)> {
         let at = |x: f32, origin: f32| {
             let place = ((x - origin) / self.cell).floor();
@@ -51,7 +47,8 @@ impl Grid {
 /// Draws the matrix. A click selects a pair; returns the double-clicked pair, which is to be opened.
 pub fn matrix_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mut Queue) -> Option<BurstPair> {
     let count = dataset.bursts.len();
-    let cell = Grid::cell_side(count, ui.available_size() - vec2(12.0, 12.0));
+    let room = ui.available_size() - vec2(12.0 + NAMES_WIDTH, 12.0 + HEAD_HEIGHT);
+    let cell = (room.min_elem() / count.max(1) as f32).floor().clamp(*CELL_RANGE.start(), *CELL_RANGE.end());
     let side = count as f32 * cell;
     let mut opened = None;
     egui::ScrollArea::both().auto_shrink(false).show(ui, |ui| {
@@ -114,16 +111,16 @@ fn move_selection(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, response: &Re
 pub fn pair_text(dataset: &Dataset, pair: BurstPair) -> String {
     let name = |place: usize| dataset.bursts.get(place).map_or("?", |b| b.name.as_str());
     let names = format!("{} – {}", name(pair.0), name(pair.1));
-    let Some(counts) = dataset.matches.get(pair) else { return format!("{names}\nnot matched yet") };
+    let Some(counts) = dataset.matches.counts.get(&pair) else { return format!("{names}\nnot matched yet") };
     let share = |x: Option<f64>| x.map_or("–".to_owned(), |x| format!("{x:.3}"));
     let inliers = match (counts.inliers, counts.refused) {
         (_, Some(reason)) => format!("refused: {}", reason.words()),
         (None, None) => "not verified".to_owned(),
-        (Some(inliers), None) => format!("{inliers} inliers"),
+        (Some(inliers), None) => counted(inliers, "inlier"),
     };
     format!(
-        "{names}\n{} putative matches, {inliers}\nmatch ratio {:.3}, match score {}, inlier ratio {}",
-        counts.putative,
+        "{names}\n{}, {inliers}\nmatch ratio {:.3}, match score {}, inlier ratio {}",
+        counted(counts.putative, "putative match"),
         counts.match_ratio(),
         share(counts.match_score()),
         share(counts.inlier_ratio())
@@ -153,14 +150,9 @@ pub fn legend_ui(ui: &mut Ui, most: usize) {
     const STEPS: usize = 48;
     ui.label(RichText::new("inliers   0").small().weak());
     let (rect, response) = ui.allocate_exact_size(vec2(160.0, 8.0), Sense::hover());
-    let colours = CountColours::new(STEPS - 1);
-    for step in 0..STEPS {
-        let at = |k: usize| egui::lerp(rect.x_range(), k as f32 / STEPS as f32);
-        // The bar's colours are uniform; the counts along it grow with the square.
-        let count = ((step * step) as f32 / (STEPS - 1) as f32).round() as usize;
-        let part = Rect::from_x_y_ranges(at(step)..=at(step + 1), rect.y_range());
-        ui.painter().rect_filled(part, 0.0, colours.of(count).0);
-    }
+    // The bar's colours are uniform; the counts along it grow with the square.
+    let colours = ColourMap::Viridis.lut();
+    strip_of_colours(ui.painter(), rect, STEPS, |step, _| colours[255 * step / (STEPS - 1)]);
     ui.label(RichText::new(most.to_string()).small().weak());
     response.on_hover_text("Inliers of a pair; the colour grows with the square root of their number");
 }
@@ -182,7 +174,7 @@ fn draw(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: O
                 continue;
             }
             let inner = if grid.cell > 12.0 { rect.shrink(0.5) } else { rect };
-            let counts = pair_of(row, column).and_then(|pair| dataset.matches.get(pair));
+            let counts = pair_of(row, column).and_then(|pair| dataset.matches.counts.get(&pair));
             let shown = counts.map(PairTable::strength);
             let is_refused = counts.is_some_and(|counts| counts.refused.is_some());
             let (fill, text_colour) = match shown {
@@ -250,7 +242,7 @@ fn names(ui: &Ui, dataset: &Dataset, set: &DatasetChoice, grid: &Grid, pointed: 
 
 /// Draws the list. Returns the double-clicked pair.
 pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: &mut Queue) -> Option<BurstPair> {
-    if dataset.matches.is_empty() {
+    if dataset.matches.counts.is_empty() {
         instead_ui(ui, "Match pairs to see them here");
         return None;
     }
@@ -266,7 +258,8 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: 
         let (a, b) = pair_at(item);
         format!("{} – {}", dataset.bursts[a].name, dataset.bursts[b].name)
     };
-    let text = |column: usize, item: usize| match (PairColumn::ALL[column], dataset.matches.get(pair_at(item))) {
+    let text = |column: usize, item: usize| match (PairColumn::ALL[column], dataset.matches.counts.get(&pair_at(item)))
+    {
         (PairColumn::Pair, _) => names(item),
         (column, counts) => counts.map_or_else(String::new, |counts| column.text(counts)),
     };
@@ -288,54 +281,4 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: 
         queue.push(Action::SortPairs(PairColumn::ALL[column]));
     }
     opened
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn rows_and_columns_have_the_names_of_their_bursts() {
-        let burst = |name: &str| crate::burst::BurstFiles { name: name.to_owned(), paths: Vec::new() };
-        let dataset = Dataset::new(crate::requests::OpenDataset {
-            strays: Vec::new(),
-            source: crate::dataset::DatasetSource::of_bursts(Vec::new()),
-            bursts: std::sync::Arc::new(vec![burst("0"), burst("dusk")]),
-            frames_of_one: None,
-            folder: None,
-            folder_error: None,
-            params: Default::default(),
-            open: Default::default(),
-            finished: vec![None; 2],
-            other_params: None,
-        });
-        let context = egui::Context::default();
-        let screen = Rect::from_min_size(Pos2::ZERO, vec2(600.0, 500.0));
-        let input = egui::RawInput { screen_rect: Some(screen), ..Default::default() };
-        let mut output = context
-            .run_ui(input, |ui| assert_eq!(matrix_ui(ui, &dataset, &dataset.choice(), &mut Queue::default()), None));
-        output.textures_delta.clear();
-        let text = |shape: &egui::epaint::ClippedShape| match &shape.shape {
-            egui::Shape::Text(text) => Some((text.galley.text().to_owned(), text.angle != 0.0)),
-            _ => None,
-        };
-        let mut texts: Vec<(String, bool)> = output.shapes.iter().filter_map(text).collect();
-        texts.sort();
-        let both = |name: &str| [false, true].map(|upwards| (name.to_owned(), upwards));
-        assert_eq!(texts, [both("0"), both("dusk")].concat());
-    }
-
-    #[test]
-    fn more_is_lighter_and_numbers_can_be_read() {
-        let colours = CountColours::new(400);
-        let lightness = |c: Color32| 0.3 * f32::from(c.r()) + 0.59 * f32::from(c.g()) + 0.11 * f32::from(c.b());
-        let mut before = -1.0;
-        for count in [0, 1, 10, 50, 150, 300, 400] {
-            let (fill, text) = colours.of(count);
-            assert!(lightness(fill) > before, "{count}");
-            before = lightness(fill);
-            assert!((lightness(fill) - lightness(text)).abs() > 80.0, "{count}: {fill:?} {text:?}");
-        }
-        assert_eq!(CountColours::new(0).of(0).1, Color32::WHITE);
-    }
 }

@@ -1,13 +1,16 @@
 //! Question for the shape of a file without header: the first frame in each likely shape, or a shape that is typed.
 
-use crate::app::document::Side;
+use crate::app::document::{Pointed, Queue, Side};
+use crate::app::memo::{Itself, Memo};
 use crate::app::panel::widgets::{error_ui, modal_ui, named, weak_ui};
+use crate::app::results::Read;
 use crate::burst::Dump;
 use crate::inspect::words::counted;
-use crate::requests::{BurstSource, PossibleShape};
+use crate::requests::{BurstSource, PossibleShape, ShapeRequest};
 use egui::{
     Button, ColorImage, Context, Image, Key, Role, ScrollArea, TextEdit, TextureHandle, TextureOptions, Ui, vec2,
 };
+use std::sync::Arc;
 
 const COLUMNS: usize = 4;
 const CELL_POINTS: egui::Vec2 = vec2(150.0, 112.0);
@@ -19,6 +22,21 @@ pub struct ShapeDialog {
     shapes: Vec<(PossibleShape, Option<TextureHandle>)>,
     /// The shape that is chosen, as text that can be edited.
     text: String,
+    /// The first frame in that shape.
+    texture: Memo<Itself, TextureHandle>,
+}
+
+fn texture(ui: &Ui, name: &str, shape: &PossibleShape) -> TextureHandle {
+    let image = ColorImage::from_rgb(shape.picture.size.into(), &shape.picture.rgb);
+    ui.ctx().load_texture(name, image, TextureOptions::LINEAR)
+}
+
+fn picture(texture: &TextureHandle) -> Image<'_> {
+    Image::new(texture).fit_to_exact_size(CELL_POINTS).maintain_aspect_ratio(true)
+}
+
+fn words(shape: &PossibleShape) -> String {
+    format!("{}, {}", shape.dump, counted(shape.frames as usize, "frame"))
 }
 
 impl ShapeDialog {
@@ -34,9 +52,15 @@ impl ShapeDialog {
     }
 
     /// Draws the dialog, if it is open. Returns what is opened in which shape, once that was chosen.
-    pub fn ui(&mut self, ctx: &Context) -> Option<(Side, BurstSource, Dump)> {
-        let path = self.asked.as_ref()?.1.paths().first().cloned().unwrap_or_default();
-        let chosen: Result<Dump, String> = self.text.trim().parse();
+    pub fn ui(&mut self, ctx: &Context, model: Read<'_>, queue: &mut Queue) -> Option<(Side, BurstSource, Dump)> {
+        let path = self.asked.as_ref().map(|(_, source)| source.paths().first().cloned().unwrap_or_default());
+        let limits = model.document.calibration.limits;
+        let parsed = |path| self.text.trim().parse().map(|dump| ShapeRequest { path, dump, limits });
+        let chosen: Option<Result<ShapeRequest, String>> = path.clone().map(parsed);
+        let asked = chosen.as_ref().and_then(|chosen| chosen.clone().ok());
+        queue.set(model.results.shape.asked(), asked, |asked| Pointed::Shape(asked).into());
+        let (path, chosen) = path.zip(chosen)?;
+        let on_show = model.results.shape.on_show(&chosen);
         let mut accepts = false;
         let width = COLUMNS as f32 * (CELL_POINTS.x + 18.0);
         let dismissed = modal_ui(ctx, "shape of file", width, "Shape of a file without header", |ui| {
@@ -53,20 +77,23 @@ impl ShapeDialog {
                     TextEdit::singleline(&mut self.text).hint_text("1600x1200:u16le+BYTES").desired_width(220.0);
                 ui.add(field).labelled_by(label.id);
             });
-            if let (Err(why), false) = (&chosen, self.text.trim().is_empty()) {
-                error_ui(ui, why);
+            match &on_show {
+                Err(_) if self.text.trim().is_empty() => {}
+                Err(why) => _ = error_ui(ui, why),
+                Ok(None) => _ = weak_ui(ui, "Reading…"),
+                Ok(Some(made)) => _ = ui.horizontal(|ui| self.preview_ui(ui, made)),
             }
             ui.add_space(6.0);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let tip = "Open the file in this shape, and later files without header too";
-                accepts |= ui.add_enabled(chosen.is_ok(), Button::new("Open")).on_hover_text(tip).clicked()
+                accepts |= ui.add_enabled(on_show.is_ok(), Button::new("Open")).on_hover_text(tip).clicked()
                     || ui.input(|i| i.key_pressed(Key::Enter));
                 if ui.button("Cancel").clicked() {
                     ui.close();
                 }
             });
         });
-        if let (true, Ok(dump)) = (accepts, chosen) {
+        if let (true, Ok(_), Ok(ShapeRequest { dump, .. })) = (accepts, on_show, chosen) {
             let (side, source) = std::mem::take(self).asked?;
             return Some((side, source, dump));
         }
@@ -74,6 +101,13 @@ impl ShapeDialog {
             *self = Self::default();
         }
         None
+    }
+
+    fn preview_ui(&mut self, ui: &mut Ui, made: &Arc<PossibleShape>) {
+        let words = words(made);
+        let texture = self.texture.get(made.into(), || texture(ui, &words, made));
+        ui.add(picture(texture).alt_text(format!("First frame in {words}")));
+        weak_ui(ui, words);
     }
 
     /// Returns whether a shape was chosen for good, by a double click.
@@ -85,18 +119,16 @@ impl ShapeDialog {
         }
         weak_ui(ui, "The first frame in each shape that fills the file, the most likely one first");
         let mut accepts = false;
-        ScrollArea::vertical().max_height(2.6 * (CELL_POINTS.y + 30.0)).show(ui, |ui| {
+        // The rest of the dialog has room in a small window too.
+        let room = ui.ctx().content_rect().height() - 360.0;
+        let height = room.clamp(CELL_POINTS.y, 2.6 * (CELL_POINTS.y + 30.0));
+        ScrollArea::vertical().max_height(height).show(ui, |ui| {
             egui::Grid::new("shapes").num_columns(COLUMNS).spacing([12.0, 8.0]).show(ui, |ui| {
-                for (place, (PossibleShape { dump, frames, picture }, texture)) in shapes.iter_mut().enumerate() {
-                    let name = dump.to_string();
-                    let texture = texture.get_or_insert_with(|| {
-                        let image = ColorImage::from_rgb(picture.size.into(), &picture.rgb);
-                        ui.ctx().load_texture(&name, image, TextureOptions::LINEAR)
-                    });
+                for (place, (shape, made)) in shapes.iter_mut().enumerate() {
+                    let (name, said) = (shape.dump.to_string(), words(shape));
+                    let made = made.get_or_insert_with(|| texture(ui, &name, shape));
                     ui.vertical(|ui| {
-                        let image = Image::new(&*texture).fit_to_exact_size(CELL_POINTS).maintain_aspect_ratio(true);
-                        let response = ui.add(Button::image(image).selected(*text == name));
-                        let said = format!("{name}, {}", counted(*frames as usize, "frame"));
+                        let response = ui.add(Button::image(picture(made)).selected(*text == name));
                         named(&response, Role::RadioButton, &said);
                         ui.label(said);
                         if response.clicked() {

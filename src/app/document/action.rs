@@ -19,7 +19,7 @@ use crate::inspect::pair::Lost;
 use crate::inspect::place::ProbeSubject;
 use crate::matching::MatchParams;
 use crate::plane::display::Display;
-use crate::requests::{BurstSource, FigureRequest, ProbeQuestion, ViewKind, Which};
+use crate::requests::{BurstSource, FigureRequest, FolderRequest, ProbeQuestion, ShapeRequest, ViewKind, Which};
 use crate::teach::BottomTab;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -140,7 +140,6 @@ changes {
     };
     OpenTab(BottomTab) => |document, tab| (document.bottom_tab, document.panels.bottom) = (tab, Visibility::Open);
 
-    /// Values of single parameters.
     Change(Vec<ParamChange>) => |document, changes| document.change(&changes);
     ReadDepths(bool) => |document, reads| document.read_depths(reads);
     ShowTest(#[serde(with = "or_none")] Option<Test>) => |document, test|
@@ -262,6 +261,12 @@ pub enum Pointed {
     Lines(usize, usize),
     /// The figure that its form would write; `None` without a form.
     Figure(Option<Box<FigureRequest>>),
+    /// Burst and motion of the place in the loupe; `None` without a loupe.
+    Loupe(Option<(Side, Slope)>),
+    /// The shape that is typed for a file without header.
+    Shape(Option<ShapeRequest>),
+    /// The folder of the path that is typed.
+    Folder(Option<FolderRequest>),
 }
 
 impl From<ActionId> for Action {

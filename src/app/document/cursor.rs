@@ -120,7 +120,6 @@ pub enum PlayOver {
     Scales,
 }
 
-/// Playing of the pictures of a pane.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct Playing {

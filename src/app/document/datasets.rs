@@ -35,17 +35,24 @@ pub struct PairChoice {
     pub neighbours: bool,
     /// Number of these next bursts, 1 or more.
     pub overlap: usize,
+    /// Number of others, 1 or more, with which each burst is matched that look most alike; `None` for another rule.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub alike: Option<usize>,
 }
 
 impl Default for PairChoice {
     fn default() -> Self {
-        Self { neighbours: false, overlap: 3 }
+        Self { neighbours: false, overlap: 3, alike: None }
     }
 }
 
 impl PairChoice {
     pub fn selection(self) -> PairSelection {
-        if self.neighbours { PairSelection::Sequential(self.overlap) } else { PairSelection::All }
+        match self.alike {
+            Some(partners) => PairSelection::Near(partners),
+            None if self.neighbours => PairSelection::Sequential(self.overlap),
+            None => PairSelection::All,
+        }
     }
 }
 

@@ -1,9 +1,10 @@
 //! What is exported: contents and style of a figure, the film, and the purposes for which the user is asked for files.
 
 use crate::app::document::Side;
+use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH};
 use crate::export::case::CASE_EXTENSION;
 use crate::export::{FigureAmount, FigureFormat, FigureOptions, FigureWidth};
-use crate::requests::Which;
+use crate::requests::{BurstSource, Which};
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -189,8 +190,8 @@ impl ExportKind {
             Self::CurvesCsv => (&["csv", "tex"], "Export curves as CSV", "curves"),
             Self::CurvesSvg => (&["svg", "pdf", "png"], "Export curves as SVG", "curves"),
             Self::Case => (&[CASE_EXTENSION], "Save case", "case"),
-            Self::Report => (&["pdf", "svg", "png", "md"], "Write a report as PDF, SVG, PNG or Markdown", "report"),
-            Self::Film => (&["gif", "png"], "Export film as GIF or PNG pictures", "film"),
+            Self::Report => (&["pdf", "svg", "png", "md", "html"], "Write a report as a drawing or a page", "report"),
+            Self::Film => (&["gif", "mp4", "png"], "Export film as GIF, MP4 or PNG pictures", "film"),
             Self::Mask => (&["png"], "Save the mask", "mask"),
             Self::Sheet => (&["md"], "Export lesson sheet as Markdown", "lesson"),
         }
@@ -234,6 +235,21 @@ impl Purpose {
 
     pub fn saves(self) -> bool {
         matches!(self, Self::SaveSession | Self::SaveParams | Self::Export(_))
+    }
+
+    pub fn opens_burst(self) -> bool {
+        matches!(self, Self::OpenFolder(_) | Self::OpenFiles(_) | Self::OpenPath(_))
+    }
+
+    /// Names that stand for something that is built in, where a path is typed.
+    pub fn built_in(self) -> Vec<String> {
+        let names = match self {
+            _ if self.opens_burst() => BurstSource::built_in().iter().filter_map(BurstSource::name).collect(),
+            Self::OpenTrajectory(Which::Truth) => vec![DEMO_TRUTH],
+            Self::OpenTrajectory(_) => vec![DEMO_ESTIMATE],
+            _ => Vec::new(),
+        };
+        names.into_iter().map(str::to_owned).collect()
     }
 
     pub fn hint(self) -> &'static str {

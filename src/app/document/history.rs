@@ -77,21 +77,15 @@ impl History {
         }
     }
 
-    /// Closes an open step, and records the step if anything changed.
-    pub fn close(&mut self, now: &Document) {
-        if let Some(begun) = self.begun.take().filter(|begun| now.is_step_from(begun)) {
+    /// Ends an open step, unless `goes_on`: its change may continue in the next pass. Records it if anything changed.
+    pub fn close_step(&mut self, now: &Document, goes_on: bool) {
+        let ends = !goes_on && !now.playing;
+        if let Some(begun) = self.begun.take_if(|_| ends).filter(|begun| now.is_step_from(begun)) {
             self.past.push(begun);
             self.future.clear();
             if self.past.len() > MAX_STEPS {
                 self.past.remove(0);
             }
-        }
-    }
-
-    /// Ends a step, unless `goes_on`: its change may continue in the next pass.
-    pub(in crate::app) fn close_step(&mut self, now: &Document, goes_on: bool) {
-        if !goes_on && !now.playing && self.begun.is_some() {
-            self.close(now);
         }
     }
 

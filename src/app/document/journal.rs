@@ -44,15 +44,10 @@ struct Written {
 #[derive(Debug, Default)]
 pub struct Playback {
     pub steps: Steps,
-    /// Whether the step of the last action goes on.
     pub goes_on: bool,
 }
 
 impl Playback {
-    pub fn is_over(&self) -> bool {
-        self.steps.is_empty()
-    }
-
     /// The next action. A step begins when all that was wanted before it is there: then `rests`.
     pub fn next(&mut self, rests: bool) -> Option<Action> {
         if !self.goes_on && !rests {

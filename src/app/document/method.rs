@@ -21,10 +21,6 @@ const USUAL: (f32, usize) = (3.0, 7);
 impl MethodId {
     pub const ALL: [Self; 5] = [Self::Sift, Self::Merge, Self::Buff1d, Self::Buff2d, Self::Gold];
 
-    pub fn is_buff(self) -> bool {
-        matches!(self, Self::Buff1d | Self::Buff2d)
-    }
-
     pub fn of_search(params: &DetectorParams) -> Self {
         match params.method {
             Method::Sift => Self::Sift,

@@ -221,19 +221,21 @@ pub struct Panels {
     pub welcome: bool,
     /// A lesson is shown to a hall: large pictures, large letters, and only the panels that a step points at.
     pub hall: bool,
+    /// The focus under the pointer is shown in a loupe beside it; else in the whole pane.
+    pub loupe: bool,
 }
 
 impl Default for Panels {
     fn default() -> Self {
-        let auto = Visibility::Auto;
-        Self { left: auto, right: auto, bottom: auto, filmstrip: true, advanced: false, welcome: true, hall: false }
+        let (auto, [advanced, hall, loupe]) = (Visibility::Auto, [false; 3]);
+        Self { left: auto, right: auto, bottom: auto, filmstrip: true, advanced, welcome: true, hall, loupe }
     }
 }
 
 impl Panels {
     pub fn all() -> Self {
         let open = Visibility::Open;
-        Self { left: open, right: open, bottom: open, filmstrip: true, advanced: true, welcome: false, hall: false }
+        Self { left: open, right: open, bottom: open, advanced: true, welcome: false, ..Self::default() }
     }
 }
 

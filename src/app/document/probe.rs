@@ -27,7 +27,6 @@ impl Probe {
     }
 }
 
-/// A place of a burst that has a name.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PinnedPlace {
@@ -53,25 +52,5 @@ impl SetUpState {
     pub fn known<'a>(&self, feature: &Feature, judged: Option<&'a Judged>) -> KnownOfFeature<'a> {
         let (motion, sigma) = feature.motion();
         KnownOfFeature { judged, depth_m: self.depths_by().and_then(|values| values.depth_with_error(motion, sigma)) }
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::detector::Moves;
-
-    #[test]
-    fn only_a_sound_set_up_gives_depths() {
-        let state = SetUpState::default();
-        let alone = Feature { slope: Slope::new(-2.5, 0.0), slope_sigma: 0.25, ..Feature::default() };
-        assert_eq!(state.known(&alone, None).depth_m, None);
-        let read = SetUpState { reads_depths: true, ..state };
-        assert_eq!(read.known(&alone, None).depth_m, Some([8.0, 0.8]), "by itself");
-        let field = Slope::new(-5.0, 0.0);
-        let edge = Feature { field, slope_sigma: 1.0, field_sigma: 0.25, moves: Moves::Edge, ..alone };
-        assert_eq!(read.known(&edge, None).depth_m, Some([4.0, 0.2]), "as its surroundings");
-        let typed = SetUpState { values: SetUp { speed_m_s: -1.0, ..SetUp::default() }, ..read };
-        assert_eq!(typed.depths_by(), None);
     }
 }

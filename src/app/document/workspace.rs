@@ -88,7 +88,6 @@ impl Workspace {
         if self.shows_pair() { &Side::BOTH } else { &[Side::A] }
     }
 
-    /// Whether places of its bursts are probed.
     pub fn probes(self) -> bool {
         self.inspects() || self.shows_pair()
     }

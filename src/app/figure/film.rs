@@ -7,6 +7,7 @@ use crate::app::memo::{Itself, Memo};
 use crate::app::panel::widgets::modal_ui;
 use crate::app::results::Read;
 use crate::export::film::{FILM_RATES, estimated_film_bytes};
+use crate::inspect::words::counted;
 use crate::plane::display::to_rgba8;
 use egui::{DragValue, Grid, Ui};
 use image::imageops::{FilterType, resize};
@@ -37,7 +38,7 @@ impl FilmDialog {
             let picture = model.picture().map(|picture| Itself::from(&picture.plane));
             let found = model.found_of(model.active_side()).map(|found| Itself::from(&found.detection));
             ui.label(self.told.get((model.document.film, [picture, found]), || tell(model)));
-            ui.weak("GIF has 256 colours; PNG writes a file for each picture, of which ffmpeg makes a film");
+            ui.weak("GIF has 256 colours; MP4 is made by the ffmpeg in PATH; PNG is a file for each picture");
             close = export_row_ui(ui, ActionId::ExportFilmGif, queue, |_| {});
         });
         self.is_open &= !(close || dismissed);
@@ -52,7 +53,8 @@ fn tell(model: Read<'_>) -> String {
     let rate = model.document.film.rate;
     let bytes = bytes_per_pixel(model) * count as f64 * f64::from(width * height);
     format!(
-        "{count} pictures of {width} × {height}, {rate} a second: {:.1} s; about {:.1} MB as GIF",
+        "{} of {width} × {height}, {rate} a second: {:.1} s; about {:.1} MB as GIF",
+        counted(count, "picture"),
         count as f64 / f64::from(rate),
         1e-6 * bytes
     )
@@ -64,7 +66,8 @@ fn bytes_per_pixel(model: Read<'_>) -> f64 {
     let (width, height) = rgba.dimensions();
     let shrink = width.max(height).div_ceil(MEASURED_PX).max(1);
     let small = resize(&rgba, (width / shrink).max(1), (height / shrink).max(1), FilterType::Nearest);
-    estimated_film_bytes("a.gif".as_ref(), [&small, &small], 1) as f64 / f64::from(small.width() * small.height())
+    let bytes = estimated_film_bytes("a.gif".as_ref(), [&small, &small], 1).unwrap_or_default();
+    bytes as f64 / f64::from(small.width() * small.height())
 }
 
 fn choice_ui(ui: &mut Ui, choice: &mut FilmChoice) {

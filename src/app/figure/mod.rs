@@ -6,7 +6,7 @@ mod film;
 pub use film::FilmDialog;
 
 use crate::app::actions::{ActionId, Queue};
-use crate::app::canvas::overlay::{ColourBy, ColourScale, MatchLine, Pane, drawn_lines};
+use crate::app::canvas::overlay::{ColourBy, ColourScale, MatchLine, Pane, UNKNOWN, drawn_lines};
 use crate::app::canvas::{self, RectTransform, number};
 use crate::app::document::export::{ONE_COLUMN_MM, TWO_COLUMNS_MM};
 use crate::app::document::{Action, FigureChoice, MethodId, Pointed, RangeClass, Side};
@@ -24,6 +24,7 @@ use crate::export::{
     ColourBar, FigureAmount, FigureFormat, FigureLink, FigureMark, FigureMatches, FigurePanel, FigureWidth,
     LegendEntry, MatchKind, motion_over,
 };
+use crate::inspect::words::counted;
 use crate::plane::display::Display;
 use crate::requests::{FigurePicture, FigureRequest, PictureAnswer, slope_legend, titled};
 use egui::{Align, ColorImage, DragValue, Image, Layout, TextureHandle, TextureOptions, Ui, Vec2, vec2};
@@ -169,7 +170,7 @@ fn title_of(model: Read<'_>, id: PaneId, picture: &PictureAnswer) -> String {
     match (pane.method, model.burst_of(pane.side)) {
         (Some(method), _) => {
             let counts = model.method_matches(method).and_then(|matches| matches.result.counts.inliers);
-            let inliers = counts.map_or_else(String::new, |count| format!(" · {count} inliers"));
+            let inliers = counts.map_or_else(String::new, |count| format!(" · {}", counted(count, "inlier")));
             format!("{}{inliers} · {shown}", method.label())
         }
         (None, Some(burst)) if model.document.workspace.shows_pair() => {
@@ -255,8 +256,8 @@ fn legend(scale: &ColourScale, layer: &FeatureLayer, drawn: &[usize]) -> Vec<Leg
         let label = format!("{} {}", canvas::number(x, 3), scale.by.unit());
         LegendEntry::square(rgb(scale.along(x)), label.trim_end().to_owned())
     };
-    let has_grey = features().any(|(i, feature)| scale.colour(i, feature) == scale.unknown());
-    let grey = LegendEntry::square(rgb(scale.unknown()), "not known".to_owned());
+    let has_grey = features().any(|(i, feature)| scale.colour(i, feature) == UNKNOWN);
+    let grey = LegendEntry::square(rgb(UNKNOWN), "not known".to_owned());
     (0..5).map(step).chain(has_grey.then_some(grey)).collect()
 }
 
@@ -309,18 +310,16 @@ impl FigureDialog {
         queue.edit(model.document, Action::SetFigure(choice));
         self.is_open &= !(close || dismissed);
         let asked = asked.filter(|_| self.is_open);
-        queue.set(&model.results.preview.asked, asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
+        queue.set(model.results.preview.asked(), asked, |asked| Pointed::Figure(asked.map(Box::new)).into());
     }
 
     /// Draws the last preview that was made, until that of `figure` is there, or why there is none.
     fn preview_ui(&mut self, ui: &mut Ui, model: Read<'_>, figure: &Result<FigureRequest, String>) {
         ui.set_min_size(ui.available_size());
-        let preview = &model.results.preview;
-        let failure = |figure| preview.wanted.failure().filter(|(of, _)| *of == figure).map(|(_, why)| why.to_string());
-        match (figure.as_ref().map_or_else(|why| Some(why.clone()), failure), &preview.made) {
-            (Some(why), _) => _ = error_ui(ui, why),
-            (None, None) => _ = ui.weak("Drawing…"),
-            (None, Some((_, made))) => {
+        match model.results.preview.on_show(figure) {
+            Err(why) => _ = error_ui(ui, why),
+            Ok(None) => _ = ui.weak("Drawing…"),
+            Ok(Some(made)) => {
                 let texture = self.texture.get(made.into(), || {
                     let size = [made.image.width(), made.image.height()].map(|side| side as usize);
                     let image = ColorImage::from_rgba_unmultiplied(size, made.image.as_raw());
@@ -445,7 +444,7 @@ mod tests {
     fn a_squeezed_pane_is_drawn_with_its_whole_picture() {
         let plane = Arc::new(Plane::from_fn(200, 100, |u, _| u as f32));
         let request = PictureRequest::new(open((200, 100), 3), PictureKind::Frame(0), Default::default());
-        let picture = PictureAnswer { request, drawn: plane.clone(), plane, motion: None };
+        let picture = PictureAnswer { request, drawn: plane.clone(), plane, motion: None, octave: 0 };
         let mut state = PictureState::default();
         state.refresh(Some(&picture));
         assert_eq!(part_in_view(&state), None, "never drawn");

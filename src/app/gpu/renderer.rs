@@ -45,7 +45,7 @@ pub struct PictureRenderer {
     pub(super) window: Option<egui::Context>,
     frame: u64,
     frame_open: bool,
-    uploads: u64,
+    pub uploads: u64,
 }
 
 impl PictureRenderer {
@@ -79,10 +79,6 @@ impl PictureRenderer {
     pub(super) fn with_budget_of(self, adapter: &wgpu::Adapter) -> Self {
         let is_software = adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         Self { budget_bytes: if is_software { SOFTWARE_BUDGET_BYTES } else { BUDGET_BYTES }, ..self }
-    }
-
-    pub fn uploads(&self) -> u64 {
-        self.uploads
     }
 
     /// Uploads the picture if it is missing. The caller fills in `uniforms`, except for what depends on its layout.
@@ -363,16 +359,13 @@ pub struct PicturePaint {
 }
 
 impl PicturePaint {
-    pub fn into_shape(self, rect_ui: egui::Rect) -> egui::Shape {
-        egui_wgpu::Callback::new_paint_callback(rect_ui, self).into()
-    }
-
     fn uniforms(&self, pixels_per_point: f32) -> Uniforms {
-        let origin_ui = self.ui_from_picture.anchor_to();
-        let anchor = self.ui_from_picture.anchor_from();
+        let RectTransform { anchor_from: anchor, anchor_to: origin_ui, .. } = self.ui_from_picture;
         let display = self.display.sanitised();
         let backdrop = [self.backdrop.r(), self.backdrop.g(), self.backdrop.b()].map(|c| f32::from(c) / 255.0);
-        let picture_px_per_px = screen_ratio(1.0 / (self.ui_from_picture.scale() * pixels_per_point));
+        let ratio = 1.0 / (self.ui_from_picture.scale() * pixels_per_point);
+        // 1 where it differs only by rounding, so that pixels are copied and not mixed with neighbours.
+        let picture_px_per_px = if (ratio - 1.0).abs() < 1e-5 { 1.0 } else { ratio };
         Uniforms {
             origin_px: [origin_ui.x * pixels_per_point, origin_ui.y * pixels_per_point],
             anchor_picture: [anchor.x, anchor.y],
@@ -387,11 +380,6 @@ impl PicturePaint {
             ..bytemuck::Zeroable::zeroed()
         }
     }
-}
-
-/// 1 where the ratio differs from it only by rounding, so that pixels are copied and not mixed with neighbours.
-fn screen_ratio(picture_px_per_px: f32) -> f32 {
-    if (picture_px_per_px - 1.0).abs() < 1e-5 { 1.0 } else { picture_px_per_px }
 }
 
 impl egui_wgpu::CallbackTrait for PicturePaint {

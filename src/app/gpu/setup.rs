@@ -139,9 +139,7 @@ impl TextureMirror {
         let TextureId::Managed(number) = id else { return };
         let ImageData::Color(image) = &delta.image;
         match (delta.pos, self.textures.get_mut(&number)) {
-            (None, _) => {
-                self.textures.insert(number, (image.clone(), delta.options));
-            }
+            (None, _) => _ = self.textures.insert(number, (image.clone(), delta.options)),
             (Some([left, top]), Some((whole, options))) => {
                 *options = delta.options;
                 let whole = Arc::make_mut(whole);

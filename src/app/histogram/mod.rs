@@ -8,6 +8,7 @@ mod plot;
 use crate::app::canvas::{Picture, number};
 use crate::app::gpu::PictureId;
 use crate::app::memo::Memo;
+use crate::inspect::words::counted;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
 use egui::{CursorIcon, DragValue, Rangef, Rect, Response, Sense, Slider, Ui, vec2};
@@ -164,9 +165,7 @@ fn bin_text(histogram: &Histogram, value: f32) -> String {
     let t = (value - histogram.min) / (histogram.max - histogram.min);
     let i = ((t * histogram.counts.len() as f32).max(0.0) as usize).min(histogram.counts.len() - 1);
     let (from, to) = histogram.bin_range(i);
-    let count = histogram.counts[i];
-    let pixels = if count == 1 { "pixel" } else { "pixels" };
-    format!("{} … {}: {count} {pixels}", number(from, 4), number(to, 4))
+    format!("{} … {}: {}", number(from, 4), number(to, 4), counted(histogram.counts[i] as usize, "pixel"))
 }
 
 /// Draws the numbers of the range; returns whether its button was pressed.

@@ -115,8 +115,7 @@ fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> 
 
 /// Draws how many features are drawn in full of those in view, where there is room as a menu of which those are.
 fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets, has_menu: bool, queue: &mut Queue) {
-    let tip = "The strongest features of each part of the view are drawn in full, the others as dots. Zoom in for more, \
-               or choose View > All circles";
+    let tip = "Drawn in full: the strongest of each part of the view. Zoom in for more, or choose View > All circles";
     let mut look = model.document.look.clone();
     let text = match widgets.of(id).picture.drawn_of {
         Some((_, in_view)) if look.draws_all => {
@@ -150,10 +149,9 @@ fn filter_chip_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &
     let Some(filter) = model.filter_of(id).filter(|filter| !filter.is_open()) else { return };
     let words = filter.words();
     let short = match &words[..] {
-        _ if width < ROOM_FOR_NUMBERS_ALONE => String::new(),
-        [only] => format!(": {only}"),
-        [first, rest @ ..] => format!(": {first} and {} more", rest.len()),
-        [] => String::new(),
+        [only] if width >= ROOM_FOR_NUMBERS_ALONE => format!(": {only}"),
+        [first, rest @ ..] if width >= ROOM_FOR_NUMBERS_ALONE => format!(": {first} and {} more", rest.len()),
+        _ => String::new(),
     };
     let text = RichText::new(format!("Filter{short} ✖")).small().color(style::warning(ui));
     let chip = ui.add(Button::new(text).min_size(vec2(16.0, 16.0)));
@@ -176,8 +174,7 @@ fn numbers_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidget
     }
     let number = model.document.panes.number(id).filter(|_| model.document.panes.are_many());
     let name = number.map_or_else(|| "Contrast".to_owned(), |number| format!("Contrast of pane {number}"));
-    let tip = "Values that are black and white, as fractions of full scale. Drag sideways to make the picture darker or \
-               brighter, up and down for more or less contrast; click for numbers and percentiles";
+    let tip = "Values drawn black and white. Drag sideways for brightness, up and down for contrast; click for numbers";
     let before = model.display_of(id);
     let mut display = before;
     let range = match has_range {

@@ -2,16 +2,17 @@
 
 use super::{Drawn, PaneWidgets, PlaceValue, chip_ui};
 use crate::app::canvas::CanvasOutput;
-use crate::app::document::{Action, Cursor, MethodId, Pointed, Queue, Side};
+use crate::app::document::{Action, Cursor, MethodId, Pointed, Queue, RangeClass, Side};
 use crate::app::pane::{Content, Link, PaneId, place_in};
-use crate::app::panel::widgets::dashed_circle;
+use crate::app::panel::selection::PatchTexture;
+use crate::app::panel::widgets::{dashed_circle, named};
 use crate::app::results::Read;
 use crate::burst::Positions;
 use crate::detector::{Feature, Slope};
 use crate::inspect::place::{AT_PLACE_PX, ProbeSubject};
 use crate::inspect::words::slope_text;
 use crate::requests::{PictureKind, ProbeQuestion};
-use egui::{Align2, Color32, FontId, Key, Pos2, Stroke, Ui, pos2, vec2};
+use egui::{Align2, Color32, FontId, Key, Pos2, Rect, Role, Sense, Stroke, StrokeKind, Ui, Vec2, pos2, vec2};
 use std::ops::Range;
 
 pub(super) fn marks_ui(model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[Drawn]) {
@@ -133,9 +134,9 @@ pub fn is_led(ctx: &egui::Context) -> bool {
     ctx.data(|data| data.get_temp(egui::Id::unique(FOCUS))).unwrap_or(false)
 }
 
-/// Shows the place under the pointer at its own motion, while the switch is on or Ctrl is held. With Ctrl a click stays
-/// at that slope; without one the pane goes back to what it showed.
-pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Queue) {
+/// Shows the place under the pointer at its own motion, in the whole pane or in a loupe, while the switch is on or Ctrl
+/// is held. A click takes that slope; without one the pane goes back to what it showed when Ctrl is let go.
+pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[Drawn], queue: &mut Queue) {
     let (flag, kept) = (egui::Id::unique(FOCUS), egui::Id::unique((FOCUS, "before")));
     // Ctrl alone: the key itself may be among those that are down.
     let is_ctrl = |key: &Key| matches!(key, Key::ControlLeft | Key::ControlRight | Key::SuperLeft | Key::SuperRight);
@@ -151,34 +152,131 @@ pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Qu
     }
     let is_on = is_held || model.document.follows_focus;
     let led = pointed(drawn).filter(|_| is_on && model.document.workspace.inspects());
-    ui.data_mut(|data| data.insert_temp(flag, led.is_some()));
-    let Some((drawn, pos)) = led else { return };
+    let in_loupe = led.is_some() && model.document.panels.loupe;
+    ui.data_mut(|data| data.insert_temp(flag, led.is_some() && !in_loupe));
+    let here = led.and_then(|(drawn, pos)| Some((drawn, mid_burst(model, drawn.shown, pos)?)));
+    let motion = here.map(|(_, (side, [u, v]))| {
+        let field = model.found_of(side).and_then(|found| found.detection.field.as_ref());
+        let motion = field.ok_or("Focus needs the motions of a detection")?.known_at(u, v);
+        motion.map(|motion| motion.slope).ok_or("Here no motion is known")
+    });
+    let loupe = here.zip(motion).filter(|_| in_loupe).and_then(|((_, (side, _)), motion)| {
+        // Slopes that differ by less look the same, and would be computed for nothing.
+        let rounded = |x: f32| (50.0 * x).round() / 50.0;
+        motion.ok().map(|slope| (side, Slope::new(rounded(slope.u), rounded(slope.v))))
+    });
+    queue.set(&model.results.patches.loupe, loupe, |loupe| Pointed::Loupe(loupe).into());
+    if loupe.is_none() {
+        widgets.loupe = Default::default();
+    }
+    let (Some((drawn, (_, place))), Some(motion)) = (here, motion) else { return };
     let id = drawn.pane;
-    let (Some(pane), Some((side, [u, v]))) = (model.pane(id), mid_burst(model, drawn.shown, pos)) else {
-        return;
-    };
-    let field = model.found_of(side).and_then(|found| found.detection.field.as_ref());
-    let text = match (field, field.and_then(|field| field.known_at(u, v))) {
-        (None, _) => "Focus needs the motions of a detection".to_owned(),
-        (_, None) => "Here no motion is known".to_owned(),
-        (_, Some(motion)) => {
+    let Some(pane) = model.pane(id) else { return };
+    let is_clicked = drawn.output.response.clicked();
+    let text = |slope: Slope| format!("Sharp at {} px/frame", slope_text(slope));
+    let text = match (motion, loupe) {
+        (Err(why), _) => why.to_owned(),
+        (_, Some((side, slope))) => {
+            if is_clicked && !is_with_shift(ui) {
+                queue.push(Action::Focus(id));
+                queue.push(Action::SetSlope(drawn.shown, slope));
+            }
+            if loupe_ui(ui, model, &mut widgets.loupe, drawn, (side, place, slope), &text(slope)).is_some() {
+                return;
+            }
+            text(slope)
+        }
+        (Ok(slope), None) => {
             // A slope that differs by less looks the same, and would be computed for nothing.
-            let is_other = (motion.slope.u - pane.cursor.slope.u).hypot(motion.slope.v - pane.cursor.slope.v) > 0.02;
+            let is_other = (slope.u - pane.cursor.slope.u).hypot(slope.v - pane.cursor.slope.v) > 0.02;
             let is_sharp = pane.shown().is_some_and(|kind| kind.about().of_slope) && !is_other;
-            if ui.input(|i| i.pointer.delta() != egui::Vec2::ZERO) && !is_sharp {
+            if ui.input(|i| i.pointer.delta() != Vec2::ZERO) && !is_sharp {
                 if is_held && before.is_none() {
                     ui.data_mut(|data| data.insert_temp(kept, Before(id, pane.content, pane.cursor)));
                 }
                 queue.push(Action::Focus(id));
-                queue.push(Action::SetSlope(id, motion.slope));
+                queue.push(Action::SetSlope(id, slope));
             }
-            format!("Sharp at {} px/frame", slope_text(motion.slope))
+            text(slope)
         }
     };
-    if drawn.output.response.clicked() {
+    if is_clicked {
         ui.data_mut(|data| data.remove::<Before>(kept));
     }
     chip_ui(ui, &drawn.output, Align2::LEFT_BOTTOM, &text, (FOCUS, id));
+}
+
+/// Points between the loupe and its place, and around the patches.
+const AWAY: f32 = 18.0;
+const GAP: f32 = 6.0;
+/// Sides of the patches, points, the largest first: the first that fits is drawn.
+const PATCH_SIDES: [f32; 4] = [104.0, 80.0, 60.0, 44.0];
+
+/// Draws a place at mid-burst that moves by `slope` beside the pointer: in one frame, in the motion stack at that slope,
+/// and all in focus, with `text` below. `None` where the pane has no room beside the place.
+fn loupe_ui(
+    ui: &Ui,
+    model: Read<'_>,
+    textures: &mut [PatchTexture; 3],
+    drawn: &Drawn,
+    (side, [u, v], slope): (Side, [f32; 2], Slope),
+    text: &str,
+) -> Option<()> {
+    let (output, pane, open) = (&drawn.output, model.pane(drawn.shown)?, model.burst_of(side)?);
+    let (positions, frames) = used(model, side)?;
+    let frame = pane.cursor.frame.min(positions.len().checked_sub(1)?);
+    let (du, dv) = slope.displacement(positions.offset_from(frames, frame).to_f32());
+    let in_focus = model.results.patches.in_focus.as_ref().filter(|of| of.request.burst.id == open.id);
+    let clip = output.response.rect.intersect(ui.clip_rect());
+    let painter = ui.painter_at(clip);
+    let galley = |text: String, size| painter.layout_no_wrap(text, FontId::proportional(size), Color32::WHITE);
+    let patches = [
+        (galley(format!("Frame {frame}"), 11.0), Some(&open.burst.frames[frame]), [u + du, v + dv]),
+        (galley("Stack".to_owned(), 11.0), model.stack_at(side, slope), [u, v]),
+        (galley("In focus".to_owned(), 11.0), in_focus.map(|picture| &picture.plane), [u, v]),
+    ];
+    let below = galley(text.to_owned(), 13.0);
+    let widest = patches.iter().map(|(name, ..)| name.size().x).fold(0.0, f32::max);
+    let above = patches[0].0.size().y + 2.0;
+    let size = |side: f32| {
+        let width = (3.0 * side + 2.0 * GAP).max(below.size().x);
+        vec2(width, above + side + GAP + below.size().y) + Vec2::splat(2.0 * GAP)
+    };
+    let pointer = output.pointer_ui?;
+    let mut sides = PATCH_SIDES.into_iter().filter(|side| *side >= widest);
+    let (side, ground) = sides.find_map(|side| Some((side, beside(pointer, clip, size(side))?)))?;
+    painter.rect_filled(ground, 4.0, Color32::from_black_alpha(190));
+    let id = output.response.id.with("loupe");
+    named(&ui.interact(ground, id, Sense::hover()), Role::Label, text);
+    painter.galley(ground.left_bottom() + vec2(GAP, -GAP - below.size().y), below, Color32::WHITE);
+    // All patches share a range of brightnesses of the pane, so that they compare.
+    let class =
+        if model.range_class(drawn.shown) == RangeClass::Frame { RangeClass::Frame } else { RangeClass::Intensity };
+    let display = model.document.ranges_of(pane).display(class);
+    // Twice as large as in the pane, but no fewer pixels than tell something, and no more than can be told apart.
+    let half_px = (0.25 * side / output.ui_from_image.scale()).clamp(6.0, 32.0);
+    let first = pos2(ground.center().x - 1.5 * side - GAP, ground.top() + GAP);
+    for (index, ((name, plane, [u, v]), texture)) in patches.into_iter().zip(textures).enumerate() {
+        let at = first + vec2(index as f32 * (side + GAP), 0.0);
+        let patch = Rect::from_min_size(at + vec2(0.0, above), Vec2::splat(side));
+        texture.draw(ui, (name.text(), patch), plane, [u, v, half_px, 0.0], display);
+        painter.rect_stroke(patch, 0.0, Stroke::new(1.0, Color32::GRAY), StrokeKind::Inside);
+        let response = ui.interact(patch, id.with(index), Sense::hover());
+        named(&response, Role::Image, format!("{} in the loupe", name.text()));
+        painter.galley(at, name, Color32::WHITE);
+    }
+    Some(())
+}
+
+/// Rectangle of `size` within `clip`, beside `place`: on the right, or where there is room; `None` where there is none.
+fn beside(place: Pos2, clip: Rect, size: Vec2) -> Option<Rect> {
+    let centres = Rect::from_min_max(clip.min + 0.5 * size, clip.max - 0.5 * size);
+    let away = 0.5 * size + Vec2::splat(AWAY);
+    let directions = [vec2(away.x, 0.0), vec2(-away.x, 0.0), vec2(0.0, away.y), vec2(0.0, -away.y)];
+    let rect = |direction| Rect::from_center_size(centres.clamp(place + direction), size);
+    // Kept within the clip, a rectangle may come too near to the place.
+    let is_away = |rect: &Rect| !rect.expand(AWAY - 1.0).contains(place);
+    if centres.is_negative() { None } else { directions.into_iter().map(rect).find(is_away) }
 }
 
 pub(in crate::app) fn is_with_shift(ui: &Ui) -> bool {

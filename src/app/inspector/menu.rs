@@ -66,7 +66,8 @@ fn content_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
     for kind in ViewKind::ALL {
         let about = kind.about();
         let radio = ui.radio(pane.shows(kind), about.label);
-        queue.push_if(explained(radio, about.help, glossary().of_picture(about.key)).clicked(), Action::Show(id, kind));
+        queue
+            .push_if(explained(radio, about.help, glossary().of_picture(kind.key())).clicked(), Action::Show(id, kind));
     }
     for axis in SliceAxis::ALL {
         let ([label, help], slice) = (axis.words(), Content::Slice(axis));

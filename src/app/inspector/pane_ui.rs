@@ -121,7 +121,7 @@ pub(super) fn over_names_ui(ui: &Ui, model: Read<'_>, drawn: &Drawn, queue: &mut
     let id = drawn.pane;
     let name = |id: PaneId| {
         let number = model.document.panes.number(id).map_or_else(String::new, |number| format!("{number}  ·  "));
-        format!("{number}{}", super::compact_description(model, id))
+        format!("{number}{}", super::short_description(model, id, false))
     };
     match model.document.panes.over(id) {
         None => {}

@@ -4,7 +4,7 @@ use super::header::header_ui;
 use super::marks::{focus_ui, marks_ui, probe_ui};
 use super::menu::picture_menu_ui;
 use super::pane_ui::{Drawn, method_ui, over_names_ui, over_ui, picture_ui, scrub_ui, slice_ui};
-use super::widgets::{PaneWidgets, compact_description};
+use super::widgets::{PaneWidgets, short_description};
 use crate::app::actions::{ActionId, Queue, tooltip};
 use crate::app::document::{Action, MethodId, Side};
 use crate::app::measure::{draw_ui, hidden_ui, measure_ui};
@@ -33,7 +33,7 @@ pub fn inspector_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, que
     marks_ui(model, widgets, &drawn);
     if model.document.workspace.probes() {
         probe_ui(ui, model, widgets, &drawn, queue);
-        focus_ui(ui, model, &drawn, queue);
+        focus_ui(ui, model, widgets, &drawn, queue);
     }
     drawn
 }
@@ -110,7 +110,7 @@ impl Behavior<PaneId> for Inspector<'_> {
 
     fn tab_title_for_pane(&mut self, id: &PaneId) -> WidgetText {
         let number = self.model.document.panes.number(*id).map_or_else(String::new, |number| format!("{number}  "));
-        format!("{number}{}", compact_description(self.model, *id)).into()
+        format!("{number}{}", short_description(self.model, *id, false)).into()
     }
 
     fn gap_width(&self, _: &egui::Style) -> f32 {

@@ -7,6 +7,7 @@ use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::panel::display::DisplayState;
 use crate::app::panel::picture::{PictureState, describe};
 use crate::app::panel::probe::PlaneTexture;
+use crate::app::panel::selection::PatchTexture;
 use crate::app::results::Read;
 use crate::requests::{PictureKind, ViewKind};
 use egui::{Pos2, Rect};
@@ -34,6 +35,7 @@ pub struct PaneWidgets {
     all: HashMap<PaneId, PaneWidget>,
     /// Values at the place under the pointer: first that of the pane under it, then those of the panes linked to it.
     pub values: Vec<PlaceValue>,
+    pub(super) loupe: [PatchTexture; 3],
 }
 
 impl PaneWidgets {
@@ -75,12 +77,8 @@ pub struct MenuPlace {
     pub(super) mid_burst: Option<(Side, [f32; 2])>,
 }
 
-pub fn compact_description(model: Read<'_>, id: PaneId) -> String {
-    short_description(model, id, false)
-}
-
 /// Describes the content of a pane in few words; with `tiny` only by what distinguishes it from its neighbours.
-pub(super) fn short_description(model: Read<'_>, id: PaneId, tiny: bool) -> String {
+pub fn short_description(model: Read<'_>, id: PaneId, tiny: bool) -> String {
     let Some(pane) = model.pane(id) else { return String::new() };
     let what = what(model, pane, id, tiny);
     match pane.method {

@@ -223,7 +223,7 @@ pub struct Captions {
 impl Default for Captions {
     fn default() -> Self {
         let mut cache = CommonMarkCache::default();
-        for word in glossary().words() {
+        for word in &glossary().words {
             cache.add_link_hook(format!("{GLOSSARY}{}", word.name));
         }
         Self { cache }

@@ -7,6 +7,7 @@ use crate::app::parts;
 use crate::app::results::Read;
 use crate::detector::Slope;
 use crate::inspect::place::{SpotSnr, spot_snr};
+use crate::inspect::words::counted;
 use crate::requests::{PictureKind, ViewKind};
 use crate::teach::{Part, Spot};
 use egui::{Color32, RichText, Ui};
@@ -87,8 +88,8 @@ pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: S
         trace.take(at, frames, snr.ratio());
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(format!("SNR {:.2}", snr.ratio())).strong());
-            let plural = if frames == 1 { "frame" } else { "frames" };
-            ui.weak(format!("measured with {frames} {plural}; √{frames} = {:.2}", (frames as f32).sqrt()));
+            let with = counted(frames, "frame");
+            ui.weak(format!("measured with {with}; √{frames} = {:.2}", (frames as f32).sqrt()));
         })
         .response
         .on_hover_text(format!(
@@ -163,8 +164,7 @@ fn plot_ui(ui: &mut Ui, all: usize, trace: &SnrTrace, now: Option<usize>) {
             plot.points(Points::new("measured", PlotPoints::from(points)).color(crate::app::style::ACCENT).radius(4.0));
             plot.points(Points::new("now", PlotPoints::from(here)).color(Color32::from_rgb(255, 200, 60)).radius(5.5));
         });
-    let dots = if count == 1 { "1 dot".to_owned() } else { format!("{count} dots") };
-    ui.weak(format!("{dots} measured    line: c·√N"));
+    ui.weak(format!("{} measured    line: c·√N", counted(count, "dot")));
 }
 
 #[cfg(test)]

@@ -145,7 +145,7 @@ impl Lessons {
     /// Opens a lesson at the step where it was left last. The project on show is put aside until the lesson is left.
     #[must_use]
     pub fn start(&mut self, lesson: Arc<Lesson>) -> Vec<Staged> {
-        let mut staged = self.leave();
+        let mut staged = self.end(false);
         self.list_is_open = false;
         let Progress { step, done } = self.progress_in(&lesson);
         let snr = SnrTrace::default();
@@ -155,12 +155,9 @@ impl Lessons {
         staged
     }
 
+    /// Leaves the lesson; a burst that is being opened is opened in the project before it, if it `keeps_opening`.
     #[must_use]
-    pub fn leave(&mut self) -> Vec<Staged> {
-        self.end(false)
-    }
-
-    fn end(&mut self, keeps_opening: bool) -> Vec<Staged> {
+    pub fn end(&mut self, keeps_opening: bool) -> Vec<Staged> {
         self.remember();
         self.open.take().map(|_| Staged::EndLesson { keeps_opening }).into_iter().collect()
     }
@@ -182,7 +179,7 @@ impl Lessons {
     #[must_use]
     pub fn go_on(&mut self, asked: Option<LessonAction>, is_restoring: bool, model: Read<'_>) -> Vec<Staged> {
         match asked {
-            Some(LessonAction::Leave) => return self.leave(),
+            Some(LessonAction::Leave) => return self.end(false),
             Some(LessonAction::Step(step)) => {
                 if let Some(open) = &mut self.open {
                     let spot = open.step().state.spot;
@@ -258,15 +255,5 @@ mod tests {
         lessons.progress.insert(lesson.name.clone(), Progress { step: 99, done: [1, 77].into() });
         let progress = lessons.progress_in(&lesson);
         assert_eq!((progress.step, progress.done), (lesson.steps.len() - 1, [1].into()));
-    }
-
-    #[test]
-    fn lessons_that_are_opened_again_are_there_once() {
-        let mut lessons = Lessons::default();
-        let lesson = Lesson { name: "mine".to_owned(), ..(*built_in()[0]).clone() };
-        lessons.add(vec![lesson.clone()]);
-        lessons.add(vec![Lesson { title: "New".to_owned(), ..lesson }]);
-        assert_eq!(lessons.all().count(), built_in().len() + 1);
-        assert_eq!(lessons.opened[0].title, "New");
     }
 }

@@ -9,7 +9,7 @@ pub use panels::{RegionCache, profile_ui, region_ui};
 
 use crate::app::canvas::{CanvasOutput, Picture};
 use crate::app::document::{Action, Queue};
-use crate::app::inspector::{PaneWidgets, compact_description, same_place};
+use crate::app::inspector::{PaneWidgets, same_place, short_description};
 use crate::app::pane::{Link, PaneId};
 use crate::app::results::Read;
 use crate::plane::sample::{ProfileSample, profile};
@@ -65,7 +65,7 @@ pub fn profiles_of(model: Read<'_>, widgets: &PaneWidgets, line: &MeasuredLine) 
         let (from, to) = (ends[0]?, ends[1]?);
         let samples = profile(&picture.plane, from.into(), to.into(), picture.image_from_picture_scale);
         let number = model.document.panes.number(id)?;
-        Some(PaneProfile { id, number, label: compact_description(model, id), samples })
+        Some(PaneProfile { id, number, label: short_description(model, id, false), samples })
     };
     measured_panes(model, line.pane).into_iter().filter_map(of).collect()
 }
@@ -76,7 +76,7 @@ pub fn region_in(model: Read<'_>, widgets: &PaneWidgets, region: &MeasuredRegion
     let corners = [rect.min, rect.max].map(|pos| mapped(model, region.pane, id, pos));
     let rect = Rect::from_min_max(corners[0]?, corners[1]?);
     let region = picture.region(rect);
-    let (number, label) = (model.document.panes.number(id)?, compact_description(model, id));
+    let (number, label) = (model.document.panes.number(id)?, short_description(model, id, false));
     Some(PaneRegion { id, number, label, picture, region })
 }
 

@@ -129,10 +129,9 @@ fn table_ui(ui: &mut Ui, rows: &[[String; COLUMNS.len()]]) {
 }
 
 fn histogram_ui(ui: &mut Ui, pane: usize, histogram: &Histogram) {
-    let width = f64::from(histogram.bin_width());
     let bar = |(i, &count): (usize, &u64)| {
         let (from, to) = histogram.bin_range(i);
-        Bar::new(0.5 * f64::from(from + to), count as f64).width(width)
+        Bar::new(0.5 * f64::from(from + to), count as f64).width(f64::from(to - from))
     };
     let bars: Vec<Bar> = histogram.counts.iter().enumerate().map(bar).collect();
     let colour = ui.visuals().hyperlink_color;

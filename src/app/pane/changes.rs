@@ -124,9 +124,7 @@ impl Panes {
             match self.sides.get_mut(id.0 as usize) {
                 // The two permanent panes stay on their bursts.
                 Some(own) => *own = Pane { side: own.side, method: None, ..pane },
-                None => {
-                    self.more.insert(id, pane);
-                }
+                None => _ = self.more.insert(id, pane),
             }
         }
         self.drop_unplaced();

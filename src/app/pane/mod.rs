@@ -53,9 +53,9 @@ impl Content {
         match self {
             Self::Difference(..) => "difference",
             Self::Slice(_) => "slice",
-            Self::Cursor => of_cursor.about().key,
-            Self::Merge => ViewKind::Merge.about().key,
-            Self::Map(map) => map.about().key,
+            Self::Cursor => of_cursor.key(),
+            Self::Merge => ViewKind::Merge.key(),
+            Self::Map(map) => map.key(),
         }
     }
 }

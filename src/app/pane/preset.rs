@@ -48,6 +48,12 @@ impl Preset {
         };
         // A frame does not depend on the slope.
         let moving = if base.cursor.kind == ViewKind::Frame { ViewKind::Stack } else { base.cursor.kind };
+        let at_slope = |slope: Slope, is_linked: bool| {
+            at(&|p| {
+                p.show(moving);
+                (p.cursor.slope, p.slope_chosen, p.links.cursor) = (slope, true, is_linked);
+            })
+        };
         match self {
             // Methods have panes of their own.
             Self::Single | Self::Methods => Laid { rows: vec![vec![base]], focus: 0 },
@@ -58,12 +64,7 @@ impl Preset {
             }
             Self::TwoSlopes => {
                 // Without a link, because the two slopes are to be moved on their own.
-                let two = two_slopes(base.cursor.slope, params).map(|slope| {
-                    at(&|p| {
-                        p.show(moving);
-                        (p.cursor.slope, p.slope_chosen, p.links.cursor) = (slope, true, false);
-                    })
-                });
+                let two = two_slopes(base.cursor.slope, params).map(|slope| at_slope(slope, false));
                 Laid { rows: vec![two.to_vec()], focus: 0 }
             }
             Self::ThreeSlopes | Self::FiveSlopes | Self::SevenSlopes | Self::NineSlopes => {
@@ -75,12 +76,7 @@ impl Preset {
                 };
                 let (slopes, focus) = neighbouring_slopes(base.cursor.slope, params, count);
                 // With a link, so that neighbours keep their distance as one is moved.
-                let panes = slopes.into_iter().map(|slope| {
-                    at(&|p| {
-                        p.show(moving);
-                        (p.cursor.slope, p.slope_chosen, p.links.cursor) = (slope, true, true);
-                    })
-                });
+                let panes = slopes.into_iter().map(|slope| at_slope(slope, true));
                 Laid { rows: in_rows(panes.collect()), focus }
             }
             Self::Scales => {
@@ -170,6 +166,25 @@ impl SidesPreset {
     ];
 }
 
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum MethodsPreset {
+    #[default]
+    Panes,
+    Wipe,
+    Flip,
+    Matches,
+}
+
+impl MethodsPreset {
+    pub const ALL: [(Self, &'static str, &'static str); 4] = [
+        (Self::Panes, "Panes", "A picture for each method, side by side"),
+        (Self::Wipe, "Wipe", "Two methods in one picture, with a line between them that can be dragged"),
+        (Self::Flip, "Flip", "Two methods in one place: Y flips from one to the other"),
+        (Self::Matches, "Match lines", "A row for each method: its matches between A and B"),
+    ];
+}
+
 impl Panes {
     pub fn lay_out_sides(&mut self, preset: SidesPreset) {
         let own = Side::BOTH.map(PaneId::of);
@@ -202,28 +217,7 @@ impl Panes {
         let focus = self.placed_in(PaneGroup::Pair).1;
         self.replace(PaneGroup::Pair, Arrangement::rows(&rows), made, focus);
     }
-}
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MethodsPreset {
-    #[default]
-    Panes,
-    Wipe,
-    Flip,
-    Matches,
-}
-
-impl MethodsPreset {
-    pub const ALL: [(Self, &'static str, &'static str); 4] = [
-        (Self::Panes, "Panes", "A picture for each method, side by side"),
-        (Self::Wipe, "Wipe", "Two methods in one picture, with a line between them that can be dragged"),
-        (Self::Flip, "Flip", "Two methods in one place: Y flips from one to the other"),
-        (Self::Matches, "Match lines", "A row for each method: its matches between A and B"),
-    ];
-}
-
-impl Panes {
     /// On B as well where the preset shows matches. A wipe or flip takes SIFT and BuFF 1D where these are compared.
     pub fn lay_out_methods(&mut self, preset: MethodsPreset, methods: &[MethodId], both: bool) {
         let usual = [MethodId::Sift, MethodId::Buff1d];
@@ -300,27 +294,5 @@ impl Panes {
             pane.own_ranges = Some(Ranges::default());
         }
         pane
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::detector::SlopeGrid;
-
-    #[test]
-    fn the_pane_in_focus_goes_on_in_every_preset() {
-        let params = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 7), ..DetectorParams::default() };
-        for (preset, ..) in Preset::ALL {
-            for kind in ViewKind::OF_CURSOR {
-                let mut pane = Pane::new(Side::A);
-                pane.cursor.slope = Slope::new(1.0, 0.0);
-                pane.show(kind);
-                let laid = preset.lay_out(&pane, &params);
-                let panes: Vec<&Pane> = laid.rows.iter().flatten().collect();
-                assert_eq!(panes[laid.focus].cursor.slope, Slope::new(1.0, 0.0), "{preset:?} {kind:?}");
-                assert!(panes.iter().all(|pane| pane.side == Side::A));
-            }
-        }
     }
 }

@@ -58,8 +58,7 @@ fn strip_of(ui: &Ui, model: Read<'_>) -> Option<bool> {
 fn frame_row(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let last = model.focused_frame_count().saturating_sub(1) as f32;
     let mut frame = model.document.cursor().frame as f32;
-    let help = "Index of the shown frame, from 0. Moving it shows the frame.";
-    if CursorRow::whole("Frame", help, 0.0..=last).ui(ui, &mut frame) {
+    if CursorRow::whole("Frame", "Index from 0; moving it shows the frame", 0.0..=last).ui(ui, &mut frame) {
         queue.push(Action::SetFrame(model.document.focus(), frame.max(0.0) as usize));
     }
 }
@@ -84,9 +83,7 @@ fn slope_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     // An axis that is searched alone has a slider; where the pad shows both, two numbers are enough.
     let rows_ui = |ui: &mut Ui| {
         for (second, (label, way, component, marks)) in [false, true].into_iter().zip(rows) {
-            let help = &format!(
-                "Apparent motion {way}, px/frame. Marks: slopes of the grid; any slope between them can be shown."
-            );
+            let help = &format!("Apparent motion {way}, px/frame. Marks: slopes of the grid; others can be shown too");
             let slides = strip == Some(second);
             CursorRow { label, help, range: -limit..=limit, marks: &marks, whole: false, slides }.ui(ui, component);
             if slides {
@@ -134,19 +131,17 @@ fn scale_rows(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut row = |label, help, range: std::ops::RangeInclusive<i32>, value| {
         CursorRow::whole(label, help, *range.start() as f32..=*range.end() as f32).ui(ui, value)
     };
-    let help = "Octave of the DoG: each is twice as coarse as the one before. ";
+    let help = "Octave of the DoG: each is twice as coarse as the one before";
     let is_other_octave = row("Octave", help, octaves, &mut octave);
-    let help =
-        "Level within the octave. Features lie at levels 0 and up; the two outermost levels are only compared with.";
+    let help = "Level within the octave. Features lie at 0 and up; the two outermost levels are only compared with";
     if row("Level", help, levels, &mut level) || is_other_octave {
         queue.push(Action::SetScale(model.document.focus(), octave as i32, level as i32));
     }
     let space = ScaleSpace::of(model.cursor_params());
     let sigma = space.sigma_image(model.document.cursor().octave, f64::from(model.document.cursor().level));
     let rim = rim_radius(sigma, space.levels);
-    ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(format!(
-        "In pixels of the input image. Discs with a radius of {rim:.1} px respond most strongly at this scale."
-    ));
+    let help = format!("Pixels of the input image; discs with a radius of {rim:.1} px respond most strongly");
+    ui.weak(format!("Scale σ = {sigma:.2} px")).on_hover_text(help);
 }
 
 pub fn slope_pad_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {

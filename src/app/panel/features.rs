@@ -38,7 +38,6 @@ pub struct FeatureLayer {
     pub method: Option<MethodId>,
     /// Whether only features at `slope` are drawn, if there is one.
     pub only_slope: bool,
-    /// Whether all that is shown is drawn in full.
     draws_all: bool,
 }
 
@@ -71,7 +70,8 @@ impl FeatureLayer {
             hovered: model.results.hovered.filter(|_| is_listed),
             stale: is_stale,
             orientations: model.document.look.orientations && inspected,
-            motions: model.document.look.motion_vectors && (inspected || pane.method.is_some_and(MethodId::is_buff)),
+            motions: model.document.look.motion_vectors
+                && (inspected || matches!(pane.method, Some(MethodId::Buff1d | MethodId::Buff2d))),
             is_listed,
             method: pane.method,
             only_slope: model.document.look.overlay == FeaturesShown::ThisSlope,
@@ -192,6 +192,7 @@ pub fn features_ui(
     if let Some(i) = pointed
         && !output.response.dragged()
         && !model.document.playing
+        && model.results.patches.loupe.is_none()
     {
         let name = layer.method.map_or_else(|| format!("#{i}"), |method| method.label().to_owned());
         let judged = model.results.coherence.of(&layer.detection).and_then(|values| values.get(i));

@@ -103,29 +103,3 @@ fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) -
     ui.add_space(8.0);
     clicked
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use egui::{Event, Key, Modifiers, RawInput};
-
-    #[test]
-    fn escape_closes_the_window_from_its_search_field() {
-        let (ctx, mut window) = (Context::default(), GlossaryWindow::default());
-        window.open(None);
-        let pass = |window: &mut GlossaryWindow, events: Vec<Event>| {
-            let mut output = ctx.run_ui(RawInput { events, ..Default::default() }, |ui| {
-                window.take_escape(ui.ctx());
-                window.ui(ui.ctx());
-            });
-            output.textures_delta.clear();
-        };
-        pass(&mut window, Vec::new());
-        pass(&mut window, Vec::new());
-        assert!(window.is_open && ctx.egui_wants_keyboard_input(), "the search field has the focus");
-        let key = Key::Escape;
-        let event = Event::Key { key, physical_key: None, pressed: true, repeat: false, modifiers: Modifiers::NONE };
-        pass(&mut window, vec![event]);
-        assert!(!window.is_open);
-    }
-}

@@ -221,9 +221,7 @@ fn file_ui(
                 }
                 ui.add(egui::Label::new(name).truncate()).on_hover_text(whole);
             }
-            None => {
-                ui.weak("none");
-            }
+            None => _ = ui.weak("none"),
         }
         draws
     });
@@ -239,9 +237,7 @@ fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip
             let field = ui.add(DragValue::new(value).range(-1e9..=1e9).speed(1.0).max_decimals(3));
             field.on_hover_text(format!("{label}: {tip}"));
         }
-        None => {
-            ui.weak("from the files");
-        }
+        None => _ = ui.weak("from the files"),
     }
     ui.end_row();
 }

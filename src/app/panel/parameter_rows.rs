@@ -73,9 +73,7 @@ fn field_ui(ui: &mut Ui, field: Field<'_>, drag: &Drag, label: Id, frame_count: 
         Field::I32(n) => number_ui(ui, dragged(DragValue::new(n), drag), label),
         Field::Usize(n) => number_ui(ui, dragged(DragValue::new(n), drag), label),
         Field::U64(n) => number_ui(ui, dragged(DragValue::new(n), drag), label),
-        Field::Flag(flag) => {
-            ui.checkbox(flag, "").labelled_by(label);
-        }
+        Field::Flag(flag) => _ = ui.checkbox(flag, "").labelled_by(label),
         Field::Word(word) => word_ui(ui, word, label),
         Field::Axis(axis) => axis_ui(ui, axis, label),
         Field::Frames(frames) => frames_ui(ui, frames, label, frame_count),

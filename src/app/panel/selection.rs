@@ -12,7 +12,6 @@ use crate::inspect::place::{Judged, Verdict};
 use crate::plane::Plane;
 use crate::plane::display::{Display, to_rgba8};
 use crate::plane::sample::sample_patch;
-use crate::requests::PictureKind;
 use egui::{
     Color32, Label, Rect, RichText, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, vec2,
 };
@@ -24,7 +23,7 @@ pub struct SelectionState {
     frame: PatchTexture,
 }
 
-pub(in crate::app) fn walk_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
+pub fn walk_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 4.0;
         button_ui(ui, model, queue, ActionId::PreviousFeature, Some("Previous"));
@@ -126,15 +125,11 @@ fn patches_ui(ui: &mut Ui, model: Read<'_>, state: &mut SelectionState, feature:
     let Some(burst) = &model.results.slots.a.burst else { return };
     let display = model.document.look.ranges.intensity;
     let side = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
-    let stack =
-        model.results.patch.as_ref().filter(|p| {
-            p.request.burst.id == burst.id && p.request.kind == PictureKind::Stack { slope: feature.slope }
-        });
     ui.horizontal(|ui| {
         ui.vertical(|ui| {
             ui.set_width(side);
             let view = PatchView { name: "Patch in the motion stack", feature: *feature, turned: false, display };
-            view.ui(ui, stack.map(|picture| &picture.plane), &mut state.stack, side);
+            view.ui(ui, model.stack_at(Side::A, feature.slope), &mut state.stack, side);
             ui.label(RichText::new("Motion stack").small().weak());
         });
         ui.vertical(|ui| {
@@ -202,6 +197,30 @@ pub struct PatchView<'a> {
     pub display: Display,
 }
 
+impl PatchTexture {
+    /// Draws the square of `plane` around (u, v), `half_width_px` pixels to each side and turned by `angle_rad`; without
+    /// a plane the square that was drawn before.
+    pub fn draw(
+        &mut self,
+        ui: &Ui,
+        (name, rect): (&str, Rect),
+        plane: Option<&Arc<Plane>>,
+        square: [f32; 4],
+        display: Display,
+    ) {
+        if let Some(plane) = plane {
+            let [u, v, half_width_px, angle_rad] = square;
+            self.0.get((plane.into(), square, display, ui.visuals().dark_mode), || {
+                let patch = sample_patch(plane, (u, v), half_width_px, angle_rad, SAMPLES);
+                texture_of(ui, name, &patch, &display)
+            });
+        }
+        if let Some(texture) = self.0.last() {
+            paint(ui.painter(), texture.id(), rect);
+        }
+    }
+}
+
 impl PatchView<'_> {
     /// Draws the patch of `plane`, on the input image's pixels, into a square of `side` points; without it the square
     /// stays empty.
@@ -211,12 +230,7 @@ impl PatchView<'_> {
         let half_width_px = (SIGMAS * self.feature.sigma).max(4.0);
         let angle_rad = if self.turned { self.feature.orientation } else { 0.0 };
         let Feature { u, v, .. } = self.feature;
-        let key = (plane.into(), [u, v, half_width_px, angle_rad], self.display, ui.visuals().dark_mode);
-        let texture = texture.0.get(key, || {
-            let patch = sample_patch(plane, (u, v), half_width_px, angle_rad, SAMPLES);
-            texture_of(ui, self.name, &patch, &self.display)
-        });
-        paint(ui.painter(), texture.id(), rect);
+        texture.draw(ui, (self.name, rect), Some(plane), [u, v, half_width_px, angle_rad], self.display);
         let radius = self.feature.circle_radius_px() * 0.5 * side / half_width_px;
         let tip = rect.center() + radius * Vec2::angled(self.feature.orientation - angle_rad);
         for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.4, Color32::from_rgb(255, 214, 90))] {

@@ -111,8 +111,7 @@ fn burst_text(model: Read<'_>) -> String {
     } else {
         " · float".to_owned()
     };
-    let frames = if burst.len() == 1 { "frame" } else { "frames" };
-    format!("{which}{} · {} {frames} · {width} × {height}{depth}", burst.name, burst.len())
+    format!("{which}{} · {} · {width} × {height}{depth}", burst.name, counted(burst.len(), "frame"))
 }
 
 /// Draws the errors above all that stands below the pictures, `below` points high.
@@ -188,7 +187,7 @@ fn ago(age: Duration) -> String {
     format!("{} ago", counted(count as usize, unit))
 }
 
-pub(crate) fn advice_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
+pub fn advice_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let advice = model.found_of(Side::A).filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
     if let Some(advice) = advice {
         let text = RichText::new(with_whole_numbers(&advice.for_window())).color(crate::app::style::warning(ui));

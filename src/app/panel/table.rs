@@ -340,7 +340,6 @@ fn layer_ui(ui: &mut Ui, filter: &mut Filter, number: i32, name: &str) {
     });
 }
 
-/// Name of the switch for the features of no layer.
 const NO_LAYER: &str = "no layer";
 /// Maximum height of the list of layers, points.
 const LAYERS_HEIGHT: f32 = 130.0;

@@ -7,7 +7,6 @@ use crate::app::pane::PaneId;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};
 use crate::app::results::Read;
 use crate::app::view::signed_slope;
-use crate::burst::Offset;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
@@ -16,7 +15,7 @@ use crate::inspect::result::DecoyStudy;
 use crate::inspect::words::{capitalised, counted, sentence};
 use crate::plane::display::ColourMap;
 use crate::requests::{ProbeQuestion, ViewKind};
-use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, pos2, vec2};
+use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use std::sync::Arc;
 
 pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
@@ -156,9 +155,7 @@ fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
                     ui.toggle_value(shown, row.name).on_hover_text(tip);
                 });
             }
-            None => {
-                label_ui(ui, row.name, NAME_WIDTH);
-            }
+            None => _ = label_ui(ui, row.name, NAME_WIDTH),
         }
         count_ui(ui, RichText::new(grouped(row.samples)).monospace());
         if let Some(candidates) = row.candidates {
@@ -197,7 +194,10 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
         return;
     };
     let shown = strongest(survey);
-    let circle = |mark: &CandidateMark| circle_of(mark, slopes.slope(mark.sample.slope_index), dt);
+    let circle = |mark: &CandidateMark| {
+        let moved = slopes.slope(mark.sample.slope_index).displacement(dt);
+        (Pos2::from(mark.pos_image) + moved.into(), std::f32::consts::SQRT_2 * mark.sigma)
+    };
     let selected = model.document.selected_candidate;
     let marks = shown.iter().map(|&index| {
         let mark = &survey.marks[index];
@@ -208,7 +208,8 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     let more =
         if survey.marks.len() > shown.len() { format!(" (the {} strongest)", shown.len()) } else { String::new() };
     let min_snr = crate::inspect::place::SurveyOptions::default().min_snr;
-    let text = format!("{} candidates{more}: {}; SNR ≥ {min_snr}", survey.marks.len(), test.reason());
+    let all = counted(survey.marks.len(), "candidate");
+    let text = format!("{all}{more}: {}; SNR ≥ {min_snr}", test.reason());
     note_ui(ui, output, &text);
     let clip = output.painter.clip_rect();
     let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };
@@ -235,12 +236,6 @@ fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
         indices.sort_unstable();
     }
     indices
-}
-
-/// Place in a frame at an offset from mid-burst, and radius of the circle, image pixels.
-fn circle_of(mark: &CandidateMark, slope: Slope, from_middle: Offset<f32>) -> (Pos2, f32) {
-    let [u, v] = mark.pos_image;
-    (pos2(u, v) + slope.displacement(from_middle).into(), std::f32::consts::SQRT_2 * mark.sigma)
 }
 
 /// Colour of a margin: yellow for nearly passed, dark for far from it.

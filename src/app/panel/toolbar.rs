@@ -104,8 +104,7 @@ fn pair_found_ui(ui: &mut Ui, model: Read<'_>) {
     let noun = if counts == ["1"] { "feature" } else { "features" };
     let mut text = format!("{} {noun}", counts.join(" + "));
     if let Some(matches) = &model.results.pair.matches {
-        let noun = if matches.len() == 1 { "match" } else { "matches" };
-        text += &format!(", {} {noun}{}", matches.len(), in_time(matches.elapsed));
+        text += &format!(", {}{}", counted(matches.len(), "match"), in_time(matches.elapsed));
     }
     ui.weak(text);
 }

@@ -60,8 +60,9 @@ pub struct Recovery {
     looked: Option<Instant>,
     writing: Option<TaskId>,
     left: VecDeque<(Record, String)>,
-    restoring: Option<JobId>,
-    is_asking: bool,
+    /// Request that opens the burst of the session that is restored.
+    pub restoring: Option<JobId>,
+    pub is_asking: bool,
 }
 
 impl Recovery {
@@ -69,7 +70,7 @@ impl Recovery {
         let own = Arc::new(Record::new(&kept.folder)?);
         // A session that this program cannot read, of a newer version for example, is left in place.
         let readable = |record: Record| {
-            let text = read_text(record.session(), MAX_SESSION_BYTES).ok()?;
+            let text = read_text(&record.session, MAX_SESSION_BYTES).ok()?;
             Some((record, Session::from_toml(&text).ok()?.burst.label()))
         };
         let left = Record::left_behind(&kept.folder).into_iter().filter_map(readable).collect();
@@ -145,18 +146,9 @@ impl Recovery {
                 self.forget();
                 messages.note("Removed the saved session");
             }
-            RecoveryChoice::Restore => return Some(self.left.front()?.0.session().to_owned()),
+            RecoveryChoice::Restore => return Some(self.left.front()?.0.session.clone()),
         }
         None
-    }
-
-    /// `request` opens the burst of the session that is restored.
-    pub fn wait_for(&mut self, request: Option<JobId>) {
-        self.restoring = request;
-    }
-
-    pub fn is_asking(&self) -> bool {
-        self.is_asking
     }
 
     pub fn offer(&self) -> Option<Offer> {

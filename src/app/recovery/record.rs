@@ -18,7 +18,7 @@ const LOCK: &str = "lock";
 /// The record of one window, whose lock nobody else can take while this value lives.
 #[derive(Debug)]
 pub struct Record {
-    session: PathBuf,
+    pub session: PathBuf,
     newest: AtomicU64,
     /// Locked while writing or removing.
     held: Mutex<Held>,
@@ -85,10 +85,6 @@ impl Record {
         std::fs::read_dir(folder).into_iter().flatten().flatten().any(|entry| is_held(entry.path()))
     }
 
-    pub fn session(&self) -> &Path {
-        &self.session
-    }
-
     pub fn saved(&self) -> Option<SystemTime> {
         std::fs::metadata(&self.session).ok()?.modified().ok()
     }
@@ -146,6 +142,6 @@ mod tests {
         let turn = record.turn();
         record.write("new").expect("written");
         record.write_in_turn("old", turn).expect("nothing to do");
-        assert_eq!(std::fs::read_to_string(record.session()).expect("read"), "new");
+        assert_eq!(std::fs::read_to_string(&record.session).expect("read"), "new");
     }
 }

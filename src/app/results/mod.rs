@@ -13,12 +13,15 @@ use crate::detector::{Quantity, SearchParams, Slope};
 use crate::engine::{Ended, Wanted};
 use crate::figures::FiguresJob;
 use crate::inspect::slopes::SetUp;
-use crate::requests::{BurstSource, OpenRequest, PictureAnswer, PictureRequest, PossibleShape};
+use crate::requests::{
+    BurstSource, FigurePreview, FigureRequest, FolderRequest, OpenRequest, PictureAnswer, PictureRequest,
+    PossibleShape, ShapeRequest,
+};
 use crate::teach::Lesson;
 use compare::Compare;
 use explained::{CoherenceState, ExplainedState};
 use pair::PairState;
-use pictures::PreviewResults;
+use pictures::{PatchResults, Preview};
 use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -77,9 +80,10 @@ pub struct Read<'a> {
 pub struct Results {
     pub slots: Sides<Slot>,
     pub pictures: HashMap<PaneId, PanePicture>,
-    pub patch: Option<PictureAnswer>,
-    pub wanted_patch: Wanted<PictureRequest>,
-    pub preview: PreviewResults,
+    pub patches: PatchResults,
+    pub preview: Preview<FigureRequest, FigurePreview>,
+    pub shape: Preview<ShapeRequest, PossibleShape>,
+    pub folder: Preview<FolderRequest, Vec<String>>,
     pub hovered: Option<usize>,
     pub reselect: Option<SavedSelection>,
     /// Indices of the features that pass the filter, in the table's order; see `explained::refresh_listed`.
@@ -105,7 +109,7 @@ impl Results {
     pub fn pointed(&self) -> impl PartialEq + use<> {
         let probe = (self.probed.pointer, self.probed.as_dots.clone());
         let rows = self.slots.both().map(|slot| slot.comparison.hovered);
-        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.poses.hovered, probe)
+        (self.hovered, self.explained.pointed, rows, self.pair.hovered, self.poses.hovered, probe, self.patches.loupe)
     }
 }
 

@@ -3,36 +3,79 @@
 //! the first in reading order that shows the class.
 
 use crate::app::document::cursor::{octave_range, row_of};
-use crate::app::document::{Action, FilmContent, Filter, PlayOver, RangeClass, Side};
+use crate::app::document::{Action, Cursor, FilmContent, Filter, PlayOver, RangeClass, Side};
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::results::{FoundFeatures, Read};
 use crate::burst::Offset;
 use crate::detector::{Detection, DetectorParams, Feature, Slope, SlopeAxis};
-use crate::engine::Wanted;
+use crate::engine::{Ended, Wanted};
+use crate::plane::Plane;
 use crate::plane::display::Display;
 use crate::requests::{
-    FigurePreview, FigureRequest, Film, MAX_FILM_PICTURES, OpenBurst, PictureAnswer, PictureKind, PictureRequest,
-    Sweep, ViewKind,
+    Film, MAX_FILM_PICTURES, OpenBurst, PictureAnswer, PictureKind, PictureRequest, Request, Sweep, ViewKind,
 };
 use std::borrow::Cow;
 use std::sync::Arc;
 
-/// Preview of the figure that its form would write.
-#[derive(Debug, Default)]
-pub struct PreviewResults {
-    /// The figure that the form would write, as of the last pass; `None` without a form.
-    pub asked: Option<FigureRequest>,
+/// Preview in a form: of the figure that it would write, say.
+#[derive(Debug)]
+pub struct Preview<R: Request<Answer = A>, A> {
+    /// Request of the form, as of the last pass; `None` without a form.
+    asked: Option<R>,
     /// The last one that was made; a failure stays with the request.
-    pub made: Option<(FigureRequest, Arc<FigurePreview>)>,
-    pub wanted: Wanted<FigureRequest>,
+    pub made: Option<(R, Arc<A>)>,
+    pub wanted: Wanted<R>,
+}
+
+impl<R: Request<Answer = A>, A> Default for Preview<R, A> {
+    fn default() -> Self {
+        Self { asked: None, made: None, wanted: Wanted::default() }
+    }
+}
+
+impl<R: Request<Answer = A>, A> Preview<R, A> {
+    pub fn asked(&self) -> &Option<R> {
+        &self.asked
+    }
+
+    /// Takes the request of the form; without a form nothing is kept.
+    pub fn ask(&mut self, asked: Option<R>) {
+        match asked {
+            None => *self = Self::default(),
+            asked => self.asked = asked,
+        }
+    }
+
+    pub fn missing(&self) -> Option<R> {
+        self.asked.clone().filter(|asked| self.made.as_ref().is_none_or(|(of, _)| of != asked))
+    }
+
+    pub fn take(&mut self, ended: Ended<R>) {
+        self.made = ended.result.ok().map(|made| (ended.request, Arc::new(made))).or(self.made.take());
+    }
+
+    /// The last answer, until that of `asked` is there; the error says why there will be none.
+    pub fn on_show(&self, asked: &Result<R, String>) -> Result<Option<&Arc<A>>, String> {
+        let failure = |asked| self.wanted.failure().filter(|(of, _)| *of == asked).map(|(_, why)| why.to_string());
+        let why = asked.as_ref().map_or_else(|why| Some(why.clone()), failure);
+        why.map_or(Ok(self.made.as_ref().map(|(_, made)| made)), Err)
+    }
+}
+
+/// Pictures from which patches are cut: of features, of matches, and of the place in the loupe.
+#[derive(Debug, Default)]
+pub struct PatchResults {
+    /// Burst and motion of the place in the loupe, as of the last pass; `None` without a loupe.
+    pub loupe: Option<(Side, Slope)>,
+    /// Motion stacks; `None` for one that cannot be made.
+    pub stacks: Vec<(PictureRequest, Option<PictureAnswer>)>,
+    pub wanted: Wanted<PictureRequest>,
+    /// The burst of the loupe, each place shifted by its own motion.
+    pub in_focus: Option<PictureAnswer>,
+    pub wanted_in_focus: Wanted<PictureRequest>,
 }
 
 impl<'a> Read<'a> {
-    pub fn missing_preview(self) -> Option<FigureRequest> {
-        let PreviewResults { asked, made, .. } = &self.results.preview;
-        asked.clone().filter(|asked| made.as_ref().is_none_or(|(of, _)| of != asked))
-    }
-
     /// Pictures that are played in the pane in focus: how many, the place of that on show, and the action for a place.
     pub fn sweep(self) -> (usize, usize, Box<dyn Fn(usize) -> Action + 'a>) {
         let (id, cursor, params) = (self.document.focus(), *self.document.cursor(), self.cursor_params());
@@ -198,10 +241,35 @@ impl<'a> Read<'a> {
         pane.wanted(self.burst_in(pane)?, &self.params_in(pane))
     }
 
-    /// The motion stack of a side at the slope of one of its features.
-    pub fn stack_of(self, side: Side, slope: Slope) -> Option<PictureRequest> {
-        let (burst, found) = (self.burst_of(side)?.clone(), self.found_of(side)?);
-        Some(PictureRequest::new(burst, PictureKind::Stack { slope }, found.params.clone()))
+    fn with_found(self, side: Side, kind: PictureKind) -> Option<PictureRequest> {
+        Some(PictureRequest::new(self.burst_of(side)?.clone(), kind, self.found_of(side)?.params.clone()))
+    }
+
+    /// Motion stacks from which the patches on show are cut, each at the slope of its feature or place.
+    pub fn stacks_of_patches(self) -> Vec<PictureRequest> {
+        let selected = self.selected_feature().map(|feature| (Side::A, feature.slope));
+        let all = self.results.patches.loupe.into_iter().chain(selected).chain(self.patches_of_pair());
+        all.filter_map(|(side, slope)| self.with_found(side, PictureKind::Stack { slope })).collect()
+    }
+
+    /// The motion stack of a side at the slope of a feature or place, if it is there.
+    pub fn stack_at(self, side: Side, slope: Slope) -> Option<&'a Arc<Plane>> {
+        let wanted = self.with_found(side, PictureKind::Stack { slope })?;
+        let (_, stack) = self.results.patches.stacks.iter().find(|(request, _)| *request == wanted)?;
+        stack.as_ref().map(|stack| &stack.plane)
+    }
+
+    pub fn missing_stack(self) -> Option<PictureRequest> {
+        let stacks = &self.results.patches.stacks;
+        self.stacks_of_patches().into_iter().find(|wanted| !stacks.iter().any(|(request, _)| request == wanted))
+    }
+
+    /// All in focus for the loupe, if it is missing. A drag and a running detection come first.
+    pub fn missing_in_focus(self, dragging: bool) -> Option<PictureRequest> {
+        let (side, _) = self.results.patches.loupe?;
+        let wanted = self.with_found(side, Cursor::default().picture(ViewKind::InFocus))?;
+        let is_there = self.results.patches.in_focus.as_ref().is_some_and(|picture| picture.request == wanted);
+        (!is_there && !dragging && !self.results.slots[side].detecting.is_pending()).then_some(wanted)
     }
 
     /// Whether `id` shows the picture that it wants, or that picture is known to have failed.
@@ -232,12 +300,6 @@ impl<'a> Read<'a> {
     pub fn slope_in_picture(self, id: PaneId) -> Option<Slope> {
         let picture = self.picture_in(id).filter(|picture| picture.request.minus().is_none())?;
         picture.request.kind.slope()
-    }
-
-    pub fn missing_patch(self) -> Option<PictureRequest> {
-        let is_there =
-            |wanted: &PictureRequest| self.results.patch.as_ref().is_some_and(|patch| patch.request == *wanted);
-        self.stack_of(Side::A, self.selected_feature()?.slope).filter(|wanted| !is_there(wanted))
     }
 
     pub fn range_class(self, id: PaneId) -> RangeClass {

@@ -53,50 +53,6 @@ impl Side {
     }
 }
 
-impl Read<'_> {
-    pub(in crate::app) fn forget_closed_trails(self, engine: &Engine) {
-        let open = Side::BOTH.into_iter().filter_map(|side| Some(self.burst_of(side)?.id));
-        engine.keep_trails_of(&open.collect::<Vec<_>>());
-    }
-
-    /// `press` asks for a detection.
-    pub fn without_features(self, side: Side, press: &'static str) -> &'static str {
-        if self.results.slots[side].detecting.is_pending() { "Detecting…" } else { press }
-    }
-
-    pub fn detect_request(self, side: Side) -> Option<DetectRequest> {
-        Some(DetectRequest { burst: self.burst_of(side)?.clone(), params: self.asked_of(side) })
-    }
-
-    /// Whether a detection with the present parameters is missing, could be made, and has not failed already.
-    pub fn wants_detection(self, side: Side) -> bool {
-        let failed = |request: &DetectRequest| self.results.slots[side].detecting.has_failed(request);
-        self.needs_detection(side) && !self.detect_request(side).as_ref().is_some_and(failed)
-    }
-
-    /// They need no search, or that of the fewer slopes, and the last ones asked for are there: a newer request would
-    /// cancel them.
-    pub(in crate::app) fn features_can_follow(self, side: Side) -> bool {
-        let now = self.asked_of(side);
-        self.found_of(side).filter(|_| !self.results.slots[side].detecting.is_pending()).is_some_and(|found| {
-            let is_near = found.asked.judged_as(&now) == now;
-            let shares = |now: &DetectorParams| 2 * shared_slopes(now, &found.searched) >= now.used_slopes().len();
-            is_near && follows(&found.params.judged_as(&now), &found.searched)
-                || now.slopes.given().is_some_and(|grid| shares(&now.at(grid)))
-        })
-    }
-
-    /// Features that are wanted by themselves, or by the probe, which begins with them.
-    pub fn missing_features(self, side: Side, dragging: bool) -> Option<DetectRequest> {
-        let follows = match side {
-            Side::A => !dragging || self.features_can_follow(side),
-            Side::B => !dragging && self.document.workspace.shows_pair(),
-        };
-        let is_time = self.document.auto_detect && follows || !dragging && self.probe_wants_features(side);
-        self.detect_request(side).filter(|_| is_time && self.wants_detection(side))
-    }
-}
-
 #[derive(Debug, Clone)]
 pub struct FoundFeatures {
     pub detected: Detected,
@@ -151,9 +107,7 @@ impl<'a> Read<'a> {
         let index = self.document.selected?;
         Some(SavedSelection { index, u: feature.u, v: feature.v, sigma: feature.sigma, slope: feature.slope })
     }
-}
 
-impl Read<'_> {
     pub fn found_source(self, side: Side) -> Option<DetectionSource> {
         let (burst, found) = (self.burst_of(side)?.clone(), self.whole_found_of(side)?);
         let Detected { asked, params, finding, .. } = found.detected.clone();
@@ -213,6 +167,63 @@ impl Read<'_> {
         }
         files
     }
+
+    /// Default of `near_slope` of a filter: as for the features over the picture.
+    pub fn near_slope(self) -> f32 {
+        near_slope(self.found_of(Side::A).map_or(&self.results.slots.a.usable_params.slopes, |f| &f.detection.slopes))
+    }
+
+    pub fn listed_flags(self) -> Vec<bool> {
+        let mut flags = vec![false; self.features().len()];
+        for &i in &self.results.listed {
+            if let Some(flag) = flags.get_mut(i) {
+                *flag = true;
+            }
+        }
+        flags
+    }
+
+    pub(in crate::app) fn forget_closed_trails(self, engine: &Engine) {
+        let open = Side::BOTH.into_iter().filter_map(|side| Some(self.burst_of(side)?.id));
+        engine.keep_trails_of(&open.collect::<Vec<_>>());
+    }
+
+    /// `press` asks for a detection.
+    pub fn without_features(self, side: Side, press: &'static str) -> &'static str {
+        if self.results.slots[side].detecting.is_pending() { "Detecting…" } else { press }
+    }
+
+    pub fn detect_request(self, side: Side) -> Option<DetectRequest> {
+        Some(DetectRequest { burst: self.burst_of(side)?.clone(), params: self.asked_of(side) })
+    }
+
+    /// Whether a detection with the present parameters is missing, could be made, and has not failed already.
+    pub fn wants_detection(self, side: Side) -> bool {
+        let failed = |request: &DetectRequest| self.results.slots[side].detecting.has_failed(request);
+        self.needs_detection(side) && !self.detect_request(side).as_ref().is_some_and(failed)
+    }
+
+    /// They need no search, or that of the fewer slopes, and the last ones asked for are there: a newer request would
+    /// cancel them.
+    pub(in crate::app) fn features_can_follow(self, side: Side) -> bool {
+        let now = self.asked_of(side);
+        self.found_of(side).filter(|_| !self.results.slots[side].detecting.is_pending()).is_some_and(|found| {
+            let is_near = found.asked.judged_as(&now) == now;
+            let shares = |now: &DetectorParams| 2 * shared_slopes(now, &found.searched) >= now.used_slopes().len();
+            is_near && follows(&found.params.judged_as(&now), &found.searched)
+                || now.slopes.given().is_some_and(|grid| shares(&now.at(grid)))
+        })
+    }
+
+    /// Features that are wanted by themselves, or by the probe, which begins with them.
+    pub fn missing_features(self, side: Side, dragging: bool) -> Option<DetectRequest> {
+        let follows = match side {
+            Side::A => !dragging || self.features_can_follow(side),
+            Side::B => !dragging && self.document.workspace.shows_pair(),
+        };
+        let is_time = self.document.auto_detect && follows || !dragging && self.probe_wants_features(side);
+        self.detect_request(side).filter(|_| is_time && self.wants_detection(side))
+    }
 }
 
 impl Document {
@@ -231,22 +242,5 @@ impl Document {
             by.then(a.cmp(&b))
         });
         indices
-    }
-}
-
-impl Read<'_> {
-    /// Default of `near_slope` of a filter: as for the features over the picture.
-    pub fn near_slope(self) -> f32 {
-        near_slope(self.found_of(Side::A).map_or(&self.results.slots.a.usable_params.slopes, |f| &f.detection.slopes))
-    }
-
-    pub fn listed_flags(self) -> Vec<bool> {
-        let mut flags = vec![false; self.features().len()];
-        for &i in &self.results.listed {
-            if let Some(flag) = flags.get_mut(i) {
-                *flag = true;
-            }
-        }
-        flags
     }
 }

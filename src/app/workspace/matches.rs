@@ -3,7 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::dataset::filmstrip::working_ui;
 use crate::app::dataset::pairs;
-use crate::app::document::Action;
+use crate::app::document::{Action, PairChoice};
 use crate::app::panel::widgets::{section_ui, warning_ui};
 use crate::app::results::Read;
 use crate::app::workspace::pair::parameters;
@@ -56,15 +56,23 @@ fn empty_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 fn pairs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Pairs", |ui| {
-        let mut choice = model.document.pairs;
-        ui.radio_value(&mut choice.neighbours, false, "All pairs").on_hover_text("Each burst with every other one");
-        ui.horizontal(|ui| {
-            let help = "Each burst with the next few, for a camera path that does not return";
-            let label = ui.radio_value(&mut choice.neighbours, true, "Each with the next").on_hover_text(help);
-            let field = DragValue::new(&mut choice.overlap).range(1..=100_000).suffix(" bursts");
-            ui.add_enabled(choice.neighbours, field).labelled_by(label.id);
-        });
-        queue.edit(model.document, Action::SetPairChoice(choice));
+        let PairChoice { neighbours, mut overlap, alike } = model.document.pairs;
+        let (mut rule, mut partners) = ((neighbours, alike.is_some()), alike.unwrap_or(overlap));
+        ui.radio_value(&mut rule, (false, false), "All pairs").on_hover_text("Each burst with every other one");
+        let next = "Each burst with the next few, for a camera path that does not return";
+        let most_alike = "Each burst with those in which most of its strongest features have their nearest: for a camera path that comes back, or bursts in no order";
+        for (of, label, help, count) in [
+            ((true, false), "Each with the next", next, &mut overlap),
+            ((false, true), "Each with the most alike", most_alike, &mut partners),
+        ] {
+            ui.horizontal(|ui| {
+                let label = ui.radio_value(&mut rule, of, label).on_hover_text(help);
+                let field = DragValue::new(count).range(1..=100_000).suffix(" bursts");
+                ui.add_enabled(rule == of, field).labelled_by(label.id);
+            });
+        }
+        let (neighbours, alike) = (rule.0, rule.1.then_some(partners));
+        queue.edit(model.document, Action::SetPairChoice(PairChoice { neighbours, overlap, alike }));
         ui.add_space(4.0);
         if model.results.datasets.work.is_some() {
             working_ui(ui, &model.results.datasets);
@@ -82,7 +90,7 @@ fn pairs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
                 let text = format!("{missing} of {count} bursts have no features yet; pairs with them are left out");
                 warning_ui(ui, RichText::new(text).small());
             }
-            if !dataset.matches.is_empty() && *dataset.matches.params() != model.document.matching {
+            if !dataset.matches.counts.is_empty() && dataset.matches.params != model.document.matching {
                 let text = "The matching parameters changed; match again to update the matches";
                 warning_ui(ui, RichText::new(text).small());
             }
@@ -111,12 +119,8 @@ fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Selected pair", |ui| {
         let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else { return };
         match set.selected() {
-            Some(pair) => {
-                ui.add(Label::new(pairs::pair_text(dataset, pair)).wrap());
-            }
-            None => {
-                ui.weak("Click a cell of the matrix, or choose A and B in the filmstrip.");
-            }
+            Some(pair) => _ = ui.add(Label::new(pairs::pair_text(dataset, pair)).wrap()),
+            None => _ = ui.weak("Click a cell of the matrix, or choose A and B in the filmstrip."),
         }
         ui.add_space(4.0);
         ui.horizontal(|ui| {
@@ -132,8 +136,10 @@ fn header_ui(ui: &mut Ui, model: Read<'_>) {
     let verified = matches.listed().iter().filter(|(_, c)| c.inliers.is_some_and(|n| n > 0)).count();
     ui.horizontal(|ui| {
         ui.label(RichText::new(format!("Matches of {}", dataset.source.label())).strong());
-        let text =
-            format!("{} matched, {verified} of them verified", crate::inspect::words::counted(matches.len(), "pair"));
+        let text = format!(
+            "{} matched, {verified} of them verified",
+            crate::inspect::words::counted(matches.counts.len(), "pair")
+        );
         ui.add(Label::new(RichText::new(text).weak()).truncate());
     });
     ui.horizontal(|ui| pairs::legend_ui(ui, matches.strongest()));

@@ -14,7 +14,7 @@ use crate::dataset::{
 use crate::detector::SearchParams;
 use crate::error::Error;
 use crate::files::shell_path;
-use crate::matching::{MatchCounts, MatchParams};
+use crate::matching::{MatchCounts, MatchParams, PairSelection};
 use crate::requests::{JobError, Request, Urgency, Work};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -43,7 +43,7 @@ pub enum DatasetRequest {
     /// Find the features of all bursts that are not finished.
     Detect { bursts: Bursts, keeping: Keeping },
     /// Match pairs of finished bursts; pairs with one that is not are left out.
-    Match { bursts: Bursts, keeping: Keeping, pairs: Vec<(usize, usize)>, matching: MatchParams },
+    Match { bursts: Bursts, keeping: Keeping, pairs: PairSelection, matching: MatchParams },
     #[cfg(feature = "colmap")]
     Colmap { bursts: Bursts, request: Box<ColmapRequest> },
 }
@@ -120,6 +120,12 @@ impl Request for ThumbnailsRequest {
         }
         Ok(())
     }
+}
+
+/// Sentence about a model beside the database in `out`, which was made of another one; `None` where there is none.
+pub fn old_model(out: &Path) -> Option<String> {
+    let old = out.join("sparse");
+    old.exists().then(|| format!("{} is of an earlier database: its poses are not of this one", old.display()))
 }
 
 /// Commands that reconstruct what an export wrote to `out`: the mapper of COLMAP in two lines, or that of pycolmap. A

@@ -30,6 +30,7 @@ impl Request for DatasetRequest {
             Self::Match { bursts, keeping, pairs, matching } => {
                 // Features are read when a pair needs them, so that few bursts are in memory.
                 let mut kept = KeptBursts { store: &keeping.store()?, bursts: &bursts, monitor };
+                let pairs = kept.pairs(&pairs)?;
                 let mut on = |matched: MatchedPair<'_>| {
                     let aligned = matched.aligned(&matching, &monitor.silent())?;
                     tell(DatasetEvent::Matched { pair: matched.indices, counts: aligned.counts });

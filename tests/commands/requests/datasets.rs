@@ -3,6 +3,7 @@
 use super::{params, write_chart};
 use burstscope::dataset::DatasetSource;
 use burstscope::detector::{DetectorParams, SearchParams};
+use burstscope::matching::PairSelection;
 use burstscope::monitor::Monitor;
 use burstscope::requests::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, Keeping, OpenDataset, Request, Work,
@@ -10,7 +11,6 @@ use burstscope::requests::{
 #[cfg(feature = "colmap")]
 use burstscope::{
     dataset::{ColmapJob, FeatureJob},
-    matching::PairSelection,
     requests::ColmapRequest,
 };
 use std::path::Path;
@@ -82,18 +82,21 @@ fn each_burst_is_told_of_and_what_is_finished_stays_finished() {
     assert_eq!(other.other_params, Some(params().into()));
 
     // The two finished bursts are matched; pairs with the broken one are left out.
-    let pairs = vec![(0, 1), (0, 2), (1, 2)];
-    let matched = Mutex::new(Vec::new());
-    let request = DatasetRequest::Match { bursts: dataset.bursts, keeping, pairs, matching: Default::default() };
-    let tell = |event| {
-        if let DatasetEvent::Matched { pair, counts } = event {
-            matched.lock().expect("no panic").push((pair, counts.putative));
-        }
-    };
-    let answer = request.compute(&Work::alone(&Monitor::default()).telling(&tell));
-    assert!(matches!(answer, Ok(DatasetAnswer::Matched { left_out: 2 })), "{answer:?}");
-    let matched = matched.into_inner().expect("no panic");
-    assert!(matched.len() == 1 && matched[0].0 == (0, 2) && matched[0].1 > 0, "{matched:?}");
+    // So are those that are to look most alike: the broken one looks like none.
+    for (pairs, without) in [(PairSelection::All, 2), (PairSelection::Near(1), 1)] {
+        let matched = Mutex::new(Vec::new());
+        let (bursts, keeping) = (dataset.bursts.clone(), keeping.clone());
+        let request = DatasetRequest::Match { bursts, keeping, pairs, matching: Default::default() };
+        let tell = |event| {
+            if let DatasetEvent::Matched { pair, counts } = event {
+                matched.lock().expect("no panic").push((pair, counts.putative));
+            }
+        };
+        let answer = request.compute(&Work::alone(&Monitor::default()).telling(&tell));
+        assert!(matches!(answer, Ok(DatasetAnswer::Matched { left_out }) if left_out == without), "{answer:?}");
+        let matched = matched.into_inner().expect("no panic");
+        assert!(matched.len() == 1 && matched[0].0 == (0, 2) && matched[0].1 > 0, "{matched:?}");
+    }
 }
 
 #[test]

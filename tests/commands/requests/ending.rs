@@ -12,6 +12,7 @@ use burstscope::requests::{
     PosesRequest, ProbeQuestion, ProbeRequest, ReferenceSource, Request, Traced, TrailStore, Work,
 };
 use std::sync::{Arc, Mutex, OnceLock};
+use std::time::Duration;
 
 #[track_caller]
 fn why<T>(result: Result<T, JobError>) -> String {
@@ -113,4 +114,14 @@ fn failures_say_what_is_wrong() {
     let of = DetectionSource { burst: empty((32, 32), 3), ..source() };
     let cache = NothingKept.get_or_make(&of, &Monitor::default()).expect("valid");
     assert!(why(answer(probe(of.burst.id, cache))).contains("nothing in this burst is an extremum"));
+}
+
+#[test]
+fn the_time_left_follows_from_what_is_done() {
+    let left = |millis, fraction| burstscope::requests::time_left(Duration::from_millis(millis), fraction);
+    assert_eq!(left(10_000, 0.5), Some(Duration::from_secs(10)));
+    assert_eq!(left(1_000, 0.25), Some(Duration::from_secs(3)));
+    assert_eq!(left(10_000, 0.01), None, "too early to say");
+    assert_eq!(left(400, 0.5), None, "too short to say");
+    assert_eq!(left(10_000, 1.0), None, "it is done");
 }

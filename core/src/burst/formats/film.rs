@@ -11,9 +11,11 @@ use crate::burst::{number::Number, options::OpenOptions, times::Times};
 use crate::error::{Error, ErrorKind, Result};
 use crate::files::{self, shell_path};
 use crate::monitor::Monitor;
+use std::env::consts::EXE_EXTENSION;
+use std::ffi::{OsStr, OsString};
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};
-use std::{ffi::OsString, process::Command};
+use std::process::{ChildStdin, ChildStdout, Command};
 
 const KIND: &str = "film";
 
@@ -117,15 +119,15 @@ const AS_Y4M: [&str; 5] = ["-strict", "-1", "-f", "yuv4mpegpipe", "pipe:1"];
 const AS_PPM: [&str; 5] = ["-c:v", "ppm", "-f", "image2pipe", "pipe:1"];
 const LIST: [&str; 5] = ["-c", "copy", "-f", "framecrc", "pipe:1"];
 
-/// The `ffmpeg` that is found first in `PATH`; the error says the command that keeps the bits.
-fn ffmpeg(path: &Path) -> Result<PathBuf> {
-    let name = format!("ffmpeg{}", std::env::consts::EXE_SUFFIX);
+/// The `ffmpeg` that is found first in `PATH`.
+pub(crate) fn ffmpeg() -> Option<PathBuf> {
     let folders = std::env::var_os("PATH").unwrap_or_default();
     // A relative folder in `PATH` could run a program that lies beside the film.
-    let found = std::env::split_paths(&folders).filter(|folder| folder.is_absolute()).map(|folder| folder.join(&name));
-    found.into_iter().find(|program| program.is_file()).ok_or_else(|| missing(path))
+    let absolute = std::env::split_paths(&folders).filter(|folder| folder.is_absolute());
+    absolute.map(|folder| folder.join("ffmpeg").with_extension(EXE_EXTENSION)).find(|program| program.is_file())
 }
 
+/// Error for a film without `ffmpeg`, with the command that keeps its bits.
 fn missing(path: &Path) -> Error {
     let remedy = format!(
         "ffmpeg decodes it and is not in PATH: install it, or convert the film elsewhere, with all its bits: \
@@ -134,6 +136,11 @@ fn missing(path: &Path) -> Error {
         shell_path(&path.with_extension("y4m"))
     );
     Error::new(ErrorKind::Unsupported, "this is a film", remedy)
+}
+
+/// The path as an argument that `ffmpeg` takes for no option, pattern or address, whatever the name is.
+pub(crate) fn file_url(path: &Path) -> OsString {
+    [OsStr::new("file:"), path.as_os_str()].into_iter().collect()
 }
 
 /// Runs `ffmpeg` as [`run_once`] does, and again with the names of options that old versions know.
@@ -166,9 +173,8 @@ fn run_once<T>(
     let opened = files::open(path).and_then(|file| file.take(32).read_to_end(&mut start));
     opened.map_err(|e| Error::from_io(path, &e))?;
     let container = container(&start).ok_or_else(|| Error::corrupt(path, KIND, "its first bytes have changed"))?;
-    let mut command = Command::new(ffmpeg(path)?);
-    let mut input = OsString::from("file:");
-    input.push(path);
+    let mut command = Command::new(ffmpeg().ok_or_else(|| missing(path))?);
+    let input = file_url(path);
     command.args(["-nostdin", "-v", "error", "-protocol_whitelist", "file"]);
     if !options.accept_damaged {
         command.arg("-xerror");
@@ -179,36 +185,54 @@ fn run_once<T>(
         command.args(["-frames:v", &most.to_string()]);
     }
     command.args(arguments);
+    let Ran { answer, words: [words, _], is_well } = ran(command, path, monitor, |stdin, stdout| {
+        drop(stdin);
+        let mut reader = BufReader::with_capacity(1 << 16, stdout);
+        let answer = read(&mut reader)?;
+        // Read to the end: a closed pipe would look like a failure of the program.
+        io::copy(&mut reader, &mut io::sink()).map_err(|e| Error::from_read(path, KIND, &e))?;
+        Ok(answer)
+    })?;
+    match answer {
+        // A limit, or a value that is not finite, is not the program's failure.
+        Err(error) if words.is_empty() || error.kind != ErrorKind::Damaged => Err(error),
+        // `ffmpeg` goes on after damage, and ends well.
+        Ok(answer) if is_well && (words.is_empty() || options.accept_damaged) => Ok(answer),
+        Ok(_) if is_well => Err(said(path, &words, "--accept-damaged takes the frames that it decodes all the same")),
+        _ => Err(said(path, &words, "try ffmpeg on it by itself; what is damaged, copy again")),
+    }
+}
+
+/// End of a run of `ffmpeg`: what the work on its pipes gave, and the first and the last line of its words.
+pub(crate) struct Ran<T> {
+    pub answer: Result<T>,
+    pub words: [String; 2],
+    pub is_well: bool,
+}
+
+/// Runs `command`, an `ffmpeg` for the file `path`, with `work` on its input and output, until both have ended.
+///
+/// # Errors
+/// A program that cannot be started, and cancellation, which kills it.
+pub(crate) fn ran<T>(
+    command: Command,
+    path: &Path,
+    monitor: &Monitor,
+    work: impl FnOnce(ChildStdin, ChildStdout) -> Result<T>,
+) -> Result<Ran<T>> {
     let mut running = Running::spawn(command, path)?;
     let (stdin, stdout, stderr) = running.pipes();
-    drop(stdin);
-    // Both pipes are read at once: a full one would stop the program.
+    // All pipes are used at once: a full one would stop the program.
     let (answer, words) = std::thread::scope(|scope| {
-        let words = scope.spawn(move || last_words(stderr));
-        let mut reader = BufReader::with_capacity(1 << 16, stdout);
-        let answer = running.watched(path, monitor, None, || {
-            let answer = read(&mut reader)?;
-            // Read to the end: a closed pipe would look like a failure of the program.
-            io::copy(&mut reader, &mut io::sink()).map_err(|e| Error::from_read(path, KIND, &e))?;
-            Ok::<_, Error>(answer)
-        });
-        if !matches!(answer, Ok(Ok(_))) {
+        let words = scope.spawn(move || lines_of(stderr));
+        let answer = running.watched(path, monitor, None, || work(stdin, stdout)).flatten();
+        if answer.is_err() {
             running.kill();
         }
         (answer, words.join().unwrap_or_default())
     });
     monitor.check()?;
-    let ended_well = running.ends_well();
-    match answer? {
-        // A limit, or a value that is not finite, is not the program's failure.
-        Err(error) if words.is_empty() || error.kind != ErrorKind::Damaged => Err(error),
-        // `ffmpeg` goes on after damage, and ends well.
-        Ok(answer) if ended_well && (words.is_empty() || options.accept_damaged) => Ok(answer),
-        Ok(_) if ended_well => {
-            Err(said(path, &words, "--accept-damaged takes the frames that it decodes all the same"))
-        }
-        _ => Err(said(path, &words, "try ffmpeg on it by itself; what is damaged, copy again")),
-    }
+    Ok(Ran { answer, words, is_well: running.ends_well() })
 }
 
 /// Error with the words of `ffmpeg`, which are no verdict on the file.
@@ -217,14 +241,19 @@ fn said(path: &Path, words: &str, remedy: &str) -> Error {
     Error::new(ErrorKind::Damaged, format!("ffmpeg does not decode this film, and says: {words}"), remedy).about(path)
 }
 
-/// The first line written to `stderr`; the rest is read too, so that the writer never waits.
-fn last_words(stderr: impl Read) -> String {
-    const MAX_WORDS_BYTES: u64 = 2000;
-    let mut stderr = stderr;
-    let mut words = Vec::new();
-    let _ = (&mut stderr).take(MAX_WORDS_BYTES).read_to_end(&mut words);
-    let _ = io::copy(&mut stderr, &mut io::sink());
-    String::from_utf8_lossy(&words).lines().map(str::trim).find(|line| !line.is_empty()).unwrap_or_default().to_owned()
+/// First and last line written to `stderr`, 2000 bytes of each; all is read, so that the writer never waits.
+fn lines_of(stderr: impl Read) -> [String; 2] {
+    const MAX_LINE_BYTES: u64 = 2000;
+    let (mut reader, mut lines, mut line) = (BufReader::new(stderr), Vec::new(), Vec::new());
+    while (&mut reader).take(MAX_LINE_BYTES).read_until(b'\n', &mut line).is_ok_and(|bytes| bytes > 0) {
+        let text = String::from_utf8_lossy(&std::mem::take(&mut line)).trim().to_owned();
+        // A summary without a reason.
+        if !text.is_empty() && text != "Conversion failed!" {
+            lines.truncate(1);
+            lines.push(text);
+        }
+    }
+    [lines.first(), lines.last()].map(|line| line.cloned().unwrap_or_default())
 }
 
 /// Reads the first `most` frames as Y4M, or as PPM (`read` gets true) where Y4M has no pixel format near the film's.

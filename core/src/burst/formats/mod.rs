@@ -20,7 +20,8 @@ mod tiff;
 mod toy;
 mod y4m;
 
-pub use dump::{LikelyShape, likely_shapes};
+pub use dump::{LikelyShape, likely_shapes, shape_of};
+pub(crate) use film::{Ran, ffmpeg, file_url, ran};
 
 use super::options::{Limits, OpenOptions};
 use super::reading::confined::{self, wire::Part};

@@ -175,19 +175,3 @@ impl Numbers for Y4m {
         if places.is_empty() { Err(Error::corrupt(path, KIND, "it has no frame")) } else { Ok(film.plain(places)) }
     }
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn colours_are_understood() {
-        assert_eq!(planes_of("mono"), Some((None, 8)));
-        assert_eq!(planes_of("mono16"), Some((None, 16)));
-        assert_eq!(planes_of("420jpeg"), Some((Some((2, 2)), 8)));
-        assert_eq!(planes_of("422p10"), Some((Some((2, 1)), 10)));
-        for bad in ["", "42", "420p8", "420p17", "mono8", "mono99999999999", "rgb", "4\u{e9}\u{e9}"] {
-            assert_eq!(planes_of(bad), None, "{bad}");
-        }
-    }
-}

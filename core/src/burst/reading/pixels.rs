@@ -189,28 +189,3 @@ pub fn with_mosaic(path: &Path, frame: RawFrame, options: &OpenOptions) -> Resul
         plane.ok_or_else(|| refused("this frame is smaller than a square of its mosaic", "open larger frames"))?;
     Ok(RawFrame { plane, binning: 2, ..frame })
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn grey_stays_exact() {
-        for n in 0..=255u8 {
-            let expected = vec![f32::from(n) / 255.0];
-            assert_eq!(grey_from_interleaved(&[n], 1, Curve::Linear(255.0)), expected);
-            assert_eq!(grey_from_interleaved(&[n, 7], 2, Curve::Linear(255.0)), expected);
-            assert_eq!(grey_from_interleaved(&[n, n, n], 3, Curve::Linear(255.0)), expected);
-            assert_eq!(grey_from_interleaved(&[n, n, n, 0], 4, Curve::Linear(255.0)), expected);
-        }
-        assert_eq!(grey_from_planes(&[3u16], &[3], &[3], Curve::Linear(3.0)), vec![1.0]);
-    }
-
-    #[test]
-    fn the_encoding_is_undone_at_its_ends_and_in_its_linear_part() {
-        // Reference values of IEC 61966-2-1.
-        let grey = |value: u8| grey_from_interleaved(&[value], 1, Curve::of(255.0, true))[0];
-        assert_eq!((grey(0), grey(255)), (0.0, 1.0));
-        assert!((grey(10) - 10.0 / 255.0 / 12.92).abs() < 1e-7);
-    }
-}

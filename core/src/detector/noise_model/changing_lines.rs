@@ -211,37 +211,3 @@ fn lasting(frames: &[Vec<f32>], slopes: &[f32]) -> f32 {
     let tried = (0..=count as usize).map(|i| min + (max - min) * i as f32 / count.max(1.0));
     tried.map(kept).fold(1.0 / n, f32::max).min(1.0)
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::monitor::Monitor;
-    use crate::synth::{NoiseCase, SceneParams, demo_burst, synth_scene};
-
-    const SLOPES: [f32; 5] = [-3.0, -0.3, 0.0, 0.3, 3.0];
-
-    fn found(frames: &[Plane]) -> [Option<ChangingLines>; 2] {
-        let lines: Vec<[Lines; 2]> = frames.iter().map(lines_of).collect();
-        [0, 1].map(|axis| {
-            let of_axis: Vec<Lines> = lines.iter().map(|frame| frame[axis].clone()).collect();
-            ChangingLines::find(&of_axis, 0.5, &SLOPES)
-        })
-    }
-
-    fn case(case: NoiseCase) -> Vec<Plane> {
-        let burst = case.burst((480, 360), 8, 0.02, 5, &Monitor::default()).expect("not cancelled");
-        burst.frames.iter().map(|f| (**f).clone()).collect()
-    }
-
-    #[test]
-    fn noise_and_scenes_have_no_such_lines() {
-        for noise in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::Varying(6), NoiseCase::Jpeg(60)] {
-            assert_eq!(found(&case(noise)), [None, None], "{noise:?}");
-        }
-        let scene = SceneParams { width: 320, height: 240, layers: 2, ..SceneParams::default() };
-        let (scene, _) = synth_scene(&scene, &Monitor::default()).expect("a scene");
-        for burst in [scene, demo_burst()] {
-            assert_eq!(found(&burst.frames.iter().map(|f| (**f).clone()).collect::<Vec<_>>()), [None, None]);
-        }
-    }
-}

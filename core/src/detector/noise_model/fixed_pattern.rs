@@ -355,14 +355,6 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_found_where_there_is_no_pattern() {
-        for noise in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::NoisyFrame] {
-            assert_eq!(find(&case(noise), 0.02), FixedPattern::default(), "{noise:?}");
-        }
-        assert_eq!(find(&scene(3.0), 0.04), FixedPattern::default());
-    }
-
-    #[test]
     fn pixels_that_flicker_are_found_and_objects_that_cross_are_not() {
         let frames = case(NoiseCase::FlickeringPixels);
         let found = find(&frames, 0.02).hot_pixels.len();

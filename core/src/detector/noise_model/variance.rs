@@ -413,13 +413,6 @@ mod tests {
     }
 
     #[test]
-    fn the_same_noise_everywhere_needs_no_map() {
-        for case in [NoiseCase::White, NoiseCase::Correlated, NoiseCase::ClippedBlack] {
-            assert_eq!(map(&squares_in_place(case)), None, "{case:?}");
-        }
-    }
-
-    #[test]
     fn a_noisier_half_is_found_with_its_border() {
         let map = map(&squares_in_place(NoiseCase::NoisyHalf)).expect("the halves differ");
         let at = |u: f32, v: f32| map.at(Some(0), u, v);

@@ -93,11 +93,13 @@ pub enum DescribeSlope {
 }
 
 /// Distance at which a weaker keypoint is taken for the same blob.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, strum::Display)]
 pub enum Distinct {
     /// All keypoints stay.
+    #[strum(to_string = "off")]
     Off,
     /// Of keypoints nearer than this many σ of the stronger one, the stronger stays; above 0.
+    #[strum(to_string = "{0}")]
     Radius(f32),
 }
 
@@ -105,15 +107,6 @@ impl Default for Distinct {
     /// See [`super::doc::DISTINCT`]; chosen by reconstruction results (docs/MEASUREMENTS.md).
     fn default() -> Self {
         Self::Radius(1.25)
-    }
-}
-
-impl std::fmt::Display for Distinct {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        match self {
-            Self::Off => f.write_str("off"),
-            Self::Radius(radius) => write!(f, "{radius}"),
-        }
     }
 }
 

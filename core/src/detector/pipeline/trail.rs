@@ -3,7 +3,7 @@
 
 use crate::burst::Positions;
 use crate::detector::along::Along;
-use crate::detector::coherence::{Evenness, FrameResponse, floor_pixel};
+use crate::detector::coherence::{Evenness, floor_pixel};
 use crate::detector::distinct::{Blob, Deciding, Rule};
 use crate::detector::feature::{Detection, Feature, Keypoint, Test};
 use crate::detector::memory::on_threads;
@@ -50,7 +50,8 @@ pub struct Trail {
     stayed: Vec<(usize, Blob)>,
     pub(super) sigma_d: SigmaD,
     pub(super) detection: Detection,
-    pub(super) search_secs: f32,
+    /// Seconds that the search behind this trail took, with the description of its features.
+    pub search_secs: f32,
 }
 
 impl Trail {
@@ -80,7 +81,8 @@ impl Trail {
         work(&Search::new(&self.inputs, monitor))
     }
 
-    fn along(&self) -> Along<'_> {
+    /// D along any motion, at single places.
+    pub(crate) fn along(&self) -> Along<'_> {
         Along::with_means(&self.inputs, &self.outcome.means)
     }
 
@@ -118,11 +120,6 @@ impl Trail {
     /// Parameters of the detection, which may be stricter than those of the [search](Trail::searched_with).
     pub fn params(&self) -> &DetectorParams {
         &self.inputs.params
-    }
-
-    /// Seconds that the search behind this trail took, with the description of its features.
-    pub fn search_secs(&self) -> f32 {
-        self.search_secs
     }
 
     /// Parameters of the search behind this trail: parameters that [follow](super::follows) from them need no search.
@@ -299,29 +296,6 @@ impl Trail {
     /// Share (0 … 1) of a disc of scale `sigma` px at `place` that its frames see at `slope`; `None` without masks.
     pub fn seen_share(&self, place: (f32, f32), slope: Slope, sigma: f32) -> Option<f32> {
         self.inputs.seen_share(&self.inputs.offsets(slope), place, sigma)
-    }
-
-    /// D of the mean of the `chosen` frames (indices among those that took part) at each of the DoG `levels` of
-    /// `octave`, on the path through `place` (input pixels, at mid-burst) at any `slope`: as in the search, up to
-    /// interpolation. The octave must be one that was searched.
-    pub fn point_response(
-        &self,
-        (octave, levels): (i32, Range<i32>),
-        (place, slope): ((f32, f32), Slope),
-        chosen: &[usize],
-    ) -> Vec<f32> {
-        self.along().response(octave, levels, place, slope, chosen)
-    }
-
-    /// The response of each frame at a scale along a motion (input pixels), in time order.
-    pub fn frame_responses(
-        &self,
-        scale: Scale,
-        place: [f32; 2],
-        slope: Slope,
-        monitor: &Monitor,
-    ) -> Result<Vec<FrameResponse>, Cancelled> {
-        self.along().each_frame(scale, place, slope, monitor)
     }
 
     /// Evenness of the frames' responses along the motion of each of `features`, in their order.

@@ -22,7 +22,7 @@ pub const GREEN: Colour = [0x00, 0x7a, 0x58];
 /// Colour of the sheet.
 pub const WHITE: Colour = [255; 3];
 /// Approximate width of a letter over the size of the font.
-const LETTER: f64 = 0.52;
+pub const LETTER: f64 = 0.52;
 
 /// A rectangle of the sheet, pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]

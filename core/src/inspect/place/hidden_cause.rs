@@ -262,7 +262,7 @@ fn climbed(trail: &Trail, clear: &Clear, octave: i32, monitor: &Monitor) -> Resu
     // Of all levels from −1 on.
     let heights = |[u, v]: [f32; 2], slope: Slope| -> Vec<f32> {
         let chosen = covering(trail, [u, v], slope);
-        let values = trail.point_response((octave, -1..levels as i32), ((u, v), slope), &chosen);
+        let values = trail.along().response(octave, -1..levels as i32, (u, v), slope, &chosen);
         values.into_iter().map(|value| clear.peak.value.signum() * value).collect()
     };
     // Its slope first: beside it a small thing is smeared, and noise outdoes it.
@@ -332,7 +332,7 @@ const MOST_OTHERS: usize = 2;
 /// motion: it would be judged a ghost.
 pub(super) fn ghost(trail: &Trail, fate: &Fate, monitor: &Monitor) -> Result<Option<Cause>, Cancelled> {
     let scale = Scale { octave: fate.octave, level: fate.level };
-    let frames = trail.frame_responses(scale, fate.pos_image, fate.would_move, monitor)?;
+    let frames = trail.along().each_frame(scale, fate.pos_image, fate.would_move, monitor)?;
     let is_ghost = !fate.is_kept() && evenness_of(&frames).shape == Shape::Bump;
     let sentence = "no setting is proposed: only some of the frames respond along its motion, as for a ghost";
     Ok(is_ghost.then(|| Cause::new(CauseKind::Ghost, fate.would_move, sentence.to_owned())))

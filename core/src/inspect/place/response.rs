@@ -1,5 +1,5 @@
 //! The response at one place over slope and scale, finer than the grid: D in units of its noise, with its sign. It is
-//! computed from the frames ([`Trail::point_response`]), and equals the search's up to interpolation.
+//! computed from the frames, and equals the search's up to interpolation.
 
 use super::order::PlaceMotion;
 use crate::detector::{Scale, Slope, SlopeAxis, Trail};
@@ -235,7 +235,7 @@ fn slope_plane(trail: &Trail, place: [f32; 2], scale: Scale, monitor: &Monitor) 
 /// D over its noise at each of the levels; D itself where there is no noise.
 pub(super) fn snr_at(trail: &Trail, (octave, levels): (i32, Range<i32>), [u, v]: [f32; 2], slope: Slope) -> Vec<f32> {
     let covering = covering(trail, [u, v], slope);
-    let values = trail.point_response((octave, levels.clone()), ((u, v), slope), &covering);
+    let values = trail.along().response(octave, levels.clone(), (u, v), slope, &covering);
     let of_noise = |(level, value): (i32, f32)| {
         let sigma_d = trail.sigma_d_at(Scale { octave, level }, ((u, v), slope), &covering);
         if sigma_d > 0.0 { value / sigma_d } else { value }

@@ -54,7 +54,7 @@ pub fn shares(
     let ((planes, ..), Scale { octave, level }) = (trail.frames(), scale);
     let sigma = trail.space().sigma_image(octave, f64::from(level)) as f32;
     let half_px = PATCH_SIGMAS * sigma;
-    let frames = trail.frame_responses(scale, place, slope, monitor)?;
+    let frames = trail.along().each_frame(scale, place, slope, monitor)?;
     let patch = |(plane, response): (&Arc<Plane>, &FrameResponse)| {
         sample_patch(plane, response.pos_frame.into(), half_px, 0.0, PATCH_SIDE)
     };

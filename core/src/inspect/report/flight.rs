@@ -1,7 +1,6 @@
 //! Many bursts on one page: those that need somebody first, with the reasons, and a row for each.
 
-use super::page::{escaped, page_head, write_table};
-use super::written;
+use super::page::{HEADING, Page, Part, TEXT, TITLE};
 use crate::burst::Burst;
 use crate::dataset::{ColmapReport, Joined, PairReport};
 use crate::detect::{Searched, search};
@@ -13,7 +12,7 @@ use crate::inspect::words::{capitalised, counted, number, some_of};
 use crate::matching::Refusal;
 use crate::monitor::Monitor;
 use serde::Serialize;
-use std::{cmp::Reverse, fmt::Write};
+use std::cmp::Reverse;
 
 /// Health of a burst, as a search shows it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
@@ -89,36 +88,36 @@ pub fn worst_bursts(rows: &[FlightRow]) -> Vec<(&FlightRow, String)> {
         |of: fn(&BurstHealth) -> f32| median(rows.iter().filter_map(|row| row.health.as_ref().ok().map(of)).collect());
     let features = known(|health| health.features as f32).unwrap_or(0.0);
     let noise = known(|health| health.frame_noise).unwrap_or(0.0);
-    let fault = |row: &FlightRow| {
-        let health = match &row.health {
-            Ok(health) => health,
-            Err(why) => return Some((0, 0, why.clone())),
-        };
-        let judged = health.slopes_judged.as_ref();
-        // Slopes that are more than needed cost time alone.
-        let advised = judged.and_then(|judged| judged.advice.as_ref()).map(|advice| {
+    // The first fault of a burst is told, and its place in the list is its rank.
+    let faults = |row: &FlightRow| -> [Option<String>; 7] {
+        let health = row.health.as_ref().ok();
+        let judged = health.and_then(|health| health.slopes_judged.as_ref());
+        let advised = |is_cost: bool| {
+            let advice = judged?.advice.as_ref().filter(|advice| (advice.subject == AdviceSubject::Cost) == is_cost)?;
             let options = advice.options();
             let how = if options.is_empty() { options } else { format!(": try {options}") };
-            (if advice.subject == AdviceSubject::Cost { 6 } else { 1 }, advice.sentence.clone() + &how)
-        });
-        let (rank, why) = if let Some(fault) = advised.clone().filter(|(rank, _)| *rank == 1) {
-            fault
-        } else if (health.features as f32) < FEW * features {
-            (2, format!("{}, and {} in the median of all", counted(health.features, "feature"), number(features, 0)))
-        } else if row.verified_pairs == Some(0) {
-            (3, "no verified pair with another burst".to_owned())
-        } else if let Some(judged) = judged.filter(|judged| judged.holds().is_none()) {
-            (4, judged.sentence.clone())
-        } else if health.frame_noise > NOISY * noise {
-            (5, format!("noise of {:.5} of full scale, and {noise:.5} in the median of all", health.frame_noise))
-        } else {
-            advised?
+            Some(advice.sentence.clone() + &how)
         };
-        Some((rank, health.features, why))
+        let few = health.filter(|health| (health.features as f32) < FEW * features).map(|health| health.features);
+        let much = health.map(|health| health.frame_noise).filter(|found| *found > NOISY * noise);
+        [
+            row.health.as_ref().err().cloned(),
+            advised(false),
+            few.map(|n| format!("{}, and {} in the median of all", counted(n, "feature"), number(features, 0))),
+            (row.verified_pairs == Some(0)).then(|| "no verified pair with another burst".to_owned()),
+            judged.filter(|judged| judged.holds().is_none()).map(|judged| judged.sentence.clone()),
+            much.map(|found| format!("noise of {found:.5} of full scale, and {noise:.5} in the median of all")),
+            // Slopes that are more than needed cost time alone.
+            advised(true),
+        ]
     };
-    let mut worst: Vec<_> = rows.iter().filter_map(|row| fault(row).map(|fault| (row, fault))).collect();
-    worst.sort_by_key(|(_, (rank, features, _))| (*rank, *features));
-    worst.into_iter().take(WORST).map(|(row, (.., why))| (row, why)).collect()
+    let ranked = rows.iter().filter_map(|row| {
+        let (rank, why) = faults(row).into_iter().enumerate().find_map(|(rank, why)| Some((rank, why?)))?;
+        Some((rank, row.health.as_ref().map_or(0, |health| health.features), row, why))
+    });
+    let mut worst: Vec<_> = ranked.collect();
+    worst.sort_by_key(|(rank, features, ..)| (*rank, *features));
+    worst.into_iter().take(WORST).map(|(.., row, why)| (row, why)).collect()
 }
 
 /// The bursts as a table, in their order.
@@ -170,7 +169,7 @@ pub fn joined_text(Joined { parts, alone, refused_by_motions, refused_by_picture
     text
 }
 
-fn write_pairs(out: &mut String, rows: &[FlightRow], report: &ColmapReport) -> std::fmt::Result {
+fn tell_pairs(page: &mut Page, rows: &[FlightRow], report: &ColmapReport) {
     let Joined { parts, .. } = &report.joined;
     let mut text = joined_text(&report.joined) + if parts.is_empty() { "no pair is verified\n" } else { "" };
     let absent = rows.iter().filter(|row| row.verified_pairs.is_none()).map(|row| &*row.name).collect::<Vec<_>>();
@@ -178,43 +177,48 @@ fn write_pairs(out: &mut String, rows: &[FlightRow], report: &ColmapReport) -> s
     for (what, names) in apart.chain([("not in the folder of the pairs", absent.join(", "))]) {
         text += &if names.is_empty() { names } else { format!("{what}: {names}\n") };
     }
-    writeln!(out, "\n## Pairs\n")?;
-    text.lines().try_for_each(|line| writeln!(out, "- {}", escaped(&capitalised(line))))?;
+    page.line(HEADING, "Pairs");
+    page.items(text.lines().map(|line| (capitalised(line), String::new())));
     let mut weakest: Vec<&PairReport> = report.pairs.iter().collect();
     weakest.sort_by_key(|pair| (pair.counts.inliers, Reverse(pair.counts.putative)));
     let some = if weakest.len() > WEAKEST { format!("; the {WEAKEST} weakest") } else { String::new() };
-    writeln!(out, "\n{} with a match{some}, the fewest inliers first.", counted(weakest.len(), "pair"))?;
+    page.line(TEXT, format!("{} with a match{some}, the fewest inliers first.", counted(weakest.len(), "pair")));
     let row = |PairReport { ids, counts, .. }: &PairReport| {
         let [a, b] = ids.map(|id| report.burst(id).to_owned());
         let [putative, inliers] = [counts.putative, counts.inliers.unwrap_or(0)].map(|count| count.to_string());
         [a, b, putative, inliers, counts.refused.map_or("", Refusal::words).to_owned()]
     };
     let heads = ["burst a", "burst b", "putative matches", "inliers", "refused"];
-    write_table(out, heads, weakest.into_iter().take(WEAKEST).map(row))
+    page.table(heads, weakest.into_iter().take(WEAKEST).map(row));
 }
 
-/// The page as Markdown, also of `pairs`, with a comment as the first line, so that the mark is a comment too.
-pub fn flight_page(rows: &[FlightRow], pairs: Option<&ColmapReport>) -> String {
-    page_head()
-        + &written(|out| {
-            let health = || rows.iter().filter_map(|row| row.health.as_ref().ok());
-            let judged = health().filter_map(|health| health.slopes_judged.as_ref());
-            let fit = judged.filter(|judged| judged.holds() == Some(true)).count();
-            let [bursts, searched] = [rows.len(), health().count()].map(|count| counted(count, "burst"));
-            let features = counted(health().map(|health| health.features).sum(), "feature");
-            writeln!(out, "# {bursts}\n\n{features} in {searched}; the slopes fit in {fit}.\n\n## To look at first\n")?;
-            let worst = worst_bursts(rows);
-            for (row, why) in &worst {
-                writeln!(out, "- {}: {}\n\n      {}\n", escaped(&row.name), escaped(&capitalised(why)), row.open)?;
-            }
-            let none = if worst.is_empty() { "None stands out.\n\n" } else { "" };
-            writeln!(out, "{none}## All bursts\n\nNoise is of full scale, motion the features' median in px/frame.")?;
-            // The last column is of pairs alone.
-            let columns = FLIGHT_COLUMNS.split(',').count() - usize::from(pairs.is_none());
-            let (heads, table) = (FLIGHT_COLUMNS.split(',').take(columns), flight_table(rows));
-            write_table(out, heads, table.shown().map(|cells| cells.into_iter().take(columns)))?;
-            pairs.map_or(Ok(()), |pairs| write_pairs(out, rows, pairs))
-        })
+/// The bursts on a page, those first that need somebody, and what joins the images of `pairs`.
+pub fn flight_page(rows: &[FlightRow], pairs: Option<&ColmapReport>) -> Page {
+    let mut page = Page::default();
+    let health = || rows.iter().filter_map(|row| row.health.as_ref().ok());
+    let judged = health().filter_map(|health| health.slopes_judged.as_ref());
+    let fit = judged.filter(|judged| judged.holds() == Some(true)).count();
+    let [bursts, searched] = [rows.len(), health().count()].map(|count| counted(count, "burst"));
+    let features = counted(health().map(|health| health.features).sum(), "feature");
+    page.line(TITLE, bursts);
+    page.line(TEXT, format!("{features} in {searched}; the slopes fit in {fit}."));
+    page.line(HEADING, "To look at first");
+    let worst = worst_bursts(rows);
+    if worst.is_empty() {
+        page.line(TEXT, "None stands out.");
+    }
+    let told = |row: &FlightRow, why: &str| format!("{}: {}", row.name, capitalised(why));
+    page.0.extend(worst.iter().map(|(row, why)| Part::Item(told(row, why), row.open.clone())));
+    page.line(HEADING, "All bursts");
+    page.line(TEXT, "Noise is of full scale, motion the features' median in px/frame.");
+    // The last column is of pairs alone.
+    let columns = FLIGHT_COLUMNS.split(',').count() - usize::from(pairs.is_none());
+    let (heads, table) = (FLIGHT_COLUMNS.split(',').take(columns), flight_table(rows));
+    page.table(heads, table.shown().map(|cells| cells.into_iter().take(columns)));
+    if let Some(pairs) = pairs {
+        tell_pairs(&mut page, rows, pairs);
+    }
+    page
 }
 
 fn median(mut values: Vec<f32>) -> Option<f32> {

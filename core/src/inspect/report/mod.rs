@@ -7,7 +7,7 @@ mod page;
 
 pub use figure::{probe_figure, spectrum_figure};
 pub use flight::{BurstHealth, FlightRow, flight_page, flight_table, joined_text, worst_bursts};
-pub use page::BurstPage;
+pub use page::{BurstPage, Page};
 
 use super::place::{Cause, Fate, Outcome, Probe, Rival, Shares, SuspicionKind, TestReport};
 use super::result::{DecoyReport, FalseRate};

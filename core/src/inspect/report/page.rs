@@ -1,14 +1,15 @@
-//! A burst on one page, as Markdown, or drawn on a sheet under a picture of the burst: what it is, its slopes, noise,
-//! tests, false features and the places asked about, in the words of the other answers.
+//! A burst on one page, as text, or drawn on a sheet under a picture of the burst: what it is, its slopes, noise,
+//! tests, false features and the places asked about, in the words of the other answers. Pages, as Markdown and HTML.
 
-use super::{decoy_cells, doubts, reasons, shown_bars, slope_cells, test_cells, written};
+use super::{decoy_cells, doubts, reasons, shown_bars, slope_cells, test_cells};
 use crate::burst::{Burst, Info};
 use crate::detector::Test;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
 use crate::error::Result;
-use crate::export::sheet::{Anchor, Colour, Face, INK, RED};
-use crate::export::{Drawing, FigureRect, FigureShape, FigureStroke, FigureUnit};
+use crate::export::sheet::{Anchor, Area, Colour, Face, LETTER, RED, Sheet};
+use crate::export::{Drawing, Escaped, FigureStroke, FigureUnit};
+use crate::files::mark::SOFTWARE;
 use crate::inspect::ProbeCache;
 use crate::inspect::place::{Outcome, Probe, ProbeOptions, probe};
 use crate::inspect::result::{DecoyReport, DecoyStudy, decoys};
@@ -16,9 +17,8 @@ use crate::inspect::slopes::{Spectrum, spectrum};
 use crate::inspect::words::{capitalised, counted, number, sentence};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
-use crate::plane::display::{Display, to_rgba8};
-use std::fmt::Write;
-use std::sync::Arc;
+use crate::plane::display::Display;
+use std::path::Path;
 
 /// Answers about a burst and its search.
 #[derive(Debug)]
@@ -37,6 +37,14 @@ pub struct BurstPage<'a> {
     pub places: Vec<(String, Probe)>,
 }
 
+/// A4, points.
+const WIDTH: f64 = 595.0;
+const HEIGHT: f64 = 842.0;
+const MARGIN: f64 = 42.0;
+const PICTURE_HEIGHT: f64 = 260.0;
+const SIZE: f64 = 8.0;
+/// Okabe and Ito's yellow, seen on dark pictures and on bright ones.
+const RING: Colour = [240, 228, 66];
 /// Share of the work that copies of the burst take.
 const DECOYS: f32 = 0.7;
 /// Largest number of slopes in the table.
@@ -71,230 +79,253 @@ impl<'a> BurstPage<'a> {
         })
     }
 
-    /// The page as Markdown, with a comment as the first line, so that the mark is a comment too.
-    pub fn markdown(&self) -> String {
-        page_head()
-            + &written(|out| {
-                self.write_input(out)?;
-                self.write_slopes(out)?;
-                self.write_features(out)?;
-                self.places.iter().try_for_each(|(name, place)| write_place(out, name, place))
-            })
+    /// The page: the input, its slopes, noise, features and tests, then the places.
+    pub fn page(&self) -> Page {
+        let mut page = Page::default();
+        self.tell_input(&mut page);
+        self.tell_slopes(&mut page);
+        self.tell_features(&mut page);
+        self.places.iter().for_each(|(name, place)| tell_place(&mut page, name, place));
+        page
     }
 
-    fn write_input(&self, out: &mut String) -> std::fmt::Result {
+    fn tell_input(&self, page: &mut Page) {
         let described = self.info.text();
         let mut lines = described.lines();
-        writeln!(out, "# {}\n", escaped(lines.next().unwrap_or_default()))?;
-        for (subject, words) in lines.filter_map(|line| line.trim().split_once(' ')) {
-            writeln!(out, "- {subject}: {}", escaped(words.trim()))?;
-        }
-        for note in self.burst.notes().iter().filter(|note| !self.info.taken.contains(&note.text)) {
-            writeln!(out, "- note: {}", escaped(&note.for_command()))?;
-        }
-        Ok(())
+        page.line(TITLE, lines.next().unwrap_or_default());
+        let told = lines.filter_map(|line| line.trim().split_once(' '));
+        page.items(told.map(|(subject, words)| (format!("{subject}: {}", words.trim()), String::new())));
+        let notes = self.burst.notes().into_iter().filter(|note| !self.info.taken.contains(&note.text));
+        page.items(notes.map(|note| (format!("note: {}", note.for_command()), String::new())));
     }
 
-    fn write_slopes(&self, out: &mut String) -> std::fmt::Result {
+    fn tell_slopes(&self, page: &mut Page) {
         let Spectrum { finding, judgement, advice, .. } = &self.spectrum;
-        writeln!(out, "\n## Slopes\n\nThe frames: {}.\n", escaped(&finding.summary_beside_judgement()))?;
+        page.line(HEADING, "Slopes");
+        page.line(TEXT, format!("The frames: {}.", finding.summary_beside_judgement()));
         if let Some(fits) = judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
-            writeln!(out, "{}\n", escaped(&sentence(&fits.sentence)))?;
+            page.line(TEXT, sentence(&fits.sentence));
         }
-        write_items(out, advice.iter().map(|one| (one.sentence.clone(), one.options())))?;
+        page.items(advice.iter().map(|one| (one.sentence.clone(), one.options())));
         let (bars, hidden) = shown_bars(&self.spectrum, SLOPES);
         let heads = ["slope, px/frame", "features", "evidence", "seen by all frames"];
-        write_table(out, heads, bars.into_iter().map(slope_cells))?;
-        if hidden > 0 { writeln!(out, "\nAnd {} with less.", counted(hidden, "more slope")) } else { Ok(()) }
+        page.table(heads, bars.into_iter().map(slope_cells));
+        if hidden > 0 {
+            page.line(TEXT, format!("And {} with less.", counted(hidden, "more slope")));
+        }
     }
 
-    fn write_features(&self, out: &mut String) -> std::fmt::Result {
+    fn tell_features(&self, page: &mut Page) {
         let detection = self.cache.detection();
         let (noise, gate) = (detection.frame_noise, detection.noise_gate_factor);
-        writeln!(out, "\n## Noise\n\n{noise:.5} of full scale in a frame; noise gate {gate:.2} σ.\n")?;
-        write_items(out, detection.noise.warnings.iter().map(|warning| (warning.text.clone(), String::new())))?;
+        page.line(HEADING, "Noise");
+        page.line(TEXT, format!("{noise:.5} of full scale in a frame; noise gate {gate:.2} σ."));
+        page.items(detection.noise.warnings.iter().map(|warning| (warning.text.clone(), String::new())));
         let found = counted(detection.features.len(), "feature");
-        writeln!(out, "\n## Features\n")?;
+        page.line(HEADING, "Features");
         match &self.decoys {
-            Err(why) => writeln!(out, "{found}. How many are false is not known: {}.", escaped(why))?,
+            Err(why) => page.line(TEXT, format!("{found}. How many are false is not known: {why}.")),
             Ok(report) => {
                 let all = report.rates.first().map_or(0.0, |all| all.mean_in_copies());
                 let words = "are found on average with the frames in other orders: at most about as many are false";
-                writeln!(out, "{found}; {all:.1} {words}. {}.\n", capitalised(&report.sentence()))?;
-                write_items(out, report.doubt().map(|doubt| (sentence(&doubt), String::new())))?;
+                page.line(TEXT, format!("{found}; {all:.1} {words}. {}.", capitalised(&report.sentence())));
+                page.items(report.doubt().map(|doubt| (sentence(&doubt), String::new())));
                 let heads = ["SNR from", "found here", "in a copy", "there for each here"];
-                write_table(out, heads, report.rates.iter().map(decoy_cells))?;
+                page.table(heads, report.rates.iter().map(decoy_cells));
             }
         }
         let tally = &detection.tally;
         let (samples, kept) = (grouped(tally.samples), counted(tally.kept as usize, "keypoint"));
-        writeln!(
-            out,
-            "\n## Tests\n\n{kept} of {samples} samples; each other one counts at the first test that it failed.\n"
-        )?;
+        page.line(HEADING, "Tests");
+        page.line(
+            TEXT,
+            format!("{kept} of {samples} samples; each other one counts at the first test that it failed."),
+        );
         let rejected = Test::ALL.into_iter().map(|test| (test.reason(), tally.rejected_by(test)));
         let rejected = rejected.chain([(NOT_SEARCHED, tally.not_searched)]).filter(|(_, count)| *count > 0);
-        write_table(out, ["samples", "rejected as"], rejected.map(|(why, count)| [grouped(count), why.to_owned()]))
+        page.table(["samples", "rejected as"], rejected.map(|(why, count)| [grouped(count), why.to_owned()]));
     }
 
     /// The page as a drawing, at least as long as A4, with `picture` on top, circles around the features, and names
     /// or numbers at the places asked about; `caption` says what the picture is.
     pub fn drawing(&self, picture: &Plane, caption: &str) -> Drawing {
-        let mut sheet = Sheet { shapes: Vec::new(), y: MARGIN };
-        sheet.picture(picture, self);
-        sheet.line(&format!("{caption}; {}", counted(self.cache.detection().features.len(), "feature")));
-        let text = self.markdown();
-        // The first line is the mark's.
-        let lines: Vec<&str> = text.lines().skip(1).collect();
-        for lines in lines.chunk_by(|a, b| a.starts_with('|') && b.starts_with('|')) {
-            if lines[0].starts_with('|') { sheet.table(lines) } else { sheet.line(lines[0]) }
+        let mut sheet = Sheet::new(WIDTH, &format!("Report of {}", self.info.name));
+        let mut top = self.draw_picture(&mut sheet, picture);
+        let line = |sheet: &mut Sheet, top: f64, size: f64, text: &str| {
+            sheet.paragraph((MARGIN, top + size), size, WIDTH - 2.0 * MARGIN, text) - size
+        };
+        let found = counted(self.cache.detection().features.len(), "feature");
+        top = line(&mut sheet, top, SIZE, &format!("{caption}; {found}"));
+        for parts in self.page().groups() {
+            top = parts.iter().fold(top + 0.5 * SIZE, |top, part| match part {
+                Part::Line((.., size), text) => line(&mut sheet, top, size * SIZE, text),
+                Part::Item(text, _) => line(&mut sheet, top, SIZE, &format!("- {text}")),
+                Part::Table(rows) => draw_table(&mut sheet, top, rows),
+            });
         }
-        let size = [WIDTH, (sheet.y + MARGIN).max(HEIGHT)];
-        let paper = FigureShape::Rect { rect: FigureRect { min: [0.0; 2], size }, style: [255; 3].into() };
-        sheet.shapes.insert(0, paper);
-        Drawing { size, unit: FigureUnit::Point, shapes: sheet.shapes, title: format!("Report of {}", self.info.name) }
+        Drawing { unit: FigureUnit::Point, ..sheet.finish((top + MARGIN).max(HEIGHT)) }
+    }
+
+    /// Draws `picture` with the features and places; returns the top of what comes below it.
+    fn draw_picture(&self, sheet: &mut Sheet, picture: &Plane) -> f64 {
+        let (width, height) = (picture.width() as f64, picture.height() as f64);
+        let scale = ((WIDTH - 2.0 * MARGIN) / width).min(PICTURE_HEIGHT / height);
+        let area = Area { x: MARGIN, y: MARGIN, width: width * scale, height: height * scale };
+        // Dark frames would be black on paper.
+        sheet.picture(area, picture, &Display::stretched(picture));
+        let at = |place: [f32; 2]| {
+            let [u, v] = place.map(|x| (f64::from(x) + 0.5) * scale);
+            (area.x + u, area.y + v)
+        };
+        let stroke = FigureStroke { opacity: 0.9, ..FigureStroke::new(RING, 0.6) };
+        sheet.clipped(area, |sheet| {
+            for feature in &self.cache.detection().features {
+                let style = if feature.at_slope_limit { stroke.dashed([2.4; 2]) } else { stroke };
+                sheet.circle(at([feature.u, feature.v]), scale * f64::from(feature.circle_radius_px()), style);
+            }
+            for (name, place) in &self.places {
+                // Of a numbered place the number is enough.
+                let short = name.strip_prefix("Place ").unwrap_or(name);
+                sheet.styled_text(at(place.pos_image), 1.3 * SIZE, Anchor::Start, (Face::Plain, RED), short);
+            }
+        });
+        area.bottom() + 0.5 * SIZE
     }
 }
 
-fn write_place(out: &mut String, name: &str, probe: &Probe) -> std::fmt::Result {
+/// Draws rows of a table, the heads first; returns the top of what comes below it.
+fn draw_table(sheet: &mut Sheet, top: f64, rows: &[Vec<String>]) -> f64 {
+    let letters = |column: usize| rows.iter().filter_map(|row| Some(row.get(column)?.chars().count())).max();
+    rows.iter().fold(top, |top, row| {
+        let mut x = MARGIN + 2.0 * LETTER * SIZE;
+        for (column, cell) in row.iter().enumerate() {
+            sheet.text((x, top + SIZE), SIZE, Anchor::Start, cell);
+            x += (letters(column).unwrap_or(0) + 3) as f64 * LETTER * SIZE;
+        }
+        top + 1.3 * SIZE
+    })
+}
+
+fn tell_place(page: &mut Page, name: &str, probe: &Probe) {
     let [u, v] = probe.pos_image.map(|x| number(x, 1));
-    writeln!(out, "\n## {} at ({u}, {v})\n\n{}\n", escaped(name), escaped(&probe.summary))?;
-    write_items(out, reasons(probe).into_iter().chain(doubts(probe)))?;
-    let Some(fate) = probe.subject_fate() else { return Ok(()) };
-    write_items(out, [(sentence(&fate.verdict), String::new())])?;
-    write_items(out, fate.remedy.iter().map(|remedy| (remedy.sentence.clone(), remedy.change.option())))?;
-    writeln!(out)?;
+    page.line(HEADING, format!("{name} at ({u}, {v})"));
+    page.line(TEXT, probe.summary.clone());
+    page.items(reasons(probe).into_iter().chain(doubts(probe)));
+    let Some(fate) = probe.subject_fate() else { return };
+    page.items([(sentence(&fate.verdict), String::new())]);
+    page.items(fate.remedy.iter().map(|remedy| (remedy.sentence.clone(), remedy.change.option())));
     let asked = fate.tests.iter().filter(|report| report.outcome != Outcome::NotAsked);
     let rows = asked.map(|report| test_cells(report, Some(report.test) == fate.first_failed));
-    write_table(out, ["test", "value", "limit", "margin", "outcome"], rows)
+    page.table(["test", "value", "limit", "margin", "outcome"], rows);
 }
 
-/// Sentences, each with the option that mends the fault, or an empty text.
-fn write_items(out: &mut String, items: impl IntoIterator<Item = (String, String)>) -> std::fmt::Result {
-    items.into_iter().try_for_each(|(words, option)| {
-        let told = if option.is_empty() { words } else { format!("{}: try {option}", words.trim_end_matches('.')) };
-        writeln!(out, "- {}", escaped(&told))
-    })
+/// Kind of a line: its mark in Markdown, its element in HTML, and the size of its letters over that of others.
+type Look = (&'static str, &'static str, f64);
+pub(super) const TITLE: Look = ("# ", "h1", 1.75);
+pub(super) const HEADING: Look = ("## ", "h2", 1.3);
+pub(super) const TEXT: Look = ("", "p", 1.0);
+
+/// Part of a page, with its texts as they are read.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) enum Part {
+    Line(Look, String),
+    /// Item of a list, with a command line or an empty text.
+    Item(String, String),
+    /// Heads, then a row each.
+    Table(Vec<Vec<String>>),
 }
 
-/// First line of a page, a comment.
-pub(super) fn page_head() -> String {
-    format!("<!-- Burstscope {} -->\n\n", env!("CARGO_PKG_VERSION"))
-}
+/// Page of text, lists and tables, written as Markdown or as HTML that needs no other file.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Page(pub(super) Vec<Part>);
 
-pub(super) fn write_table<'a, R: IntoIterator<Item = String>>(
-    out: &mut String,
-    heads: impl IntoIterator<Item = &'a str>,
-    mut rows: impl Iterator<Item = R>,
-) -> std::fmt::Result {
-    let heads: Vec<String> = heads.into_iter().map(escaped).collect();
-    writeln!(out, "\n| {} |\n|{}", heads.join(" | "), " --- |".repeat(heads.len()))?;
-    rows.try_for_each(|cells| {
-        let cells: Vec<String> = cells.into_iter().map(|cell| escaped(&cell)).collect();
-        writeln!(out, "| {} |", cells.join(" | "))
-    })
-}
-
-/// Marks that Markdown would read: names of files may hold any.
-const MARKS: &str = "\\`*_[]<|#&~";
-
-pub(super) fn escaped(text: &str) -> String {
-    let marked = |letter: char| [MARKS.contains(letter).then_some('\\'), Some(letter)];
-    text.replace(char::is_control, " ").chars().flat_map(marked).flatten().collect()
-}
-
-/// A4, points.
-const WIDTH: f32 = 595.0;
-const HEIGHT: f32 = 842.0;
-const MARGIN: f32 = 42.0;
-const PICTURE_HEIGHT: f32 = 260.0;
-const SIZE: f32 = 8.0;
-/// Width of a letter over its height, estimated.
-const LETTER: f32 = 0.53;
-/// Okabe and Ito's yellow, seen on dark pictures and on bright ones.
-const RING: [u8; 3] = [240, 228, 66];
-
-struct Sheet {
-    shapes: Vec<FigureShape>,
-    /// Lower end of what is drawn.
-    y: f32,
-}
-
-impl Sheet {
-    fn text(&mut self, x: f32, size: f32, text: &str) {
-        self.shapes.push(words_at([x, self.y + size], size, INK, text.to_owned()));
+impl Page {
+    /// The page for a file at `path`, by its ending: HTML or Markdown; `None` for any other.
+    pub fn text_for(&self, path: &Path) -> Option<String> {
+        let is = |name: &str| path.extension().is_some_and(|ending| ending.eq_ignore_ascii_case(name));
+        if is("html") { Some(self.html()) } else { is("md").then(|| self.markdown()) }
     }
 
-    /// A line of Markdown, broken where it is too long.
-    fn line(&mut self, line: &str) {
-        let (size, words) = match line.split_once(' ') {
-            Some(("#", words)) => (1.75 * SIZE, words),
-            Some(("##", words)) => (1.3 * SIZE, words),
-            _ => (SIZE, line),
+    pub(super) fn line(&mut self, look: Look, text: impl Into<String>) {
+        self.0.push(Part::Line(look, text.into()));
+    }
+
+    /// Sentences, each with the option that mends the fault, or an empty text.
+    pub(super) fn items(&mut self, items: impl IntoIterator<Item = (String, String)>) {
+        self.0.extend(items.into_iter().map(|(words, option)| {
+            let told = if option.is_empty() { words } else { format!("{}: try {option}", words.trim_end_matches('.')) };
+            Part::Item(told, String::new())
+        }));
+    }
+
+    pub(super) fn table<'a, R: IntoIterator<Item = String>>(
+        &mut self,
+        heads: impl IntoIterator<Item = &'a str>,
+        rows: impl Iterator<Item = R>,
+    ) {
+        let heads = heads.into_iter().map(str::to_owned).collect();
+        self.0.push(Part::Table(std::iter::once(heads).chain(rows.map(|row| row.into_iter().collect())).collect()));
+    }
+
+    /// The parts, neighbouring items as one list.
+    fn groups(&self) -> impl Iterator<Item = &[Part]> {
+        self.0.chunk_by(|a, b| matches!((a, b), (Part::Item(..), Part::Item(..))))
+    }
+
+    /// Markdown, with a comment as the first line, so that the mark is a comment too.
+    pub fn markdown(&self) -> String {
+        let row =
+            |cells: &Vec<String>| format!("| {} |\n", cells.iter().map(|c| escaped(c)).collect::<Vec<_>>().join(" | "));
+        let part = |part: &Part| match part {
+            Part::Line((mark, ..), text) => format!("{mark}{}\n", escaped(text)),
+            Part::Item(text, line) if line.is_empty() => format!("- {}\n", escaped(text)),
+            Part::Item(text, line) => format!("- {}\n\n      {line}\n", escaped(text)),
+            Part::Table(rows) => {
+                let rule = " --- |".repeat(rows[0].len());
+                format!("{}|{rule}\n{}", row(&rows[0]), rows[1..].iter().map(row).collect::<String>())
+            }
         };
-        let most = ((WIDTH - 2.0 * MARGIN) / (LETTER * size)) as usize;
-        let mut part = String::new();
-        for word in shown(words).split_whitespace() {
-            if part.chars().count() + word.chars().count() >= most && !part.is_empty() {
-                self.text(MARGIN, size, &std::mem::take(&mut part));
-                self.y += 1.3 * size;
-            }
-            part = format!("{part} {word}").trim_start().to_owned();
-        }
-        self.text(MARGIN, size, &part);
-        self.y += if part.is_empty() { 0.5 } else { 1.3 } * size;
+        let groups = self.groups().map(|parts| format!("\n{}", parts.iter().map(part).collect::<String>()));
+        format!("<!-- {SOFTWARE} -->\n{}", groups.collect::<String>())
     }
 
-    /// Rows of a table of Markdown: the heads, a rule, and the others.
-    fn table(&mut self, lines: &[&str]) {
-        let cells = |line: &str| line.trim_matches(['|', ' ']).split(" | ").map(shown).collect::<Vec<String>>();
-        let rows: Vec<Vec<String>> =
-            lines.iter().filter(|line| !line.starts_with("| ---")).map(|line| cells(line)).collect();
-        let columns = rows.iter().map(Vec::len).max().unwrap_or(0);
-        let letters = |column: usize| rows.iter().filter_map(|row| Some(row.get(column)?.chars().count())).max();
-        let widths: Vec<usize> = (0..columns).map(|column| letters(column).unwrap_or(0) + 3).collect();
-        for row in rows {
-            let mut before = 2;
-            for (cell, width) in row.iter().zip(&widths) {
-                self.text(MARGIN + before as f32 * LETTER * SIZE, SIZE, cell);
-                before += width;
+    /// HTML, which is XML too, in the colours of the reader's system.
+    fn html(&self) -> String {
+        let cells = |tag: &str, cells: &[String]| {
+            let cell = |cell: &String| {
+                let is_number = cell.replace(['−', '%', ' '], "").parse::<f64>().is_ok();
+                format!("<{tag}{}>{}</{tag}>", if is_number { " class=\"number\"" } else { "" }, Escaped(cell))
+            };
+            format!("<tr>{}</tr>\n", cells.iter().map(cell).collect::<String>())
+        };
+        let part = |part: &Part| match part {
+            Part::Line((_, tag, _), text) => format!("<{tag}>{}</{tag}>\n", Escaped(text)),
+            Part::Item(text, line) if line.is_empty() => format!("<li>{}</li>\n", Escaped(text)),
+            Part::Item(text, line) => format!("<li>{}<pre>{}</pre></li>\n", Escaped(text), Escaped(line)),
+            Part::Table(rows) => {
+                let rest: String = rows[1..].iter().map(|row| cells("td", row)).collect();
+                format!(
+                    "<div><table>\n<thead>{}</thead>\n<tbody>\n{rest}</tbody>\n</table></div>\n",
+                    cells("th", &rows[0])
+                )
             }
-            self.y += 1.3 * SIZE;
-        }
-    }
-
-    fn picture(&mut self, picture: &Plane, page: &BurstPage<'_>) {
-        let (width, height) = picture.size();
-        let scale = ((WIDTH - 2.0 * MARGIN) / width as f32).min(PICTURE_HEIGHT / height as f32);
-        let rect = FigureRect { min: [MARGIN, self.y], size: [width as f32 * scale, height as f32 * scale] };
-        // Dark frames would be black on paper.
-        let rgba = Arc::new(to_rgba8(picture, &Display::stretched(picture)).into_raw());
-        self.shapes.push(FigureShape::Picture { rect, size: (width, height), rgba });
-        let at = |[u, v]: [f32; 2]| [rect.min[0] + (u + 0.5) * scale, rect.min[1] + (v + 0.5) * scale];
-        let stroke = FigureStroke { opacity: 0.9, ..FigureStroke::new(RING, 0.6) };
-        let rings = page.cache.detection().features.iter().map(|feature| FigureShape::Circle {
-            centre: at([feature.u, feature.v]),
-            radius: scale * feature.circle_radius_px(),
-            style: if feature.at_slope_limit { stroke.dashed([2.4; 2]) } else { stroke }.into(),
+        };
+        let groups = self.groups().map(|parts| {
+            let [begin, end] = if let Part::Item(..) = parts[0] { ["<ul>\n", "</ul>\n"] } else { [""; 2] };
+            format!("{begin}{}{end}", parts.iter().map(part).collect::<String>())
         });
-        // Of a numbered place the number is enough.
-        let short = |name: &str| name.strip_prefix("Place ").unwrap_or(name).to_owned();
-        let names = page.places.iter().map(|(name, place)| words_at(at(place.pos_image), 1.3 * SIZE, RED, short(name)));
-        let shapes = rings.chain(names).collect();
-        self.shapes.push(FigureShape::Clipped { rect, round: false, shapes });
-        self.y += rect.size[1] + 0.5 * SIZE;
+        let title = self.0.iter().find_map(|part| if let Part::Line(_, text) = part { Some(&**text) } else { None });
+        format!(
+            "{}<meta name=\"generator\" content=\"{SOFTWARE}\"/>\n<title>{}</title>\n</head>\n<body>\n{}</body>\n</html>\n",
+            include_str!("page.html"),
+            Escaped(title.unwrap_or_default()),
+            groups.collect::<String>()
+        )
     }
 }
 
-fn words_at(at: [f32; 2], size: f32, color: Colour, text: String) -> FigureShape {
-    FigureShape::Text { at, anchor: Anchor::Start, size, face: Face::Plain, color, upwards: false, text }
-}
-
-/// Text of Markdown as it is read.
-fn shown(text: &str) -> String {
-    let mut letters = text.chars();
-    let letter = |letters: &mut std::str::Chars<'_>| {
-        letters.next().and_then(|c| if c == '\\' { letters.next() } else { Some(c) })
-    };
-    std::iter::from_fn(|| letter(&mut letters)).collect()
+/// Text without marks that Markdown would read: names of files may hold any.
+fn escaped(text: &str) -> String {
+    let marked = |letter: char| ["\\`*_[]<|#&~".contains(letter).then_some('\\'), Some(letter)];
+    text.replace(char::is_control, " ").chars().flat_map(marked).flatten().collect()
 }

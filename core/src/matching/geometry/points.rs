@@ -147,6 +147,7 @@ pub(super) fn cross_matrix(v: &Vector3<f64>) -> Matrix3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::synth::random::Stream;
     use nalgebra::SMatrix;
 
     #[test]
@@ -156,17 +157,10 @@ mod tests {
         assert!(Normalisation::of(&[]).0.scale.is_finite());
     }
 
-    fn numbers(seed: u64) -> impl FnMut() -> f64 {
-        let mut state = seed;
-        move || {
-            state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-            (state >> 11) as f64 / (1u64 << 52) as f64 - 1.0
-        }
-    }
-
     #[test]
     fn null_spaces_are_perpendicular_and_orthonormal() {
-        let mut number = numbers(1);
+        let mut random = Stream::new(1, 0);
+        let mut number = || random.within(-1.0, 1.0);
         for _ in 0..50 {
             let rows: [[f64; 9]; 5] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
             let basis: [Vector9; 4] = null_space(&mut rows.clone()).expect("independent rows");
@@ -181,7 +175,8 @@ mod tests {
 
     #[test]
     fn dependent_rows_and_nonsense_have_none() {
-        let mut number = numbers(2);
+        let mut random = Stream::new(2, 0);
+        let mut number = || random.within(-1.0, 1.0);
         let mut rows: [[f64; 9]; 7] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
         rows[6] = rows[2];
         assert!(null_space::<2>(&mut rows.clone()).is_none());
@@ -194,7 +189,8 @@ mod tests {
 
     #[test]
     fn min_eigenvectors_are_those_of_the_null_space() {
-        let mut number = numbers(3);
+        let mut random = Stream::new(3, 0);
+        let mut number = || random.within(-1.0, 1.0);
         let mut rows: [[f64; 9]; 8] = std::array::from_fn(|_| std::array::from_fn(|_| number()));
         let normal: SMatrix<f64, 9, 9> =
             rows.iter().map(|row| Vector9::from_row_slice(row)).map(|row| row * row.transpose()).sum();

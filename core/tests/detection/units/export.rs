@@ -20,10 +20,31 @@ mod atomic {
         assert_eq!(error, Err(Error::unwritten(&path, &io::Error::other("disk full"))));
         assert_eq!(std::fs::read(&path).expect("read"), b"old");
         assert_eq!(count(folder.path()), 1);
+        #[cfg(unix)]
+        {
+            use std::os::unix::fs::PermissionsExt;
+            std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
+            write_whole(&path, |w| w.write_all(b"new")).expect("written");
+            let mode = std::fs::metadata(&path).expect("a file").permissions().mode();
+            assert_eq!((mode & 0o777, std::fs::read(&path).expect("read")), (0o640, b"new".to_vec()), "kept");
+        }
         let path = folder.path().join("new.txt");
         let panicked = std::panic::catch_unwind(|| write_whole(&path, |_| panic!("on purpose")));
         assert!(panicked.is_err());
         assert_eq!(count(folder.path()), 1);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_file_keeps_its_permissions_when_it_is_replaced() {
+        use std::os::unix::fs::PermissionsExt;
+        let folder = tempfile::tempdir().expect("folder");
+        let path = folder.path().join("a.txt");
+        std::fs::write(&path, "old").expect("written");
+        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
+        write_whole(&path, |w| w.write_all(b"new")).expect("written");
+        assert_eq!(std::fs::metadata(&path).expect("file").permissions().mode() & 0o777, 0o640);
+        assert_eq!(std::fs::read(&path).expect("read"), b"new");
     }
 }
 
@@ -73,8 +94,9 @@ mod film {
             assert!(off.is_some_and(|off| off <= 4), "{off:?}");
         }
         assert!(decoder.read_next_frame().expect("read").is_none());
-        let estimate = estimated_film_bytes(Path::new("a.gif"), [&pictures()[0], &pictures()[1]], 3) as f64;
-        assert!((0.4..3.0).contains(&(estimate / bytes.len() as f64)));
+        let estimate = |file: &str| estimated_film_bytes(Path::new(file), [&pictures()[0], &pictures()[1]], 3);
+        assert!(estimate("a.gif").is_some_and(|about| (0.4..3.0).contains(&(about as f64 / bytes.len() as f64))));
+        assert_eq!(estimate("a.mp4"), None);
     }
 
     #[test]
@@ -107,7 +129,12 @@ mod film {
         let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
         let error = encode_film(&mut Vec::new(), failing, 10, &Monitor::default());
         assert!(error.is_err_and(|error| error.to_string() == "no picture"));
-        assert!(is_film(Path::new("a/b.GIF")) && !is_film(Path::new("a.apng")) && !is_film(Path::new("gif")));
+        assert!(
+            is_film(Path::new("a/b.GIF"))
+                && is_film(Path::new("a.mp4"))
+                && !is_film(Path::new("a.apng"))
+                && !is_film(Path::new("gif"))
+        );
     }
 
     #[test]
@@ -127,6 +154,58 @@ mod film {
         assert_eq!(names(), ["sweep-000.png", "sweep-001.png", "sweep-002.png"]);
         for (file, truth) in film_files(&path, 3).iter().zip(pictures()) {
             assert_eq!(image::open(file).expect("a picture").to_rgba8(), truth, "all of its colours");
+        }
+    }
+}
+
+mod mp4 {
+    use burstscope_core::export::film::write_film;
+    use burstscope_core::export::is_ours;
+    use burstscope_core::monitor::Monitor;
+    use image::{Rgba, RgbaImage};
+    use std::io;
+    use std::process::Command;
+
+    #[needs::program("ffmpeg")]
+    #[test]
+    fn an_mp4_comes_back_picture_by_picture_with_even_sides() {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("-y a:%03d.mp4");
+        let colours = [[200, 40, 40], [40, 200, 40], [40, 40, 200], [128; 3]];
+        let picture = |[r, g, b]: [u8; 3]| RgbaImage::from_pixel(33, 17, Rgba([r, g, b, 255]));
+        let pictures = (4, colours.map(|colour| Ok(picture(colour))));
+        write_film(&path, pictures, 10, &Monitor::default()).expect("written");
+        assert!(is_ours(&path), "it has its mark");
+        let mut decoder = Command::new("ffmpeg");
+        decoder.args(["-nostdin", "-v", "error", "-i"]).arg(format!("file:{}", path.display()));
+        let decoded = decoder.args(["-f", "rawvideo", "-pix_fmt", "rgb24", "pipe:1"]).output().expect("it starts");
+        assert!(decoded.status.success() && decoded.stderr.is_empty(), "{}", String::from_utf8_lossy(&decoded.stderr));
+        let frames: Vec<&[u8]> = decoded.stdout.chunks(34 * 18 * 3).collect();
+        assert_eq!((frames.len(), decoded.stdout.len()), (4, 4 * 34 * 18 * 3));
+        for (frame, colour) in frames.iter().zip(colours) {
+            let middle = &frame[3 * (8 * 34 + 16)..][..3];
+            assert!(middle.iter().zip(colour).all(|(a, b)| a.abs_diff(b) <= 12), "{middle:?} for {colour:?}");
+        }
+    }
+
+    #[needs::program("ffmpeg")]
+    #[test]
+    fn an_mp4_that_fails_or_is_cancelled_leaves_nothing() {
+        let home = tempfile::tempdir().expect("a folder");
+        let path = home.path().join("a.mp4");
+        let picture = |side| Ok(RgbaImage::new(side, 8));
+        let cancelled = Monitor::default();
+        cancelled.cancel();
+        let none = Monitor::default();
+        for (pictures, monitor, words) in [
+            (vec![picture(8), Err(io::Error::other("no picture"))], &none, "no picture"),
+            (vec![picture(8), picture(9)], &none, "one size"),
+            (Vec::new(), &none, "at least one picture"),
+            (vec![picture(8), picture(8)], &cancelled, "cancelled"),
+        ] {
+            let error = write_film(&path, (2, pictures), 10, monitor).expect_err(words);
+            assert!(error.to_string().contains(words), "{error}");
+            assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 0, "{words}");
         }
     }
 }

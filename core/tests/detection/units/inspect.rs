@@ -225,9 +225,15 @@ mod flight {
         assert_eq!(named(&rows), ["d", "a", "c", "e", "b"]);
         rows[2] = row("c", 90, 0.1, true);
         assert_eq!(named(&rows), ["d", "a", "e", "b", "f"]);
-        assert!(flight_page(&rows, None).contains("the slopes fit in 3."), "two of them with more than needed");
+        assert!(
+            flight_page(&rows, None).markdown().contains("the slopes fit in 3."),
+            "two of them with more than needed"
+        );
         rows[0] = row("a", 99, 0.1, true);
-        assert!(worst_bursts(&rows[..1]).is_empty() && flight_page(&rows[..1], None).contains("None stands out."));
+        assert!(
+            worst_bursts(&rows[..1]).is_empty()
+                && flight_page(&rows[..1], None).markdown().contains("None stands out.")
+        );
         let csv = flight_table(&rows).csv();
         assert!(csv.contains("a,5,8,6,0.1,yes,too little,99,,even,,\n"), "{csv}");
         assert!(csv.contains("d,,,,,,,,,,\"gone, \"\"all\"\"\",\n"), "{csv}");
@@ -265,6 +271,10 @@ mod flight {
         let worst = worst_bursts(&rows);
         assert_eq!(worst, [(&rows[1], "no verified pair with another burst".to_owned())]);
         let page = flight_page(&rows, Some(&report));
+        let html = page.text_for("f.HTML".as_ref()).expect("an ending of a page");
+        let cells = "<td>b_1</td><td>b_3</td><td class=\"number\">103</td><td class=\"number\">0</td><td>the motions";
+        assert!(html.contains(cells) && html.contains("<li>b_2: No verified pair"), "{html}");
+        let page = page.markdown();
         let place = |words: &str| page.find(words).unwrap_or_else(|| panic!("no {words}: {page}"));
         let in_order = [
             r"- b\_2: No verified pair with another burst",
@@ -280,10 +290,15 @@ mod flight {
         ];
         assert!(in_order.map(place).is_sorted(), "{page}");
         assert!(!page.contains(r"b\_6 | 106"), "{page}");
-        assert!(!flight_page(&rows[..1], None).contains("verified"), "neither a column nor a part without pairs");
+        assert!(
+            !flight_page(&rows[..1], None).markdown().contains("verified"),
+            "neither a column nor a part without pairs"
+        );
         let none = ColmapReport { joined: Joined::of(&report.images[..2], &[]), ..ColmapReport::default() };
         assert!(
-            flight_page(&rows[1..2], Some(&none)).contains("## Pairs\n\n- No pair is verified\n\n0 pairs with a match")
+            flight_page(&rows[1..2], Some(&none))
+                .markdown()
+                .contains("## Pairs\n\n- No pair is verified\n\n0 pairs with a match")
         );
     }
 }

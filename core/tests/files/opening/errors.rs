@@ -226,6 +226,10 @@ fn limits_are_checked_before_memory_is_taken() {
         save(&at(&format!("many/{t}.png")), &grey8(30, 30, 0));
     }
     fails(&at("many"), "3 × 30×30");
+    // Two frames at the edge of what is allowed open.
+    fs::create_dir(at("edge")).expect("made");
+    (0..2).for_each(|t| save(&at(&format!("edge/{t}.png")), &grey8(50, 20, 0)));
+    assert_eq!(Burst::open_with(&[at("edge")], &options, &Monitor::default()).expect("within the limits").len(), 2);
     // A few bytes that announce a huge picture, against the default limits.
     fs::write(at("giant.pam"), "P7\nWIDTH 200000\nHEIGHT 200000\nDEPTH 1\nMAXVAL 255\nENDHDR\n").expect("written");
     assert_eq!(failure(&at("giant.pam"), &["200000×200000"]).kind, ErrorKind::TooLarge);

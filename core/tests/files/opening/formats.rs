@@ -29,6 +29,15 @@ fn lossless_pictures_of_8_bit_are_exact() {
             }
         }
     }
+    // Grey is exact as a colour too, whatever its alpha.
+    let [rgb, rgba, grey_alpha] = ["rgb.png", "rgba.png", "la.png"].map(|name| folder.path().join(name));
+    save(&rgb, &ImageBuffer::from_fn(256, 1, |u, _| Rgb([u as u8; 3])));
+    save(&rgba, &ImageBuffer::from_fn(256, 1, |u, _| Rgba([u as u8, u as u8, u as u8, 255 - u as u8])));
+    save(&grey_alpha, &ImageBuffer::from_fn(256, 1, |u, _| LumaA([u as u8, 7])));
+    for path in [rgb, rgba, grey_alpha] {
+        let burst = Burst::open(&path).expect("opens");
+        assert!((0..256).all(|n| burst.frames[0].at(n, 0) == n as f32 / 255.0), "{}", path.display());
+    }
 }
 
 #[test]
@@ -329,6 +338,22 @@ fn a_dataset_is_a_folder_of_burst_folders() {
     }
     let error = open(&dataset).expect_err("three bursts");
     assert_eq!(error.to_string(), "there are 3 bursts here, open one of them: burst1, burst2, burst10");
+}
+
+#[test]
+fn of_bursts_a_folder_too_deep_the_folders_above_are_told() {
+    let folder = folder();
+    for name in ["left/burst_0", "left/burst_1", "right/burst_0", "notes"] {
+        fs::create_dir_all(folder.path().join(name)).expect("made");
+        if name != "notes" {
+            save(&folder.path().join(name).join("1.png"), &grey8(3, 2, 0));
+        }
+    }
+    let error = find_bursts(&[folder.path().to_path_buf()], &OpenOptions::default()).expect_err("too deep");
+    let [left, right] = ["left", "right"].map(|name| folder.path().join(name));
+    let given = format!("give the folders above them, such as {} {}", left.display(), right.display());
+    assert_eq!(error.remedy, format!("bursts lie a folder deeper: {given}"));
+    assert_eq!(names(&[left, right]), ["burst_0", "burst_1", "burst_0-2"]);
 }
 
 #[test]

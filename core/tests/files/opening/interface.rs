@@ -48,6 +48,9 @@ mod arrays {
         let arrays = Arrays { frames: vec![frame(), frame()], ..Arrays::default() };
         let burst = Burst::from_arrays("shared", arrays, &OpenOptions::default(), &Monitor::default()).expect("made");
         assert!(burst.frames.iter().all(|plane| std::ptr::eq(plane.data(), owner.pixels())));
+        let mut changed = Plane::clone(&burst.frames[0]);
+        (changed.data_mut()[3], changed.row_mut(1)[0]) = (9.0, 7.0);
+        assert_eq!((changed.at(3, 0), changed.at(0, 1), owner.pixels()[3]), (9.0, 7.0, 0.25), "copied before a change");
     }
 
     #[test]
@@ -155,10 +158,10 @@ mod dump {
     use burstscope_core::Monitor;
     use burstscope_core::burst::{Limits, likely_shapes};
 
-    /// Frames of 320×240 u16 with a few soft lamps under noise, as bytes.
-    fn dark(frames: u32) -> Vec<u8> {
+    /// Frames of u16 with a few soft lamps under noise, as bytes.
+    fn dark(frames: u32, (width, height): (u32, u32)) -> Vec<u8> {
         let value = |t: u32, u: u32, v: u32| {
-            let hash = (u + 320 * (v + 240 * t)).wrapping_mul(0x9E37_79B9) ^ 0x5bd1_e995;
+            let hash = (u + width * (v + height * t)).wrapping_mul(0x9E37_79B9) ^ 0x5bd1_e995;
             let noise = (hash.wrapping_mul(0x85eb_ca6b) >> 22) as f32 / 8.0;
             let light: f32 = [(60.0, 80.0), (200.0, 150.0), (260.0, 40.0)]
                 .map(|(x, y): (f32, f32)| 90.0 * (-((u as f32 - x).powi(2) + (v as f32 - y).powi(2)) / 300.0).exp())
@@ -166,7 +169,7 @@ mod dump {
                 .sum();
             (256.0 + noise + light) as u16
         };
-        let frame = |t| (0..240).flat_map(move |v| (0..320).flat_map(move |u| value(t, u, v).to_le_bytes()));
+        let frame = |t| (0..height).flat_map(move |v| (0..width).flat_map(move |u| value(t, u, v).to_le_bytes()));
         (0..frames).flat_map(frame).collect()
     }
 
@@ -174,11 +177,16 @@ mod dump {
     fn the_right_shape_of_a_dark_dump_comes_first() {
         let home = tempfile::tempdir().expect("a folder");
         let path = home.path().join("night.bin");
-        std::fs::write(&path, dark(20)).expect("written");
+        std::fs::write(&path, dark(20, (320, 240))).expect("written");
         let shapes = likely_shapes(&path, &Limits::default(), &Monitor::default()).expect("read");
         let names: Vec<String> = shapes.iter().map(|shape| format!("{} {}", shape.dump, shape.likeness)).collect();
         assert!(shapes.len() > 3 && names[0].starts_with("320x240:u16le"), "{names:?}");
         assert_eq!((shapes[0].frames, shapes[0].first.size()), (20, (320, 240)));
+        // Three rows side by side are the rows of a picture too, which repeats.
+        std::fs::write(&path, dark(9, (240, 180))).expect("written");
+        let shapes = likely_shapes(&path, &Limits::default(), &Monitor::default()).expect("read");
+        let names: Vec<String> = shapes.iter().map(|shape| format!("{} {}", shape.dump, shape.likeness)).collect();
+        assert!(names[0].starts_with("240x180:u16le") && names[1].starts_with("720x540:u16le"), "{names:?}");
         std::fs::write(&path, [7; 999]).expect("written");
         assert!(likely_shapes(&path, &Limits::default(), &Monitor::default()).expect("read").is_empty());
         assert!(likely_shapes(home.path().join("none").as_path(), &Limits::default(), &Monitor::default()).is_err());

@@ -44,6 +44,11 @@ fn colour_of_8_bit_is_said_to_be_encoded_and_is_undone_when_asked() {
         // IEC 61966-2-1: ((188/255 + 0.055)/1.055)^2.4.
         assert!((undone.frames[0].at(0, 0) - 0.50289).abs() < 1e-4, "{name}: {}", undone.frames[0].at(0, 0));
     }
+    // Its ends, and its linear part.
+    save(&at("ends.png"), &RgbImage::from_fn(3, 1, |u, _| Rgb([[0, 10, 255][u as usize]; 3])));
+    let ends = linearised(&at("ends.png"));
+    assert_eq!((ends.frames[0].at(0, 0), ends.frames[0].at(2, 0)), (0.0, 1.0));
+    assert!((ends.frames[0].at(1, 0) - 10.0 / 255.0 / 12.92).abs() < 1e-7);
     // Colours are weighted as light, not as encoded values.
     assert_close(&[linearised(&at("colour.png")).frames[0].at(3, 1)], &[0.2126 * 0.502_886]);
 }

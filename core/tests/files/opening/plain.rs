@@ -141,10 +141,19 @@ fn files_without_header_have_the_shape_that_is_said() {
     // Any name, as many programs give none.
     let nameless = Opened::new("dump", &[1, 2, 3, 4, 5, 6]);
     assert_close(&values(&nameless.open(&raw("3x1:u8")).expect("opens")), &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
-    let packed = Opened::new("p.raw", &[0xbc, 0x3a, 0x12, 0xbc, 0x3a, 0x12]);
-    let burst = packed.open(&raw("2x1:mono12p")).expect("opens");
-    assert_eq!((burst.len(), burst.full_scale), (2, 4095.0));
-    assert_close(&values(&burst), &[2748.0, 291.0, 2748.0, 291.0]);
+    // The standards' 12 bits of 0xabc and 0x123; 10 bits of 0x2ab, 0x1cd, 0x001 and 0x3ff; an odd number of pixels.
+    let four = (0x2ab | 0x1cd << 10 | 0x001u64 << 20 | 0x3ff << 30).to_le_bytes();
+    for (shape, bytes, white, expected) in [
+        ("2x1:mono12p", &[0xbc, 0x3a, 0x12, 0xbc, 0x3a, 0x12][..], 4095.0, &[2748.0, 291.0, 2748.0, 291.0][..]),
+        ("3x1:mono12p", &[0xbc, 0x3a, 0x12, 0xbc, 0x0a], 4095.0, &[2748.0, 291.0, 2748.0]),
+        ("2x1:mono12packed", &[0xab, 0x3c, 0x12], 4095.0, &[2748.0, 291.0]),
+        ("2x1:mono10packed", &[0xaa, 0x13, 0x73], 1023.0, &[683.0, 461.0]),
+        ("4x1:mono10p", &four[..5], 1023.0, &[683.0, 461.0, 1.0, 1023.0]),
+    ] {
+        let burst = Opened::new("p.raw", bytes).open(&raw(shape)).expect(shape);
+        assert_eq!((burst.len(), burst.full_scale), (expected.len() / burst.size().0, white), "{shape}");
+        assert_close(&values(&burst), expected);
+    }
     // A file that begins like a picture by chance.
     let chance = Opened::new("chance.raw", b"BM\x89PNG\r\n\x1a\n\0\0");
     assert_eq!(chance.open(&raw("4x3:u8")).expect("opens").len(), 1);
@@ -476,7 +485,13 @@ fn films_of_y4m_give_their_luma() {
         Opened::new("bad.y4m", &bytes).failure(&plain())
     };
     assert!(changed("W16", "Wide").contains("no number of pixels W"));
-    assert!(changed("C420jpeg", "C410").contains("colours are 410"));
+    for colours in ["410", "", "42", "420p8", "420p17", "mono8", "mono99999999999", "rgb", "4\u{e9}\u{e9}"] {
+        let message = changed("C420jpeg", &format!("C{colours}"));
+        assert!(message.contains(&format!("colours are {colours};")), "{message}");
+    }
+    let mono = Opened::new("mono.y4m", b"YUV4MPEG2 W2 H1 Cmono\nFRAME\n\x01\x02").open(&plain()).expect("opens");
+    assert_eq!(mono.full_scale, 255.0);
+    assert_close(&values(&mono), &[1.0, 2.0]);
     assert!(changed(" Ip", " It").contains("interlaced"));
     assert!(changed("FRAME", "FROM").contains("FRAME"));
     assert!(changed("H12", "H0").contains("no pixels"));

@@ -165,7 +165,7 @@ impl Projection {
     pub const ALL: [Self; 5] = [Self::Principal, Self::Xy, Self::Xz, Self::Yz, Self::Free];
 
     /// Name, labels of the two axes, and the axes unless they follow from the cameras' places.
-    fn about(self) -> (&'static str, [&'static str; 2], Option<[Vector3<f64>; 2]>) {
+    pub fn about(self) -> (&'static str, [&'static str; 2], Option<[Vector3<f64>; 2]>) {
         match self {
             Self::Principal => ("Principal plane", ["along the way", "across it"], None),
             Self::Xy => ("x, y", ["x", "y"], Some([Vector3::x(), Vector3::y()])),
@@ -178,11 +178,6 @@ impl Projection {
     /// Name for the user.
     pub fn name(self) -> &'static str {
         self.about().0
-    }
-
-    /// Labels of the two axes.
-    pub fn axis_names(self) -> [&'static str; 2] {
-        self.about().1
     }
 
     /// The plane's axes. `cameras` matter only for the principal plane, and for the free view, which begins as they look.

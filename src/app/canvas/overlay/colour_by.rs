@@ -26,7 +26,7 @@ pub struct ColourScale {
     lacks_some: bool,
 }
 
-const UNKNOWN: Color32 = Color32::from_gray(150);
+pub const UNKNOWN: Color32 = Color32::from_gray(150);
 
 impl ColourScale {
     /// Over the searched range for slopes on a line, over all features for σ and SNR, ± the largest |response|.
@@ -136,10 +136,6 @@ impl ColourScale {
         };
         let (sin, cos) = degrees.to_radians().sin_cos();
         self.along(cos * slope.u + sin * slope.v)
-    }
-
-    pub fn unknown(&self) -> Color32 {
-        UNKNOWN
     }
 
     pub fn along(&self, value: f32) -> Color32 {

@@ -10,7 +10,7 @@ mod match_lines;
 mod strokes;
 
 pub use crate::app::view::ColourBy;
-pub use colour_by::{ColourScale, rgb};
+pub use colour_by::{ColourScale, UNKNOWN, rgb};
 pub use density::{Drawn, Group, drawn, drawn_lines};
 pub use fans::{add_fan, draw_field};
 pub use match_lines::{MatchLine, MatchLineStyle, Pane, draw_match_lines, match_at};
@@ -19,7 +19,7 @@ use super::{CanvasOutput, RectTransform};
 use crate::burst::Positions;
 use crate::detector::feature::Feature;
 use crate::export::motion_over;
-use egui::{Color32, Mesh, Pos2, Rect, Shape, Vec2, pos2};
+use egui::{Color32, Mesh, Pos2, Rect, Shape, Stroke, Vec2, pos2};
 use strokes::Strokes;
 
 #[derive(Debug, Clone, Copy)]
@@ -92,11 +92,11 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
     let edge = Color32::from_black_alpha(90);
     // All edges lie below all lines: none darkens the circle of a neighbour.
     for feature in visible.iter().filter(|_| edges).map(|&i| &features[i]) {
-        draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: 3.2, colour: edge });
+        draw_one(&mut strokes, output.ui_from_image, feature, style, Stroke::new(3.2, edge));
     }
     for &i in &visible {
         let colour = style.scale.colour(i, &features[i]).gamma_multiply(opacity);
-        draw_one(&mut strokes, output.ui_from_image, &features[i], style, Line { width: 1.4, colour });
+        draw_one(&mut strokes, output.ui_from_image, &features[i], style, Stroke::new(1.4, colour));
     }
     // The hovered and the selected feature lie above all others.
     for (highlight, width) in [(style.hovered, 2.0), (style.selected, 2.6)] {
@@ -105,7 +105,7 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
         for (extra, colour) in
             [(4.5, Color32::from_black_alpha(150)), (2.4, Color32::WHITE), (0.0, style.scale.colour(index, feature))]
         {
-            draw_one(&mut strokes, output.ui_from_image, feature, style, Line { width: width + extra, colour });
+            draw_one(&mut strokes, output.ui_from_image, feature, style, Stroke::new(width + extra, colour));
         }
     }
     strokes.paint(&output.painter);
@@ -113,13 +113,7 @@ pub fn draw_features(output: &CanvasOutput, features: &[Feature], style: &Overla
 
 const MAX_ARROW_POINTS: f32 = 60.0;
 
-#[derive(Clone, Copy)]
-struct Line {
-    width: f32,
-    colour: Color32,
-}
-
-fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &OverlayStyle<'_>, line: Line) {
+fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &OverlayStyle<'_>, line: Stroke) {
     let centre = t.pos(pos2(feature.u, feature.v));
     let radius = (feature.circle_radius_px() * t.scale()).max(MIN_RADIUS_POINTS);
     if style.motion {
@@ -129,14 +123,14 @@ fn draw_one(strokes: &mut Strokes, t: RectTransform, feature: &Feature, style: &
         ends.iter_mut().for_each(|end| *end = centre + part * (*end - centre));
         let [first, last] = ends;
         if first.distance(last) > 3.0 {
-            strokes.arrow(first, last, 0.8 * line.width, line.colour.gamma_multiply(0.85));
+            strokes.arrow(first, last, 0.8 * line.width, line.color.gamma_multiply(0.85));
         }
     }
     if style.circles {
-        strokes.circle(centre, radius, line.width, line.colour, feature.at_slope_limit);
+        strokes.circle(centre, radius, line.width, line.color, feature.at_slope_limit);
     }
     if style.orientations && radius > 4.0 {
-        strokes.line(centre, centre + radius * egui::Vec2::angled(feature.orientation), line.width, line.colour);
+        strokes.line(centre, centre + radius * egui::Vec2::angled(feature.orientation), line.width, line.color);
     }
 }
 

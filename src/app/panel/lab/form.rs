@@ -18,7 +18,6 @@ struct Setting {
     value: fn(&mut Lab) -> Value<'_>,
 }
 
-/// Value of a setting, in place.
 enum Value<'a> {
     Usize(&'a mut usize),
     U64(&'a mut u64),

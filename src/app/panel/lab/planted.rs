@@ -39,9 +39,7 @@ pub fn lab_planted_ui(ui: &mut Ui, model: Read<'_>, texture: &mut PlaneTexture, 
         Action::SetLab(Box::new(Lab { selected_thing, ..model.document.lab.clone() }))
     });
     match model.selected_thing() {
-        None => {
-            weak_ui(ui, "Click a thing to see what became of it.");
-        }
+        None => _ = weak_ui(ui, "Click a thing to see what became of it."),
         Some(one) => {
             ui.add(Label::new(thing_text(one)).wrap());
             button_ui(ui, model, queue, ActionId::OpenPlanted, None);

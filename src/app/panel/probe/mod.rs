@@ -153,9 +153,7 @@ fn busy_ui(ui: &mut Ui, model: Read<'_>) {
             let percent = running.progress.map_or(0.0, |p| 100.0 * p.fraction);
             progress_ui(ui, &running, None, &format!("Searching  {percent:.0} %"));
         }
-        _ if waits => {
-            ui.weak("Probing…");
-        }
+        _ if waits => _ = ui.weak("Probing…"),
         _ => {}
     }
 }

@@ -5,6 +5,7 @@ use crate::app::panel::widgets::{dot_ui, named};
 use crate::app::style;
 use crate::detector::Slope;
 use crate::inspect::slopes::{SlopeBar, Spectrum};
+use crate::inspect::words::counted;
 use crate::plane::display::ColourMap;
 use egui::{Align2, Color32, Painter, Rect, RichText, Sense, Stroke, StrokeKind, TextStyle, Ui, pos2, vec2};
 
@@ -42,9 +43,9 @@ pub(in crate::app::panel) fn on_line(spectrum: &Spectrum) -> Vec<(i64, &SlopeBar
 pub(in crate::app::panel) fn bar_text(bar: &SlopeBar) -> String {
     let where_to = if bar.is_searched { "" } else { ", beyond what was searched" };
     let at_limit = if bar.at_limit > 0 { format!(", {} at the limit", bar.at_limit) } else { String::new() };
-    let (u, v, features) = (number(bar.slope.u, 3), number(bar.slope.v, 3), bar.features);
+    let (u, v, features) = (number(bar.slope.u, 3), number(bar.slope.v, 3), counted(bar.features, "feature"));
     let (evidence, coverage) = (number(100.0 * bar.evidence, 2), number(100.0 * bar.coverage, 3));
-    format!("Slope ({u}, {v}) px/frame{where_to}\n{features} features{at_limit}\n")
+    format!("Slope ({u}, {v}) px/frame{where_to}\n{features}{at_limit}\n")
         + &format!("{evidence} % of the evidence\n{coverage} % of the picture seen by all frames")
 }
 

@@ -26,8 +26,8 @@ pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
         return;
     };
     let judged = spectrum.judgement.as_ref().map_or("", |judgement| judgement.sentence.as_str());
-    let features = grouped(spectrum.features as u64);
-    let text = format!("{features} features at {}  ·  {judged}", counted(spectrum.cost.slopes, "slope"));
+    let (features, slopes) = (counted(spectrum.features, "feature"), counted(spectrum.cost.slopes, "slope"));
+    let text = format!("{features} at {slopes}  ·  {judged}");
     let tip = format!("{}\nThe frames: {}", sentence_of(judged), spectrum.finding.summary_beside_judgement());
     ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
 }

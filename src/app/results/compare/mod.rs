@@ -40,7 +40,7 @@ pub struct Compare {
     pub arranged: Vec<MethodId>,
     pub found: HashMap<(MethodId, Side), MethodFound>,
     matches: HashMap<MethodId, Matches>,
-    failed: Vec<(CompareJob, String)>,
+    pub failed: Vec<(CompareJob, String)>,
 }
 
 impl Compare {
@@ -60,14 +60,6 @@ impl Compare {
     pub fn take_matches(&mut self, method: MethodId, matches: Matches) {
         self.failed.retain(|(job, _)| job.method != method);
         self.matches.insert(method, matches);
-    }
-
-    pub fn take_failure(&mut self, job: CompareJob, why: String) {
-        self.failed.push((job, why));
-    }
-
-    pub fn forget_failures(&mut self) {
-        self.failed.clear();
     }
 }
 

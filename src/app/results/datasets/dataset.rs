@@ -114,7 +114,7 @@ impl Dataset {
     pub fn begin_detection(&mut self, params: &SearchParams) {
         let others = self.params != *params;
         if others {
-            self.matches.forget();
+            self.matches.counts.clear();
         }
         self.opened.params = params.clone();
         for state in &mut self.states {
@@ -133,13 +133,13 @@ impl Dataset {
                 // These features replace those of other parameters.
                 self.opened.other_params = None;
                 if !matches!(self.states.get(*index), Some(BurstState::Done(_))) {
-                    self.matches.forget_burst(*index);
+                    self.matches.counts.retain(|(a, b), _| a != index && b != index);
                 }
                 (*index, BurstState::Done(*finished))
             }
             DatasetEvent::Failed { index, error } => (*index, BurstState::Failed(error.clone())),
             DatasetEvent::Matched { pair, counts } => {
-                self.matches.take(*pair, *counts);
+                self.matches.counts.insert(*pair, *counts);
                 return;
             }
         };

@@ -46,8 +46,9 @@ impl PairColumn {
 
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct PairTable {
-    counts: BTreeMap<BurstPair, MatchCounts>,
-    params: MatchParams,
+    pub counts: BTreeMap<BurstPair, MatchCounts>,
+    /// Parameters of matching that gave all counts.
+    pub params: MatchParams,
     pub order: Order<PairColumn>,
 }
 
@@ -65,34 +66,6 @@ impl PairTable {
             self.counts.clear();
             self.params = params.clone();
         }
-    }
-
-    pub fn forget(&mut self) {
-        self.counts.clear();
-    }
-
-    pub fn forget_burst(&mut self, place: usize) {
-        self.counts.retain(|pair, _| pair.0 != place && pair.1 != place);
-    }
-
-    pub fn params(&self) -> &MatchParams {
-        &self.params
-    }
-
-    pub fn take(&mut self, pair: BurstPair, counts: MatchCounts) {
-        self.counts.insert(pair, counts);
-    }
-
-    pub fn get(&self, pair: BurstPair) -> Option<&MatchCounts> {
-        self.counts.get(&pair)
-    }
-
-    pub fn len(&self) -> usize {
-        self.counts.len()
-    }
-
-    pub fn is_empty(&self) -> bool {
-        self.counts.is_empty()
     }
 
     /// Number that a cell of the matrix shows: inliers, or putative matches where no geometry was estimated.

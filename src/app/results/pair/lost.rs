@@ -3,14 +3,12 @@
 use crate::app::document::Side;
 use crate::app::results::Read;
 use crate::app::results::pair::{MatchRow, Matches};
-use crate::detector::Feature;
+use crate::detector::{Feature, Slope};
 use crate::engine::Wanted;
 use crate::inspect::pair::{Lost, Unmatched};
 use crate::inspect::words::counted;
 use crate::matching::MatchParams;
-use crate::requests::{
-    FoundLosses, LossesRequest, MatchRequest, Matched, PictureAnswer, PictureRequest, PicturesRequest,
-};
+use crate::requests::{FoundLosses, LossesRequest, MatchRequest, Matched};
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Duration;
@@ -24,9 +22,7 @@ const MOST_FACTOR: f32 = 8.0;
 pub struct LostFeatures {
     pub found: Option<Arc<FoundLosses>>,
     pub why: Option<Why>,
-    pub pictures: Vec<PictureAnswer>,
     pub wanted: Wanted<LossesRequest>,
-    pub wanted_pictures: Wanted<PicturesRequest>,
     /// Matches with the parameters of the remedy.
     pub priced: Option<Matched>,
     pub pricing: Wanted<MatchRequest>,
@@ -44,12 +40,7 @@ pub struct Why {
 impl LostFeatures {
     pub fn count(&self, lost: Lost) -> usize {
         let all = self.found.iter().flat_map(|found| found.lost.iter().enumerate());
-        all.filter(|(index, at)| **at == lost && !self.is_folded(*index)).count()
-    }
-
-    /// Whether another orientation of the keypoint of `index` stands for it.
-    pub fn is_folded(&self, index: usize) -> bool {
-        self.twin(index).is_some()
+        all.filter(|(index, at)| **at == lost && self.twin(*index).is_none()).count()
     }
 
     /// Feature that stands for `index`, as another orientation of its keypoint.
@@ -97,12 +88,6 @@ impl<'a> Read<'a> {
     /// A request that failed is repeated with the next matches.
     pub fn missing_losses(self) -> Option<LossesRequest> {
         self.wanted_losses().filter(|_| self.document.workspace.shows_pair() && self.losses().is_none())
-    }
-
-    pub fn missing_candidate_pictures(self) -> Option<PicturesRequest> {
-        let pictures = self.wanted_candidate_pictures();
-        let shown = self.results.pair.lost.pictures.iter().map(|picture| &picture.request);
-        (self.document.workspace.shows_pair() && !shown.eq(&pictures)).then_some(PicturesRequest(pictures))
     }
 
     /// Parameters that could keep the feature in question, from the step where its match was lost.
@@ -180,13 +165,12 @@ impl<'a> Read<'a> {
         nearest_on(&why.unmatched.expected, [f64::from(own.u), f64::from(own.v)]).map(|place| place.map(|x| x as f32))
     }
 
-    pub fn wanted_candidate_pictures(self) -> Vec<PictureRequest> {
+    pub(super) fn patches_of_candidates(self) -> Vec<(Side, Slope)> {
         let Some((why, found)) = self.results.pair.lost.why.as_ref().zip(self.losses()) else { return Vec::new() };
         let MatchRequest { a, b, .. } = &found.request.request;
         let own = a.features.get(why.feature).map(|f| (Side::A, f.slope));
         let candidates = why.unmatched.candidates.iter().take(PATCHES);
-        let others = candidates.filter_map(|c| b.features.get(c.feature).map(|f| (Side::B, f.slope)));
-        own.into_iter().chain(others).filter_map(|(side, slope)| self.stack_of(side, slope)).collect()
+        own.into_iter().chain(candidates.filter_map(|c| Some((Side::B, b.features.get(c.feature)?.slope)))).collect()
     }
 }
 

@@ -196,10 +196,6 @@ impl MatchRow<'_> {
         let ((a, _), (b, _)) = (self.a.motion(), self.b.motion());
         (a.u - b.u).hypot(a.v - b.v)
     }
-
-    pub fn saved(&self) -> SavedMatch {
-        SavedMatch { a: [self.a.u, self.a.v], b: [self.b.u, self.b.v] }
-    }
 }
 
 impl MatchColumn {

@@ -12,10 +12,10 @@ pub use matches::{MatchRow, Matches, PAIR_NUMBERS};
 use crate::app::document::{MatchColumn, MatchLook, MethodId, Order, SavedMatch, Side};
 use crate::app::memo::Itself;
 use crate::app::results::{FoundFeatures, Read};
-use crate::detector::{DetectorParams, Method, SearchParams, SlopeGrid};
+use crate::detector::{DetectorParams, Method, SearchParams, Slope, SlopeGrid};
 use crate::engine::Wanted;
 use crate::error::Error;
-use crate::requests::{MatchRequest, PictureAnswer, PicturesRequest};
+use crate::requests::{MatchRequest, PictureAnswer};
 
 /// Lines of the method with the most inliers, where no number is set.
 const LINES_OF_METHODS: usize = 40;
@@ -31,8 +31,6 @@ pub struct PairState {
     pub lines_drawn: (usize, usize),
     pub reselect: Option<SavedMatch>,
     pub matching: Wanted<MatchRequest>,
-    pub patches: Vec<PictureAnswer>,
-    pub wanted_patches: Wanted<PicturesRequest>,
     pub listed_for: Option<(Itself, MatchLook, Order<MatchColumn>)>,
 }
 
@@ -42,7 +40,8 @@ impl<'a> Read<'a> {
     }
 
     pub fn saved_match(self) -> Option<SavedMatch> {
-        Some(self.selected_match()?.saved())
+        let MatchRow { a, b, .. } = self.selected_match()?;
+        Some(SavedMatch { a: [a.u, a.v], b: [b.u, b.v] })
     }
 
     /// Index of the match in focus: the selected one, or while none is selected, the one under the pointer.
@@ -132,19 +131,16 @@ impl<'a> Read<'a> {
             .is_some_and(|wanted| !self.results.pair.matches.as_ref().is_some_and(|m| m.request == wanted))
     }
 
-    pub fn patches_request(self) -> Option<PicturesRequest> {
-        let row = self.results.pair.matches.as_ref()?.row(self.match_in_focus()?)?;
-        Some(PicturesRequest(vec![self.stack_of(Side::A, row.a.slope)?, self.stack_of(Side::B, row.b.slope)?]))
-    }
-
     fn shows_pair(self) -> bool {
         self.document.workspace.shows_pair() && self.results.slots.b.burst.is_some()
     }
 
-    pub fn missing_patches(self) -> Option<PicturesRequest> {
-        let there =
-            || PicturesRequest(self.results.pair.patches.iter().map(|picture| picture.request.clone()).collect());
-        self.patches_request().filter(|wanted| self.shows_pair() && there() != *wanted)
+    /// Sides and slopes of the features whose patches are shown: of the match in focus, and of what could be matched.
+    pub fn patches_of_pair(self) -> Vec<(Side, Slope)> {
+        let matches = self.results.pair.matches.as_ref().filter(|_| self.shows_pair());
+        let row = matches.and_then(|matches| matches.row(self.match_in_focus()?));
+        let of_match = row.map(|row| [(Side::A, row.a.slope), (Side::B, row.b.slope)]);
+        of_match.into_iter().flatten().chain(self.patches_of_candidates()).collect()
     }
 
     /// While features are still being found, matches would be out of date at once.

@@ -13,7 +13,7 @@ use crate::export::MatchKind;
 use crate::inspect::pair::{Lost, Rivalry, Unmatched};
 use crate::inspect::words::sentence;
 use crate::matching::TwoViewModel;
-use crate::requests::{FoundLosses, MatchRequest, PictureKind};
+use crate::requests::{FoundLosses, MatchRequest};
 use egui::{Color32, Grid, Label, RichText, Ui};
 
 pub fn detail_ui(ui: &mut Ui, model: Read<'_>, textures: &mut [PatchTexture; 3], queue: &mut Queue) {
@@ -63,16 +63,11 @@ fn patches_ui(ui: &mut Ui, model: Read<'_>, row: &MatchRow<'_>, textures: &mut [
         let found = [("A", Side::A, *row.a), ("B", Side::B, *row.b)];
         let aligned = row.aligned.map(|aligned| ("B, aligned", Side::B, aligned.b));
         for ((label, side, feature), texture) in found.into_iter().chain(aligned).zip(textures) {
-            let wanted = PictureKind::Stack { slope: feature.slope };
-            let picture = model.results.pair.patches.get(side as usize).filter(|picture| {
-                let is_open = model.burst_of(side).is_some_and(|open| open.id == picture.request.burst.id);
-                is_open && picture.request.kind == wanted
-            });
             ui.vertical(|ui| {
                 ui.set_width(width);
                 let (name, display) = (&format!("Patch in {label}"), model.document.ranges_of_side(side).intensity);
                 let view = PatchView { name, feature, turned: true, display };
-                view.ui(ui, picture.map(|picture| &picture.plane), texture, width);
+                view.ui(ui, model.stack_at(side, feature.slope), texture, width);
                 let (text, help) = if label.len() == 1 {
                     let help = "From the motion stack at the feature's own slope, in pixels per frame";
                     (format!("{label}: slope {}", signed_slope(feature.slope, 2)), help)
@@ -265,17 +260,13 @@ fn candidate_patches_ui(
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
         for (place, ((side, feature), texture)) in all.into_iter().zip(textures).enumerate() {
-            let burst = model.burst_of(side).map(|open| open.id);
-            let kind = PictureKind::Stack { slope: feature.slope };
-            let mut pictures = model.results.pair.lost.pictures.iter();
-            let picture = pictures.find(|p| Some(p.request.burst.id) == burst && p.request.kind == kind);
             ui.vertical(|ui| {
                 ui.set_width(width);
                 let name =
                     &if place == 0 { "Patch of the feature".to_owned() } else { format!("Patch of candidate {place}") };
                 let view =
                     PatchView { name, feature, turned: true, display: model.document.ranges_of_side(side).intensity };
-                view.ui(ui, picture.map(|picture| &picture.plane), texture, width);
+                view.ui(ui, model.stack_at(side, feature.slope), texture, width);
                 let label = if place == 0 {
                     RichText::new("A").small().weak()
                 } else {

@@ -12,6 +12,7 @@ use crate::app::view::signed_slope;
 use crate::burst::Offset;
 use crate::detector::Feature;
 use crate::export::MatchKind;
+use crate::inspect::words::counted;
 use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Stroke, Ui, pos2, vec2};
 use std::sync::Arc;
 
@@ -201,7 +202,7 @@ pub(in crate::app::workspace) fn method_lines_ui(ui: &Ui, model: Read<'_>, drawn
             let counts = matches.result.counts;
             let text = match counts.inliers {
                 Some(inliers) => format!("{inliers} of {} matches are inliers", counts.putative),
-                None => format!("{} matches", counts.putative),
+                None => counted(counts.putative, "match"),
             };
             if let [_, Some(b)] = canvases.places {
                 chip_ui(ui, views.views[b].output, Align2::RIGHT_BOTTOM, &text, (method, "matches", canvases.places));
@@ -338,9 +339,7 @@ fn expected_ui(output: &CanvasOutput, points: &[egui::Pos2]) {
                     painter.line_segment([*one - diagonal, *one + diagonal], stroke);
                 }
             }
-            _ => {
-                painter.line(points.to_vec(), stroke);
-            }
+            _ => _ = painter.line(points.to_vec(), stroke),
         }
     }
 }

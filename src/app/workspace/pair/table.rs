@@ -103,7 +103,7 @@ pub fn lost_table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let hidden = &model.document.hidden_losses;
     let listed: Vec<usize> = (0..found.lost.len())
         .filter(|&index| found.lost[index] != Lost::Not && !hidden.contains(&found.lost[index]))
-        .filter(|&index| !model.results.pair.lost.is_folded(index))
+        .filter(|&index| model.results.pair.lost.twin(index).is_none())
         .collect();
     let listed = Listed { items: &listed, selected: model.asked_feature(), hovered: None };
     let text = |column: usize, index: usize| {

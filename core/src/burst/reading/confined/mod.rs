@@ -14,7 +14,7 @@ use crate::monitor::Monitor;
 use std::ffi::OsString;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::process::{Child, ChildStderr, Command, ExitStatus, Stdio};
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{self, RecvTimeoutError};
 use std::sync::{Mutex, OnceLock, PoisonError};
 use std::time::{Duration, Instant};
@@ -149,7 +149,7 @@ impl Running {
             const CREATE_NO_WINDOW: u32 = 0x0800_0000;
             std::os::windows::process::CommandExt::creation_flags(&mut command, CREATE_NO_WINDOW);
         }
-        let failed = |e| Error::unread(path, format!("the process that decodes it could not be started: {e}"));
+        let failed = |e| Error::unread(path, format!("the process for it could not be started: {e}"));
         Ok(Self { child: Mutex::new(command.spawn().map_err(failed)?) })
     }
 
@@ -196,7 +196,7 @@ impl Running {
         self.child.get_mut().unwrap_or_else(PoisonError::into_inner).wait().is_ok_and(|status| status.success())
     }
 
-    pub fn pipes(&mut self) -> (impl io::Write + use<>, impl Read + use<>, ChildStderr) {
+    pub fn pipes(&mut self) -> (ChildStdin, ChildStdout, ChildStderr) {
         let child = self.child.get_mut().unwrap_or_else(PoisonError::into_inner);
         let pipes = child.stdin.take().zip(child.stdout.take()).zip(child.stderr.take());
         let ((stdin, stdout), stderr) = pipes.expect("it was started with these pipes, and nobody took them");
