@@ -170,6 +170,25 @@ mod pairing {
         assert_eq!(associate(&model, &truth, Some(Association::Order), 0.02).expect("forced").pairs, [(0, 0)]);
     }
 
+    #[test]
+    fn the_last_number_of_a_name_is_its_time() {
+        let cases = [
+            ("image.0023", Some(23.0)),
+            ("1305031102.175304", Some(1305031102.175304)),
+            ("frame_007_left", Some(7.0)),
+            ("v2.5", Some(2.5)),
+            ("7", Some(7.0)),
+            (".5", Some(5.0)),
+            ("left", None),
+            ("", None),
+        ];
+        for (name, number) in cases {
+            let image = [pose(&format!("{name}.png"), 0, None)];
+            let at = |time| associate(&image, &timed(&[time]), Some(Association::Time), 0.0).is_ok();
+            assert_eq!((at(number.unwrap_or(0.0)), at(-1.0)), (number.is_some(), false), "{name}");
+        }
+    }
+
     proptest! {
         #[test]
         fn no_pose_is_in_two_pairs(

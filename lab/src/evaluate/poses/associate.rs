@@ -187,25 +187,3 @@ fn last_number(text: &str) -> Option<f64> {
     }
     text[start..].parse().ok()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_last_number_of_a_name_is_read() {
-        let cases = [
-            ("image.0023", Some(23.0)),
-            ("1305031102.175304", Some(1305031102.175304)),
-            ("frame_007_left", Some(7.0)),
-            ("v2.5", Some(2.5)),
-            ("7", Some(7.0)),
-            (".5", Some(5.0)),
-            ("left", None),
-            ("", None),
-        ];
-        for (name, number) in cases {
-            assert_eq!(last_number(name), number, "{name}");
-        }
-    }
-}
