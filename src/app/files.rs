@@ -26,9 +26,8 @@ use crate::inspect::place::kept_of;
 use crate::inspect::report::BurstPage;
 use crate::inspect::result::DecoyStudy;
 use crate::monitor::Monitor;
-use crate::requests::{BurstSource, OpenBurst, Which, write_page};
+use crate::requests::{BurstSource, JobError, OpenBurst, Which, write_page};
 use crate::teach::{Lesson, Workspace, sheet};
-use image::RgbaImage;
 use std::fmt::Display;
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -182,7 +181,10 @@ pub(super) fn write(
 ) -> Result<(), String> {
     let rules = may_replace(&path, model);
     let prepared = match lesson {
-        Some(lesson) if purpose == Purpose::Export(ExportKind::Sheet) => Ok(whole_work(sheet(lesson))),
+        Some(lesson) if purpose == Purpose::Export(ExportKind::Sheet) => {
+            let text = sheet(lesson);
+            Ok(work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes()))))
+        }
         _ => prepare(purpose, model, widgets),
     };
     let work = rules.check(&path).map_err(|e| e.to_string()).and(prepared)?;
@@ -241,10 +243,6 @@ fn work<E: Display>(write: impl FnOnce(&Path) -> Result<(), E> + Send + 'static)
     Box::new(move |path| write(path).map_err(|error| error.to_string()))
 }
 
-fn whole_work(text: String) -> Work {
-    work(move |path| export::write_whole(path, |out| out.write_all(text.as_bytes())))
-}
-
 fn settings_work(toml: String) -> Work {
     let text = written_by() + &toml;
     work(move |path| export::write_text(path, OutputKind::Settings, text))
@@ -258,15 +256,15 @@ fn case_work(model: Read<'_>) -> Result<Work, String> {
     let note = answer.map_or_else(String::new, |answer| answer.probe.summary.clone());
     let search = model.asked();
     let session = Session::of(model).map(|session| session.for_case().to_toml());
-    Ok(Box::new(move |path| {
+    Ok(work(move |path| -> Result<(), JobError> {
         if path.extension().is_none_or(|ending| ending != CASE_EXTENSION) {
-            return Err(format!("{}: a case is opened by its ending; name the file .{CASE_EXTENSION}", path.display()));
+            let problem =
+                format!("{}: a case is opened by its ending; name the file .{CASE_EXTENSION}", path.display());
+            return Err(JobError::Failed(problem));
         }
-        let (case, burst) =
-            Case::of(&open.burst, &search, (place, None), &note, &Monitor::default()).map_err(|e| e.to_string())?;
-        let truth = open.truth(&Monitor::default()).map_err(|e| e.to_string())?;
-        let enclosed = Enclosed { session, truth };
-        write_case(path, (&case, &burst), &enclosed, &Monitor::default()).map_err(|e| e.to_string())
+        let (case, burst) = Case::of(&open.burst, &search, (place, None), &note, &Monitor::default())?;
+        let enclosed = Enclosed { session, truth: open.truth(&Monitor::default())? };
+        Ok(write_case(path, (&case, &burst), &enclosed, &Monitor::default())?)
     }))
 }
 
@@ -280,19 +278,16 @@ fn report_work(model: Read<'_>) -> Result<Work, String> {
     let places = pinned.chain(model.place_to_pin().filter(|_| is_probed)).map(|place| (place.name, place.at));
     let places: Vec<(String, [f32; 2])> = places.collect();
     let calibration = model.calibration_of(side).clone();
-    Ok(Box::new(move |path| {
+    Ok(work(move |path| -> Result<(), JobError> {
         let monitor = Monitor::default();
         let cache = match traced {
             Some(traced) => traced.cache,
-            None => Arc::new(source.trail(&monitor).map_err(|error| error.to_string())?),
+            None => Arc::new(source.trail(&monitor)?),
         };
         let OpenBurst { burst, source, .. } = &source.burst;
-        let written = source.info(&calibration, &monitor).and_then(|info| {
-            let info = Info { name: burst.name.clone(), ..info };
-            let page = BurstPage::of((&cache, burst, info), &places, &DecoyStudy::default(), &monitor)?;
-            write_page(path, &page, &monitor)
-        });
-        written.map_err(|error| error.to_string())
+        let info = Info { name: burst.name.clone(), ..source.info(&calibration, &monitor)? };
+        let page = BurstPage::of((&cache, burst, info), &places, &DecoyStudy::default(), &monitor)?;
+        Ok(write_page(path, &page, &monitor)?)
     }))
 }
 
@@ -346,18 +341,17 @@ fn picture_work(model: Read<'_>, kind: ExportKind) -> Result<Work, String> {
         (model.display_of(model.document.focus()), model.features_of_motion(model.document.focus()).to_vec());
     Ok(match kind {
         ExportKind::Tiff => work(move |path| export::write_tiff(path, &picture.plane)),
-        _ => work(move |path| export::write_png(path, picture_of(&picture.rgba(&display, &features)))),
+        _ => work(move |path| {
+            let rgba = picture.rgba(&display, &features);
+            let (width, height) = (rgba.width() as usize, rgba.height() as usize);
+            export::write_png(path, export::Bitmap::rgba(width, height, rgba.as_raw()))
+        }),
     })
 }
 
 fn values_work(figure: impl Into<export::Figure>) -> Work {
     let figure = figure.into();
     work(move |path| figure.write(path))
-}
-
-fn picture_of(rgba: &RgbaImage) -> export::Bitmap<'_> {
-    let (width, height) = rgba.dimensions();
-    export::Bitmap::rgba(width as usize, height as usize, rgba.as_raw())
 }
 
 #[cfg(test)]

@@ -260,7 +260,7 @@ pub(super) fn run_decoys(args: &DecoysArgs) -> Result<(), Failure> {
     args.study.check(&params, burst.len())?;
     let of_burst = 1.0 / (args.study.copies + 1) as f32;
     let cache = ProbeCache::new(&burst, &params, &console.monitor.part(0.0, of_burst))?;
-    let report = decoys(&cache.trail, &args.study, &console.monitor.part(of_burst, 1.0 - of_burst))?;
+    let report = decoys(&cache.trail, &args.study, false, &console.monitor.part(of_burst, 1.0 - of_burst))?.report;
     console.monitor.check()?;
     console.say(&decoys_text(&report, &input.name))?;
     let (width, height) = burst.size();

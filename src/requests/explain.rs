@@ -10,7 +10,7 @@ use crate::inspect::place::{
     CandidateMark, Judged, Price, Probe, ProbeOptions, ProbeSubject, Survey, SurveyOptions, judged, price_at_once,
     probe, survey,
 };
-use crate::inspect::result::{DecoyReport, DecoyStudy, decoys};
+use crate::inspect::result::{DecoyStudy, Decoys, decoys};
 use crate::inspect::slopes::{Spectrum, spectrum};
 use crate::matching::MatchResult;
 use crate::monitor::Monitor;
@@ -37,12 +37,13 @@ impl Request for ExplainRequest {
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Explained, JobError> {
         let (cache, monitor) = trail_and_rest(work.caches.trails, &self.of, work.monitor)?;
+        let trail = &cache.trail;
         let explanation = match self.question {
             ExplainQuestion::Slopes => Explanation::Slopes(Arc::new(spectrum(&cache, &monitor)?)),
             ExplainQuestion::Candidates(options) => {
-                Explanation::Candidates(Arc::new(survey(&cache.trail, &options, &monitor)?))
+                Explanation::Candidates(Arc::new(survey(trail, &options, &monitor)?))
             }
-            ExplainQuestion::Decoys(study) => Explanation::Decoys(Arc::new(decoys(&cache.trail, &study, &monitor)?)),
+            ExplainQuestion::Decoys(study) => Explanation::Decoys(Arc::new(decoys(trail, &study, true, &monitor)?)),
         };
         Ok(Explained { request: self, explanation })
     }
@@ -52,7 +53,7 @@ impl Request for ExplainRequest {
 pub enum Explanation {
     Slopes(Arc<Spectrum>),
     Candidates(Arc<Survey>),
-    Decoys(Arc<DecoyReport>),
+    Decoys(Arc<Decoys>),
 }
 
 #[derive(Debug, Clone)]
@@ -83,8 +84,7 @@ impl Request for LossesRequest {
         let losses = Losses::new(self.pair(), work.monitor)?;
         let counts = losses.counts(work.monitor)?;
         let lost = (0..self.request.a.features.len()).map(|index| losses.lost(index)).collect();
-        let nearest = losses.nearest();
-        Ok(FoundLosses { request: self, lost, counts, nearest })
+        Ok(FoundLosses { nearest: losses.nearest(), request: self, lost, counts })
     }
 }
 

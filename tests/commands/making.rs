@@ -219,5 +219,8 @@ fn noisy_copies_keep_names_and_bursts_apart() {
     // The copies are a dataset, and files of others are not replaced.
     assert!(run_well(home.path(), &["detect", "dark", "--out", "found"]).contains("2 of 2 bursts done"));
     assert!(run_badly(home.path(), &["synth", "noisy", "dark", "--out", "clean"], 1).contains("clean"));
-    assert!(run_badly(home.path(), &["synth", "noisy", "clean", "--out", "x", "--snr", "0"], 2).contains("--snr"));
+    for (option, value) in [("--snr", "0"), ("--bits", "40"), ("--read-noise", "nan")] {
+        let wrong = ["synth", "noisy", "clean", "--out", "x", option, value];
+        assert!(run_badly(home.path(), &wrong, 2).contains(&format!("{option}: ")), "{option}");
+    }
 }

@@ -45,7 +45,6 @@ const PANELS: &[(&str, Drawing)] = &[
     ("status", |ui, model, queue| {
         status::status_ui(ui, model, None, queue);
     }),
-    ("advice", status::advice_ui),
     ("methods", methods::table_ui),
     ("trajectories", dataset::cameras::plane_ui),
     ("points of cameras", dataset::cameras::points_strip_ui),

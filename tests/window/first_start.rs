@@ -4,6 +4,8 @@ use crate::support::{Memory, Start, Window};
 use burstscope::app::document::side::Side;
 use burstscope::app::results::Read;
 use burstscope::app::settings::Settings;
+use burstscope::detector::{SlopeGrid, Slopes};
+use burstscope::teach::BottomTab;
 use egui::Rect;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -38,6 +40,68 @@ fn the_first_start_has_no_more_controls_than_are_counted_here() {
     let count: usize = roles.iter().map(|role| window.harness.query_all_by_role(*role).count()).sum();
     // The bound only falls.
     assert!(count <= 30, "{count} controls");
+}
+
+/// Texts in the window of more than three words, without the name of the picture.
+fn sentences(window: &Window) -> Vec<String> {
+    let texts = window.harness.query_all_by_role(Role::Label).filter_map(|label| label.value());
+    texts.filter(|text| text.split_whitespace().count() > 3 && !text.starts_with("Motion stack")).collect()
+}
+
+#[test]
+fn the_first_start_has_no_more_to_read_than_is_counted_here() {
+    let window = Start::first([1280.0, 800.0]).open();
+    let told = sentences(&window);
+    // The bound only falls.
+    assert!(told.len() <= 5, "{} sentences: {told:#?}", told.len());
+    let of_slopes = told.iter().filter(|text| text.contains("slopes")).count();
+    assert_eq!(of_slopes, 1, "{told:#?}");
+}
+
+/// Parts of the sentences about slopes, without what tells their beginning and end.
+fn told_of_slopes(window: &Window) -> Vec<String> {
+    let parts = |text: &String| {
+        let parts = text.split("; ").map(|part| part.trim_end_matches('.').to_lowercase());
+        parts.filter(|part| part.contains("slope") || part.contains("limit")).collect::<Vec<_>>()
+    };
+    sentences(window).iter().flat_map(parts).filter(|part| part.split_whitespace().count() > 3).collect()
+}
+
+#[test]
+fn nothing_about_slopes_stands_on_the_screen_twice() {
+    let tabs = [BottomTab::Table, BottomTab::Tally, BottomTab::Noise, BottomTab::Slopes];
+    // Slopes that were found, and slopes that are too few.
+    for slopes in [Slopes::AUTO, SlopeGrid::line(-1.0..=1.0, 5).into()] {
+        let mut window = Start { size: [1280.0, 900.0], ..Start::automatic() }.open();
+        window.app_mut().model.document.params.slopes = slopes;
+        window.settle();
+        for tab in tabs {
+            window.app_mut().model.document.bottom_tab = tab;
+            window.settle();
+            let judged = window.app().read().slope_judgement().expect("judged").clone();
+            assert_eq!(judged.advice.is_some(), slopes != Slopes::AUTO, "{judged:?}");
+            let told = told_of_slopes(&window);
+            let once: std::collections::BTreeSet<&String> = told.iter().collect();
+            assert_eq!(once.len(), told.len(), "{tab:?}: {told:#?}");
+            let first = judged.sentence.split("; ").next().expect("a clause").to_lowercase();
+            assert!(told.iter().any(|part| *part == first), "{tab:?}: {first}: {told:#?}");
+            // What a button mends stands with it.
+            let apply = if tab == BottomTab::Slopes { "Apply" } else { "Apply slopes" };
+            let button = window.harness.query_by_role_and_label(Role::Button, apply);
+            assert_eq!(button.is_some(), judged.advice.is_some(), "{tab:?}");
+        }
+    }
+}
+
+#[test]
+fn a_cursor_that_leaves_the_slope_on_show_says_why_and_the_first_one_does_not() {
+    let mut window = Start::first([1280.0, 800.0]).open();
+    assert_eq!(window.app().model.shell.messages.last_note(), None);
+    let before = window.app().model.document.cursor().slope;
+    window.app_mut().model.document.params.slopes = SlopeGrid::line(0.5..=1.5, 5).into();
+    window.settle();
+    assert_ne!(window.app().model.document.cursor().slope, before);
+    assert!(window.shows("Most features ("));
 }
 
 #[test]

@@ -2,12 +2,15 @@
 
 use crate::probe::answer;
 use crate::support::{Start, Window};
+use burstscope::Monitor;
 use burstscope::app::apply;
-use burstscope::app::document::filter::Order;
+use burstscope::app::document::filter::{Interval, Order};
 use burstscope::app::document::panes::Visibility;
 use burstscope::app::document::side::Side;
-use burstscope::detector::{NoiseGate, Quantity, Test};
+use burstscope::detector::{FrameRange, NoiseGate, Quantity, Test};
+use burstscope::inspect::ProbeCache;
 use burstscope::inspect::place::Verdict;
+use burstscope::inspect::result::{DecoyReport, DecoyStudy, decoys};
 use burstscope::requests::BurstSource;
 use burstscope::synth::Example;
 use burstscope::teach::BottomTab;
@@ -95,4 +98,51 @@ fn the_probe_of_a_ghost_tells_what_crosses_its_path() {
     assert!(window.shows("A ghost?") && window.shows("crosses its path"));
     assert_eq!(answer(&window).probe.judged.as_ref(), Some(&judged[ghost]));
     window.snapshot("probe_ghost");
+}
+
+#[test]
+fn the_number_of_listed_features_that_noise_explains_follows_the_filter() {
+    let mut window = with_table();
+    let known = |window: &Window| window.app().model.results.listed_decoys.clone();
+    assert!(known(&window).is_none() && !window.shows("expected of noise"), "nobody asked");
+    window.run_action("Only real ones");
+    window.settle();
+    let real = known(&window).expect("asked for by the filter");
+    assert!(window.shows(" expected of noise"), "{}", real.expected_words());
+    assert_eq!(real.rates[0].found, window.app().model.results.listed.len());
+    // Without a filter it is the number of the command.
+    window.run_action("Only real ones");
+    window.settle();
+    let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
+    let cache = ProbeCache::new(burst, &window.app().read().asked(), &Monitor::default()).unwrap();
+    let report = decoys(&cache.trail, &DecoyStudy::default(), false, &Monitor::default()).unwrap().report;
+    let all = known(&window).expect("found once for the detection");
+    assert_eq!((&all.rates[0], all.still), (&report.rates[0], report.still));
+    let number = |report: &DecoyReport| report.rates[0].mean_in_copies();
+    assert!(number(&real) < number(&all), "{} {}", number(&real), number(&all));
+    // A limit counts as it does in the table of the command.
+    let at_8 = report.rates.iter().find(|rate| rate.snr == 8.0).expect("told");
+    let strong = Interval { min: 8.0, max: f32::INFINITY };
+    window.app_mut().model.document.filter.ranges.insert(Quantity::Snr, strong);
+    window.harness.run_steps(3);
+    let listed = known(&window).expect("no search is needed");
+    assert_eq!((listed.rates[0].found, &listed.rates[0].in_copies), (at_8.found, &at_8.in_copies));
+    // Other features, whose decoys nobody asked for.
+    window.app_mut().model.document.params.levels += 1;
+    window.settle();
+    assert!(known(&window).is_none() && window.shows("Expected of noise…"));
+    window.click("Expected of noise…");
+    window.settle();
+    assert!(known(&window).is_some());
+}
+
+#[test]
+fn where_decoys_cannot_tell_what_noise_explains_the_reason_stands_in_place_of_the_number() {
+    let mut window = with_table();
+    window.app_mut().model.document.params.frames = Some(FrameRange { start: 0, end: 3 });
+    window.settle();
+    window.run_action("Only real ones");
+    window.settle();
+    assert!(window.shows("Noise unknown: ") && window.shows("4 or more"));
+    assert!(window.app().model.shell.messages.errors().is_empty(), "nobody pressed a button");
 }

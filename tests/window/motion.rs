@@ -1,7 +1,6 @@
 //! Motion in the window: that of the features and that of their places, with the uncertainty.
 
 use crate::support::{Start, Window};
-use burstscope::app::apply;
 use burstscope::app::document::filter::{moves_by, near_slope};
 use burstscope::app::document::look::FeaturesShown;
 use burstscope::app::results::Read;
@@ -20,9 +19,7 @@ fn open() -> Window {
 #[test]
 fn one_count_of_the_features_at_this_slope() {
     let mut window = open();
-    let model = &mut window.app_mut().model;
-    let id = model.document.focus();
-    apply::detection::go_to_busiest_slope(model, id);
+    window.run_action("slope with most features");
     window.settle();
     let model = &window.app().model;
     let slope = model.document.cursor().slope;

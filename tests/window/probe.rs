@@ -409,8 +409,8 @@ fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
     let shown = window.app().read().decoys().expect("they were asked for").clone();
     let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
     let cache = ProbeCache::new(burst, &window.app().read().asked(), &Monitor::default()).unwrap();
-    assert_eq!(*shown, decoys(&cache.trail, &DecoyStudy::default(), &Monitor::default()).unwrap());
-    assert!(shown.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.sentence())));
+    assert_eq!(shown.report, decoys(&cache.trail, &DecoyStudy::default(), false, &Monitor::default()).unwrap().report);
+    assert!(shown.report.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.report.sentence())));
     // Other parameters are another search, whose decoys nobody asked for.
     window.app_mut().model.document.params.slopes = SlopeGrid::line(-2.0..=2.0, 9).into();
     window.settle();

@@ -42,7 +42,7 @@ fn the_demo_opens_with_its_slopes_found_and_shown() {
     let text = |name, axis: burstscope::detector::SlopeAxis| {
         format!("{name} {} to {} in {} slopes", number(axis.min), number(axis.max), axis.count)
     };
-    assert!(window.shows(&format!("Found: {}, {}", text("u", u), text("v", v))));
+    assert!(window.shows(&format!("; found: {}, {}", text("u", u), text("v", v))));
     // The sliders range over the found slopes.
     assert!(slope_limit(&model.results.slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
     assert_eq!(model.results.slots.a.usable_params.slopes, finding.grid);

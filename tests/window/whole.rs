@@ -190,6 +190,8 @@ fn readouts(window: &Window) -> Vec<(String, bool)> {
 #[test]
 fn the_slope_of_features_is_said_with_their_own() {
     let mut window = open();
+    window.key(Key::B);
+    window.settle();
     let note = window.app().model.shell.messages.last_note().expect("a note").to_owned();
     assert!(note.contains(" by their own slope"), "{note}");
     let model = &window.app().model;

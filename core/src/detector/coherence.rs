@@ -59,12 +59,15 @@ impl Along<'_> {
             let sigma_d = self.inputs.sigma_d(octave, level, slope, &offsets[own]) * factor;
             Ok(FrameResponse { frame: frames_used.start + t, pos_frame, covers, value, sigma_d })
         };
-        times.kept.iter().zip(times.from_middle()).enumerate().map(response).collect()
+        let all = times.kept.iter().zip(times.from_middle()).enumerate().map(response);
+        let mut all = all.collect::<Result<Vec<_>, Cancelled>>()?;
+        // A copy of the burst may have its frames in another order.
+        all.sort_by_key(|one| one.frame);
+        Ok(all)
     }
 
     pub(super) fn evenness(&self, feature: &Feature, monitor: &Monitor) -> Result<Evenness, Cancelled> {
-        let (scale, place) = (feature.scale(), [feature.u, feature.v]);
-        Ok(evenness_of(&self.each_frame(scale, place, feature.slope, monitor)?))
+        Ok(evenness_of(&self.each_frame(feature.scale(), [feature.u, feature.v], feature.slope, monitor)?))
     }
 }
 
@@ -125,23 +128,20 @@ pub fn evenness(answers: &[(f32, f32)]) -> Evenness {
     let square = answers.iter().map(|a| value(a).powi(2)).sum::<f64>() / n;
     let noise = answers.iter().map(|a| f64::from(a.1).powi(2)).sum::<f64>() / n;
     // Noise adds σ²/n to the squared mean and σ² to the mean square.
-    let (of_mean, of_all) = (mean * mean - noise / n, square - noise);
+    let (of_mean, of_all, free) = (mean * mean - noise / n, square - noise, n - 1.0);
     // The mean square is known to about √(2/n) of the noise's; below twice that there is too little to compare.
     let is_seen = of_all > 2.0 * (2.0 / n).sqrt() * noise && of_all > 0.0;
     let coherence = is_seen.then(|| (of_mean / of_all).clamp(0.0, 1.0) as f32);
-    let free = n - 1.0;
-    let unevenness = match () {
-        () if free < 1.0 => 0.0,
-        () if noise <= 0.0 => {
-            // Without noise only rounding remains: differences of a thousandth do not count.
-            let spread = ((square - mean * mean).max(0.0)).sqrt();
-            if spread > 1e-3 * mean.abs() { f64::from(UNEVEN) * (spread / (0.3 * mean.abs().max(1e-30))) } else { 0.0 }
-        }
-        () => {
-            // Standardised: the number of frames then does not change the limit.
-            let chi2: f64 = answers.iter().map(|a| ((value(a) - mean) / f64::from(a.1).max(1e-30)).powi(2)).sum();
-            (chi2 - free) / (2.0 * free).sqrt()
-        }
+    let unevenness = if free < 1.0 {
+        0.0
+    } else if noise <= 0.0 {
+        // Without noise only rounding remains: differences of a thousandth do not count.
+        let spread = ((square - mean * mean).max(0.0)).sqrt();
+        if spread > 1e-3 * mean.abs() { f64::from(UNEVEN) * (spread / (0.3 * mean.abs().max(1e-30))) } else { 0.0 }
+    } else {
+        // Standardised: the number of frames then does not change the limit.
+        let chi2: f64 = answers.iter().map(|a| ((value(a) - mean) / f64::from(a.1).max(1e-30)).powi(2)).sum();
+        (chi2 - free) / (2.0 * free).sqrt()
     };
     let uneven = unevenness > f64::from(UNEVEN);
     // The frames that respond lie next to each other and are not all.

@@ -219,11 +219,6 @@ impl<'a> Losses<'a> {
     }
 }
 
-/// Name of a feature by its rank in strength, from 1, as in tables.
-fn rank_name(index: usize) -> String {
-    format!("feature {index}")
-}
-
 /// Reason, from the motions, why a feature that the sure matches left has no match; empty where there is none.
 fn at_prediction(pair: &ComparedPair<'_>, index: usize, lost: Lost) -> String {
     let is_lost_before = matches!(lost, Lost::RatioTest | Lost::MutualCheck);
@@ -265,20 +260,17 @@ fn sentence(
     there: &[(usize, usize)],
 ) -> String {
     let Some(best) = candidates.first() else { return "the other picture has no feature to compare with".to_owned() };
-    let where_it_is = there.first().map_or_else(String::new, |&(feature, rank)| {
-        let who = rank_name(feature);
-        match rank {
-            0 => format!("; the nearest, {who}, lies where the geometry expects it"),
-            1 => format!("; {who} lies where the geometry expects it, but another has a nearer descriptor"),
-            _ => format!("; {who} lies where the geometry expects it, but {rank} others have nearer descriptors"),
-        }
+    let where_it_is = there.first().map_or_else(String::new, |(who, rank)| match rank {
+        0 => format!("; the nearest, feature {who}, lies where the geometry expects it"),
+        1 => format!("; feature {who} lies where the geometry expects it, but another has a nearer descriptor"),
+        _ => format!("; feature {who} lies where the geometry expects it, but {rank} others have nearer descriptors"),
     });
-    let (nearest, distance) = (rank_name(best.feature), best.distance);
+    let (nearest, distance) = (format!("feature {}", best.feature), best.distance);
     let own_match = pair.result.matches.iter().find(|m| m.a == index);
     match lost {
         Lost::Not => {
             let Some(m) = own_match else { return String::new() };
-            let at = format!("{} at distance {:.0}, ratio {}", rank_name(m.b), m.distance, m.ratio_words());
+            let at = format!("feature {} at distance {:.0}, ratio {}", m.b, m.distance, m.ratio_words());
             let by_motion = if m.predicted.is_some() { "where its motion puts it, " } else { "" };
             let nearer =
                 if m.b == best.feature { String::new() } else { format!("; {nearest} is nearer, at {distance:.0}") };
@@ -288,7 +280,7 @@ fn sentence(
         Lost::RatioTest => {
             let who = candidates.get(1).map_or_else(String::new, |second| {
                 let twin = if second.is_same_blob { ", a duplicate on the same blob" } else { "" };
-                format!(" to {}{twin}", rank_name(second.feature))
+                format!(" to feature {}{twin}", second.feature)
             });
             format!(
                 "ratio test: the nearest is {nearest} at {distance:.0}, {:.2} times the distance{who}; at most {:.2} is allowed{where_it_is}",
@@ -298,7 +290,7 @@ fn sentence(
         }
         Lost::MutualCheck => format!(
             "mutual check: its nearest, {nearest}, is nearer to {} of this picture{where_it_is}",
-            preferred.map_or_else(|| "another".to_owned(), rank_name)
+            preferred.map_or_else(|| "another".to_owned(), |index| format!("feature {index}"))
         ),
         Lost::Geometry | Lost::Motion => match own_match {
             Some(matched) => {
@@ -307,10 +299,10 @@ fn sentence(
                     format!(": {error:.1} px as found from the place it expects")
                 });
                 let why = pictures_of(pair, index).unwrap_or(error);
-                format!("geometry: its match, {}, does not fit{why}", rank_name(matched.b))
+                format!("geometry: its match, feature {}, does not fit{why}", matched.b)
             }
             None => match pair.result.matches.iter().find(|m| m.b == best.feature) {
-                Some(m) => format!("motion: its match, {nearest}, goes with {} where its motion is", rank_name(m.a)),
+                Some(m) => format!("motion: its match, {nearest}, goes with feature {} where its motion is", m.a),
                 None => format!("motion: its match, {nearest}, lies elsewhere than its motion puts it"),
             },
         },

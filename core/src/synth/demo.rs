@@ -250,27 +250,3 @@ fn lanterns(reach: f64) -> Layer {
     }
     layer
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn checksum(burst: &Burst) -> u64 {
-        burst.frames.iter().flat_map(|f| f.data()).fold(0xcbf2_9ce4_8422_2325, |hash, &x| {
-            let word = (f64::from(x) * 65535.0).round() as u64;
-            (hash ^ word).wrapping_mul(0x0100_0000_01b3)
-        })
-    }
-
-    #[test]
-    fn the_demo_is_the_same_everywhere() {
-        let burst = demo_burst();
-        assert_eq!((burst.name.as_str(), burst.len(), burst.size()), ("demo", DEMO_FRAMES, DEMO_SIZE));
-        let single = crate::detector::memory::on_threads(1, demo_burst);
-        assert_eq!(burst.frames, single.frames);
-        assert_eq!(checksum(&burst), CHECKSUM, "the demo changed; if that is meant, change the number here");
-        let truth = demo_truth();
-        assert!(truth.layers.len() == 4 && truth.features.len() >= 40, "{} landmarks", truth.features.len());
-    }
-    const CHECKSUM: u64 = 17_673_008_048_598_753_493;
-}

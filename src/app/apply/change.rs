@@ -92,7 +92,8 @@ pub fn probe_expected(model: &mut Model, _: &Engine) {
 pub fn go_to_busiest_slope(model: &mut Model, _: &Engine) {
     let focus = model.document.focus();
     model.document.playing = false;
-    detection::go_to_busiest_slope(model, focus);
+    let note = detection::go_to_busiest_slope(model, focus);
+    note.into_iter().for_each(|note| model.shell.messages.note(note));
     model.document.lead(focus, Pane::show_slope);
 }
 

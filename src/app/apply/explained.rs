@@ -5,7 +5,7 @@ use crate::app::document::Side;
 use crate::app::memo::Itself;
 use crate::app::results::{Model, Read};
 use crate::detector::params::doc;
-use crate::detector::{Detection, ParamChange, Slope};
+use crate::detector::{Detection, Feature, ParamChange, Slope};
 use crate::engine::Ended;
 use crate::requests::{CoherenceRequest, ExplainQuestion, ExplainRequest, Explained, Explanation};
 use std::sync::Arc;
@@ -18,10 +18,13 @@ pub fn want_decoys(model: &mut Model) {
 
 pub(super) fn take_explained(model: &mut Model, ended: Ended<ExplainRequest>) {
     let title = if matches!(ended.request.question, ExplainQuestion::Decoys(_)) { "Decoys" } else { "Explanation" };
-    let Some(Explained { request, explanation }) = model.shell.messages.answer(ended.result, title) else { return };
+    // What no user asked for fails where it would stand.
+    let is_quiet = title == "Decoys" && !Read::of(model).has_asked_for_decoys(&ended.request);
+    let answer = if is_quiet { ended.result.ok() } else { model.shell.messages.answer(ended.result, title) };
+    let Some(Explained { request, explanation }) = answer else { return };
     match explanation {
         Explanation::Slopes(spectrum) => model.results.explained.slopes = Some((request, spectrum)),
-        Explanation::Decoys(report) => model.results.explained.decoys = Some((request, report)),
+        Explanation::Decoys(decoys) => model.results.explained.decoys = Some((request, decoys)),
         Explanation::Candidates(survey) => {
             model.results.explained.candidates = Some((request, survey));
             (model.document.selected_candidate, model.results.explained.pointed) = (None, None);
@@ -65,22 +68,30 @@ pub fn apply_set_up(model: &mut Model) {
     }
 }
 
-/// Updates [`Results::listed`](crate::app::results::Results::listed). Cheap when nothing changed.
+/// Updates [`Results::listed`](crate::app::results::Results::listed), and what decoys say of it. Cheap when nothing
+/// changed.
 pub fn refresh_listed(model: &mut Model) {
     let Some(found) = &model.results.slots.a.found else {
         model.results.listed.clear();
-        model.results.listed_for = None;
+        (model.results.listed_for, model.results.listed_decoys) = (None, None);
         return;
     };
+    let decoys = Read::of(model).decoys();
     // The slope on show matters only to the filter by slope.
     let slope =
         if model.document.filter.near_slope.is_some() { model.document.cursor().slope } else { Slope::default() };
     let judged = model.results.coherence.of(&found.detection);
     let (filter, order, set_up) = (&model.document.filter, model.document.order, model.document.set_up.depths_by());
-    let now = ((&found.detection).into(), judged.map(Itself::from), filter.clone(), order, slope, set_up.copied());
+    let known = [judged.map(Itself::from), decoys.map(Itself::from)];
+    let now = ((&found.detection).into(), known, filter.clone(), order, slope, set_up.copied());
     if model.results.listed_for.as_ref() != Some(&now) {
         let (features, grid) = (&found.detection.features, &found.detection.slopes);
-        model.results.listed = model.document.listed(features, judged.map_or(&[], |judged| &judged[..]), grid, slope);
+        let listed = model.document.listed(features, judged.map_or(&[], |judged| &judged[..]), grid, slope);
+        let here: Vec<&Feature> = listed.iter().map(|&index| &features[index]).collect();
+        let decoys = decoys.filter(|_| judged.is_some() || !filter.needs_verdicts());
+        let among =
+            decoys.map(|decoys| decoys.among(&here, |decoy, judged| filter.passes(decoy, Some(judged), grid, slope)));
+        (model.results.listed, model.results.listed_decoys) = (listed, among);
         model.results.listed_for = Some(now);
     }
 }

@@ -82,7 +82,8 @@ fn take_opened(
         Side::A => {
             // A step back or forward has said what it changed.
             if model.results.slots.a.stepped_to.as_ref() != Some(&options) {
-                model.shell.messages.note(format!("Opened {}", burst.describe()));
+                // The status bar names the burst that is open.
+                model.shell.messages.forget_note();
                 burst.burst.notes().iter().for_each(|note| model.shell.messages.note(note.for_window()));
             }
             take_burst(model, burst);

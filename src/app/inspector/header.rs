@@ -9,6 +9,7 @@ use crate::app::histogram::{RangeOf, ends_ui};
 use crate::app::pane::{Content, Direction, Link, MAX_PANES, PaneId};
 use crate::app::panel::display::features_shown_ui;
 use crate::app::panel::picture::PictureState;
+use crate::app::panel::tally::expected_ui;
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use crate::app::{canvas, style};
@@ -136,6 +137,7 @@ fn drawn_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, widgets: &mut PaneWidgets,
         };
         let menu = ui.menu_button(RichText::new(text).small(), |ui| {
             features_shown_ui(ui, &mut look.overlay, model, id);
+            expected_ui(ui, model, queue);
         });
         menu.response.on_hover_text(tip);
         queue.set(&model.document.look, look, Action::SetLook);
@@ -153,10 +155,13 @@ fn filter_chip_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, queue: &
         [first, rest @ ..] if width >= ROOM_FOR_NUMBERS_ALONE => format!(": {first} and {} more", rest.len()),
         _ => String::new(),
     };
-    let text = RichText::new(format!("Filter{short} ✖")).small().color(style::warning(ui));
+    let noise = model.results.listed_decoys.as_ref().map(|report| format!(", {}", report.expected_words()));
+    let noise = noise.unwrap_or_default();
+    let more = if width < ROOM_FOR_ALL { "" } else { &noise };
+    let text = RichText::new(format!("Filter{short}{more} ✖")).small().color(style::warning(ui));
     let chip = ui.add(Button::new(text).min_size(vec2(16.0, 16.0)));
     named(&chip, egui::Role::Button, "Show all features again");
-    let count = format!("{} of {} features pass", model.results.listed.len(), model.features().len());
+    let count = format!("{} of {} features pass{noise}", model.results.listed.len(), model.features().len());
     if chip.on_hover_text(format!("Filter: {}. {count}; a click shows all", words.join(", "))).clicked() {
         queue.push(ActionId::ClearFilter);
     }

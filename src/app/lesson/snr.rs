@@ -80,11 +80,7 @@ pub(super) fn snr_ui(ui: &mut Ui, model: Read<'_>, trace: &mut SnrTrace, spot: S
     let top = ui.cursor().min;
     let now = measured(model, spot, slope);
     if let Some((frames, snr)) = now {
-        let at = if frames == 1 {
-            trace.slope.unwrap_or(model.document.cursor().slope)
-        } else {
-            model.document.cursor().slope
-        };
+        let at = trace.slope.filter(|_| frames == 1).unwrap_or(model.document.cursor().slope);
         trace.take(at, frames, snr.ratio());
         ui.horizontal_wrapped(|ui| {
             ui.label(RichText::new(format!("SNR {:.2}", snr.ratio())).strong());

@@ -7,7 +7,7 @@ use crate::app::document::{Action, Compared, Destination, Pointed, Reference, Si
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::panel::legend;
-use crate::app::panel::table::{ROW_HEIGHT, striped_table};
+use crate::app::panel::table::{ROW_HEIGHT, cell_ui, striped_table};
 use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
 use crate::app::results::Read;
 use crate::app::results::comparison::{Row, Shown};
@@ -42,13 +42,10 @@ fn switch_ui(ui: &mut Ui, model: Read<'_>, side: Side, queue: &mut Queue) {
     }
     ui.separator();
     button_ui(ui, model, queue, ActionId::PinResult, Some("Pin"));
-    let ends = match model.document.comparisons[side].with {
-        Some(Reference::Pinned) => Some((ActionId::UnpinResult, "Unpin")),
-        Some(Reference::File) => Some((ActionId::CloseFeatures, "Close")),
-        Some(Reference::Truth) | None => None,
-    };
-    if let Some((id, text)) = ends {
-        button_ui(ui, model, queue, id, Some(text));
+    match model.document.comparisons[side].with {
+        Some(Reference::Pinned) => _ = button_ui(ui, model, queue, ActionId::UnpinResult, Some("Unpin")),
+        Some(Reference::File) => _ = button_ui(ui, model, queue, ActionId::CloseFeatures, Some("Close")),
+        Some(Reference::Truth) | None => {}
     }
     if let Some(running) = &model.results.slots[side].comparison.wanted.running() {
         progress_ui(ui, running, Some(220.0), &progress_text(running));
@@ -141,9 +138,7 @@ fn table_ui(ui: &mut Ui, model: Read<'_>, side: Side, shown: &Shown, queue: &mut
                     ui.add(Label::new(shown.label(row.kind)).selectable(false));
                 });
                 for text in cells(row) {
-                    table_row.col(|ui| {
-                        ui.add(Label::new(RichText::new(text).monospace()).selectable(false).extend());
-                    });
+                    table_row.col(|ui| cell_ui(ui, RichText::new(text).monospace(), true));
                 }
                 table_row.col(|ui| {
                     ui.add(Label::new(&row.note).selectable(false).truncate());

@@ -1,14 +1,15 @@
 //! Tabs below the pictures: the table of features, the tally, the noise, and measurements on the pictures.
 
 use crate::app::actions::ActionId;
-use crate::app::document::{Action, Queue};
+use crate::app::document::{Action, Queue, Side};
 use crate::app::inspector::PaneWidgets;
 use crate::app::measure::{RegionCache, profile_ui, region_ui};
-use crate::app::panel::{against, methods, noise, slopes, status, table, tally};
+use crate::app::panel::widgets::with_whole_numbers;
+use crate::app::panel::{against, methods, noise, slopes, table, tally};
 use crate::app::parts::mark;
-use crate::app::results::Read;
+use crate::app::results::{FoundFeatures, Read};
 use crate::teach::{BottomTab, Part};
-use egui::{Align, Layout, Ui};
+use egui::{Align, Label, Layout, Ui};
 
 /// Minimum width with widely spaced tabs, in points.
 const ROOMY: f32 = 600.0;
@@ -58,8 +59,15 @@ pub fn closed_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     queue.push_if(tabs.on_hover_text("Open the panel below").clicked(), ActionId::ToggleBottom);
 }
 
-fn line_ui(ui: &mut Ui, model: Read<'_>, summary_ui: fn(&mut Ui, Read<'_>)) {
-    ui.with_layout(Layout::left_to_right(Align::Center), |ui| summary_ui(ui, model));
+/// Draws a line about what was found, with its tip; `None` where that is not known yet.
+fn summary_ui(ui: &mut Ui, model: Read<'_>, summary: fn(Read<'_>, &FoundFeatures) -> Option<[String; 2]>) {
+    ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+        match model.found_of(Side::A).map(|found| summary(model, found)) {
+            Some(Some([text, tip])) => ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip),
+            Some(None) => ui.weak("Not analysed yet"),
+            None => ui.weak("No detection yet"),
+        }
+    });
 }
 
 pub fn bottom_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, regions: &mut RegionCache, queue: &mut Queue) {
@@ -72,23 +80,21 @@ pub fn bottom_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, regions: &
         ui.separator();
         match model.document.bottom_tab {
             BottomTab::Table => table::filter_bar_ui(ui, model, queue),
-            BottomTab::Tally => line_ui(ui, model, tally::summary_ui),
-            BottomTab::Noise => line_ui(ui, model, noise::summary_ui),
-            BottomTab::Slopes => line_ui(ui, model, slopes::summary_ui),
+            BottomTab::Tally => summary_ui(ui, model, tally::summary),
+            BottomTab::Noise => summary_ui(ui, model, noise::summary),
+            BottomTab::Slopes => summary_ui(ui, model, slopes::summary),
             BottomTab::Profile | BottomTab::Region | BottomTab::Compared | BottomTab::Methods => {}
         }
     });
     mark(ui, Part::Tabs, tabs.response.rect);
     ui.separator();
     mark(ui, Part::Below, ui.available_rect_before_wrap());
+    // Usually it stands below the parameters.
+    if matches!(model.document.bottom_tab, BottomTab::Table | BottomTab::Tally) && !model.shows_left() {
+        slopes::verdict_ui(ui, model, queue);
+    }
     match model.document.bottom_tab {
-        BottomTab::Table => {
-            // Usually it stands below the parameters.
-            if !model.shows_left() {
-                status::advice_ui(ui, model, queue);
-            }
-            table::table_ui(ui, model, queue);
-        }
+        BottomTab::Table => table::table_ui(ui, model, queue),
         BottomTab::Tally => tally::tally_ui(ui, model, queue),
         BottomTab::Noise => noise::noise_ui(ui, model, queue),
         BottomTab::Slopes => slopes::slopes_ui(ui, model, queue),

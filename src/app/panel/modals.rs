@@ -210,18 +210,14 @@ fn file_ui(
         let draws = purposes.len() > 1 && ui.button("Draw").on_hover_text(ActionId::DrawMask.action().help).clicked();
         queue.push_if(draws, ActionId::WorkspaceInspect);
         queue.push_if(draws, ActionId::DrawMask);
-        let name = path.as_ref().map(|path| {
-            let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned();
-            (name, path.display().to_string())
-        });
-        match name {
-            Some((name, whole)) => {
-                if ui.button(format!("Remove {}", label.to_lowercase())).clicked() {
-                    *path = None;
-                }
-                ui.add(egui::Label::new(name).truncate()).on_hover_text(whole);
+        if let Some(chosen) = path.clone() {
+            if ui.button(format!("Remove {}", label.to_lowercase())).clicked() {
+                *path = None;
             }
-            None => _ = ui.weak("none"),
+            let name = chosen.file_name().unwrap_or(chosen.as_os_str()).to_string_lossy();
+            ui.add(egui::Label::new(name).truncate()).on_hover_text(chosen.display().to_string());
+        } else {
+            ui.weak("none");
         }
         draws
     });
@@ -232,12 +228,11 @@ fn level_ui(ui: &mut Ui, label: &str, level: &mut Option<f32>, default: f32, tip
     let mut own = level.is_some();
     ui.checkbox(&mut own, label).on_hover_text(tip);
     *level = own.then_some(level.unwrap_or(default));
-    match level {
-        Some(value) => {
-            let field = ui.add(DragValue::new(value).range(-1e9..=1e9).speed(1.0).max_decimals(3));
-            field.on_hover_text(format!("{label}: {tip}"));
-        }
-        None => _ = ui.weak("from the files"),
+    if let Some(value) = level {
+        let field = DragValue::new(value).range(-1e9..=1e9).speed(1.0).max_decimals(3);
+        ui.add(field).on_hover_text(format!("{label}: {tip}"));
+    } else {
+        ui.weak("from the files");
     }
     ui.end_row();
 }

@@ -17,11 +17,7 @@ fn number(value: f32) -> String {
 const PLOT: egui::Vec2 = vec2(280.0, 130.0);
 const MAP_CELLS: usize = 64;
 
-pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
-    let Some(found) = &model.results.slots.a.found else {
-        ui.weak("No detection yet");
-        return;
-    };
+pub fn summary(_: Read<'_>, found: &FoundFeatures) -> Option<[String; 2]> {
     let noise = &found.detection.noise;
     let text = if noise.is_local {
         let kept = noise.frames.iter().filter(|f| f.left_out.is_none()).count();
@@ -33,7 +29,7 @@ pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
     } else {
         format!("White noise  ·  σ {} of full scale", number(noise.frame_noise))
     };
-    ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
+    Some([text.clone(), text])
 }
 
 pub fn noise_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {

@@ -5,12 +5,13 @@ use crate::app::actions::{ActionId, Queue, button_ui, checked, enabled};
 use crate::app::document::{Action, Panels, Side};
 use crate::app::panel::cursor::mark_fields;
 use crate::app::panel::parameter_rows as rows;
+use crate::app::panel::slopes::found_words;
 use crate::app::panel::widgets::{section_ui, weak_ui};
 use crate::app::results::Read;
 use crate::app::{parts, style};
 use crate::detector::params::{Param, doc};
-use crate::detector::{NoiseGate, SearchParams, SlopeAxis, SlopeFinding, SlopeGrid, SlopeVerdict, Slopes};
-use crate::inspect::words::{capitalised, number};
+use crate::detector::{NoiseGate, SearchParams, SlopeFinding, SlopeGrid, Slopes};
+use crate::inspect::words::capitalised;
 use crate::teach::Part;
 use egui::{Align, Layout, Rect, RichText, Ui};
 
@@ -49,7 +50,7 @@ pub fn parameters_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             let has_fields = [doc::SLOPES_U, doc::SLOPES_V].contains(record);
             has_fields && asked.slopes.is_auto() && !parts::is_wanted(ui.ctx(), Part::parameter(record))
         };
-        // Slopes that are found stand above in words.
+        // Slopes that are found stand in words.
         for record in BASIC.into_iter().filter(|record| !is_found(record)).collect::<Vec<_>>() {
             rows.row_ui(ui, &record);
         }
@@ -99,8 +100,13 @@ impl Rows<'_> {
             },
         );
         let finding = self.model.found_of(Side::A).and_then(|found| found.finding.as_ref());
-        if let Some(finding) = finding.filter(|_| self.choice.is_auto()) {
-            weak_ui(ui, RichText::new(found_words(finding)).small());
+        // Slopes that were found stand in the verdict, where it is drawn; why none were, as commands say it.
+        let words = |finding: &SlopeFinding| match found_words(finding) {
+            Some(found) => self.model.document.panels.hall.then_some(found),
+            None => Some(finding.summary()),
+        };
+        if let Some(finding) = finding.filter(|_| self.choice.is_auto()).and_then(words) {
+            weak_ui(ui, RichText::new(capitalised(&finding)).small());
         }
     }
 
@@ -118,22 +124,6 @@ impl Rows<'_> {
             advanced().for_each(|record| self.row_ui(ui, record));
         }
     }
-}
-
-/// Slopes that were found, in words; reasons why none were, as commands say them.
-fn found_words(finding: &SlopeFinding) -> String {
-    if finding.verdict != SlopeVerdict::Found || !finding.warnings.is_empty() {
-        return capitalised(&finding.summary());
-    }
-    let axis = |name: &str, axis: &SlopeAxis| {
-        let [min, max] = [axis.min, axis.max].map(|end| number(end, 3));
-        (axis.count > 1).then(|| format!("{name} {min} to {max} in {} slopes", axis.count))
-    };
-    let grid = &finding.grid;
-    let axes: Vec<String> = [axis("u", &grid.u), axis("v", &grid.v)].into_iter().flatten().collect();
-    let turned =
-        if grid.direction_deg == 0.0 { String::new() } else { format!(", turned by {}°", grid.direction_deg) };
-    format!("Found: {}{turned}; {:.0} % of the motion seen lies there", axes.join(", "), 100.0 * finding.confidence)
 }
 
 fn advanced() -> impl Iterator<Item = &'static Param<SearchParams>> {

@@ -59,12 +59,11 @@ pub fn selection_ui(ui: &mut Ui, model: Read<'_>, state: &mut SelectionState, qu
         let known = model.document.set_up.known(&feature, judged.as_ref());
         numbers_ui(ui, index, &feature, known, layers);
         ui.add_space(6.0);
-        let descriptor = model.found_of(Side::A).and_then(|f| f.detection.descriptors.get(index).copied());
-        if let Some(descriptor) = descriptor {
+        if let Some(descriptor) = found.and_then(|found| found.detection.descriptors.get(index)) {
             ui.label(RichText::new("Descriptor").small().weak());
             let side = ui.available_width().min(200.0);
             let colour = ui.visuals().hyperlink_color;
-            descriptor_ui(ui, "Descriptor", &descriptor, side, colour);
+            descriptor_ui(ui, "Descriptor", descriptor, side, colour);
         }
     });
 }

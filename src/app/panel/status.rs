@@ -3,10 +3,10 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Side};
 use crate::app::messages::Messages;
-use crate::app::panel::widgets::{confirm_ui, named, progress_text, text_width, with_whole_numbers};
+use crate::app::panel::widgets::{confirm_ui, named, progress_text, text_width, warning_ui, with_whole_numbers};
 use crate::app::recovery::{Offer, RecoveryChoice};
 use crate::app::results::{Own, Read};
-use crate::detector::ParamChange;
+use crate::detector::{Advice, ParamChange};
 use crate::inspect::words::counted;
 use egui::{Align, Align2, Area, Button, Frame, Id, Label, Layout, RichText, Ui, vec2};
 use std::time::Duration;
@@ -20,19 +20,15 @@ const READOUT_REST: f32 = 300.0;
 pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mut Queue) -> bool {
     let mut types_path = false;
     ui.horizontal(|ui| {
-        let hint = if model.results.slots.a.burst.is_some() { "Point at the picture to read values" } else { "" };
-        let text = readout.unwrap_or(hint);
-        let text = RichText::new(text);
-        let text = if readout.is_some() { text.monospace() } else { text.weak() };
+        let text = RichText::new(readout.unwrap_or_default()).monospace();
         // A long value takes more room in whole steps, so that nothing beside it moves with each of its digits.
         let least = if model.document.panes.are_many() { 460.0 } else { 330.0 };
         let steps = ((text_width(ui, text.clone()) - least) / READOUT_STEP).ceil().max(0.0);
         let width = (least + READOUT_STEP * steps).min(ui.available_width() - READOUT_REST).max(least);
         ui.allocate_ui_with_layout(egui::vec2(width, 18.0), Layout::left_to_right(Align::Center), |ui| {
             ui.set_min_width(width);
-            let label = ui.add(Label::new(text).truncate());
             if let Some(readout) = readout {
-                label.on_hover_text(readout);
+                ui.add(Label::new(text).truncate()).on_hover_text(readout);
             }
         });
         ui.separator();
@@ -157,13 +153,12 @@ pub fn recovery_ui(ui: &mut Ui, offer: &Offer) -> Option<RecoveryChoice> {
         let more = if offer.more == 0 { String::new() } else { format!(" ({} more)", offer.more) };
         let text = format!("The last session was not closed. It was saved {}: {}{more}.", ago(offer.age), offer.label);
         ui.label(RichText::new(text).color(crate::app::style::warning(ui)));
-        let restore = ui.add_enabled(!offer.is_restoring, Button::new("Restore"));
-        if restore.on_hover_text("Open the saved session in place of what is open now").clicked() {
-            choice = Some(RecoveryChoice::Restore);
-        }
-        let discard = ui.add_enabled(!offer.is_restoring, Button::new("Discard…"));
-        if discard.on_hover_text("Delete the saved session; the files that it names stay").clicked() {
-            choice = Some(RecoveryChoice::Discard);
+        for (words, tip, chosen) in [
+            ("Restore", "Open the saved session in place of what is open now", RecoveryChoice::Restore),
+            ("Discard…", "Delete the saved session; the files that it names stay", RecoveryChoice::Discard),
+        ] {
+            let button = ui.add_enabled(!offer.is_restoring, Button::new(words)).on_hover_text(tip);
+            choice = button.clicked().then_some(chosen).or(choice);
         }
     });
     if !offer.is_asking {
@@ -187,19 +182,15 @@ fn ago(age: Duration) -> String {
     format!("{} ago", counted(count as usize, unit))
 }
 
-pub fn advice_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let advice = model.found_of(Side::A).filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
-    if let Some(advice) = advice {
-        let text = RichText::new(with_whole_numbers(&advice.for_window())).color(crate::app::style::warning(ui));
-        ui.horizontal_wrapped(|ui| {
-            ui.add(Label::new(text).wrap()).on_hover_text(advice.parameter.help());
-            let change = ParamChange { parameter: advice.parameter, value: advice.value.clone() };
-            if let Some(price) = model.price_text(Side::A, &change) {
-                ui.weak(format!("({price})"));
-            }
-            if model.features().is_empty() && model.document.workspace.inspects() {
-                button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
-            }
-        });
-    }
+pub(crate) fn advice_ui(ui: &mut Ui, model: Read<'_>, advice: &Advice, queue: &mut Queue) {
+    ui.horizontal_wrapped(|ui| {
+        warning_ui(ui, with_whole_numbers(&advice.for_window())).on_hover_text(advice.parameter.help());
+        let change = ParamChange { parameter: advice.parameter, value: advice.value.clone() };
+        if let Some(price) = model.price_text(Side::A, &change) {
+            ui.weak(format!("({price})"));
+        }
+        if model.features().is_empty() && model.document.workspace.inspects() {
+            button_ui(ui, model, queue, ActionId::ProbeStrongest, None);
+        }
+    });
 }

@@ -5,6 +5,7 @@ use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::filter::{at_slope, range_name, ranged, ranged_quantities};
 use crate::app::document::{Action, Filter, Interval, Order, Pointed, Side};
 use crate::app::inspector::feature_items_ui;
+use crate::app::panel::tally;
 use crate::app::panel::widgets::{instead_ui, label_ui, named, text_width};
 use crate::app::results::Read;
 use crate::app::view::{KnownOfFeature, layer_text, quantity_text, shown_quantities};
@@ -27,10 +28,6 @@ pub fn table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     if model.results.slots.a.found.is_none() {
         instead_ui(ui, model.without_features(Side::A, "Press Detect to find features"));
         return;
-    }
-    // Usually it stands below the parameters.
-    if !model.shows_left() {
-        crate::app::panel::slopes::judgement_ui(ui, model, queue);
     }
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
     let listed =
@@ -257,6 +254,7 @@ pub fn filter_bar_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     queue.edit(model.document, Action::SetFilter(filter));
     if !model.document.filter.is_open() {
         button_ui(ui, model, queue, ActionId::ClearFilter, None);
+        tally::expected_ui(ui, model, queue);
     }
 }
 

@@ -4,25 +4,21 @@ use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::document::{Action, Destination, Pointed, Queue, Side};
 use crate::app::pane::PaneId;
-use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, with_whole_numbers};
-use crate::app::results::Read;
+use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, weak_ui, with_whole_numbers};
+use crate::app::results::{FoundFeatures, Read};
 use crate::app::view::signed_slope;
 use crate::detector::advice::grouped;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{NoiseGate, Slope, Test};
 use crate::inspect::place::{CandidateMark, ProbeSubject, Survey};
-use crate::inspect::result::DecoyStudy;
+use crate::inspect::result::{DecoyReport, DecoyStudy, Decoys};
 use crate::inspect::words::{capitalised, counted, sentence};
 use crate::plane::display::ColourMap;
-use crate::requests::{ProbeQuestion, ViewKind};
+use crate::requests::{JobError, ProbeQuestion, ViewKind};
 use egui::{Align2, Button, Color32, Frame, Label, Margin, Pos2, Rect, RichText, ScrollArea, Sense, Ui, vec2};
 use std::sync::Arc;
 
-pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
-    let Some(found) = &model.results.slots.a.found else {
-        ui.weak("No detection yet");
-        return;
-    };
+pub fn summary(_: Read<'_>, found: &FoundFeatures) -> Option<[String; 2]> {
     let detection = &found.detection;
     let gate = match found.params.noise_gate {
         NoiseGate::Factor(k) => format!("{k} σ"),
@@ -35,7 +31,7 @@ pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
         detection.octaves.start,
         detection.octaves.end - 1,
     );
-    ui.add(egui::Label::new(&text).truncate()).on_hover_text(text);
+    Some([text.clone(), text])
 }
 
 /// Draws the bars. Rows of tests that reject candidates are switches: they show these candidates in the picture.
@@ -73,35 +69,44 @@ pub fn tally_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let kept = survey.as_ref().map(|survey| survey.kept);
         let row = Row { name: "Kept: keypoints", samples: tally.kept, candidates: kept, bar: Some((most, true)) };
         line_ui(ui, &row, None);
-        decoys_ui(ui, model, queue);
+        let words = |decoys: &Arc<Decoys>| (format!("Decoys: {}", decoys.report.sentence()), decoys.report.doubt());
+        decoys_ui(ui, model, "False rate…", model.decoys().map(words), queue);
         crate::app::panel::noise::warnings_ui(ui, found);
-        ui.add_space(4.0);
-        crate::app::panel::status::advice_ui(ui, model, queue);
     });
 }
 
-const DECOYS_HELP: &str = "Searches copies whose frames are in other orders, with the noise of the burst: nothing moves there as it did, so the features found there are false. The line gives their number for each feature found here, from an SNR on";
+const DECOYS_HELP: &str = "Searches copies whose frames are in other orders, with the noise of the burst: nothing moves there as it did, so the features found there are false. Their number tells how many found here are: for each of these, from an SNR on, or of those that pass the filter";
 
-/// Draws the burst's own false rate, or a button that asks for it: it takes a search for each copy.
-fn decoys_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    if let Some(report) = model.decoys() {
-        let tip = report.doubt().map_or_else(String::new, |doubt| format!("\n\n{}", sentence(&doubt)));
-        let text = with_whole_numbers(&format!("Decoys: {}", report.sentence()));
-        ui.add(Label::new(text).wrap()).on_hover_text(format!("{DECOYS_HELP}.{tip}"));
+/// Draws how many of the features that pass the filter noise explains, or a button that asks for it.
+pub fn expected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
+    let words = |report: &DecoyReport| (report.expected_words(), report.doubt());
+    decoys_ui(ui, model, "Expected of noise…", model.results.listed_decoys.as_ref().map(words), queue);
+}
+
+/// Draws what decoys say, with the reason to doubt it, or a button `ask` for it: it takes a search for each copy.
+fn decoys_ui(ui: &mut Ui, model: Read<'_>, ask: &str, told: Option<(String, Option<String>)>, queue: &mut Queue) {
+    if let Some((text, doubt)) = told {
+        let tip = doubt.map_or_else(String::new, |doubt| format!("\n\n{}", sentence(&doubt)));
+        ui.add(Label::new(with_whole_numbers(&text)).wrap()).on_hover_text(format!("{DECOYS_HELP}.{tip}"));
         return;
     }
-    let Some(found) = &model.results.slots.a.found else { return };
+    // Known decoys wait for the verdicts on the features that they are compared with.
+    let Some(found) = model.found_of(Side::A).filter(|_| model.decoys().is_none()) else { return };
     let asked = &model.results.explained.asked_decoys;
     if asked.is_pending() {
         let progress = asked.running().map_or_else(|| "waiting".to_owned(), |running| progress_text(&running));
         ui.weak(format!("Decoys: {progress}")).on_hover_text(DECOYS_HELP);
         return;
     }
+    let failure = asked.failure().filter(|(request, _)| model.decoys_request().as_ref() == Some(*request));
+    if let Some((_, why)) = failure.filter(|(_, why)| **why != JobError::Cancelled) {
+        weak_ui(ui, format!("Noise unknown: {why}"));
+    }
     let copies = DecoyStudy::default().copies;
     let secs = (copies as f32 * found.search_secs).ceil();
-    let tip = format!("{DECOYS_HELP}.\n\nIt takes {copies} searches, about {secs:.0} s, in the background");
+    let tip = format!("{DECOYS_HELP}.\n\nIt takes {copies} searches and verdicts, over {secs:.0} s, in the background");
     let is_current = model.stale().is_none() && model.takes_advice(Side::A);
-    let button = ui.add_enabled(is_current, Button::new("False rate…")).on_hover_text(tip);
+    let button = ui.add_enabled(is_current, Button::new(ask)).on_hover_text(tip);
     if button.on_disabled_hover_text("The parameters changed: press Detect first").clicked() {
         queue.push(Action::SearchDecoys);
     }
@@ -145,17 +150,15 @@ fn count_ui(ui: &mut Ui, text: RichText) -> egui::Response {
 /// The bar's length grows with the logarithm of the count. With `shown` the name is a switch.
 fn line_ui(ui: &mut Ui, row: &Row<'_>, shown: Option<&mut bool>) {
     ui.horizontal(|ui| {
-        match shown {
-            Some(shown) => {
-                let size = vec2(NAME_WIDTH, ui.spacing().interact_size.y);
-                ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
-                    ui.set_min_width(NAME_WIDTH);
-                    let tip =
-                        "Show the candidates that fail this test first in the picture, coloured by how far they fail";
-                    ui.toggle_value(shown, row.name).on_hover_text(tip);
-                });
-            }
-            None => _ = label_ui(ui, row.name, NAME_WIDTH),
+        if let Some(shown) = shown {
+            let size = vec2(NAME_WIDTH, ui.spacing().interact_size.y);
+            ui.allocate_ui_with_layout(size, egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                ui.set_min_width(NAME_WIDTH);
+                let tip = "Show the candidates that fail this test first in the picture, coloured by how far they fail";
+                ui.toggle_value(shown, row.name).on_hover_text(tip);
+            });
+        } else {
+            label_ui(ui, row.name, NAME_WIDTH);
         }
         count_ui(ui, RichText::new(grouped(row.samples)).monospace());
         if let Some(candidates) = row.candidates {

@@ -98,8 +98,7 @@ pub fn card_ui(ctx: &Context, model: Read<'_>, lessons: &Lessons, rect_ui: Rect,
         let frame = Frame::popup(ui.style()).stroke(Stroke::new(1.0, style::ACCENT)).inner_margin(14).corner_radius(8);
         frame.show(ui, |ui| {
             ui.set_width(CARD_WIDTH);
-            ui.label(RichText::new("A street at night: ten dark frames").size(15.0).strong());
-            ui.label("Drag in the slope plane: each depth comes out at its own slope.");
+            ui.strong("Drag in the slope plane: each depth of the dark street comes out at its own slope.");
             ui.add_space(6.0);
             ui.horizontal(|ui| {
                 let text = RichText::new("Three-minute lesson").color(Color32::WHITE);

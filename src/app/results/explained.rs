@@ -7,7 +7,7 @@ use crate::app::view::ColourBy;
 use crate::detector::{Detection, Feature, Method, Moves, Quantity};
 use crate::engine::Wanted;
 use crate::inspect::place::{CandidateMark, Judged, Survey, SurveyOptions, Verdict};
-use crate::inspect::result::{DecoyReport, DecoyStudy};
+use crate::inspect::result::{DecoyStudy, Decoys};
 use crate::inspect::slopes::{SlopeJudgement, Spectrum};
 use crate::inspect::words::capitalised;
 use crate::requests::{CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, JobError, Running};
@@ -21,7 +21,7 @@ pub(in crate::app) const SHORT_SECS: f32 = 5.0;
 pub struct ExplainedState {
     pub slopes: Option<(ExplainRequest, Arc<Spectrum>)>,
     pub candidates: Option<(ExplainRequest, Arc<Survey>)>,
-    pub decoys: Option<(ExplainRequest, Arc<DecoyReport>)>,
+    pub decoys: Option<(ExplainRequest, Arc<Decoys>)>,
     /// The decoys that were asked for; of no use once another detection is on show.
     pub wanted_decoys: Option<ExplainRequest>,
     /// The candidate under the pointer, among those of the survey: features below it are not pointed at.
@@ -45,11 +45,17 @@ impl<'a> Read<'a> {
         self.wanted_candidates().filter(|_| is_time && self.survey().is_none())
     }
 
-    /// Unlike the others they go on while another workspace is open.
+    /// Decoys that were asked for, or by which features are filtered that only real things should pass, unless the
+    /// detection took long. Unlike the others they go on while another workspace is open.
     pub fn missing_decoys(self) -> Option<ExplainRequest> {
         let is_current = self.stale().is_none() && !self.results.slots.a.detecting.is_pending();
-        let wanted = self.results.explained.wanted_decoys.clone().filter(|_| is_current && self.decoys().is_none());
-        wanted.filter(|wanted| self.decoys_request().as_ref() == Some(wanted))
+        let request = self.decoys_request().filter(|_| is_current && self.decoys().is_none())?;
+        let by_filter = self.document.filter.verdict.is_some() && !self.slopes_take_long();
+        (by_filter || self.has_asked_for_decoys(&request)).then_some(request)
+    }
+
+    pub fn has_asked_for_decoys(self, request: &ExplainRequest) -> bool {
+        self.results.explained.wanted_decoys.as_ref() == Some(request)
     }
 
     pub fn decoys_request(self) -> Option<ExplainRequest> {
@@ -57,7 +63,7 @@ impl<'a> Read<'a> {
     }
 
     /// Of the detection on show; `None` for stale features.
-    pub fn decoys(self) -> Option<&'a Arc<DecoyReport>> {
+    pub fn decoys(self) -> Option<&'a Arc<Decoys>> {
         let (request, report) = self.results.explained.decoys.as_ref()?;
         (self.stale().is_none() && *request == self.decoys_request()?).then_some(report)
     }

@@ -12,6 +12,7 @@ use crate::dataset::DatasetSource;
 use crate::detector::{Quantity, SearchParams, Slope};
 use crate::engine::{Ended, Wanted};
 use crate::figures::FiguresJob;
+use crate::inspect::result::DecoyReport;
 use crate::inspect::slopes::SetUp;
 use crate::requests::{
     BurstSource, FigurePreview, FigureRequest, FolderRequest, OpenRequest, PictureAnswer, PictureRequest,
@@ -88,6 +89,8 @@ pub struct Results {
     pub reselect: Option<SavedSelection>,
     /// Indices of the features that pass the filter, in the table's order; see `explained::refresh_listed`.
     pub listed: Vec<usize>,
+    /// Rate of the listed features, against those that the filter lets through of the decoys.
+    pub listed_decoys: Option<DecoyReport>,
     pub pair: PairState,
     pub compare: Compare,
     pub explained: ExplainedState,
@@ -102,8 +105,8 @@ pub struct Results {
     pub studies: studies::Studies,
 }
 
-/// The detection, its verdicts, filter, order, slope and set-up by which features are listed.
-type ListedFor = (Itself, Option<Itself>, Filter, Order<Quantity>, Slope, Option<SetUp>);
+/// The detection, its verdicts and decoys, filter, order, slope and set-up by which features are listed.
+type ListedFor = (Itself, [Option<Itself>; 2], Filter, Order<Quantity>, Slope, Option<SetUp>);
 
 impl Results {
     pub fn pointed(&self) -> impl PartialEq + use<> {

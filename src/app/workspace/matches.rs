@@ -119,9 +119,9 @@ fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Selected pair", |ui| {
         let (Some(dataset), Some(set)) = (&model.results.datasets.open, &model.document.dataset) else { return };
         match set.selected() {
-            Some(pair) => _ = ui.add(Label::new(pairs::pair_text(dataset, pair)).wrap()),
-            None => _ = ui.weak("Click a cell of the matrix, or choose A and B in the filmstrip."),
-        }
+            Some(pair) => ui.add(Label::new(pairs::pair_text(dataset, pair)).wrap()),
+            None => ui.weak("Click a cell of the matrix, or choose A and B in the filmstrip."),
+        };
         ui.add_space(4.0);
         ui.horizontal(|ui| {
             button_ui(ui, model, queue, ActionId::MatchSelected, None);

@@ -228,11 +228,11 @@ impl Trail {
     }
 
     /// Searches the same frames in another order: the frame at place i among the kept ones gets the time of the frame
-    /// at place `order[i]`. Noise model, gates, slopes and field stay, and all features are kept.
+    /// at place `order[i]`, for questions about that copy. Noise model, gates, slopes and field stay; none is cut.
     ///
     /// # Panics
     /// If `order` is no permutation of the places of the frames that took part.
-    pub fn reordered(&self, order: &[usize], monitor: &Monitor) -> Result<Detection> {
+    pub fn reordered(&self, order: &[usize], monitor: &Monitor) -> Result<Self> {
         let mut inputs = self.inputs.clone();
         inputs.params.max_features = 0;
         inputs.times = inputs.times.reordered(order);
@@ -240,8 +240,8 @@ impl Trail {
         let wanted = SearchSize { params: &params, frames: inputs.times.positions.len(), size: inputs.size_image };
         let (plan, _share) = OF_PROCESS.plan(wanted, budget_beside_kept())?;
         plan.run(|| {
-            Ok(search_inputs(inputs, self.outcome.field.clone(), &plan, false, None, StageTimes::default(), monitor)?
-                .detection)
+            let field = self.outcome.field.clone();
+            Ok(search_inputs(inputs, field, &plan, false, None, StageTimes::default(), monitor)?.ready())
         })
     }
 }

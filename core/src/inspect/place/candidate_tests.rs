@@ -221,12 +221,10 @@ impl<'a> CandidateTests<'a> {
             (None, Some(would_be)) => self.trail.would_be_covered_by(would_be),
             (None, None) => None,
         };
-        let radius = match self.trail.params().distinct {
-            Distinct::Off => None,
-            Distinct::Radius(radius) => Some(f64::from(radius)),
-        };
+        let distinct = self.trail.params().distinct;
+        let radius = if let Distinct::Radius(radius) = distinct { Some(f64::from(radius)) } else { None };
         let outcome = match by {
-            _ if radius.is_none() || self.is_cut() => Outcome::NotAsked,
+            _ if radius.is_none() || self.keypoint.is_some_and(|own| self.trail.is_cut(own)) => Outcome::NotAsked,
             None if would_be.is_none() => Outcome::Unknown,
             by => outcome(true, by.is_none()),
         };
@@ -262,10 +260,6 @@ impl<'a> CandidateTests<'a> {
         let line = directions(&grid).filter(|_| !grid.is_plane()).any(is_along);
         let motion = slope.magnitude() > 0.0 && is_along(direction_of(slope));
         Some(OnEdge { direction, along_motion: line || motion })
-    }
-
-    fn is_cut(&self) -> bool {
-        self.keypoint.is_some_and(|keypoint| self.trail.is_cut(keypoint))
     }
 
     fn cut_off(&self) -> TestReport {

@@ -114,15 +114,12 @@ pub fn spot_snr(picture: &Plane, place: [f32; 2], inner: f32, ground: [f32; 2]) 
     };
     for row in span(v, picture.height()) {
         for column in span(u, picture.width()) {
-            let away = (column as f32 - u).hypot(row as f32 - v);
             let value = picture.at(column, row);
-            if !value.is_finite() {
-                continue;
-            }
-            if away < inner {
-                spot.push(value);
-            } else if (ground[0]..=ground[1]).contains(&away) {
-                around.push(value);
+            match (column as f32 - u).hypot(row as f32 - v) {
+                _ if !value.is_finite() => {}
+                away if away < inner => spot.push(value),
+                away if (ground[0]..=ground[1]).contains(&away) => around.push(value),
+                _ => {}
             }
         }
     }

@@ -206,10 +206,8 @@ pub fn probe(cache: &ProbeCache, place: [f32; 2], options: &ProbeOptions, monito
     let scale = Scale { octave: subject.octave, level: subject.level };
     let response = response_map(trail, subject.pos_image, grid.coordinates(subject.slope_index), scale, monitor)?;
     let shares = shares(trail, scale, subject.pos_image, subject.slope, monitor)?;
-    let suspicions = match subject.fate {
-        Some(index) => suspicions(trail, &fates[index], &shares.evenness, monitor)?,
-        None => Vec::new(),
-    };
+    let suspected = subject.fate.map(|index| suspicions(trail, &fates[index], &shares.evenness, monitor));
+    let suspicions = suspected.transpose()?.unwrap_or_default();
     let is_no_ghost = reasons.iter().all(|reason| reason.kind != CauseKind::Ghost);
     let outlook = subject.fate.filter(|_| is_no_ghost).and_then(|index| needed(trail, &fates[index]));
     let is_feature = subject.fate.is_some_and(|index| !fates[index].features.is_empty());

@@ -216,19 +216,14 @@ fn slope_plane(trail: &Trail, place: [f32; 2], scale: Scale, monitor: &Monitor) 
     let steps = [grid.u, grid.v].map(|axis| FineAxis::per_step(&axis, FINER_IN_PLANE));
     let (u, v) = (FineAxis::of(&grid.u, steps[0]), FineAxis::of(&grid.v, steps[1]));
     let at = |k: usize, steps: usize| k as f32 / steps as f32 - 1.0;
-    let rows: Vec<Vec<f32>> = (0..v.values.len())
-        .into_par_iter()
-        .map(|row| {
-            (0..u.values.len())
-                .map(|column| {
-                    monitor.check()?;
-                    let slope = grid.at(at(column, steps[0]), at(row, steps[1]));
-                    Ok(snr_at(trail, (scale.octave, scale.level..scale.level + 1), place, slope)[0])
-                })
-                .collect()
-        })
-        .collect::<Result<_, Cancelled>>()?;
-    let snr = Plane::from_vec(u.values.len(), v.values.len(), rows.concat());
+    let (columns, rows) = (u.values.len(), v.values.len());
+    let value = |cell: usize| {
+        monitor.check()?;
+        let slope = grid.at(at(cell % columns, steps[0]), at(cell / columns, steps[1]));
+        Ok(snr_at(trail, (scale.octave, scale.level..scale.level + 1), place, slope)[0])
+    };
+    let values = (0..columns * rows).into_par_iter().map(value).collect::<Result<Vec<f32>, Cancelled>>()?;
+    let snr = Plane::from_vec(columns, rows, values);
     Ok(SlopePlane { scale: scale_of(trail, scale), u, v, snr })
 }
 
@@ -257,14 +252,9 @@ pub(super) fn beyond_the_rim(trail: &Trail, place: [f32; 2], scale: Scale, slope
         return None;
     }
     let steps = |at: usize, count: usize| -> Vec<f32> {
-        let mut steps = vec![0.0];
-        if count > 1 && at == 0 {
-            steps.extend([-0.5, -1.0]);
-        }
-        if count > 1 && at + 1 == count {
-            steps.extend([0.5, 1.0]);
-        }
-        steps
+        let ends = [(at == 0, [-0.5, -1.0]), (at + 1 == count, [0.5, 1.0])];
+        let outwards = ends.into_iter().filter(|(is_end, _)| *is_end && count > 1).flat_map(|(_, steps)| steps);
+        std::iter::once(0.0).chain(outwards).collect()
     };
     let (i, j) = (i as f32, j as f32);
     let of_scale = (scale.octave, scale.level..scale.level + 1);

@@ -147,7 +147,10 @@ fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
                 writeln!(out, "    {}: {}", report.test.record().name, report.sentence())?;
             }
             Outcome::NotAsked => {}
-            _ => writeln!(out, "    {}", report_line(report, Some(report.test) == fate.first_failed))?,
+            _ => {
+                let [name, value, limit, margin, outcome] = test_cells(report, Some(report.test) == fate.first_failed);
+                writeln!(out, "    {name:<32}{value:>9} {limit:<11}{margin:>8}  {outcome}")?;
+            }
         }
     }
     writeln!(out, "  → {}", fate.verdict)?;
@@ -158,11 +161,6 @@ fn write_fate(out: &mut String, fate: &Fate) -> std::fmt::Result {
         }
     }
     Ok(())
-}
-
-fn report_line(report: &TestReport, is_first_failed: bool) -> String {
-    let [name, value, limit, margin, outcome] = test_cells(report, is_first_failed);
-    format!("{name:<32}{value:>9} {limit:<11}{margin:>8}  {outcome}")
 }
 
 /// Name of the test, value, limit, margin and outcome.
@@ -278,12 +276,7 @@ fn write_spectrum(out: &mut String, spectrum: &Spectrum, name: &str) -> std::fmt
     if let Some(fits) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
         writeln!(out, "  {}", fits.sentence)?;
     }
-    for advice in &spectrum.advice {
-        writeln!(out, "  → {}", advice.sentence)?;
-        let options = advice.options();
-        if !options.is_empty() {
-            writeln!(out, "    try {options}")?;
-        }
-    }
+    let advice = spectrum.advice.iter().map(|advice| (format!("→ {}", advice.sentence), advice.options()));
+    write_told(out, advice.collect())?;
     writeln!(out)
 }

@@ -62,9 +62,9 @@ impl<'a> BurstPage<'a> {
         study: &DecoyStudy,
         monitor: &Monitor,
     ) -> Result<Self> {
-        let decoys = match decoys(&cache.trail, study, &monitor.part(0.0, DECOYS)) {
+        let decoys = match decoys(&cache.trail, study, false, &monitor.part(0.0, DECOYS)) {
             Err(error) if error.is_cancelled() => return Err(error),
-            report => report.map_err(|error| error.to_string()),
+            decoys => decoys.map(|decoys| decoys.report).map_err(|error| error.to_string()),
         };
         let rest = monitor.part(DECOYS, 1.0 - DECOYS);
         let fate = |at: [f32; 2]| probe(cache, at, &ProbeOptions::default(), &rest);

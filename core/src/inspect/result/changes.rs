@@ -224,13 +224,8 @@ pub fn read_features(path: &Path) -> Result<Vec<ForeignFeature>> {
         keypoints.collect()
     };
     let usable = |f: &ForeignFeature| f.pos_image.iter().all(|x| x.is_finite()) && f.sigma.is_finite() && f.sigma > 0.0;
-    match features.iter().position(|f| !usable(f)) {
-        None => Ok(features),
-        Some(index) => {
-            let problem = "the place must be two numbers and the scale a number above 0";
-            Err(Error::in_line(path, index + 2, problem))
-        }
-    }
+    let Some(index) = features.iter().position(|f| !usable(f)) else { return Ok(features) };
+    Err(Error::in_line(path, index + 2, "the place must be two numbers and the scale a number above 0"))
 }
 
 /// Whether a file is a feature table of ours, from its beginning; otherwise it is COLMAP's text.

@@ -6,9 +6,11 @@
 //! exceed 1: in a copy no true feature stands where a false one would be. A feature that stays within its own size over
 //! the burst is in every copy too, whether true or not: of such features decoys say nothing.
 
+use crate::detector::feature::strength;
 use crate::detector::stack::FrameTimes;
 use crate::detector::{Feature, Method, SearchParams, Trail};
 use crate::error::{Error, Result};
+use crate::inspect::place::{Judged, judged};
 use crate::inspect::words::{counted, number};
 use crate::monitor::Monitor;
 use crate::synth::random::Stream;
@@ -128,47 +130,83 @@ pub struct FalseRate {
     pub error: Option<f64>,
 }
 
-/// Searches copies of the burst of `trail` for the features of its detection. All features count, beyond the maximum
-/// number too, which would cut those of burst and copies alike.
+/// Rates of a search, and the features of its copies, each with the verdict on it among those of its copy.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Decoys {
+    /// The rates.
+    pub report: DecoyReport,
+    copies: Vec<(Vec<Feature>, Vec<Judged>)>,
+    /// Strength of the weakest feature of the burst that is kept; 0 where their number is not limited.
+    weakest: f32,
+    /// Standard deviation of the frames' positions.
+    spread_frames: f32,
+}
+
+impl Decoys {
+    /// Report, with one rate, on the features of the burst that a filter lets through, `here`, against those of the
+    /// copies that the same filter `passes`, with the verdicts there; 0 where they were not judged.
+    pub fn among(&self, here: &[&Feature], passes: impl Fn(&Feature, &Judged) -> bool) -> DecoyReport {
+        let counts = |(feature, judged): &(&Feature, &Judged)| {
+            strength(feature.response, feature.snr) >= self.weakest && passes(feature, judged)
+        };
+        let in_copies = self.copies.iter().map(|(features, judged)| features.iter().zip(judged).filter(counts).count());
+        let still = here.iter().filter(|feature| is_still(feature, self.spread_frames)).count();
+        DecoyReport { still, rates: vec![FalseRate::of(0.0, here.len(), in_copies.collect())], ..self.report.clone() }
+    }
+}
+
+/// Whether the places of a feature in frames of this spread lie within its size.
+fn is_still(feature: &Feature, spread_frames: f32) -> bool {
+    feature.slope.magnitude() * spread_frames < feature.sigma
+}
+
+/// Searches copies of the burst of `trail` for its features; `judges` asks for the verdicts that [`Decoys::among`]
+/// needs. All features count, beyond the maximum number too, which would cut those of burst and copies alike.
 ///
 /// # Errors
 /// A number of copies that is out of range or that so few frames do not have, and cancellation.
-pub fn decoys(trail: &Trail, study: &DecoyStudy, monitor: &Monitor) -> Result<DecoyReport> {
+pub fn decoys(trail: &Trail, study: &DecoyStudy, judges: bool, monitor: &Monitor) -> Result<Decoys> {
     let (_, kept, positions) = trail.frames();
     let mut orders = study.orders(kept.len())?;
     if trail.params().max_features > 0 {
         orders.push((0..kept.len()).collect());
     }
-    let mut searched = Vec::with_capacity(orders.len());
+    let mut copies = Vec::with_capacity(orders.len());
     for (number, order) in orders.iter().enumerate() {
         let share = 1.0 / orders.len() as f32;
-        searched.push(trail.reordered(order, &monitor.part(number as f32 * share, share))?.features);
+        let part = monitor.part(number as f32 * share, share);
+        let search_share = if judges && number < study.copies { 0.6 } else { 1.0 };
+        let copy = trail.reordered(order, &part.part(0.0, search_share))?;
+        let rest = part.part(search_share, 1.0 - search_share);
+        let judged = if search_share < 1.0 { judged(&copy, &rest)? } else { Vec::new() };
+        copies.push((copy.detection().features.clone(), judged));
     }
-    let all = searched.split_off(study.copies).pop();
-    let here = all.as_ref().unwrap_or(&trail.detection().features);
-    let spread = FrameTimes::all(positions.clone()).spread_frames();
-    let spread_px = |feature: &Feature| feature.slope.magnitude() * spread;
-    let still = here.iter().filter(|feature| spread_px(feature) < feature.sigma).count();
-    let rates = SNRS.iter().map(|&snr| FalseRate::of(snr, here, &searched)).collect();
-    Ok(DecoyReport { frames: kept.len(), copies: study.copies, seed: study.seed, still, rates })
+    let all = copies.split_off(study.copies).pop();
+    let kept_here = &trail.detection().features;
+    let here = all.as_ref().map_or(kept_here, |(features, _)| features);
+    let strengths = kept_here.iter().map(|feature| strength(feature.response, feature.snr));
+    let weakest = if here.len() > kept_here.len() { strengths.fold(f32::INFINITY, f32::min) } else { 0.0 };
+    let spread_frames = FrameTimes::all(positions.clone()).spread_frames();
+    let still = here.iter().filter(|feature| is_still(feature, spread_frames)).count();
+    let rate = |&snr: &f32| {
+        let count = |features: &Vec<Feature>| features.iter().filter(|feature| feature.snr >= snr).count();
+        FalseRate::of(snr, count(here), copies.iter().map(|(features, _)| count(features)).collect())
+    };
+    let rates = SNRS.iter().map(rate).collect();
+    let report = DecoyReport { frames: kept.len(), copies: study.copies, seed: study.seed, still, rates };
+    Ok(Decoys { report, copies, weakest, spread_frames })
 }
 
 impl FalseRate {
-    fn of(snr: f32, here: &[Feature], copies: &[Vec<Feature>]) -> Self {
-        let count = |features: &[Feature]| features.iter().filter(|feature| feature.snr >= snr).count();
-        let found = count(here);
-        let in_copies = copies.iter().map(|features| count(features)).collect();
-        let mut counted = Self { snr, found, in_copies, rate: None, error: None };
-        if found > 0 {
-            let (copies, mean, here) = (copies.len() as f64, counted.mean_in_copies(), found as f64);
-            let squares = counted.in_copies.iter().map(|&count| (count as f64 - mean).powi(2)).sum::<f64>();
-            let scatter = if copies > 1.0 { squares / (copies - 1.0) } else { 0.0 };
-            // Where nothing was found, one more would have been no surprise.
-            let variance = mean.max(scatter).max(1.0 / copies) / copies;
-            let rate = mean / here;
-            (counted.rate, counted.error) = (Some(rate), Some((variance + rate * rate * here).sqrt() / here));
-        }
-        counted
+    fn of(snr: f32, found: usize, in_copies: Vec<usize>) -> Self {
+        let (counted, here) = (Self { snr, found, in_copies, rate: None, error: None }, found as f64);
+        let (copies, mean) = (counted.in_copies.len() as f64, counted.mean_in_copies());
+        let squares = counted.in_copies.iter().map(|&count| (count as f64 - mean).powi(2)).sum::<f64>();
+        let scatter = if copies > 1.0 { squares / (copies - 1.0) } else { 0.0 };
+        // Where nothing was found, one more would have been no surprise.
+        let variance = mean.max(scatter).max(1.0 / copies) / copies;
+        let rate = (found > 0).then(|| mean / here);
+        Self { rate, error: rate.map(|rate| (variance + rate * rate * here).sqrt() / here), ..counted }
     }
 
     /// Mean number of features found in a copy.
@@ -193,6 +231,19 @@ impl DecoyReport {
         match told.iter().rfind(|(one, _)| one.found >= ENOUGH && one.snr > faint.snr) {
             Some((strong, rate)) => sentence + &format!(", {rate:.2} at {}", number(strong.snr, 1)),
             None => sentence,
+        }
+    }
+
+    /// Number of features found here that the copies let expect by chance, a clause; where they tell none, the reason.
+    pub fn expected_words(&self) -> String {
+        let (all, mean) = (&self.rates[0], self.rates[0].mean_in_copies());
+        let of = format!("of {}", counted(all.found, "feature"));
+        match self.doubt() {
+            Some(doubt) if self.all_still() => doubt,
+            _ if mean < 0.5 => format!("hardly any {of} is expected of noise"),
+            _ if mean >= all.found as f64 => format!("noise alone gives about {mean:.0} such features"),
+            Some(_) => format!("at most about {mean:.0} {of} are expected of noise"),
+            None => format!("about {mean:.0} {of} are expected of noise"),
         }
     }
 

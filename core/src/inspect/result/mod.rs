@@ -10,6 +10,6 @@ mod score;
 mod truth;
 
 pub use changes::{Changes, ForeignFeature, Same, Spot, compare, read_features};
-pub use decoys::{DecoyReport, DecoyStudy, FalseRate, SNRS, decoys};
+pub use decoys::{DecoyReport, DecoyStudy, Decoys, FalseRate, SNRS, decoys};
 pub use score::{Curve, CurvePoint, Ranking, Scored, finds, judge, judge_by_discs, mean_curve};
 pub use truth::{AgainstTruth, Miss, against_truth, has_truth, miss, read_truth, truth_of};

@@ -4,7 +4,7 @@
 
 use super::score::{Ranking, finds, is_of_disc, judge};
 use crate::burst::Burst;
-use crate::detector::{Feature, Slope};
+use crate::detector::Slope;
 use crate::error::{Error, ErrorKind, Result};
 use crate::export::case::{self, is_case};
 use crate::files::{MAX_TABLE_BYTES, read_text};
@@ -141,7 +141,9 @@ pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Re
             };
             let finds = |disc: &usize| {
                 let disc = &truth.features[*disc];
-                finds(feature, disc) && (!by_motion || moves_as(feature, disc, truth.span()))
+                let (slope, limit) = (slope_of(disc), motion_limit(disc.sigma as f32, truth.span()));
+                let moves_as_it = (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) <= limit;
+                finds(feature, disc) && (!by_motion || moves_as_it)
             };
             let discs = (0..free.len()).filter(|disc| free[*disc]).filter(finds);
             let Some(disc) = discs.min_by(|a, b| distance(*a).total_cmp(&distance(*b))) else { return true };
@@ -161,13 +163,6 @@ pub fn against_truth(cache: &ProbeCache, truth: &Truth, monitor: &Monitor) -> Re
 
 fn slope_of(disc: &FeatureTruth) -> Slope {
     Slope::new(disc.slope_u as f32, disc.slope_v as f32)
-}
-
-/// Whether `feature` moves as `disc` does, in a burst of `span` frame intervals.
-fn moves_as(feature: &Feature, disc: &FeatureTruth, span: f64) -> bool {
-    let slope = slope_of(disc);
-    let apart = (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v);
-    apart <= motion_limit(disc.sigma as f32, span)
 }
 
 /// Reason why no feature found `disc`, the truth's number `index`.

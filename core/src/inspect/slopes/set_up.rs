@@ -153,14 +153,9 @@ impl SetUpSlopes {
     /// Options of the search that set these slopes.
     pub fn options(&self) -> String {
         let SlopeGrid { u, v, direction_deg } = self.grid;
-        let mut out = format!("--slopes-u {u}");
-        if v.min != 0.0 {
-            out += &format!(" --slopes-v {}", v.min);
-        }
-        if direction_deg != 0.0 {
-            out += &format!(" --slope-direction {direction_deg}");
-        }
-        out
+        let across = if v.min == 0.0 { String::new() } else { format!(" --slopes-v {}", v.min) };
+        let turned = if direction_deg == 0.0 { String::new() } else { format!(" --slope-direction {direction_deg}") };
+        format!("--slopes-u {u}{across}{turned}")
     }
 
     /// A sentence for people.

@@ -53,9 +53,10 @@ mod changes {
 
 mod decoys {
     use burstscope_core::burst::Burst;
-    use burstscope_core::detector::{DetectorParams, NoiseGate, Slope, SlopeGrid};
+    use burstscope_core::detector::{DetectorParams, Feature, NoiseGate, Slope, SlopeGrid};
     use burstscope_core::error::Error;
     use burstscope_core::inspect::ProbeCache;
+    use burstscope_core::inspect::place::{Judged, Verdict, judged};
     use burstscope_core::inspect::result::*;
     use burstscope_core::monitor::*;
     use burstscope_core::plane::Plane;
@@ -92,7 +93,7 @@ mod decoys {
     }
 
     fn report(cache: &ProbeCache, study: DecoyStudy) -> DecoyReport {
-        decoys(&cache.trail, &study, &Monitor::default()).expect("enough frames")
+        decoys(&cache.trail, &study, false, &Monitor::default()).expect("enough frames").report
     }
 
     #[test]
@@ -120,10 +121,52 @@ mod decoys {
         let (all, few) = (cache(&burst, line(3.5)), cache(&burst, DetectorParams { max_features: 5, ..line(3.5) }));
         let own: Vec<usize> = (0..6).collect();
         let again = all.trail.reordered(&own, &Monitor::default()).expect("valid");
+        assert_eq!(judged(&again, &Monitor::default()), judged(&all.trail, &Monitor::default()));
+        let again = again.detection().clone();
         assert_eq!(again.features, all.detection().features);
         assert_eq!((again.tally, again.noise), (all.detection().tally, all.detection().noise.clone()));
         assert_eq!(few.detection().features.len(), 5);
         assert_eq!(report(&few, DecoyStudy::default()), report(&all, DecoyStudy::default()));
+    }
+
+    #[test]
+    fn decoys_that_a_filter_lets_through_are_counted_as_the_rates_are() {
+        let burst = burst(10, 12, Slope::new(2.0, 0.0));
+        let cache = cache(&burst, line(3.5));
+        let decoys = decoys(&cache.trail, &DecoyStudy::default(), true, &Monitor::default()).expect("enough frames");
+        assert_eq!(decoys.report, report(&cache, DecoyStudy::default()));
+        let found = &cache.detection().features;
+        let verdicts = judged(&cache.trail, &Monitor::default()).expect("not cancelled");
+        let among = |passes: &dyn Fn(&Feature, &Judged) -> bool| {
+            let here: Vec<&Feature> =
+                found.iter().zip(&verdicts).filter(|(f, j)| passes(f, j)).map(|(f, _)| f).collect();
+            decoys.among(&here, passes)
+        };
+        for rate in &decoys.report.rates {
+            let of_strong = among(&|feature, _| feature.snr >= rate.snr);
+            assert_eq!(of_strong.rates, [FalseRate { snr: 0.0, ..rate.clone() }]);
+        }
+        assert_eq!(among(&|_, _| true).still, decoys.report.still);
+        // Each decoy has one verdict, and what is real here is rarely found there.
+        let of = |verdict: Verdict| among(&move |_, judged| judged.verdict == verdict).rates.remove(0);
+        let all: usize = Verdict::ALL.into_iter().map(|verdict| of(verdict).in_copies.iter().sum::<usize>()).sum();
+        assert_eq!(all, decoys.report.rates[0].in_copies.iter().sum::<usize>());
+        let (real, any) = (of(Verdict::Real), &decoys.report.rates[0]);
+        assert!(real.found > 5 && real.rate.expect("found") < any.rate.expect("found"), "{real:?} {any:?}");
+    }
+
+    #[test]
+    fn where_the_number_of_features_is_limited_decoys_count_that_are_as_strong() {
+        let burst = burst(8, 8, Slope::new(1.5, 0.0));
+        let (all, few) = (cache(&burst, line(3.5)), cache(&burst, DetectorParams { max_features: 6, ..line(3.5) }));
+        let among = |cache: &ProbeCache| {
+            let decoys = decoys(&cache.trail, &DecoyStudy::default(), true, &Monitor::default()).expect("enough");
+            let here: Vec<&Feature> = cache.detection().features.iter().collect();
+            decoys.among(&here, |_, _| true).rates.remove(0)
+        };
+        let (of_all, of_few) = (among(&all), among(&few));
+        assert_eq!((of_few.found, of_all.found), (few.detection().features.len(), all.detection().features.len()));
+        assert!(of_few.mean_in_copies() < of_all.mean_in_copies(), "{of_few:?} {of_all:?}");
     }
 
     #[test]
@@ -172,7 +215,7 @@ mod decoys {
         let cache = cache(&burst(5, 0, Slope::default()), line(5.0));
         let cancelled = Monitor::default();
         cancelled.cancel();
-        let ended = decoys(&cache.trail, &DecoyStudy::default(), &cancelled);
+        let ended = decoys(&cache.trail, &DecoyStudy::default(), false, &cancelled);
         assert!(ended.as_ref().is_err_and(Error::is_cancelled), "{ended:?}");
     }
 }

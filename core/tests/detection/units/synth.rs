@@ -141,7 +141,9 @@ mod chart {
 }
 
 mod examples {
+    use burstscope_core::burst::Burst;
     use burstscope_core::synth::examples::*;
+    use burstscope_core::synth::{demo_burst, demo_truth};
 
     #[test]
     fn the_truth_lies_in_the_picture_and_moves_as_its_layer() {
@@ -160,22 +162,35 @@ mod examples {
     }
 
     #[test]
-    fn the_examples_are_what_they_say_and_the_same_everywhere() {
+    fn the_examples_and_the_demo_are_what_they_say_and_the_same_everywhere() {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+        let alone = |make: &(dyn Fn() -> Burst + Sync)| pool.install(make).frames;
         for example in Example::ALL {
             let burst = example.burst();
             assert_eq!(
                 (burst.name.as_str(), burst.len(), burst.size()),
                 (example.name(), burst.positions.len(), (240, 180))
             );
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-            assert_eq!(burst.frames, pool.install(|| example.burst()).frames);
+            assert_eq!(burst.frames, alone(&|| example.burst()));
             let [u, v] = example.place();
             assert!(u < 240.0 && v < 180.0);
             assert!(example.slopes_u().0.contains(&example.slope_u()));
             assert!(example.name().starts_with("demo-") && !example.help().is_empty());
             assert_eq!(Example::named(example.name()), Some(example));
         }
+        let demo = demo_burst();
+        assert_eq!((demo.name.as_str(), demo.len(), demo.size()), ("demo", 10, (480, 360)));
+        assert_eq!(demo.frames, alone(&demo_burst));
+        let checksum = demo.frames.iter().flat_map(|f| f.data()).fold(0xcbf2_9ce4_8422_2325u64, |hash, &x| {
+            let word = (f64::from(x) * 65535.0).round() as u64;
+            (hash ^ word).wrapping_mul(0x0100_0000_01b3)
+        });
+        assert_eq!(checksum, DEMO, "the demo changed; if that is meant, change the number here");
+        let truth = demo_truth();
+        assert!(truth.layers.len() == 4 && truth.features.len() >= 40, "{} landmarks", truth.features.len());
     }
+
+    const DEMO: u64 = 17_673_008_048_598_753_493;
 }
 
 mod noise {

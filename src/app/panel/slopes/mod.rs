@@ -7,29 +7,25 @@ use crate::app::canvas::number;
 use crate::app::document::{Action, Queue, Side};
 use crate::app::panel::status::advice_ui;
 use crate::app::panel::widgets::{named, warning_ui, weak_ui, with_whole_numbers};
-use crate::app::results::Read;
+use crate::app::results::{FoundFeatures, Read};
 use crate::app::style;
 use crate::burst::OpenOptions;
-use crate::detector::Method;
 use crate::detector::advice::grouped;
-use crate::inspect::slopes::{AdviceSubject, SlopeAdvice, SlopeJudgement, Spectrum};
-use crate::inspect::words::counted;
+use crate::detector::{Method, SlopeAxis, SlopeFinding, SlopeVerdict};
+use crate::inspect::slopes::{SlopeAdvice, SlopeJudgement, Spectrum};
+use crate::inspect::words::{counted, number as in_words};
+use crate::teach::BottomTab;
 use egui::{Align, Button, Frame, Label, Layout, Margin, RichText, ScrollArea, Ui, vec2};
 use std::sync::Arc;
 
 /// Maximum width of the charts, points; the advice gets the rest.
 const CHART_WIDTH: f32 = 400.0;
 
-pub fn summary_ui(ui: &mut Ui, model: Read<'_>) {
-    let Some(spectrum) = model.spectrum() else {
-        ui.weak(if model.results.slots.a.found.is_some() { "Not analysed yet" } else { "No detection yet" });
-        return;
-    };
-    let judged = spectrum.judgement.as_ref().map_or("", |judgement| judgement.sentence.as_str());
-    let (features, slopes) = (counted(spectrum.features, "feature"), counted(spectrum.cost.slopes, "slope"));
-    let text = format!("{features} at {slopes}  ·  {judged}");
-    let tip = format!("{}\nThe frames: {}", sentence_of(judged), spectrum.finding.summary_beside_judgement());
-    ui.add(Label::new(with_whole_numbers(&text)).truncate()).on_hover_text(tip);
+pub fn summary(model: Read<'_>, _: &FoundFeatures) -> Option<[String; 2]> {
+    let spectrum = model.spectrum()?;
+    let features = counted(spectrum.features, "feature");
+    let text = format!("{features} at {}", counted(spectrum.cost.slopes, "slope"));
+    Some([text, format!("The frames: {}", spectrum.finding.summary_beside_judgement())])
 }
 
 pub fn slopes_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
@@ -75,7 +71,7 @@ fn waiting_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue: &mut Queue) {
     ScrollArea::vertical().auto_shrink(false).id_salt("slope advice").show(ui, |ui| {
         if let Some(judgement) = spectrum.judgement.as_ref().filter(|judgement| judgement.advice.is_none()) {
-            faultless_ui(ui, judgement);
+            faultless_ui(ui, judgement, "");
         }
         for (index, advice) in spectrum.advice.iter().enumerate() {
             let name = if index == 0 { "Apply".to_owned() } else { format!("Apply {}", index + 1) };
@@ -89,23 +85,11 @@ fn advice_list_ui(ui: &mut Ui, model: Read<'_>, spectrum: &Arc<Spectrum>, queue:
     });
 }
 
-/// Draws the judgement of the slopes and a button that applies its advice, unless the slopes suffice: above the table.
-pub fn judgement_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let advice = model.slope_judgement().and_then(|judgement| judgement.advice.as_ref());
-    let Some(advice) = advice.filter(|advice| advice.subject != AdviceSubject::Cost) else { return };
-    ui.horizontal(|ui| {
-        if !advice.options().is_empty() {
-            apply_ui(ui, model, "Apply slopes", advice, queue);
-        }
-        let sentence = sentence_of(&advice.sentence);
-        ui.add(Label::new(RichText::new(&sentence).color(style::warning(ui))).truncate()).on_hover_text(sentence);
-    });
-}
-
-/// Draws a judgement without a fault, in the colour of success only if the slopes fit.
-fn faultless_ui(ui: &mut Ui, judgement: &SlopeJudgement) {
+/// Draws a judgement without a fault and what follows it, in the colour of success only if the slopes fit.
+fn faultless_ui(ui: &mut Ui, judgement: &SlopeJudgement, then: &str) {
     let colour = if judgement.fits { style::good(ui) } else { style::warning(ui) };
-    ui.add(Label::new(RichText::new(sentence_of(&judgement.sentence)).color(colour)).wrap());
+    let text = RichText::new(sentence_of(&format!("{}{then}", judgement.sentence))).color(colour);
+    ui.add(Label::new(text).wrap());
 }
 
 fn sentence_of(clause: &str) -> String {
@@ -142,26 +126,48 @@ fn apply_ui(ui: &mut Ui, model: Read<'_>, name: &str, advice: &SlopeAdvice, queu
     }
 }
 
+/// Slopes that were found from the frames, a clause; `None` where none were, or the finding says that something is odd.
+pub fn found_words(finding: &SlopeFinding) -> Option<String> {
+    let axis = |name: &str, axis: &SlopeAxis| {
+        let [min, max] = [axis.min, axis.max].map(|end| in_words(end, 3));
+        (axis.count > 1).then(|| format!("{name} {min} to {max} in {} slopes", axis.count))
+    };
+    let grid = &finding.grid;
+    let axes: Vec<String> = [axis("u", &grid.u), axis("v", &grid.v)].into_iter().flatten().collect();
+    let turned =
+        if grid.direction_deg == 0.0 { String::new() } else { format!(", turned by {}°", grid.direction_deg) };
+    let is_plain = finding.verdict == SlopeVerdict::Found && finding.warnings.is_empty();
+    is_plain.then(|| format!("found: {}{turned}", axes.join(", ")))
+}
+
 /// Draws the verdict on the search, below the parameters of *One burst*: why there are few features, or whether the
-/// slopes fit the burst, with the change that mends it; nothing while there are no features of the present parameters.
+/// slopes fit the burst, with the change that mends it, and which were found. The open tab has the judgement itself.
 pub fn verdict_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
-    let has_advice = model.stale().is_none() && model.found_of(Side::A).is_some_and(|found| found.advice.is_some());
-    let judgement = model.slope_judgement();
-    if !has_advice && judgement.is_none() {
+    let advice = model.found_of(Side::A).filter(|_| model.stale().is_none()).and_then(|found| found.advice.as_ref());
+    let is_in_tab = model.shows_bottom() && model.document.bottom_tab == BottomTab::Slopes;
+    let judgement = model.slope_judgement().filter(|_| !is_in_tab || model.spectrum().is_none());
+    let found = model.found_of(Side::A).filter(|_| model.document.params.slopes.is_auto());
+    let found = found.and_then(|found| found_words(found.finding.as_ref()?));
+    if advice.is_none() && judgement.is_none() && found.is_none() {
         return;
     }
     let fill = ui.visuals().faint_bg_color;
     Frame::new().fill(fill).corner_radius(4).inner_margin(Margin::symmetric(8, 5)).show(ui, |ui| {
         ui.set_width(ui.available_width());
-        if has_advice {
-            advice_ui(ui, model, queue);
+        if let Some(advice) = advice {
+            advice_ui(ui, model, advice, queue);
         }
-        let Some(judgement) = judgement else { return };
-        match &judgement.advice {
-            None => faultless_ui(ui, judgement),
-            Some(advice) if !has_advice => piece_ui(ui, model, "Apply slopes", advice, queue),
-            // Without features it comes second; the tab has it.
-            Some(_) => {}
+        if let Some(judgement) = judgement.filter(|judgement| judgement.advice.is_none()) {
+            faultless_ui(ui, judgement, &found.map_or_else(String::new, |found| format!("; {found}")));
+            return;
+        }
+        // Without features it comes second; the tab has it.
+        if let Some(of_slopes) = judgement.and_then(|judgement| judgement.advice.as_ref()).filter(|_| advice.is_none())
+        {
+            piece_ui(ui, model, "Apply slopes", of_slopes, queue);
+        }
+        if let Some(found) = found {
+            weak_ui(ui, sentence_of(&found));
         }
     });
 }
