@@ -4,7 +4,6 @@
 
 use super::dialogs::Question;
 use super::session::Session;
-use crate::app::document::datasets::Which;
 use crate::app::document::{Action, ExportKind, Purpose, Side};
 use crate::app::figure::figure_of;
 use crate::app::inspector::PaneWidgets;
@@ -27,7 +26,7 @@ use crate::inspect::place::kept_of;
 use crate::inspect::report::BurstPage;
 use crate::inspect::result::DecoyStudy;
 use crate::monitor::Monitor;
-use crate::requests::{BurstSource, JobError, OpenBurst, write_page};
+use crate::requests::{BurstSource, JobError, OpenBurst, Which, write_page};
 use crate::teach::{Lesson, Workspace, sheet};
 use std::fmt::Display;
 use std::io::Write;
@@ -105,9 +104,9 @@ pub(super) fn purpose_of_dropped(
         }
         ([_], _) if model.document.workspace == Workspace::Trajectories => {
             // The first file dropped is the estimate, the second the truth; a third replaces the estimate.
-            let compared = &model.results.poses.compared;
-            let truth = compared.estimate.is_some() && compared.truth.is_none();
-            if truth { Purpose::OpenTruth } else { Purpose::OpenEstimate }
+            let [estimate, _, truth] = &model.results.poses.compared.read;
+            let wants_truth = estimate.is_some() && truth.is_none();
+            Purpose::OpenTrajectory(if wants_truth { Which::Truth } else { Which::Estimate })
         }
         _ => Purpose::OpenFiles(side),
     }
@@ -123,8 +122,7 @@ pub(super) fn action_of(purpose: Purpose, paths: Vec<PathBuf>, messages: &mut Me
     Some(match purpose {
         Purpose::OpenFolder(side) | Purpose::OpenFiles(side) | Purpose::OpenPath(side) => Action::Open(side, source()),
         Purpose::OpenDataset => Action::OpenDataset(DatasetSource::of_bursts(paths)),
-        Purpose::OpenEstimate => Action::OpenTrajectory(Which::Estimate, first),
-        Purpose::OpenTruth => Action::OpenTrajectory(Which::Truth, first),
+        Purpose::OpenTrajectory(which) => Action::OpenTrajectory(which, first),
         Purpose::FeatureFolder => Action::UseFeatureFolder(first),
         Purpose::OpenGold(side) => Action::OpenGold(side, BurstSource::Paths(paths)),
         Purpose::OpenFeatures(side) => Action::OpenFeatures(side, first),

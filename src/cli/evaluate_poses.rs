@@ -40,7 +40,7 @@ Pairing: names are compared whole, or without folders and endings if no two agre
 names (23 for image.0023.png). The order is the image's id, or the line.
 
 JSON (--json):
-  {\"version\", \"detector_revision\", \"command\": \"evaluate poses\", \"estimate\", \"truth\", \"images\", \"registered\", \"images_pass_percent\", \"associated\", \"scale\", \"straight\",
+  {\"version\", \"detector_revision\", \"command\": \"evaluate poses\", \"estimate\", \"truth\", \"images\", \"registered\", \"right\": cameras, \"images_pass_percent\", \"associated\", \"scale\", \"straight\",
    \"absolute\": {\"count\", \"translation\": {\"rmse\", \"mean\", \"median\", \"max\"}, \"rotation_deg\": {…}}, \"step\", \"relative\": {as absolute},
    \"model\": null or {\"registered_images\", \"points\", \"points_per_image\", \"mean_track_length\", \"mean_reprojection_error_px\"},
    \"pairs\": [{\"label\", \"true_centre\": [x, y, z], \"aligned_centre\", \"translation_error\", \"rotation_error_deg\"}]}";
@@ -52,8 +52,8 @@ pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
     let estimate = read_trajectory(&args.estimate)?;
     let truth = read_trajectory(&args.truth)?;
     let report = evaluate_poses(&estimate, &truth, &args.study)?;
-    if let Some(model) = estimate.model.as_ref().filter(|m| m.other_models > 0) {
-        console.say(&format!("took {}, the largest of {} parts\n", model.folder.display(), model.other_models + 1))?;
+    if let Some(taken) = estimate.model.as_ref().and_then(|model| model.taken()) {
+        console.say(&format!("{taken}\n"))?;
     }
     console.say(&text(&report))?;
     write_figure(&console, args.file.table.as_deref(), &rules, || errors_table(&report).into())?;
@@ -65,7 +65,11 @@ pub(super) fn run(args: &PosesArgs) -> Result<(), Failure> {
 fn text(report: &PoseReport) -> String {
     let passed = report.images_pass_percent();
     let images = counted(report.images, "image");
-    let mut text = format!("{} of {images} registered ({passed:.0} %)\n", report.registered);
+    let mut text = format!(
+        "{} of {images} registered ({passed:.0} %), {} right, within 3 % of the way's extent and 3°\n",
+        report.registered,
+        counted(report.right, "camera")
+    );
     if let Some(ModelSummary { points, points_per_image, mean_track_length, mean_reprojection_error_px, .. }) =
         report.model
     {

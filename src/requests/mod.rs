@@ -43,7 +43,7 @@ pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};
 pub use request::{Caches, JobError, JobId, PictureStore, PossibleShape, Request, Running, Urgency, Work, time_left};
 pub use source::BurstSource;
-pub use study::{ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
+pub use study::{ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which};
 pub(crate) use trail::trail_of;
 pub use trail::{DetectionSource, NothingKept, TrailStore};
 
@@ -69,5 +69,5 @@ equal_if! {
     ComparisonRequest: |a, b| a.with == b.with && Arc::ptr_eq(&a.detection, &b.detection);
     MatchRequest: |a, b| Arc::ptr_eq(&a.a, &b.a) && Arc::ptr_eq(&a.b, &b.b) && a.params == b.params;
     LossesRequest: |a, b| Arc::ptr_eq(&a.result, &b.result);
-    TrajectorySource: |a, b| a.path() == b.path();
+    TrajectorySource: |a, b| a.path == b.path;
 }

@@ -5,6 +5,7 @@ use crate::evaluate::poses::{PoseReport, PoseStudy, Trajectory, evaluate_poses, 
 use crate::figures::{FiguresJob, FiguresReport};
 use crate::monitor::Stage;
 use crate::study::{ChartOfStudy, ShownChart, Study, StudyReport};
+use serde::{Deserialize, Serialize};
 use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -52,35 +53,38 @@ impl Request for FiguresJob {
     }
 }
 
-/// Source of a trajectory: a path, or a trajectory that was read already.
+/// A trajectory by its path, with what was read there already.
 #[derive(Debug, Clone)]
-pub enum TrajectorySource {
-    Path(PathBuf),
-    Read(PathBuf, Arc<Trajectory>),
+pub struct TrajectorySource {
+    pub path: PathBuf,
+    pub read: Option<Arc<Trajectory>>,
 }
 
 impl TrajectorySource {
-    pub fn path(&self) -> &PathBuf {
-        match self {
-            Self::Path(path) | Self::Read(path, _) => path,
-        }
-    }
-
     fn read(self) -> Result<(PathBuf, Arc<Trajectory>), JobError> {
-        match self {
-            Self::Path(path) => {
-                let trajectory = read_trajectory(&path)?;
-                Ok((path, Arc::new(trajectory)))
-            }
-            Self::Read(path, trajectory) => Ok((path, trajectory)),
-        }
+        let read = self.read.map_or_else(|| read_trajectory(&self.path).map(Arc::new), Ok)?;
+        Ok((self.path, read))
     }
+}
+
+/// Place of a trajectory among those that are compared: of the estimate, of a second one, or of the truth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Which {
+    Estimate,
+    Second,
+    Truth,
+}
+
+impl Which {
+    pub const ALL: [Self; 3] = [Self::Estimate, Self::Second, Self::Truth];
+    pub const ESTIMATES: [Self; 2] = [Self::Estimate, Self::Second];
 }
 
 #[derive(Debug, Clone, PartialEq)]
 pub struct PosesRequest {
-    pub estimate: Option<TrajectorySource>,
-    pub truth: Option<TrajectorySource>,
+    /// In the order of [`Which::ALL`].
+    pub sources: [Option<TrajectorySource>; 3],
     pub study: PoseStudy,
 }
 
@@ -89,26 +93,43 @@ impl Request for PosesRequest {
     type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedPoses, JobError> {
-        let monitor = work.monitor;
-        monitor.report(Stage::Open, 0.0);
-        let estimate = self.estimate.map(TrajectorySource::read).transpose()?;
-        monitor.check()?;
-        monitor.report(Stage::Open, 0.5);
-        let truth = self.truth.map(TrajectorySource::read).transpose()?;
-        monitor.check()?;
+        let (monitor, mut read) = (work.monitor, [const { None }; 3]);
+        for (which, source) in self.sources.into_iter().enumerate() {
+            monitor.report(Stage::Open, 0.25 * which as f32);
+            read[which] = source.map(TrajectorySource::read).transpose()?;
+            monitor.check()?;
+        }
         monitor.report(Stage::Evaluate, 0.8);
-        // A comparison that fails leaves both trajectories on show, with the reason.
-        let report = estimate.as_ref().zip(truth.as_ref()).map(|((_, estimate), (_, truth))| {
-            evaluate_poses(estimate, truth, &self.study).map(Arc::new).map_err(|e| e.to_string())
-        });
-        Ok(ComparedPoses { estimate, truth, report })
+        Ok(ComparedPoses::of(read, &self.study))
     }
 }
 
+pub type ReadTrajectory = Option<(PathBuf, Arc<Trajectory>)>;
+
 #[derive(Debug, Clone, Default)]
 pub struct ComparedPoses {
-    pub estimate: Option<(PathBuf, Arc<Trajectory>)>,
-    pub truth: Option<(PathBuf, Arc<Trajectory>)>,
-    /// The comparison, or why it failed; `None` as long as a trajectory is missing.
-    pub report: Option<Result<Arc<PoseReport>, String>>,
+    /// In the order of [`Which::ALL`].
+    pub read: [ReadTrajectory; 3],
+    /// Comparison of each estimate with the truth, or why it failed; `None` as long as one of the two is missing.
+    pub reports: [Option<Result<Arc<PoseReport>, String>>; 2],
+    /// For each true camera the index of its pair in the report of each estimate; empty without a comparison.
+    pub pairs: Vec<[Option<usize>; 2]>,
+}
+
+impl ComparedPoses {
+    /// Compares what was read. A comparison that fails leaves its trajectories on show, with the reason.
+    pub fn of(read: [ReadTrajectory; 3], study: &PoseStudy) -> Self {
+        let [first, second, truth] = read.each_ref().map(|read| read.as_ref().map(|(_, trajectory)| trajectory));
+        let reports = [first, second].map(|estimate| {
+            let compared = evaluate_poses(estimate?, truth?, study);
+            Some(compared.map(Arc::new).map_err(|error| error.to_string()))
+        });
+        let mut pairs = Vec::new();
+        for (of, report) in reports.iter().enumerate() {
+            let Some(Ok(report)) = report else { continue };
+            pairs.resize(truth.map_or(0, |truth| truth.poses.len()), [None; 2]);
+            report.pairs.iter().enumerate().for_each(|(index, pair)| pairs[pair.truth][of] = Some(index));
+        }
+        Self { read, reports, pairs }
+    }
 }

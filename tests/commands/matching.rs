@@ -292,13 +292,15 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
         let job = ColmapJob { features: job.clone(), matching: matching.clone(), pairs: PairSelection::All, cameras };
         let mut store = FeatureStore::open(&home.path().join("two"), &job.features).expect("a folder");
         let report = export_colmap(&mut store, &files[..2], &job, &mut |_| {}, &monitor).expect("exported");
-        assert_eq!(report.pairs[0].counts, expected[0], "colmap of two, {matching:?}");
+        // Files do not say which check a feature without a match failed.
+        let in_files = |counts: &MatchCounts| MatchCounts { not_mutual: None, ..*counts };
+        assert_eq!(report.pairs[0].counts, in_files(&expected[0]), "colmap of two, {matching:?}");
         assert_eq!(report.moved.is_some(), matching.align);
         let mut store = FeatureStore::open(&home.path().join("three"), &job.features).expect("a folder");
         let report = export_colmap(&mut store, &files, &job, &mut |_| {}, &monitor).expect("exported");
         let counts: Vec<MatchCounts> = report.pairs.iter().map(|pair| pair.counts).collect();
         if !matching.align {
-            assert_eq!(counts, expected, "colmap of three, {matching:?}");
+            assert_eq!(counts, expected.iter().map(in_files).collect::<Vec<_>>(), "colmap of three, {matching:?}");
         }
         // From features in memory, as Python has them, it is the same.
         let in_memory = [of(0), of(1), of(2)];

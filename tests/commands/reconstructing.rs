@@ -31,7 +31,7 @@ fn a_models_poses_are_compared_with_the_truth() {
     fs::write(at("truth.txt"), TRUTH).expect("written");
     let arguments = ["evaluate", "poses", "--estimate", "sparse", "--truth", "truth.txt"];
     let text = run_well(home.path(), &arguments);
-    assert!(text.contains("4 of 5 images registered (80 %)"), "{text}");
+    assert!(text.contains("4 of 5 images registered (80 %), 3 cameras right"), "{text}");
     assert!(
         text.contains("2 3D points, 2.0 an image, seen in 4.00 images each, mean reprojection error 0.500 px"),
         "{text}"

@@ -156,8 +156,13 @@ fn trajectory_matrix() {
             let apart = b - a;
             let putative = 620 / (apart + 1) + 7 * (a % 4);
             let inliers = if apart > 12 { 0 } else { putative * (40 - apart) / 44 };
-            let counts =
-                MatchCounts { keypoints_a: 900, keypoints_b: 880, putative, inliers: Some(inliers), refused: None };
+            let counts = MatchCounts {
+                keypoints_a: 900,
+                keypoints_b: 880,
+                putative,
+                inliers: Some(inliers),
+                ..Default::default()
+            };
             open.matches.counts.insert((a, b), counts);
         }
     }

@@ -2,8 +2,10 @@
 
 use crate::support::{Start, Window, noisy_stack};
 use burstscope::app::apply;
-use burstscope::app::document::datasets::Which;
+use burstscope::app::document::{PairTab, SavedSelection};
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
+use burstscope::matching::MatchCounts;
+use burstscope::requests::Which;
 use burstscope::teach::Workspace;
 use egui::accesskit::Role;
 use egui_kittest::kittest::Queryable;
@@ -66,7 +68,7 @@ fn the_errors_are_those_of_the_library() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, report) = open_both(home.path());
     assert_eq!(window.app().model.document.workspace, Workspace::Trajectories);
-    assert_eq!(window.app().model.results.poses.report().map(|r| (**r).clone()), Some(report.clone()));
+    assert_eq!(window.app().model.results.poses.report(Which::Estimate).map(|r| (**r).clone()), Some(report.clone()));
     assert!(window.shows("13 of 14 (93 %)"));
     for errors in [&report.absolute, &report.relative] {
         assert!(window.shows(&format!("{:.4}", errors.translation.rmse)));
@@ -78,12 +80,59 @@ fn the_errors_are_those_of_the_library() {
     // Motions over three poses have other errors.
     window.harness.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
     window.settle();
-    let over_three = window.app().model.results.poses.report().unwrap().clone();
+    let over_three = window.app().model.results.poses.report(Which::Estimate).unwrap().clone();
     assert_eq!((over_three.step, over_three.relative.count), (3, 10));
     assert!(window.shows(&format!("{:.4}", over_three.relative.translation.rmse)));
     window.run_action("close trajectories");
     window.settle();
     assert!(window.app().model.results.poses.is_empty() && window.shows("none yet"));
+}
+
+/// Writes the model of `files` as the second of two parts, with one of its cameras far off; the first part is smaller.
+fn second_estimate(home: &Path) -> PathBuf {
+    let rec = home.join("merge");
+    for (part, images) in [("0", 3), ("1", 13)] {
+        std::fs::create_dir_all(rec.join(part)).unwrap();
+        let text = std::fs::read_to_string(home.join("sparse/images.txt")).unwrap();
+        let mut lines: Vec<String> = text.lines().take(2 * images).map(str::to_owned).collect();
+        lines[4] = "3 1 0 0 0 9 9 9 1 burst_02.png".to_owned();
+        std::fs::write(rec.join(part).join("images.txt"), lines.join("\n") + "\n").unwrap();
+        std::fs::copy(home.join("sparse/points3D.txt"), rec.join(part).join("points3D.txt")).unwrap();
+    }
+    rec
+}
+
+#[test]
+fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, first) = open_both(home.path());
+    assert!(window.shows("13 of 14 cameras right"));
+    window.dialogs.will_choose(second_estimate(home.path()));
+    window.run_action("open second estimate");
+    window.settle();
+    assert!(window.shows("merge/1, the largest of 2 parts"));
+    let poses = &window.app().model.results.poses;
+    let [one, two] = Which::ESTIMATES.map(|which| poses.report(which).unwrap().clone());
+    assert_eq!((&*one, two.right), (&first, 12), "one far off shifts the alignment by all, and not the count");
+    assert_eq!(poses.scene(&window.app().model.document.trajectories).cameras.each_ref().map(Vec::len), [13, 13, 14]);
+    assert!(window.shows("12 of 14 cameras right"));
+    for report in [&one, &two] {
+        assert!(window.shows(&format!("{:.4}", report.absolute.translation.rmse)));
+        assert!(window.shows(&format!("{:.3}", report.absolute.rotation_deg.rmse)));
+    }
+    // A row has what each estimate has; the image without a camera has a row too.
+    assert!(window.shows("error 2") && window.shows(&format!("{:.4}", two.pairs[2].translation_error)));
+    window.harness.get_by_role_and_label(Role::Row, "Camera burst_09.png").click_accesskit();
+    window.harness.run_steps(2);
+    assert_eq!(window.app().model.document.trajectories.selected, Some(9));
+    let other = window.kept_and_opened_in_another(&home.path().join("two.burstscope.toml"));
+    let model = &other.app().model;
+    assert_eq!(model.results.poses.report(Which::Second).map(|r| r.absolute), Some(two.absolute));
+    assert_eq!(model.document.trajectories.selected, Some(9));
+    window.harness.get_by_label("Close Second estimate").click();
+    window.settle();
+    let poses = &window.app().model.results.poses;
+    assert!(poses.read(Which::Second).is_none() && poses.report(Which::Estimate).is_some());
 }
 
 #[test]
@@ -93,15 +142,51 @@ fn a_camera_is_pointed_at_in_the_plane() {
     window.app_mut().model.document.trajectories.projection = Projection::Xz;
     window.settle();
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
-    let scene = window.app().model.results.poses.scene(window.app().model.document.trajectories.projection, false);
+    let scene = window.app().model.results.poses.scene(&window.app().model.document.trajectories);
     let view = window.app().model.document.trajectories.view;
-    let at = canvas.center() + view.points_per_pixel() * (scene.estimate[6].pos - egui::Pos2::from(view.centre_image));
+    let at =
+        canvas.center() + view.points_per_pixel() * (scene.cameras[0][6].pos - egui::Pos2::from(view.centre_image));
     window.harness.hover_at(at);
     window.harness.run_steps(30);
     assert_eq!(window.app().model.results.poses.hovered, Some(6));
     assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
     window.click_at(at);
     assert_eq!(window.app().model.document.trajectories.selected, Some(6));
+}
+
+#[test]
+fn a_free_view_goes_around_the_cameras_and_back() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    window.harness.get_by_role_and_label(Role::ComboBox, "Seen from").click();
+    window.harness.run_steps(2);
+    window.harness.get_by_label("Free view").click();
+    window.settle();
+    let set = |window: &Window| window.app().model.document.trajectories.clone();
+    let scene = |window: &Window| window.app().model.results.poses.scene(&set(window));
+    let is_at = |window: &Window, orbit: [f32; 2]| {
+        let off = set(window).orbit.into_iter().zip(orbit).map(|(is, wanted)| (is - wanted).abs());
+        assert!(off.fold(0.0, f32::max) < 0.01, "{:?} for {orbit:?}", set(window).orbit);
+    };
+    assert_eq!((set(&window).projection, set(&window).orbit), (Projection::Free, [0.0; 2]));
+    let begin = scene(&window);
+    let spot = &begin.cameras[2][0];
+    assert!(spot.frustum.iter().all(|corner| corner.is_finite() && *corner != spot.pos), "{spot:?}");
+    let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
+    let from = canvas.center() + egui::vec2(-300.0, 100.0);
+    window.drag(from, from + egui::vec2(100.0, 50.0));
+    is_at(&window, [-40.0, 20.0]);
+    let turned = scene(&window);
+    assert_eq!((turned.size, turned.scale), (begin.size, begin.scale), "it turns without a change of size");
+    assert!(turned.cameras[2][0].pos.distance(spot.pos) > 10.0);
+    // From straight above it goes no farther; the pan of the fixed planes stays as it is.
+    window.drag(from, from + egui::vec2(0.0, 250.0));
+    is_at(&window, [-40.0, 70.0]);
+    assert!(set(&window).view.is_fit());
+    let other = window.kept_and_opened_in_another(&home.path().join("free.burstscope.toml"));
+    is_at(&other, [-40.0, 70.0]);
+    window.double_click_at(from);
+    assert_eq!(set(&window).orbit, [0.0; 2]);
 }
 
 #[test]
@@ -112,7 +197,7 @@ fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
     window.settle();
     assert!(window.app().model.document.trajectories.points && window.shows("3D points"));
     let app = window.app_mut();
-    apply::studies::open_trajectory(&mut app.model, Which::Estimate, home.path().join("truth.txt"), &app.engine);
+    apply::studies::open_trajectory(&mut app.model, Which::Estimate, Some(home.path().join("truth.txt")), &app.engine);
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::CheckBox, "3D points").is_none());
 }
@@ -148,6 +233,75 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     assert!(window.shows("nights has no burst with the name of the camera burst_02.png"));
 }
 
+/// Opens a dataset of bursts of noise by the names of some cameras; `places` of them.
+fn open_nights(window: &mut Window, home: &Path, places: &[usize]) {
+    let nights = home.join("nights");
+    for k in places {
+        let burst = nights.join(format!("burst_{k:02}"));
+        std::fs::create_dir_all(&burst).unwrap();
+        noisy_stack(&burst, 3, 40, 40);
+    }
+    window.dialogs.will_choose(&nights);
+    window.run_action("open dataset");
+    window.settle();
+}
+
+#[test]
+fn a_camera_leads_to_its_weakest_pair_and_a_missing_one_to_the_reason() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    open_nights(&mut window, home.path(), &[8, 9, 10]);
+    let dataset = window.app_mut().model.results.datasets.open.as_mut().unwrap();
+    for (pair, putative, inliers) in [((0, 1), 30, 12), ((0, 2), 400, 350), ((1, 2), 20, 3)] {
+        let counts = MatchCounts { keypoints_a: 500, putative, inliers: Some(inliers), ..MatchCounts::default() };
+        dataset.matches.counts.insert(pair, counts);
+    }
+    window.run_action("trajectories");
+    window.settle();
+    let select = |window: &mut Window, camera: usize| {
+        // Rows below the others of a low table are not drawn: the row scrolls into sight.
+        window.app_mut().model.document.trajectories.selected = Some(camera);
+        window.harness.run_steps(3);
+    };
+    select(&mut window, 10);
+    assert!(window.shows("Weakest pair: burst_09, burst_10"));
+    select(&mut window, 9);
+    assert!(window.shows("not registered"));
+    assert!(window.shows("12 inliers of about 30 needed; 94 % of 500 keypoints lost: ratio test or mutual check"));
+    window.harness.get_by_label("Best pair: burst_08, burst_09").click();
+    window.settle();
+    let document = &window.app().model.document;
+    assert_eq!((document.workspace, document.pair_tab), (Workspace::Pair, PairTab::Unmatched));
+    assert_eq!(document.dataset.as_ref().unwrap().selected(), Some((0, 1)));
+}
+
+#[test]
+fn a_point_leads_to_its_features() {
+    let home = tempfile::tempdir().unwrap();
+    let (mut window, _) = open_both(home.path());
+    open_nights(&mut window, home.path(), &[1, 2]);
+    window.run_action("trajectories");
+    window.harness.get_by_role_and_label(Role::CheckBox, "3D points").click();
+    window.settle();
+    let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
+    let set = &window.app().model.document.trajectories;
+    let scene = window.app().model.results.poses.scene(set);
+    let (point, at) = scene.points[0];
+    let at = canvas.center() + set.view.points_per_pixel() * (at - egui::Pos2::from(set.view.centre_image));
+    window.click_at(at);
+    assert_eq!(window.app().model.document.trajectories.point, Some(point));
+    assert!(window.shows("burst_00.png, keypoint 0") && window.shows("burst_02.png, keypoint 0"));
+    window.harness.get_by_label("burst_01.png, keypoint 0").click();
+    window.settle();
+    let model = &window.app().model;
+    assert_eq!((model.document.workspace, window.app().read().frame_count()), (Workspace::Inspect, 3));
+    assert_eq!(model.results.reselect, Some(SavedSelection::of_index(0)), "it waits for the features");
+    window.run_action("detect");
+    window.settle();
+    let found = !window.app().read().features().is_empty();
+    assert_eq!(window.app().model.document.selected, found.then_some(0));
+}
+
 #[test]
 fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     let home = tempfile::tempdir().unwrap();
@@ -155,17 +309,17 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     let broken = home.path().join("broken.txt");
     std::fs::write(&broken, "1 2 3\n").unwrap();
     let app = window.app_mut();
-    apply::studies::open_trajectory(&mut app.model, Which::Truth, broken, &app.engine);
+    apply::studies::open_trajectory(&mut app.model, Which::Truth, Some(broken), &app.engine);
     window.settle();
     assert!(window.shows("broken.txt") && window.shows("line 1"));
-    assert!(window.app().model.results.poses.report().is_some());
+    assert!(window.app().model.results.poses.report(Which::Estimate).is_some());
     // A truth of other places: both are read, but nothing can be compared.
     let other = home.path().join("other.txt");
     std::fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
     window.drop_file(other);
     window.settle();
-    assert!(window.app().model.results.poses.report().is_none());
-    assert!(window.app().model.results.poses.problem().is_some());
+    assert!(window.app().model.results.poses.report(Which::Estimate).is_none());
+    assert!(window.app().model.results.poses.problems().next().is_some());
     assert!(window.shows("cannot be"));
 }
 
@@ -181,7 +335,7 @@ fn a_session_brings_the_trajectories_back() {
         (model.document.workspace, model.document.trajectories.projection),
         (Workspace::Trajectories, Projection::Yz)
     );
-    assert_eq!(model.results.poses.report().map(|r| r.absolute), Some(report.absolute));
+    assert_eq!(model.results.poses.report(Which::Estimate).map(|r| r.absolute), Some(report.absolute));
 }
 
 #[test]
@@ -190,8 +344,8 @@ fn trajectories() {
     let (mut window, _) = open_both(home.path());
     let compared = &mut window.app_mut().model.results.poses.compared;
     // The place of this test's files differs from run to run.
-    compared.estimate.as_mut().unwrap().0 = "/data/rec/sparse".into();
-    compared.truth.as_mut().unwrap().0 = "/data/truth.txt".into();
+    compared.read[0].as_mut().unwrap().0 = "/data/rec/sparse".into();
+    compared.read[2].as_mut().unwrap().0 = "/data/truth.txt".into();
     window.app_mut().model.document.trajectories.selected = Some(3);
     window.app_mut().model.shell.messages.note("Opened demo");
     window.snapshot("trajectories");

@@ -106,14 +106,23 @@ mod lab {
 }
 
 mod trajectories {
+    use burstscope::app::document::Trajectories;
     use burstscope::app::results::studies::*;
     use burstscope::evaluate::poses::{
-        DEMO_ESTIMATE, DEMO_TRUTH, Pose, PoseStudy, Projection, Trajectory, evaluate_poses, read_trajectory,
+        DEMO_ESTIMATE, DEMO_TRUTH, Pose, PoseStudy, Projection, Trajectory, read_trajectory,
     };
-    use burstscope::requests::ComparedPoses;
+    use burstscope::requests::{ComparedPoses, ReadTrajectory};
     use nalgebra::{Isometry3, Vector3};
     use std::path::PathBuf;
     use std::sync::Arc;
+
+    fn compared(read: [ReadTrajectory; 3]) -> ComparedPoses {
+        ComparedPoses::of(read, &PoseStudy::default())
+    }
+
+    fn scene(compared: &ComparedPoses, projection: Projection, points: bool) -> PlaneScene {
+        PlaneScene::of(compared, &Trajectories { projection, points, ..Trajectories::default() })
+    }
 
     fn trajectory(centres: &[[f64; 3]]) -> Arc<Trajectory> {
         let pose = |(k, c): (usize, &[f64; 3])| Pose {
@@ -126,29 +135,27 @@ mod trajectories {
     }
 
     #[test]
-    fn an_estimate_of_another_scale_lies_on_the_truth() {
+    fn estimates_of_other_scales_lie_on_the_truth() {
         let truth = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 2.0, 0.0], [0.0, 2.0, 1.0]];
         let estimate = truth.map(|c| c.map(|x| 10.0 * x + 3.0));
-        let (truth, estimate) = (trajectory(&truth), trajectory(&estimate[..3]));
-        let report = evaluate_poses(&estimate, &truth, &PoseStudy::default()).expect("compared");
-        let compared = ComparedPoses {
-            estimate: Some(("e".into(), estimate)),
-            truth: Some(("t".into(), truth)),
-            report: Some(Ok(Arc::new(report))),
-        };
-        let scene = PlaneScene::of(&compared, Projection::Xy, false);
-        assert_eq!((scene.truth.len(), scene.estimate.len(), scene.size), (4, 3, (1120, 620)));
-        for (k, spot) in scene.estimate.iter().enumerate() {
-            assert!((spot.pos - scene.truth[k].pos).length() < 1e-2, "{spot:?} {:?}", scene.truth[k]);
-            assert_eq!((spot.pair, scene.truth[k].pair), (Some(k), Some(k)));
+        let second = truth.map(|c| c.map(|x| 0.1 * x - 7.0));
+        let read = |name: &str, centres: &[[f64; 3]]| Some((PathBuf::from(name), trajectory(centres)));
+        let [first, second, truth] = [read("e", &estimate[..3]), read("s", &second[..3]), read("t", &truth)];
+        let both = compared([first.clone(), second.clone(), truth.clone()]);
+        assert_eq!(both.pairs, [[Some(0); 2], [Some(1); 2], [Some(2); 2], [None; 2]]);
+        let drawn = scene(&both, Projection::Xy, false);
+        assert_eq!((drawn.cameras.each_ref().map(Vec::len), drawn.size), ([3, 3, 4], (1120, 620)));
+        let [of_first, of_second, of_truth] = &drawn.cameras;
+        for spot in of_first.iter().chain(of_second) {
+            let there = &of_truth[spot.index];
+            assert!((spot.pos - there.pos).length() < 1e-2, "{spot:?} {there:?}");
+            assert_eq!((spot.camera, there.camera), (Some(spot.index), Some(spot.index)));
         }
-        assert_eq!(scene.truth[3].pair, None);
-        assert_eq!(scene.truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
-        // Alone, each is drawn in its own coordinates; both without a comparison: only the truth is drawn.
-        let alone = ComparedPoses { truth: None, report: None, ..compared.clone() };
-        assert_eq!(PlaneScene::of(&alone, Projection::Xy, true).estimate.len(), 3);
-        let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
-        assert_eq!(PlaneScene::of(&apart, Projection::Xy, true).estimate.len(), 0);
+        assert_eq!(of_truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
+        // Alone, the first is drawn in its own coordinates; without a comparison only the truth is drawn.
+        let drawn = |read| scene(&compared(read), Projection::Xy, true).cameras.map(|cameras| cameras.len());
+        assert_eq!(drawn([first, second.clone(), None]), [3, 0, 0]);
+        assert_eq!(drawn([read("one", &[[0.0; 3]]), second, truth]), [0, 3, 4]);
     }
 
     #[test]
@@ -157,32 +164,29 @@ mod trajectories {
             let path = PathBuf::from(name);
             (path.clone(), Arc::new(read_trajectory(&path).expect("built in")))
         });
-        let report = evaluate_poses(&estimate.1, &truth.1, &PoseStudy::default()).expect("compared");
         let points = estimate.1.model.as_ref().expect("a model").points.len();
-        let report = Some(Ok(Arc::new(report)));
-        let compared = ComparedPoses { estimate: Some(estimate), truth: Some(truth), report };
-        let scene = PlaneScene::of(&compared, Projection::Xz, true);
-        let (width, height) = (scene.size.0 as f32, scene.size.1 as f32);
+        let both = compared([Some(estimate), None, Some(truth)]);
+        let drawn = scene(&both, Projection::Xz, true);
+        let (width, height) = (drawn.size.0 as f32, drawn.size.1 as f32);
         let section = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
-        let inside = scene.points.iter().filter(|p| section.contains(**p)).count();
-        assert!(scene.points.len() == points && inside > points * 9 / 10, "{inside} of {points}");
+        let inside = drawn.points.iter().filter(|(_, p)| section.contains(*p)).count();
+        assert!(drawn.points.len() == points && inside > points * 9 / 10, "{inside} of {points}");
         // Ahead is up, and the cameras look ahead.
-        let nearest = scene.points.iter().map(|p| p.y).fold(0.0, f32::max);
-        assert!(scene.truth.iter().all(|camera| camera.pos.y > nearest && section.contains(camera.pos)));
-        assert_eq!(PlaneScene::of(&compared, Projection::Xz, false).points, []);
+        let nearest = drawn.points.iter().map(|(_, p)| p.y).fold(0.0, f32::max);
+        assert!(drawn.cameras[2].iter().all(|camera| camera.pos.y > nearest && section.contains(camera.pos)));
+        assert_eq!(scene(&both, Projection::Xz, false).points, []);
         // Not aligned, the points have no place beside the truth.
-        let apart = ComparedPoses { report: Some(Err("no".into())), ..compared };
-        assert_eq!(PlaneScene::of(&apart, Projection::Xz, true).points, []);
+        let apart = ComparedPoses { reports: [Some(Err("no".into())), None], ..both };
+        assert_eq!(scene(&apart, Projection::Xz, true).points, []);
     }
 
     #[test]
     fn cameras_in_one_place_or_on_a_line_have_a_plane() {
         for centres in [&[][..], &[[1.0, 1.0, 1.0]; 2], &[[0.0, 0.0, 0.0], [5.0, 0.0, 0.0]]] {
             let truth = Some(("t".into(), trajectory(centres)));
-            let compared = ComparedPoses { truth, ..ComparedPoses::default() };
-            let scene = PlaneScene::of(&compared, Projection::Principal, false);
-            assert!(scene.size.0 >= 300 && scene.size.1 >= 300, "{:?}", scene.size);
-            assert!(scene.truth.iter().all(|s| s.pos.is_finite()));
+            let drawn = scene(&compared([None, None, truth]), Projection::Principal, false);
+            assert!(drawn.size.0 >= 300 && drawn.size.1 >= 300, "{:?}", drawn.size);
+            assert!(drawn.cameras[2].iter().all(|s| s.pos.is_finite()));
         }
     }
 }
@@ -454,8 +458,9 @@ mod presets {
 
 mod pairs {
     use burstscope::app::document::PairColumn;
-    use burstscope::app::results::datasets::pairs::PairTable;
-    use burstscope::matching::MatchCounts;
+    use burstscope::app::results::datasets::pairs::{PairTable, lost_text};
+    use burstscope::inspect::pair::Lost;
+    use burstscope::matching::{MatchCounts, Refusal};
 
     #[test]
     fn pairs_are_listed_in_the_order_that_was_clicked() {
@@ -473,6 +478,28 @@ mod pairs {
         assert_eq!(pairs(&table), [(0, 2), (0, 1), (1, 2)], "equal ones stay in order");
         [PairColumn::Pair; 2].into_iter().for_each(|column| table.sort_by(column));
         assert_eq!(pairs(&table), [(1, 2), (0, 2), (0, 1)]);
+        let of_burst = |strongest| table.of_burst(0, strongest).map(|(pair, _)| pair);
+        assert_eq!([of_burst(true), of_burst(false)], [Some((0, 1)), Some((0, 2))]);
+        assert_eq!(table.of_burst(3, true), None);
+    }
+
+    #[test]
+    fn the_step_that_lost_most_is_said_as_far_as_it_is_known() {
+        let counts = MatchCounts { keypoints_a: 200, putative: 60, inliers: Some(12), ..MatchCounts::default() };
+        let (text, lost) = lost_text(&counts, None);
+        assert_eq!(text, "12 inliers of about 30 needed; 70 % of 200 keypoints lost: ratio test or mutual check");
+        let known = MatchCounts { not_mutual: Some(20), ..counts };
+        assert!(lost_text(&known, None).0.ends_with("60 % of 200 keypoints lost: ratio test"));
+        let mut steps = Lost::ALL.map(|lost| (lost, 12));
+        (steps[2].1, steps[3].1) = (18, 134);
+        let exact = lost_text(&counts, Some(&steps));
+        assert_eq!(exact.0, "12 inliers of about 30 needed; 67 % of 200 keypoints lost: mutual check");
+        assert_eq!((lost, exact.1), (Lost::RatioTest, Lost::MutualCheck));
+        let refused = MatchCounts { putative: 190, inliers: Some(0), refused: Some(Refusal::Motions), ..counts };
+        assert!(
+            lost_text(&refused, None).0.contains("refused: the motions")
+                && lost_text(&refused, None).0.ends_with("geometry")
+        );
     }
 }
 

@@ -266,8 +266,9 @@ fn add_pairs(
     for (&images, &resumed) in pairs.iter().zip(resumed) {
         let PairFound { matches, inliers, model, refused } = kept.take(images)?;
         let [a, b] = [&report.images[images.0], &report.images[images.1]];
-        let (keypoints_a, keypoints_b, inlier_count) = (a.features, b.features, Some(inliers.len()));
-        let counts = MatchCounts { keypoints_a, keypoints_b, putative: matches.len(), inliers: inlier_count, refused };
+        let (keypoints_a, keypoints_b, found) = (a.features, b.features, Some(inliers.len()));
+        let putative = matches.len();
+        let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers: found, refused, not_mutual: None };
         let [a, b] = [a.id, b.id];
         report.pairs.push(PairReport { ids: [a, b], resumed, counts });
         // COLMAP also has no row for a pair without a match.

@@ -47,7 +47,7 @@ fn read(folder: &Path, known: &HashMap<String, &str>) -> rusqlite::Result<Colmap
         let file = || pairs_folder(folder).join(a).join(format!("{b}.pair"));
         let refused = if inliers > 0 { None } else { why_refused(&file(), putative) };
         let (keypoints_a, keypoints_b, inliers) = (count(4)?, count(5)?, Some(inliers));
-        let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused };
+        let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused, not_mutual: None };
         Ok(PairReport { ids: [row.get(2)?, row.get(3)?], resumed: true, counts })
     };
     let pairs =

@@ -32,6 +32,6 @@ pub use pairs::{
     BurstSide, DetectedBurst, KeptBursts, MatchedPair, PairSource, match_bursts, match_pairs, match_rows, read_pairs,
 };
 pub use picture::{BurstPicture, ImageKind, burst_plane, thumbnail};
-pub use report::{CameraReport, ColmapReport, ImageReport, Joined, PairReport};
+pub use report::{CameraReport, ColmapReport, INLIERS_TO_START, ImageReport, Joined, PairReport};
 pub use source::DatasetSource;
 pub use stamp::Comparison;

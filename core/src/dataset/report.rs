@@ -104,7 +104,7 @@ pub struct ColmapReport {
 }
 
 /// Inliers with which COLMAP's mapper begins, nearly: it asks for 100, 50, 25, and for 30 places of each further image.
-const INLIERS_TO_START: usize = 30;
+pub const INLIERS_TO_START: usize = 30;
 
 impl ColmapReport {
     /// Name of the burst of an image; empty where there is no such image.

@@ -179,7 +179,8 @@ pub fn match_features([a, b]: [MatchSide<'_>; 2], params: &MatchParams, monitor:
     };
     let (keypoints_a, keypoints_b, putative) = (a.places.len(), b.places.len(), matches.len());
     let inliers = verification.as_ref().map(Verification::inlier_count);
-    let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused };
+    let not_mutual = Some(neighbours.not_mutual(&matches));
+    let counts = MatchCounts { keypoints_a, keypoints_b, putative, inliers, refused, not_mutual };
     let result = MatchResult { matches, verification, prediction, alignment: None, counts };
     Ok(Unaligned { result, measured })
 }
@@ -218,6 +219,9 @@ pub struct MatchCounts {
     /// Reason why there are none although enough matches agreed.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub refused: Option<Refusal>,
+    /// Number of features of A without a match whose nearest in B is nearer to another; `None` of a pair read from files.
+    #[serde(skip)]
+    pub not_mutual: Option<usize>,
 }
 
 impl MatchCounts {

@@ -79,6 +79,13 @@ impl Neighbours {
         candidates.filter(|m| m.rank() <= params.ratio).collect()
     }
 
+    /// Number of features of A that are in none of `matches`, which are in A's order, and fail the mutual check.
+    pub fn not_mutual(&self, matches: &[Match]) -> usize {
+        let fails = |a: usize, nearest: &Nearest| self.of_b.get(nearest.index).is_some_and(|back| back.index != a);
+        let is_lost = |a: usize| matches.binary_search_by_key(&a, |m| m.a).is_err();
+        self.of_a.iter().enumerate().filter(|(a, nearest)| fails(*a, nearest) && is_lost(*a)).count()
+    }
+
     pub fn ratio_among_all(&self, m: &Match) -> Option<f32> {
         let to_others = |nearest: &Nearest, partner: usize| match nearest.second_distance_squared {
             second if nearest.index == partner => Some(m.distance / f64::from(second?).sqrt() as f32),

@@ -6,6 +6,7 @@ mod advice;
 mod curves;
 mod evaluate;
 mod pose_errors;
+mod poses;
 mod reconstruction;
 mod recover;
 mod trajectory;

@@ -36,6 +36,8 @@ fn a_square_with_one_corner_off_by_hand() {
     assert!((report.absolute.translation.max - middle).abs() < 1e-12);
     assert!(report.absolute.rotation_deg.max < 1e-6);
     assert_eq!((report.absolute.count, report.relative.count, report.images_pass_percent()), (5, 4, 50.0));
+    // By two corners alone the four are laid where they belong, and the middle is 0.5 too high: 18 % of the extent.
+    assert_eq!(report.right, 4);
     // Three sides are (1 − 2·scale)·2 too short, the last motion also goes up.
     let side = 2.0 * (1.0 - 2.0 * scale);
     assert!((report.relative.translation.median - side).abs() < 1e-12);

@@ -1,7 +1,7 @@
 //! Bursts of the open dataset that are gone to, and what answers about the dataset change.
 
 use crate::app::apply::{datasets, opening};
-use crate::app::document::{DatasetChoice, Side, Sides};
+use crate::app::document::{DatasetChoice, SavedSelection, Side, Sides};
 use crate::app::results::{Dataset, Effect, Model, Read, Work};
 use crate::engine::{Ended, Engine};
 use crate::error::Error;
@@ -42,10 +42,16 @@ pub(in crate::app) fn open_burst_at(model: &mut Model, place: usize, engine: &En
     }
 }
 
-pub(in crate::app) fn look_at_camera(model: &mut Model, label: &str, engine: &Engine) {
+/// Shows the burst of a camera, with the feature of an index as soon as its features are found.
+pub(in crate::app) fn look_at_camera(model: &mut Model, label: &str, feature: Option<usize>, engine: &Engine) {
     let dataset = model.results.datasets.open.as_ref();
     match dataset.map(|d| (d.place_of_camera(label), d.source.label())) {
         Some((Some(place), _)) => {
+            let is_open = dataset.and_then(|d| d.place_of(model.results.slots.a.burst.as_ref())) == Some(place);
+            if let Some(saved) = feature.map(SavedSelection::of_index) {
+                model.document.selected = Read::of(model).find_again(&saved).filter(|_| is_open);
+                model.results.reselect = Some(saved).filter(|_| model.document.selected.is_none());
+            }
             open_burst_at(model, place, engine);
             model.document.open_workspace(Workspace::Inspect);
         }

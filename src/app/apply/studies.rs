@@ -2,15 +2,15 @@
 //! are read, compared and closed.
 
 use crate::app::apply::{opening, probe};
-use crate::app::document::datasets::Which;
 use crate::app::document::{LabSet, Side, Trajectories};
-use crate::app::results::studies::{LabResult, ReadModel, TrajectoryResults};
+use crate::app::results::studies::{LabResult, TrajectoryResults};
 use crate::app::results::{Effect, Model, Read};
 use crate::app::view::View;
 use crate::engine::{Ended, Engine};
 use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH, PoseStudy, Projection};
 use crate::figures::{FigureSize, FiguresJob, find_colmap};
-use crate::requests::{BurstSource, JobError, PosesRequest, StudyRequest, TrajectorySource};
+use crate::inspect::words::capitalised;
+use crate::requests::{BurstSource, JobError, PosesRequest, StudyRequest, TrajectorySource, Which};
 use crate::study::{ChartOfStudy, StudyReport};
 use crate::teach::Workspace;
 use std::path::PathBuf;
@@ -124,15 +124,12 @@ pub(super) fn take_figures(model: &mut Model, ended: Ended<FiguresJob>) -> Vec<E
     Vec::new()
 }
 
-pub fn open_trajectory(model: &mut Model, which: Which, path: PathBuf, engine: &Engine) {
+/// Opens a trajectory, or without a path closes it.
+pub fn open_trajectory(model: &mut Model, which: Which, path: Option<PathBuf>, engine: &Engine) {
     let (set, poses) = (&mut model.document.trajectories, &mut model.results.poses);
     let mut request = poses.request(set.study);
-    let (of_set, of_request) = match which {
-        Which::Estimate => (&mut set.estimate, &mut request.estimate),
-        Which::Truth => (&mut set.truth, &mut request.truth),
-    };
-    *of_request = Some(TrajectorySource::Path(path.clone()));
-    *of_set = Some(path);
+    request.sources[which as usize] = path.clone().map(|path| TrajectorySource { path, read: None });
+    *set.paths_mut()[which as usize] = path;
     poses.reading.ask(engine, request);
     model.document.open_workspace(Workspace::Trajectories);
 }
@@ -148,33 +145,34 @@ pub fn close_trajectories(model: &mut Model) {
     model.results.poses = TrajectoryResults::default();
 }
 
-/// Takes the answers. Other trajectories than before reset pan and zoom; where one cannot be read, those that are
-/// open stay.
+/// Takes the answers. Other trajectories than before reset pan and zoom, and another truth the selection; where one cannot
+/// be read, those that are open stay.
 pub(super) fn take_trajectories(model: &mut Model, ended: Ended<PosesRequest>) -> Vec<Effect> {
     const TITLE: &str = "Trajectories";
-    let (set, before) = (&mut model.document.trajectories, &model.results.poses.compared);
+    let (set, before) = (&mut model.document.trajectories, &model.results.poses.compared.read);
     match ended.result {
         Ok(compared) => {
             model.shell.messages.resolved(TITLE);
-            let is_other = |before: &ReadModel, now: &ReadModel| match (before, now) {
+            let is_other = |which: Which| match (&before[which as usize], &compared.read[which as usize]) {
                 (Some((_, before)), Some((_, now))) => !Arc::ptr_eq(before, now),
                 (before, now) => before.is_some() && now.is_none(),
             };
-            if is_other(&before.estimate, &compared.estimate) || is_other(&before.truth, &compared.truth) {
+            if Which::ALL.into_iter().any(is_other) {
                 set.view = View::fit();
             }
-            set.selected = None;
-            let parts = compared.estimate.as_ref().and_then(|(_, read)| read.model.as_ref());
-            if let Some(part) = parts.filter(|part| part.other_models > 0) {
-                let (folder, of) = (part.folder.display(), part.other_models + 1);
-                model.shell.messages.note(format!("Took {folder}, the largest of {of} parts"));
+            set.selected.take_if(|_| is_other(Which::Truth));
+            set.point.take_if(|_| is_other(Which::Estimate));
+            let mut models = compared.read.iter().flatten().filter_map(|(_, read)| read.model.as_ref());
+            if let Some(taken) = models.find_map(|model| model.taken()) {
+                model.shell.messages.note(capitalised(&taken));
             }
             let reading = std::mem::take(&mut model.results.poses.reading);
             model.results.poses = TrajectoryResults { compared, reading, ..TrajectoryResults::default() };
         }
         Err(error) => {
-            let path = |read: &ReadModel| read.as_ref().map(|(path, _)| path.clone());
-            (set.estimate, set.truth) = (path(&before.estimate), path(&before.truth));
+            for (set, before) in set.paths_mut().into_iter().zip(before) {
+                *set = before.as_ref().map(|(path, _)| path.clone());
+            }
             model.shell.messages.error(TITLE, error.to_string());
         }
     }
@@ -191,9 +189,9 @@ pub(in crate::app) fn show_demo_cameras(model: &mut Model, engine: &Engine) {
 
 pub(in crate::app) fn read_trajectories(model: &mut Model, engine: &Engine) {
     model.results.poses = TrajectoryResults::default();
-    let Trajectories { estimate, truth, study, .. } = model.document.trajectories.clone();
-    let [estimate, truth] = [estimate, truth].map(|path| path.map(TrajectorySource::Path));
-    if estimate.is_some() || truth.is_some() {
-        model.results.poses.reading.ask(engine, PosesRequest { estimate, truth, study });
+    let set = &model.document.trajectories;
+    let sources = set.paths().map(|path| path.clone().map(|path| TrajectorySource { path, read: None }));
+    if sources.iter().any(Option::is_some) {
+        model.results.poses.reading.ask(engine, PosesRequest { sources, study: set.study });
     }
 }

@@ -1,49 +1,117 @@
 //! Panel of the trajectories: their files, the settings of the comparison, the errors, and the reconstruction.
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::dataset::cameras::{camera_label, camera_text, colour, is_missing, name};
 use crate::app::document::{Action, Trajectories};
 use crate::app::panel::widgets::{choice_ui, error_ui, named, section_ui};
+use crate::app::results::datasets::pairs::lost_text;
 use crate::app::results::{Dataset, Read};
-use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection};
+use crate::evaluate::poses::sparse::SparsePoint;
+use crate::evaluate::poses::{Association, ErrorSummary, ModelSummary, PoseReport, Projection, SparseModel};
+use crate::inspect::words::capitalised;
 use crate::matching::ImageCounts;
+use crate::requests::Which;
 use egui::{DragValue, Grid, Label, RichText, Ui};
-use std::path::Path;
 
 pub fn errors_panel_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Trajectories", |ui| {
-        let compared = &model.results.poses.compared;
-        let path = |read: &Option<(std::path::PathBuf, _)>| read.as_ref().map(|(path, _)| path.clone());
-        let (estimate, truth) = (path(&compared.estimate), path(&compared.truth));
-        file_ui(ui, model, queue, ActionId::OpenEstimate, "Estimate", estimate.as_deref());
-        file_ui(ui, model, queue, ActionId::OpenTruth, "Truth", truth.as_deref());
+        file_ui(ui, model, queue, ActionId::OpenEstimate, Which::Estimate);
+        file_ui(ui, model, queue, ActionId::OpenSecond, Which::Second);
+        file_ui(ui, model, queue, ActionId::OpenTruth, Which::Truth);
         study_ui(ui, model, queue);
     });
-    if let Some(problem) = model.results.poses.problem() {
-        error_ui(ui, problem);
+    let (poses, set) = (&model.results.poses, &model.document.trajectories);
+    for (which, problem) in poses.problems() {
+        error_ui(ui, format!("{}: {problem}", name(which)));
     }
-    if let Some(report) = model.results.poses.report() {
-        section_ui(ui, "Errors", |ui| errors_ui(ui, report));
+    if let Some(camera) = set.selected.filter(|camera| *camera < poses.compared.pairs.len()) {
+        section_ui(ui, "Camera", |ui| camera_ui(ui, model, queue, camera));
+    }
+    if let Some((sparse, point)) = poses.model().and_then(|sparse| Some((sparse, sparse.points.get(set.point?)?))) {
+        section_ui(ui, "3D point", |ui| point_ui(ui, queue, sparse, point));
+    }
+    if poses.reports().next().is_some() {
+        section_ui(ui, "Errors", |ui| {
+            for (which, report) in poses.reports() {
+                if poses.reports().count() > 1 {
+                    ui.label(RichText::new(name(which)).strong().color(colour(ui, which)));
+                }
+                errors_ui(ui, which, report);
+            }
+        });
+    }
+    if poses.read(Which::Second).is_some() && poses.read(Which::Truth).is_none() {
+        ui.weak("A second estimate is drawn beside a truth, with which both are aligned.");
     }
     section_ui(ui, "Reconstruction", |ui| reconstruction_ui(ui, model));
 }
 
-fn file_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, name: &str, path: Option<&Path>) {
+fn file_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, id: ActionId, which: Which) {
+    let read = model.results.poses.compared.read[which as usize].as_ref();
     ui.horizontal(|ui| {
-        let response = button_ui(ui, model, queue, id, Some(&format!("{name}…")));
+        let response = button_ui(ui, model, queue, id, Some(&format!("{}…", name(which))));
         named(&response, egui::Role::Button, id.action().label);
-        let text = path.map_or("none yet".to_owned(), |p| p.display().to_string());
+        if read.is_some() {
+            let response = ui.small_button("×").on_hover_text("Close it; the others stay open");
+            named(&response, egui::Role::Button, format!("Close {}", name(which)));
+            queue.push_if(response.clicked(), Action::CloseTrajectory(which));
+        }
+        let text = read.map_or("none yet".to_owned(), |(path, _)| path.display().to_string());
         ui.add(Label::new(RichText::new(&text).weak()).truncate()).on_hover_text(text);
     });
+    if let Some(taken) = read.and_then(|(_, read)| read.model.as_ref()?.taken()) {
+        ui.weak(capitalised(&taken));
+    }
+}
+
+/// A camera, with its burst and the pair by which it hangs: the weakest of the burst, or where no estimate has the camera
+/// the best.
+fn camera_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue, camera: usize) {
+    ui.label(camera_text(model, camera));
+    let label = camera_label(model, camera);
+    let Some(dataset) = &model.results.datasets.open else {
+        ui.weak("Open the dataset to go to its burst and its pairs.");
+        return;
+    };
+    queue.push_if(ui.button("Open its burst").clicked(), Action::OpenCamera(label.to_owned()));
+    let is_missing = is_missing(model, camera);
+    let pair = dataset.place_of_camera(label).and_then(|place| dataset.matches.of_burst(place, is_missing));
+    let Some((pair, counts)) = pair else {
+        ui.weak("Its burst has no matched pair in the open dataset.");
+        return;
+    };
+    let (name, [a, b]) = (if is_missing { "Best pair" } else { "Weakest pair" }, [pair.0, pair.1]);
+    let [a, b] = [a, b].map(|place| dataset.bursts[place].name.as_str());
+    let (text, step) = lost_text(&counts, model.losses_of(pair));
+    if ui.button(format!("{name}: {a}, {b}")).on_hover_text("Show it, with why its features are lost").clicked() {
+        queue.push(Action::SelectPair(pair));
+        queue.push(ActionId::ShowPair);
+        queue.push(Action::ShowLost(step, true));
+    }
+    ui.label(text);
+}
+
+/// A point with its keypoints, which are the features of their bursts where the model was made from the dataset's.
+fn point_ui(ui: &mut Ui, queue: &mut Queue, sparse: &SparseModel, point: &SparsePoint) {
+    ui.label(format!("seen {} times, {:.2} px off in the mean", point.track.len(), point.reprojection_error_px));
+    for (image, keypoint) in sparse.seen_by(point) {
+        let name = &sparse.images[image].name;
+        let response = ui.link(format!("{name}, keypoint {keypoint}"));
+        let response = response.on_hover_text("Open the burst with the feature of this number, if the dataset is open");
+        queue.push_if(response.clicked(), Action::OpenFeature(name.clone(), keypoint));
+    }
 }
 
 fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let trajectories: &Trajectories = &model.document.trajectories;
     let (mut projection, mut study) = (trajectories.projection, trajectories.study);
     Grid::new("study").num_columns(2).show(ui, |ui| {
-        let label = ui.label("Seen from").on_hover_text("The plane in which the cameras are drawn");
+        let label = ui
+            .label("Seen from")
+            .on_hover_text("The plane in which the cameras are drawn, or a free view that dragging turns");
         choice_ui(ui, "projection", label.id, None, &mut projection, Projection::ALL, Projection::name);
         ui.end_row();
-        if model.results.poses.has_points() {
+        if model.results.poses.model().is_some() {
             let label = ui.label("3D points").on_hover_text("Draw the points of the estimate that the cameras saw");
             let mut points = trajectories.points;
             ui.checkbox(&mut points, "").labelled_by(label.id);
@@ -70,17 +138,19 @@ fn study_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     queue.set(&trajectories.study, study, Action::SetPoseStudy);
 }
 
-fn errors_ui(ui: &mut Ui, report: &PoseReport) {
+fn errors_ui(ui: &mut Ui, which: Which, report: &PoseReport) {
     let paired =
         format!("{} poses paired {}, scale {:.5}", report.absolute.count, report.associated.phrase(), report.scale);
     ui.weak(paired).on_hover_text("The estimate is aligned with the truth by the similarity that minimises the squared distances of the camera centres (Umeyama 1991)");
+    let right = "Within 3 % of the way's extent and 3° of the truth, aligned by two cameras or by all, as most are right; the errors are aligned by all";
+    ui.label(format!("{} of {} cameras right", report.right, report.images)).on_hover_text(right);
     if report.absolute.count <= 2 {
         ui.weak("Two poses always fit: their errors say nothing.");
     }
     if report.straight {
         ui.weak("The cameras stand on a line; their directions fixed the rotation about it.");
     }
-    Grid::new("errors").num_columns(5).striped(true).show(ui, |ui| {
+    Grid::new(("errors", name(which))).num_columns(5).striped(true).show(ui, |ui| {
         for heading in ["", "RMSE", "mean", "median", "max"] {
             ui.label(RichText::new(heading).small());
         }
@@ -105,11 +175,10 @@ fn errors_ui(ui: &mut Ui, report: &PoseReport) {
 }
 
 fn reconstruction_ui(ui: &mut Ui, model: Read<'_>) {
-    let estimate = model.results.poses.compared.estimate.as_ref();
-    let summary = estimate.and_then(|(_, t)| t.model.as_ref()).map(|m| m.summary());
+    let summary = model.results.poses.model().map(SparseModel::summary);
     let matched = model.results.datasets.open.as_ref().and_then(Dataset::image_counts);
     // Without a truth the number of images is unknown, and with it the share.
-    let registered = match (model.results.poses.report(), &summary) {
+    let registered = match (model.results.poses.report(Which::Estimate), &summary) {
         (Some(r), _) => Some(format!("{} of {} ({:.0} %)", r.registered, r.images, r.images_pass_percent())),
         (None, summary) => summary.as_ref().map(|s| s.registered_images.to_string()),
     };

@@ -2,7 +2,6 @@
 //! drawn; they are applied after the drawing, by one function (`apply::apply`).
 
 use crate::app::actions::registry::ActionId;
-use crate::app::document::datasets::Which;
 use crate::app::document::panes::Change;
 use crate::app::document::{
     BurstPair, CompareLook, Compared, Destination, Document, FigureChoice, FilmChoice, Filter, Lab, Look, MatchColumn,
@@ -20,7 +19,7 @@ use crate::inspect::pair::Lost;
 use crate::inspect::place::ProbeSubject;
 use crate::matching::MatchParams;
 use crate::plane::display::Display;
-use crate::requests::{BurstSource, FigureRequest, FolderRequest, ProbeQuestion, ShapeRequest, ViewKind};
+use crate::requests::{BurstSource, FigureRequest, FolderRequest, ProbeQuestion, ShapeRequest, ViewKind, Which};
 use crate::teach::BottomTab;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
@@ -98,7 +97,7 @@ fields {
     SetPairChoice(PairChoice) => pairs;
     SetProjection(Projection) => trajectories.projection;
     MoveCameras(View) => trajectories.view;
-    SelectCamera(#[serde(with = "or_none")] Option<usize>) => trajectories.selected;
+    Orbit([f32; 2]) => trajectories.orbit;
 }
 large {
     /// All parameters, as a file has them.
@@ -160,6 +159,10 @@ changes {
     ChooseBurst(Side, usize) => |document, side, place|
         document.dataset.iter_mut().for_each(|set| set.choose(side, place));
     SelectPair(BurstPair) => |document, pair| document.dataset.iter_mut().for_each(|set| set.select(pair));
+    SelectCamera(#[serde(with = "or_none")] Option<usize>) => |document, camera|
+        (document.trajectories.selected, document.trajectories.point) = (camera, None);
+    SelectPoint(usize) => |document, point|
+        (document.trajectories.selected, document.trajectories.point) = (None, Some(point));
     /// With other points the section shown is another one.
     ShowPoints(bool) => |document, points|
         (document.trajectories.points, document.trajectories.view) = (points, View::fit());
@@ -176,6 +179,7 @@ others {
     /// Features of another program.
     OpenFeatures(Side, PathBuf),
     OpenTrajectory(Which, PathBuf),
+    CloseTrajectory(Which),
     /// The burst at a place of the open dataset.
     OpenBurstAt(usize),
     /// The open burst as a dataset of bursts of this many frames.
@@ -223,6 +227,8 @@ others {
     SetPoseStudy(PoseStudy),
     /// The burst of a camera, by its label.
     OpenCamera(String),
+    /// The burst of a camera, with the feature of an index.
+    OpenFeature(String, usize),
 
     Note(String),
     DismissMessage(u64),

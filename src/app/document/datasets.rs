@@ -93,24 +93,35 @@ impl DatasetChoice {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Which {
-    Estimate,
-    Truth,
-}
-
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(default, deny_unknown_fields)]
 pub struct Trajectories {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub estimate: Option<PathBuf>,
     #[serde(skip_serializing_if = "Option::is_none")]
+    pub second: Option<PathBuf>,
+    #[serde(skip_serializing_if = "Option::is_none")]
     pub truth: Option<PathBuf>,
     pub study: PoseStudy,
     pub projection: Projection,
+    /// Degrees by which a free view was turned around and above.
+    pub orbit: [f32; 2],
     /// Whether the points of a sparse model are drawn.
     pub points: bool,
     pub view: View,
+    /// Camera of the truth, by its place.
     pub selected: Option<usize>,
+    /// Point of the estimate, by its place.
+    pub point: Option<usize>,
+}
+
+impl Trajectories {
+    /// Files and folders, in the order of [`crate::requests::Which::ALL`].
+    pub fn paths(&self) -> [&Option<PathBuf>; 3] {
+        [&self.estimate, &self.second, &self.truth]
+    }
+
+    pub fn paths_mut(&mut self) -> [&mut Option<PathBuf>; 3] {
+        [&mut self.estimate, &mut self.second, &mut self.truth]
+    }
 }

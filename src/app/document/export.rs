@@ -4,7 +4,7 @@ use crate::app::document::Side;
 use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH};
 use crate::export::case::CASE_EXTENSION;
 use crate::export::{FigureAmount, FigureFormat, FigureOptions, FigureWidth};
-use crate::requests::BurstSource;
+use crate::requests::{BurstSource, Which};
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -118,8 +118,7 @@ pub enum Purpose {
     FeatureFolder,
     PaperFigures,
     ExportDatabase,
-    OpenEstimate,
-    OpenTruth,
+    OpenTrajectory(Which),
     /// A sharp image of the view of a side, used as its gold standard.
     OpenGold(Side),
     OpenFeatures(Side),
@@ -208,8 +207,9 @@ impl Purpose {
             Self::FeatureFolder => "Choose a folder for the dataset's features",
             Self::PaperFigures => "Choose a folder for the figures of the paper",
             Self::ExportDatabase => "Choose a folder for COLMAP's database",
-            Self::OpenEstimate => "Open an estimated trajectory",
-            Self::OpenTruth => "Open a true trajectory",
+            Self::OpenTrajectory(Which::Estimate) => "Open an estimated trajectory",
+            Self::OpenTrajectory(Which::Second) => "Open a second estimated trajectory",
+            Self::OpenTrajectory(Which::Truth) => "Open a true trajectory",
             Self::OpenPath(Side::A) => "Open a path",
             Self::OpenFolder(Side::B) => "Open a folder of frames as B",
             Self::OpenFiles(Side::B) => "Open image files as B",
@@ -245,8 +245,8 @@ impl Purpose {
     pub fn built_in(self) -> Vec<String> {
         let names = match self {
             _ if self.opens_burst() => BurstSource::built_in().iter().filter_map(BurstSource::name).collect(),
-            Self::OpenEstimate => vec![DEMO_ESTIMATE],
-            Self::OpenTruth => vec![DEMO_TRUTH],
+            Self::OpenTrajectory(Which::Truth) => vec![DEMO_TRUTH],
+            Self::OpenTrajectory(_) => vec![DEMO_ESTIMATE],
             _ => Vec::new(),
         };
         names.into_iter().map(str::to_owned).collect()
@@ -255,7 +255,7 @@ impl Purpose {
     pub fn hint(self) -> &'static str {
         match self {
             Self::OpenDataset => "A folder of bursts (each a folder of frames), or one long sequence of frames",
-            Self::OpenEstimate | Self::OpenTruth => {
+            Self::OpenTrajectory(_) => {
                 "A sparse model (its folder, or a file of it), or a file of lines: timestamp tx ty tz qx qy qz qw"
             }
             Self::ExportDatabase => {

@@ -166,6 +166,13 @@ pub struct SavedSelection {
     pub slope: Slope,
 }
 
+impl SavedSelection {
+    /// The feature of an index, of which nothing else is known: its scale is 0.
+    pub fn of_index(index: usize) -> Self {
+        Self { index, u: 0.0, v: 0.0, sigma: 0.0, slope: Slope::default() }
+    }
+}
+
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct SavedMatch {
     pub a: [f32; 2],

@@ -109,10 +109,9 @@ impl Document {
     #[must_use]
     pub fn with_absolute_paths(mut self) -> Self {
         let [compared_a, compared_b] = [&mut self.comparisons.a.file, &mut self.comparisons.b.file];
-        let Trajectories { estimate, truth, .. } = &mut self.trajectories;
         let calibrations = [&mut self.calibration].into_iter().chain(&mut self.calibration_of_b);
         calibrations.flat_map(OpenOptions::paths_mut).for_each(action::make_absolute);
-        for path in [compared_a, compared_b, estimate, truth] {
+        for path in self.trajectories.paths_mut().into_iter().chain([compared_a, compared_b]) {
             path.iter_mut().filter(|path| !is_built_in(path)).for_each(action::make_absolute);
         }
         for side in Side::BOTH {

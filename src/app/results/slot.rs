@@ -127,8 +127,12 @@ impl<'a> Read<'a> {
         }
     }
 
-    /// Index of the feature nearest to `saved` in place, scale and slope, if it is near enough to be the same feature.
+    /// Index of the feature nearest to `saved` in place, scale and slope, if it is near enough to be the same feature; the
+    /// index in `saved` where nothing else is known.
     pub fn find_again(self, saved: &SavedSelection) -> Option<usize> {
+        if saved.sigma == 0.0 {
+            return Some(saved.index).filter(|index| *index < self.features().len());
+        }
         let distance = |f: &Feature| {
             let place = (f.u - saved.u).hypot(f.v - saved.v) / saved.sigma.max(0.5);
             let scale = (f.sigma / saved.sigma).log2().abs();
@@ -156,8 +160,7 @@ impl<'a> Read<'a> {
         let calibration = calibrations.into_iter().flat_map(OpenOptions::paths);
         files.extend(calibration.flat_map(|path| BurstSource::Paths(vec![path]).files()));
         files.extend(self.document.comparisons.both().into_iter().filter_map(|comparison| comparison.file.clone()));
-        let trajectories = [&self.document.trajectories.estimate, &self.document.trajectories.truth];
-        for path in trajectories.into_iter().flatten() {
+        for path in self.document.trajectories.paths().into_iter().flatten() {
             // A model is a folder.
             files.extend(std::fs::read_dir(path).into_iter().flatten().flatten().map(|entry| entry.path()));
             files.push(path.clone());

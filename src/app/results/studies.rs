@@ -1,15 +1,18 @@
 //! Studies: the Lab's, with the curves so far and the chart on show, and that of estimated and true trajectories.
 
-use crate::app::document::{LabQuestion, LabSet, Side};
+use crate::app::document::{LabQuestion, LabSet, Side, Trajectories};
 use crate::app::results::Read;
+use crate::app::view::View;
 use crate::engine::Wanted;
-use crate::evaluate::poses::{PoseReport, PoseStudy, Projection, Trajectory};
+use crate::evaluate::poses::{PairReport, PoseReport, PoseStudy, Projection, SparseModel, Trajectory};
 use crate::recover::{Planted, RecoverReport, RecoverStudy};
-use crate::requests::{BurstSource, ComparedPoses, PosesRequest, StudyRequest, TrajectorySource};
+use crate::requests::{
+    BurstSource, ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which,
+};
 use crate::study::{BurstsOfStudy, ChartOfStudy, ShownChart, Study, StudyReport};
-use std::cell::OnceCell;
+use nalgebra::{Isometry3, Vector3};
+use std::cell::RefCell;
 use std::collections::HashMap;
-use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The plane is mapped to this many units along its longer side, so that pan and zoom work as they do over a picture.
@@ -24,20 +27,33 @@ const POINTS_OUTSIDE: f64 = 0.02;
 /// Margin around the cameras, as a fraction of the longer side.
 const MARGIN: f64 = 0.06;
 
+/// Degrees around and above from which a free view is first seen, so that it shows depth.
+pub const ORBIT_BEGINS: [f32; 2] = [30.0, 20.0];
+
+/// Corners of a picture of 4:3 and 62° before a camera, in parts of the section shown: sparse models are read without
+/// their cameras' angles.
+const FRUSTUM: [[f64; 3]; 4] =
+    [[-0.024, -0.018, 0.04], [0.024, -0.018, 0.04], [0.024, 0.018, 0.04], [-0.024, 0.018, 0.04]];
+
+/// A camera as it is drawn.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Spot {
     /// Position in plane units, positive downwards.
     pub pos: egui::Pos2,
+    /// Corners of a picture before the camera, in its order around, in plane units.
+    pub frustum: [egui::Pos2; 4],
+    /// Place among the poses of its trajectory.
     pub index: usize,
-    pub pair: Option<usize>,
+    /// Place of the true camera, which an estimate without a pair has not.
+    pub camera: Option<usize>,
 }
 
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct PlaneScene {
-    pub truth: Vec<Spot>,
-    pub estimate: Vec<Spot>,
-    /// Points of the estimate, in plane units: all, or at most 20 000 of them.
-    pub points: Vec<egui::Pos2>,
+    /// Cameras in the order of [`Which::ALL`].
+    pub cameras: [Vec<Spot>; 3],
+    /// Points of the estimate by their places in the model, in plane units: all, or at most 20 000 of them.
+    pub points: Vec<(usize, egui::Pos2)>,
     pub size: (usize, usize),
     /// Plane units for one unit of the truth.
     pub scale: f64,
@@ -46,108 +62,140 @@ pub struct PlaneScene {
 #[derive(Debug, Default)]
 pub struct TrajectoryResults {
     pub compared: ComparedPoses,
+    /// Camera of the truth, by its place.
     pub hovered: Option<usize>,
     pub reading: Wanted<PosesRequest>,
-    /// Without and with points.
-    pub scenes: [OnceCell<[Arc<PlaneScene>; Projection::ALL.len()]>; 2],
+    /// The scene last drawn, and what it was drawn by.
+    pub kept: RefCell<Option<(Trajectories, Arc<PlaneScene>)>>,
 }
 
 impl TrajectoryResults {
     pub fn request(&self, study: PoseStudy) -> PosesRequest {
-        let source = |read: &ReadModel| read.clone().map(|(path, trajectory)| TrajectorySource::Read(path, trajectory));
-        match self.reading.pending() {
-            Some(asked) => PosesRequest { study, ..asked.clone() },
-            None => {
-                PosesRequest { estimate: source(&self.compared.estimate), truth: source(&self.compared.truth), study }
-            }
-        }
+        let known = |(path, read)| TrajectorySource { path, read: Some(read) };
+        let source = |read: &ReadTrajectory| read.clone().map(known);
+        let asked = self.reading.pending().map(|asked| asked.sources.clone());
+        PosesRequest { sources: asked.unwrap_or_else(|| self.compared.read.each_ref().map(source)), study }
     }
 
     pub fn is_empty(&self) -> bool {
-        self.compared.estimate.is_none() && self.compared.truth.is_none()
+        self.compared.read.iter().all(Option::is_none)
     }
 
-    pub fn report(&self) -> Option<&Arc<PoseReport>> {
-        self.compared.report.as_ref()?.as_ref().ok()
+    pub fn read(&self, which: Which) -> Option<&Arc<Trajectory>> {
+        self.compared.read[which as usize].as_ref().map(|(_, trajectory)| trajectory)
     }
 
-    pub fn problem(&self) -> Option<&str> {
-        self.compared.report.as_ref()?.as_ref().err().map(String::as_str)
+    /// Comparison of an estimate with the truth.
+    pub fn report(&self, which: Which) -> Option<&Arc<PoseReport>> {
+        self.compared.reports.get(which as usize)?.as_ref()?.as_ref().ok()
     }
 
-    /// Whether the estimate is a sparse model, which has points.
-    pub fn has_points(&self) -> bool {
-        self.compared.estimate.as_ref().is_some_and(|(_, estimate)| estimate.model.is_some())
+    pub fn reports(&self) -> impl Iterator<Item = (Which, &Arc<PoseReport>)> {
+        Which::ESTIMATES.into_iter().filter_map(|which| Some((which, self.report(which)?)))
     }
 
-    pub fn scene(&self, projection: Projection, points: bool) -> Arc<PlaneScene> {
-        let made = || Projection::ALL.map(|projection| Arc::new(PlaneScene::of(&self.compared, projection, points)));
-        self.scenes[usize::from(points)].get_or_init(made)[projection as usize].clone()
+    /// The camera that an estimate has for a true one.
+    pub fn pair(&self, which: Which, camera: usize) -> Option<&PairReport> {
+        let index = *self.compared.pairs.get(camera)?.get(which as usize)?;
+        self.report(which)?.pairs.get(index?)
+    }
+
+    /// Why an estimate cannot be compared with the truth.
+    pub fn problems(&self) -> impl Iterator<Item = (Which, &String)> {
+        let reports = Which::ESTIMATES.into_iter().zip(&self.compared.reports);
+        reports.filter_map(|(which, report)| Some((which, report.as_ref()?.as_ref().err()?)))
+    }
+
+    /// The estimate as a sparse model, which has points.
+    pub fn model(&self) -> Option<&SparseModel> {
+        self.read(Which::Estimate)?.model.as_ref()
+    }
+
+    pub fn scene(&self, set: &Trajectories) -> Arc<PlaneScene> {
+        let by = Trajectories { view: View::fit(), selected: None, point: None, ..set.clone() };
+        let mut kept = self.kept.borrow_mut();
+        let (_, scene) = match kept.take() {
+            Some(last) if last.0 == by => kept.insert(last),
+            _ => kept.insert((by, Arc::new(PlaneScene::of(&self.compared, set)))),
+        };
+        scene.clone()
     }
 }
 
-pub type ReadModel = Option<(PathBuf, Arc<Trajectory>)>;
-
 impl PlaneScene {
-    /// An estimate that cannot be aligned is drawn only without a truth, because its coordinates are different ones.
-    pub fn of(compared: &ComparedPoses, projection: Projection, with_points: bool) -> Self {
-        let report = compared.report.as_ref().and_then(|r| r.as_ref().ok());
-        let centres = |trajectory: &Trajectory, move_to: &dyn Fn(&nalgebra::Isometry3<f64>) -> [f64; 3]| {
-            trajectory.poses.iter().map(|p| move_to(&p.world_from_camera)).collect::<Vec<_>>()
-        };
-        let as_it_is = |pose: &nalgebra::Isometry3<f64>| -> [f64; 3] { pose.translation.vector.into() };
-        let truth = compared.truth.as_ref().map_or_else(Vec::new, |(_, t)| centres(t, &as_it_is));
-        let estimate = match (&compared.estimate, report) {
-            (Some((_, e)), Some(r)) => centres(e, &|pose| r.truth_from_estimate.apply(pose).translation.vector.into()),
-            (Some((_, e)), None) if truth.is_empty() => centres(e, &as_it_is),
-            _ => Vec::new(),
-        };
-        let model = compared.estimate.as_ref().and_then(|(_, e)| e.model.as_ref()).filter(|_| with_points);
+    /// An estimate that cannot be aligned is drawn only without a truth, because its coordinates are different ones; of
+    /// two without a truth the first.
+    pub fn of(compared: &ComparedPoses, set: &Trajectories) -> Self {
+        let [first, _, truth] = compared.read.each_ref().map(|read| read.as_ref().map(|(_, read)| read));
+        let report = |of: usize| compared.reports.get(of)?.as_ref()?.as_ref().ok();
+        let cameras = [0, 1, 2].map(|of| -> Vec<Isometry3<f64>> {
+            let read = compared.read[of].iter().flat_map(|(_, read)| &read.poses);
+            let poses = read.map(|pose| pose.world_from_camera);
+            match report(of) {
+                Some(report) => poses.map(|pose| report.truth_from_estimate.apply(&pose)).collect(),
+                None if of == 2 || of == 0 && truth.is_none() => poses.collect(),
+                None => Vec::new(),
+            }
+        });
+        let model = first.and_then(|estimate| estimate.model.as_ref()).filter(|_| set.points);
         let every = model.map_or(1, |model| model.points.len().div_ceil(MOST_POINTS).max(1));
         let of_model = model.iter().flat_map(|model| model.points.iter().step_by(every).map(|p| p.position));
-        let points: Vec<[f64; 3]> = match report {
-            Some(r) => of_model.map(|p| r.truth_from_estimate.place(p).into()).collect(),
-            None if truth.is_empty() => of_model.collect(),
+        let points: Vec<Vector3<f64>> = match report(0) {
+            Some(r) => of_model.map(|p| r.truth_from_estimate.place(p)).collect(),
+            None if truth.is_none() => of_model.map(Vector3::from).collect(),
             None => Vec::new(),
         };
-        let axes = projection.axes(if truth.is_empty() { &estimate } else { &truth });
-        let pairs = report.map_or(&[][..], |r| &r.pairs);
-        let of_truth: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.truth, k)).collect();
-        let of_estimate: HashMap<usize, usize> = pairs.iter().enumerate().map(|(k, p)| (p.estimate, k)).collect();
-        let [truth, estimate, points] =
-            [truth, estimate, points].map(|places| places.into_iter().map(|p| axes.project(p)).collect::<Vec<_>>());
         // The truth determines the section shown, so that a diverging estimate does not shrink the truth to a point.
-        let framed = if truth.is_empty() { &estimate } else { &truth };
-        let range = |k: usize| {
-            let mut along: Vec<f64> = points.iter().map(|p| p[k]).filter(|x| x.is_finite()).collect();
+        let framed = if truth.is_some() { &cameras[2] } else { &cameras[0] };
+        let begin = set.projection.axes(framed);
+        let sides = [begin.right, begin.up, begin.ahead()];
+        let [across, up, deep] = sides.map(|axis| {
+            let mut along: Vec<f64> = points.iter().map(|p| axis.dot(p)).filter(|x| x.is_finite()).collect();
             along.sort_by(f64::total_cmp);
             let outside = (POINTS_OUTSIDE * along.len() as f64) as usize;
             let most = along.into_iter().rev().skip(outside).rev().skip(outside);
-            let finite = framed.iter().map(|p| p[k]).filter(|x| x.is_finite()).chain(most);
+            let of_cameras = framed.iter().map(|pose| axis.dot(&pose.translation.vector));
+            let finite = of_cameras.filter(|x| x.is_finite()).chain(most);
             finite.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)))
+        });
+        let middle = |(low, high): (f64, f64)| if (low + high).is_finite() { 0.5 * (low + high) } else { 0.0 };
+        let middle = sides[0] * middle(across) + sides[1] * middle(up) + sides[2] * middle(deep);
+        let [across, up, deep] = [across, up, deep].map(|(low, high)| high - low);
+        // A free view has the same size and middle from wherever it is seen.
+        let (axes, across, up) = if set.projection == Projection::Free {
+            let [around, above] = [0, 1].map(|k| f64::from(set.orbit[k] + ORBIT_BEGINS[k]));
+            let all = Vector3::new(across, up, deep).norm();
+            (begin.turned(around, above), all, all)
+        } else {
+            (begin, across, up)
         };
-        let ((left, right), (down, up)) = (range(0), range(1));
-        let extent = (right - left).max(up - down);
+        let extent = across.max(up);
         let scale = if extent.is_finite() && extent > 0.0 { PLANE_UNITS / extent } else { 1.0 };
         // Cameras on a line or in one place still get a plane around them.
         let side = |extent: f64| if extent.is_finite() { (extent * scale).max(0.3 * PLANE_UNITS) } else { PLANE_UNITS };
         let margin = 2.0 * MARGIN * PLANE_UNITS;
-        let (width, height) = (side(right - left) + margin, side(up - down) + margin);
-        let middle = |low: f64, high: f64| if (low + high).is_finite() { 0.5 * (low + high) } else { 0.0 };
-        let (mid_right, mid_up) = (middle(left, right), middle(down, up));
-        let place = |p: &[f64; 2]| {
-            let (x, y) = (0.5 * width + (p[0] - mid_right) * scale, 0.5 * height - (p[1] - mid_up) * scale);
-            egui::pos2(x as f32, y as f32)
+        let (width, height) = (side(across) + margin, side(up) + margin);
+        let place = |p: &Vector3<f64>| {
+            let [right, up] = axes.project((p - middle).into());
+            egui::pos2((0.5 * width + right * scale) as f32, (0.5 * height - up * scale) as f32)
         };
-        let spots = |flat: &[[f64; 2]], pair_of: &HashMap<usize, usize>| {
-            let spot =
-                |(index, p): (usize, &[f64; 2])| Spot { pos: place(p), index, pair: pair_of.get(&index).copied() };
-            flat.iter().enumerate().map(spot).collect()
+        let spots = |of: usize| {
+            let pairs = report(of).map_or(&[][..], |report| &report.pairs);
+            let paired: HashMap<usize, usize> = pairs.iter().map(|pair| (pair.estimate, pair.truth)).collect();
+            let spot = |(index, pose): (usize, &Isometry3<f64>)| Spot {
+                pos: place(&pose.translation.vector),
+                frustum: FRUSTUM.map(|corner| {
+                    let corner = pose.rotation * Vector3::from(corner) * (PLANE_UNITS / scale);
+                    place(&(pose.translation.vector + corner))
+                }),
+                index,
+                camera: if of == 2 { Some(index) } else { paired.get(&index).copied() },
+            };
+            cameras[of].iter().enumerate().map(spot).collect()
         };
         Self {
-            truth: spots(&truth, &of_truth),
-            estimate: spots(&estimate, &of_estimate),
-            points: points.iter().filter(|p| p[0].is_finite() && p[1].is_finite()).map(place).collect(),
+            cameras: [spots(0), spots(1), spots(2)],
+            points: (0..).step_by(every).zip(points.iter().map(place)).filter(|(_, p)| p.is_finite()).collect(),
             size: (width.ceil() as usize, height.ceil() as usize),
             scale,
         }

@@ -43,7 +43,7 @@ fn what_was_cancelled_before_it_began_has_no_answer() {
         end(probe(open().id, cache)),
         end(CoherenceRequest { of: source(), detection: detection.clone() }),
         end(ComparisonRequest { detection, with: earlier }),
-        end(PosesRequest { estimate: None, truth: None, study: Default::default() }),
+        end(PosesRequest { sources: Default::default(), study: Default::default() }),
     ];
     assert!(ends.iter().all(|end| *end == Some(JobError::Cancelled)), "{ends:?}");
 }

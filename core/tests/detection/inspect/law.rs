@@ -332,6 +332,10 @@ fn every_feature_was_lost_somewhere_or_not_at_all() {
         let gave_way = of(Lost::Motion);
         assert!(if is_predicted { gave_way < result.counts.putative / 5 } else { gave_way == 0 }, "{gave_way}");
         assert!(of(Lost::RatioTest) + of(Lost::MutualCheck) > 0);
+        // With a geometry some of them have no keypoint where it expects them, which is told first.
+        let not_mutual = result.counts.not_mutual.expect("counted");
+        assert!(not_mutual >= of(Lost::MutualCheck));
+        assert!(geometry != Geometry::None || not_mutual == of(Lost::MutualCheck));
         // The detailed explanation for some features of each kind.
         let mut seen = std::collections::BTreeMap::new();
         for index in (0..a.detection().features.len()).step_by(7) {

@@ -294,8 +294,13 @@ mod flight {
         let pair = |id: u32| {
             let (refused, inliers) =
                 ((id == 3).then_some(Refusal::Motions), Some(if id < 4 { 0 } else { 100 - id as usize }));
-            let counts =
-                MatchCounts { keypoints_a: 50, keypoints_b: 50, putative: 100 + id as usize, inliers, refused };
+            let counts = MatchCounts {
+                keypoints_a: 50,
+                putative: 100 + id as usize,
+                inliers,
+                refused,
+                ..MatchCounts::default()
+            };
             PairReport { ids: [1, id], resumed: true, counts }
         };
         let pairs: Vec<PairReport> = (2..=24).map(pair).collect();

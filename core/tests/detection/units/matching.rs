@@ -5,14 +5,20 @@ mod whole {
 
     #[test]
     fn ratios_are_of_each_images_own_keypoints_and_never_divided_by_zero() {
-        let counts = MatchCounts { keypoints_a: 100, keypoints_b: 200, putative: 40, inliers: Some(30), refused: None };
+        let counts = MatchCounts {
+            keypoints_a: 100,
+            keypoints_b: 200,
+            putative: 40,
+            inliers: Some(30),
+            ..MatchCounts::default()
+        };
         assert_eq!(counts.keypoints_per_image(), 150.0);
         assert!((counts.match_ratio() - (0.4 + 0.2) / 2.0).abs() < 1e-12);
         assert!((counts.match_score().expect("verified") - (0.3 + 0.15) / 2.0).abs() < 1e-12);
         assert_eq!(counts.inlier_ratio(), Some(0.75));
         let none = MatchCounts { inliers: Some(0), ..MatchCounts::default() };
         assert_eq!((none.match_ratio(), none.match_score(), none.inlier_ratio()), (0.0, Some(0.0), None));
-        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, inliers: None, refused: None };
+        let unverified = MatchCounts { keypoints_a: 1, keypoints_b: 1, putative: 1, ..MatchCounts::default() };
         assert_eq!((unverified.match_ratio(), unverified.match_score(), unverified.inlier_ratio()), (1.0, None, None));
     }
 

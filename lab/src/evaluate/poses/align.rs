@@ -147,6 +147,8 @@ pub enum Projection {
     Xz,
     /// Along x.
     Yz,
+    /// From where the user turned it, see [`PlaneAxes::turned`].
+    Free,
 }
 
 /// The two directions of a plane, of length 1 and at right angles.
@@ -160,7 +162,7 @@ pub struct PlaneAxes {
 
 impl Projection {
     /// All projections, in the order of a picker.
-    pub const ALL: [Self; 4] = [Self::Principal, Self::Xy, Self::Xz, Self::Yz];
+    pub const ALL: [Self; 5] = [Self::Principal, Self::Xy, Self::Xz, Self::Yz, Self::Free];
 
     /// Name, labels of the two axes, and the axes unless they follow from the cameras' places.
     pub fn about(self) -> (&'static str, [&'static str; 2], Option<[Vector3<f64>; 2]>) {
@@ -169,6 +171,7 @@ impl Projection {
             Self::Xy => ("x, y", ["x", "y"], Some([Vector3::x(), Vector3::y()])),
             Self::Xz => ("x, z", ["x", "z"], Some([Vector3::x(), Vector3::z()])),
             Self::Yz => ("y, z", ["y", "z"], Some([Vector3::y(), Vector3::z()])),
+            Self::Free => ("Free view", ["", ""], None),
         }
     }
 
@@ -177,9 +180,13 @@ impl Projection {
         self.about().0
     }
 
-    /// The plane's axes. `centres` matter only for the principal plane.
-    pub fn axes(self, centres: &[[f64; 3]]) -> PlaneAxes {
-        self.about().2.map_or_else(|| principal_axes(centres), |[right, up]| PlaneAxes { right, up })
+    /// The plane's axes. `cameras` matter only for the principal plane, and for the free view, which begins as they look.
+    pub fn axes(self, cameras: &[Isometry3<f64>]) -> PlaneAxes {
+        match self.about().2 {
+            Some([right, up]) => PlaneAxes { right, up },
+            None if self == Self::Free => upright_axes(cameras),
+            None => principal_axes(cameras),
+        }
     }
 }
 
@@ -189,13 +196,36 @@ impl PlaneAxes {
         let place = Vector3::from(centre);
         [self.right.dot(&place), self.up.dot(&place)]
     }
+
+    /// Direction away from the viewer.
+    pub fn ahead(&self) -> Vector3<f64> {
+        self.up.cross(&self.right)
+    }
+
+    /// The axes after the viewer went around by `around` to the right, about the axis up, and then higher by `above`,
+    /// degrees.
+    pub fn turned(self, around: f64, above: f64) -> Self {
+        let about = |axis: Vector3<f64>, degrees: f64| Rotation3::new(axis * degrees.to_radians());
+        let right = about(self.up, around) * self.right;
+        Self { right, up: about(right, -above) * self.up }
+    }
+}
+
+/// The mean directions to the right and up in the pictures of the cameras.
+fn upright_axes(cameras: &[Isometry3<f64>]) -> PlaneAxes {
+    let mean = |axis: Vector3<f64>| cameras.iter().map(|camera| camera.rotation * axis).sum::<Vector3<f64>>();
+    let least = 1e-3 * cameras.len().max(1) as f64;
+    // The picture's v points down. Cameras that look in all directions have no mean one.
+    let up = (-mean(Vector3::y())).try_normalize(least).unwrap_or(Vector3::y());
+    let across = |axis: Vector3<f64>| (axis - up * up.dot(&axis)).try_normalize(least);
+    let any = [mean(Vector3::x()), Vector3::x() / 1e-3, Vector3::z() / 1e-3].into_iter().find_map(across);
+    PlaneAxes { right: any.unwrap_or(Vector3::x()), up }
 }
 
 /// The two directions in which the centres spread most, each to the side of its largest coordinate.
-fn principal_axes(centres: &[[f64; 3]]) -> PlaneAxes {
-    let n = centres.len().max(1) as f64;
-    let mean = centres.iter().map(|c| Vector3::from(*c)).sum::<Vector3<f64>>() / n;
-    let covariance: Matrix3<f64> = centres.iter().map(|c| Vector3::from(*c) - mean).map(|d| d * d.transpose()).sum();
+fn principal_axes(cameras: &[Isometry3<f64>]) -> PlaneAxes {
+    let mean = Spread::of(cameras).mean;
+    let covariance: Matrix3<f64> = cameras.iter().map(|c| c.translation.vector - mean).map(|d| d * d.transpose()).sum();
     let scale = covariance.amax();
     // Cameras in one place have no plane of their own.
     if !(scale.is_finite() && scale > 0.0) {
@@ -209,96 +239,4 @@ fn principal_axes(centres: &[[f64; 3]]) -> PlaneAxes {
         if axis[axis.iamax()] < 0.0 { -axis } else { axis }
     };
     PlaneAxes { right: axis(0), up: axis(1) }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use proptest::prelude::*;
-    use std::f64::consts::FRAC_PI_2;
-
-    fn pose(centre: [f64; 3], axis_angle: [f64; 3]) -> Isometry3<f64> {
-        Isometry3::new(Vector3::from(centre), Vector3::from(axis_angle))
-    }
-
-    #[test]
-    fn a_mirrored_estimate_is_not_laid_on_by_a_mirror() {
-        let centres = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [0.0, 2.0, 0.0], [0.0, 0.0, 3.0]];
-        let truth = centres.map(|c| pose(c, [0.0; 3]));
-        let mirror = centres.map(|[x, y, z]| pose([-x, y, z], [0.0; 3]));
-        let Alignment { straight, truth_from_estimate } = align(&mirror, &truth).expect("aligned");
-        let rotation = truth_from_estimate.rotation;
-        assert!(!straight && (rotation.to_rotation_matrix().matrix().determinant() - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn cameras_on_a_rail_are_turned_about_it_by_where_they_look() {
-        // The cameras look along the world's y; the estimate's world is turned by 1.1 about the rail.
-        let roll = UnitQuaternion::new(Vector3::x() * 1.1);
-        let looks = UnitQuaternion::new(Vector3::new(-FRAC_PI_2, 0.0, 0.0));
-        let truth = [0.0, 1.0, 2.5].map(|x| Isometry3::from_parts(Translation3::new(x, 0.0, 0.0), looks));
-        let estimate = truth.map(|t| Isometry3::from_parts(t.translation, roll * t.rotation));
-        let alignment = align(&estimate, &truth).expect("aligned");
-        assert!(alignment.straight);
-        for (e, t) in estimate.iter().zip(&truth) {
-            let laid = alignment.truth_from_estimate.apply(e);
-            assert!((laid.translation.vector - t.translation.vector).norm() < 1e-12);
-            assert!(laid.rotation.angle_to(&t.rotation) < 1e-7);
-        }
-    }
-
-    #[test]
-    fn what_cannot_be_aligned_says_why() {
-        let here = pose([1.0, 2.0, 3.0], [0.0; 3]);
-        let there = pose([4.0, 2.0, 3.0], [0.0; 3]);
-        let words = |estimate: &[_], truth: &[_]| align(estimate, truth).expect_err("degenerate").to_string();
-        assert!(words(&[here], &[here]).contains("two or more"));
-        assert!(words(&[here, here], &[here, there]).contains("estimated cameras all stand in one place"));
-        assert!(words(&[here, there], &[here, here]).contains("true cameras all stand in one place"));
-        // One trajectory goes back and forth twice while the other goes once.
-        let line = |xs: [f64; 4]| xs.map(|x| pose([x, 0.0, 0.0], [0.0; 3]));
-        assert!(words(&line([-1.0, 1.0, -1.0, 1.0]), &line([-1.0, -1.0, 1.0, 1.0])).contains("independently"));
-    }
-
-    proptest! {
-        #[test]
-        fn any_similarity_is_found_again(
-            centres in prop::collection::vec(prop::array::uniform3(-10.0f64..10.0), 3..12),
-            turns in prop::array::uniform3(-3.0f64..3.0),
-            move_by in prop::array::uniform3(-100.0f64..100.0),
-            scale in 0.01f64..100.0,
-        ) {
-            let truth: Vec<_> = centres.iter().map(|&c| pose(c, [c[1] * 0.1, c[0] * 0.2, c[2] * 0.1])).collect();
-            let rotation = UnitQuaternion::new(Vector3::from(turns) * 0.6);
-            let there = Similarity { scale, rotation, translation: Vector3::from(move_by) };
-            let estimate: Vec<_> = truth.iter().map(|t| there.apply(t)).collect();
-            let spread = Spread::of(&truth);
-            prop_assume!(spread.variance > 1e-3);
-            let alignment = align(&estimate, &truth).expect("aligned");
-            for (e, t) in estimate.iter().zip(&truth) {
-                let laid = alignment.truth_from_estimate.apply(e);
-                prop_assert!((laid.translation.vector - t.translation.vector).norm() < 1e-6, "{alignment:?}");
-                prop_assert!(laid.rotation.angle_to(&t.rotation) < 1e-4, "{alignment:?}");
-            }
-        }
-    }
-
-    #[test]
-    fn the_principal_plane_shows_the_way() {
-        // Along (−1, 0, −1) mostly, then along y.
-        let centres: Vec<[f64; 3]> = (0..9).map(|k| k as f64).map(|k| [-k, 0.1 * (k - 4.0).powi(2), -k]).collect();
-        let axes = Projection::Principal.axes(&centres);
-        let half = 0.5f64.sqrt();
-        assert!((axes.right - Vector3::new(half, 0.0, half)).norm() < 1e-9, "{axes:?}");
-        assert!((axes.up - Vector3::y()).norm() < 1e-9);
-        assert!((axes.project([-1.0, 2.0, -1.0])[0] + 2.0f64.sqrt()).abs() < 1e-9);
-    }
-
-    proptest! {
-        #[test]
-        fn axes_are_of_length_one_and_at_right_angles(centres in prop::collection::vec(prop::array::uniform3(-1e6f64..1e6), 0..9)) {
-            let PlaneAxes { right, up } = Projection::Principal.axes(&centres);
-            prop_assert!((right.norm() - 1.0).abs() < 1e-9 && (up.norm() - 1.0).abs() < 1e-9 && right.dot(&up).abs() < 1e-9);
-        }
-    }
 }

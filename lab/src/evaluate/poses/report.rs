@@ -5,7 +5,7 @@
 //! pose error** is the length and angle by which the motion from a pose to the one `step` poses later differs from the
 //! true motion; unlike the absolute error it does not accumulate along the trajectory.
 
-use super::{Association, ModelSummary, Similarity, Trajectory, align, associate};
+use super::{Alignment, Association, ModelSummary, Pose, Similarity, Trajectory, align, associate};
 use crate::evaluate::statistics::quantiles;
 use burstscope_core::error::{Error, Result};
 #[cfg(feature = "cli")]
@@ -69,6 +69,9 @@ pub struct PoseReport {
     /// Number of images to be registered.
     pub images: usize,
     pub registered: usize,
+    /// Number of right cameras: within 3 % of the way's extent and 3° of the truth, after the alignment, by two of the
+    /// cameras or by all, that makes most of them right. One far off shifts that by all, after which the errors are.
+    pub right: usize,
     pub associated: Association,
     /// Scale from the estimate's world to the truth's.
     pub scale: f64,
@@ -136,6 +139,7 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
     Ok(PoseReport {
         images: study.images.unwrap_or(truth.poses.len()),
         registered: estimate.poses.len(),
+        right: right_cameras(&estimated, &truths, &truth.poses, alignment),
         associated: pairing.by,
         scale,
         truth_from_estimate: alignment.truth_from_estimate,
@@ -146,6 +150,26 @@ pub fn evaluate_poses(estimate: &Trajectory, truth: &Trajectory, study: &PoseStu
         model: estimate.model.as_ref().map(|m| m.summary()),
         pairs: (0..pairing.pairs.len()).map(pair).collect(),
     })
+}
+
+/// Limits of a right camera: distance from the true one in parts of the way's extent, and angle, degrees.
+const RIGHT: (f64, f64) = (0.03, 3.0);
+/// Maximum number of cameras, spread evenly, of which any two are tried as the two that align all.
+const TRIED: usize = 48;
+
+fn right_cameras(estimated: &[Isometry3<f64>], truths: &[Isometry3<f64>], way: &[Pose], by_all: Alignment) -> usize {
+    let centre = |pose: &Pose| pose.world_from_camera.translation.vector;
+    let from = |a: &Pose| way.iter().map(|b| (centre(a) - centre(b)).norm()).fold(0.0, f64::max);
+    let extent = way.iter().map(from).fold(0.0, f64::max);
+    let count = |by: Alignment| {
+        let off = estimated.iter().zip(truths);
+        let off = off.map(|(e, t)| magnitudes(&by.truth_from_estimate.apply(e).inv_mul(t)));
+        off.filter(|(distance, angle)| *distance <= RIGHT.0 * extent && *angle <= RIGHT.1).count()
+    };
+    let some: Vec<usize> = (0..truths.len()).step_by(truths.len().div_ceil(TRIED).max(1)).collect();
+    let pairs = some.iter().enumerate().flat_map(|(k, &i)| some[k + 1..].iter().map(move |&j| [i, j]));
+    let by_two = pairs.filter_map(|two| align(&two.map(|k| estimated[k]), &two.map(|k| truths[k])).ok());
+    by_two.chain([by_all]).map(count).max().unwrap_or(0)
 }
 
 /// Statistics of a set of errors, all in the unit of the errors. Each is NaN (null in JSON) for an empty set.

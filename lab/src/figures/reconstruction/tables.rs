@@ -171,7 +171,8 @@ pub(super) fn trajectories(runs: &[Run], missing: Option<&str>) -> Made {
         let of_way: Vec<&Run> = runs.iter().filter(|run| run.motion == motion && run.seed == 1).collect();
         let Some(truth) = of_way.first().map(|run| &run.true_centres) else { continue };
         // Axes of the true path, so that all methods are seen from the same side.
-        let axes = Projection::Principal.axes(truth);
+        let cameras: Vec<_> = truth.iter().map(|&[x, y, z]| nalgebra::Isometry3::translation(x, y, z)).collect();
+        let axes = Projection::Principal.axes(&cameras);
         let numbered: Vec<Centre> = truth.iter().copied().enumerate().collect();
         write_centres(&mut csv, motion, "truth", &numbered);
         let project = |&(_, centre): &Centre| axes.project(centre);

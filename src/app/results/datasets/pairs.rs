@@ -1,6 +1,10 @@
 //! The matches of a dataset's pairs in numbers, and in which order they are listed.
 
-use crate::app::document::{BurstPair, Order, PairColumn};
+use crate::app::document::{BurstPair, Order, PairColumn, Side};
+use crate::app::results::Read;
+use crate::app::results::pair::lost_words;
+use crate::dataset::INLIERS_TO_START;
+use crate::inspect::pair::Lost;
 use crate::matching::{MatchCounts, MatchParams};
 use std::collections::BTreeMap;
 
@@ -73,6 +77,15 @@ impl PairTable {
         self.counts.values().map(Self::strength).max().unwrap_or(0)
     }
 
+    /// Of the pairs of a burst that have a match, that with the most inliers, or else with the fewest.
+    pub fn of_burst(&self, place: usize, strongest: bool) -> Option<(BurstPair, MatchCounts)> {
+        let own = |((a, b), counts): &(&BurstPair, &MatchCounts)| (*a == place || *b == place) && counts.putative > 0;
+        let own = self.counts.iter().filter(own);
+        let by = |(_, counts): &(&BurstPair, &MatchCounts)| (Self::strength(counts), counts.putative);
+        let found = if strongest { own.max_by_key(by) } else { own.min_by_key(by) };
+        found.map(|(pair, counts)| (*pair, *counts))
+    }
+
     pub fn listed(&self) -> Vec<(BurstPair, MatchCounts)> {
         let mut rows: Vec<(BurstPair, MatchCounts)> = self.counts.iter().map(|(p, c)| (*p, *c)).collect();
         let Order { column, descending } = self.order;
@@ -86,5 +99,37 @@ impl PairTable {
             if descending { order.reverse() } else { order }
         });
         rows
+    }
+}
+
+/// Inliers of a pair beside those that a mapper needs, and the step at which most of the features of its first burst were
+/// lost, as far as it is known: without the `steps` of each feature the counts alone tell.
+pub fn lost_text(counts: &MatchCounts, steps: Option<&[(Lost, usize); 6]>) -> (String, Lost) {
+    let MatchCounts { keypoints_a, putative, inliers, refused, not_mutual, .. } = *counts;
+    let by_descriptor = keypoints_a.saturating_sub(putative + not_mutual.unwrap_or(0));
+    let first = if not_mutual.is_some() { "ratio test" } else { "ratio test or mutual check" };
+    let lost = match steps {
+        Some(steps) => steps.iter().skip(1).map(|&(lost, count)| (lost, count, lost_words(lost)[0])).collect(),
+        None => vec![
+            (Lost::RatioTest, by_descriptor, first),
+            (Lost::MutualCheck, not_mutual.unwrap_or(0), "mutual check"),
+            (Lost::Geometry, putative.saturating_sub(inliers.unwrap_or(putative)), "geometry"),
+        ],
+    };
+    let all: usize = steps.map_or(keypoints_a, |steps| steps.iter().map(|(_, count)| count).sum());
+    // Of equal ones the earlier step.
+    let (lost, count, step) = lost.into_iter().rev().max_by_key(|(_, count, _)| *count).expect("there are steps");
+    let percent = 100.0 * count as f64 / all.max(1) as f64;
+    let refused = refused.map_or_else(String::new, |why| format!("; refused: {}", why.words()));
+    let text = format!("{} inliers of about {INLIERS_TO_START} needed{refused}", inliers.unwrap_or(0));
+    (format!("{text}; {percent:.0} % of {all} keypoints lost: {step}"), lost)
+}
+
+impl<'a> Read<'a> {
+    /// Numbers of features lost at each step in a pair of the dataset, where its bursts are open and matched.
+    pub fn losses_of(self, (a, b): BurstPair) -> Option<&'a [(Lost, usize); 6]> {
+        let dataset = self.results.datasets.open.as_ref()?;
+        let is_open = |side, place| dataset.place_of(self.burst_of(side)) == Some(place);
+        self.losses().filter(|_| is_open(Side::A, a) && is_open(Side::B, b)).map(|found| &found.counts)
     }
 }

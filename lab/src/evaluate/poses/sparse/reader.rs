@@ -108,11 +108,8 @@ impl<R: BufRead> Reader<R> {
             (0..3).try_for_each(|_| self.skip(1))?;
             let reprojection_error_px = self.number()?;
             let odd = |words| format!("its track has {words} values; {}", POINTS.line);
-            let track_length = self.list(8, 2, odd)?;
-            for _ in 0..track_length {
-                let [_, _]: [u32; 2] = self.numbers()?;
-            }
-            points.push(SparsePoint { position, reprojection_error_px, track_length: track_length as usize });
+            let track = (0..self.list(8, 2, odd)?).map(|_| self.numbers()).collect::<Result<_>>()?;
+            points.push(SparsePoint { position, reprojection_error_px, track });
         }
         Ok(points)
     }
