@@ -4,8 +4,10 @@ use crate::detector::params::{ParamDoc, doc};
 use crate::matching::params::doc as matching_doc;
 use serde::{Deserialize, Deserializer, de};
 use std::fmt;
+use strum::IntoEnumIterator;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord, strum::EnumIter, strum::IntoStaticStr)]
+#[strum(serialize_all = "snake_case")]
 pub enum Part {
     Pictures,
     Frame,
@@ -26,28 +28,9 @@ pub enum Part {
     FramesAdded,
     Snr,
     /// Row of a parameter of the detector or of matching, by the parameter's name on the command line.
+    #[strum(disabled)]
     Parameter(&'static str),
 }
-
-/// Parts and their names, but for those of the parameters.
-const NAMED: [(Part, &str); 16] = [
-    (Part::Pictures, "pictures"),
-    (Part::Frame, "frame"),
-    (Part::SlopeU, "slope_u"),
-    (Part::SlopeV, "slope_v"),
-    (Part::Octave, "octave"),
-    (Part::Level, "level"),
-    (Part::Kinds, "kinds"),
-    (Part::Workspaces, "workspaces"),
-    (Part::Detect, "detect"),
-    (Part::Tabs, "tabs"),
-    (Part::Below, "below"),
-    (Part::Probe, "probe"),
-    (Part::Response, "response"),
-    (Part::Shares, "shares"),
-    (Part::FramesAdded, "frames_added"),
-    (Part::Snr, "snr"),
-];
 
 impl Part {
     pub fn parameter(doc: &ParamDoc) -> Self {
@@ -68,7 +51,7 @@ impl fmt::Display for Part {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Parameter(name) => f.write_str(&field_of(name)),
-            _ => f.write_str(NAMED.iter().find(|(part, _)| part == self).expect("all others are there").1),
+            named => f.write_str(named.into()),
         }
     }
 }
@@ -77,11 +60,11 @@ impl TryFrom<String> for Part {
     type Error = String;
 
     fn try_from(name: String) -> Result<Self, String> {
-        let named = NAMED.into_iter().find(|(_, own)| *own == name).map(|(part, _)| part);
+        let named = Self::iter().find(|part| name == <&str>::from(part));
         let parameter = || parameters().find(|doc| field_of(doc.name) == name).map(|doc| Self::parameter(&doc));
         // A part's own name wins over that of a parameter.
         named.or_else(parameter).ok_or_else(|| {
-            let names = NAMED.map(|(_, name)| name);
+            let names: Vec<&str> = Self::iter().map(<&str>::from).collect();
             format!("the window has no part '{name}'; give one of {}, or the name of a parameter", names.join(", "))
         })
     }
@@ -100,7 +83,7 @@ mod tests {
     #[test]
     fn every_part_is_read_by_its_name_and_no_other() {
         let parameters = parameters().map(|doc| Part::parameter(&doc));
-        for part in NAMED.into_iter().map(|(part, _)| part).chain(parameters) {
+        for part in Part::iter().chain(parameters) {
             assert_eq!(Part::try_from(part.to_string()), Ok(part));
         }
         for bad in ["", "Picture", "slope-u", "nothing"] {
