@@ -269,23 +269,16 @@ pub enum Pointed {
     Folder(Option<FolderRequest>),
 }
 
-impl From<ActionId> for Action {
-    fn from(id: ActionId) -> Self {
-        Self::Do(id)
-    }
+macro_rules! become_actions {
+    ($($of:ty => $action:ident),+) => {
+        $(impl From<$of> for Action {
+            fn from(value: $of) -> Self {
+                Self::$action(value)
+            }
+        })+
+    };
 }
-
-impl From<Pointed> for Action {
-    fn from(pointed: Pointed) -> Self {
-        Self::Point(pointed)
-    }
-}
-
-impl From<Staged> for Action {
-    fn from(staged: Staged) -> Self {
-        Self::Stage(staged)
-    }
-}
+become_actions!(ActionId => Do, Pointed => Point, Staged => Stage);
 
 /// An absent value is written as the word `none`: a list of TOML has no other word for it.
 mod or_none {

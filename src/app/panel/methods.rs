@@ -141,11 +141,9 @@ fn cells(model: Read<'_>, method: MethodId) -> Vec<String> {
     let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
     let count = |side| found(side).map(|f| f.detection.features.len().to_string());
     let counts = model.method_matches(method).map(|m| m.result.counts);
-    let state = if model.results.compare.running().is_some_and(|(running, _)| running == method) {
-        Some("…".to_owned())
-    } else {
-        model.results.compare.problem(method).map(|_| "failed".to_owned())
-    };
+    let is_running = model.results.compare.running().is_some_and(|(running, _)| running == method);
+    let failed = || model.results.compare.problem(method).map(|_| "failed".to_owned());
+    let state = is_running.then(|| "…".to_owned()).or_else(failed);
     let snr = found(Side::A).and_then(|f| median_snr(&f.detection.features)).map(|snr| format!("{snr:.1}"));
     let of_pair = PAIR_NUMBERS.map(|(.., of)| counts.and_then(|counts| of(&counts)));
     let time = found(Side::A).map(|f| match in_time(f.elapsed) {

@@ -133,11 +133,8 @@ fn map_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel) {
             painter.rect_filled(cell, 0.0, Color32::from_rgb(r, g, b));
         }
     }
-    let range = if max > min * 1.001 {
-        format!("{} … {}", number(min), number(max))
-    } else {
-        format!("{} everywhere", number(max))
-    };
+    let (low, high) = (number(min), number(max));
+    let range = if max > min * 1.001 { format!("{low} … {high}") } else { format!("{high} everywhere") };
     let font = TextStyle::Small.resolve(ui.style());
     let colour = ui.visuals().weak_text_color();
     painter.text(rect.left_bottom() + vec2(4.0, -2.0), Align2::LEFT_BOTTOM, range, font, colour);

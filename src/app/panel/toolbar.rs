@@ -56,11 +56,8 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut auto = checked(ActionId::AutoDetect, model).unwrap_or(false);
     if needed || !auto {
         let text = RichText::new("Detect");
-        let button = if needed {
-            Button::new(text.color(Color32::WHITE).strong()).fill(crate::app::style::ACCENT)
-        } else {
-            Button::new(text)
-        };
+        let button = Button::new(if needed { text.color(Color32::WHITE).strong() } else { text });
+        let button = if needed { button.fill(crate::app::style::ACCENT) } else { button };
         let tip = match &model.results.slots.a.param_error {
             Some(error) => format!("{error}"),
             None => tooltip(ui.ctx(), ActionId::Detect.action()),

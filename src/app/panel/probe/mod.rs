@@ -79,11 +79,8 @@ fn probe_ui(ui: &mut Ui, model: Read<'_>, panel: &mut ProbePanel, queue: &mut Qu
     // The explanation of another place begins at its top.
     let place = ("probe", u.to_bits(), v.to_bits());
     ScrollArea::vertical().id_salt(place).auto_shrink(false).show(ui, |ui| {
-        let burst = if model.document.workspace.shows_pair() {
-            format!(" of {}", model.document.probe.side.name())
-        } else {
-            String::new()
-        };
+        let of_pair = model.document.workspace.shows_pair().then_some(model.document.probe.side.name());
+        let burst = of_pair.map_or_else(String::new, |name| format!(" of {name}"));
         ui.label(RichText::new(format!("Place ({}, {}){burst}", number(u, 1), number(v, 1))).strong())
             .on_hover_text("At mid-burst, pixels; the centre of the first pixel is (0, 0)");
         stale_ui(ui, model, queue);

@@ -153,8 +153,9 @@ impl Matches {
 
     pub fn listed(&self, look: &MatchLook, order: Order<MatchColumn>) -> Vec<usize> {
         let mut rows: Vec<MatchRow<'_>> = self.rows().filter(|row| row.is_shown(look)).collect();
+        let (.., value, _) = order.column.record();
         rows.sort_by(|a, b| {
-            let by = order.column.value(a).total_cmp(&order.column.value(b));
+            let by = value(a).total_cmp(&value(b));
             let by = if order.descending { by.reverse() } else { by };
             by.then(a.index.cmp(&b.index))
         });
@@ -204,7 +205,8 @@ impl MatchColumn {
         [Number, UA, VA, UB, VB, SigmaA, SigmaB, SlopeA, SlopeB, Motion, Distance, Ratio, Error, Inlier]
     };
 
-    fn record(self) -> (&'static str, &'static str, fn(&MatchRow<'_>) -> f32, Form) {
+    /// Its heading, help, and the value by which it sorts, with its form; rows without a value come last.
+    pub fn record(self) -> (&'static str, &'static str, fn(&MatchRow<'_>) -> f32, Form) {
         let (px, slope) = (Form::Fixed(2), Form::Signed(2));
         match self {
             Self::Number => {
@@ -238,22 +240,10 @@ impl MatchColumn {
         }
     }
 
-    pub fn heading(self) -> &'static str {
-        self.record().0
-    }
-
-    pub fn help(self) -> &'static str {
-        self.record().1
-    }
-
-    /// The value by which the column sorts; rows without one come last.
-    pub fn value(self, row: &MatchRow<'_>) -> f32 {
-        self.record().2(row)
-    }
-
     pub fn text(self, row: &MatchRow<'_>) -> String {
-        let x = self.value(row);
-        match (self, self.record().3) {
+        let (.., value, form) = self.record();
+        let x = value(row);
+        match (self, form) {
             (Self::Inlier, _) => row.inlier.map_or("–", |inlier| if inlier { "yes" } else { "no" }).to_owned(),
             (Self::Error, _) if row.error_px.is_none() => "–".to_owned(),
             (Self::Ratio, _) if row.found.ratio.is_none() => "–".to_owned(),

@@ -22,8 +22,8 @@ impl SortedColumn for MatchColumn {
             Self::Error => Some("epipolar-line"),
             Self::Inlier => Some("inlier"),
         };
-        let width = if self == Self::Number { 36.0 } else { 47.0 };
-        Heading { text: self.heading(), help: self.help(), term, width, ..Heading::default() }
+        let (width, (text, help, ..)) = (if self == Self::Number { 36.0 } else { 47.0 }, self.record());
+        Heading { text, help, term, width, ..Heading::default() }
     }
 }
 
