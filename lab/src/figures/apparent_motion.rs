@@ -2,7 +2,7 @@
 //!
 //! Each frame, in good light, is searched by itself: the burst search would assume the uniform motion in question.
 
-use super::drawing::Panel;
+use super::Panel;
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use crate::evaluate::statistics::quantiles;

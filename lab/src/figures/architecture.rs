@@ -1,6 +1,6 @@
 //! Fig. 3: the steps from frames to features, with pictures of the detector's own intermediate results.
 
-use super::drawing::Panel;
+use super::Panel;
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
 use crate::evaluate::curves::lettered;

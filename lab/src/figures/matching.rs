@@ -1,8 +1,8 @@
 //! Fig. 1: two neighbouring bursts of a dark scene, matched by SIFT on one frame and by burst features.
 
-use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
+use super::{Panel, RIGHT, WRONG};
 use crate::evaluate::curves::lettered;
 use burstscope_core::burst::Burst;
 use burstscope_core::dataset::{DetectedBurst, match_bursts};

@@ -1,8 +1,8 @@
 //! Figs. 7 and 9: a view in good light, without noise and in the dark; aliasing and low contrast on two examples.
 
-use super::drawing::{Panel, RIGHT, WRONG};
 use super::record::Pieces;
 use super::{FigureSize, Made, MakeFigure};
+use super::{Panel, RIGHT, WRONG};
 use crate::evaluate::curves::lettered;
 use crate::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD, disc_place};
 use crate::synth::{Example, FrameLevels, Trajectory, TrajectoryParams};
