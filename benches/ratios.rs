@@ -159,7 +159,7 @@ fn first_picture() {
     let time = || -> Result<f64, Error> {
         let mut offscreen = Offscreen::new(egui::vec2(1280.0, 800.0), 1.0, AdapterChoice::Fastest)?;
         let started = Instant::now();
-        let mut app = BurstscopeApp::new(offscreen.context(), None, Startup::default());
+        let mut app = BurstscopeApp::new(&offscreen.context, None, Startup::default());
         while app.read().picture().is_none() {
             assert!(started.elapsed() < Duration::from_secs(30), "no picture came");
             offscreen.frame(Vec::new(), |ui| app.show(ui));
@@ -187,7 +187,7 @@ fn resident_mb() -> Option<u64> {
 fn zooming() {
     let grown = || -> Result<Option<[u64; 2]>, Error> {
         let mut offscreen = Offscreen::new(egui::vec2(1280.0, 800.0), 1.0, AdapterChoice::Fastest)?;
-        let mut app = BurstscopeApp::new(offscreen.context(), None, Startup::default());
+        let mut app = BurstscopeApp::new(&offscreen.context, None, Startup::default());
         while !app.is_settled() {
             offscreen.frame(Vec::new(), |ui| app.show(ui));
             std::thread::sleep(Duration::from_millis(1));

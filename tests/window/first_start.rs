@@ -84,7 +84,7 @@ fn nothing_about_slopes_stands_on_the_screen_twice() {
             let once: std::collections::BTreeSet<&String> = told.iter().collect();
             assert_eq!(once.len(), told.len(), "{tab:?}: {told:#?}");
             let first = judged.sentence.split("; ").next().expect("a clause").to_lowercase();
-            assert!(told.iter().any(|part| *part == first), "{tab:?}: {first}: {told:#?}");
+            assert!(told.contains(&first), "{tab:?}: {first}: {told:#?}");
             // What a button mends stands with it.
             let apply = if tab == BottomTab::Slopes { "Apply" } else { "Apply slopes" };
             let button = window.harness.query_by_role_and_label(Role::Button, apply);
