@@ -171,9 +171,7 @@ impl BurstscopeApp {
             Effect::Opened(side, ended) => self.take_opened(side, ended),
             Effect::Recent(source) => self.settings.remember(&source),
             Effect::RecentDataset(source) => self.settings.remember_dataset(&source),
-            Effect::Choose(side, bursts) => {
-                (self.overlays.choice, self.overlays.choice_side) = (bursts, side);
-            }
+            Effect::Choose(side, bursts) => (self.overlays.choice, self.overlays.choice_side) = (bursts, side),
             Effect::AskShape(side, source, shapes) => self.overlays.shape.ask(side, source, shapes),
             Effect::Cut { paths, frames } => {
                 self.overlays.cut = Some(CutDialog::new(paths, frames, self.settings.burst_length));
@@ -196,9 +194,7 @@ impl BurstscopeApp {
                 model.shell.messages.settle(purpose.title(), begun);
             }
             Effect::StartLesson(lesson) => self.start_lesson(lesson),
-            Effect::ForgetWidgets => {
-                (self.widgets, self.workspace) = Default::default();
-            }
+            Effect::ForgetWidgets => (self.widgets, self.workspace) = Default::default(),
         }
     }
 

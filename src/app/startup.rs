@@ -76,16 +76,10 @@ impl Startup {
 #[derive(Debug, Clone, Default)]
 pub struct EndRequest(Arc<Shared>);
 
-#[derive(Default)]
+#[derive(Debug, Default)]
 struct Shared {
     is_made: AtomicBool,
     window: OnceLock<egui::Context>,
-}
-
-impl std::fmt::Debug for Shared {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Shared").field("is_made", &self.is_made).finish_non_exhaustive()
-    }
 }
 
 impl EndRequest {

@@ -12,7 +12,6 @@ use super::files::drop_places;
 use super::inspector::{PaneWidgets, PlaceValue, is_led};
 use super::lesson::{Captions, LessonAction, Lessons, lesson_ui, rings_ui, take_hall_keys};
 use super::overlays::Overlays;
-use super::pane::PaneId;
 use super::panel::modals::about_ui;
 use super::recovery::Recovery;
 use super::session::Restoring;
@@ -90,7 +89,7 @@ impl BurstscopeApp {
             app.journal.close(false);
         }
         params::check_params(&mut app.model);
-        app.model.shell.history.clear();
+        app.model.shell.history = Default::default();
         if let Some(path) = startup.session {
             app.apply([Effect::UseFiles(Purpose::RestoreSession, vec![path])]);
         }
@@ -242,7 +241,8 @@ impl BurstscopeApp {
     fn keep_session(&mut self, ctx: &egui::Context) {
         let waits_for = self.restoring.waits_for(Read::of(&self.model));
         let Some(recovery) = &mut self.recovery else { return };
-        recovery.give_up_unless(waits_for);
+        // A session is given up when something else is opened in its burst's place.
+        recovery.restoring = recovery.restoring.filter(|restoring| Some(*restoring) == waits_for);
         // A burst that is being opened would be missing; the session is saved in a pass after that.
         if self.model.results.slots.both().into_iter().any(|slot| slot.opening.is_pending()) {
             return;
@@ -366,17 +366,8 @@ impl BurstscopeApp {
         }
     }
 
-    /// Window place (points) of an image place (pixels) in the pane in focus, as last drawn.
-    pub fn ui_from_image(&self, pos_image: egui::Pos2) -> Option<egui::Pos2> {
-        self.widgets.pos_ui(self.model.document.focus(), pos_image)
-    }
-
     pub fn read(&self) -> Read<'_> {
         Read::of(&self.model)
-    }
-
-    pub fn ui_from_image_of(&self, side: Side, pos_image: egui::Pos2) -> Option<egui::Pos2> {
-        self.widgets.pos_ui(PaneId::of(side), pos_image)
     }
 
     fn readout(&self) -> Option<String> {

@@ -18,7 +18,7 @@ pub struct Wanted<R: Request> {
     /// Requests without an answer, the latest last.
     pending: Vec<(JobId, R)>,
     ended: Option<(R, Option<JobError>)>,
-    running: Option<Running>,
+    pub(crate) running: Option<Running>,
 }
 
 #[derive(Debug, Clone)]
@@ -150,11 +150,6 @@ impl<R: Request> Wanted<R> {
         }
         self.pending.clear();
         (self.ended, self.running) = (None, None);
-    }
-
-    #[cfg(test)]
-    pub(crate) fn set_running(&mut self, running: Option<Running>) {
-        self.running = running;
     }
 }
 

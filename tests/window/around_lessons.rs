@@ -198,7 +198,7 @@ fn zooms_keep_their_subject_in_sight() {
             let window = at_step("out-of-the-dark", step, size);
             let pane = window.harness.get_by_role(Role::Canvas).rect();
             for [u, v] in subjects.concat() {
-                let pos = window.app().ui_from_image(pos2(u, v)).expect("drawn");
+                let pos = window.ui_from_image(pos2(u, v)).expect("drawn");
                 assert!(pane.contains(pos), "step {} at {size:?}: ({u}, {v}) is at {pos} of {pane}", step + 1);
             }
         }

@@ -91,7 +91,7 @@ fn the_wheel_moves_a_slider_the_plane_and_with_alt_what_a_picture_shows() {
     let slider = centre_of(&window, Role::Slider, "Frame");
     wheel_at(&mut window, slider, Modifiers::NONE);
     assert_eq!((cursor(&window).frame, cursor(&window).kind), (frame + 1, ViewKind::Frame));
-    let picture = window.app().ui_from_image(pos2(200.0, 150.0)).expect("drawn");
+    let picture = window.ui_from_image(pos2(200.0, 150.0)).expect("drawn");
     wheel_at(&mut window, picture, Modifiers::ALT);
     assert_eq!(cursor(&window).frame, frame + 2);
     window.key(Key::Num2);
@@ -139,7 +139,7 @@ fn place_of_other_motion(window: &Window) -> (Pos2, Slope) {
     let motion = |[u, v]: [f32; 2]| field.known_at(u, v).map(|motion| motion.slope);
     let mut seen = places.filter_map(|place| Some((place, motion(place).filter(|slope| other(*slope))?)));
     let (place, slope) = seen.next().expect("the demo has layers");
-    (window.app().ui_from_image(place.into()).expect("drawn"), slope)
+    (window.ui_from_image(place.into()).expect("drawn"), slope)
 }
 
 #[test]
@@ -217,7 +217,7 @@ fn the_place_under_the_pointer_comes_into_focus_and_goes_back() {
 fn a_mask_is_drawn_by_rectangle_polygon_and_brush() {
     let mut window = Start::without_auto_detect().open();
     window.run_action("draw mask");
-    let pos = |window: &Window, u: f32, v: f32| window.app().ui_from_image(pos2(u, v)).expect("drawn");
+    let pos = |window: &Window, u: f32, v: f32| window.ui_from_image(pos2(u, v)).expect("drawn");
     let hidden = |window: &Window| window.app().model.document.measure.hidden.clone();
     // A stroke that is straight hides nothing.
     let (from, to) = (pos(&window, 100.0, 100.0), pos(&window, 300.0, 250.0));

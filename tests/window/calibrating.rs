@@ -102,7 +102,7 @@ fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
 
 /// Drags along the places of the focused pane's image.
 fn drag_along(window: &mut Window, places: &[Pos2]) {
-    let places: Vec<Pos2> = places.iter().map(|pos| window.app().ui_from_image(*pos).unwrap()).collect();
+    let places: Vec<Pos2> = places.iter().map(|pos| window.ui_from_image(*pos).unwrap()).collect();
     window.harness.hover_at(places[0]);
     window.harness.run_steps(1);
     window.harness.drag_at(places[0]);

@@ -29,7 +29,7 @@ fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
     window.settle();
     let strongest = &window.app().read().features()[0];
-    let in_picture = window.app().ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
+    let in_picture = window.ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
     let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 1").rect().center();
     let elsewhere = egui::pos2(640.0, 790.0);
     for (pos, wanted) in [(in_picture, true), (elsewhere, false), (in_table, true), (elsewhere, false)] {
@@ -64,7 +64,7 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     let feature = features[index];
     window.app_mut().model.document.focused_mut().view.look_at(egui::pos2(feature.u, feature.v), POINTS_PER_PX);
     window.settle();
-    let pos = window.app().ui_from_image(egui::pos2(feature.u, feature.v)).unwrap();
+    let pos = window.ui_from_image(egui::pos2(feature.u, feature.v)).unwrap();
     window.click_at(pos);
     assert_eq!(window.app().model.document.selected, Some(index));
     window.settle();

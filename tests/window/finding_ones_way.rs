@@ -137,7 +137,7 @@ fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
     window.settle();
     let feature = window.app().read().features()[0];
-    let place = window.app().ui_from_image(egui::pos2(feature.u, feature.v)).expect("drawn");
+    let place = window.ui_from_image(egui::pos2(feature.u, feature.v)).expect("drawn");
     window.harness.hover_at(place);
     window.harness.run_steps(3);
     assert!(window.shows("px/frame\nresponse"), "the tip");

@@ -152,11 +152,11 @@ fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     let is_here = |f: &&burstscope::Feature| moves(f) && (100.0..300.0).contains(&f.u);
     let feature = *Read::of(model).features().iter().find(is_here).expect("a feature of this slope");
     let place = egui::pos2(feature.u, feature.v);
-    let before = window.app().ui_from_image(place).expect("drawn");
+    let before = window.ui_from_image(place).expect("drawn");
     window.click_at(before);
     window.settle();
     assert!(window.app().model.document.selected.is_some() && window.app().read().shows_right());
-    let after = window.app().ui_from_image(place).expect("drawn");
+    let after = window.ui_from_image(place).expect("drawn");
     assert!((after - before).length() < 1.0, "{after:?} instead of {before:?}");
     window.snapshot("first_selection");
     window.run_action("Clear selection");

@@ -56,7 +56,7 @@ fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it(
     assert!(window.shows("Likely a ghost: only some of the frames respond"), "in the panel");
     window.snapshot("verdicts");
     let feature = window.app().read().features()[ghost];
-    let at = window.app().ui_from_image(pos2(feature.u, feature.v)).expect("a picture");
+    let at = window.ui_from_image(pos2(feature.u, feature.v)).expect("a picture");
     window.harness.hover_at(at);
     window.harness.run_steps(4);
     assert!(window.app().model.results.hovered.is_some());

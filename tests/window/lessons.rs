@@ -145,7 +145,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
 fn probe(window: &mut Window, near: Near) {
     // Shown features would be probed instead of the places beside them.
     let [u, v] = near.place;
-    let pos = window.app().ui_from_image(pos2(u, v)).expect("drawn");
+    let pos = window.ui_from_image(pos2(u, v)).expect("drawn");
     window.shift_click_at(pos);
 }
 
@@ -213,7 +213,7 @@ fn play(name: &str) {
 fn is_in_sight(window: &Window, place: [f32; 2]) -> bool {
     let app = window.app();
     let pane = app.widgets.rect_ui(app.model.document.focus()).expect("a pane").expand(0.5);
-    app.ui_from_image(place.into()).is_some_and(|pos| pane.contains(pos))
+    window.ui_from_image(place.into()).is_some_and(|pos| pane.contains(pos))
 }
 
 /// Asserts that the step's picture is whole or shows the part it asks for, with all places that have a ring.

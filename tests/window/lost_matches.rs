@@ -72,7 +72,7 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     window.app_mut().model.document.panes.get_mut(pane).unwrap().view.look_at(egui::pos2(f.u, f.v), 8.0);
     window.settle();
     let side = burstscope::app::document::side::Side::A;
-    let pos = window.app().ui_from_image_of(side, egui::pos2(f.u, f.v)).unwrap();
+    let pos = window.ui_from_image_of(side, egui::pos2(f.u, f.v)).unwrap();
     window.click_at(pos);
     window.settle();
     let asked = window.app().read().asked_feature().expect("a feature is asked about");

@@ -70,7 +70,7 @@ fn the_local_noise_is_a_picture_of_its_own() {
     assert!(window.shows("One range for all noise maps") && window.shows("Local noise"));
     assert!(window.harness.query_by_label_contains("Colour bar: Noise (σ) of the response").is_some());
     // The value has its unit.
-    let at = window.app().ui_from_image(pos2(180.0, 80.0)).unwrap();
+    let at = window.ui_from_image(pos2(180.0, 80.0)).unwrap();
     window.harness.hover_at(at);
     window.harness.run_steps(3);
     assert!(window.shows("σ 0.0") && window.shows("of full scale"), "the status bar says what it is");
@@ -111,7 +111,7 @@ fn coverage_is_a_share_of_the_frames() {
         ),
         (0.0, 1.0)
     );
-    let at = window.app().ui_from_image(pos2(0.0, 80.0)).unwrap();
+    let at = window.ui_from_image(pos2(0.0, 80.0)).unwrap();
     window.harness.hover_at(at);
     window.harness.run_steps(3);
     assert!(window.shows("50 % of the frames"));

@@ -25,7 +25,7 @@ fn open() -> Window {
 
 /// Drags from one place of the focused pane's image to another.
 fn drag(window: &mut Window, from: Pos2, to: Pos2) {
-    let [from, to] = [from, to].map(|pos| window.app().ui_from_image(pos).unwrap());
+    let [from, to] = [from, to].map(|pos| window.ui_from_image(pos).unwrap());
     window.harness.hover_at(from);
     window.harness.run_steps(1);
     window.harness.drag_at(from);

@@ -99,7 +99,7 @@ fn a_hidden_layer_is_dark_in_the_field_of_motion() {
         let middle = |at: usize| (at as f32 + 0.5) * field.cell_px as f32 - 0.5;
         let pixel = |cell: usize| {
             let at = egui::pos2(middle(cell % field.size.0), middle(cell / field.size.0));
-            let at = window.app().ui_from_image(at).expect("drawn");
+            let at = window.ui_from_image(at).expect("drawn");
             let at = at * window.harness.ctx.pixels_per_point();
             picture.get_pixel(at.x as u32, at.y as u32).0[..3].iter().map(|c| f32::from(*c)).sum::<f32>()
         };
@@ -148,7 +148,7 @@ fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
     // Cells of 4 pixels are large enough for ellipses then.
     window.app_mut().model.document.focused_mut().view = View::new(Zoom::PointsPerPixel(8.0), [u, v]);
     window.settle();
-    let at = window.app().ui_from_image(egui::pos2(u, v)).expect("drawn");
+    let at = window.ui_from_image(egui::pos2(u, v)).expect("drawn");
     window.harness.hover_at(at);
     window.harness.run_steps(4);
     let motion = field.at(u, v);

@@ -27,8 +27,8 @@ fn pair() -> Window {
 fn middle_of(window: &Window, index: usize) -> egui::Pos2 {
     let app = window.app();
     let row = app.model.results.pair.matches.as_ref().unwrap().row(index).unwrap();
-    let a = app.ui_from_image_of(Side::A, egui::pos2(row.a.u, row.a.v)).unwrap();
-    let b = app.ui_from_image_of(Side::B, egui::pos2(row.b.u, row.b.v)).unwrap();
+    let a = window.ui_from_image_of(Side::A, egui::pos2(row.a.u, row.a.v)).unwrap();
+    let b = window.ui_from_image_of(Side::B, egui::pos2(row.b.u, row.b.v)).unwrap();
     a + 0.5 * (b - a)
 }
 
@@ -214,7 +214,7 @@ fn both_pictures_zoom_and_pan_together_when_asked() {
         Side::BOTH.map(|side| app.model.document.panes.of(side).view).map(|view| (view.zoom, view.centre_image))
     };
     // Zooms as the wheel does, at a place of A.
-    let pos = window.app().ui_from_image(egui::pos2(120.0, 90.0)).unwrap();
+    let pos = window.ui_from_image(egui::pos2(120.0, 90.0)).unwrap();
     zoom_at(&mut window, pos);
     let [a, b] = views(&window);
     assert_ne!(a.0, burstscope::app::canvas::Zoom::Fit);

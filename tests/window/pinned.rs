@@ -9,7 +9,7 @@ use egui::{Key, Shape, pos2};
 use egui_kittest::kittest::Queryable;
 
 fn probe_at(window: &mut Window, u: f32, v: f32) {
-    let at = window.app().ui_from_image(pos2(u, v)).unwrap();
+    let at = window.ui_from_image(pos2(u, v)).unwrap();
     window.shift_click_at(at);
     window.settle();
 }

@@ -50,7 +50,7 @@ fn what_was_done_with_one_burst_is_done_again() {
     window.run_action("First feature or match");
     window.run_action("Zoom in");
     window.settle();
-    let place = window.app().ui_from_image(pos2(60.0, 50.0)).expect("it is drawn");
+    let place = window.ui_from_image(pos2(60.0, 50.0)).expect("it is drawn");
     window.run_action("Pin this result");
     window.settle();
     window.shift_click_at(place);

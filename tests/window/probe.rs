@@ -75,7 +75,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     let mut window = demo();
     // Shown features would be probed instead of the places beside them.
     window.app_mut().model.document.look.overlay = FeaturesShown::None;
-    let ui = |window: &Window, u: f32, v: f32| window.app().ui_from_image(pos2(u, v)).unwrap();
+    let ui = |window: &Window, u: f32, v: f32| window.ui_from_image(pos2(u, v)).unwrap();
     let near = |window: &Window, u: f32, v: f32| {
         let place = window.app().read().probed_place().expect("a place");
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?} {u} {v}");
@@ -131,7 +131,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
         (Workspace::Pair, ["demo", "demo-later"].map(String::from))
     );
     for (side, u, v) in [(Side::B, 92.0, 58.0), (Side::A, 200.0, 90.0), (Side::B, 300.0, 40.0)] {
-        let pos = window.app().ui_from_image_of(side, pos2(u, v)).unwrap();
+        let pos = window.ui_from_image_of(side, pos2(u, v)).unwrap();
         window.shift_click_at(pos);
         window.settle();
         let (model, answer) = (&window.app().model, answer(&window));
@@ -208,7 +208,7 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
     let mut window = Start { size: [1280.0, 1100.0], ..Start::automatic() }.open();
     window.app_mut().model.document.look.overlay = FeaturesShown::None;
     let probe = |window: &mut Window, u: f32, v: f32| {
-        let pos = window.app().ui_from_image(pos2(u, v)).unwrap();
+        let pos = window.ui_from_image(pos2(u, v)).unwrap();
         window.shift_click_at(pos);
         window.settle();
     };
@@ -274,7 +274,7 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     // The moon, which moves as the stars do.
     window.app_mut().model.document.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
     window.settle();
-    let pos = window.app().ui_from_image(pos2(92.0, 58.0)).unwrap();
+    let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
     window.shift_click_at(pos);
     window.settle();
     window.run_action("stack and slice");
@@ -317,7 +317,7 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("probe.burstscope.toml");
     let mut window = demo();
-    let pos = window.app().ui_from_image(pos2(92.0, 58.0)).unwrap();
+    let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
     window.shift_click_at(pos);
     window.run_action("stack and slice");
     window.settle();
@@ -367,7 +367,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     // Hovering shows by how much the test failed, a click keeps the numbers.
     window.run_action("fit picture");
     let mark = *shown.marks.iter().find(|m| m.pos_image[0] > 20.0 && m.pos_image[1] > 40.0).expect("one");
-    let at = window.app().ui_from_image(pos2(mark.pos_image[0], mark.pos_image[1])).unwrap();
+    let at = window.ui_from_image(pos2(mark.pos_image[0], mark.pos_image[1])).unwrap();
     window.harness.hover_at(at);
     window.harness.run_steps(3);
     assert!(window.shows("below the noise gate: by "), "the pointer says by how much");

@@ -171,7 +171,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     }
     assert_eq!(at(120.0, 20.0).1, 0.0, "where nothing is, nothing is sure");
     // The value under the pointer is the slope.
-    let place = window.app().ui_from_image(pos2(74.0, 92.0)).unwrap();
+    let place = window.ui_from_image(pos2(74.0, 92.0)).unwrap();
     window.harness.hover_at(place);
     window.harness.run_steps(3);
     assert!(window.shows("px/frame, ") && window.shows("sure "));

@@ -154,7 +154,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     window.settle();
     assert!(window.shows("Coherence") && window.shows(&text));
     let feature = detection.features[index];
-    let at = window.app().ui_from_image(pos2(feature.u, feature.v)).unwrap();
+    let at = window.ui_from_image(pos2(feature.u, feature.v)).unwrap();
     window.harness.hover_at(at);
     window.harness.run_steps(3);
     assert!(window.shows("\ncoherence "), "the pointer says it");

@@ -44,7 +44,7 @@ fn two_bursts_are_large_and_stay_where_they_are_when_a_match_is_looked_at() {
         window.settle();
         assert!(window.shows("Selected match") && window.shows("Epipolar error"));
         assert_eq!(panes(&window), before, "{size:?}: a match is selected");
-        let place = window.app().ui_from_image_of(Side::B, egui::pos2(200.0, 150.0)).unwrap();
+        let place = window.ui_from_image_of(Side::B, egui::pos2(200.0, 150.0)).unwrap();
         window.shift_click_at(place);
         window.settle();
         assert!(window.app().model.document.probe.is_open && window.shows("Candidates here"));
@@ -104,7 +104,7 @@ fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
     assert_eq!(drawn(&window).1, 0, "the pointer is elsewhere");
     let row = window.app().model.results.pair.matches.as_ref().unwrap().row(3).unwrap();
     let end = egui::pos2(row.a.u, row.a.v);
-    let end = window.app().ui_from_image_of(Side::A, end).unwrap();
+    let end = window.ui_from_image_of(Side::A, end).unwrap();
     window.harness.hover_at(end);
     window.harness.run_steps(3);
     let near = drawn(&window).1;

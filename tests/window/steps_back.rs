@@ -96,7 +96,7 @@ fn a_feature_a_value_a_place_and_a_picture_are_copied() {
     assert!(texts[0].starts_with("u\tv\tsigma") && texts[0].contains(&format!("\n{}\t{}", first.u, first.v)));
     // Without a selection, the value under the pointer is copied.
     window.key(Key::Escape);
-    let at = window.app().ui_from_image(pos2(300.2, 40.3)).unwrap();
+    let at = window.ui_from_image(pos2(300.2, 40.3)).unwrap();
     window.harness.hover_at(at);
     window.harness.run_steps(2);
     let texts = copied(&mut window, |window| window.harness.event(egui::Event::Copy));
@@ -124,7 +124,7 @@ fn rows_and_features_have_menus() {
         (Some(2), Read::of(model).features()[2].slope)
     );
     let feature = Read::of(model).features()[2];
-    let at = window.app().ui_from_image(pos2(feature.u, feature.v)).unwrap();
+    let at = window.ui_from_image(pos2(feature.u, feature.v)).unwrap();
     window.key(Key::Escape);
     second_click_at(&mut window, at);
     let hovered = window.app().model.results.hovered.expect("the pointer is on a feature");

@@ -3,10 +3,13 @@
 use crate::{harness as common, pictures};
 use burstscope::app::dialogs::{FileDialogs, Question};
 use burstscope::app::document::panes::Panels;
+use burstscope::app::document::side::Side;
+use burstscope::app::pane::PaneId;
 use burstscope::app::settings::Settings;
 use burstscope::app::{BurstscopeApp, Startup};
 use burstscope::detector::{SearchParams, SlopeGrid};
 use burstscope::requests::BurstSource;
+use egui::Pos2;
 use egui::accesskit::Role;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
@@ -146,6 +149,19 @@ impl Start {
 }
 
 impl Window {
+    /// Place in the window, points, of a place of the image, pixels, in the pane in focus, as last drawn.
+    pub fn ui_from_image(&self, pos_image: Pos2) -> Option<Pos2> {
+        self.ui_from_image_in(self.app().model.document.focus(), pos_image)
+    }
+
+    pub fn ui_from_image_of(&self, side: Side, pos_image: Pos2) -> Option<Pos2> {
+        self.ui_from_image_in(PaneId::of(side), pos_image)
+    }
+
+    fn ui_from_image_in(&self, id: PaneId, pos_image: Pos2) -> Option<Pos2> {
+        self.app().widgets.pos_ui(id, pos_image)
+    }
+
     pub fn app(&self) -> &BurstscopeApp {
         self.harness.state()
     }

@@ -70,7 +70,7 @@ fn tables_and_tabs_are_whole() {
 #[test]
 fn a_probe_is_whole() {
     let mut window = open();
-    let at = window.app().ui_from_image(pos2(257.4, 150.5)).expect("drawn");
+    let at = window.ui_from_image(pos2(257.4, 150.5)).expect("drawn");
     window.shift_click_at(at);
     window.settle();
     assert_whole(&mut window, "a probe");
@@ -147,7 +147,7 @@ fn the_menu_of_a_feature_is_whole_and_no_tip_lies_over_it() {
         };
         window.app_mut().model.document.focused_mut().cursor.slope = feature.motion().0;
         window.settle();
-        let at = window.app().ui_from_image(pos2(feature.u, feature.v)).expect("drawn");
+        let at = window.ui_from_image(pos2(feature.u, feature.v)).expect("drawn");
         window.harness.hover_at(at);
         window.harness.run_steps(4);
         assert!(window.shows("response "), "the tip of the feature");
@@ -166,7 +166,7 @@ fn the_value_under_the_pointer_is_whole() {
         window.settle();
         window.slide("Octave", 1.0);
         window.settle();
-        let at = window.app().ui_from_image(pos2(322.1, 166.6)).expect("drawn");
+        let at = window.ui_from_image(pos2(322.1, 166.6)).expect("drawn");
         window.harness.hover_at(at);
         window.harness.run_steps(4);
         let shown: Vec<(String, bool)> = readouts(&window);

@@ -113,7 +113,7 @@ fn take_calibration(model: &mut Model, options: OpenOptions, is_again: bool, eng
         model.document.calibration_of_b.get_or_insert(was);
     }
     if !is_again {
-        model.shell.history.clear();
+        model.shell.history = Default::default();
     } else if is_step {
         model.shell.history.take(before, &model.document);
         model.shell.history.close_step(&model.document, false);

@@ -167,7 +167,7 @@ fn begin_with(model: &mut Model, document: Document, layout: Option<Preset>, pro
         model.document.panels = panels;
     }
     panes::settle_ranges(model);
-    model.shell.history.clear();
+    model.shell.history = Default::default();
 }
 
 #[cfg(test)]

@@ -26,10 +26,6 @@ impl CutDialog {
         Self { paths, frames, length, contiguous: true, step: length }
     }
 
-    pub fn length(&self) -> usize {
-        self.length
-    }
-
     /// Draws the dialog. Returns the dataset when it was accepted, and whether the dialog stays open.
     pub fn ui(&mut self, ctx: &egui::Context) -> (Option<DatasetSource>, bool) {
         let mut accepted = None;

@@ -115,8 +115,4 @@ impl History {
         let steps = self.past.iter_mut().chain(&mut self.future).chain(&mut self.begun);
         steps.for_each(|document| document.panes.swap_sides());
     }
-
-    pub fn clear(&mut self) {
-        *self = Self::default();
-    }
 }

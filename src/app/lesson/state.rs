@@ -197,9 +197,7 @@ impl Lessons {
                 self.open.iter_mut().for_each(|open| open.snr = SnrTrace::default());
                 return self.begin_step();
             }
-            Some(LessonAction::NextLesson) => {
-                return self.next_lesson().map_or_else(Vec::new, |next| self.start(next));
-            }
+            Some(LessonAction::NextLesson) => return self.next_lesson().map_or_else(Vec::new, |next| self.start(next)),
             Some(LessonAction::End) => self.open.iter_mut().for_each(|open| open.is_ended = true),
             None => {}
         }

@@ -172,15 +172,3 @@ fn median_snr(features: &[crate::detector::Feature]) -> Option<f32> {
     snrs.sort_by(f32::total_cmp);
     snrs.get(snrs.len() / 2).copied()
 }
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::app::results::Model;
-
-    #[test]
-    fn before_anything_is_found_all_cells_are_dashes() {
-        assert!(cells(Read::of(&Model::default()), MethodId::Sift).iter().all(|cell| cell == "–"));
-        assert_eq!(median_snr(&[]), None);
-    }
-}

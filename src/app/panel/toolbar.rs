@@ -119,13 +119,13 @@ mod tests {
         let mut model = Model::default();
         let told = |model: Read<'_>| activity(model).map(|(who, running)| (who, running.id.0));
         assert_eq!(told(Read::of(&model)), None);
-        model.results.pair.matching.set_running(running(3));
+        model.results.pair.matching.running = running(3);
         assert_eq!(told(Read::of(&model)), None, "matches belong to two bursts");
         model.document.workspace = Workspace::Pair;
         assert_eq!(told(Read::of(&model)), Some(("", 3)));
-        model.results.slots.b.detecting.set_running(running(2));
+        model.results.slots.b.detecting.running = running(2);
         assert_eq!(told(Read::of(&model)), Some(("B: ", 2)), "matches wait for the features");
-        model.results.slots.a.detecting.set_running(running(1));
+        model.results.slots.a.detecting.running = running(1);
         assert_eq!(told(Read::of(&model)), Some(("A: ", 1)));
         model.document.workspace = Workspace::Inspect;
         assert_eq!(told(Read::of(&model)), Some(("", 1)));

@@ -166,11 +166,6 @@ impl Recovery {
         }
     }
 
-    /// `waits_for` is the request that opens the burst of the session that is being restored.
-    pub fn give_up_unless(&mut self, waits_for: Option<JobId>) {
-        self.restoring = self.restoring.filter(|restoring| Some(*restoring) == waits_for);
-    }
-
     /// If it was that of the offer and `is_done`, the offered record replaces the window's own.
     pub fn restored(&mut self, request: JobId, is_done: bool) {
         if self.restoring.take_if(|restoring| *restoring == request).is_some()

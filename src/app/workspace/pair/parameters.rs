@@ -38,12 +38,9 @@ impl CameraText {
 
     /// Reads the typed text. While it is invalid the camera stays as it is.
     fn read(&mut self) {
-        if self.text.trim().is_empty() {
-            (self.camera, self.problem) = (None, None);
-            return;
-        }
-        match self.text.parse::<Camera>() {
-            Ok(camera) => (self.camera, self.problem) = (Some(camera), None),
+        let typed = Some(self.text.as_str()).filter(|text| !text.trim().is_empty());
+        match typed.map(str::parse).transpose() {
+            Ok(camera) => (self.camera, self.problem) = (camera, None),
             Err(problem) => self.problem = Some(problem),
         }
     }
