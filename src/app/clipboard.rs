@@ -79,12 +79,10 @@ fn command_text(source: &BurstSource, side: Side, model: Read<'_>) -> Result<Str
         .arguments()
         .ok_or("this burst was made in the Lab and lies in no file; 'burstscope synth' makes such bursts")?;
     // Built-in bursts are opened without calibration.
-    let calibration = if matches!(source, BurstSource::Paths(_)) {
-        model.calibration_of(side).clone()
-    } else {
-        OpenOptions::default()
-    };
-    Ok(detect_line(&inputs, &model.asked_of(side), &calibration))
+    let built_in = OpenOptions::default();
+    let is_of_files = matches!(source, BurstSource::Paths(_));
+    let calibration = if is_of_files { model.calibration_of(side) } else { &built_in };
+    Ok(detect_line(&inputs, &model.asked_of(side), calibration))
 }
 
 pub fn copy_picture(ctx: &egui::Context, model: Read<'_>) -> Option<String> {

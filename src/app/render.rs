@@ -101,12 +101,10 @@ pub fn render_to_png(options: &RenderOptions, path: &Path) -> Result<(), Error> 
             if is_open && path.exists() {
                 opened = app.read().opened_files();
             }
-            if options.select_strongest && app.model.document.selected_match.is_none() {
-                app.model.document.selected_match = app.model.results.pair.listed.first().copied();
-            }
-            if options.select_strongest && app.model.document.selected.is_none() && !app.model.results.listed.is_empty()
-            {
-                app.model.document.selected = app.model.results.listed.first().copied();
+            if options.select_strongest {
+                let (document, results) = (&mut app.model.document, &app.model.results);
+                document.selected_match = document.selected_match.or(results.pair.listed.first().copied());
+                document.selected = document.selected.or(results.listed.first().copied());
             }
             problem = app.model.shell.messages.errors().first().map(|m| m.text.clone()).or_else(|| {
                 app.model.results.slots.a.param_error.as_ref().filter(|_| options.detect).map(ToString::to_string)

@@ -146,10 +146,8 @@ const UNITS: f32 = 64.0;
 /// Distance to the outline of a square with rounded corners, from `from` to `from + side`; negative inside.
 fn square(u: f32, v: f32, from: [f32; 2], side: f32, radius: f32) -> f32 {
     let half = 0.5 * side - radius;
-    let du = ((u - from[0] - 0.5 * side).abs() - half).max(0.0);
-    let dv = ((v - from[1] - 0.5 * side).abs() - half).max(0.0);
-    let inner = ((u - from[0] - 0.5 * side).abs() - half).max((v - from[1] - 0.5 * side).abs() - half).min(0.0);
-    du.hypot(dv) + inner - radius
+    let [du, dv] = [u - from[0], v - from[1]].map(|d| (d - 0.5 * side).abs() - half);
+    du.max(0.0).hypot(dv.max(0.0)) + du.max(dv).min(0.0) - radius
 }
 
 /// Distance to the line from (42.5, 32) to (54, 32).

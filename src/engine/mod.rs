@@ -33,12 +33,6 @@ pub struct Engine {
     queue: Arc<JobQueue>,
 }
 
-impl std::fmt::Debug for Engine {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("Engine").field("idle", &self.is_idle()).finish_non_exhaustive()
-    }
-}
-
 impl Engine {
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let queue = Arc::new(JobQueue::new(on_update));

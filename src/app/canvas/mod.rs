@@ -43,8 +43,6 @@ pub struct CanvasOutput {
     pub pointer_ui: Option<Pos2>,
     /// The pointer, in image pixels, while it is over the canvas and over the picture.
     pub hover_image: Option<Pos2>,
-    /// Pixels of the screen for each pixel of the image: 1.0 is "100 %".
-    pub screen_px_per_pixel: f32,
 }
 
 impl CanvasOutput {
@@ -102,7 +100,6 @@ impl<'a> Canvas<'a> {
             hover_image: pointer_ui
                 .map(|p| image_from_ui.pos(p))
                 .filter(|&p| self.picture.is_some_and(|picture| picture.rect_image().contains(p))),
-            screen_px_per_pixel: ui_from_image.scale() * pixels_per_point,
             response: response.clone(),
         };
         if ui.is_rect_visible(rect) {
