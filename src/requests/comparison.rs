@@ -63,10 +63,7 @@ impl Request for ComparisonRequest {
                 changes_since(before, &spots, OthersSource::Earlier(earlier))
             }
             ReferenceSource::File { path, features } => {
-                let read = match features {
-                    Some(features) => features.clone(),
-                    None => Arc::new(read_features(path)?),
-                };
+                let read = features.clone().map_or_else(|| read_features(path).map(Arc::new), Ok)?;
                 monitor.check()?;
                 changes_since(read.iter().map(Spot::from).collect(), &spots, OthersSource::File(read))
             }

@@ -46,11 +46,8 @@ impl Request for DetectRequest {
         let Self { burst, params: asked } = self;
         let (trails, monitor) = (work.caches.trails, work.monitor);
         // From cheap to dear: a kept search, one that is judged again by other thresholds, a search.
-        let kept = match trails.asked(&burst, &asked) {
-            Some(kept) => Some(kept),
-            None => trails.rejudged(&burst, &asked, monitor)?,
-        };
-        let cache = match kept {
+        let rejudged = || trails.rejudged(&burst, &asked, monitor).transpose();
+        let cache = match trails.asked(&burst, &asked).map(Ok).or_else(rejudged).transpose()? {
             Some(kept) => kept,
             None => {
                 trails.make_room();

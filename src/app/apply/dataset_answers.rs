@@ -27,11 +27,8 @@ pub(in crate::app) fn show_selected_pair(model: &mut Model, engine: &Engine) {
 pub(in crate::app) fn step_burst(model: &mut Model, by: isize, engine: &Engine) {
     let Some(dataset) = &model.results.datasets.open else { return };
     let last = dataset.bursts.len() - 1;
-    let next = match dataset.place_of(model.results.slots.a.burst.as_ref()) {
-        Some(place) => place.saturating_add_signed(by).min(last),
-        None => 0,
-    };
-    open_burst_at(model, next, engine);
+    let here = dataset.place_of(model.results.slots.a.burst.as_ref());
+    open_burst_at(model, here.map_or(0, |place| place.saturating_add_signed(by).min(last)), engine);
 }
 
 pub(in crate::app) fn open_burst_at(model: &mut Model, place: usize, engine: &Engine) {

@@ -58,10 +58,8 @@ fn detect_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         let text = RichText::new("Detect");
         let button = Button::new(if needed { text.color(Color32::WHITE).strong() } else { text });
         let button = if needed { button.fill(crate::app::style::ACCENT) } else { button };
-        let tip = match &model.results.slots.a.param_error {
-            Some(error) => format!("{error}"),
-            None => tooltip(ui.ctx(), ActionId::Detect.action()),
-        };
+        let wrong = model.results.slots.a.param_error.as_ref().map(ToString::to_string);
+        let tip = wrong.unwrap_or_else(|| tooltip(ui.ctx(), ActionId::Detect.action()));
         let response = ui.add_enabled(enabled(ActionId::Detect, model), button);
         queue.push_if(response.on_hover_text(tip.clone()).on_disabled_hover_text(tip).clicked(), ActionId::Detect);
     }
