@@ -202,25 +202,23 @@ impl BurstscopeApp {
         let Self { model, engine, .. } = self;
         let Some(first) = paths.first() else { return };
         match purpose {
-            Purpose::OpenTimes => {
-                let draft = self.overlays.calibration_draft(&model.document.calibration);
-                draft.times = Some(TimesChoice::List(first.clone()));
-            }
             Purpose::OpenBias
             | Purpose::OpenFlat
             | Purpose::OpenMask
             | Purpose::OpenMasks
+            | Purpose::OpenTimes
             | Purpose::OpenRotations
             | Purpose::OpenLens => {
                 let draft = self.overlays.calibration_draft(&model.document.calibration);
-                let path = match purpose {
-                    Purpose::OpenBias => &mut draft.bias,
-                    Purpose::OpenFlat => &mut draft.flat,
-                    Purpose::OpenRotations => &mut draft.rotations,
-                    Purpose::OpenLens => &mut draft.lens,
-                    _ => &mut draft.mask,
-                };
-                *path = Some(first.clone());
+                let file = Some(first.clone());
+                match purpose {
+                    Purpose::OpenBias => draft.bias = file,
+                    Purpose::OpenFlat => draft.flat = file,
+                    Purpose::OpenTimes => draft.times = file.map(TimesChoice::List),
+                    Purpose::OpenRotations => draft.rotations = file,
+                    Purpose::OpenLens => draft.lens = file,
+                    _ => draft.mask = file,
+                }
             }
             Purpose::OpenLessons => model.shell.messages.settle(purpose.title(), self.lessons.open_at(first)),
             Purpose::PaperFigures => studies::make_figures(model, first.clone(), engine),

@@ -91,14 +91,13 @@ impl PictureRequest {
     /// With a preview at the resolution at which it is seen, if that is cheap: of the sum of large frames without masks.
     #[must_use]
     pub fn previewed(self, points_per_pixel: f32) -> Self {
-        let octave = (1.0 / points_per_pixel).log2().ceil() as i32;
+        let octave = ((1.0 / points_per_pixel).log2().ceil() as i32).min(PREVIEW_OCTAVES[2]);
         let is_sum = matches!(self.kind, PictureKind::Stack { .. }) && self.params.method == Method::Buff;
-        let octave = octave.min(PREVIEW_OCTAVES[PREVIEW_OCTAVES.len() - 1]);
         let (width, height) = self.burst.burst.size();
-        let is_wanted = width * height >= PREVIEWED_PX && PREVIEW_OCTAVES.contains(&octave);
-        let is_cheap = is_wanted && is_sum && self.minus.is_none();
+        let is_seen_coarse = width * height >= PREVIEWED_PX && PREVIEW_OCTAVES.contains(&octave);
         let is_masked = || self.burst.burst.frames.iter().any(|frame| frame.mask().is_some());
-        Self { preview_octave: (is_cheap && !is_masked()).then_some(octave), ..self }
+        let is_cheap = is_seen_coarse && is_sum && self.minus.is_none() && !is_masked();
+        Self { preview_octave: is_cheap.then_some(octave), ..self }
     }
 
     pub(crate) fn key(&self) -> PictureKey {

@@ -62,7 +62,7 @@ fn the_first_start_has_no_more_to_read_than_is_counted_here() {
 fn told_of_slopes(window: &Window) -> Vec<String> {
     let parts = |text: &String| {
         let parts = text.split("; ").map(|part| part.trim_end_matches('.').to_lowercase());
-        parts.filter(|part| part.contains("slope") || part.contains("limit")).collect::<Vec<_>>()
+        parts.filter(|part| ["slope", "limit", "range"].iter().any(|word| part.contains(word))).collect::<Vec<_>>()
     };
     sentences(window).iter().flat_map(parts).filter(|part| part.split_whitespace().count() > 3).collect()
 }

@@ -139,7 +139,7 @@ fn the_range_stays_while_the_hand_moves() {
 #[test]
 fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
     let mut window = Start::without_auto_detect().open();
-    let help = "Index of the shown frame";
+    let help = "Index from 0; moving it shows the frame";
     let slider = window.harness.get_by_role_and_label(Role::Slider, "Frame").rect();
     let (from, before) = (slider.center(), window.app().model.document.cursor().frame);
     window.harness.hover_at(from);

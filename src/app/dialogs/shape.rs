@@ -70,19 +70,22 @@ impl ShapeDialog {
             accepts |= self.pictures_ui(ui);
             ui.add_space(6.0);
             ui.horizontal(|ui| {
-                let label = ui
-                    .label("Shape")
-                    .on_hover_text("Columns, rows and type of the numbers, with the bytes before the first frame");
+                let tip = "Columns, rows and type of the numbers, with the bytes before the first frame";
+                let label = ui.label("Shape").on_hover_text(tip);
                 let field =
                     TextEdit::singleline(&mut self.text).hint_text("1600x1200:u16le+BYTES").desired_width(220.0);
                 ui.add(field).labelled_by(label.id);
             });
-            match &on_show {
-                Err(_) if self.text.trim().is_empty() => {}
-                Err(why) => _ = error_ui(ui, why),
-                Ok(None) => _ = weak_ui(ui, "Reading…"),
-                Ok(Some(made)) => _ = ui.horizontal(|ui| self.preview_ui(ui, made)),
-            }
+            ui.vertical(|ui| {
+                // The preview's own height from the first, so that no button moves when it comes.
+                ui.set_min_height(CELL_POINTS.y);
+                match &on_show {
+                    Err(_) if self.text.trim().is_empty() => {}
+                    Err(why) => _ = error_ui(ui, why),
+                    Ok(None) => _ = weak_ui(ui, "Reading…"),
+                    Ok(Some(made)) => _ = ui.horizontal(|ui| self.preview_ui(ui, made)),
+                }
+            });
             ui.add_space(6.0);
             ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                 let tip = "Open the file in this shape, and later files without header too";

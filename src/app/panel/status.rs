@@ -31,7 +31,7 @@ pub fn status_ui(ui: &mut Ui, model: Read<'_>, readout: Option<&str>, queue: &mu
                 ui.add(Label::new(text).truncate()).on_hover_text(readout);
             }
         });
-        ui.separator();
+        ui.add_visible(readout.is_some(), egui::Separator::default());
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add(Label::new(RichText::new(burst_text(model)).weak()).truncate());
             notes_ui(ui, model);
