@@ -358,6 +358,9 @@ class TrajectoryKeywords(TypedDict, total=False):
         [default: 1d]
     max_slope : float
         Largest apparent motion on an axis, pixels per frame; the camera's speed is chosen for it [default: 3]
+    shake : float
+        Degrees by which the camera turns during a burst, about, unevenly and about all axes; its orientation in
+        each frame is then in the burst's rotations.txt [default: 0]
     read_noise : float
         Standard deviation of the read noise, electrons [default: 2]
     bits : int
@@ -384,6 +387,7 @@ class TrajectoryKeywords(TypedDict, total=False):
     planes: int
     motion: Literal["1d", "2d"]
     max_slope: float
+    shake: float
     read_noise: float
     bits: int
     seed: int
@@ -456,6 +460,14 @@ class NoisyKeywords(TypedDict, total=False):
         Times of the frames: a list (one time a line, or lines 'name,time', also beside or above the frames),
         names for stamps in the names of the files, header or exif for times that the files hold, found for
         those in which the images move uniformly, even for none [default: even]
+    rotations : Path
+        Orientations of the camera (x right, y down, z forward) in the world, by which each frame is turned to
+        mid-burst, so that slopes are of the camera's way alone: a line a frame (qx qy qz qw), or lines with
+        stamps for frames with times (TUM: seconds tx ty tz qx qy qz qw; EuRoC: nanoseconds,x,y,z,qw,qx,qy,qz).
+        Also beside or above the frames
+    lens : Path
+        Camera file by which rotations move the pixels, as for colmap's --camera, also beside or above the
+        frames [default: camera.toml there]
     views : str or float
         Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one
         picture that holds all views side by side or interleaved; names for rows and columns in the names of the
@@ -489,6 +501,8 @@ class NoisyKeywords(TypedDict, total=False):
     topic: Union[str, float]
     take: Union[str, float]
     times: Union[str, float]
+    rotations: Path
+    lens: Path
     views: Union[str, float]
     threads: Union[str, float]
     memory: str
@@ -799,6 +813,14 @@ class EvaluateFramesKeywords(TypedDict, total=False):
         Times of the frames: a list (one time a line, or lines 'name,time', also beside or above the frames),
         names for stamps in the names of the files, header or exif for times that the files hold, found for
         those in which the images move uniformly, even for none [default: even]
+    rotations : Path
+        Orientations of the camera (x right, y down, z forward) in the world, by which each frame is turned to
+        mid-burst, so that slopes are of the camera's way alone: a line a frame (qx qy qz qw), or lines with
+        stamps for frames with times (TUM: seconds tx ty tz qx qy qz qw; EuRoC: nanoseconds,x,y,z,qw,qx,qy,qz).
+        Also beside or above the frames
+    lens : Path
+        Camera file by which rotations move the pixels, as for colmap's --camera, also beside or above the
+        frames [default: camera.toml there]
     views : str or float
         Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one
         picture that holds all views side by side or interleaved; names for rows and columns in the names of the
@@ -865,6 +887,8 @@ class EvaluateFramesKeywords(TypedDict, total=False):
     topic: Union[str, float]
     take: Union[str, float]
     times: Union[str, float]
+    rotations: Path
+    lens: Path
     views: Union[str, float]
     threads: Union[str, float]
     memory: str
@@ -1339,6 +1363,14 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
         Times of the frames: a list (one time a line, or lines 'name,time', also beside or above the frames),
         names for stamps in the names of the files, header or exif for times that the files hold, found for
         those in which the images move uniformly, even for none [default: even]
+    rotations : Path
+        Orientations of the camera (x right, y down, z forward) in the world, by which each frame is turned to
+        mid-burst, so that slopes are of the camera's way alone: a line a frame (qx qy qz qw), or lines with
+        stamps for frames with times (TUM: seconds tx ty tz qx qy qz qw; EuRoC: nanoseconds,x,y,z,qw,qx,qy,qz).
+        Also beside or above the frames
+    lens : Path
+        Camera file by which rotations move the pixels, as for colmap's --camera, also beside or above the
+        frames [default: camera.toml there]
     views : str or float
         Frames are views of a light field: ROWSxCOLUMNS, such as 9x9, row by row; :tiled or :eslf for one
         picture that holds all views side by side or interleaved; names for rows and columns in the names of the
@@ -1411,6 +1443,8 @@ class EvaluateMatchesKeywords(TypedDict, total=False):
     topic: Union[str, float]
     take: Union[str, float]
     times: Union[str, float]
+    rotations: Path
+    lens: Path
     views: Union[str, float]
     threads: Union[str, float]
     memory: str
