@@ -22,8 +22,10 @@ const MAX_LIST_BYTES: u64 = 1 << 30;
 const GRID_PX: usize = 16;
 /// Deviation of a quaternion's length from 1 that digits leave.
 const UNIT: f64 = 0.01;
-/// Stamps above it are nanoseconds: as seconds they would be of the year 3 000 000.
-const MAX_SECONDS: f64 = 1e14;
+/// Stamps above it are nanoseconds: as seconds they would be of the year 2286.
+const MAX_SECONDS: f64 = 1e10;
+/// Distance, seconds, up to which a frame before the first stamp or after the last is of that moment.
+const SAME_S: f64 = 1e-4;
 
 /// Orientations of a camera in the world, in the order of the file.
 struct Orientations {
@@ -47,11 +49,12 @@ impl Orientations {
             let Some(numbers) = numbers.filter(|numbers| numbers.iter().all(|x| x.is_finite())) else {
                 return fail("not all of it are numbers");
             };
+            let is_euroc = numbers.len() >= 8 && line.contains(',');
             let (stamp, [x, y, z, w]) = match numbers[..] {
                 [x, y, z, w] => (None, [x, y, z, w]),
                 [stamp, x, y, z, w] => (Some(stamp), [x, y, z, w]),
                 // EuRoC parts numbers by commas, and its quaternions begin with w.
-                [stamp, _, _, _, w, x, y, z, ..] if line.contains(',') => (Some(stamp), [x, y, z, w]),
+                [stamp, _, _, _, w, x, y, z, ..] if is_euroc => (Some(stamp), [x, y, z, w]),
                 [stamp, _, _, _, x, y, z, w] => (Some(stamp), [x, y, z, w]),
                 _ => return fail(&format!("{} numbers, where there are 4, 5 or 8", numbers.len())),
             };
@@ -60,7 +63,9 @@ impl Orientations {
                 return fail(&format!("the quaternion has the length {}, not 1", turn.norm()));
             }
             turns.push(UnitQuaternion::from_quaternion(turn));
-            seconds.extend(stamp.map(|stamp| if stamp.abs() > MAX_SECONDS { 1e-9 * stamp } else { stamp }));
+            let is_whole = is_euroc && !words[0].contains('.');
+            let unit = |stamp: f64| if is_whole || stamp.abs() > MAX_SECONDS { 1e-9 } else { 1.0 };
+            seconds.extend(stamp.map(|stamp| unit(stamp) * stamp));
             if !seconds.is_empty() && seconds.len() != turns.len() {
                 return fail("some lines have stamps, and some have none");
             }
@@ -82,33 +87,24 @@ impl Orientations {
         part: Option<FrameRange>,
     ) -> Result<Vec<UnitQuaternion<f64>>, (String, &'static str)> {
         let lines = self.turns.len();
-        if lines == frames {
-            return Ok(self.turns.clone());
-        }
         if self.seconds.is_empty() || seconds.is_empty() {
-            if let Some(part) = part.filter(|part| part.end <= lines && part.end - part.start == frames) {
-                return Ok(self.turns[part.start..part.end].to_vec());
-            }
+            let part = part.filter(|part| part.end <= lines && part.end - part.start == frames);
+            let part = if lines == frames { Some(0..frames) } else { part.map(|part| part.start..part.end) };
+            let problem = || format!("it has {lines} orientations for {frames} frames without times");
             let remedy = "give a line a frame, or stamps in the list and --times for the frames";
-            return Err((format!("it has {lines} orientations for {frames} frames without times"), remedy));
+            return part.map(|part| self.turns[part].to_vec()).ok_or_else(|| (problem(), remedy));
         }
+        let [first, last] = [self.seconds[0], self.seconds[lines - 1]];
         let at = |(t, time): (usize, &f64)| {
-            let next = self.seconds.partition_point(|stamp| stamp < time);
-            match self.seconds.get(next) {
-                Some(stamp) if stamp == time => Ok(self.turns[next]),
-                Some(stamp) if next > 0 => {
-                    let before = self.seconds[next - 1];
-                    Ok(between(&self.turns[next - 1], &self.turns[next], (time - before) / (stamp - before)))
-                }
-                _ => Err((
-                    format!(
-                        "frame {t} was taken at {time} s, and its stamps are from {} to {lines_end} s",
-                        self.seconds[0],
-                        lines_end = self.seconds[lines - 1]
-                    ),
-                    "give a list of the burst's time, on the clock of the frames",
-                )),
+            let inside = time.clamp(first, last);
+            if (inside - time).abs() > SAME_S {
+                let problem = format!("frame {t} was taken at {time} s, and its stamps are from {first} to {last} s");
+                return Err((problem, "give a list of the burst's time, on the clock of the frames"));
             }
+            let next = self.seconds.partition_point(|stamp| *stamp < inside);
+            let Some(before) = next.checked_sub(1) else { return Ok(self.turns[0]) };
+            let [from, to] = [before, next].map(|line| self.seconds[line]);
+            Ok(between(&self.turns[before], &self.turns[next], (inside - from) / (to - from)))
         };
         seconds.iter().enumerate().map(at).collect()
     }
