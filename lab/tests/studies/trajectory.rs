@@ -282,6 +282,7 @@ fn known_rotations_turn_the_frames_of_a_shaken_camera_to_those_of_a_still_one() 
     refused("long.txt", "0 0 0 2\n", "line 1: the quaternion has the length 2");
     refused("word.txt", "0 0 0 1\n0 0 x 1\n", "line 2: not all of it are numbers");
     refused("few.txt", "0 0 1\n", "3 numbers, where there are 4, 5 or 8");
+    refused("other.txt", &"0 0 0 1\n1 0 0 0\n".repeat(3)[..40], "shows nothing");
     refused("none.txt", "# nothing\n", "it holds no orientation");
     std::fs::write(way.join("lens.toml"), Lens { width: 80, ..shaken.lens }.to_toml()).expect("written");
     let said = turned("rotations.txt", None).expect_err("another size").to_string();

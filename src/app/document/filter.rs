@@ -167,7 +167,7 @@ pub struct SavedSelection {
 }
 
 impl SavedSelection {
-    /// The feature of an index, of which nothing else is known: its scale is 0.
+    /// Feature of which only the index is known, as of a keypoint in COLMAP's model; its scale is 0.
     pub fn of_index(index: usize) -> Self {
         Self { index, u: 0.0, v: 0.0, sigma: 0.0, slope: Slope::default() }
     }
