@@ -7,19 +7,15 @@
 mod fault;
 mod jobs;
 mod queue;
-mod stores;
 mod task;
-mod trails;
 mod wanted;
 
-pub use stores::Held;
 pub use task::{TaskDone, TaskId};
 pub use wanted::{Ended, Want, Wanted};
 
-use crate::requests::BurstId;
+use crate::requests::{BurstId, Caches, locked};
 use queue::JobQueue;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
-use stores::Stores;
+use std::sync::Arc;
 
 /// Callback after something was published; may be called from any thread.
 pub type OnUpdate = Arc<dyn Fn() + Send + Sync>;
@@ -29,18 +25,28 @@ pub const DEFAULT_CACHE_BYTES: usize = 256 << 20;
 /// Dropping it cancels what runs, finishes the files that are being written, and returns when all threads have ended.
 pub struct Engine {
     tasks: task::Tasks,
-    stores: Stores,
+    caches: Caches,
     queue: Arc<JobQueue>,
 }
 
 impl Engine {
     pub fn new(on_update: OnUpdate, cache_bytes: usize) -> Self {
         let queue = Arc::new(JobQueue::new(on_update));
-        Self { tasks: task::Tasks::new(&queue), stores: Stores::new(cache_bytes), queue }
+        Self { tasks: task::Tasks::new(&queue), caches: Caches::new(cache_bytes), queue }
     }
 
     pub fn keep_trails_of(&self, open: &[BurstId]) {
-        self.stores.trails.keep_only(open);
+        self.caches.trails.keep_only(open);
+    }
+
+    /// Sets the memory for pictures that are not on show, bytes.
+    pub fn set_cache_bytes(&self, bytes: usize) {
+        locked(&self.caches.pictures).set_budget(bytes);
+    }
+
+    pub fn held(&self) -> Held {
+        let (trails, trail_bytes) = self.caches.trails.held();
+        Held { picture_bytes: locked(&self.caches.pictures).bytes(), trails, trail_bytes, requests: self.queue.len() }
     }
 
     pub fn task(&self, label: &str, work: impl FnOnce() -> Result<String, String> + Send + 'static) -> TaskId {
@@ -63,10 +69,13 @@ impl Engine {
     }
 }
 
-/// Changes of what threads share are whole values, and work runs outside the locks with its panics caught: the data are
-/// valid even if the lock is poisoned.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Held {
+    pub picture_bytes: usize,
+    pub trails: usize,
+    /// Bytes of the trails, without the open bursts.
+    pub trail_bytes: usize,
+    pub requests: usize,
 }
 
 #[cfg(test)]

@@ -1,8 +1,8 @@
 //! Client's side of a request: the request, its progress, and its end.
 
+use super::Engine;
 use super::jobs::Jobs;
 use super::queue::{Lane, Manner};
-use super::{Engine, Stores};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, JobId, Request, Running, Urgency, Work};
 use std::any::TypeId;
@@ -73,7 +73,7 @@ impl<R: Request> Wanted<R> {
         let jobs = self.jobs.get_or_insert_with(|| jobs(engine));
         let urgency = request.urgency();
         let is_picture = matches!(urgency, Urgency::Picture | Urgency::SlowPicture);
-        let id = match request.cached(&engine.stores.caches()) {
+        let id = match request.cached(&engine.caches) {
             Some(answer) => jobs.publish_for(0, answer),
             None if is_picture => {
                 // One picture at a time has all cores.
@@ -154,9 +154,9 @@ impl<R: Request> Wanted<R> {
 }
 
 fn jobs<R: Request>(engine: &Engine) -> JobsOf<R> {
-    let stores: Stores = engine.stores.clone();
+    let caches = engine.caches.clone();
     let work = move |request: R, tell: &(dyn Fn(R::Partial) + Sync), monitor: &Monitor| {
-        request.compute(&Work { caches: stores.caches(), monitor, tell })
+        request.compute(&Work { caches: caches.clone(), monitor, tell })
     };
     Jobs::telling(&engine.queue, Urgency::Search, Duration::ZERO, work)
 }

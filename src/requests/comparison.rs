@@ -49,7 +49,7 @@ impl Request for ComparisonRequest {
     type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedWith, JobError> {
-        let (trails, monitor) = (work.caches.trails, work.monitor);
+        let (trails, monitor) = (&work.caches.trails, work.monitor);
         let spots: Vec<Spot> = self.detection.features.iter().map(Spot::from).collect();
         let differences = match &self.with {
             ReferenceSource::Earlier { burst, asked, detection } => {

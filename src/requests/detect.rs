@@ -44,7 +44,7 @@ impl Request for DetectRequest {
 
     fn compute(self, work: &Work<'_, Detected>) -> Result<Detected, JobError> {
         let Self { burst, params: asked } = self;
-        let (trails, monitor) = (work.caches.trails, work.monitor);
+        let (trails, monitor) = (&work.caches.trails, work.monitor);
         // From cheap to dear: a kept search, one that is judged again by other thresholds, a search.
         let rejudged = || trails.rejudged(&burst, &asked, monitor).transpose();
         let cache = match trails.asked(&burst, &asked).map(Ok).or_else(rejudged).transpose()? {

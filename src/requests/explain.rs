@@ -36,7 +36,7 @@ impl Request for ExplainRequest {
     type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Explained, JobError> {
-        let (cache, monitor) = trail_and_rest(work.caches.trails, &self.of, work.monitor)?;
+        let (cache, monitor) = trail_and_rest(&work.caches.trails, &self.of, work.monitor)?;
         let trail = &cache.trail;
         let explanation = match self.question {
             ExplainQuestion::Slopes => Explanation::Slopes(Arc::new(spectrum(&cache, &monitor)?)),
@@ -107,7 +107,7 @@ impl Request for DetectionSource {
     type Answer = Traced;
     type Partial = Infallible;
 
-    fn cached(&self, caches: &Caches<'_>) -> Option<Traced> {
+    fn cached(&self, caches: &Caches) -> Option<Traced> {
         Some(Traced { burst: self.burst.id, cache: caches.trails.get(self)? })
     }
 
@@ -206,7 +206,7 @@ impl Request for CoherenceRequest {
     type Partial = Infallible;
 
     fn compute(self, work: &Work<'_, Infallible>) -> Result<Coherences, JobError> {
-        let (cache, rest) = trail_and_rest(work.caches.trails, &self.of, work.monitor)?;
+        let (cache, rest) = trail_and_rest(&work.caches.trails, &self.of, work.monitor)?;
         let values = Arc::new(judged(&cache.trail, &rest)?);
         Ok(Coherences { detection: self.detection, values })
     }

@@ -2,6 +2,7 @@
 //! `compute` makes it on the calling thread and its pool, and stops with [`JobError::Cancelled`] once its
 //! [`Monitor`](crate::monitor::Monitor) is cancelled. [`crate::engine`] decides when, where, and which of several wins.
 
+mod caches;
 mod comparison;
 pub mod dataset;
 mod detect;
@@ -18,6 +19,10 @@ mod source;
 mod study;
 mod trail;
 
+pub use caches::Caches;
+#[cfg(test)]
+pub(crate) use caches::PictureCache;
+pub(crate) use caches::locked;
 pub use comparison::{ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest, next_commands,
@@ -41,11 +46,10 @@ pub use map::{MotionMap, SlopeColours, line_of};
 pub use open::{BurstId, FolderRequest, OpenBurst, PREVIEW_OCTAVES, ShapeRequest};
 pub(crate) use picture::PictureKey;
 pub use picture::{PictureAnswer, PictureRequest};
-pub use request::{Caches, JobError, JobId, PictureStore, PossibleShape, Request, Running, Urgency, Work, time_left};
+pub use request::{JobError, JobId, PossibleShape, Request, Running, Urgency, Work, time_left};
 pub use source::BurstSource;
 pub use study::{ComparedPoses, PosesRequest, ReadTrajectory, StudyRequest, TrajectorySource, Which};
-pub(crate) use trail::trail_of;
-pub use trail::{DetectionSource, NothingKept, TrailStore};
+pub use trail::{DetectionSource, Trails};
 
 use std::sync::Arc;
 

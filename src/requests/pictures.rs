@@ -1,7 +1,7 @@
 //! Computation of pictures.
 
 use super::{
-    Caches, JobError, MotionMap, PictureAnswer, PictureKind, PictureRequest, Request, Urgency, ViewKind, Work,
+    Caches, JobError, MotionMap, PictureAnswer, PictureKind, PictureRequest, Request, Urgency, ViewKind, Work, locked,
 };
 use crate::baseline::merge_burst;
 use crate::detect::prepare;
@@ -19,7 +19,7 @@ use std::time::Duration;
 
 /// Computes a picture that is not a difference.
 fn plain(request: PictureRequest, work: &Work<'_, PictureAnswer>) -> Result<PictureAnswer, JobError> {
-    let (trails, monitor) = (work.caches.trails, work.monitor);
+    let (trails, monitor) = (&work.caches.trails, work.monitor);
     let mut motion = None;
     let burst = &request.burst.burst;
     let plane = match request.kind {
@@ -118,8 +118,8 @@ impl Request for PictureRequest {
         self.minus().map_or(own, |minus| own.max(minus.urgency()))
     }
 
-    fn cached(&self, caches: &Caches<'_>) -> Option<PictureAnswer> {
-        caches.pictures.get(self)
+    fn cached(&self, caches: &Caches) -> Option<PictureAnswer> {
+        locked(&caches.pictures).get(self)
     }
 
     /// With a preview, a superseded picture ends soon after it: the next one is as quick.
@@ -142,7 +142,7 @@ impl Request for PictureRequest {
             // Both pictures are kept too: they are mostly shown beside their difference.
             Some(minus) => self.alone().compute(work)?.minus(&minus.compute(work)?),
         };
-        work.caches.pictures.put(&picture);
+        locked(&work.caches.pictures).insert(&picture);
         Ok(picture)
     }
 }

@@ -1,7 +1,7 @@
 //! Trait of all requests (an answer or an error, an urgency, equality of two requests), and the progress of one that
 //! runs.
 
-use super::{BurstSource, NothingKept, PictureAnswer, PictureRequest, TrailStore};
+use super::{BurstSource, Caches};
 use crate::burst::Dump;
 use crate::dataset::BurstPicture;
 use crate::error::Error;
@@ -27,7 +27,7 @@ pub trait Request: Clone + PartialEq + Send + 'static {
     }
 
     /// The answer, if it is kept and needs no work.
-    fn cached(&self, _caches: &Caches<'_>) -> Option<Self::Answer> {
+    fn cached(&self, _caches: &Caches) -> Option<Self::Answer> {
         None
     }
 
@@ -46,24 +46,8 @@ pub enum Urgency {
     Dataset,
 }
 
-#[derive(Clone, Copy)]
-pub struct Caches<'a> {
-    pub trails: &'a dyn TrailStore,
-    pub pictures: &'a dyn PictureStore,
-}
-
-pub trait PictureStore {
-    fn get(&self, _: &PictureRequest) -> Option<PictureAnswer> {
-        None
-    }
-
-    fn put(&self, _: &PictureAnswer) {}
-}
-
-impl PictureStore for NothingKept {}
-
 pub struct Work<'a, T> {
-    pub caches: Caches<'a>,
+    pub caches: Caches,
     pub monitor: &'a Monitor,
     pub tell: &'a (dyn Fn(T) + Sync),
 }
@@ -71,7 +55,7 @@ pub struct Work<'a, T> {
 impl<'a, T> Work<'a, T> {
     /// Context without results of earlier requests; partial results are dropped.
     pub fn alone(monitor: &'a Monitor) -> Self {
-        Self { caches: Caches { trails: &NothingKept, pictures: &NothingKept }, monitor, tell: &|_| {} }
+        Self { caches: Caches::new(0), monitor, tell: &|_| {} }
     }
 }
 

@@ -1,16 +1,16 @@
 //! Tests of the engine, by subject.
 
 mod queue;
+mod trails;
 mod wanted;
 mod work;
 
-use super::stores::PictureCache;
 use super::{DEFAULT_CACHE_BYTES, Ended, Engine, JobQueue, OnUpdate, Wanted};
 use crate::burst::Burst;
 use crate::detector::{DetectorParams, Slope};
 use crate::monitor::Monitor;
 use crate::plane::Plane;
-use crate::requests::{BurstSource, JobError, OpenBurst, PictureKind, PictureRequest, Request, Work};
+use crate::requests::{BurstSource, JobError, OpenBurst, PictureCache, PictureKind, PictureRequest, Request, Work};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 

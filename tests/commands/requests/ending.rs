@@ -8,8 +8,8 @@ use burstscope::matching::MatchParams;
 use burstscope::monitor::{Monitor, Progress};
 use burstscope::requests::{
     BurstId, CoherenceRequest, CompareRequest, ComparisonRequest, DetectRequest, DetectionSource, ExplainQuestion,
-    ExplainRequest, JobError, MatchRequest, NothingKept, OpenBurst, OpenRequest, PictureKind, PictureRequest,
-    PosesRequest, ProbeQuestion, ProbeRequest, ReferenceSource, Request, Traced, TrailStore, Work,
+    ExplainRequest, JobError, MatchRequest, OpenBurst, OpenRequest, PictureKind, PictureRequest, PosesRequest,
+    ProbeQuestion, ProbeRequest, ReferenceSource, Request, Traced, Work,
 };
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
@@ -33,7 +33,7 @@ fn what_was_cancelled_before_it_began_has_no_answer() {
     let detect = DetectRequest { burst: open(), params: params().into() };
     let detection = detected().detection;
     let earlier = ReferenceSource::Earlier { burst: open(), asked: params().into(), detection: None };
-    let cache = NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
+    let cache = Arc::new(source().trail(&Monitor::default()).expect("valid"));
     let stack = PictureKind::Stack { slope: Slope::default() };
     let ends = [
         end(OpenRequest { source: open().source, options: OpenOptions::default() }),
@@ -112,7 +112,7 @@ fn failures_say_what_is_wrong() {
     let unknown = ReferenceSource::Truth { burst: empty((32, 32), 3), params: params() };
     assert!(why(against(unknown)).contains("nothing is known"));
     let of = DetectionSource { burst: empty((32, 32), 3), ..source() };
-    let cache = NothingKept.get_or_make(&of, &Monitor::default()).expect("valid");
+    let cache = Arc::new(of.trail(&Monitor::default()).expect("valid"));
     assert!(why(answer(probe(of.burst.id, cache))).contains("nothing in this burst is an extremum"));
 }
 

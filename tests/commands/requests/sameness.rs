@@ -7,8 +7,8 @@ use burstscope::inspect::ProbeCache;
 use burstscope::matching::MatchParams;
 use burstscope::monitor::Monitor;
 use burstscope::requests::{
-    ComparisonRequest, MatchRequest, NothingKept, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest,
-    ReferenceSource, Traced, TrailStore, ViewKind,
+    ComparisonRequest, MatchRequest, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest, ReferenceSource, Traced,
+    ViewKind,
 };
 use std::sync::Arc;
 
@@ -84,7 +84,7 @@ fn features_found_anew_are_others_and_so_is_a_trail() {
     assert!(request == request.clone() && request != MatchRequest { a: b, ..request.clone() });
     let params = MatchParams { ratio: 0.5, ..MatchParams::default() };
     assert!(request != MatchRequest { params, ..request.clone() });
-    let made = || NothingKept.get_or_make(&source(), &Monitor::default()).expect("valid");
+    let made = || Arc::new(source().trail(&Monitor::default()).expect("valid"));
     let ask = |cache: &Arc<ProbeCache>, near_sigma| {
         let traced = Traced { burst: open().id, cache: cache.clone() };
         ProbeRequest { traced, question: ProbeQuestion::Strongest, near_sigma, in_view: None }

@@ -1,16 +1,15 @@
 //! Tests of trails: a detection that keeps its trail finds the same features, and later requests do not search again.
 
-use super::{DetectionSource, Trails};
+use super::{answer_of, engine};
 use crate::detect::{Searched, search};
 use crate::detector::{DetectorParams, Distinct, Method, NoiseGate, SearchParams, SlopeGrid, Slopes};
-use crate::engine::tests::answer_of;
-use crate::engine::{DEFAULT_CACHE_BYTES, Engine};
+use crate::engine::Engine;
 use crate::inspect::ProbeCache;
 use crate::inspect::place::SurveyOptions;
 use crate::monitor::Monitor;
 use crate::requests::{
-    BurstSource, ComparisonRequest, DetectRequest, Detected, ExplainQuestion, ExplainRequest, OpenBurst, PictureKind,
-    PictureRequest, ReferenceSource, TrailStore, ViewKind,
+    BurstSource, ComparisonRequest, DetectRequest, Detected, DetectionSource, ExplainQuestion, ExplainRequest,
+    OpenBurst, PictureKind, PictureRequest, ReferenceSource, Trails, ViewKind,
 };
 use crate::synth::{Example, demo_burst};
 use std::sync::Arc;
@@ -37,7 +36,7 @@ fn detected(engine: &Engine, burst: &OpenBurst, params: &SearchParams) -> Detect
 
 #[test]
 fn a_detection_that_keeps_its_trail_is_the_plain_one() {
-    let (engine, burst) = (Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES), burst());
+    let (engine, burst) = (engine(), burst());
     let auto = SearchParams { slopes: Slopes::AUTO, ..with(Method::Buff, line(3)) };
     let plane = SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=1.0, 3);
     let asked = [
@@ -59,14 +58,14 @@ fn a_detection_that_keeps_its_trail_is_the_plain_one() {
         assert_eq!(found.detection.frames_used, plain.frames_used);
         assert_eq!((&found.params, &found.asked, &found.finding), (&made_with, &params, &finding));
         let Detected { asked, params, finding, .. } = found;
-        let kept = engine.stores.trails.get(&DetectionSource { burst: burst.clone(), asked, params, finding });
+        let kept = engine.caches.trails.get(&DetectionSource { burst: burst.clone(), asked, params, finding });
         assert_eq!(kept.expect("it fits").detection().features, plain.features);
     }
 }
 
 #[test]
 fn a_change_of_thresholds_is_judged_from_what_the_last_search_left() {
-    let (engine, burst) = (Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES), burst());
+    let (engine, burst) = (engine(), burst());
     let first = with(Method::Buff, line(5));
     let changed = |change: fn(&mut SearchParams)| {
         let mut params = first.clone();
@@ -88,10 +87,10 @@ fn a_change_of_thresholds_is_judged_from_what_the_last_search_left() {
         assert_eq!((&found.detection.features, &found.params), (&plain.features, &params.at_given()));
         assert!(found.detection.descriptors == plain.descriptors);
         assert_eq!(found.detection.times.noise_secs, 0.0, "it was not searched again: {params:?}");
-        assert_eq!(engine.stores.trails.held().0, 1, "one stands for all");
+        assert_eq!(engine.caches.trails.held().0, 1, "one stands for all");
     }
     // A trail that was replaced is judged again where somebody asks for it.
-    let trail = engine.stores.trails.get_or_make(&source(&burst, &first), &Monitor::default()).expect("valid");
+    let trail = engine.caches.trails.get_or_make(&source(&burst, &first), &Monitor::default()).expect("valid");
     assert_eq!(trail.detection().features, all.detection.features);
     // What the search did not leave is searched anew.
     let lower = changed(|detector| detector.noise_gate = NoiseGate::Factor(3.0));
@@ -103,7 +102,7 @@ fn a_change_of_thresholds_is_judged_from_what_the_last_search_left() {
 
 #[test]
 fn nobody_who_asks_after_a_detection_searches_again() {
-    let engine = Engine::new(Arc::new(|| {}), DEFAULT_CACHE_BYTES);
+    let engine = engine();
     // The truth of the demo is known.
     let burst = OpenBurst::new(demo_burst(), BurstSource::Demo);
     let params = with(Method::Buff, line(5));
@@ -115,21 +114,21 @@ fn nobody_who_asks_after_a_detection_searches_again() {
     answer(ExplainQuestion::Slopes);
     answer(ExplainQuestion::Candidates(SurveyOptions::default()));
     let traced = answer_of(&engine, of.clone());
-    assert!(Arc::ptr_eq(&traced.cache, &engine.stores.trails.get(&of).expect("kept")));
+    assert!(Arc::ptr_eq(&traced.cache, &engine.caches.trails.get(&of).expect("kept")));
     let truth = ReferenceSource::Truth { burst: burst.clone(), params: params.at_given() };
     answer_of(&engine, ComparisonRequest { detection: found.detection.clone(), with: truth });
     let motion = PictureKind::Map { map: ViewKind::Motion, octave: 0, level: 0, slope: line(5).slope(0) };
     answer_of(&engine, PictureRequest::new(burst.clone(), motion, params.at_given()));
-    assert_eq!(engine.stores.trails.repeated(), 0);
+    assert_eq!(engine.caches.trails.repeated(), 0);
     // A repeated detection takes the kept trail.
     let again = detected(&engine, &burst, &params);
     assert_eq!(again.detection.times, found.detection.times, "it was not searched again");
     engine.keep_trails_of(&[burst.id]);
-    assert!(engine.stores.trails.get(&of).is_some());
+    assert!(engine.caches.trails.get(&of).is_some());
     engine.keep_trails_of(&[self::burst().id]);
-    assert!(engine.stores.trails.get(&of).is_none());
+    assert!(engine.caches.trails.get(&of).is_none());
     answer(ExplainQuestion::Slopes);
-    assert_eq!(engine.stores.trails.repeated(), 1);
+    assert_eq!(engine.caches.trails.repeated(), 1);
 }
 
 #[test]

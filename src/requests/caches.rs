@@ -1,60 +1,28 @@
-//! Results that all requests of an engine share: pictures and trails of detections.
+//! Results of earlier requests that later ones share: trails of detections, and pictures.
 
-use super::trails::Trails;
-use super::{Engine, locked};
-use crate::requests::{Caches, PictureAnswer, PictureKey, PictureRequest, PictureStore};
+use super::trail::Trails;
+use super::{PictureAnswer, PictureKey, PictureRequest};
 use std::collections::HashMap;
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
+/// Results of earlier requests; clones share them.
 #[derive(Debug, Clone)]
-pub(super) struct Stores {
-    pub(super) pictures: Pictures,
-    pub(super) trails: Trails,
+pub struct Caches {
+    pub(crate) trails: Trails,
+    pub(crate) pictures: Arc<Mutex<PictureCache>>,
 }
 
-impl Stores {
-    pub(super) fn new(cache_bytes: usize) -> Self {
-        let pictures = Pictures(Arc::new(Mutex::new(PictureCache::new(cache_bytes))));
-        Self { pictures, trails: Trails::default() }
-    }
-
-    pub(super) fn caches(&self) -> Caches<'_> {
-        Caches { trails: &self.trails, pictures: &self.pictures }
+impl Caches {
+    /// Caches without results, with memory for pictures that are not on show, bytes.
+    pub fn new(picture_bytes: usize) -> Self {
+        Self { trails: Trails::default(), pictures: Arc::new(Mutex::new(PictureCache::new(picture_bytes))) }
     }
 }
 
-#[derive(Debug, Clone)]
-pub(super) struct Pictures(Arc<Mutex<PictureCache>>);
-
-impl PictureStore for Pictures {
-    fn get(&self, request: &PictureRequest) -> Option<PictureAnswer> {
-        locked(&self.0).get(request)
-    }
-
-    fn put(&self, picture: &PictureAnswer) {
-        locked(&self.0).insert(picture);
-    }
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Held {
-    pub picture_bytes: usize,
-    pub trails: usize,
-    /// Bytes of the trails, without the open bursts.
-    pub trail_bytes: usize,
-    pub requests: usize,
-}
-
-impl Engine {
-    /// Sets the memory for pictures that are not on show, bytes.
-    pub fn set_cache_bytes(&self, bytes: usize) {
-        locked(&self.stores.pictures.0).set_budget(bytes);
-    }
-
-    pub fn held(&self) -> Held {
-        let (trails, trail_bytes) = self.stores.trails.held();
-        Held { picture_bytes: locked(&self.stores.pictures.0).bytes(), trails, trail_bytes, requests: self.queue.len() }
-    }
+/// Changes of what threads share are whole values, and work runs outside the locks with its panics caught: the data are
+/// valid even if the lock is poisoned.
+pub(crate) fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[derive(Debug)]
