@@ -95,11 +95,10 @@ JSON (--json):
   what is significant whose slope the grid holds; significance is the power of the strongest window over the standard deviation that frames with nothing in
   common would give it.";
 
-/// Write the motion-stack image at a slope, or its DoG response.
+/// Write the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.
 ///
 /// The image is the mean of the frames shifted by the slope, or what --combine says; with --octave and --level it is
-/// the DoG response of that image, on the octave's pixels. Values are fractions of full scale, written as 32-bit float
-/// TIFF.
+/// the DoG response of that image, on the octave's pixels. Values are fractions of full scale.
 #[derive(Debug, Args)]
 pub struct StackArgs {
     #[arg(value_name = "INPUT", required = true, help = INPUT_HELP)]
@@ -136,9 +135,9 @@ pub struct StackArgs {
     pub overwrite: OverwriteArgs,
 }
 
-/// Align the frames of a burst and average them into one image: the burst-merge baseline.
+/// Align the frames of a burst and average them into one image.
 ///
-/// Each tile of the middle frame is looked for in every frame, from coarse to fine, and the tiles are averaged
+/// This is the burst-merge baseline. Each tile of the middle frame is looked for in every frame, from coarse to fine, and the tiles are averaged
 /// robustly: those that do not fit are left out. Values are fractions of full scale, written as 32-bit float TIFF.
 /// 'detect --method merge' finds the features of this image.
 #[derive(Debug, Args)]

@@ -20,8 +20,9 @@ use crate::requests::{window_line, write_page};
 use clap::Args;
 use std::path::PathBuf;
 
-/// Write a burst on one page: what it is, its slopes, noise, tests, how many features are false, and places. Of several
-/// bursts, or a long sequence with --burst-length: which need somebody, and a row for each.
+/// Write a burst on one page: input, slopes, noise, tests, false features, and places.
+///
+/// Of several bursts, or a long sequence with --burst-length, it says which need somebody, with a row for each.
 ///
 /// The page has the answers of 'info', 'slopes', 'detect', 'decoys' and 'probe': the input with what was guessed, the
 /// slopes with their judgement, the noise and its gate, the features and how many copies in other orders have, how

@@ -82,55 +82,36 @@ pub struct Cli {
     pub command: Option<Command>,
 }
 
-/// The commands.
+/// The commands, with what their arguments say of them.
 #[derive(Debug, Subcommand)]
 pub enum Command {
-    /// Find the features of one or many bursts.
     Detect(DetectArgs),
-    /// Say what an input is: frames, size, bits, times, and what was guessed.
     Info(InfoArgs),
-    /// Match the features of two bursts, verify the matches, and draw them.
     Match(MatchArgs),
-    /// Write the motion-stack image at a slope, or its DoG response, as 32-bit float TIFF.
     Stack(StackArgs),
-    /// Align the frames of a burst and average them into one image.
     Merge(MergeArgs),
-    /// Say which slopes a burst needs: its spectrum, what lies at the limit, and what to change.
     Slopes(SlopesArgs),
-    /// Say why there is a feature at a place, or why there is none.
     Probe(ProbeArgs),
-    /// Plant things of known strength in a burst, and say which of them the search finds.
     Recover(RecoverArgs),
-    /// Estimate which part of the features is false, by searching copies whose frames are in other orders.
     Decoys(DecoysArgs),
-    /// Write a burst on one page: input, slopes, noise, tests, false features, and places.
     Report(ReportArgs),
-    /// Write a sweep over slope, scale or frames as an animation.
     #[cfg(feature = "app")]
     Film(FilmArgs),
-    /// Write a burst, its settings and what is asked of it into one file.
     Case(CaseArgs),
-    /// Make a burst with exactly known truth (16-bit PNG frames and truth.json), or noisy copies of real frames.
     Synth(SynthArgs),
-    /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
     Evaluate(EvaluateArgs),
-    /// Remake every figure and table of the paper, from our own material.
     Figures(FiguresArgs),
-    /// Write what COLMAP's mapper takes: images, features and a database with verified matches.
     #[cfg(feature = "colmap")]
     Colmap(ColmapArgs),
-    /// Draw the window into a PNG file, without a display.
     #[cfg(feature = "app")]
     Render(RenderArgs),
-    /// Write what a shell needs to complete this program's commands and options.
     Completions(CompletionsArgs),
-    /// Write the manual page of the program or of a command.
     Man(ManArgs),
 }
 
-/// Write the completions of a shell to the standard output.
+/// Write what a shell needs to complete this program's commands and options.
 ///
-/// For bash, say, into a file that it reads at its start: burstscope completions bash >
+/// It goes to the standard output. For bash, say, into a file that it reads at its start: burstscope completions bash >
 /// ~/.local/share/bash-completion/completions/burstscope
 #[derive(Debug, Args)]
 pub struct CompletionsArgs {
@@ -147,9 +128,9 @@ pub(super) fn run(args: &CompletionsArgs) -> Result<(), Failure> {
     print(&String::from_utf8_lossy(&text)).map_err(Failure::output)
 }
 
-/// Write the manual page of the program or of a command to the standard output, as man reads it.
+/// Write the manual page of the program or of a command.
 ///
-/// To read one: burstscope man detect | man -l -
+/// It goes to the standard output, as man reads it. To read one: burstscope man detect | man -l -
 #[derive(Debug, Args)]
 pub struct ManArgs {
     /// The command, such as detect, or evaluate chart [default: the program].

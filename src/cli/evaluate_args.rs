@@ -13,7 +13,7 @@ use clap::{Args, Subcommand};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Measure the detector on synthetic bursts whose truth is known exactly, and what others made of its features.
+/// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
 #[derive(Debug, Args)]
 pub struct EvaluateArgs {
     /// What to measure.
@@ -24,19 +24,12 @@ pub struct EvaluateArgs {
 /// The studies.
 #[derive(Debug, Subcommand)]
 pub enum EvaluateStudy {
-    /// Count the discs that each method finds in the dark.
     Chart(EvaluateChartArgs),
-    /// Count what is found with few frames and with many, on charts or in a burst.
     Frames(FramesArgs),
-    /// Compare places, scales and slopes with the truth.
     Accuracy(AccuracyArgs),
-    /// Count what is found on noise alone, where there is nothing.
     Noise(NoiseArgs),
-    /// Count how often the sentence about the slopes is right.
     Advice(AdviceArgs),
-    /// Count the matches between the bursts of a dataset, method by method.
     Matches(MatchesArgs),
-    /// Compare camera poses that were estimated with the true ones.
     Poses(PosesArgs),
 }
 
@@ -166,9 +159,9 @@ fn parse_bits(text: &str) -> Result<Bits, String> {
     text.parse().map(|bits| Bits(Some(bits))).map_err(|_| format!("'{text}' is neither 'none' nor a number of bits"))
 }
 
-/// Count how often the sentence about the slopes is right, on bursts whose motion is known.
+/// Count how often the sentence about the slopes is right.
 ///
-/// Layered scenes are searched with slopes that are found (line, plane, layers, masked), with wrong ones (narrow,
+/// Layered scenes whose motion is known are searched with slopes that are found (line, plane, layers, masked), with wrong ones (narrow,
 /// coarse, beside, wide, still), and with frames that do not fit (exchanged, curved, noise). What 'detect' and 'slopes'
 /// say of the slopes is counted against what is true. 'unknown', said where the frames show too little, is never wrong.
 #[derive(Debug, Clone, Args)]

@@ -7,7 +7,7 @@ use clap::Args;
 use serde::Serialize;
 use std::path::PathBuf;
 
-/// Say what an input is: bursts with their kind, frames, size, bits and times, and what was guessed.
+/// Say what an input is: frames, size, bits, times, and what was guessed.
 ///
 /// Only headers are read, and of a raw file, which declares little, the frame. Files are opened with the options of the
 /// other commands.

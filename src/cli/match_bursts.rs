@@ -112,7 +112,7 @@ fn summary(counts: &MatchCounts, matching: &MatchParams, why_none: &str) -> Stri
     )
 }
 
-/// Match the features of two bursts, and verify the matches.
+/// Match the features of two bursts, verify the matches, and draw them.
 ///
 /// The features of both bursts are found with the same parameters. Each is matched with the feature of the other burst
 /// with the nearest descriptor, if that is clearly nearer than the second nearest, and both ways. Matches that agree on

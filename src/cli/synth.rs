@@ -98,7 +98,7 @@ fn say_made(out: &Path, made: &str, truth: &impl Serialize, console: &Console) -
     console.say_document("synth", &document! { folder: path_text(out), truth })
 }
 
-/// Make a burst with exactly known truth, or noisy copies of real frames.
+/// Make a burst with exactly known truth (16-bit PNG frames and truth.json), or noisy copies of real frames.
 #[derive(Debug, Args)]
 pub struct SynthArgs {
     /// What to make.
@@ -113,9 +113,7 @@ pub enum SynthKind {
     Chart(BurstArgs<ChartParams>),
     /// Textured layers at several depths, each with its own slope.
     Scene(BurstArgs<SceneParams>),
-    /// Noisy copies of real frames, as our camera would have taken them in the dark.
     Noisy(NoisyArgs),
-    /// Bursts along a camera's way past textured planes, with its poses.
     Trajectory(TrajectoryArgs),
 }
 
@@ -153,9 +151,9 @@ pub struct NoisyArgs {
     pub output: OutputArgs,
 }
 
-/// Bursts that a camera takes on its way past textured planes at several depths, with its poses.
+/// Bursts along a camera's way past textured planes, with its poses.
 ///
-/// The planes are drawn in perspective from the pose that the camera has in each frame, so the apparent motion follows
+/// The planes lie at several depths and are drawn in perspective from the pose that the camera has in each frame, so the apparent motion follows
 /// from the depth. The folder holds bursts/ (a folder of frames for each), gold/ (the view at each mid-burst without
 /// noise), poses.txt (lines 'timestamp tx ty tz qx qy qz qw': the burst's number, the camera in the world at
 /// mid-burst), lens.toml (the camera, for --camera) and trajectory.json (everything else that is known).
