@@ -1,11 +1,10 @@
 //! Comparison of the features of a burst with others: an earlier result, features of a file, or the truth.
 
-use super::{JobError, OpenBurst, Request, Work};
+use super::{JobError, OpenBurst};
 use crate::detect::search;
 use crate::detector::{Detection, DetectorParams, SearchParams};
 use crate::inspect::result::{AgainstTruth, Changes, ForeignFeature, Spot, against_truth, compare, read_features};
 use crate::synth::Truth;
-use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -44,28 +43,26 @@ impl PartialEq for ReferenceSource {
     }
 }
 
-impl Request for ComparisonRequest {
-    type Answer = ComparedWith;
-    type Partial = Infallible;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedWith, JobError> {
+request! {
+    ComparisonRequest => ComparedWith: |self, work| {
         let (trails, monitor) = (&work.caches.trails, work.monitor);
         let spots: Vec<Spot> = self.detection.features.iter().map(Spot::from).collect();
-        let differences = match &self.with {
+        // What is searched or read stays in the request, which comes back with the answer.
+        let Self { detection: ours, mut with } = self;
+        let differences = match &mut with {
             ReferenceSource::Earlier { burst, asked, detection } => {
                 // From cheap to dear: the result itself, its kept search, a search.
-                let earlier = match (detection, trails.asked(burst, asked)) {
-                    (Some(earlier), _) => earlier.clone(),
+                let earlier = match (detection.take(), trails.asked(burst, asked)) {
+                    (Some(earlier), _) => earlier,
                     (None, Some(kept)) => Arc::new(kept.detection().clone()),
                     (None, None) => Arc::new(search(&burst.burst, asked, monitor)?.detection),
                 };
-                let before: Vec<Spot> = earlier.features.iter().map(Spot::from).collect();
-                changes_since(before, &spots, OthersSource::Earlier(earlier))
+                changes_since(detection.insert(earlier).features.iter().map(Spot::from).collect(), &spots)
             }
             ReferenceSource::File { path, features } => {
-                let read = features.clone().map_or_else(|| read_features(path).map(Arc::new), Ok)?;
+                let read = features.take().map_or_else(|| read_features(path).map(Arc::new), Ok)?;
                 monitor.check()?;
-                changes_since(read.iter().map(Spot::from).collect(), &spots, OthersSource::File(read))
+                changes_since(features.insert(read).iter().map(Spot::from).collect(), &spots)
             }
             ReferenceSource::Truth { burst, params } => {
                 let truth = burst.truth(monitor)?;
@@ -77,20 +74,14 @@ impl Request for ComparisonRequest {
             }
         };
         monitor.check()?;
-        Ok(ComparedWith { request: self, differences })
+        Ok(ComparedWith { request: Self { detection: ours, with }, differences })
     }
 }
 
 #[derive(Debug, Clone)]
 pub enum Differences {
-    Changes { changes: Changes, before: Arc<Vec<Spot>>, source: OthersSource },
+    Changes { changes: Changes, before: Arc<Vec<Spot>> },
     Truth { against: Box<AgainstTruth>, truth: Arc<Truth> },
-}
-
-#[derive(Debug, Clone)]
-pub enum OthersSource {
-    Earlier(Arc<Detection>),
-    File(Arc<Vec<ForeignFeature>>),
 }
 
 #[derive(Debug, Clone)]
@@ -99,6 +90,6 @@ pub struct ComparedWith {
     pub differences: Differences,
 }
 
-fn changes_since(before: Vec<Spot>, after: &[Spot], source: OthersSource) -> Differences {
-    Differences::Changes { changes: compare(&before, after), before: Arc::new(before), source }
+fn changes_since(before: Vec<Spot>, after: &[Spot]) -> Differences {
+    Differences::Changes { changes: compare(&before, after), before: Arc::new(before) }
 }

@@ -13,7 +13,6 @@ use crate::inspect::ProbeCache;
 use crate::inspect::slopes::{SlopeJudgement, judgement};
 use crate::matching::{MatchParams, MatchResult};
 use crate::monitor::Monitor;
-use std::convert::Infallible;
 use std::sync::Arc;
 
 #[derive(Debug, Clone, PartialEq)]
@@ -22,11 +21,8 @@ pub struct OpenRequest {
     pub options: OpenOptions,
 }
 
-impl Request for OpenRequest {
-    type Answer = OpenBurst;
-    type Partial = Infallible;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<OpenBurst, JobError> {
+request! {
+    OpenRequest => OpenBurst: |self, work| {
         self.source.open(&self.options, work.monitor)
     }
 }
@@ -102,26 +98,18 @@ pub enum CompareRequest {
 
 #[derive(Debug, Clone)]
 pub enum Compared {
-    Detected(Detected),
+    Detected(BurstId, DetectorParams, Arc<Detection>),
     Matched(Matched),
 }
 
-impl Request for CompareRequest {
-    type Answer = Compared;
-    type Partial = Infallible;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Compared, JobError> {
+request! {
+    CompareRequest => Compared: |self, work| {
         match self {
             Self::Match(request) => request.compute(work).map(Compared::Matched),
             Self::Detect(DetectRequest { burst, params }) => {
                 // Without kept searches, so that the times of methods compare.
-                let searched = detect::search(&burst.burst, &params, work.monitor)?;
-                let Searched { detection, params: used, finding, .. } = searched;
-                let (searched, search_secs) = (used.clone(), detection.times.total_secs());
-                let (burst, asked, params, detection) = (burst.id, params, used, Arc::new(detection));
-                let judgement = None;
-                let detected = Detected { burst, asked, params, searched, search_secs, finding, detection, judgement };
-                Ok(Compared::Detected(detected))
+                let Searched { detection, params, .. } = detect::search(&burst.burst, &params, work.monitor)?;
+                Ok(Compared::Detected(burst.id, params, Arc::new(detection)))
             }
         }
     }
@@ -136,11 +124,8 @@ pub struct MatchRequest {
     pub params: MatchParams,
 }
 
-impl Request for MatchRequest {
-    type Answer = Matched;
-    type Partial = Infallible;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Matched, JobError> {
+request! {
+    MatchRequest => Matched: |self, work| {
         Ok(self.matched(work.monitor)?)
     }
 }

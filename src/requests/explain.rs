@@ -2,7 +2,7 @@
 //! losses of features whose truth is known, the fate of single places and candidates, and the shares of the frames.
 
 use super::trail::trail_and_rest;
-use super::{BurstId, Caches, DetectionSource, JobError, MatchRequest, Request, Urgency, Work};
+use super::{BurstId, Caches, DetectionSource, JobError, MatchRequest, Request, Work};
 use crate::detector::{Detection, ParamChange, Slope, Test};
 use crate::inspect::ProbeCache;
 use crate::inspect::pair::{ComparedPair, Losses, Lost, NearestOfBoth};
@@ -31,11 +31,8 @@ pub struct ExplainRequest {
     pub question: ExplainQuestion,
 }
 
-impl Request for ExplainRequest {
-    type Answer = Explained;
-    type Partial = Infallible;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Explained, JobError> {
+request! {
+    ExplainRequest => Explained: |self, work| {
         let (cache, monitor) = trail_and_rest(&work.caches.trails, &self.of, work.monitor)?;
         let trail = &cache.trail;
         let explanation = match self.question {
@@ -76,11 +73,8 @@ impl LossesRequest {
     }
 }
 
-impl Request for LossesRequest {
-    type Answer = FoundLosses;
-    type Partial = Infallible;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<FoundLosses, JobError> {
+request! {
+    LossesRequest => FoundLosses: |self, work| {
         let losses = Losses::new(self.pair(), work.monitor)?;
         let counts = losses.counts(work.monitor)?;
         let lost = (0..self.request.a.features.len()).map(|index| losses.lost(index)).collect();
@@ -138,12 +132,8 @@ pub struct ProbeRequest {
     pub in_view: Option<Slope>,
 }
 
-impl Request for ProbeRequest {
-    type Answer = Probed;
-    type Partial = Infallible;
-    const URGENCY: Urgency = Urgency::Picture;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Probed, JobError> {
+request! {
+    ProbeRequest => Probed, Picture: |self, work| {
         let (cache, monitor) = (&self.traced.cache, work.monitor);
         let (place, wanted) = match self.question {
             ProbeQuestion::At { place, wanted } => (place, wanted),
@@ -201,11 +191,8 @@ pub struct Coherences {
     pub values: Arc<Vec<Judged>>,
 }
 
-impl Request for CoherenceRequest {
-    type Answer = Coherences;
-    type Partial = Infallible;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Coherences, JobError> {
+request! {
+    CoherenceRequest => Coherences: |self, work| {
         let (cache, rest) = trail_and_rest(&work.caches.trails, &self.of, work.monitor)?;
         let values = Arc::new(judged(&cache.trail, &rest)?);
         Ok(Coherences { detection: self.detection, values })

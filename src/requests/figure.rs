@@ -1,7 +1,7 @@
 //! Figures for print: of the panes of the window, with a preview of what is written, and of the matches of two bursts,
 //! with both pictures, lines between them, and the numbers of inliers and outliers.
 
-use super::{JobError, PictureAnswer, Request, Urgency, Work};
+use super::{JobError, PictureAnswer};
 use crate::dataset::{DetectedBurst, ImageKind, burst_plane};
 use crate::detector::view::stack_view;
 use crate::detector::{Feature, Method};
@@ -22,7 +22,6 @@ use crate::plane::statistics::Region;
 use image::RgbaImage;
 use image::imageops::crop_imm;
 use serde::Deserialize;
-use std::convert::Infallible;
 use std::path::Path;
 use std::sync::Arc;
 
@@ -73,12 +72,8 @@ impl FigureRequest {
     }
 }
 
-impl Request for FigureRequest {
-    type Answer = FigurePreview;
-    type Partial = Infallible;
-    const URGENCY: Urgency = Urgency::Picture;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<FigurePreview, JobError> {
+request! {
+    FigureRequest => FigurePreview, Picture: |self, work| {
         let drawing = self.drawing();
         work.monitor.check()?;
         let to_pixels = self.format == FigureFormat::Png;

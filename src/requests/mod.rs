@@ -2,6 +2,9 @@
 //! `compute` makes it on the calling thread and its pool, and stops with [`JobError::Cancelled`] once its
 //! [`Monitor`](crate::monitor::Monitor) is cancelled. [`crate::engine`] decides when, where, and which of several wins.
 
+#[macro_use]
+mod request;
+
 mod caches;
 mod comparison;
 pub mod dataset;
@@ -14,7 +17,6 @@ mod map;
 mod open;
 mod picture;
 mod pictures;
-mod request;
 mod source;
 mod study;
 mod trail;
@@ -23,7 +25,7 @@ pub use caches::Caches;
 #[cfg(test)]
 pub(crate) use caches::PictureCache;
 pub(crate) use caches::locked;
-pub use comparison::{ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
+pub use comparison::{ComparedWith, ComparisonRequest, Differences, ReferenceSource};
 pub use dataset::{
     Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset, ThumbnailsRequest, next_commands,
     old_model,

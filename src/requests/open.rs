@@ -1,6 +1,6 @@
 //! Open bursts, and how they are opened.
 
-use super::{BurstSource, JobError, PossibleShape, Request, Urgency, Work};
+use super::{BurstSource, JobError, PossibleShape};
 use crate::burst::{Burst, Dump, LikelyShape, Limits, OpenOptions, find_bursts, likely_shapes, shape_of};
 use crate::dataset::BurstPicture;
 use crate::detector::view::coarse_frames;
@@ -10,7 +10,6 @@ use crate::inspect::words::counted;
 use crate::monitor::{Cancelled, Monitor};
 use crate::plane::Plane;
 use crate::synth::{Truth, synth_chart};
-use std::convert::Infallible;
 use std::ffi::OsStr;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -118,12 +117,8 @@ pub struct ShapeRequest {
     pub limits: Limits,
 }
 
-impl Request for ShapeRequest {
-    type Answer = PossibleShape;
-    type Partial = Infallible;
-    const URGENCY: Urgency = Urgency::Picture;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<PossibleShape, JobError> {
+request! {
+    ShapeRequest => PossibleShape, Picture: |self, work| {
         Ok(shape_of(&self.path, self.dump, &self.limits, work.monitor)?.into())
     }
 }
@@ -132,12 +127,8 @@ impl Request for ShapeRequest {
 #[derive(Debug, Clone, PartialEq)]
 pub struct FolderRequest(pub PathBuf);
 
-impl Request for FolderRequest {
-    type Answer = Vec<String>;
-    type Partial = Infallible;
-    const URGENCY: Urgency = Urgency::Picture;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<Vec<String>, JobError> {
+request! {
+    FolderRequest => Vec<String>, Picture: |self, work| {
         const MOST: usize = 20_000;
         let mut names = Vec::new();
         for entry in std::fs::read_dir(&self.0).map_err(JobError::failed)?.take(MOST) {

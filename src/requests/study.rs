@@ -6,7 +6,6 @@ use crate::figures::{FiguresJob, FiguresReport};
 use crate::monitor::Stage;
 use crate::study::{ChartOfStudy, ShownChart, Study, StudyReport};
 use serde::{Deserialize, Serialize};
-use std::convert::Infallible;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -33,22 +32,15 @@ impl Request for StudyRequest {
     }
 }
 
-impl Request for ChartOfStudy {
-    type Answer = ShownChart;
-    type Partial = Infallible;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<ShownChart, JobError> {
+request! {
+    ChartOfStudy => ShownChart: |self, work| {
         Ok(self.show(work.monitor)?)
     }
 }
 
-/// The figures of the paper, written to a folder. Finished figures stay there, so that a cancelled job can be resumed.
-impl Request for FiguresJob {
-    type Answer = FiguresReport;
-    type Partial = Infallible;
-    const URGENCY: Urgency = Urgency::Dataset;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<FiguresReport, JobError> {
+// The figures of the paper, written to a folder. Finished figures stay there, so that a cancelled job can be resumed.
+request! {
+    FiguresJob => FiguresReport, Dataset: |self, work| {
         Ok(self.run(&mut |_| {}, work.monitor)?)
     }
 }
@@ -88,11 +80,8 @@ pub struct PosesRequest {
     pub study: PoseStudy,
 }
 
-impl Request for PosesRequest {
-    type Answer = ComparedPoses;
-    type Partial = Infallible;
-
-    fn compute(self, work: &Work<'_, Infallible>) -> Result<ComparedPoses, JobError> {
+request! {
+    PosesRequest => ComparedPoses: |self, work| {
         let (monitor, mut read) = (work.monitor, [const { None }; 3]);
         for (which, source) in self.sources.into_iter().enumerate() {
             monitor.report(Stage::Open, 0.25 * which as f32);

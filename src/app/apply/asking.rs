@@ -6,7 +6,7 @@ use crate::app::apply::{comparison, dataset_answers, detection, explained, metho
 use crate::app::document::Side;
 use crate::app::results::{Effect, Matches, MethodFound, Model, Read, Results};
 use crate::engine::{Ended, Engine, Want, Wanted};
-use crate::requests::{Compared, Detected, JobError, PictureAnswer, RangeClass, Request, Urgency};
+use crate::requests::{Compared, JobError, PictureAnswer, RangeClass, Request, Urgency};
 
 /// Pass of the window. While the pointer drags a value, long work waits for the final one.
 struct Pass<'a> {
@@ -132,7 +132,7 @@ impl Part for Methods {
         for ended in compare.wanted.take() {
             let Some(job) = compare.asked.take() else { continue };
             match ended.result {
-                Ok(Compared::Detected(Detected { burst, params, detection, .. })) => {
+                Ok(Compared::Detected(burst, params, detection)) => {
                     let found = MethodFound { burst, params, detection, elapsed: ended.elapsed };
                     compare.take_found(job.method, job.side, found);
                 }

@@ -11,7 +11,7 @@ use crate::app::results::Read;
 use crate::detector::{Detection, SearchParams};
 use crate::engine::Wanted;
 use crate::inspect::result::ForeignFeature;
-use crate::requests::{BurstId, ComparedWith, ComparisonRequest, Differences, OthersSource, ReferenceSource};
+use crate::requests::{BurstId, ComparedWith, ComparisonRequest, Differences, ReferenceSource};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -95,19 +95,13 @@ impl ComparisonResults {
         let (ComparedWith { request, differences }, Some(with)) = (compared, set.with) else { return };
         let (is_whole_truth, ours) = match &differences {
             Differences::Truth { against, .. } => (against.is_whole_truth, against.name_of_elsewhere()),
-            Differences::Changes { source, .. } => {
-                match (&request.with, source) {
-                    (ReferenceSource::Earlier { asked, .. }, OthersSource::Earlier(found)) => {
-                        self.pinned = Some((asked.clone(), found.clone()));
-                    }
-                    (ReferenceSource::File { path, .. }, OthersSource::File(read)) => {
-                        self.file = Some((path.clone(), read.clone()));
-                    }
-                    _ => {}
-                }
-                (true, Compared::Ours.label(with))
-            }
+            Differences::Changes { .. } => (true, Compared::Ours.label(with)),
         };
+        match request.with {
+            ReferenceSource::Earlier { asked, detection, .. } => self.pinned = detection.map(|found| (asked, found)),
+            ReferenceSource::File { path, features } => self.file = features.map(|read| (path, read)),
+            ReferenceSource::Truth { .. } => {}
+        }
         if self.shown.is_none() && !is_whole_truth {
             set.hidden = vec![Compared::Ours];
         }
