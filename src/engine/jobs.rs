@@ -1,7 +1,7 @@
 //! Kinds of background work: each with its urgency, a function from requests to answers, and a place where these are
 //! polled. Before the one answer, work may report partial results.
 
-use super::queue::{JobKey, Lane, Manner, Publish, QueuedJob, Standing};
+use super::queue::{Lane, Manner, Publish, QueuedJob, Standing};
 use super::{JobQueue, OnUpdate, fault, locked};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, JobId, Running, Urgency};
@@ -18,7 +18,7 @@ pub struct JobAnswer<A> {
 }
 
 struct News<A, P> {
-    answers: Vec<(u32, JobAnswer<A>)>,
+    answers: Vec<JobAnswer<A>>,
     partial: Vec<(JobId, P)>,
 }
 
@@ -31,13 +31,13 @@ struct Shared<Q, A, P> {
 }
 
 impl<Q, A, P> Shared<Q, A, P> {
-    fn answer(&self, slot: u32, id: JobId, result: Result<A, JobError>, elapsed: Duration) {
+    fn answer(&self, id: JobId, result: Result<A, JobError>, elapsed: Duration) {
         let mut news = locked(&self.news);
         if matches!(result, Err(JobError::Superseded)) {
             // Partial results of a superseded request are dropped: the newer request reports its own.
             news.partial.retain(|(of, _)| *of != id);
         }
-        news.answers.push((slot, JobAnswer { id, result, elapsed }));
+        news.answers.push(JobAnswer { id, result, elapsed });
     }
 }
 
@@ -75,38 +75,26 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
         Self { queue: queue.clone(), kind, manner: Manner { urgency, grace, lane: Lane::Kind(kind) }, shared }
     }
 
-    fn key(&self, slot: u32) -> JobKey {
-        JobKey { kind: self.kind, slot }
+    pub(super) fn submit_as(&self, manner: Manner, request: Q) -> JobId {
+        let job = TypedJob { request, grace: manner.grace, shared: self.shared.clone() };
+        self.queue.submit(self.kind, manner, Box::new(job))
     }
 
-    pub fn submit_for(&self, slot: u32, request: Q) -> JobId {
-        self.submit_as(self.manner, slot, request)
-    }
-
-    pub(super) fn submit_as(&self, manner: Manner, slot: u32, request: Q) -> JobId {
-        let job = TypedJob { request, slot, grace: manner.grace, shared: self.shared.clone() };
-        self.queue.submit(self.key(slot), manner, Box::new(job))
-    }
-
-    pub fn publish_for(&self, slot: u32, answer: A) -> JobId {
-        self.queue.publish(self.key(slot), |id| self.shared.answer(slot, id, Ok(answer), Duration::ZERO))
+    pub fn publish(&self, answer: A) -> JobId {
+        self.queue.publish(self.kind, |id| self.shared.answer(id, Ok(answer), Duration::ZERO))
     }
 
     /// Cancels running and waiting requests, whose answers are [`JobError::Cancelled`].
     pub fn cancel(&self) {
-        self.queue.cancel(self.key(0));
+        self.queue.cancel(self.kind);
     }
 
     pub fn running(&self) -> Option<Running> {
-        self.queue.running(self.key(0))
+        self.queue.running(self.kind)
     }
 
-    pub fn take_answers_for(&self) -> Vec<(u32, JobAnswer<A>)> {
+    pub fn take_answers(&self) -> Vec<JobAnswer<A>> {
         std::mem::take(&mut locked(&self.shared.news).answers)
-    }
-
-    pub fn take_answers(&self) -> impl Iterator<Item = JobAnswer<A>> + use<Q, A, P> {
-        self.take_answers_for().into_iter().map(|(_, answer)| answer)
     }
 
     pub(super) fn take_partial(&self) -> Vec<P> {
@@ -116,14 +104,13 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> Jobs<Q, A, P> {
 
 struct TypedJob<Q, A, P> {
     request: Q,
-    slot: u32,
     grace: Duration,
     shared: Arc<Shared<Q, A, P>>,
 }
 
 impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> QueuedJob for TypedJob<Q, A, P> {
     fn run(self: Box<Self>, id: JobId, thread: &str, monitor: &Monitor) -> Publish {
-        let Self { request, slot, grace, shared } = *self;
+        let Self { request, grace, shared } = *self;
         let started = Instant::now();
         let tell = |told: P| {
             // Cancelled work may still report a partial result, for which nobody waits.
@@ -141,11 +128,11 @@ impl<Q: Send + 'static, A: Send + 'static, P: Send + 'static> QueuedJob for Type
                 Standing::Superseded => grace.is_zero() || matches!(result, Err(JobError::Cancelled)),
                 Standing::Overtaken => true,
             };
-            shared.answer(slot, id, if unwanted { Err(JobError::Superseded) } else { result }, elapsed);
+            shared.answer(id, if unwanted { Err(JobError::Superseded) } else { result }, elapsed);
         })
     }
 
     fn end(self: Box<Self>, id: JobId, why: JobError) {
-        self.shared.answer(self.slot, id, Err(why), Duration::ZERO);
+        self.shared.answer(id, Err(why), Duration::ZERO);
     }
 }

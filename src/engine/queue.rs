@@ -1,9 +1,9 @@
 //! Queue for all background work of a window, and the threads that take from it.
 //!
-//! Every request has a [`JobKey`]: its kind of work, and a slot, such as a pane. Of one key the latest request wins: it
-//! replaces the one that waits, and supersedes the one that runs, which is cancelled once its grace has ended. Some
-//! threads take only urgent work, so that a picture never waits for a dataset. Every request ends in exactly one
-//! answer, which is published before its work counts as done; `on_update` is called after that.
+//! Every request has a kind, which each asker has of its own. Of one kind the latest request wins: it replaces the one
+//! that waits, and supersedes the one that runs, which is cancelled once its grace has ended. Some threads take only
+//! urgent work, so that a picture never waits for a dataset. Every request ends in exactly one answer, which is
+//! published before its work counts as done; `on_update` is called after that.
 
 mod state;
 mod threads;
@@ -24,18 +24,11 @@ pub(super) const THREADS: [Urgency; 8] = {
     [Picture, Write, SlowPicture, Search, Search, Search, Dataset, Dataset]
 };
 
-/// Kind of work and slot of a request. Of one key the latest request wins.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct JobKey {
-    pub kind: u32,
-    pub slot: u32,
-}
-
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Manner {
     pub(super) urgency: Urgency,
     pub(super) grace: Duration,
-    /// Requests of a lane run one at a time, in the order in which their keys asked.
+    /// Requests of a lane run one at a time, in the order in which their kinds asked.
     pub(super) lane: Lane,
 }
 
@@ -101,39 +94,39 @@ impl JobQueue {
         &self.shared.on_update
     }
 
-    /// Submits a request under `key`, in place of a waiting one; a running one is superseded.
-    pub(super) fn submit(&self, key: JobKey, manner: Manner, job: Box<dyn QueuedJob>) -> JobId {
+    /// Submits a request of `kind`, in place of a waiting one; a running one is superseded.
+    pub(super) fn submit(&self, kind: u32, manner: Manner, job: Box<dyn QueuedJob>) -> JobId {
         let mut state = locked(&self.shared.state);
         let id = state.next_id();
-        let new = WaitingJob { key, id, manner, job };
-        match state.waiting.iter_mut().find(|job| job.key == key) {
+        let new = WaitingJob { kind, id, manner, job };
+        match state.waiting.iter_mut().find(|job| job.kind == kind) {
             Some(waiting) => {
                 let old = std::mem::replace(waiting, new);
                 old.job.end(old.id, JobError::Superseded);
             }
             None => state.waiting.push(new),
         }
-        state.supersede(key, Standing::Superseded);
+        state.supersede(kind, Standing::Superseded);
         self.shared.wake.notify_all();
         id
     }
 
-    pub(super) fn publish(&self, key: JobKey, publish: impl FnOnce(JobId)) -> JobId {
+    pub(super) fn publish(&self, kind: u32, publish: impl FnOnce(JobId)) -> JobId {
         let mut state = locked(&self.shared.state);
         let id = state.next_id();
-        state.end_waiting(key, &JobError::Superseded);
-        state.supersede(key, Standing::Overtaken);
-        // Under the lock, so that no older answer of the key comes later.
+        state.end_waiting(kind, &JobError::Superseded);
+        state.supersede(kind, Standing::Overtaken);
+        // Under the lock, so that no older answer of the kind comes later.
         publish(id);
         drop(state);
         (self.shared.on_update)();
         id
     }
 
-    pub(super) fn cancel(&self, key: JobKey) {
+    pub(super) fn cancel(&self, kind: u32) {
         let mut state = locked(&self.shared.state);
-        state.running.iter().filter(|job| job.key == key).for_each(|job| job.monitor.cancel());
-        state.end_waiting(key, &JobError::Cancelled);
+        state.running.iter().filter(|job| job.kind == kind).for_each(|job| job.monitor.cancel());
+        state.end_waiting(kind, &JobError::Cancelled);
         drop(state);
         (self.shared.on_update)();
     }
@@ -142,14 +135,14 @@ impl JobQueue {
         locked(&self.shared.state).running.iter().for_each(RunningJob::enforce_grace);
     }
 
-    pub(super) fn running(&self, key: JobKey) -> Option<Running> {
+    pub(super) fn running(&self, kind: u32) -> Option<Running> {
         let state = locked(&self.shared.state);
-        let running = state.running.iter().find(|job| job.key == key).map(|job| Running {
+        let running = state.running.iter().find(|job| job.kind == kind).map(|job| Running {
             id: job.id,
             started: job.started,
             progress: *locked(&job.progress),
         });
-        let waiting = || state.waiting.iter().find(|job| job.key == key);
+        let waiting = || state.waiting.iter().find(|job| job.kind == kind);
         running.or_else(|| waiting().map(|job| Running { id: job.id, started: Instant::now(), progress: None }))
     }
 

@@ -1,10 +1,11 @@
 //! Tasks: small work that must not block the window, such as writing a file, finished even when the window closes.
 
 use super::jobs::{JobAnswer, Jobs};
+use super::queue::{Lane, Manner};
 use super::{JobQueue, locked};
 use crate::monitor::Monitor;
 use crate::requests::{JobError, Urgency};
-use std::collections::HashMap;
+use std::any::TypeId;
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
@@ -21,38 +22,38 @@ pub struct TaskDone {
 pub(super) type Work = Box<dyn FnOnce() -> Result<String, String> + Send>;
 
 pub(super) struct Tasks {
-    jobs: Jobs<Work, String>,
-    /// Number of the newest task, and labels of the tasks that have not ended.
-    labels: Mutex<(u32, HashMap<u32, String>)>,
+    queue: Arc<JobQueue>,
+    started: Mutex<Started>,
 }
+
+/// Number of the newest task, and the tasks whose end was not taken, oldest first.
+type Started = (u32, Vec<(TaskId, String, Jobs<Work, String>)>);
 
 impl Tasks {
     pub(super) fn new(queue: &Arc<JobQueue>) -> Self {
-        let run = |work: Work, _: &Monitor| work().map_err(JobError::Failed);
-        Self { jobs: Jobs::new(queue, Urgency::Write, Duration::ZERO, run), labels: Mutex::default() }
+        Self { queue: queue.clone(), started: Mutex::default() }
     }
 
     pub(super) fn start(&self, label: &str, work: Work) -> TaskId {
-        // Each task has a slot of its own: none supersedes another.
-        let slot = {
-            let mut labels = locked(&self.labels);
-            labels.0 += 1;
-            let slot = labels.0;
-            labels.1.insert(slot, label.to_owned());
-            slot
-        };
-        self.jobs.submit_for(slot, work);
-        TaskId(slot)
+        let run = |work: Work, _: &Monitor| work().map_err(JobError::Failed);
+        let jobs = Jobs::new(&self.queue, Urgency::Write, Duration::ZERO, run);
+        // Each task is of a kind of its own, so that none supersedes another; they run one at a time, in their order.
+        jobs.submit_as(Manner { lane: Lane::Type(TypeId::of::<Self>(), Urgency::Write), ..jobs.manner }, work);
+        let mut started = locked(&self.started);
+        started.0 += 1;
+        let id = TaskId(started.0);
+        started.1.push((id, label.to_owned(), jobs));
+        id
     }
 
     pub(super) fn take_done(&self) -> Vec<TaskDone> {
-        let answers = self.jobs.take_answers_for();
-        let mut labels = locked(&self.labels);
-        let done = |(slot, JobAnswer { result, .. })| TaskDone {
-            id: TaskId(slot),
-            label: labels.1.remove(&slot).unwrap_or_default(),
-            result,
-        };
-        answers.into_iter().map(done).collect()
+        let mut done = Vec::new();
+        locked(&self.started).1.retain(|(id, label, jobs)| {
+            let ended = jobs.take_answers().pop().map(|JobAnswer { result, .. }| result);
+            let goes_on = ended.is_none();
+            done.extend(ended.map(|result| TaskDone { id: *id, label: label.clone(), result }));
+            goes_on
+        });
+        done
     }
 }

@@ -74,13 +74,13 @@ impl<R: Request> Wanted<R> {
         let urgency = request.urgency();
         let is_picture = matches!(urgency, Urgency::Picture | Urgency::SlowPicture);
         let id = match request.cached(&engine.caches) {
-            Some(answer) => jobs.publish_for(0, answer),
+            Some(answer) => jobs.publish(answer),
             None if is_picture => {
                 // One picture at a time has all cores.
                 let lane = Lane::Type(TypeId::of::<R>(), urgency);
-                jobs.submit_as(Manner { urgency, grace: request.grace(), lane }, 0, request.clone())
+                jobs.submit_as(Manner { urgency, grace: request.grace(), lane }, request.clone())
             }
-            None => jobs.submit_as(Manner { urgency, grace: Duration::ZERO, ..jobs.manner }, 0, request.clone()),
+            None => jobs.submit_as(Manner { urgency, grace: Duration::ZERO, ..jobs.manner }, request.clone()),
         };
         self.pending.push((id, request));
         self.ended = None;
@@ -146,7 +146,7 @@ impl<R: Request> Wanted<R> {
     pub fn forget(&mut self) {
         self.cancel();
         if let Some(jobs) = &self.jobs {
-            drop((jobs.take_partial(), jobs.take_answers_for()));
+            drop((jobs.take_partial(), jobs.take_answers()));
         }
         self.pending.clear();
         (self.ended, self.running) = (None, None);

@@ -15,15 +15,15 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
     // Made with the first work: many threads never get any.
     let threads = std::cell::LazyCell::new(|| pool(thread));
     loop {
-        let (WaitingJob { key, id, manner, job }, monitor) = {
+        let (WaitingJob { kind, id, manner, job }, monitor) = {
             let mut state = locked(&shared.state);
             loop {
                 if let Some(next) = state.take(limit) {
                     let progress = Arc::new(Mutex::new(None));
                     let monitor = listening_monitor(progress.clone(), shared.on_update.clone());
-                    let (key, id, manner, standing) = (next.key, next.id, next.manner, Standing::Latest);
+                    let (kind, id, manner, standing) = (next.kind, next.id, next.manner, Standing::Latest);
                     let (its, started) = (monitor.clone(), Instant::now());
-                    state.running.push(RunningJob { key, id, manner, monitor: its, started, standing, progress });
+                    state.running.push(RunningJob { kind, id, manner, monitor: its, started, standing, progress });
                     break (next, monitor);
                 }
                 if state.stop {
@@ -41,7 +41,7 @@ pub(super) fn work(shared: &Shared, thread: &str, limit: Urgency) {
         let standing = state.running.iter().find(|job| job.id == id).map_or(Standing::Latest, |job| job.standing);
         publish(standing);
         state.running.retain(|job| job.id != id);
-        let waits = state.waiting.iter().any(|job| job.manner.lane == manner.lane || job.key == key);
+        let waits = state.waiting.iter().any(|job| job.manner.lane == manner.lane || job.kind == kind);
         drop(state);
         if waits {
             // Another thread may take a request of this lane that waited.

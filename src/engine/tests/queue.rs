@@ -1,4 +1,4 @@
-//! Tests of the queue: the latest request of a key wins, each has one answer, urgent work goes first.
+//! Tests of the queue: the latest request of a kind wins, each has one answer, urgent work goes first.
 
 use super::{queue, until_cancelled, wait_for};
 use crate::engine::JobQueue;
@@ -29,10 +29,10 @@ fn stubborn_jobs(grace: Duration) -> (Jobs<u32, u32>, mpsc::Sender<()>) {
     (Jobs::new(&queue(), Urgency::Search, grace, stubborn(gone)), go)
 }
 
-fn answers_of(jobs: &Jobs<u32, u32>, count: usize) -> Vec<(u32, JobId, Result<u32, JobError>)> {
+fn answers_of(jobs: &Jobs<u32, u32>, count: usize) -> Vec<(JobId, Result<u32, JobError>)> {
     let mut taken = Vec::new();
     wait_for(|| {
-        taken.extend(jobs.take_answers_for().into_iter().map(|(slot, answer)| (slot, answer.id, answer.result)));
+        taken.extend(jobs.take_answers().into_iter().map(|answer| (answer.id, answer.result)));
         (taken.len() >= count).then_some(())
     });
     assert_eq!(taken.len(), count, "{taken:?}");
@@ -42,29 +42,29 @@ fn answers_of(jobs: &Jobs<u32, u32>, count: usize) -> Vec<(u32, JobId, Result<u3
 #[test]
 fn the_latest_request_wins_and_every_request_has_one_answer() {
     let (jobs, go) = stubborn_jobs(Duration::ZERO);
-    let ids: Vec<JobId> = (0..50).map(|i| jobs.submit_for(0, i)).collect();
+    let ids: Vec<JobId> = (0..50).map(|i| jobs.submit_as(jobs.manner, i)).collect();
     wait_for(|| jobs.running().filter(|r| r.id == ids[49]));
     go.send(()).expect("the work listens");
     let mut answers = answers_of(&jobs, 50);
     wait_for(|| jobs.running().is_none().then_some(()));
-    answers.sort_by_key(|(_, id, _)| *id);
-    assert!(answers.iter().map(|(_, id, _)| *id).eq(ids), "each once");
-    assert_eq!(answers.pop().map(|(.., result)| result), Some(Ok(49)));
-    assert!(answers.iter().all(|(.., result)| *result == Err(JobError::Superseded)), "{answers:?}");
-    assert!(jobs.take_answers().next().is_none());
+    answers.sort_by_key(|(id, _)| *id);
+    assert!(answers.iter().map(|(id, _)| *id).eq(ids), "each once");
+    assert_eq!(answers.pop().map(|(_, result)| result), Some(Ok(49)));
+    assert!(answers.iter().all(|(_, result)| *result == Err(JobError::Superseded)), "{answers:?}");
+    assert!(jobs.take_answers().is_empty());
 }
 
 #[test]
 fn within_its_grace_a_superseded_request_is_still_answered() {
     let (jobs, go) = stubborn_jobs(Duration::from_secs(60));
-    let first = jobs.submit_for(0, 1);
+    let first = jobs.submit_as(jobs.manner, 1);
     // One that has a progress or a time of its own runs; one that waits has begun just now.
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
-    let second = jobs.submit_for(0, 2);
+    let second = jobs.submit_as(jobs.manner, 2);
     go.send(()).expect("the work listens");
-    assert_eq!(answers_of(&jobs, 1), [(0, first, Ok(1))]);
+    assert_eq!(answers_of(&jobs, 1), [(first, Ok(1))]);
     go.send(()).expect("the work listens");
-    assert_eq!(answers_of(&jobs, 1), [(0, second, Ok(2))]);
+    assert_eq!(answers_of(&jobs, 1), [(second, Ok(2))]);
 }
 
 #[test]
@@ -72,39 +72,25 @@ fn after_its_grace_a_superseded_request_is_cancelled() {
     let queue = queue();
     let (go, gone) = mpsc::channel();
     let jobs = Jobs::new(&queue, Urgency::Search, Duration::from_millis(30), stubborn(gone));
-    let first = jobs.submit_for(0, 1);
+    let first = jobs.submit_as(jobs.manner, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
-    let second = jobs.submit_for(0, 2);
+    let second = jobs.submit_as(jobs.manner, 2);
     wait_for(|| {
         queue.enforce_grace();
         jobs.running().filter(|r| r.id == second)
     });
-    assert_eq!(answers_of(&jobs, 1), [(0, first, Err(JobError::Superseded))]);
+    assert_eq!(answers_of(&jobs, 1), [(first, Err(JobError::Superseded))]);
     go.send(()).expect("the work listens");
-    assert_eq!(answers_of(&jobs, 1), [(0, second, Ok(2))]);
-}
-
-#[test]
-fn slots_do_not_disturb_one_another() {
-    let (jobs, go) = stubborn_jobs(Duration::ZERO);
-    let old = jobs.submit_for(0, 1);
-    wait_for(|| jobs.running());
-    let (other, new) = (jobs.submit_for(8, 2), jobs.submit_for(0, 3));
-    assert_eq!(answers_of(&jobs, 1), [(0, old, Err(JobError::Superseded))]);
-    go.send(()).expect("the work listens");
-    go.send(()).expect("the work listens");
-    let mut answers = answers_of(&jobs, 2);
-    answers.sort_by_key(|(slot, ..)| *slot);
-    assert_eq!(answers, [(0, new, Ok(3)), (8, other, Ok(2))]);
+    assert_eq!(answers_of(&jobs, 1), [(second, Ok(2))]);
 }
 
 #[test]
 fn what_is_there_already_comes_at_once_and_the_older_one_never() {
     let (jobs, _go) = stubborn_jobs(Duration::from_secs(60));
-    let old = jobs.submit_for(0, 1);
+    let old = jobs.submit_as(jobs.manner, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
-    let new = jobs.publish_for(0, 5);
-    assert_eq!(answers_of(&jobs, 2), [(0, new, Ok(5)), (0, old, Err(JobError::Superseded))]);
+    let new = jobs.publish(5);
+    assert_eq!(answers_of(&jobs, 2), [(new, Ok(5)), (old, Err(JobError::Superseded))]);
 }
 
 /// All threads for searches and datasets do work that ends only when it is cancelled, each of another kind: one runs.
@@ -140,7 +126,7 @@ impl BusyQueue {
             going.lock().expect("not poisoned").send(name).expect("the test listens");
             until_cancelled(monitor)
         });
-        jobs.submit_for(0, ());
+        jobs.submit_as(jobs.manner, ());
         jobs
     }
 
@@ -154,11 +140,11 @@ fn a_picture_is_made_while_searches_and_datasets_keep_all_their_threads_busy() {
     let busy = BusyQueue::new();
     let more = busy.endless(Urgency::Search, "more");
     let pictures = Jobs::new(&busy.queue, Urgency::Picture, Duration::ZERO, |request: u32, _: &Monitor| Ok(request));
-    pictures.submit_for(0, 3);
-    assert_eq!(wait_for(|| pictures.take_answers().next()).result, Ok(3));
+    pictures.submit_as(pictures.manner, 3);
+    assert_eq!(wait_for(|| pictures.take_answers().pop()).result, Ok(3));
     assert!(busy.begun.try_recv().is_err(), "no thread was left for one more search");
     for jobs in busy.datasets.iter().chain(&busy.searches).chain([&more]) {
-        assert!(jobs.running().is_some() && jobs.take_answers().next().is_none(), "nothing had to end for it");
+        assert!(jobs.running().is_some() && jobs.take_answers().is_empty(), "nothing had to end for it");
     }
 }
 
@@ -177,14 +163,14 @@ fn a_search_goes_before_a_dataset_that_was_asked_for_earlier() {
 #[test]
 fn cancelling_answers_cancelled_also_what_waits_behind_a_superseded_one() {
     let (jobs, go) = stubborn_jobs(Duration::from_secs(60));
-    let first = jobs.submit_for(0, 1);
+    let first = jobs.submit_as(jobs.manner, 1);
     wait_for(|| jobs.running().filter(|r| r.started.elapsed() > Duration::from_millis(1)));
-    let second = jobs.submit_for(0, 2);
+    let second = jobs.submit_as(jobs.manner, 2);
     jobs.cancel();
     let mut answers = answers_of(&jobs, 2);
-    answers.sort_by_key(|(_, id, _)| *id);
-    assert_eq!(answers, [(0, first, Err(JobError::Superseded)), (0, second, Err(JobError::Cancelled))]);
-    let next = jobs.submit_for(0, 3);
+    answers.sort_by_key(|(id, _)| *id);
+    assert_eq!(answers, [(first, Err(JobError::Superseded)), (second, Err(JobError::Cancelled))]);
+    let next = jobs.submit_as(jobs.manner, 3);
     go.send(()).expect("the work listens");
-    assert_eq!(answers_of(&jobs, 1), [(0, next, Ok(3))]);
+    assert_eq!(answers_of(&jobs, 1), [(next, Ok(3))]);
 }

@@ -25,13 +25,13 @@ fn work_tells_on_the_way_and_what_was_superseded_tells_nothing_more() {
         Ok(request)
     };
     let jobs: Jobs<u32, u32, u32> = Jobs::telling(&queue, Urgency::Dataset, Duration::ZERO, work);
-    jobs.submit_for(0, 1);
+    jobs.submit_as(jobs.manner, 1);
     let mut told = Vec::new();
     wait_for(|| {
         told.extend(jobs.take_partial());
         (told == [10]).then_some(())
     });
-    jobs.submit_for(0, 2);
+    jobs.submit_as(jobs.manner, 2);
     let (mut told, mut answers) = (Vec::new(), Vec::new());
     wait_for(|| {
         answers.extend(jobs.take_answers());
@@ -54,7 +54,7 @@ fn closing_cancels_what_runs_and_finishes_what_is_written() {
         *its.lock().expect("not poisoned") = Some(end.clone());
         end
     });
-    endless.submit_for(0, ());
+    endless.submit_as(endless.manner, ());
     wait_for(|| endless.running().and_then(|running| running.progress));
     for _ in 0..20 {
         let written = written.clone();
@@ -78,16 +78,16 @@ fn a_panic_becomes_a_message_with_its_place_and_the_queue_works_on() {
             (0..1000u32).into_par_iter().map(|i| if i == request { panic!("no {request}") } else { 1 }).sum();
         Ok(sum)
     });
-    jobs.submit_for(0, 7);
-    match wait_for(|| jobs.take_answers().next()).result {
+    jobs.submit_as(jobs.manner, 7);
+    match wait_for(|| jobs.take_answers().pop()).result {
         Err(JobError::Panicked { message, place }) => {
             assert_eq!(message, "no 7");
             assert!(place.contains("work.rs:"), "{place}");
         }
         other => panic!("expected a panic's message, got {other:?}"),
     }
-    jobs.submit_for(0, 5000);
-    assert_eq!(wait_for(|| jobs.take_answers().next()).result, Ok(1000));
+    jobs.submit_as(jobs.manner, 5000);
+    assert_eq!(wait_for(|| jobs.take_answers().pop()).result, Ok(1000));
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn an_answer_is_published_before_the_listener_hears_of_it() {
     let (count, its) = (heard.clone(), jobs.clone());
     let on_update: OnUpdate = Arc::new(move || {
         if let Some(jobs) = &*its.lock().expect("not poisoned")
-            && jobs.take_answers().next().is_some()
+            && !jobs.take_answers().is_empty()
         {
             count.fetch_add(1, Ordering::SeqCst);
         }
@@ -105,7 +105,8 @@ fn an_answer_is_published_before_the_listener_hears_of_it() {
     let queue = Arc::new(JobQueue::new(on_update));
     let work = |request: u32, _: &Monitor| Ok(request);
     *jobs.lock().expect("not poisoned") = Some(Jobs::new(&queue, Urgency::Search, Duration::ZERO, work));
-    jobs.lock().expect("not poisoned").as_ref().expect("just put there").submit_for(0, 3);
+    let submitted = jobs.lock().expect("not poisoned").as_ref().map(|jobs| jobs.submit_as(jobs.manner, 3));
+    assert!(submitted.is_some(), "they were just put there");
     wait_for(|| (heard.load(Ordering::SeqCst) == 1).then_some(()));
     jobs.lock().expect("not poisoned").take();
 }
