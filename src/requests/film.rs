@@ -393,7 +393,6 @@ pub fn slope_legend<'a>(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::export::FigureShape;
     use crate::requests::BurstSource;
     use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -403,14 +402,6 @@ mod tests {
         let burst = source.open(&crate::burst::OpenOptions::default(), &Monitor::default()).expect("a chart");
         let params = DetectorParams::default();
         Film { burst, params, sweep, slope: Slope::default(), detection: None, max_side_px: 48 }
-    }
-
-    /// A film of three slopes, and what a search over them finds.
-    fn searched() -> (Film, Detection) {
-        let mut film = film(Sweep::SlopeU(-1.0, 1.0, 3));
-        film.params.slopes = SlopeGrid::line(-1.0..=1.0, 3);
-        let found = crate::detect::detect(&film.burst.burst, &film.params, &Monitor::default()).expect("found");
-        (film, found)
     }
 
     fn digest(drawing: &Drawing) -> Result<RgbaImage, String> {
@@ -446,37 +437,5 @@ mod tests {
         monitor.cancel();
         let error = film.prepared(&film.steps(), 0, &monitor).err();
         assert!(error.as_ref().is_some_and(Error::is_cancelled), "{error:?}");
-    }
-
-    #[test]
-    fn crowded_features_are_thinned_and_the_title_says_so() {
-        let (mut film, mut found) = searched();
-        let one = found.features[0];
-        found.features = vec![one; 100];
-        film.detection = Some(Arc::new(found));
-        let step = FilmStep { slope: one.motion().0, ..film.steps()[0] };
-        let title = film.panel(&step, None, &[]).title.expect("a title");
-        assert!(title.ends_with(": 2 of 100 features"), "{title}");
-    }
-
-    #[test]
-    fn a_step_shows_its_numbers() {
-        let (film, found) = searched();
-        let film = Film { detection: Some(Arc::new(found)), ..film };
-        let texts = std::sync::Mutex::new(Vec::new());
-        let keep = |drawing: &Drawing| {
-            for shape in &drawing.shapes {
-                if let FigureShape::Text { text, .. } = shape {
-                    texts.lock().expect("kept").push(text.clone());
-                }
-            }
-            digest(drawing)
-        };
-        all(&film, 1 << 30, &keep);
-        // Titles are broken to the width of the picture.
-        let texts = texts.into_inner().expect("kept").join(" ");
-        for part in ["slope −1 px/frame: ", "slope 1 px/frame: ", "% of full scale"] {
-            assert!(texts.contains(part), "{part}: {texts}");
-        }
     }
 }

@@ -1,6 +1,6 @@
 //! Tests of films by what is drawn in their pictures.
 
-use super::{answer, open, params};
+use super::{answer, detected, open, params};
 use burstscope::detector::{Detection, DetectorParams, Slope, SlopeGrid};
 use burstscope::export::{Drawing, FigureShape};
 use burstscope::inspect::slopes::is_at_slope;
@@ -8,7 +8,7 @@ use burstscope::inspect::words::slope_text;
 use burstscope::monitor::Monitor;
 use burstscope::requests::{DetectRequest, Detected, Film, Sweep};
 use std::collections::BTreeSet;
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 
 #[test]
 fn sweeps_are_read_as_they_are_typed_and_others_are_refused() {
@@ -52,17 +52,36 @@ fn every_sweep_has_its_steps_in_pictures_of_one_size() {
     assert_eq!(slopes, [-2.0, -1.0, 0.0, 1.0, 2.0]);
 }
 
-/// Texts of all pictures of the film that end in the unit of slopes and are no titles.
-fn legend_of(film: &Film) -> BTreeSet<String> {
-    let texts = |drawing: &Drawing| {
-        let text = |shape: &FigureShape| match shape {
-            FigureShape::Text { text, .. } => Some(text.clone()),
-            _ => None,
-        };
-        let is_legend = |text: &String| text.ends_with(" px/frame") && !text.contains("slope ");
-        drawing.shapes.iter().filter_map(text).filter(is_legend).collect::<Vec<_>>()
+/// Texts of all pictures of the film.
+fn texts_of(film: &Film) -> Vec<String> {
+    let text = |shape: &FigureShape| match shape {
+        FigureShape::Text { text, .. } => Some(text.clone()),
+        _ => None,
     };
-    of_pictures(film, texts).into_iter().flatten().collect()
+    of_pictures(film, |drawing| drawing.shapes.iter().filter_map(text).collect::<Vec<_>>()).concat()
+}
+
+/// Texts that end in the unit of slopes and are no titles.
+fn legend_of(film: &Film) -> BTreeSet<String> {
+    let is_legend = |text: &String| text.ends_with(" px/frame") && !text.contains("slope ");
+    texts_of(film).into_iter().filter(is_legend).collect()
+}
+
+#[test]
+fn a_step_shows_its_numbers_and_how_many_of_its_features_are_drawn() {
+    let (burst, params, found) = (open(), params(), detected().detection);
+    let (sweep, slope) = (Sweep::SlopeU(-1.0, 1.0, 3), Slope::default());
+    let film = Film { burst, params, sweep, slope, detection: Some(found.clone()), max_side_px: 48 };
+    // Titles are broken to the width of the picture.
+    let texts = texts_of(&film).join(" ");
+    for part in ["slope −1 px/frame: ", "slope 1 px/frame: ", "% of full scale"] {
+        assert!(texts.contains(part), "{part}: {texts}");
+    }
+    let crowded = Detection { features: vec![found.features[0]; 100], ..Detection::clone(&found) };
+    let slope = found.features[0].motion().0;
+    let film = Film { sweep: Sweep::SlopeU(slope.u, slope.u, 1), slope, detection: Some(Arc::new(crowded)), ..film };
+    let texts = texts_of(&film).join(" ");
+    assert!(texts.contains(": 2 of 100 features"), "{texts}");
 }
 
 #[test]
