@@ -4,12 +4,12 @@ use super::failure::{complain, print, print_json, printable};
 use super::{Failure, OutputArgs, signals};
 use crate::detector::{REVISION, memory};
 use crate::monitor::{Monitor, Progress};
-use crate::requests::time_left;
+use crate::requests::{locked, time_left};
 use anyhow::Context;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde::Serialize;
 use std::io::IsTerminal;
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
 /// A value with these fields, for [`Console::say_document`]. Each is written as its own type is: `json!` would make an
@@ -178,11 +178,6 @@ impl Lines {
         });
         Some(format!("{}{stage}, {:.0} %{left}", self.prefix, 100.0 * fraction))
     }
-}
-
-fn locked(lines: &Mutex<Lines>) -> MutexGuard<'_, Lines> {
-    // A line is whole whatever became of another thread.
-    lines.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@ use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{
-    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, Slope, SlopeFinding, SlopeGrid, Tally, Test,
-    explain,
+    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, Slope, SlopeFinding, SlopeGrid, StageTimes,
+    Tally, Test, explain,
 };
 use crate::files::path_text;
 use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
@@ -125,9 +125,8 @@ pub(super) struct SlopeCount {
 struct TimesReport {
     open_secs: f32,
     slopes_secs: f32,
-    noise_secs: f32,
-    search_secs: f32,
-    describe_secs: f32,
+    #[serde(flatten)]
+    search: StageTimes,
     write_secs: f32,
 }
 
@@ -143,7 +142,6 @@ impl BurstReport {
         advice: Option<Advice>,
         [open_secs, slopes_secs, write_secs]: [f32; 3],
     ) -> Self {
-        let times = &detection.times;
         let counts = detection.slopes.slopes().zip(features_at_slopes(detection));
         Self {
             name: name.to_owned(),
@@ -174,14 +172,7 @@ impl BurstReport {
             slopes_found,
             slopes: counts.map(|(Slope { u, v }, features)| SlopeCount { u, v, features }).collect(),
             tally: detection.tally,
-            times: TimesReport {
-                open_secs,
-                slopes_secs,
-                noise_secs: times.noise_secs,
-                search_secs: times.search_secs,
-                describe_secs: times.describe_secs,
-                write_secs,
-            },
+            times: TimesReport { open_secs, slopes_secs, search: detection.times, write_secs },
             slopes_judged,
             advice: advice.map(Into::into),
         }
@@ -241,11 +232,9 @@ pub(super) fn summary(report: &BurstReport, params: &DetectorParams) -> String {
     }
     let t = &report.times;
     let slopes = report.slopes_found.as_ref().map_or(String::new(), |_| format!("slopes {:.2} s, ", t.slopes_secs));
-    let times = format!(
-        "open {:.2} s, {slopes}noise {:.2} s, search {:.2} s, describe {:.2} s, write {:.2} s",
-        t.open_secs, t.noise_secs, t.search_secs, t.describe_secs, t.write_secs
-    );
-    line("time", &times);
+    let StageTimes { noise_secs, search_secs, describe_secs } = t.search;
+    let search = format!("noise {noise_secs:.2} s, search {search_secs:.2} s, describe {describe_secs:.2} s");
+    line("time", &format!("open {:.2} s, {slopes}{search}, write {:.2} s", t.open_secs, t.write_secs));
     report.files.values().for_each(|path| line("wrote", path));
     text + "\n"
 }
