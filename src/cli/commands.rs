@@ -1,29 +1,15 @@
 //! All commands. The program's arguments are one of them, or what the window opens.
 //! `completions` writes them for a shell, `man` as manual pages.
 
-use super::args::{DetectArgs, MergeArgs, SequenceArgs, StackArgs};
-use super::burst_report::ReportArgs;
-use super::case::CaseArgs;
-#[cfg(feature = "colmap")]
-use super::colmap::ColmapArgs;
-use super::evaluate_args::EvaluateArgs;
+use super::args::SequenceArgs;
 use super::failure::{Failure, print};
-use super::figures::FiguresArgs;
-#[cfg(feature = "app")]
-use super::film::FilmArgs;
-use super::info::InfoArgs;
-use super::match_bursts::MatchArgs;
-use super::probe::{DecoysArgs, ProbeArgs, SlopesArgs};
-use super::recover::RecoverArgs;
-#[cfg(feature = "app")]
-use super::render::RenderArgs;
 use super::search_options::{DEFAULTS_PLACE, ParamsFileArg};
 use super::synth::{SynthArgs, SynthKind};
 use crate::burst::{Burst, OpenOptions};
 use crate::detector::REVISION;
 use crate::monitor::Monitor;
 use crate::synth::{Truth, synth_chart, synth_scene};
-use clap::{Args, CommandFactory, Parser, Subcommand};
+use clap::{Args, CommandFactory, Parser};
 use std::path::PathBuf;
 use std::sync::LazyLock;
 
@@ -82,31 +68,32 @@ pub struct Cli {
     pub command: Option<Command>,
 }
 
-/// The commands, with what their arguments say of them.
-#[derive(Debug, Subcommand)]
-pub enum Command {
-    Detect(DetectArgs),
-    Info(InfoArgs),
-    Match(MatchArgs),
-    Stack(StackArgs),
-    Merge(MergeArgs),
-    Slopes(SlopesArgs),
-    Probe(ProbeArgs),
-    Recover(RecoverArgs),
-    Decoys(DecoysArgs),
-    Report(ReportArgs),
-    #[cfg(feature = "app")]
-    Film(FilmArgs),
-    Case(CaseArgs),
-    Synth(SynthArgs),
-    Evaluate(EvaluateArgs),
-    Figures(FiguresArgs),
-    #[cfg(feature = "colmap")]
-    Colmap(ColmapArgs),
-    #[cfg(feature = "app")]
-    Render(RenderArgs),
-    Completions(CompletionsArgs),
-    Man(ManArgs),
+commands! {
+    /// The commands.
+    Command {
+        Detect(super::args::DetectArgs) => super::detect::run;
+        Info(super::info::InfoArgs) => super::info::run;
+        Match(super::match_bursts::MatchArgs) => super::match_bursts::run;
+        Stack(super::args::StackArgs) => super::stack::run;
+        Merge(super::args::MergeArgs) => super::stack::run_merge;
+        Slopes(super::probe::SlopesArgs) => super::probe::run_slopes;
+        Probe(super::probe::ProbeArgs) => super::probe::run;
+        Recover(super::recover::RecoverArgs) => super::recover::run;
+        Decoys(super::probe::DecoysArgs) => super::probe::run_decoys;
+        Report(super::burst_report::ReportArgs) => super::burst_report::run;
+        #[cfg(feature = "app")]
+        Film(super::film::FilmArgs) => super::film::run;
+        Case(super::case::CaseArgs) => super::case::run;
+        Synth(SynthArgs) => super::synth::run;
+        Evaluate(super::evaluate::EvaluateArgs) => super::evaluate::run;
+        Figures(super::figures::FiguresArgs) => super::figures::run;
+        #[cfg(feature = "colmap")]
+        Colmap(super::colmap::ColmapArgs) => super::colmap::run;
+        #[cfg(feature = "app")]
+        Render(super::render::RenderArgs) => super::render::run;
+        Completions(CompletionsArgs) => run;
+        Man(ManArgs) => run_man;
+    }
 }
 
 /// Write what a shell needs to complete this program's commands and options.
@@ -122,7 +109,7 @@ pub struct CompletionsArgs {
 
 const NAME: &str = "burstscope";
 
-pub(super) fn run(args: &CompletionsArgs) -> Result<(), Failure> {
+fn run(args: &CompletionsArgs) -> Result<(), Failure> {
     let mut text = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), NAME, &mut text);
     print(&String::from_utf8_lossy(&text)).map_err(Failure::output)
@@ -138,7 +125,7 @@ pub struct ManArgs {
     pub command: Vec<String>,
 }
 
-pub(super) fn run_man(args: &ManArgs) -> Result<(), Failure> {
+fn run_man(args: &ManArgs) -> Result<(), Failure> {
     let mut command = Cli::command().disable_help_subcommand(true);
     // A page names the command by the words before it too, which this fills in.
     command.build();

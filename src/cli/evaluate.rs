@@ -1,6 +1,6 @@
 //! `evaluate`: measures the detector against known truth.
 
-use super::evaluate_args::{AccuracyArgs, AdviceArgs, EvaluateArgs, EvaluateChartArgs, EvaluateStudy, NoiseArgs};
+use super::evaluate_args::{AccuracyArgs, AdviceArgs, EvaluateChartArgs, NoiseArgs};
 use super::evaluate_tables::{
     accuracy_table, accuracy_text, advice_tables, chart_text, methods_table, noise_table, noise_text,
 };
@@ -13,18 +13,32 @@ use crate::evaluate::curves::roc_figure;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
 use crate::evaluate::{AccuracyStudy, NoiseStudy, RowStudy};
 use crate::synth::NoiseCase;
+use clap::Args;
 use serde::Serialize;
 
-pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
-    match &args.study {
-        EvaluateStudy::Chart(args) => chart(args),
-        EvaluateStudy::Frames(args) => evaluate_frames::run(args),
-        EvaluateStudy::Accuracy(args) => accuracy(args),
-        EvaluateStudy::Noise(args) => noise(args),
-        EvaluateStudy::Advice(args) => advice(args),
-        EvaluateStudy::Matches(args) => evaluate_matches::run(args),
-        EvaluateStudy::Poses(args) => evaluate_poses::run(args),
+/// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
+#[derive(Debug, Args)]
+pub struct EvaluateArgs {
+    /// What to measure.
+    #[command(subcommand)]
+    pub study: EvaluateStudy,
+}
+
+commands! {
+    /// The studies.
+    EvaluateStudy {
+        Chart(EvaluateChartArgs) => chart;
+        Frames(evaluate_frames::FramesArgs) => evaluate_frames::run;
+        Accuracy(AccuracyArgs) => accuracy;
+        Noise(NoiseArgs) => noise;
+        Advice(AdviceArgs) => advice;
+        Matches(evaluate_matches::MatchesArgs) => evaluate_matches::run;
+        Poses(evaluate_poses::PosesArgs) => evaluate_poses::run;
     }
+}
+
+pub(super) fn run(args: &EvaluateArgs) -> Result<(), Failure> {
+    args.study.run()
 }
 
 fn chart(args: &EvaluateChartArgs) -> Result<(), Failure> {

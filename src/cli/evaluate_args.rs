@@ -1,37 +1,14 @@
-//! The arguments of `evaluate` as they are written.
+//! The arguments of most studies of `evaluate` as they are written.
 
-use super::evaluate_frames::FramesArgs;
-use super::evaluate_matches::MatchesArgs;
-use super::evaluate_poses::PosesArgs;
 use super::study::{FIGURE_FILE, TableArgs, figure_file};
 use super::{ChartsArgs, ComparedArgs, OutputArgs, SearchArgs};
 use crate::burst::ViewGrid;
 use crate::evaluate::NoiseStudy;
 use crate::evaluate::advice::AdviceStudy;
 use crate::synth::NoiseCase;
-use clap::{Args, Subcommand};
+use clap::Args;
 use std::path::PathBuf;
 use std::str::FromStr;
-
-/// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
-#[derive(Debug, Args)]
-pub struct EvaluateArgs {
-    /// What to measure.
-    #[command(subcommand)]
-    pub study: EvaluateStudy,
-}
-
-/// The studies.
-#[derive(Debug, Subcommand)]
-pub enum EvaluateStudy {
-    Chart(EvaluateChartArgs),
-    Frames(FramesArgs),
-    Accuracy(AccuracyArgs),
-    Noise(NoiseArgs),
-    Advice(AdviceArgs),
-    Matches(MatchesArgs),
-    Poses(PosesArgs),
-}
 
 /// Count the discs that each method finds in the dark.
 ///

@@ -4,6 +4,25 @@
 //! calls the same functions as the window. Results go to the standard output, progress and errors to the standard
 //! error. Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
+/// Declares an enum of commands: each with its arguments, which say what it does, and the function that runs it.
+macro_rules! commands {
+    ($(#[$about:meta])* $name:ident { $($(#[$when:meta])* $command:ident($($args:ident)::+) => $run:path;)* }) => {
+        $(#[$about])*
+        #[derive(Debug, clap::Subcommand)]
+        pub enum $name {
+            $($(#[$when])* $command($($args)::+),)*
+        }
+
+        impl $name {
+            pub(super) fn run(&self) -> Result<(), $crate::cli::Failure> {
+                match self {
+                    $($(#[$when])* Self::$command(args) => $run(args),)*
+                }
+            }
+        }
+    };
+}
+
 pub mod args;
 pub mod burst_report;
 pub mod case;
@@ -137,31 +156,10 @@ fn this_program() -> Option<PathBuf> {
 
 fn done(cli: &Cli) -> Result<(), Failure> {
     match &cli.command {
+        Some(command) => command.run(),
         #[cfg(feature = "app")]
         None => window::open(cli),
         #[cfg(not(feature = "app"))]
         None => Err(Failure::usage("this program was built without its window (the feature 'app'); name a command")),
-        Some(Command::Detect(args)) => detect::run(args),
-        Some(Command::Match(args)) => match_bursts::run(args),
-        Some(Command::Merge(args)) => stack::run_merge(args),
-        Some(Command::Probe(args)) => probe::run(args),
-        Some(Command::Recover(args)) => recover::run(args),
-        Some(Command::Decoys(args)) => probe::run_decoys(args),
-        Some(Command::Report(args)) => burst_report::run(args),
-        #[cfg(feature = "app")]
-        Some(Command::Film(args)) => film::run(args),
-        Some(Command::Case(args)) => case::run(args),
-        Some(Command::Slopes(args)) => probe::run_slopes(args),
-        Some(Command::Info(args)) => info::run(args),
-        Some(Command::Stack(args)) => stack::run(args),
-        Some(Command::Synth(args)) => synth::run(args),
-        Some(Command::Evaluate(args)) => evaluate::run(args),
-        Some(Command::Figures(args)) => figures::run(args),
-        #[cfg(feature = "colmap")]
-        Some(Command::Colmap(args)) => colmap::run(args),
-        #[cfg(feature = "app")]
-        Some(Command::Render(args)) => render::run(args),
-        Some(Command::Completions(args)) => commands::run(args),
-        Some(Command::Man(args)) => commands::run_man(args),
     }
 }
