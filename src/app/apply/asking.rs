@@ -88,10 +88,8 @@ impl Part for PanePictures {
             match ended.result {
                 Ok(picture) => panes::take_picture(pass.model, id, picture),
                 Err(JobError::Cancelled) => pass.model.results.pictures.entry(id).or_default().wanted.forget(),
-                Err(error) => {
-                    pass.model.results.pictures.entry(id).or_default().problem =
-                        Some((ended.request, error.to_string()));
-                }
+                // The request keeps the reason.
+                Err(_) => {}
             }
         }
         Vec::new()

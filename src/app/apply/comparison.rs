@@ -3,7 +3,7 @@
 use crate::app::document::{Compared, FeaturesShown, PairTab, Reference, Side};
 use crate::app::results::{ComparisonResults, Model, Read};
 use crate::engine::Ended;
-use crate::requests::{ComparisonRequest, JobError};
+use crate::requests::ComparisonRequest;
 use std::path::PathBuf;
 
 pub(super) fn compare_with(model: &mut Model, side: Side, with: Option<Reference>) {
@@ -12,7 +12,7 @@ pub(super) fn compare_with(model: &mut Model, side: Side, with: Option<Reference
         // Unchanged features are hidden, so that the changes stand out.
         let hidden = if with == Some(Reference::Pinned) { vec![Compared::Same] } else { Vec::new() };
         (set.with, set.selected, set.hidden) = (with, None, hidden);
-        (results.shown, results.hovered, results.problem) = (None, None, None);
+        (results.shown, results.hovered) = (None, None);
         results.wanted.forget();
         // What is compared is of all slopes, until one is asked for.
         let overlay = &mut model.document.look.overlay;
@@ -66,15 +66,12 @@ pub fn select_row(model: &mut Model, side: Side, row: Option<usize>) {
 pub(super) fn take_comparison(model: &mut Model, side: Side, ended: Ended<ComparisonRequest>) {
     let is_wanted = Read::of(model).wanted_comparison(side).is_some_and(|wanted| wanted == ended.request);
     let (set, results) = (&mut model.document.comparisons[side], &mut model.results.slots[side].comparison);
-    match ended.result {
-        Ok(compared) if is_wanted => results.take(compared, set),
-        Ok(_) => {}
-        Err(JobError::Cancelled) => results.problem = Some("Cancelled".to_owned()),
-        Err(error) => results.problem = Some(error.to_string()),
+    if let Some(compared) = ended.result.ok().filter(|_| is_wanted) {
+        results.take(compared, set);
     }
 }
 
-/// Ends comparisons with a reference that is not there any more, and forgets why the one before was not made.
+/// Ends comparisons with a reference that is not there any more.
 pub(super) fn check_references(model: &mut Model) {
     for side in Side::BOTH {
         let slot = &mut model.results.slots[side];
@@ -84,11 +81,6 @@ pub(super) fn check_references(model: &mut Model) {
         }
         if model.document.comparisons[side].with.is_some_and(|with| !Read::of(model).has_reference(side, with)) {
             compare_with(model, side, None);
-        }
-        let missing = Read::of(model).missing_comparison(side);
-        let results = &mut model.results.slots[side].comparison;
-        if missing.is_some_and(|missing| !results.wanted.has_failed(&missing)) {
-            results.problem = None;
         }
     }
 }

@@ -103,7 +103,7 @@ pub fn take_picture(model: &mut Model, id: PaneId, picture: PictureAnswer) {
     let Some(pane) = panes.get_mut(id) else { return };
     pane.own_ranges.as_mut().unwrap_or(&mut look.ranges).propose(&picture);
     let shown = model.results.pictures.entry(id).or_default();
-    (shown.picture, shown.preview, shown.problem) = (Some(picture), None, None);
+    (shown.picture, shown.preview) = (Some(picture), None);
     settle_ranges(model);
 }
 
@@ -139,7 +139,7 @@ pub fn settle_ranges(model: &mut Model) {
         let Some(pane) = panes.get_mut(id) else { continue };
         let own = pane.own_ranges.as_mut();
         let shown = model.results.pictures.get(&id);
-        if shown.is_some_and(|shown| shown.problem.is_some()) || (own.is_none() && led.contains(&class)) {
+        if shown.is_some_and(|shown| shown.wanted.failure().is_some()) || (own.is_none() && led.contains(&class)) {
             continue;
         }
         if own.is_none() {

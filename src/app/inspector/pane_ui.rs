@@ -65,7 +65,7 @@ pub(super) fn picture_ui(
     let state = &mut widgets.of(shown).picture;
     let canvas = Canvas {
         picture: state.shown().filter(|_| problem.is_none()),
-        empty_text: problem.unwrap_or("Computing the picture…"),
+        empty_text: problem.as_deref().unwrap_or("Computing the picture…"),
         primary_pans: !model.document.workspace.inspects() || model.document.measure.tool == Tool::Pan,
         ..canvas_of(model, shown, &name)
     };

@@ -57,7 +57,7 @@ pub fn against_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
     let side = model.active_side();
     ui.horizontal_wrapped(|ui| switch_ui(ui, model, side, queue));
     let Some(shown) = &model.results.slots[side].comparison.shown else {
-        ui.centered_and_justified(|ui| match &model.results.slots[side].comparison.problem {
+        ui.centered_and_justified(|ui| match model.results.slots[side].comparison.problem() {
             Some(problem) => ui.label(RichText::new(problem).color(ui.visuals().error_fg_color)),
             None => ui.weak(what_to_do(model, side)),
         });

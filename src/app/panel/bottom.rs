@@ -31,7 +31,7 @@ fn has_content(tab: BottomTab, model: Read<'_>) -> bool {
     let is_filled = match tab {
         BottomTab::Profile => model.document.measure.line.is_some(),
         BottomTab::Region => model.document.measure.region.is_some(),
-        BottomTab::Compared => compared.shown.is_some() || compared.problem.is_some(),
+        BottomTab::Compared => compared.shown.is_some() || compared.problem().is_some(),
         BottomTab::Methods => model.document.compares_methods(),
         _ => true,
     };

@@ -116,13 +116,12 @@ impl Results {
     }
 }
 
-/// Picture of a pane: the last one of its burst, why the last request failed, and the request.
+/// Picture of a pane: the last one of its burst, and the request.
 #[derive(Debug, Default)]
 pub struct PanePicture {
     pub picture: Option<PictureAnswer>,
     /// Later picture on coarse pixels, which is drawn until it is there whole.
     pub preview: Option<PictureAnswer>,
-    pub problem: Option<(PictureRequest, String)>,
     pub wanted: Wanted<PictureRequest>,
 }
 

@@ -169,9 +169,9 @@ impl<'a> Read<'a> {
         preview.filter(|preview| self.pane(id).is_some_and(|pane| self.fits(pane, preview))).or(self.picture_in(id))
     }
 
-    pub fn problem_of(self, id: PaneId) -> Option<&'a str> {
-        let (request, why) = self.results.pictures.get(&id)?.problem.as_ref()?;
-        (*request == self.wanted(id)?).then_some(why.as_str())
+    pub fn problem_of(self, id: PaneId) -> Option<String> {
+        let (request, why) = self.results.pictures.get(&id)?.wanted.failure()?;
+        (*request == self.wanted(id)?).then(|| why.to_string())
     }
 
     pub fn burst_of(self, side: Side) -> Option<&'a OpenBurst> {
@@ -276,8 +276,7 @@ impl<'a> Read<'a> {
     pub fn is_current(self, id: PaneId) -> bool {
         let Some(wanted) = self.wanted(id) else { return true };
         self.results.pictures.get(&id).is_some_and(|shown| {
-            let failed = shown.problem.as_ref().is_some_and(|(request, _)| *request == wanted);
-            failed || shown.picture.as_ref().is_some_and(|picture| picture.request == wanted)
+            shown.wanted.has_failed(&wanted) || shown.picture.as_ref().is_some_and(|picture| picture.request == wanted)
         })
     }
 

@@ -11,7 +11,7 @@ use crate::app::results::Read;
 use crate::detector::{Detection, SearchParams};
 use crate::engine::Wanted;
 use crate::inspect::result::ForeignFeature;
-use crate::requests::{BurstId, ComparedWith, ComparisonRequest, Differences, ReferenceSource};
+use crate::requests::{BurstId, ComparedWith, ComparisonRequest, Differences, JobError, ReferenceSource};
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -44,7 +44,6 @@ pub struct ComparisonResults {
     pub shown: Option<Arc<Shown>>,
     pub hovered: Option<usize>,
     pub wanted: Wanted<ComparisonRequest>,
-    pub problem: Option<String>,
 }
 
 impl<'a> Read<'a> {
@@ -91,6 +90,14 @@ impl<'a> Read<'a> {
 }
 
 impl ComparisonResults {
+    /// Why the last comparison that was asked for was not made.
+    pub fn problem(&self) -> Option<String> {
+        self.wanted.failure().map(|(_, why)| match why {
+            JobError::Cancelled => "Cancelled".to_owned(),
+            why => why.to_string(),
+        })
+    }
+
     pub fn take(&mut self, compared: ComparedWith, set: &mut Comparison) {
         let (ComparedWith { request, differences }, Some(with)) = (compared, set.with) else { return };
         let (is_whole_truth, ours) = match &differences {
@@ -107,6 +114,6 @@ impl ComparisonResults {
         }
         let (rows, summary) = rows::of(with, &request.detection, &differences);
         self.shown = Some(Arc::new(Shown { with, detection: request.detection, rows, summary, is_whole_truth, ours }));
-        (set.selected, self.hovered, self.problem) = (None, None, None);
+        (set.selected, self.hovered) = (None, None);
     }
 }
