@@ -112,19 +112,11 @@ impl Console {
 
     /// Prints the JSON document of `command`: its version, its name, and the fields of `report`, if JSON was asked for.
     pub fn say_document(&self, command: &str, report: &impl Serialize) -> Result<(), Failure> {
-        #[derive(Serialize)]
-        struct Document<'a, R> {
-            version: &'a str,
-            detector_revision: u32,
-            command: &'a str,
-            #[serde(flatten)]
-            report: &'a R,
-        }
         if !self.output.json {
             return Ok(());
         }
         let (version, detector_revision) = (env!("CARGO_PKG_VERSION"), REVISION);
-        let document = Document { version, detector_revision, command, report };
+        let document = Both { one: document! { version, detector_revision, command }, other: report };
         let text = serde_json::to_string_pretty(&document)
             .context("cannot put the results into JSON")
             .map_err(Failure::Failed)?;

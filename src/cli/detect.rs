@@ -1,8 +1,8 @@
 //! `detect`: features of one or many bursts.
 
 use super::args::DetectArgs;
-use super::report::{BurstReport, DetectReport, FailureReport, summary};
-use super::{Console, Failure, Input, open_options, resolve_bursts};
+use super::report::{BurstReport, FailureReport, summary};
+use super::{Console, Failure, Input, document, open_options, resolve_bursts};
 use crate::burst::{Burst, OpenOptions};
 use crate::dataset::CameraChoice;
 use crate::detect::{Searched, search};
@@ -70,30 +70,30 @@ pub(super) fn run(args: &DetectArgs) -> Result<(), Failure> {
     // All files are checked, and the folder is locked, before the first search.
     let folder = job.take_folder(&inputs, &[])?;
     let count = inputs.len();
-    let mut report = DetectReport { params: &params, bursts: Vec::new(), failures: Vec::new() };
+    let (mut bursts, mut failures): (Vec<BurstReport>, Vec<FailureReport>) = Default::default();
     for (index, input) in inputs.into_iter().enumerate() {
         let name = input.name.clone();
         console.begin(if count > 1 { format!("[{}/{count}] {name}: ", index + 1) } else { format!("{name}: ") });
         match detect_burst(input, &options, &job, &folder, &console) {
-            Ok((burst, ..)) => report.bursts.push(burst),
+            Ok((burst, ..)) => bursts.push(burst),
             // If the folder was removed during the run, the remaining bursts are not searched.
             Err(_) if folder.check().is_err() => break,
             Err(Failure::Interrupted) => return Err(Failure::Interrupted),
             Err(Failure::Failed(error) | Failure::Usage(error)) => {
                 console.complain(&format!("{name}: {error:#}"));
-                report.failures.push(FailureReport { name, error: format!("{error:#}") });
+                failures.push(FailureReport { name, error: format!("{error:#}") });
             }
-            Err(Failure::Reported) => report.failures.push(FailureReport { name, error: String::new() }),
+            Err(Failure::Reported) => failures.push(FailureReport { name, error: String::new() }),
         }
     }
     folder.check()?;
     if count > 1 {
-        let features = counted(report.bursts.iter().map(|b| b.features).sum(), "feature");
-        let done = report.bursts.len();
+        let features = counted(bursts.iter().map(|burst| burst.features).sum(), "feature");
+        let done = bursts.len();
         console.say(&format!("{done} of {count} bursts done, {features} in {}\n", args.out.display()))?;
     }
-    console.say_document("detect", &report)?;
-    if report.failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
+    console.say_document("detect", &document! { params: &params, bursts, failures: &failures })?;
+    if failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }
 
 pub(super) fn detect_burst(

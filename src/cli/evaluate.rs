@@ -5,16 +5,15 @@ use super::evaluate_tables::{
     accuracy_table, accuracy_text, advice_tables, chart_text, methods_table, noise_table, noise_text,
 };
 use super::study::{StudySearch, chart_study, check_figures, searched, write_figure};
-use super::{Console, Failure, evaluate_frames, evaluate_matches, evaluate_poses};
+use super::{Both, Console, Failure, document, evaluate_frames, evaluate_matches, evaluate_poses};
 use crate::burst::OpenOptions;
 use crate::detector::{DetectorParams, Method};
-use crate::evaluate::accuracy::{AccuracyReport, discs_apart};
+use crate::evaluate::accuracy::discs_apart;
 use crate::evaluate::curves::roc_figure;
 use crate::evaluate::pure_noise::{NoiseLevel, NoiseSearch};
 use crate::evaluate::{AccuracyStudy, NoiseStudy, RowStudy};
 use crate::synth::NoiseCase;
 use clap::Args;
-use serde::Serialize;
 
 /// Measure the detector on synthetic bursts whose truth is known, and camera poses against true ones.
 #[derive(Debug, Args)]
@@ -71,20 +70,12 @@ fn accuracy(args: &AccuracyArgs) -> Result<(), Failure> {
         0 => None,
         discs => Some(study.standing_apart(discs).run(&console.monitor)?),
     };
-    let report = AccuracyDocument { crowded, apart };
-    console.say(&accuracy_text(&report.crowded, report.apart.as_ref()))?;
-    let named = [("crowded", Some(&report.crowded)), ("apart", report.apart.as_ref())];
+    console.say(&accuracy_text(&crowded, apart.as_ref()))?;
+    let named = [("crowded", Some(&crowded)), ("apart", apart.as_ref())];
     let named: Vec<_> = named.into_iter().filter_map(|(charts, report)| Some((charts, report?))).collect();
     write_figure(&console, args.file.table.as_deref(), &rules, || accuracy_table(&named).into())?;
-    console.say_document("evaluate accuracy", &report)
-}
-
-#[derive(Serialize)]
-struct AccuracyDocument {
-    #[serde(flatten)]
-    crowded: AccuracyReport,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    apart: Option<AccuracyReport>,
+    let other = apart.as_ref().map(|apart| document! { apart });
+    console.say_document("evaluate accuracy", &Both { one: &crowded, other })
 }
 
 fn noise(args: &NoiseArgs) -> Result<(), Failure> {

@@ -1,10 +1,9 @@
 //! `info`: what an input is, from the headers of its files.
 
 use super::report::FailureReport;
-use super::{Console, Failure, INPUT_HELP, OutputArgs, open_options, resolve};
+use super::{Both, Console, Failure, INPUT_HELP, OutputArgs, document, open_options, resolve};
 use crate::burst::{Info, OpenOptions};
 use clap::Args;
-use serde::Serialize;
 use std::path::PathBuf;
 
 /// Say what an input is: frames, size, bits, times, and what was guessed.
@@ -30,26 +29,13 @@ JSON (--json):
      \"views\": [rows, columns] of a light field, \"taken\": [what was guessed or chosen]}],
    \"failures\": [{\"name\", \"error\"}]}";
 
-#[derive(Serialize)]
-struct InfoReport {
-    bursts: Vec<BurstInfo>,
-    failures: Vec<FailureReport>,
-}
-
-#[derive(Serialize)]
-struct BurstInfo {
-    inputs: Vec<String>,
-    #[serde(flatten)]
-    info: Info,
-}
-
 pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
     let console = Console::new(&args.output)?;
     let inputs = resolve(&args.inputs, &args.calibration);
     let mut options = open_options(&inputs, &args.calibration)?;
     // Headers alone are read, also of recordings of which only a part can be opened.
     options.limits.max_frames = usize::MAX;
-    let mut report = InfoReport { bursts: Vec::new(), failures: Vec::new() };
+    let (mut bursts, mut failures) = (Vec::new(), Vec::new());
     for input in inputs {
         let name = input.name.clone();
         let described = input.source.clone().and_then(|source| source.info(&options, &console.monitor));
@@ -57,15 +43,15 @@ pub(super) fn run(args: &InfoArgs) -> Result<(), Failure> {
             Ok(info) => {
                 let info = Info { name, ..info };
                 console.say(&info.text())?;
-                report.bursts.push(BurstInfo { inputs: input.path_texts(), info });
+                bursts.push(Both { one: document! { inputs: input.path_texts() }, other: info });
             }
             Err(error) if error.is_cancelled() => return Err(Failure::Interrupted),
             Err(error) => {
                 console.complain(&format!("{name}: {error}"));
-                report.failures.push(FailureReport { name, error: error.to_string() });
+                failures.push(FailureReport { name, error: error.to_string() });
             }
         }
     }
-    console.say_document("info", &report)?;
-    if report.failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
+    console.say_document("info", &document! { bursts, failures: &failures })?;
+    if failures.is_empty() { Ok(()) } else { Err(Failure::Reported) }
 }

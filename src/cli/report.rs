@@ -6,8 +6,8 @@ use crate::detector::advice::grouped;
 use crate::detector::noise_model::NoiseModel;
 use crate::detector::test::NOT_SEARCHED;
 use crate::detector::{
-    Advice, Detection, DetectorParams, Method, NoiseGate, SearchParams, Slope, SlopeFinding, SlopeGrid, StageTimes,
-    Tally, Test, explain,
+    Advice, Detection, DetectorParams, Method, NoiseGate, Slope, SlopeFinding, SlopeGrid, StageTimes, Tally, Test,
+    explain,
 };
 use crate::files::path_text;
 use crate::inspect::slopes::{SlopeJudgement, features_at_slopes};
@@ -15,13 +15,6 @@ use crate::inspect::words::counted;
 use serde::{Serialize, Serializer};
 use std::collections::BTreeMap;
 use std::sync::Arc;
-
-#[derive(Debug, Serialize)]
-pub(super) struct DetectReport<'a> {
-    pub params: &'a SearchParams,
-    pub bursts: Vec<BurstReport>,
-    pub failures: Vec<FailureReport>,
-}
 
 #[derive(Debug, Serialize)]
 pub(super) struct FailureReport {
