@@ -4,7 +4,7 @@
 //! calls the same functions as the window. Results go to the standard output, progress and errors to the standard
 //! error. Exit codes: 0 done, 1 failed, 2 wrong use, 130 interrupted.
 
-/// Declares an enum of commands: each with its arguments, which say what it does, and the function that runs it.
+/// Declares commands, each by its arguments and its function; the help of a command is that of its arguments.
 macro_rules! commands {
     ($(#[$about:meta])* $name:ident { $($(#[$when:meta])* $command:ident($($args:ident)::+) => $run:path;)* }) => {
         $(#[$about])*

@@ -32,17 +32,16 @@ pub struct ExplainRequest {
 }
 
 request! {
-    ExplainRequest => Explained: |self, work| {
+    ExplainRequest => Explanation: |self, work| {
         let (cache, monitor) = trail_and_rest(&work.caches.trails, &self.of, work.monitor)?;
         let trail = &cache.trail;
-        let explanation = match self.question {
+        Ok(match self.question {
             ExplainQuestion::Slopes => Explanation::Slopes(Arc::new(spectrum(&cache, &monitor)?)),
             ExplainQuestion::Candidates(options) => {
                 Explanation::Candidates(Arc::new(survey(trail, &options, &monitor)?))
             }
             ExplainQuestion::Decoys(study) => Explanation::Decoys(Arc::new(decoys(trail, &study, true, &monitor)?)),
-        };
-        Ok(Explained { request: self, explanation })
+        })
     }
 }
 
@@ -51,12 +50,6 @@ pub enum Explanation {
     Slopes(Arc<Spectrum>),
     Candidates(Arc<Survey>),
     Decoys(Arc<Decoys>),
-}
-
-#[derive(Debug, Clone)]
-pub struct Explained {
-    pub request: ExplainRequest,
-    pub explanation: Explanation,
 }
 
 #[derive(Debug, Clone)]

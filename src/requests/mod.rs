@@ -36,7 +36,7 @@ pub use detect::{
     CompareRequest, Compared, DetectRequest, Detected, MatchRequest, Matched, OpenRequest, detect_line, window_line,
 };
 pub use explain::{
-    CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explained, Explanation, FoundLosses, LossesRequest,
+    CoherenceRequest, Coherences, ExplainQuestion, ExplainRequest, Explanation, FoundLosses, LossesRequest,
     ProbeQuestion, ProbeRequest, Probed, Traced,
 };
 pub use figure::{

@@ -7,7 +7,7 @@ use crate::app::results::{Model, Read};
 use crate::detector::params::doc;
 use crate::detector::{Detection, Feature, ParamChange, Slope};
 use crate::engine::Ended;
-use crate::requests::{CoherenceRequest, ExplainQuestion, ExplainRequest, Explained, Explanation};
+use crate::requests::{CoherenceRequest, ExplainQuestion, ExplainRequest, Explanation};
 use std::sync::Arc;
 
 /// Also after they failed or were cancelled.
@@ -16,16 +16,16 @@ pub fn want_decoys(model: &mut Model) {
     model.results.explained.wanted_decoys = Read::of(model).decoys_request();
 }
 
-pub(super) fn take_explained(model: &mut Model, ended: Ended<ExplainRequest>) {
-    let title = if matches!(ended.request.question, ExplainQuestion::Decoys(_)) { "Decoys" } else { "Explanation" };
+pub(super) fn take_explained(model: &mut Model, Ended { request, result, .. }: Ended<ExplainRequest>) {
+    let title = if matches!(request.question, ExplainQuestion::Decoys(_)) { "Decoys" } else { "Explanation" };
     // What no user asked for fails where it would stand.
-    let is_quiet = title == "Decoys" && !Read::of(model).has_asked_for_decoys(&ended.request);
-    let answer = if is_quiet { ended.result.ok() } else { model.shell.messages.answer(ended.result, title) };
-    let Some(Explained { request, explanation }) = answer else { return };
-    match explanation {
-        Explanation::Slopes(spectrum) => model.results.explained.slopes = Some((request, spectrum)),
-        Explanation::Decoys(decoys) => model.results.explained.decoys = Some((request, decoys)),
-        Explanation::Candidates(survey) => {
+    let is_quiet = title == "Decoys" && !Read::of(model).has_asked_for_decoys(&request);
+    let answer = if is_quiet { result.ok() } else { model.shell.messages.answer(result, title) };
+    match answer {
+        None => {}
+        Some(Explanation::Slopes(spectrum)) => model.results.explained.slopes = Some((request, spectrum)),
+        Some(Explanation::Decoys(decoys)) => model.results.explained.decoys = Some((request, decoys)),
+        Some(Explanation::Candidates(survey)) => {
             model.results.explained.candidates = Some((request, survey));
             (model.document.selected_candidate, model.results.explained.pointed) = (None, None);
         }
