@@ -1,11 +1,7 @@
 //! Law of every *Apply* of the slopes: it changes the parameters and says so, the advice is computed again by what it
 //! found, advice never leads back to where it came from, and steps back lead to what was set before.
 
-use crate::support::{Start, Window};
-use burstscope::detector::{SearchParams, SlopeGrid, Slopes};
-use burstscope::requests::BurstSource;
-use burstscope::synth::Example;
-use egui::Key;
+use crate::support::*;
 
 /// Steps after which advice must have come to an end: range, step and cost can each need one, and the range two.
 const LONGEST: usize = 4;

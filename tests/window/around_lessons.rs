@@ -1,22 +1,8 @@
 //! Around lessons: leaving and coming back, the hall, sheets, lessons from files.
 
 use crate::lessons::{SIZES, choose, lesson, nothing_open};
-use crate::support::{Memory, Start, Window};
-use burstscope::app::document::comparison::Compared;
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::document::export::Purpose;
-use burstscope::app::document::look::FeaturesShown;
-use burstscope::app::document::panes::Panels;
-use burstscope::app::document::side::Side;
+use crate::support::*;
 use burstscope::app::parts;
-use burstscope::app::results::Read;
-use burstscope::app::settings::Settings;
-use burstscope::detector::Slope;
-use burstscope::requests::BurstSource;
-use burstscope::teach::{Part, Workspace, built_in, sheet};
-use egui::accesskit::Role;
-use egui::{Key, pos2};
-use egui_kittest::kittest::{NodeT, Queryable};
 
 #[test]
 fn nothing_is_lost_of_what_was_open() {

@@ -1,11 +1,7 @@
 //! Tests of panes: each workspace has its own, linked panes follow, and a closed pane's picture disappears from others.
 
-use burstscope::app::canvas::Zoom;
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::document::side::Side;
-use burstscope::app::pane::{Content, Direction, MAX_PANES, Over, PaneGroup, PaneId, Panes, Preset};
-use burstscope::detector::{DetectorParams, Slope};
-use burstscope::teach::Workspace;
+use crate::support::*;
+use burstscope::app::pane::{Direction, MAX_PANES, PaneGroup, Panes, Preset};
 
 const A: PaneId = PaneId::of(Side::A);
 const B: PaneId = PaneId::of(Side::B);

@@ -1,18 +1,9 @@
 //! What the hand finds where it looks: contrast, playing, the wheel, focus under the pointer, only real features.
 
-use crate::support::{Start, Window};
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::document::panes::{Hidden, MaskShape, Visibility};
-use burstscope::app::document::side::Side;
-use burstscope::app::pane::PaneId;
-use burstscope::app::settings::Settings;
-use burstscope::detector::Slope;
-use burstscope::inspect::place::Verdict;
+use crate::support::*;
+use burstscope::app::document::panes::{Hidden, MaskShape};
 use burstscope::inspect::words::slope_text;
-use egui::accesskit::Role;
-use egui::{Event, Key, Modifiers, MouseWheelSource, MouseWheelUnit, PointerButton, Pos2, pos2, vec2};
-use egui_kittest::kittest::Queryable;
-use std::sync::Arc;
+use egui::{Event, MouseWheelSource, MouseWheelUnit, PointerButton};
 
 /// Turns the wheel up by a notch, with the pointer at a place of the window.
 fn wheel_at(window: &mut Window, pos: Pos2, modifiers: Modifiers) {

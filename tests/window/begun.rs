@@ -1,18 +1,9 @@
 //! What is set for one burst ends with it: its mask, times, frames used, slopes and filter do nothing to the next one,
 //! to which a line offers them. Sessions, and the same burst opened again, keep theirs.
 
-use crate::support::{Start, Window};
-use burstscope::app::document::side::Side;
-use burstscope::app::results::Read;
+use crate::support::*;
 use burstscope::burst::TimesChoice;
-use burstscope::detector::{FrameRange, SearchParams, SlopeGrid, Slopes};
-use burstscope::inspect::place::Verdict;
-use burstscope::requests::BurstSource;
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 use image::GrayImage;
-use std::path::{Path, PathBuf};
 
 /// Writes bursts of four frames and a mask that hides the left eight columns, all of one size.
 fn bursts(home: &Path) -> (PathBuf, PathBuf, PathBuf) {

@@ -1,12 +1,8 @@
 //! Bias and flat frames and masks in the window: chosen, dropped, drawn, applied, saved in the session.
 
-use crate::support::{Start, Window};
+use crate::support::*;
 use burstscope::app::measure::Tool;
-use egui::accesskit::Role;
-use egui::{Key, Pos2, pos2};
-use egui_kittest::kittest::Queryable;
 use image::{ImageBuffer, Luma};
-use std::path::Path;
 
 /// Writes frames of an even light of 1200 behind a lens that dims the right half by one half, on stripes of 100 and
 /// 300.

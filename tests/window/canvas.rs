@@ -1,19 +1,14 @@
 //! The canvas and the histogram, driven as a user would: by labels, pointer and wheel.
 
+use crate::support::*;
 use crate::{harness as common, pictures};
-use burstscope::Feature;
 use burstscope::app::canvas::overlay::{self, ColourBy, ColourScale, OverlayStyle};
-use burstscope::app::canvas::{Canvas, Picture, RectTransform, View, Zoom};
+use burstscope::app::canvas::{Canvas, Picture, RectTransform, View};
 use burstscope::app::gpu::PictureRenderer;
 use burstscope::app::histogram::HistogramPanel;
-use burstscope::detector::Quantity;
 use burstscope::detector::params::slope_grid::{Slope, SlopeAxis, SlopeGrid};
-use burstscope::plane::Plane;
 use burstscope::plane::display::{ColourMap, Display};
-use egui::{Event, Modifiers, MouseWheelUnit, Pos2, Rect, TouchPhase, Vec2, pos2, vec2};
-use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
-use std::sync::Arc;
+use egui::{Event, MouseWheelUnit, TouchPhase};
 
 /// Slopes of the features of these tests: a plane, whose colours are directions.
 const SLOPES: SlopeGrid = SlopeGrid {

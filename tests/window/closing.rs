@@ -2,15 +2,12 @@
 //! done.
 
 use crate::lab::run_small_study;
-use crate::support::{Start, Window};
+use crate::support::*;
 use burstscope::app::document::panes::MeasuredLine;
 use burstscope::engine::Wanted;
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
-use burstscope::requests::{BurstSource, JobError, Request, Urgency, Work};
 use std::convert::Infallible;
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, mpsc};
-use std::time::Duration;
+use std::sync::{Mutex, mpsc};
 
 /// All files below `folder`.
 fn files(folder: &Path) -> Vec<PathBuf> {

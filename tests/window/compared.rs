@@ -1,13 +1,8 @@
 //! Comparison with earlier features and with those of others, and the command that finds the present ones.
 
-use crate::support::Start;
-use burstscope::app::document::comparison::{Compared, Reference};
-use burstscope::app::document::side::Side;
+use crate::support::*;
 use burstscope::export::{write_colmap, write_csv};
 use burstscope::inspect::result::{Spot, compare};
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 
 #[test]
 fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {

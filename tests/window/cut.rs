@@ -1,11 +1,10 @@
 //! Law of all windows that the tests draw: no text and no control is cut off. Each lies inside the part of the window
 //! that its panel clips to, or a scroll bar of that panel leads to it.
 
-use egui::accesskit::{NodeId, Role};
-use egui::{Id, Pos2, Rect, Shape, WidgetRect};
-use egui_kittest::Harness;
-use egui_kittest::kittest::NodeT;
-use std::collections::{BTreeSet, HashMap, HashSet};
+use crate::support::*;
+use egui::accesskit::NodeId;
+use egui::{Id, Shape, WidgetRect};
+use std::collections::{HashMap, HashSet};
 
 /// Points by which a text may reach beyond its clip: rounding, and the descent of letters.
 const TOLERANCE: f32 = 1.5;

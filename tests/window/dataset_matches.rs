@@ -1,17 +1,8 @@
 //! Matches of all pairs of a dataset: the matrix, the list, one pair.
 
 use crate::datasets::{chosen, click_burst, dataset, few_slopes, start, walk};
-use crate::support::Window;
-use burstscope::Monitor;
-use burstscope::burst::OpenOptions;
-use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind, KeptBursts, MatchedPair, match_pairs};
-use burstscope::detector::Descriptor;
-use burstscope::matching::{MatchCounts, MatchParams, PairSelection};
-use burstscope::teach::Workspace;
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
-use std::path::Path;
+use crate::support::*;
+use burstscope::dataset::{KeptBursts, MatchedPair, match_pairs};
 
 /// Window on three bursts whose features are found, in the workspace of their matches.
 fn detected(home: &Path) -> Window {

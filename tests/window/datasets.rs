@@ -1,16 +1,9 @@
 //! Many bursts: opening, cutting, detecting all, resuming, choosing two.
 
-use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::Startup;
-use burstscope::app::results::datasets::{BurstState, Dataset};
+use crate::support::*;
+use burstscope::app::results::datasets::Dataset;
 use burstscope::dataset::DatasetSource;
-use burstscope::detector::SlopeGrid;
 use burstscope::synth::{SceneParams, synth_scene, write_burst};
-use burstscope::{DetectorParams, Monitor};
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::{NodeT, Queryable};
-use std::path::{Path, PathBuf};
 
 /// Writes fifteen frames of a trajectory past a layered scene, in a folder of `home`.
 pub fn film(home: &Path) -> PathBuf {

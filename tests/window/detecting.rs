@@ -1,13 +1,7 @@
 //! Detecting, cancelling, selecting, sorting, filtering.
 
-use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::document::look::FeaturesShown;
-use burstscope::app::results::Read;
-use burstscope::detector::{Method, Quantity, SlopeAxis, SlopeGrid};
+use crate::support::*;
 use burstscope::inspect::words::counted;
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 
 #[test]
 fn detect_finds_what_the_detector_finds() {

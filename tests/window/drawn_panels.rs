@@ -1,13 +1,10 @@
 //! Panels by themselves, each drawn from documents that nobody would make.
 
-use burstscope::app::document::{Action, Document, Queue, Reference};
+use crate::support::*;
 use burstscope::app::panel::*;
-use burstscope::app::results::{Model, Read};
+use burstscope::app::results::Model;
 use burstscope::app::{dataset, workspace};
-use burstscope::detector::{Quantity, SlopeGrid, Test};
-use burstscope::teach::BottomTab;
 use egui::Ui;
-use egui_kittest::Harness;
 
 type Drawing = fn(&mut Ui, Read<'_>, &mut Queue);
 

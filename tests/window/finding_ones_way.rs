@@ -1,11 +1,7 @@
 //! Palette, shortcuts, menus, themes.
 
-use crate::support::{Start, Window};
+use crate::support::*;
 use burstscope::app::actions::{ACTIONS, ActionId, Menu};
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::document::look::FeaturesShown;
-use egui::{Key, Modifiers, Rect};
-use egui_kittest::kittest::Queryable;
 
 #[test]
 fn the_palette_finds_an_action_and_runs_it() {

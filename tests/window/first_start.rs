@@ -1,14 +1,6 @@
 //! The first start: most of the window is picture, a card says how to go on, and panels come when they are asked for.
 
-use crate::support::{Memory, Start, Window};
-use burstscope::app::document::side::Side;
-use burstscope::app::results::Read;
-use burstscope::app::settings::Settings;
-use burstscope::detector::{SlopeGrid, Slopes};
-use burstscope::teach::BottomTab;
-use egui::Rect;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use crate::support::*;
 
 /// Rectangle of the picture itself, without its header.
 fn picture(window: &Window) -> Rect {

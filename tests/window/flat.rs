@@ -1,19 +1,9 @@
 //! A window on a burst without noise, with features that no detector found: for tests of panels, whose pictures change
 //! only when the panel does.
 
-use crate::support::{Start, Window, given};
-use burstscope::app::document::side::Side;
-use burstscope::app::results::Read;
-use burstscope::app::settings::Settings;
-use burstscope::app::{Startup, apply};
+use crate::support::*;
 use burstscope::burst::Positions;
 use burstscope::detector::noise_model::NoiseModel;
-use burstscope::detector::{Detection, Slope, SlopeGrid, Tally, Test};
-use burstscope::requests::{BurstSource, Detected, OpenBurst};
-use burstscope::teach::BottomTab;
-use burstscope::{Burst, Feature, Plane};
-use std::sync::Arc;
-use std::time::Duration;
 
 const SIZE: (usize, usize) = (480, 360);
 const FRAMES: usize = 9;

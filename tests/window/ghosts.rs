@@ -1,21 +1,8 @@
 //! Ghosts, aliases and duplicates: the verdict on each feature in table, filter and panel, and the prices of changes.
 
 use crate::probe::answer;
-use crate::support::{Start, Window};
-use burstscope::Monitor;
-use burstscope::app::apply;
-use burstscope::app::document::filter::{Interval, Order};
-use burstscope::app::document::panes::Visibility;
-use burstscope::app::document::side::Side;
-use burstscope::detector::{FrameRange, NoiseGate, Quantity, Test};
-use burstscope::inspect::ProbeCache;
-use burstscope::inspect::place::Verdict;
+use crate::support::*;
 use burstscope::inspect::result::{DecoyReport, DecoyStudy, decoys};
-use burstscope::requests::BurstSource;
-use burstscope::synth::Example;
-use burstscope::teach::BottomTab;
-use egui::pos2;
-use egui_kittest::kittest::Queryable;
 
 /// The demo with its table.
 fn with_table() -> Window {

@@ -1,16 +1,13 @@
 //! Tests that compare the card's pictures with the CPU's.
 
-use burstscope::app::canvas::{Canvas, Picture, View, Zoom};
+use crate::support::*;
+use burstscope::app::canvas::{Canvas, Picture, View};
 use burstscope::app::gpu::{AdapterChoice, DeviceLimits, Gpu, PictureRenderer};
 use burstscope::app::offscreen::Offscreen;
 use burstscope::error::Error;
-use burstscope::plane::Plane;
 use burstscope::plane::display::{ColourMap, Display, NAN_COLOUR};
-use egui::{Vec2, vec2};
-use image::RgbaImage;
 use std::io::{Read, Write};
 use std::process::Stdio;
-use std::sync::Arc;
 
 /// Tolerance of a colour: the card may round differently once on the way to 8 bits and once in the gamma.
 const TOLERANCE: i32 = 2;

@@ -3,8 +3,7 @@
 //! The pictures of a burst change a little with every change of the detector, because features are drawn over them.
 //! A picture that is missing, black, shifted, or another one must still be noticed.
 
-use egui::Rect;
-use image::RgbaImage;
+use crate::support::*;
 
 /// Columns and rows of cells.
 const CELLS: [u32; 2] = [16, 10];
@@ -107,7 +106,7 @@ impl Greys {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use egui::{pos2, vec2};
+    use crate::support::*;
     use image::Rgba;
 
     const AREA: Rect = Rect { min: pos2(20.0, 10.0), max: pos2(340.0, 250.0) };

@@ -1,8 +1,9 @@
 //! Harness of the window's tests: it draws as the program does, on a software adapter.
 
+use crate::support::*;
 use burstscope::app::gpu::{self, AdapterChoice};
+use egui_kittest::HarnessBuilder;
 use egui_kittest::wgpu::{WgpuTestRenderer, create_render_state};
-use egui_kittest::{Harness, HarnessBuilder};
 
 /// Setup of the program's own device, on a software adapter where there is one: pictures are equal on every machine.
 pub fn wgpu_setup() -> egui_wgpu::WgpuSetup {

@@ -4,17 +4,10 @@
 use crate::flat;
 use crate::probe::answer;
 use crate::steps_back::copied;
-use crate::support::{Start, Window};
-use burstscope::detector::{NoiseGate, Test};
+use crate::support::*;
 use burstscope::figures::{FigureSize, FiguresJob, PaperFigure};
 use burstscope::inspect::place::SuspicionKind;
-use burstscope::requests::BurstSource;
-use burstscope::synth::Example;
 use burstscope::synth::examples::{ALIASING_SLOPE, GARLAND_PERIOD};
-use burstscope::teach::built_in;
-use egui::accesskit::Role;
-use egui::{Key, Modifiers};
-use egui_kittest::kittest::Queryable;
 
 /// Window with an example of the Help menu: slopes are found unless the example has its own.
 fn example(example: Example) -> Window {

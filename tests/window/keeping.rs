@@ -1,18 +1,10 @@
 //! Saving and loading parameters and sessions, exporting, settings.
 
 use crate::flat;
-use crate::support::{Memory, Start, Window, noisy_stack};
-use burstscope::app::Startup;
+use crate::support::*;
 use burstscope::app::canvas::View;
-use burstscope::app::document::look::FeaturesShown;
-use burstscope::app::document::side::Side;
-use burstscope::app::results::Read;
-use burstscope::app::settings::{MAX_RECENT, STORAGE_KEY, Settings};
-use burstscope::detector::{DetectorParams, Slope};
-use burstscope::requests::BurstSource;
+use burstscope::app::settings::{MAX_RECENT, STORAGE_KEY};
 use eframe::Storage;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 
 #[test]
 fn parameters_are_saved_and_loaded() {

@@ -1,18 +1,10 @@
 //! Lab: studies of charts, their curves, and the chart behind a point.
 
-use crate::support::{Start, Window};
-use burstscope::Monitor;
-use burstscope::app::document::comparison::Reference;
-use burstscope::app::document::method::MethodId;
-use burstscope::app::document::side::Side;
-use burstscope::app::results::Read;
+use crate::support::*;
 use burstscope::evaluate::curves::curves_table;
 use burstscope::evaluate::{BurstMethod, ChartStudy, RowStudy};
 use burstscope::study::{Study, StudyReport};
 use burstscope::synth::ChartParams;
-use burstscope::teach::Workspace;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 
 /// A small chart, so that a study takes a second or two.
 fn small_chart() -> ChartParams {

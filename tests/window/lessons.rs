@@ -1,14 +1,7 @@
 //! Lessons: every step of each, played by its own data.
 
-use crate::support::{Start, Window};
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::document::side::Side;
+use crate::support::*;
 use burstscope::app::parts;
-use burstscope::teach::{Between, BottomTab, Goal, GoalValue, InView, Layout, Lesson, Near, Step, Workspace, built_in};
-use egui::accesskit::Role;
-use egui::{Key, Modifiers, pos2};
-use egui_kittest::kittest::{NodeT, Queryable};
-use std::sync::Arc;
 
 /// Step of each lesson that its picture shows, from 1.
 const KEY_STEPS: [(&str, usize); 10] = [

@@ -1,9 +1,7 @@
 //! A film opened as one burst, features of other parameters, and COLMAP's database.
 
 use crate::datasets::{dataset, few_slopes, start, walk};
-use crate::support::{Start, noisy_stack};
-use burstscope::app::results::datasets::BurstState;
-use egui_kittest::kittest::Queryable;
+use crate::support::*;
 
 #[test]
 fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {

@@ -1,13 +1,7 @@
 //! Pictures of the window. Each was looked at; a changed one has to be looked at again.
 
 use crate::flat;
-use crate::support::{Start, Window, given};
-use burstscope::app::Startup;
-use burstscope::app::results::Read;
-use burstscope::app::settings::Settings;
-use burstscope::detector::{Slope, SlopeGrid};
-use burstscope::teach::BottomTab;
-use egui::Key;
+use crate::support::*;
 
 const PLAIN: [f32; 2] = [1280.0, 800.0];
 

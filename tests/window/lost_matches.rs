@@ -1,16 +1,7 @@
 //! Reasons why features have no match, and the numbers lost at each stage.
 
-use crate::support::{Start, Window, given};
-use burstscope::Monitor;
-use burstscope::app::document::side::Side;
-use burstscope::app::results::Read;
-use burstscope::app::{Startup, apply};
+use crate::support::*;
 use burstscope::inspect::pair::{Losses, Lost};
-use burstscope::requests::BurstSource;
-use burstscope::teach::Workspace;
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 
 fn two_bursts() -> Window {
     let startup = Startup { second: Some(BurstSource::DemoLater), ..given() };

@@ -1,20 +1,9 @@
 //! Maps as kinds of picture: the local noise, the coverage.
 
-use crate::support::{Start, Window};
-use burstscope::Monitor;
+use crate::support::*;
 use burstscope::app::canvas::overlay::{ColourBy, ColourScale};
-use burstscope::app::pane::Content;
-use burstscope::app::results::Read;
-use burstscope::app::session::Session;
 use burstscope::detector::view::{coverage_view, gate_noise_map};
-use burstscope::detector::{DetectorParams, Feature, Slope, SlopeGrid};
-use burstscope::requests::ViewKind;
 use burstscope::synth::random::Stream;
-use egui::accesskit::Role;
-use egui::{Key, Modifiers, pos2};
-use egui_kittest::kittest::Queryable;
-use ndarray::Array3;
-use std::path::{Path, PathBuf};
 
 /// Writes a dark room with a bright lamp on the right, as a `.npy` stack: the noise grows with the light. Discs move by
 /// (1, 0).

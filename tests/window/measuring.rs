@@ -1,20 +1,11 @@
 //! Measurements in a picture: a line and a rectangle drawn on it; found, missed, repeated and other features, where the
 //! truth is known.
 
-use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::document::comparison::{Compared, Reference};
-use burstscope::app::document::side::Side;
+use crate::support::*;
 use burstscope::app::measure::Tool;
-use burstscope::app::results::Read;
-use burstscope::inspect::ProbeCache;
 use burstscope::inspect::result::{against_truth, truth_of};
 use burstscope::plane::sample::{profile, region_statistics};
 use burstscope::plane::statistics::Region;
-use burstscope::teach::BottomTab;
-use burstscope::{Detection, Monitor};
-use egui::accesskit::Role;
-use egui::{Key, Modifiers, Pos2, pos2};
-use egui_kittest::kittest::Queryable;
 
 fn open() -> Window {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();

@@ -1,19 +1,10 @@
 //! Several methods on one burst.
 
-use crate::support::{Start, Window, noisy_stack};
+use crate::support::*;
 use burstscope::app::actions::ActionId;
-use burstscope::app::document::method::MethodId;
-use burstscope::app::document::side::Side;
-use burstscope::app::pane::Over;
-use burstscope::app::results::Read;
+use burstscope::detect;
 use burstscope::detector::view::{dog_view, stack_view};
 use burstscope::inspect::words::counted;
-use burstscope::requests::BurstSource;
-use burstscope::teach::{BottomTab, Workspace};
-use burstscope::{Monitor, detect};
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 
 fn methods(second: bool) -> Window {
     let mut start = Start { size: [1400.0, 900.0], ..Start::default() };

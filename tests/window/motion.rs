@@ -1,16 +1,9 @@
 //! Motion in the window: that of the features and that of their places, with the uncertainty.
 
-use crate::support::{Start, Window};
+use crate::support::*;
 use burstscope::app::document::filter::{moves_by, near_slope};
-use burstscope::app::document::look::FeaturesShown;
-use burstscope::app::results::Read;
-use burstscope::app::session::Session;
 use burstscope::app::view::{View, Zoom, layer_text, motion_text};
-use burstscope::detector::{Moves, Slope};
-use burstscope::inspect::place::{Judged, Verdict};
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use burstscope::inspect::place::Judged;
 
 fn open() -> Window {
     Start { size: [1400.0, 1100.0], ..Start::automatic() }.open()

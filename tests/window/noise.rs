@@ -1,14 +1,8 @@
 //! The tab of the noise.
 
 use crate::maps::lamp;
-use crate::support::{Start, Window};
-use burstscope::Monitor;
-use burstscope::app::pane::Content;
-use burstscope::detector::{DetectorParams, SlopeGrid};
-use burstscope::requests::ViewKind;
+use crate::support::*;
 use burstscope::synth::NoiseCase;
-use ndarray::Array3;
-use std::path::Path;
 
 fn open(path: &Path) -> Window {
     let mut start = Start { size: [1280.0, 800.0], ..Start::of(path) };

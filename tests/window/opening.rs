@@ -1,10 +1,6 @@
 //! Opening bursts, and failures of it.
 
-use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::results::Read;
-use burstscope::requests::BurstSource;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
+use crate::support::*;
 use std::io::Write;
 
 #[test]

@@ -1,20 +1,8 @@
 //! Two bursts side by side, and the matches between them.
 
-use crate::support::{Start, Window, noisy_stack};
-use burstscope::Monitor;
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::document::pair::MatchColumn;
-use burstscope::app::document::side::Side;
-use burstscope::app::pane::{Content, Over, PaneId};
-use burstscope::app::results::Read;
+use crate::support::*;
 use burstscope::dataset::{DetectedBurst, match_bursts};
-use burstscope::detector::Slope;
 use burstscope::matching::Geometry;
-use burstscope::requests::BurstSource;
-use burstscope::teach::Workspace;
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 
 /// A window with the demo as A and the demo a little later as B, features and matches found.
 fn pair() -> Window {

@@ -2,20 +2,9 @@
 //! still shows.
 
 use crate::flat;
-use crate::support::{Start, Window};
-use burstscope::Monitor;
-use burstscope::app::canvas::Zoom;
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::document::side::Side;
-use burstscope::app::pane::{Content, Over, PaneId};
-use burstscope::app::results::Read;
+use crate::support::*;
 use burstscope::baseline::merge_burst;
-use burstscope::detector::Slope;
 use burstscope::detector::view::{dog_view, stack_view};
-use burstscope::requests::BurstSource;
-use egui::accesskit::Role;
-use egui::{Key, Modifiers, Pos2, Rect, pos2};
-use egui_kittest::kittest::{NodeT, Queryable};
 
 fn open() -> Window {
     Start { size: [1280.0, 800.0], ..Start::default() }.open()

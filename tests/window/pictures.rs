@@ -8,13 +8,11 @@
 //! `UPDATE_SNAPSHOTS=1` accepts texts and flat pictures that differ. `UPDATE_SNAPSHOTS=force` writes all texts and
 //! pictures anew, those of the documents too.
 
+use crate::support::*;
 use crate::{cut, structure};
-use egui_kittest::Harness;
+use image::RgbImage;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::imageops::thumbnail;
-use image::{RgbImage, RgbaImage};
-use std::collections::BTreeSet;
-use std::path::{Path, PathBuf};
 
 /// Folder of the pictures without noise, in `screenshots/`.
 const FLAT: &str = "flat/";

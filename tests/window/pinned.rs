@@ -1,12 +1,8 @@
 //! Places that are pinned: named, marked in the pictures, probed again, kept with the session, and reported.
 
-use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::document::look::FeaturesShown;
-use burstscope::app::document::side::Side;
+use crate::support::*;
 use burstscope::inspect::words::number;
-use egui::accesskit::Role;
-use egui::{Key, Shape, pos2};
-use egui_kittest::kittest::Queryable;
+use egui::Shape;
 
 fn probe_at(window: &mut Window, u: f32, v: f32) {
     let at = window.ui_from_image(pos2(u, v)).unwrap();

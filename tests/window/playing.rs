@@ -1,15 +1,8 @@
 //! What was done in a window, copied as a text and done again in another one.
 
 use crate::steps_back::copied;
-use crate::support::{Start, Window};
-use burstscope::app::Startup;
+use crate::support::*;
 use burstscope::app::document::journal::read_steps;
-use burstscope::app::document::{Action, Steps};
-use burstscope::app::results::Read;
-use burstscope::app::session::Session;
-use egui::accesskit::Role;
-use egui::{Key, pos2};
-use egui_kittest::kittest::Queryable;
 
 fn did(window: &mut Window) -> Steps {
     window.click("Help");

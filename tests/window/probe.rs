@@ -2,26 +2,11 @@
 //! of the rejected candidates, where rows of the tally are switches.
 
 use crate::maps::lamp;
-use crate::support::{Start, Window, given};
-use burstscope::Monitor;
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::document::look::FeaturesShown;
-use burstscope::app::document::side::Side;
-use burstscope::app::pane::{Content, SliceAxis};
-use burstscope::app::results::Read;
-use burstscope::app::settings::Settings;
-use burstscope::app::{Startup, apply};
-use burstscope::detector::{DetectorParams, FrameRange, Slope, SlopeGrid, Test};
-use burstscope::inspect::ProbeCache;
+use crate::support::*;
+use burstscope::app::pane::SliceAxis;
 use burstscope::inspect::place::{CauseKind, ProbeOptions, ProbeSubject, SurveyOptions, probe, survey};
 use burstscope::inspect::result::{DecoyStudy, decoys};
 use burstscope::inspect::words::number;
-use burstscope::requests::{BurstSource, Probed};
-use burstscope::teach::Workspace;
-use egui::accesskit::Role;
-use egui::{Key, Modifiers, pos2};
-use egui_kittest::kittest::Queryable;
-use std::path::Path;
 
 fn demo() -> Window {
     Start { size: [1280.0, 800.0], ..Start::default() }.open()

@@ -1,19 +1,10 @@
 //! Burst that moves along both axes: the probe's map of both slopes, slices along and across the motion, and the map of
 //! winning slopes.
 
-use crate::support::{Start, Window};
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::pane::{Content, SliceAxis};
-use burstscope::app::results::Read;
-use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
+use crate::support::*;
+use burstscope::app::pane::SliceAxis;
 use burstscope::inspect::place::winning_slopes;
 use burstscope::synth::random::Stream;
-use burstscope::{Feature, Monitor};
-use egui::accesskit::Role;
-use egui::{Key, Modifiers, Rect, pos2, vec2};
-use egui_kittest::kittest::Queryable;
-use ndarray::Array3;
-use std::path::{Path, PathBuf};
 
 /// Discs on the left move by (1, −1), those on the right by (−1, 0.5); a `.npy` stack.
 const LEFT: Slope = Slope { u: 1.0, v: -1.0 };

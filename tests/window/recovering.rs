@@ -1,21 +1,11 @@
 //! Things planted in the open burst, the set-up from which slopes are computed, and cases.
 
-use crate::support::{Start, Window};
-use burstscope::app::document::comparison::Reference;
-use burstscope::app::document::export::FilmContent;
-use burstscope::app::results::Read;
-use burstscope::app::session::Session;
+use crate::support::*;
 use burstscope::app::view::ColourBy;
-use burstscope::detector::{DetectorParams, NoiseGate, Quantity, SlopeGrid};
 use burstscope::export::case::{Case, Enclosed, read_session, read_truth, write_case};
 use burstscope::inspect::slopes::SetUp;
-use burstscope::requests::BurstSource;
 use burstscope::study::StudyReport;
 use burstscope::synth::{ChartParams, synth_chart};
-use burstscope::teach::{BottomTab, Workspace};
-use burstscope::{Burst, Monitor};
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 
 /// A small burst of discs, and a search of few slopes.
 fn small() -> (Burst, DetectorParams) {

@@ -1,16 +1,10 @@
 //! The automatically saved session, and the offer after an unexpected end.
 
-use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::document::side::Side;
+use crate::support::*;
 use burstscope::app::offscreen::Offscreen;
 use burstscope::app::recovery::{KeptIn, Record};
-use burstscope::app::session::Session;
-use burstscope::app::{BurstscopeApp, EndRequest, Startup, gpu};
-use burstscope::detector::Slope;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
-use std::path::Path;
-use std::time::{Duration, SystemTime};
+use burstscope::app::{BurstscopeApp, EndRequest, gpu};
+use std::time::SystemTime;
 
 const OFFER: &str = "was not closed";
 

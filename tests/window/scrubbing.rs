@@ -1,22 +1,10 @@
 //! The picture follows the cursor, and the filmstrip of a dataset shows each cell's text and look.
 
 use crate::datasets::{click_burst, start, walk};
-use crate::support::{Start, Window};
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::document::side::Side;
-use burstscope::app::results::Read;
-use burstscope::app::results::datasets::BurstState;
-use burstscope::burst::Burst;
+use crate::support::*;
 use burstscope::detector::view::{dog_view, stack_view};
-use burstscope::detector::{DetectorParams, Slope};
 use burstscope::engine::{Engine, Wanted};
 use burstscope::plane::Mask;
-use burstscope::requests::{BurstSource, OpenBurst, PictureKind, PictureRequest};
-use burstscope::{Monitor, Plane};
-use egui::Key;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
-use std::sync::Arc;
 
 #[test]
 fn moving_the_slope_slider_shows_that_slopes_motion_stack() {

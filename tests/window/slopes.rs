@@ -1,24 +1,10 @@
 //! Slopes in the window: found automatically, as bars under the slider and in the tab with its advice; and the colours
 //! by coherence, which show how evenly the frames respond along each feature's motion.
 
-use crate::support::{Start, Window};
-use burstscope::Monitor;
-use burstscope::app::apply;
-use burstscope::app::document::action::Reselect;
+use crate::support::*;
 use burstscope::app::document::cursor::slope_limit;
-use burstscope::app::document::side::Side;
-use burstscope::app::results::Read;
-use burstscope::app::session::Session;
-use burstscope::detector::{DetectorParams, Slope, SlopeAxis, SlopeGrid, SlopeVerdict, Slopes};
-use burstscope::inspect::ProbeCache;
 use burstscope::inspect::place::judged;
 use burstscope::synth::random::Stream;
-use burstscope::teach::BottomTab;
-use egui::accesskit::Role;
-use egui::{Key, pos2, vec2};
-use egui_kittest::kittest::Queryable;
-use ndarray::Array3;
-use std::path::{Path, PathBuf};
 
 fn grid(window: &Window) -> SlopeGrid {
     window.app().read().grid_of(Side::A)

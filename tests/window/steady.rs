@@ -1,16 +1,6 @@
 //! Nothing moves under the pointer: places of the window before and after what a user does there.
 
-use crate::support::{Start, Window, given};
-use burstscope::app::Startup;
-use burstscope::app::document::pair::MatchesAs;
-use burstscope::app::document::side::Side;
-use burstscope::app::pane::PaneId;
-use burstscope::detector::{DetectorParams, SlopeGrid};
-use burstscope::requests::BurstSource;
-use burstscope::teach::Workspace;
-use egui::accesskit::Role;
-use egui::{Key, Rect};
-use egui_kittest::kittest::Queryable;
+use crate::support::*;
 
 fn rect(window: &Window, role: Role, label: &str) -> Rect {
     window.harness.get_all_by_role_and_label(role, label).next().expect("drawn").rect()

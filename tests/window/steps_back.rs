@@ -1,12 +1,7 @@
 //! Undo and redo, the clipboard, context menus, and keys while a dialog is open.
 
-use crate::support::{Start, Window};
-use burstscope::app::document::cursor::ViewKind;
-use burstscope::app::results::Read;
-use burstscope::detector::{Method, Slope};
-use egui::accesskit::Role;
-use egui::{Key, Modifiers, OutputCommand, Pos2, pos2};
-use egui_kittest::kittest::Queryable;
+use crate::support::*;
+use egui::OutputCommand;
 
 fn redo(window: &mut Window) {
     window.harness.key_press_modifiers(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::Z);

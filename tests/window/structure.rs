@@ -2,12 +2,8 @@
 //! panes and plots. It does not depend on the graphics driver.
 
 use crate::greys::Greys;
-use egui::Rect;
-use egui::accesskit::Role;
+use crate::support::*;
 use egui_kittest::Node;
-use egui_kittest::kittest::NodeT;
-use image::RgbaImage;
-use std::collections::BTreeSet;
 use std::fmt::Write;
 
 /// Maximum difference of a place from that in the file, points.

@@ -1,23 +1,37 @@
 //! A window for tests, and the actions of a user on it.
 
+// Names that most tests of the window use.
+pub use burstscope::app::canvas::Zoom;
+pub use burstscope::app::document::{cursor::ViewKind, *};
+pub use burstscope::app::pane::{Content, Over, PaneId};
+pub use burstscope::app::results::{Read, datasets::BurstState};
+pub use burstscope::app::{Startup, apply, session::Session, settings::Settings};
+pub use burstscope::burst::OpenOptions;
+pub use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind};
+pub use burstscope::detector::*;
+pub use burstscope::inspect::{ProbeCache, place::Verdict};
+pub use burstscope::matching::{MatchCounts, MatchParams, PairSelection};
+pub use burstscope::requests::*;
+pub use burstscope::synth::Example;
+pub use burstscope::teach::*;
+pub use burstscope::{Burst, Monitor, Plane};
+pub use egui::accesskit::Role;
+pub use egui::{Key, Modifiers, Pos2, Rect, Vec2, pos2, vec2};
+pub use egui_kittest::Harness;
+pub use egui_kittest::kittest::{NodeT, Queryable};
+pub use image::RgbaImage;
+pub use ndarray::Array3;
+pub use std::collections::BTreeSet;
+pub use std::path::{Path, PathBuf};
+pub use std::sync::Arc;
+pub use std::time::Duration;
+
 use crate::{harness as common, pictures};
+use burstscope::app::BurstscopeApp;
 use burstscope::app::dialogs::{FileDialogs, Question};
-use burstscope::app::document::panes::Panels;
-use burstscope::app::document::side::Side;
-use burstscope::app::pane::PaneId;
-use burstscope::app::settings::Settings;
-use burstscope::app::{BurstscopeApp, Startup};
-use burstscope::detector::{SearchParams, SlopeGrid};
-use burstscope::requests::BurstSource;
-use egui::Pos2;
-use egui::accesskit::Role;
-use egui_kittest::Harness;
-use egui_kittest::kittest::Queryable;
-use ndarray::Array3;
 use std::collections::{HashMap, VecDeque};
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
-use std::time::{Duration, Instant};
+use std::sync::Mutex;
+use std::time::Instant;
 
 /// Timeout of every wait.
 const PATIENCE: Duration = Duration::from_secs(120);

@@ -1,16 +1,8 @@
 //! An estimated trajectory beside the true one.
 
-use crate::support::{Start, Window, noisy_stack};
-use burstscope::app::apply;
-use burstscope::app::document::{PairTab, SavedSelection};
+use crate::support::*;
 use burstscope::evaluate::poses::{PoseReport, PoseStudy, Projection, evaluate_poses, read_trajectory};
-use burstscope::matching::MatchCounts;
-use burstscope::requests::Which;
-use burstscope::teach::Workspace;
-use egui::accesskit::Role;
-use egui_kittest::kittest::Queryable;
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
 
 /// Centres of fourteen cameras on an arc that rises a little, looking along +z.
 fn true_centres() -> Vec<[f64; 3]> {

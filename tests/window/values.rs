@@ -1,8 +1,8 @@
 //! The values that the user sets and the answers about them, as plain values: without a window.
 
 mod cursor {
+    use crate::support::*;
     use burstscope::app::document::cursor::*;
-    use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
 
     #[test]
     fn everything_is_brought_into_range() {
@@ -39,8 +39,8 @@ mod cursor {
 }
 
 mod method {
+    use crate::support::*;
     use burstscope::app::document::method::*;
-    use burstscope::detector::{DetectorParams, Method, SlopeGrid};
 
     #[test]
     fn each_method_takes_the_edited_parameters_in_its_own_way() {
@@ -64,8 +64,8 @@ mod method {
 }
 
 mod lab {
+    use crate::support::*;
     use burstscope::app::document::lab::*;
-    use burstscope::detector::{SearchParams, SlopeGrid};
     use burstscope::evaluate::BurstMethod;
     use burstscope::study::Study;
 
@@ -106,15 +106,12 @@ mod lab {
 }
 
 mod trajectories {
-    use burstscope::app::document::Trajectories;
+    use crate::support::*;
     use burstscope::app::results::studies::*;
     use burstscope::evaluate::poses::{
         DEMO_ESTIMATE, DEMO_TRUTH, Pose, PoseStudy, Projection, Trajectory, read_trajectory,
     };
-    use burstscope::requests::{ComparedPoses, ReadTrajectory};
     use nalgebra::{Isometry3, Vector3};
-    use std::path::PathBuf;
-    use std::sync::Arc;
 
     fn compared(read: [ReadTrajectory; 3]) -> ComparedPoses {
         ComparedPoses::of(read, &PoseStudy::default())
@@ -192,10 +189,9 @@ mod trajectories {
 }
 
 mod listed {
-    use burstscope::app::document::Document;
-    use burstscope::app::document::filter::{Filter, Interval, Order, near_slope};
+    use crate::support::*;
+    use burstscope::app::document::filter::near_slope;
     use burstscope::app::view::{KnownOfFeature, quantity_text};
-    use burstscope::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
 
     fn feature(u: f32, sigma: f32, slope_u: f32) -> Feature {
         let (slope, response, at_slope_limit) = (Slope::new(slope_u, 0.0), -0.1 * sigma, slope_u.abs() >= 3.0);
@@ -302,8 +298,8 @@ mod listed {
 }
 
 mod view {
+    use crate::support::*;
     use burstscope::app::view::{MAX_POINTS_PER_PIXEL, RectTransform, View, Zoom};
-    use egui::{Pos2, Rect, Vec2, pos2};
     use proptest::prelude::*;
 
     const SIZE: (usize, usize) = (1600, 1200);
@@ -374,11 +370,9 @@ mod view {
 }
 
 mod hidden {
-    use burstscope::Burst;
+    use crate::support::*;
     use burstscope::app::measure::{Hidden, mask_of};
-    use burstscope::plane::{Mask, Plane};
-    use egui::pos2;
-    use std::sync::Arc;
+    use burstscope::plane::Mask;
 
     #[test]
     fn a_mask_hides_what_lies_inside_of_outlines_and_what_no_frame_shows() {
@@ -414,8 +408,7 @@ mod hidden {
 }
 
 mod set_up {
-    use burstscope::app::document::SetUpState;
-    use burstscope::detector::{Feature, Moves, Slope};
+    use crate::support::*;
     use burstscope::inspect::slopes::SetUp;
 
     #[test]
@@ -434,10 +427,8 @@ mod set_up {
 }
 
 mod presets {
-    use burstscope::app::document::Side;
-    use burstscope::app::document::cursor::ViewKind;
+    use crate::support::*;
     use burstscope::app::pane::{Pane, Preset};
-    use burstscope::detector::{DetectorParams, Slope, SlopeGrid};
 
     #[test]
     fn the_pane_in_focus_goes_on_in_every_preset() {
@@ -457,10 +448,10 @@ mod presets {
 }
 
 mod pairs {
-    use burstscope::app::document::PairColumn;
+    use crate::support::*;
     use burstscope::app::results::datasets::pairs::{PairTable, lost_text};
     use burstscope::inspect::pair::Lost;
-    use burstscope::matching::{MatchCounts, Refusal};
+    use burstscope::matching::Refusal;
 
     #[test]
     fn pairs_are_listed_in_the_order_that_was_clicked() {
@@ -504,10 +495,10 @@ mod pairs {
 }
 
 mod matrix {
+    use crate::support::*;
     use burstscope::app::dataset::pairs::{CountColours, matrix_ui};
-    use burstscope::app::document::Queue;
     use burstscope::app::results::Dataset;
-    use egui::{Color32, Pos2, Rect, vec2};
+    use egui::Color32;
 
     #[test]
     fn rows_and_columns_have_the_names_of_their_bursts() {

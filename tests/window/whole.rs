@@ -2,13 +2,8 @@
 
 use crate::cut::cut_off;
 use crate::steps_back::second_click_at;
-use crate::support::{Start, Window, given};
-use burstscope::app::document::panes::Panels;
-use burstscope::app::results::Read;
-use burstscope::detector::{Quantity, Slope};
-use burstscope::requests::BurstSource;
-use burstscope::teach::BottomTab;
-use egui::{Key, ThemePreference, pos2, vec2};
+use crate::support::*;
+use egui::ThemePreference;
 
 const SIZES: [[f32; 2]; 3] = [[960.0, 640.0], [1280.0, 800.0], [1920.0, 1080.0]];
 
