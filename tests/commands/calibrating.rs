@@ -1,8 +1,7 @@
 //! Bias and flat frames, levels, linear light and masks on the command line.
 
-use super::support::{program, run_badly, run_well};
+use crate::support::*;
 use image::{ImageBuffer, Luma};
-use std::path::Path;
 
 /// Ten-bit frames of noise with strong fixed spots, and the spots alone.
 fn spotted(home: &Path) {

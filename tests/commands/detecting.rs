@@ -1,6 +1,6 @@
 //! `detect`, and options that all commands share.
 
-use super::support::{features, names, run, run_badly, run_well, stderr};
+use crate::support::*;
 use burstscope::synth::demo_truth;
 use ndarray_npy::NpzReader;
 

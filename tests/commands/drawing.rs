@@ -1,15 +1,13 @@
 //! `stack`, `render`, and the program without a display.
 
-use super::support::{names, program, run_badly, run_well, stderr};
+use crate::support::*;
 use burstscope::app::document::Action;
 use burstscope::app::document::journal::Journal;
 use burstscope::app::document::side::Side;
+use burstscope::detector::Interpolation;
 use burstscope::detector::stack::motion_stack;
-use burstscope::detector::{Interpolation, Slope};
-use burstscope::requests::BurstSource;
 use burstscope::synth::demo_burst;
-use burstscope::{Monitor, Plane};
-use std::path::{Component, Path, PathBuf};
+use std::path::Component;
 
 fn read_tiff(path: &Path) -> ((u32, u32), Vec<f32>) {
     let file = std::io::BufReader::new(std::fs::File::open(path).expect("a file"));

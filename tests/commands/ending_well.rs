@@ -1,14 +1,11 @@
 //! Odd names, odd files, a closed terminal, and interruptions: nothing aborts, hangs, or loses finished work.
 
-use super::support::{at_work, ended, leave_unfinished, names, program, run, run_badly, run_well, stderr};
+use crate::support::*;
 use std::ffi::{OsStr, OsString};
-use std::fs::{self, File};
+use std::fs::File;
 use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
-use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
-use std::time::Duration;
 
 /// Makes a small chart of four frames in the folder `home/name`.
 fn chart(home: &Path, name: &OsStr) {

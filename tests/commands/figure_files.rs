@@ -1,8 +1,6 @@
 //! Plots and tables: every ending gives a file of its kind, with the numbers of the report.
 
-use super::support::{names, run_badly, run_well};
-use serde_json::Value;
-use std::path::Path;
+use crate::support::*;
 
 const FORMATS: [(&str, &[u8]); 5] =
     [("svg", b"<svg "), ("pdf", b"%PDF-1.7"), ("png", b"\x89PNG\r\n"), ("csv", b""), ("tex", b"% ")];

@@ -1,12 +1,8 @@
 //! Numbers, names and files that are made to end the program, to make it wait, or to do what nobody asked for.
 
-use super::support::{ended, names, program, run_badly, run_well, stderr};
-use burstscope::burst::OpenOptions;
-use burstscope::detector::SearchParams;
+use crate::support::*;
 use burstscope::files::{shell_path, shell_word};
 use burstscope::requests::{detect_line, next_commands};
-use std::path::Path;
-use std::process::{Command, Stdio};
 
 #[test]
 fn a_misspelt_command_is_asked_about_and_opens_nothing() {

@@ -1,8 +1,6 @@
 //! `probe`, `slopes` and `decoys`.
 
-use super::support::{names, run_badly, run_well};
-use serde_json::Value;
-use std::path::Path;
+use crate::support::*;
 
 fn json(home: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&run_well(home, arguments)).expect("JSON")

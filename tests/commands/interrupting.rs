@@ -1,10 +1,7 @@
 //! Ctrl-C and the signals that schedulers and closed terminals send: exit code 130, and nothing half-written.
 #![cfg(unix)]
 
-use super::support::{at_work, ended, names, program, run_well, stderr};
-use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::Duration;
+use crate::support::*;
 
 /// Signals that ask a program to end. Where the tests themselves were started with SIGHUP ignored, the program ignores
 /// it too; a line says so.

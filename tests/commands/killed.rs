@@ -1,12 +1,8 @@
 //! A run that is killed at any moment continues where it was, and never takes features of other parameters or frames
 //! for its own.
 
-use super::support::{names, program, run, run_badly, run_well, stderr};
-use std::collections::{BTreeMap, BTreeSet};
-use std::fs;
-use std::path::Path;
-use std::process::{Command, Stdio};
-use std::time::{Duration, SystemTime};
+use crate::support::*;
+use std::time::SystemTime;
 
 /// Makes one film of twenty small bursts.
 fn film(home: &Path) {

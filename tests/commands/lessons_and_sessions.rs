@@ -2,22 +2,18 @@
 //!
 //! Other readers are tested in `core/tests/files/parsers.rs`; docs/FUZZING.md says which tests were run.
 
-use super::support::{ended, program, run_badly, stderr};
 use crate::damage::{absurd, absurd_tomls, at, damage, damaged_text, numbers, says_something};
+use crate::support::*;
 use burstscope::app::apply;
 use burstscope::app::document::action::Reselect;
 use burstscope::app::results::{Model, Read};
 use burstscope::app::session::Session;
-use burstscope::detector::{SearchParams, SlopeAxis, SlopeGrid};
+use burstscope::detector::SlopeAxis;
 use burstscope::inspect::slopes::SetUp;
 use burstscope::recover::RecoverStudy;
-use burstscope::requests::{BurstSource, OpenBurst};
-use burstscope::synth::{ChartParams, NoisyParams};
+use burstscope::synth::NoisyParams;
 use burstscope::teach::Lesson;
-use burstscope::{Burst, DetectorParams, Monitor, Plane};
 use proptest::prelude::*;
-use std::process::Stdio;
-use std::sync::OnceLock;
 use toml::{Table, Value};
 
 const LESSON: &str = "title = \"One\"\nabout = \"What it is about.\"\n[set]\nburst = \"demo-later\"\nslope = [1, 0]\n\n[[step]]\ntitle = \"First\"\ncaption = \"Some *text*.\"\nhighlight = [\"slope_u\", \"noise_gate\"]\ntry = \"Do it\"\ngoal = { slope_u = [-1, 1] }\n\n[[step]]\ntitle = \"Second\"\ncaption = \"More.\"\n[step.set]\nslope = [2, 0]\n";

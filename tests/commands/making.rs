@@ -1,9 +1,7 @@
 //! `synth`: frames that open again, with their truth.
 
-use super::support::{names, run, run_badly, run_well, stderr};
-use burstscope::synth::{ChartParams, FeatureTruth, Motion, Truth, TruthKind, synth_chart};
-use burstscope::{Burst, Monitor};
-use std::path::Path;
+use crate::support::*;
+use burstscope::synth::{FeatureTruth, Motion, Truth, TruthKind, synth_chart};
 
 fn truth(folder: &Path) -> Truth {
     serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json")).expect("a file")).expect("a truth")

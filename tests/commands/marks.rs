@@ -1,8 +1,6 @@
 //! Marks with content, not the names of files, tell what the program wrote: nothing of others is lost.
 
-use super::support::{contents, names, run_badly, run_well};
-use std::fs;
-use std::path::Path;
+use crate::support::*;
 
 /// Makes a chart of four small frames in the folder `home/name`.
 fn chart(home: &Path, name: &str) {

@@ -1,17 +1,14 @@
 //! `match` and `merge`: two bursts, and one image of a burst.
 
-use super::support::{features, names, run_badly, run_well};
-use burstscope::burst::{Burst, OpenOptions};
+use crate::support::*;
 use burstscope::dataset::{
     BurstCameras, ColmapJob, DatasetSource, DetectedBurst, FeatureJob, FeatureStore, ImageKind, KeptBursts,
     MatchedPair, export_colmap, export_detections, match_bursts, match_pairs,
 };
-use burstscope::detector::{DetectorParams, SlopeGrid};
 use burstscope::error::{Error, Result};
 use burstscope::evaluate::{BurstMethod, MatchStudy, Searches, Shot};
-use burstscope::matching::{Geometry, MatchCounts, MatchParams, PairSelection};
-use burstscope::{Detection, Monitor, detect};
-use std::path::Path;
+use burstscope::matching::{Geometry, MatchCounts};
+use burstscope::{Detection, detect};
 
 /// Makes two noisy bursts of one scene: equal layers, other noise, and the second one begins three frames later.
 fn two_bursts(home: &Path) {

@@ -11,11 +11,9 @@
 
 use super::house::documents::documents;
 use super::shared::shared;
-use super::support::run_well;
+use crate::support::*;
 use burstscope::detector::feature::REVISION;
-use serde_json::{Map, Value, json};
-use std::path::{Path, PathBuf};
-use std::process::Command;
+use serde_json::{Map, json};
 
 /// Documents whose tables are measured.
 const DOCUMENTS: [&str; 2] = ["docs/MEASUREMENTS.md", "docs/PAPER.md"];

@@ -1,7 +1,6 @@
 //! `evaluate`: tables, JSON, the figure, and wrong use.
 
-use super::support::{names, run_badly, run_well};
-use serde_json::Value;
+use crate::support::*;
 
 /// Options that make a chart small enough for a test.
 const SMALL: [&str; 10] = ["--width", "260", "--height", "200", "--discs", "8", "--max-slope", "1", "--seeds", "1"];

@@ -1,8 +1,6 @@
 //! Memory budget of a search: fewer threads where that fits, and a refusal before reading where nothing does.
 
-use super::support::{run_badly, run_well};
-use std::fs;
-use std::path::Path;
+use crate::support::*;
 
 /// Writes a `.npy` stack of frames of `size` (columns, rows) that cannot be opened: its first value is infinite.
 fn write_infinite_stack(path: &Path, frames: usize, (width, height): (usize, usize)) {

@@ -1,10 +1,6 @@
 //! Opened files are never written to, and files of others are replaced only with `--force`.
 
-use super::support::{contents, leave_unfinished, names, program, run, run_badly, run_well, stderr};
-use std::fs;
-use std::path::Path;
-use std::process::Stdio;
-use std::time::{Duration, Instant};
+use crate::support::*;
 
 /// Makes a chart of four small frames in the folder `home/name`.
 fn chart(home: &Path, name: &str) {

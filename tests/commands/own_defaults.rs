@@ -1,11 +1,7 @@
 //! The user's own defaults, from the file that `BURSTSCOPE_DEFAULTS` names or from its usual place.
 
-use super::support::{names, program, stderr};
-use burstscope::detector::{Rules, SearchParams};
-use burstscope::matching::MatchParams;
-use serde_json::Value;
-use std::path::Path;
-use std::process::Output;
+use crate::support::*;
+use burstscope::detector::Rules;
 
 /// Runs `case`, whose document has the parameters of a search that it need not make.
 fn kept(home: &Path, defaults: &str, more: &[&str]) -> Output {

@@ -1,9 +1,6 @@
 //! Pairs of a dataset are matched once: kept, they give the same database as if they were matched again.
 
-use super::support::{run_badly, run_well};
-use serde_json::Value;
-use std::fs;
-use std::path::{Path, PathBuf};
+use crate::support::*;
 
 const SEARCH: [&str; 4] = ["--slopes-u", "-2:2:5", "--octaves", "2"];
 

@@ -1,7 +1,7 @@
 //! `detect` on real pictures, where they are installed; the folder's own notes describe them.
 
-use super::support::{features, run_well};
 use crate::shared::shared;
+use crate::support::*;
 
 /// Options of the paper's joint rule, which leaves few features at wrong slopes: with each slope for itself, bright
 /// blobs also leave smeared features at other slopes.

@@ -1,8 +1,6 @@
 //! Export to COLMAP, and evaluation of its models.
 
-use super::support::{names, run, run_badly, run_well, stderr};
-use std::fs;
-use std::path::Path;
+use crate::support::*;
 
 /// Writes a reconstruction of four of five images: twice as large as the truth and shifted, with one camera 0.1 (of the
 /// truth's unit) too high.

@@ -1,10 +1,8 @@
 //! `recover`, `film`, `case`, `stack --combine`, and `slopes` from the set-up.
 
-use super::support::{run_badly, run_well};
+use crate::support::*;
 use burstscope::export::case::{read_session, read_truth};
 use burstscope::synth::TruthKind;
-use serde_json::Value;
-use std::path::Path;
 
 fn json(home: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&run_well(home, arguments)).expect("JSON")

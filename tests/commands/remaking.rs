@@ -1,8 +1,6 @@
 //! `figures`: every figure and table of the paper.
 
-use super::support::{names, program, run_badly, run_well, stderr};
-use serde_json::Value;
-use std::path::Path;
+use crate::support::*;
 
 const ALL: [&str; 12] =
     ["fig1", "fig2", "fig3", "fig4", "fig5", "fig6", "fig7", "fig8", "fig9", "table1", "table2", "table3"];

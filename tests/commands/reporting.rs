@@ -1,8 +1,6 @@
 //! `report`: a burst on one page.
 
-use super::support::{names, run, run_badly, run_well, stderr};
-use serde_json::Value;
-use std::path::Path;
+use crate::support::*;
 
 fn json(home: &Path, arguments: &[&str]) -> Value {
     serde_json::from_str(&run_well(home, arguments)).expect("JSON")

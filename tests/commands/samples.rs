@@ -10,9 +10,8 @@
 //! the words `measured with version X.Y.Z`, which count up to the next heading.
 
 use super::house::documents::documents;
-use super::support::run_well;
+use crate::support::*;
 use std::collections::HashMap;
-use std::path::Path;
 
 /// Commands of a document's samples, each with the lines that it is said to write.
 fn samples(text: &str) -> Vec<(&str, Vec<&str>)> {

@@ -1,9 +1,22 @@
 //! Helpers that run the program.
 
-use std::path::Path;
-use std::process::{Child, Command, Output};
+// Names that most tests of the commands use.
+pub use burstscope::burst::OpenOptions;
+pub use burstscope::detector::{SearchParams, Slope};
+pub use burstscope::matching::{MatchParams, PairSelection};
+pub use burstscope::requests::{BurstSource, DetectRequest, JobError, OpenBurst, Request, Work};
+pub use burstscope::synth::ChartParams;
+pub use burstscope::{Burst, DetectorParams, Monitor, Plane, SlopeGrid};
+pub use serde_json::Value;
+pub use std::collections::{BTreeMap, BTreeSet};
+pub use std::fs;
+pub use std::path::{Path, PathBuf};
+pub use std::process::{Command, Output, Stdio};
+pub use std::sync::{Mutex, OnceLock};
+pub use std::time::{Duration, Instant};
+
+use std::process::Child;
 use std::sync::mpsc;
-use std::time::Duration;
 
 /// Timeout of a process, for tests of hanging.
 const GUARD: Duration = Duration::from_secs(120);

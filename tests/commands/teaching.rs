@@ -1,8 +1,7 @@
 //! `--lesson`, `completions` and `man`.
 
-use super::support::{names, run_badly, run_well};
+use crate::support::*;
 use clap::CommandFactory;
-use std::path::Path;
 
 #[test]
 fn a_lesson_is_begun_by_its_name_or_from_its_file() {

@@ -1,10 +1,6 @@
 //! `synth trajectory`: bursts, poses and lens that the other commands take.
 
-use super::support::{names, run_badly, run_well};
-use burstscope::Burst;
-use serde_json::Value;
-use std::fs;
-use std::path::Path;
+use crate::support::*;
 
 const SMALL: [&str; 14] = [
     "synth",

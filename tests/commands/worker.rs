@@ -10,15 +10,12 @@ mod crafted;
 #[path = "../../core/tests/files/opening/dng.rs"]
 mod dng;
 
-use super::support::{names, program, run_badly, run_well};
-use burstscope::Monitor;
-use burstscope::burst::{Burst, DecodeWorker, Limits, OpenOptions};
+use crate::support::*;
+use burstscope::burst::{DecodeWorker, Limits};
 use burstscope::error::{Error, ErrorKind};
 use dng::Dng;
 use proptest::prelude::*;
-use std::path::{Path, PathBuf};
-use std::sync::{Once, OnceLock};
-use std::time::{Duration, Instant};
+use std::sync::Once;
 
 /// Sets the tested program as the decoder.
 fn with_worker() {

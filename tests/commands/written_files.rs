@@ -1,5 +1,6 @@
 //! Files that the window writes of itself: sessions, and lists of what was done.
 
+use crate::support::*;
 use burstscope::app::actions::ActionId;
 use burstscope::app::apply;
 use burstscope::app::document::action::Reselect;
@@ -9,11 +10,8 @@ use burstscope::app::document::{Action, Journal, Steps};
 use burstscope::app::pane::PaneId;
 use burstscope::app::results::{Model, Read};
 use burstscope::app::session::Session;
-use burstscope::burst::OpenOptions;
+use burstscope::detector::ParamChange;
 use burstscope::detector::params::doc;
-use burstscope::detector::{ParamChange, SearchParams, Slope};
-use burstscope::requests::{BurstSource, OpenBurst};
-use burstscope::{Burst, Plane};
 
 fn model() -> Model {
     let mut model = Model::default();

@@ -106,7 +106,6 @@ impl Greys {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::support::*;
     use image::Rgba;
 
     const AREA: Rect = Rect { min: pos2(20.0, 10.0), max: pos2(340.0, 250.0) };

@@ -2,18 +2,30 @@
 
 // Names that most tests of the window use.
 pub use burstscope::app::canvas::Zoom;
-pub use burstscope::app::document::{cursor::ViewKind, *};
+pub use burstscope::app::document::{
+    Action, Compared, Document, FeaturesShown, FilmContent, Filter, Interval, MatchColumn, MatchesAs, MethodId, Order,
+    PairColumn, PairTab, Panels, Purpose, Queue, Reference, Reselect, SavedSelection, SetUpState, Side, Steps,
+    Trajectories, Visibility, cursor::ViewKind,
+};
 pub use burstscope::app::pane::{Content, Over, PaneId};
 pub use burstscope::app::results::{Read, datasets::BurstState};
 pub use burstscope::app::{Startup, apply, session::Session, settings::Settings};
 pub use burstscope::burst::OpenOptions;
 pub use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind};
-pub use burstscope::detector::*;
+pub use burstscope::detector::{
+    Descriptor, Detection, DetectorParams, Feature, FrameRange, Method, Moves, NoiseGate, Quantity, SearchParams,
+    Slope, SlopeAxis, SlopeGrid, SlopeVerdict, Slopes, Tally, Test,
+};
 pub use burstscope::inspect::{ProbeCache, place::Verdict};
 pub use burstscope::matching::{MatchCounts, MatchParams, PairSelection};
-pub use burstscope::requests::*;
+pub use burstscope::requests::{
+    BurstSource, ComparedPoses, Detected, JobError, OpenBurst, PictureKind, PictureRequest, Probed, ReadTrajectory,
+    Request, Urgency, Which, Work,
+};
 pub use burstscope::synth::Example;
-pub use burstscope::teach::*;
+pub use burstscope::teach::{
+    Between, BottomTab, Goal, GoalValue, InView, Layout, Lesson, Near, Part, Step, Workspace, built_in, sheet,
+};
 pub use burstscope::{Burst, Monitor, Plane};
 pub use egui::accesskit::Role;
 pub use egui::{Key, Modifiers, Pos2, Rect, Vec2, pos2, vec2};

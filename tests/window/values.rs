@@ -40,7 +40,6 @@ mod cursor {
 
 mod method {
     use crate::support::*;
-    use burstscope::app::document::method::*;
 
     #[test]
     fn each_method_takes_the_edited_parameters_in_its_own_way() {

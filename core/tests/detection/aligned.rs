@@ -1,15 +1,11 @@
 //! Laws of aligned matches: the order of the bursts changes nothing, and a burst that is shifted by some pixels is
 //! found to be shifted by them.
 
+use crate::prelude::*;
 use burstscope_core::dataset::{DetectedBurst, match_bursts};
-use burstscope_core::detector::Slope;
 use burstscope_core::matching::align::Measured;
 use burstscope_core::matching::aligned::{AlignedImages, Alignment, Inlier, MOST_MOVED_PX, Seen};
-use burstscope_core::matching::{Blob, Geometry, MatchParams, MatchResult, Verification};
-use burstscope_core::plane::Mask;
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{demo_burst, later_demo_burst};
-use burstscope_core::{Burst, Detection, DetectorParams, Monitor, Plane, SlopeGrid, detect};
+use burstscope_core::matching::{Blob, MatchResult, Verification};
 use std::collections::BTreeSet;
 
 fn params() -> DetectorParams {

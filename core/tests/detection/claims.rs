@@ -3,19 +3,11 @@
 //!
 //! More bursts: `CLAIMS=20 cargo test -p burstscope-core --test detection claims -- --nocapture` takes 20 times as many.
 
-use crate::shared::shared;
-use burstscope_core::burst::{Burst, OpenOptions, TimesChoice};
-use burstscope_core::detect::{Searched, search};
+use crate::prelude::*;
+use burstscope_core::detect::Searched;
 use burstscope_core::detector::slopes::MotionWarningKind;
-use burstscope_core::detector::{
-    DetectorParams, ParamChange, SearchParams, SlopeAxis, SlopeFinding, SlopeVerdict, Slopes, find_slopes,
-};
-use burstscope_core::inspect::ProbeCache;
-use burstscope_core::inspect::place::{CauseKind, ProbeOptions, probe};
+use burstscope_core::inspect::place::CauseKind;
 use burstscope_core::inspect::slopes::{AdviceSubject, SlopeJudgement, judgement};
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{ChartParams, Motion, demo_burst, synth_chart};
-use burstscope_core::{Monitor, Plane, SlopeGrid};
 use std::ops::Range;
 
 fn find(burst: &Burst) -> SlopeFinding {

@@ -1,10 +1,7 @@
 //! Slopes found of pictures that move in a known way, of charts in the dark, and of noise.
 
+use crate::prelude::*;
 use burstscope_core::detector::slopes::{MotionWarningKind, UniformTimes, resolve};
-use burstscope_core::detector::{FrameRange, SearchParams, Slope, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes};
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{ChartParams, Motion, SceneParams, demo_burst, synth_chart, synth_scene};
-use burstscope_core::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, burst::Positions};
 
 fn find(burst: &Burst) -> SlopeFinding {
     find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")

@@ -4,13 +4,8 @@
 //! several scales and slopes. Features are compared as sets: equal count, each with a partner near the position that
 //! the law predicts.
 
+use crate::prelude::*;
 use burstscope_core::detector::view::{dog_view, stack_view};
-use burstscope_core::detector::{
-    Distinct, Method, NoiseGate, NoiseModelKind, Rules, Slope, SlopeExtrema, SlopeNeighbours,
-};
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{SceneParams, synth_scene};
-use burstscope_core::{Burst, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

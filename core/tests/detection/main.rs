@@ -1,6 +1,8 @@
 //! The detector as a whole, and the studies and explanations based on it: laws, published results, accuracy, noise,
 //! slopes, cancellation.
 
+#[path = "../common/prelude.rs"]
+mod prelude;
 #[path = "../common/shared.rs"]
 mod shared;
 

@@ -1,12 +1,7 @@
 //! Masks: what they hide gives no features, and what they show is found as without them.
 
+use crate::prelude::*;
 use burstscope_core::detector::view::{coverage_view, stack_view};
-use burstscope_core::detector::{NoiseGate, NoiseModelKind, Slope, Test};
-use burstscope_core::plane::Mask;
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{ChartParams, SceneParams, Truth, synth_chart, synth_scene};
-use burstscope_core::{Burst, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
-use std::sync::Arc;
 
 /// The burst whose frame t sees where `sees(t, u, v)`.
 fn masked(burst: &Burst, sees: impl Fn(usize, usize, usize) -> bool) -> Burst {

@@ -1,13 +1,9 @@
 //! The merge on bursts whose motion and noiseless truth are known.
 
+use crate::prelude::*;
 use burstscope_core::baseline::merge_burst;
-use burstscope_core::detect::{detect, prepare};
-use burstscope_core::detector::{FrameRange, Method};
-use burstscope_core::monitor::{Monitor, Stage};
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{SceneParams, synth_scene};
-use burstscope_core::{Burst, DetectorParams, Plane};
-use std::sync::{Arc, Mutex};
+use burstscope_core::detect::prepare;
+use std::sync::Mutex;
 
 /// A smooth scene with structure at several scales, at any position; values about 0.2 … 0.6.
 fn scene(u: f64, v: f64) -> f64 {

@@ -1,12 +1,8 @@
 //! The noise model in whole detections: bursts whose noise is not white, and a chart under a lamp.
 
+use crate::prelude::*;
 use burstscope_core::detector::noise_model::WarningKind;
-use burstscope_core::detector::{Method, NoiseModelKind};
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{
-    Camera, ChartParams, FeatureTruth, NoiseCase, SceneParams, demo_burst, synth_chart, synth_scene,
-};
-use burstscope_core::{Burst, Detection, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
+use burstscope_core::synth::Camera;
 
 fn params(noise_model: NoiseModelKind) -> DetectorParams {
     let noise_gate = "strict".parse().expect("a gate");

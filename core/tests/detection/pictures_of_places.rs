@@ -1,14 +1,10 @@
 //! The pictures of places, laid over one another, with known truth.
 
-use burstscope_core::burst::Positions;
-use burstscope_core::detector::Slope;
+use crate::prelude::*;
 use burstscope_core::detector::stack::FrameTimes;
 use burstscope_core::matching::align::pair::FIT_RADIUS;
 use burstscope_core::matching::align::{Chip, ChipSource, Measured, PairFrame, View, measure};
-use burstscope_core::monitor::Cancelled;
 use burstscope_core::plane::sample::bilinear;
-use burstscope_core::synth::random::Stream;
-use burstscope_core::{Monitor, Plane};
 
 const SIZE: (usize, usize) = (360, 300);
 const FRAMES: usize = 6;

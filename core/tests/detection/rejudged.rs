@@ -1,13 +1,7 @@
 //! Judgement of what a search left: after a change of thresholds, of the rule for distinct keypoints or of the number
 //! of features it gives the bits of a new search.
 
-use burstscope_core::detector::params::SearchParams;
-use burstscope_core::detector::{
-    DetectorParams, Distinct, NoiseGate, NoiseModelKind, Rules, SlopeExtrema, SlopeGrid, Test, Trail,
-};
-use burstscope_core::inspect::ProbeCache;
-use burstscope_core::synth::{SceneParams, synth_scene};
-use burstscope_core::{Burst, Monitor, Plane};
+use crate::prelude::*;
 use proptest::prelude::*;
 use proptest::test_runner::RngSeed;
 

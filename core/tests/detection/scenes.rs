@@ -1,14 +1,8 @@
 //! Pairs of scenes of every kind, with exact truth: those that show one scene are believed, those whose motions are not
 //! of their places are not.
 
-use burstscope_core::burst::Burst;
-use burstscope_core::detector::{Descriptor, DetectorParams, Slope};
-use burstscope_core::matching::{
-    Blob, Camera, Geometry, MatchParams, MatchResult, MatchSide, Pictures, Refusal, match_features,
-};
-use burstscope_core::monitor::Monitor;
-use burstscope_core::plane::Plane;
-use burstscope_core::synth::random::Stream;
+use crate::prelude::*;
+use burstscope_core::matching::{Blob, Camera, MatchResult, MatchSide, Pictures, Refusal, match_features};
 use nalgebra::{Rotation3, Vector3};
 use rayon::prelude::*;
 

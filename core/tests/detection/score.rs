@@ -1,8 +1,7 @@
 //! Features compared with discs: which finds which, and the curves of true against false.
 
-use burstscope_core::detector::Feature;
+use crate::prelude::*;
 use burstscope_core::inspect::result::*;
-use burstscope_core::synth::FeatureTruth;
 use burstscope_core::synth::truth::disc_sigma;
 use proptest::prelude::*;
 

@@ -1,17 +1,9 @@
 //! Automatic slopes on real bursts, and on scenes and noise that were made.
 
-use crate::shared::shared;
-use burstscope_core::burst::{Burst, OpenOptions};
-use burstscope_core::detect::{Searched, search};
+use crate::prelude::*;
+use burstscope_core::detect::Searched;
 use burstscope_core::detector::slopes::MotionWarningKind;
-use burstscope_core::detector::{
-    DetectorParams, ParamChange, SearchParams, Slope, SlopeAxis, SlopeFinding, SlopeVerdict, find_slopes,
-};
 use burstscope_core::inspect::slopes::{AdviceSubject, judgement};
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{Motion, NoiseCase, SceneParams, synth_scene};
-use burstscope_core::{Monitor, Plane, SlopeGrid};
-use std::path::{Path, PathBuf};
 
 fn open(files: &[PathBuf]) -> Burst {
     Burst::open_with(files, &OpenOptions::default(), &Monitor::default()).expect("a burst")

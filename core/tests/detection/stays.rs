@@ -4,10 +4,7 @@
 //! and, for what is found at several slopes, turning time round. Transposing and a gain only change the order of sums.
 //! Each law counts, octave by octave, the features that have a partner where it predicts one.
 
-use burstscope_core::detector::{NoiseModelKind, Slope};
-use burstscope_core::synth::{Motion, SceneParams, synth_scene};
-use burstscope_core::{Burst, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
-use std::sync::Arc;
+use crate::prelude::*;
 
 /// Frames of textured layers in a little light, whose last pixels along both sides are no whole ones of coarse octaves.
 fn scene(seed: u64) -> Burst {

@@ -2,12 +2,9 @@
 //!
 //! Nothing here measures time: a cancelled search must end long before it is finished, judging by its own progress.
 
-use burstscope_core::detector::{DetectorParams, SlopeGrid};
-use burstscope_core::monitor::{Progress, Stage};
-use burstscope_core::synth::{SceneParams, synth_scene};
-use burstscope_core::{Burst, Monitor, detect};
+use crate::prelude::*;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, OnceLock};
+use std::sync::{Mutex, OnceLock};
 
 fn burst() -> Burst {
     let scene = SceneParams { width: 640, height: 480, snr: 8.0, seed: 7, ..SceneParams::default() };

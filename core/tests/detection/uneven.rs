@@ -1,12 +1,8 @@
 //! Laws of the times of frames: even ones that are given change no bit, and uneven ones that are given restore what the
 //! even burst shows.
 
-use burstscope_core::burst::{Offset, Positions};
-use burstscope_core::detect::search;
-use burstscope_core::detector::{SearchParams, SlopeVerdict, find_slopes};
+use crate::prelude::*;
 use burstscope_core::inspect::result::finds;
-use burstscope_core::synth::{ChartParams, Motion, Truth, Uneven, synth_chart};
-use burstscope_core::{Burst, Detection, DetectorParams, Monitor};
 use proptest::prelude::*;
 
 fn chart(uneven: Uneven, motion: Motion) -> (Burst, Truth) {

@@ -1,14 +1,8 @@
 //! Laws of light fields: one row of views is a burst, a transposed light field has transposed features, and disparities
 //! are found as those of the truth.
 
-use burstscope_core::burst::{Positions, ViewGrid};
-use burstscope_core::detect::search;
-use burstscope_core::detector::{SearchParams, SlopeExtrema, SlopeVerdict, find_slopes};
+use crate::prelude::*;
 use burstscope_core::inspect::result::finds;
-use burstscope_core::plane::Plane;
-use burstscope_core::synth::{ChartParams, SceneParams, Truth, Uneven, synth_chart, synth_scene};
-use burstscope_core::{Burst, Detection, DetectorParams, Feature, Monitor, SlopeGrid};
-use std::sync::Arc;
 
 fn chart(rows: usize, columns: usize, snr: f64) -> (Burst, Truth) {
     let uneven = Uneven { views: ViewGrid::new(rows, columns), ..Uneven::default() };

@@ -1,16 +1,9 @@
 //! Cases, of the whole burst and of a part: what was written comes back.
 
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Limits, Positions};
-use burstscope_core::detector::SearchParams;
-use burstscope_core::error::ErrorKind;
+use crate::prelude::*;
 use burstscope_core::export::case::{Case, Enclosed, has_truth, read_case, read_session, read_truth, write_case};
 use burstscope_core::files::MAX_SESSION_BYTES;
-use burstscope_core::plane::{Mask, Plane};
-use burstscope_core::synth::{ChartParams, Truth, synth_chart};
 use std::io::{Cursor, Write};
-use std::path::PathBuf;
-use std::sync::Arc;
 use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 fn chart() -> (Burst, Truth) {

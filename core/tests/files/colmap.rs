@@ -1,22 +1,17 @@
 //! Export of a dataset to COLMAP: the written files, resuming without repeated work, and, where pycolmap is installed,
 //! reading by COLMAP.
 
-use burstscope_core::burst::{Burst, BurstFiles, OpenOptions, SequenceCut, cut_sequence, find_bursts};
+use crate::prelude::*;
 use burstscope_core::dataset::{
     BurstCameras, BurstEvent, BurstPicture, CameraChoice, ColmapJob, ColmapReport, FeatureJob, FeatureStore, ImageKind,
     burst_plane, export_colmap,
 };
-use burstscope_core::detect::{Searched, search};
+use burstscope_core::detect::Searched;
 use burstscope_core::detector::view::{in_focus_view, stack_view};
-use burstscope_core::detector::{DetectorParams, Method, SearchParams, Slope, open_burst};
-use burstscope_core::error::{Error, ErrorKind};
 use burstscope_core::export::{ColmapKeypoint, pair_id, read_colmap};
-use burstscope_core::matching::{Camera, Geometry, MatchParams, PairSelection};
-use burstscope_core::{Monitor, SlopeGrid};
+use burstscope_core::matching::{Camera, PairSelection};
 use burstscope_lab::synth::{SceneParams, synth_scene, write_burst};
 use rusqlite::Connection;
-use std::fs;
-use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// Size of the frames.

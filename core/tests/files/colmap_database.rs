@@ -1,13 +1,11 @@
 //! The database for COLMAP as another program would read it: table by table, and byte by byte.
 
-use burstscope_core::detector::Descriptor;
-use burstscope_core::error::{ErrorKind, Result};
+use crate::prelude::*;
+use burstscope_core::error::Result;
 use burstscope_core::export::*;
-use burstscope_core::monitor::Cancelled;
 use nalgebra::{Isometry3, Matrix3, Vector3};
 use proptest::prelude::*;
 use rusqlite::Connection;
-use std::path::PathBuf;
 
 fn keypoints(count: usize) -> Vec<ColmapKeypoint> {
     let at = |k: usize| ColmapKeypoint { x: k as f32 + 0.5, y: 7.25, scale: 1.6, orientation: -0.1 * k as f32 };

@@ -1,23 +1,15 @@
 //! Exported files can be read back: by our own reader, by other libraries, and according to the formats' descriptions.
 
-use burstscope_core::burst::Positions;
-use burstscope_core::detector::{
-    Descriptor, Detection, DetectorParams, Feature, Moves, Quantity, Slope, SlopeGrid, StageTimes, Tally,
-};
-use burstscope_core::error::ErrorKind;
+use crate::prelude::*;
 use burstscope_core::export::{
     Bitmap, ColourBar, ExportFormat, FigureMark, FigureMatches, FigureOptions, FigurePanel, FigureWidth, LegendEntry,
     feature_header, lay_out, read_features_csv, write_colmap, write_csv, write_detection, write_drawing, write_npz,
     write_png, write_tiff,
 };
 use burstscope_core::inspect::result::read_features;
-use burstscope_core::{Burst, Plane};
 use ndarray::Array2;
 use ndarray_npy::NpzReader;
 use proptest::prelude::*;
-use std::fs;
-use std::path::Path;
-use std::sync::Arc;
 use tempfile::TempDir;
 
 fn folder() -> TempDir {

@@ -3,6 +3,8 @@
 
 #[path = "../common/damage.rs"]
 mod damage;
+#[path = "../common/prelude.rs"]
+mod prelude;
 #[path = "../common/shared.rs"]
 mod shared;
 

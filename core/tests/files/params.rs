@@ -1,12 +1,8 @@
 //! Parameters of the detector and choices of how files are opened: what is read comes back, and nonsense is named.
 
-use burstscope_core::burst::{
-    AxisChoice, Dump, FrameRange, Positions, SequenceCut, TimesChoice, ViewGrid, ViewsChoice,
-};
-use burstscope_core::detector::params::{Rules, Stage, Word, doc};
-use burstscope_core::detector::{
-    DetectorParams, Distinct, Method, NoiseGate, SearchParams, Slope, SlopeAxis, SlopeExtrema, SlopeGrid, Slopes,
-};
+use crate::prelude::*;
+use burstscope_core::detector::params::Stage;
+use burstscope_core::detector::params::doc;
 use proptest::prelude::*;
 
 #[test]

@@ -6,18 +6,15 @@
 //! the program.
 
 use crate::damage::{absurd_tomls, damage, damaged, damaged_text, says_something};
-use burstscope_core::burst::{Limits, OpenOptions};
+use crate::prelude::*;
 use burstscope_core::dataset::camera::read_camera;
-use burstscope_core::detector::{SearchParams, Slopes};
 use burstscope_core::export::case::{self, Case, Enclosed, read_case, write_case};
 use burstscope_core::export::{parse_colmap, read_features_csv, write_colmap, write_csv};
 use burstscope_core::inspect::result::{read_features, read_truth};
-use burstscope_core::{Burst, DetectorParams, Monitor, SlopeGrid, detect};
 use burstscope_lab::evaluate::accuracy::stands_apart;
 use burstscope_lab::evaluate::poses::{read_sparse_model, read_trajectory};
 use burstscope_lab::synth::{ChartParams, synth_chart, write_burst};
 use proptest::prelude::*;
-use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
 
 /// Writes a file of this name with these bytes into the test's own folder.

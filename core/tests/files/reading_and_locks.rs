@@ -1,11 +1,9 @@
 //! Files in general: which are read and how far, names as text, errors about them, and locks of folders.
 
-use burstscope_core::error::{Error, ErrorKind};
+use crate::prelude::*;
 use burstscope_core::files::lock::{FolderLock, LOCK_FILE};
 use burstscope_core::files::{explained, path_text, read_text, whole_number, write_problem, written_by};
-use burstscope_core::monitor::Cancelled;
 use std::io;
-use std::path::Path;
 
 #[test]
 fn files_are_read_up_to_their_limit() {

@@ -1,20 +1,14 @@
 //! Tests of work on a dataset: the events before the answer, and the finished results.
 
 use super::{params, write_chart};
+use crate::support::*;
 use burstscope::dataset::DatasetSource;
-use burstscope::detector::{DetectorParams, SearchParams};
-use burstscope::matching::PairSelection;
-use burstscope::monitor::Monitor;
-use burstscope::requests::{
-    Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, JobError, Keeping, OpenDataset, Request, Work,
-};
+use burstscope::requests::{Bursts, DatasetAnswer, DatasetEvent, DatasetRequest, Keeping, OpenDataset};
 #[cfg(feature = "colmap")]
 use burstscope::{
     dataset::{ColmapJob, FeatureJob},
     requests::ColmapRequest,
 };
-use std::path::Path;
-use std::sync::Mutex;
 
 /// Three charts in `home`, the second of them broken.
 fn nights(home: &Path) -> DatasetSource {

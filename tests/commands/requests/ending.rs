@@ -1,18 +1,16 @@
 //! Tests of requests without an answer: cancelled at once, or failed with a helpful message.
 
 use super::{answer, detected, empty, open, params, source};
-use burstscope::burst::OpenOptions;
-use burstscope::detector::{Detection, DetectorParams, Slope};
+use crate::support::*;
+use burstscope::detector::Detection;
 use burstscope::inspect::ProbeCache;
-use burstscope::matching::MatchParams;
-use burstscope::monitor::{Monitor, Progress};
+use burstscope::monitor::Progress;
 use burstscope::requests::{
-    BurstId, CoherenceRequest, CompareRequest, ComparisonRequest, DetectRequest, DetectionSource, ExplainQuestion,
-    ExplainRequest, JobError, MatchRequest, OpenBurst, OpenRequest, PictureKind, PictureRequest, PosesRequest,
-    ProbeQuestion, ProbeRequest, ReferenceSource, Request, Traced, Work,
+    BurstId, CoherenceRequest, CompareRequest, ComparisonRequest, DetectionSource, ExplainQuestion, ExplainRequest,
+    MatchRequest, OpenRequest, PictureKind, PictureRequest, PosesRequest, ProbeQuestion, ProbeRequest, ReferenceSource,
+    Traced,
 };
-use std::sync::{Arc, Mutex, OnceLock};
-use std::time::Duration;
+use std::sync::Arc;
 
 #[track_caller]
 fn why<T>(result: Result<T, JobError>) -> String {

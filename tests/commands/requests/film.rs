@@ -1,14 +1,13 @@
 //! Tests of films by what is drawn in their pictures.
 
 use super::{answer, detected, open, params};
-use burstscope::detector::{Detection, DetectorParams, Slope, SlopeGrid};
+use crate::support::*;
+use burstscope::detector::Detection;
 use burstscope::export::{Drawing, FigureShape};
 use burstscope::inspect::slopes::is_at_slope;
 use burstscope::inspect::words::slope_text;
-use burstscope::monitor::Monitor;
-use burstscope::requests::{DetectRequest, Detected, Film, Sweep};
-use std::collections::BTreeSet;
-use std::sync::{Arc, Mutex};
+use burstscope::requests::{Detected, Film, Sweep};
+use std::sync::Arc;
 
 #[test]
 fn sweeps_are_read_as_they_are_typed_and_others_are_refused() {

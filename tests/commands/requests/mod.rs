@@ -5,13 +5,8 @@ mod ending;
 mod film;
 mod sameness;
 
-use burstscope::burst::{Burst, OpenOptions};
-use burstscope::detector::{DetectorParams, SlopeGrid};
-use burstscope::monitor::Monitor;
-use burstscope::requests::{BurstSource, DetectRequest, Detected, DetectionSource, JobError, OpenBurst, Request, Work};
-use burstscope::synth::ChartParams;
-use std::path::Path;
-use std::sync::OnceLock;
+use crate::support::*;
+use burstscope::requests::{Detected, DetectionSource};
 
 fn chart(seed: u64) -> ChartParams {
     // Small enough to fit with every seed.

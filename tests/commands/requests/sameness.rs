@@ -2,10 +2,9 @@
 //! differ. And of the answer to a difference of two.
 
 use super::{answer, detected, empty, open, params, source};
-use burstscope::detector::{DetectorParams, FrameRange, Method, NoiseGate, Rules, Slope};
+use crate::support::*;
+use burstscope::detector::{FrameRange, Method, NoiseGate, Rules};
 use burstscope::inspect::ProbeCache;
-use burstscope::matching::MatchParams;
-use burstscope::monitor::Monitor;
 use burstscope::requests::{
     ComparisonRequest, MatchRequest, PictureKind, PictureRequest, ProbeQuestion, ProbeRequest, ReferenceSource, Traced,
     ViewKind,

@@ -2,15 +2,11 @@
 //! the cause of each difference.
 
 use super::published::{as_published, demo_1d, numbers, open};
-use crate::shared::shared;
-use burstscope_core::burst::Positions;
+use crate::prelude::*;
 use burstscope_core::detector::scale_space::SIGMA_BASE;
 use burstscope_core::detector::stack::motion_stack;
-use burstscope_core::detector::{Detection, Interpolation, Rules, Slope};
 use burstscope_core::plane::blur::{GaussianKernel, gaussian_blur};
-use burstscope_core::{Burst, DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array3, Array4, Axis};
-use std::path::PathBuf;
 
 /// Input of the authors' code: contrast stretched between the bounds, then every pixel doubled.
 fn stretched_and_doubled(frame: &Plane, low: f32, high: f32) -> Plane {

@@ -2,10 +2,7 @@
 //! agreement is tested wherever the tests run. These tests are never skipped.
 
 use super::published::as_published;
-use burstscope_core::detector::{Method, NoiseGate, Rules};
-use burstscope_core::synth::{SceneParams, synth_scene};
-use burstscope_core::{Burst, DetectorParams, Feature, Monitor, Plane, detect};
-use std::path::Path;
+use crate::prelude::*;
 
 /// A feature of VLFeat, in our units.
 struct Theirs {

@@ -1,9 +1,6 @@
 //! Shared code of the tests of agreement: opening the published input and reading numbers; and a real camera's noise.
 
-use crate::shared::shared;
-use burstscope_core::detector::{DescribeSlope, Distinct, NoiseGate, NoiseModelKind, Rules, SlopeExtrema};
-use burstscope_core::{Burst, DetectorParams, Monitor};
-use std::path::PathBuf;
+use crate::prelude::*;
 
 /// Opens the burst of `paths`.
 pub fn open(paths: &[PathBuf]) -> Burst {

@@ -1,12 +1,9 @@
 //! Comparison with VLFeat's SIFT and LiFF: features, descriptors, LiFF's motion stack.
 
 use super::published::{demo_1d, numbers, open};
-use crate::shared::shared;
-use burstscope_core::burst::Positions;
+use crate::prelude::*;
 use burstscope_core::detector::describe::descriptor::to_vlfeat_order;
 use burstscope_core::detector::stack::motion_stack;
-use burstscope_core::detector::{Descriptor, Detection, Interpolation, Method, Rules};
-use burstscope_core::{DetectorParams, Monitor, Plane, SlopeGrid, detect};
 use ndarray::{Array2, Array3};
 use std::io::Read;
 

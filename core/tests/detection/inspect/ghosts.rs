@@ -1,13 +1,8 @@
 //! Ghosts of crossing motions, aliases of a periodic texture, and duplicates: the verdict on each feature.
 
 use super::probing::{blobs, cache, slopes_of};
-use burstscope_core::detector::{DetectorParams, Distinct, Moves, Slope, SlopeGrid, Test};
-use burstscope_core::inspect::ProbeCache;
-use burstscope_core::inspect::place::{
-    Judged, ProbeOptions, ProbeSubject, SuspicionKind, Verdict, fate_of, judged, probe,
-};
-use burstscope_core::synth::Example;
-use burstscope_core::{Burst, Feature, Monitor};
+use crate::prelude::*;
+use burstscope_core::inspect::place::{Judged, ProbeSubject, SuspicionKind, Verdict, fate_of, judged};
 
 /// Two groups of blobs that move to the right and to the left, with a ghost wherever two paths cross. In each row one
 /// of each meets another.

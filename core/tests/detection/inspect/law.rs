@@ -2,20 +2,15 @@
 //! the comparison of a detection with another one, with the truth, and with that of another picture.
 
 use super::probing::{cache, slopes_of};
+use crate::prelude::*;
 use burstscope_core::dataset::BurstSide;
 use burstscope_core::detector::feature::Keypoint;
-use burstscope_core::detector::{
-    CoarseStart, DetectorParams, Distinct, Interpolation, Localisation, NoiseGate, NoiseModelKind, Rules, Sample,
-    SearchSlopes, SlopeExtrema, SlopeGrid, SlopeNeighbours, Tally, Test, Trail,
-};
-use burstscope_core::inspect::ProbeCache;
 use burstscope_core::inspect::pair::{ComparedPair, Losses, Lost};
 use burstscope_core::inspect::place::{Fate, Outcome, fate};
 use burstscope_core::inspect::result::{AgainstTruth, Spot, against_truth, compare, read_truth, truth_of};
-use burstscope_core::matching::{Geometry, MatchParams, Prediction, match_pair};
+use burstscope_core::matching::{Prediction, match_pair};
 use burstscope_core::plane::statistics::Region;
 use burstscope_core::synth::examples::{Example, disc_place};
-use burstscope_core::{Burst, Monitor, detect};
 use burstscope_lab::synth::{
     ChartParams, SceneParams, demo_burst, later_demo_burst, synth_chart, synth_scene, write_burst,
 };

@@ -2,12 +2,9 @@
 //! beyond the range.
 
 use super::slopes::{about, applied, asked, uniform};
-use burstscope_core::detector::{Detection, DetectorParams, Method, NoiseGate, Slope, SlopeGrid, find_slopes};
+use crate::prelude::*;
 use burstscope_core::inspect::report::spectrum_text;
 use burstscope_core::inspect::slopes::{AdviceSubject, SlopeJudgement, Spectrum, judgement};
-use burstscope_core::synth::demo_burst;
-use burstscope_core::synth::random::Stream;
-use burstscope_core::{Burst, Monitor, Plane, detect};
 
 const FRAMES: usize = 8;
 

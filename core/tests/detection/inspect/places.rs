@@ -2,15 +2,12 @@
 //! finds them, and no setting is proposed that keeps a ghost.
 
 use super::probing::{blobs, cache};
+use crate::prelude::*;
 use burstscope_core::detector::coherence::Shape;
-use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, Slope, SlopeGrid, Test};
-use burstscope_core::inspect::ProbeCache;
-use burstscope_core::inspect::place::{Cause, CauseKind, PlaceMotion, Probe, ProbeOptions, ProbeSubject, probe};
+use burstscope_core::inspect::place::{Cause, CauseKind, PlaceMotion, Probe, ProbeSubject};
 use burstscope_core::inspect::result::{against_truth, truth_of};
+use burstscope_core::synth::Camera;
 use burstscope_core::synth::chart::draw_disc;
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{Camera, demo_burst};
-use burstscope_core::{Burst, Monitor, Plane};
 
 /// Stars of the demo's sky, which moves by 0.95 px/frame.
 const STARS: [[f32; 2]; 5] = [[159.9, 23.6], [238.0, 36.0], [23.6, 30.2], [139.6, 103.8], [390.0, 60.0]];

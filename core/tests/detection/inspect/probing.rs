@@ -1,17 +1,11 @@
 //! Probes of places whose explanation is known, the candidates of a whole picture, and maps of the winning slopes.
 
 use super::law::scene;
+use crate::prelude::*;
 use burstscope_core::detector::coherence::Shape;
-use burstscope_core::detector::{
-    DetectorParams, NoiseGate, ParamChange, SearchParams, Slope, SlopeExtrema, SlopeGrid, Test,
-};
-use burstscope_core::inspect::ProbeCache;
 use burstscope_core::inspect::place::{
-    Fate, Outcome, Probe, ProbeOptions, SurveyOptions, duplicate_remedy, fate_of, probe, survey, winning_slopes,
+    Fate, Outcome, Probe, SurveyOptions, duplicate_remedy, fate_of, survey, winning_slopes,
 };
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{Example, demo_burst};
-use burstscope_core::{Burst, Monitor, Plane};
 
 /// Gaussian blobs (column and row at mid-burst, σ px, height, slope) over an even background with a little noise.
 pub fn blobs(frames: usize, noise: f32, blobs: &[(f32, f32, f32, f32, Slope)]) -> Burst {

@@ -1,14 +1,10 @@
 //! Each piece of advice on a burst that needs it, and none on one that needs none.
 
 use super::probing::{cache, slopes_of};
-use burstscope_core::burst::Positions;
-use burstscope_core::detector::{DetectorParams, ParamChange, Slope, SlopeAxis, SlopeGrid};
+use crate::prelude::*;
 use burstscope_core::inspect::report::{spectrum_figure, spectrum_text};
 use burstscope_core::inspect::slopes::{AdviceSubject, SlopeAdvice, Spectrum, spectrum};
 use burstscope_core::synth::examples::{ALIASING_SLOPE, Example, GARLAND_PERIOD};
-use burstscope_core::synth::random::Stream;
-use burstscope_core::synth::{Motion, SceneParams, synth_scene};
-use burstscope_core::{Burst, Monitor, Plane};
 
 /// Smooth texture without a period that moves by `place(dt)`, with a little noise.
 fn moving(size: (usize, usize), frames: usize, place: impl Fn(f32) -> (f32, f32)) -> Burst {

@@ -1,6 +1,6 @@
 //! Colours of values: ranges, maps, and their lightness.
 
-use burstscope_core::plane::Plane;
+use crate::prelude::*;
 use burstscope_core::plane::display::*;
 use proptest::prelude::*;
 

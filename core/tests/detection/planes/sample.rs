@@ -1,6 +1,6 @@
 //! Values between pixels, and the noise of parts of a plane.
 
-use burstscope_core::plane::Plane;
+use crate::prelude::*;
 use burstscope_core::plane::sample::*;
 use burstscope_core::plane::statistics::Region;
 use proptest::prelude::*;

@@ -1,7 +1,6 @@
 //! Statistics of planes.
 
-use burstscope_core::Plane;
-use burstscope_core::monitor::{Cancelled, Monitor};
+use crate::prelude::*;
 use burstscope_core::plane::statistics::*;
 use proptest::prelude::*;
 

@@ -1,7 +1,7 @@
 //! Tests of the public functions of `dataset`, a module for each of its files.
 
 mod camera {
-    use burstscope_core::burst::BurstFiles;
+    use crate::prelude::*;
     use burstscope_core::dataset::camera::*;
     use burstscope_core::matching::*;
 
@@ -84,13 +84,10 @@ mod camera {
 }
 
 mod pairs {
-    use burstscope_core::burst::*;
+    use crate::prelude::*;
     use burstscope_core::dataset::pairs::*;
-    use burstscope_core::detector::*;
     use burstscope_core::error::*;
     use burstscope_core::matching::PairSelection;
-    use burstscope_core::matching::*;
-    use burstscope_core::monitor::*;
 
     struct Counted {
         missing: Option<usize>,
@@ -133,7 +130,7 @@ mod pairs {
 }
 
 mod pair_list {
-    use burstscope_core::burst::BurstFiles;
+    use crate::prelude::*;
     use burstscope_core::dataset::read_pairs;
 
     #[test]
@@ -166,9 +163,8 @@ mod pair_list {
 }
 
 mod picture {
-    use burstscope_core::burst::*;
+    use crate::prelude::*;
     use burstscope_core::dataset::*;
-    use burstscope_core::monitor::*;
 
     #[test]
     fn the_middle_frame_is_shown_and_a_broken_one_named() {
@@ -193,9 +189,8 @@ mod picture {
 }
 
 mod source {
-    use burstscope_core::burst::*;
+    use crate::prelude::*;
     use burstscope_core::dataset::*;
-    use std::path::Path;
 
     fn film(folder: &Path, frames: usize) {
         std::fs::create_dir_all(folder).expect("made");

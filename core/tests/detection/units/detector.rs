@@ -1,14 +1,9 @@
 //! Tests of the public functions of `detector`, a module for each of its files.
 
 mod advice {
-    use burstscope_core::burst::Burst;
-    use burstscope_core::detect;
+    use crate::prelude::*;
     use burstscope_core::detector::advice::*;
     use burstscope_core::detector::params::doc;
-    use burstscope_core::detector::{DetectorParams, NoiseGate};
-    use burstscope_core::monitor::Monitor;
-    use burstscope_core::plane::Plane;
-    use burstscope_core::synth::{ChartParams, synth_chart};
 
     #[test]
     fn made_bursts_are_explained() {
@@ -42,8 +37,8 @@ mod advice {
 }
 
 mod coherence {
+    use crate::prelude::*;
     use burstscope_core::detector::coherence::*;
-    use burstscope_core::synth::random::Stream;
     use proptest::prelude::*;
 
     #[test]
@@ -91,7 +86,7 @@ mod coherence {
 }
 
 mod feature {
-    use burstscope_core::detector::{Feature, Moves, Slope};
+    use crate::prelude::*;
 
     #[test]
     fn the_motion_said_is_that_of_the_place_unless_it_moves_otherwise() {
@@ -117,9 +112,8 @@ mod feature {
 }
 
 mod memory {
-    use burstscope_core::detector::SlopeGrid;
+    use crate::prelude::*;
     use burstscope_core::detector::memory::*;
-    use burstscope_core::detector::params::*;
 
     const SIZE: (usize, usize) = (1600, 1200);
 
@@ -140,13 +134,8 @@ mod memory {
 }
 
 mod noise {
-    use burstscope_core::burst::*;
+    use crate::prelude::*;
     use burstscope_core::detector::noise::*;
-    use burstscope_core::detector::params::SlopeGrid;
-    use burstscope_core::detector::params::*;
-    use burstscope_core::monitor::*;
-    use burstscope_core::plane::*;
-    use burstscope_core::synth::random::Stream;
 
     fn noisy_burst(sigma: f32, n: usize, scene: impl Fn(usize, usize) -> f32, round_to: f32) -> Burst {
         let mut noise = Stream::new(7, 0);
@@ -221,11 +210,9 @@ mod noise {
 }
 
 mod noise_model {
-    use burstscope_core::burst::Positions;
+    use crate::prelude::*;
     use burstscope_core::detector::noise::*;
     use burstscope_core::detector::noise_model::*;
-    use burstscope_core::detector::params::Interpolation;
-    use burstscope_core::detector::params::*;
     use burstscope_core::detector::scale_space::*;
     use burstscope_core::detector::stack::frame_offsets;
 
@@ -244,7 +231,7 @@ mod noise_model {
 }
 
 mod params_change {
-    use burstscope_core::detector::params::*;
+    use crate::prelude::*;
 
     #[test]
     fn every_parameter_of_the_detector_can_be_changed_alone() {
@@ -272,11 +259,8 @@ mod params_change {
 }
 
 mod stack {
-    use burstscope_core::burst::*;
-    use burstscope_core::detector::params::*;
+    use crate::prelude::*;
     use burstscope_core::detector::stack::*;
-    use burstscope_core::monitor::*;
-    use burstscope_core::plane::*;
 
     #[test]
     fn a_moving_point_is_where_it_was_at_mid_burst() {
@@ -292,11 +276,8 @@ mod stack {
 }
 
 mod view {
-    use burstscope_core::detector::params::*;
+    use crate::prelude::*;
     use burstscope_core::detector::view::*;
-    use burstscope_core::detector::{NoiseModelKind, SlopeGrid};
-    use burstscope_core::monitor::*;
-    use burstscope_core::synth::NoiseCase;
 
     #[test]
     fn a_map_of_the_noise_shows_where_it_is_stronger() {

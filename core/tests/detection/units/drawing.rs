@@ -1,9 +1,8 @@
 //! Drawings and tables, and their files.
 
+use crate::prelude::*;
 use burstscope_core::export::*;
 use image::RgbaImage;
-use std::path::Path;
-use std::sync::Arc;
 
 fn drawing(shapes: Vec<FigureShape>) -> Drawing {
     Drawing { size: [60.0, 40.0], unit: FigureUnit::Pixel, shapes, title: String::new() }

@@ -1,10 +1,9 @@
 //! Tests of the public functions of `export`, a module for each of its files.
 
 mod atomic {
-    use burstscope_core::error::*;
+    use crate::prelude::*;
     use burstscope_core::export::*;
     use std::io::{self, Write};
-    use std::path::Path;
 
     fn count(folder: &Path) -> usize {
         std::fs::read_dir(folder).expect("folder").count()
@@ -33,19 +32,6 @@ mod atomic {
         assert!(panicked.is_err());
         assert_eq!(count(folder.path()), 1);
     }
-
-    #[cfg(unix)]
-    #[test]
-    fn a_file_keeps_its_permissions_when_it_is_replaced() {
-        use std::os::unix::fs::PermissionsExt;
-        let folder = tempfile::tempdir().expect("folder");
-        let path = folder.path().join("a.txt");
-        std::fs::write(&path, "old").expect("written");
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
-        write_whole(&path, |w| w.write_all(b"new")).expect("written");
-        assert_eq!(std::fs::metadata(&path).expect("file").permissions().mode() & 0o777, 0o640);
-        assert_eq!(std::fs::read(&path).expect("read"), b"new");
-    }
 }
 
 mod csv {
@@ -66,11 +52,10 @@ mod csv {
 }
 
 mod film {
+    use crate::prelude::*;
     use burstscope_core::export::film::*;
-    use burstscope_core::monitor::*;
     use image::{Rgba, RgbaImage};
     use std::io;
-    use std::path::Path;
 
     fn encoded(pictures: Vec<RgbaImage>, monitor: &Monitor) -> io::Result<Vec<u8>> {
         let mut bytes = Vec::new();
@@ -159,9 +144,9 @@ mod film {
 }
 
 mod mp4 {
+    use crate::prelude::*;
     use burstscope_core::export::film::write_film;
     use burstscope_core::export::is_ours;
-    use burstscope_core::monitor::Monitor;
     use image::{Rgba, RgbaImage};
     use std::io;
     use std::process::Command;
@@ -275,7 +260,7 @@ mod kept {
 }
 
 mod outputs {
-    use burstscope_core::detector::SearchParams;
+    use crate::prelude::*;
     use burstscope_core::export::case::{Case, Enclosed, write_case};
     use burstscope_core::export::film::write_film;
     use burstscope_core::export::*;
@@ -284,8 +269,6 @@ mod outputs {
         write_matches_csv, write_npz, write_png, write_tiff,
     };
     use burstscope_core::files::mark::OutputKind;
-    use burstscope_core::monitor::Monitor;
-    use burstscope_core::plane::Plane;
 
     #[test]
     fn every_file_that_is_written_is_known_until_somebody_changes_it() {
@@ -366,9 +349,8 @@ mod outputs {
 }
 
 mod pfm {
-    use burstscope_core::detector::*;
-    use burstscope_core::detector::{Motion, Slope};
-    use burstscope_core::export::write_field_tiff;
+    use crate::prelude::*;
+    use burstscope_core::detector::Motion;
     use burstscope_core::export::*;
 
     #[test]

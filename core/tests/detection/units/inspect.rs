@@ -1,7 +1,7 @@
 //! Tests of the public functions of `inspect`, a module for each subject.
 
 mod changes {
-    use burstscope_core::detector::*;
+    use crate::prelude::*;
     use burstscope_core::inspect::result::*;
     use proptest::prelude::*;
 
@@ -52,15 +52,9 @@ mod changes {
 }
 
 mod decoys {
-    use burstscope_core::burst::Burst;
-    use burstscope_core::detector::{DetectorParams, Feature, NoiseGate, Slope, SlopeGrid};
-    use burstscope_core::error::Error;
-    use burstscope_core::inspect::ProbeCache;
+    use crate::prelude::*;
     use burstscope_core::inspect::place::{Judged, Verdict, judged};
     use burstscope_core::inspect::result::*;
-    use burstscope_core::monitor::*;
-    use burstscope_core::plane::Plane;
-    use burstscope_core::synth::random::*;
 
     const SIZE: (usize, usize) = (160, 120);
 
@@ -347,11 +341,8 @@ mod flight {
 }
 
 mod needed {
-    use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, SlopeGrid};
-    use burstscope_core::inspect::ProbeCache;
+    use crate::prelude::*;
     use burstscope_core::inspect::place::*;
-    use burstscope_core::monitor::Monitor;
-    use burstscope_core::synth::{ChartParams, synth_chart};
 
     /// Chart of one disc, and its search with a fixed gate.
     fn searched(frames: usize, snr: f64, seed: u64) -> (ProbeCache, [f32; 2]) {
@@ -400,13 +391,9 @@ mod needed {
 }
 
 mod price {
+    use crate::prelude::*;
     use burstscope_core::detector::params::doc;
-    use burstscope_core::detector::*;
-    use burstscope_core::detector::{NoiseGate, SlopeGrid};
-    use burstscope_core::inspect::ProbeCache;
     use burstscope_core::inspect::place::*;
-    use burstscope_core::monitor::*;
-    use burstscope_core::synth::{ChartParams, synth_chart};
 
     #[test]
     fn a_price_says_what_happens_to_this_one_and_how_many_others_there_are_then() {
@@ -469,8 +456,7 @@ mod price {
 }
 
 mod set_up {
-    use burstscope_core::burst::*;
-    use burstscope_core::detector::*;
+    use crate::prelude::*;
     use burstscope_core::inspect::slopes::*;
     use proptest::prelude::*;
 
@@ -531,9 +517,8 @@ mod set_up {
 }
 
 mod spot {
+    use crate::prelude::*;
     use burstscope_core::inspect::place::*;
-    use burstscope_core::plane::*;
-    use burstscope_core::synth::random::Stream;
 
     fn picture(frames: usize) -> Plane {
         let mut stream = Stream::new(7, 0);
@@ -560,9 +545,8 @@ mod spot {
 }
 
 mod texture {
+    use crate::prelude::*;
     use burstscope_core::inspect::place::*;
-    use burstscope_core::plane::*;
-    use burstscope_core::synth::random::Stream;
 
     #[test]
     fn a_grating_has_its_period_in_its_direction_and_noise_has_none() {
@@ -598,7 +582,7 @@ mod texture {
 }
 
 mod words {
-    use burstscope_core::detector::Slope;
+    use crate::prelude::*;
     use burstscope_core::inspect::words::*;
 
     #[test]

@@ -54,9 +54,8 @@ mod whole {
 }
 
 mod selection {
-    use burstscope_core::detector::Descriptor;
+    use crate::prelude::*;
     use burstscope_core::matching::*;
-    use burstscope_core::monitor::{Cancelled, Monitor};
     use proptest::prelude::*;
 
     /// A descriptor that is far from those of other numbers, and this near to its own.
@@ -250,10 +249,9 @@ mod camera {
 }
 
 mod geometry {
+    use crate::prelude::*;
     use burstscope_core::matching::geometry::RelativePose;
     use burstscope_core::matching::*;
-    use burstscope_core::monitor::Monitor;
-    use burstscope_core::synth::random::Stream;
     use nalgebra::{Rotation3, Vector2, Vector3};
 
     fn camera() -> Camera {
@@ -399,9 +397,8 @@ mod geometry {
 }
 
 mod params {
-    use burstscope_core::detector::params::Word;
+    use crate::prelude::*;
     use burstscope_core::matching::camera::*;
-    use burstscope_core::matching::params::*;
 
     #[test]
     fn the_defaults_are_valid_and_survive_a_file() {

@@ -53,8 +53,7 @@ mod files_mark {
 }
 
 mod monitor {
-    use burstscope_core::monitor::*;
-    use std::sync::Arc;
+    use crate::prelude::*;
 
     #[test]
     fn clones_and_silent_monitors_share_the_cancel_flag() {
@@ -81,9 +80,8 @@ mod monitor {
 }
 
 mod plane_blur {
-    use burstscope_core::monitor::*;
+    use crate::prelude::*;
     use burstscope_core::plane::blur::*;
-    use burstscope_core::plane::*;
 
     #[test]
     fn kernels_sum_to_one_and_reach_four_sigma() {
@@ -119,9 +117,7 @@ mod plane_blur {
 }
 
 mod plane_mask {
-    use burstscope_core::plane::mask::*;
-    use burstscope_core::plane::*;
-    use burstscope_core::synth::random::Stream;
+    use crate::prelude::*;
 
     #[test]
     fn a_transposed_frame_is_filled_as_the_frame_is() {

@@ -1,8 +1,7 @@
 //! Tests of the public functions of `synth`, a module for each of its files.
 
 mod arm {
-    use burstscope_core::monitor::Monitor;
-    use burstscope_core::synth::{ChartParams, synth_chart};
+    use crate::prelude::*;
 
     #[test]
     fn an_arm_stands_still_and_hides_what_lies_behind_it() {
@@ -26,10 +25,7 @@ mod arm {
 }
 
 mod chart {
-    use burstscope_core::monitor::*;
-    use burstscope_core::synth::chart::*;
-    use burstscope_core::synth::truth::*;
-    use burstscope_core::synth::*;
+    use crate::prelude::*;
 
     fn small() -> ChartParams {
         ChartParams { width: 240, height: 180, discs: 9, radius: 3.6..=12.0, frames: 5, ..ChartParams::default() }
@@ -141,9 +137,7 @@ mod chart {
 }
 
 mod examples {
-    use burstscope_core::burst::Burst;
-    use burstscope_core::synth::examples::*;
-    use burstscope_core::synth::{demo_burst, demo_truth};
+    use crate::prelude::*;
 
     #[test]
     fn the_truth_lies_in_the_picture_and_moves_as_its_layer() {
@@ -194,10 +188,8 @@ mod examples {
 }
 
 mod noise {
-    use burstscope_core::monitor::*;
-    use burstscope_core::plane::*;
+    use crate::prelude::*;
     use burstscope_core::synth::noise::*;
-    use burstscope_core::synth::random::*;
 
     fn expose(camera: &Camera, signal: &Plane, seed: u64) -> Plane {
         camera.capture(signal, &mut Stream::new(seed, 1), &Monitor::default()).expect("not cancelled")
@@ -255,9 +247,7 @@ mod noise {
 }
 
 mod noise_case {
-    use burstscope_core::burst::*;
-    use burstscope_core::monitor::*;
-    use burstscope_core::synth::noise_case::*;
+    use crate::prelude::*;
 
     const SIZE: (usize, usize) = (200, 120);
 
@@ -394,13 +384,8 @@ mod random {
 }
 
 mod scene {
+    use crate::prelude::*;
     use burstscope_core::detector::stack::motion_stack;
-    use burstscope_core::detector::{Interpolation, Slope};
-    use burstscope_core::monitor::*;
-    use burstscope_core::plane::Plane;
-    use burstscope_core::synth::LayerTruth;
-    use burstscope_core::synth::scene::*;
-    use burstscope_core::synth::*;
 
     fn small() -> SceneParams {
         SceneParams { width: 320, height: 240, layers: 3, frames: 5, ..SceneParams::default() }

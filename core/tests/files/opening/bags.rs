@@ -4,12 +4,7 @@
 //! `/notes` of texts. The values and stamps are those that the same packages read.
 
 use super::plain::unpacked;
-use super::support::folder;
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Encoding, Info, OpenOptions, TimesChoice, find_bursts};
-use burstscope_core::error::{Error, ErrorKind};
-use std::fs;
-use std::path::{Path, PathBuf};
+use super::support::*;
 
 macro_rules! sample {
     ($name:literal) => {

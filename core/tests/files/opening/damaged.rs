@@ -1,14 +1,7 @@
 //! Truncated or damaged files are refused, and files that announce huge contents take little memory.
 
 use super::crafted;
-use super::support::{folder, grey8, open, raw_tiff, save, tiff_pages};
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, OpenOptions, RemarkKind};
-use burstscope_core::error::{Error, ErrorKind};
-use image::{ImageBuffer, Luma, Rgb};
-use std::fs;
-use std::path::Path;
-use tiff::encoder::colortype;
+use super::support::*;
 
 /// A progressive JPEG of 45×37 with chroma of half the size.
 pub const PROGRESSIVE: &[u8] = include_bytes!("samples/progressive.jpg");

@@ -1,16 +1,10 @@
 //! What files declare is used or told: axes and order of pages, frames behind one another, mosaics, colours, values,
 //! recordings that were stopped. Each is tried on several instances; pages have values by which they are told apart.
 
-use super::support::folder;
-use burstscope_core::burst::{Burst, Info, OpenOptions, RawColour, file_formats};
-use burstscope_core::error::Error;
-use burstscope_core::monitor::Monitor;
+use super::support::*;
 use proptest::prelude::*;
 use std::collections::HashSet;
-use std::fs::{self, File};
-use std::path::{Path, PathBuf};
-use tempfile::TempDir;
-use tiff::encoder::{TiffEncoder, colortype};
+use std::fs::File;
 use tiff::tags::Tag;
 
 const SIZE: (u32, u32) = (8, 6);

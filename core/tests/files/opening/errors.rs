@@ -1,14 +1,7 @@
 //! Every failure is an error that names the file, the problem and the remedy.
 
-use super::support::{folder, grey8, open, save, tiff_pages};
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Info, Limits, OpenOptions};
-use burstscope_core::error::{Error, ErrorKind};
-use ndarray::{Array1, Array2, Array3, Array4};
-use ndarray_npy::write_npy;
-use std::fs;
-use std::path::Path;
-use tiff::encoder::colortype;
+use super::support::*;
+use ndarray::Array1;
 
 /// Opens a file that must fail, and checks that the message contains all of `words`.
 #[track_caller]

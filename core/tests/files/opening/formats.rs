@@ -1,17 +1,9 @@
 //! Round trips: files written in each format are read with the right values, order and full scale; the frames that an
 //! input names, their order, and the names of bursts.
 
-use super::support::{assert_close, folder, grey8, open, raw_tiff, save, tiff_pages};
-use burstscope_core::burst::{
-    Burst, BurstFiles, LUMA_WEIGHTS, OpenOptions, SequenceCut, cut_sequence, find_bursts, supported_extensions,
-};
-use burstscope_core::error::ErrorKind;
-use image::{ImageBuffer, Luma, LumaA, Rgb, Rgba};
-use ndarray::{Array2, Array3, ShapeBuilder};
-use ndarray_npy::write_npy;
-use std::fs;
-use std::path::{Path, PathBuf};
-use tiff::encoder::colortype;
+use super::support::*;
+use image::{LumaA, Rgba};
+use ndarray::ShapeBuilder;
 
 #[test]
 fn lossless_pictures_of_8_bit_are_exact() {

@@ -2,14 +2,10 @@
 
 use super::crafted;
 use super::damaged::PROGRESSIVE;
-use super::support::{folder, grey8, raw_tiff, save, tiff_pages};
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Info, Limits, OpenOptions};
-use burstscope_core::error::{Error, ErrorKind};
-use image::{ImageBuffer, Luma, Rgb};
+use super::support::*;
 use proptest::prelude::*;
 use std::sync::OnceLock;
-use tiff::encoder::{Compression, DeflateLevel, TiffEncoder, colortype};
+use tiff::encoder::{Compression, DeflateLevel};
 
 /// One valid file of each kind and type: (name, bytes).
 pub fn samples() -> &'static [(&'static str, Vec<u8>)] {

@@ -2,15 +2,10 @@
 //! says why, before much is unpacked, and when the work is cancelled.
 
 use super::bags::{open, sample_of};
-use super::support::folder;
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Info, OpenOptions, find_bursts};
-use burstscope_core::error::{Error, ErrorKind};
+use super::support::*;
 use proptest::prelude::*;
 use rusqlite::Connection;
-use std::fs;
 use std::io::{Read, Write};
-use std::path::Path;
 
 const MAGIC: &[u8] = b"\x89MCAP0\r\n";
 

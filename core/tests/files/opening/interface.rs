@@ -1,10 +1,7 @@
 //! Parts of the interface beside files: arrays in memory, positions, statements about files, and descriptions.
 
 mod arrays {
-    use burstscope_core::Monitor;
-    use burstscope_core::burst::{ArrayFrame, Arrays, Burst, OpenOptions};
-    use burstscope_core::plane::{PixelOwner, Plane};
-    use std::sync::Arc;
+    use crate::opening::support::*;
 
     fn of_u16(values: &[u16]) -> Arrays {
         let frames = values.chunks(320).map(|frame| ArrayFrame::of_u16(20, 16, frame.iter().copied())).collect();
@@ -71,9 +68,7 @@ mod arrays {
 }
 
 mod info {
-    use burstscope_core::Monitor;
-    use burstscope_core::burst::{Burst, Info, OpenOptions};
-    use std::path::PathBuf;
+    use crate::opening::support::*;
 
     #[test]
     fn frames_and_size_are_those_of_the_opened_burst() {
@@ -108,7 +103,7 @@ mod info {
 }
 
 mod positions {
-    use burstscope_core::burst::{Offset, Positions};
+    use crate::opening::support::*;
 
     #[test]
     fn a_grid_of_views_is_about_its_mean_and_a_row_is_as_frames() {
@@ -155,8 +150,7 @@ mod positions {
 }
 
 mod dump {
-    use burstscope_core::Monitor;
-    use burstscope_core::burst::{Limits, likely_shapes};
+    use crate::opening::support::*;
 
     /// Frames of u16 with a few soft lamps under noise, as bytes.
     fn dark(frames: u32, (width, height): (u32, u32)) -> Vec<u8> {

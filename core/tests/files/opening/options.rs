@@ -1,17 +1,9 @@
 //! Options of opening: bias and flat frames of every kind of file, a given black level and full scale, masks; progress
 //! and cancellation.
 
-use super::support::{assert_close, folder, grey8, save, tiff_pages};
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, OpenOptions};
-use burstscope_core::error::{Error, ErrorKind};
+use super::support::*;
 use burstscope_core::export::write_tiff;
-use burstscope_core::plane::Plane;
-use ndarray::{Array2, Array3};
-use ndarray_npy::write_npy;
-use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex};
-use tiff::encoder::colortype;
+use std::sync::Mutex;
 
 fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
     Burst::open_with(&[path.into()], options, &Monitor::default())

@@ -1,14 +1,8 @@
 //! Order and times of frames: stamps in names, counters, copies, lists of loggers and of several cameras, parts of a
 //! burst, and what cannot be true.
 
-use super::support::{folder, grey8, save};
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Info, OpenOptions, SequenceCut, cut_sequence, files_at, find_bursts};
-use burstscope_core::error::Error;
+use super::support::*;
 use proptest::prelude::*;
-use std::fs;
-use std::path::{Path, PathBuf};
-use tempfile::TempDir;
 
 fn options(times: &str, take: &str) -> OpenOptions {
     OpenOptions { times: times.parse().ok(), take: take.parse().ok(), ..OpenOptions::default() }

@@ -1,13 +1,8 @@
 //! Photographs: gamma-encoded, rotated, in tiles; films, which are refused; and bursts of real cameras, where they are
 //! available.
 
-use super::support::{assert_close, folder, open, save};
-use crate::shared::shared;
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Encoding, OpenOptions, find_bursts};
-use burstscope_core::error::ErrorKind;
-use image::{ExtendedColorType, ImageEncoder, Luma, Rgb, RgbImage};
-use std::path::Path;
+use super::support::*;
+use image::{ExtendedColorType, ImageEncoder, RgbImage};
 
 fn linearised(path: &Path) -> Burst {
     let options = OpenOptions { linearise: true, ..OpenOptions::default() };

@@ -3,15 +3,8 @@
 //! 7·i + 3 unless a test says another, and the expected values are those that the same tools read.
 
 use super::crafted;
-use super::support::{assert_close, folder, grey8, save};
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Encoding, Info, Mosaic, OpenOptions, RawColour, find_bursts};
-use burstscope_core::error::{Error, ErrorKind};
-use ndarray::{Array3, Array4};
-use ndarray_npy::write_npy;
-use std::fs;
+use super::support::*;
 use std::io::Read;
-use std::path::{Path, PathBuf};
 
 /// Bytes of a file of another program; one that is stored compressed is unpacked.
 macro_rules! sample {

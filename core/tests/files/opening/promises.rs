@@ -3,12 +3,7 @@
 use super::crafted::{crc, directory, gzip_of_zeros, npy, npz, tile_fits};
 use super::fuzz::samples;
 use super::plain::unpacked;
-use super::support::folder;
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, BurstFiles, Info, OpenOptions, SequenceCut, cut_sequence, find_bursts};
-use burstscope_core::error::{Error, ErrorKind};
-use std::fs;
-use std::path::Path;
+use super::support::*;
 
 fn options_for(name: &str) -> OpenOptions {
     let raw = name.ends_with(".raw").then(|| "3x2:u8".parse().expect("a shape"));

@@ -1,13 +1,7 @@
 //! Raw frames: DNG files written here, and files of a real camera.
 
 use super::dng::{Dng, sensor_values};
-use super::support::folder;
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Encoding, Limits, Mosaic, OpenOptions, RawColour};
-use burstscope_core::detector::{DetectorParams, SlopeGrid};
-use burstscope_core::error::{Error, ErrorKind};
-use burstscope_core::synth::{ChartParams, synth_chart};
-use std::path::Path;
+use super::support::*;
 
 fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
     Burst::open_with(&[path.into()], options, &Monitor::default())

@@ -1,12 +1,14 @@
 //! Files for the tests.
 
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, OpenOptions};
-use burstscope_core::error::Error;
-use image::{ImageBuffer, Luma, Pixel};
-use std::path::{Path, PathBuf};
-use tempfile::TempDir;
-use tiff::encoder::{TiffEncoder, TiffValue, colortype::ColorType};
+pub use crate::prelude::*;
+pub use image::{ImageBuffer, Luma, Rgb};
+pub use ndarray::{Array2, Array3, Array4};
+pub use ndarray_npy::write_npy;
+pub use tempfile::TempDir;
+pub use tiff::encoder::{TiffEncoder, colortype};
+
+use image::Pixel;
+use tiff::encoder::{TiffValue, colortype::ColorType};
 
 /// A new folder that disappears after the test.
 pub fn folder() -> TempDir {

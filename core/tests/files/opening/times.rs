@@ -1,11 +1,7 @@
 //! Times of frames: lists, names and what files hold. The photographs in `samples/` were written by Pillow.
 
-use super::support::{folder, grey8, save};
-use burstscope_core::Monitor;
-use burstscope_core::burst::{Burst, Info, OpenOptions};
-use burstscope_core::error::Error;
+use super::support::*;
 use proptest::prelude::*;
-use std::path::Path;
 
 fn options(times: &str) -> OpenOptions {
     OpenOptions { times: times.parse().ok(), ..OpenOptions::default() }

@@ -1,13 +1,9 @@
 //! Light fields: folders of views, arrays, and pictures of all views, opened to the same frames and places.
 
-use super::support::{folder, save};
-use burstscope_core::Monitor;
-use burstscope_core::burst::{ArrayFrame, Arrays, Burst, Info, OpenOptions, Positions, ViewsChoice, find_bursts};
-use burstscope_core::error::Error;
-use image::{GrayImage, Luma};
-use ndarray::{Array4, Array5};
+use super::support::*;
+use image::GrayImage;
+use ndarray::Array5;
 use proptest::prelude::*;
-use std::path::{Path, PathBuf};
 
 const ROWS: usize = 3;
 const COLUMNS: usize = 5;

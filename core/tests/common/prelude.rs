@@ -1,0 +1,20 @@
+//! Names that most tests use.
+#![allow(unused_imports)] // Each test program uses a part of it.
+
+pub use crate::shared::shared;
+pub use burstscope_core::burst::*;
+pub use burstscope_core::detect::{detect, search};
+pub use burstscope_core::detector::params::*;
+pub use burstscope_core::detector::*;
+pub use burstscope_core::error::{Error, ErrorKind};
+pub use burstscope_core::inspect::{ProbeCache, place::ProbeOptions, place::probe};
+pub use burstscope_core::matching::{Geometry, MatchParams};
+pub use burstscope_core::monitor::{Cancelled, Monitor, Progress, Stage};
+pub use burstscope_core::plane::*;
+pub use burstscope_core::synth::{
+    ChartParams, Example, FeatureTruth, LayerTruth, Motion, NoiseCase, RadiusLaw, SceneParams, Truth, TruthKind,
+    Uneven, demo_burst, demo_truth, later_demo_burst, random::Stream, synth_chart, synth_scene,
+};
+pub use std::fs;
+pub use std::path::{Path, PathBuf};
+pub use std::sync::Arc;
