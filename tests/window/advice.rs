@@ -15,8 +15,7 @@ fn apply_all(window: &mut Window, what: &str) -> Vec<SearchParams> {
     let mut set = vec![searched(window)];
     while window.shows("Apply slopes") {
         let sentence = window.app().read().slope_judgement().expect("shown").sentence.clone();
-        window.click("Apply slopes");
-        window.settle();
+        window.click("Apply slopes").settle();
         let now = searched(window);
         let messages = window.app().model.shell.messages.errors();
         assert!(messages.is_empty(), "{what}: {sentence}: {messages:?}");
@@ -35,8 +34,7 @@ fn check(source: BurstSource, grids: &[SlopeGrid]) -> usize {
     start.startup.params.slopes = Slopes::from(grids[0]);
     let mut window = start.open();
     for grid in grids {
-        window.app_mut().model.document.params.slopes = (*grid).into();
-        window.settle();
+        window.change(|document| document.params.slopes = (*grid).into()).settle();
         let what = format!("{source:?} at {grid:?}");
         let set = apply_all(&mut window, &what);
         applied += set.len() - 1;

@@ -7,13 +7,8 @@ use burstscope::app::parts;
 #[test]
 fn nothing_is_lost_of_what_was_open() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    window.key(Key::Num6);
-    window.slide("Slope u", 0.75);
-    window.app_mut().model.document.params.levels = 4;
-    window.settle();
-    window.key(Key::Home);
-    window.run_action("light theme");
-    window.settle();
+    window.key(Key::Num6).slide("Slope u", 0.75).change(|document| document.params.levels = 4).settle();
+    window.key(Key::Home).run_action("light theme").settle();
     let state = |window: &Window| {
         let model = &window.app().model;
         let mut panes = model.document.panes.clone();
@@ -30,32 +25,23 @@ fn nothing_is_lost_of_what_was_open() {
         )
     };
     let before = state(&window);
-    window.key(Key::F1);
-    window.harness.run_steps(5);
-    window.click("Lesson: Out of the dark");
-    window.settle();
+    window.key(Key::F1).steps(5).click("Lesson: Out of the dark").settle();
     let (in_lesson, count) = (window.app().read().is_in_lesson(), window.app().read().features().len());
     assert!(in_lesson && count == 0, "{in_lesson} {count}");
-    window.slide("Frame", 1.0);
-    window.settle();
-    window.click("Next step");
-    window.settle();
-    window.click("Leave lesson");
-    window.settle();
+    window.slide("Frame", 1.0).settle();
+    window.click("Next step").settle();
+    window.click("Leave lesson").settle();
     assert!(!window.app().read().is_in_lesson());
     assert!(state(&window) == before, "everything is as it was");
     assert!(window.app().model.shell.history.can_undo(), "what was done before can be undone");
     // Coming back continues at the step that was left, with the tasks done.
-    window.run_action("lessons");
-    window.harness.run_steps(5);
+    window.run_action("lessons").steps(5);
     assert!(window.shows("step 2 of"));
-    window.click("Lesson: Out of the dark");
-    window.settle();
+    window.click("Lesson: Out of the dark").settle();
     let open = window.app().lessons.open.as_ref().expect("open");
     assert_eq!((open.step, open.done.clone()), (1, [0].into()));
     assert!(window.app().model.document.focused().shows(ViewKind::Frame), "set up as the step begins");
-    window.click("Step back");
-    window.settle();
+    window.click("Step back").settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| (open.step, open.is_done())), Some((0, true)));
     // Settings are those made outside the lesson, and the progress in it.
     let mut memory = Memory::default();
@@ -70,18 +56,14 @@ fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it() {
     let mut window = nothing_open();
     window.app_mut().start_lesson(lesson("slope-is-depth"));
     window.settle();
-    window.slide("Slope u", 2.5);
-    window.settle();
-    window.click("Set the step up again");
-    window.settle();
+    window.slide("Slope u", 2.5).settle();
+    window.click("Set the step up again").settle();
     assert_eq!(window.app().model.document.cursor().slope, Slope::new(-2.1, 0.0));
     // A step far away, by its dot.
-    window.click("Step 3: A slice through time");
-    window.settle();
+    window.click("Step 3: A slice through time").settle();
     let source = window.app().model.results.slots.a.burst.as_ref().map(|burst| burst.source.clone());
     assert_eq!(source.and_then(|source| source.name()), Some("demo-depths"));
-    window.run_action("open demo burst");
-    window.settle();
+    window.run_action("open demo burst").settle();
     assert!(window.app().lessons.open.is_none() && !window.app().read().is_in_lesson());
     assert_eq!(window.app().model.results.slots.a.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
     assert_eq!(window.app().lessons.progress["slope-is-depth"].step, 2);
@@ -99,8 +81,7 @@ fn frames_are_added_one_by_one_and_the_ratio_grows_as_the_root() {
         text.trim_start_matches("SNR ").parse().expect("a number")
     };
     let one = ratio(&window);
-    window.slide("Frames", 4.0);
-    window.settle();
+    window.slide("Frames", 4.0).settle();
     let four = ratio(&window);
     assert!((1.6..2.9).contains(&(four / one)), "{one} → {four}");
     window.click("▶ Add one by one");
@@ -146,11 +127,9 @@ fn in_a_hall_the_picture_is_large_and_a_presenters_keys_lead_through_the_lesson(
         }
         let ended = |window: &Window| window.app().lessons.open.as_ref().map(|open| open.is_ended);
         assert_eq!(ended(&window), Some(true));
-        window.key(Key::PageUp);
-        window.settle();
+        window.key(Key::PageUp).settle();
         assert_eq!(ended(&window), Some(false), "back to the last step");
-        window.key(Key::F11);
-        window.settle();
+        window.key(Key::F11).settle();
         assert!(window.app().read().shows_left() && !window.app().model.document.panels.hall, "as before");
     }
 }
@@ -160,8 +139,7 @@ fn a_lesson_is_written_as_a_sheet() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("sheet.md");
     let mut window = at_step("ghosts", 0, SIZES[0]);
-    window.dialogs.will_choose(&file);
-    window.run_action("export lesson sheet");
+    window.will_choose(&file).run_action("export lesson sheet");
     window.wait("the sheet", |app| app.is_settled() && file.exists());
     assert_eq!(std::fs::read_to_string(file).unwrap(), sheet(&lesson("ghosts")));
 }
@@ -195,15 +173,12 @@ fn zooms_keep_their_subject_in_sight() {
 fn what_was_measured_stays_from_step_to_step() {
     let mut window = at_step("out-of-the-dark", 3, [1280.0, 800.0]);
     for frames in [4.0, 10.0] {
-        window.slide("Frames", frames);
-        window.settle();
+        window.slide("Frames", frames).settle();
     }
     assert!(window.shows("3 dots measured"));
-    window.click("Next step");
-    window.settle();
+    window.click("Next step").settle();
     assert!(window.shows("3 dots measured"), "four frames were measured before");
-    window.click("Set the step up again");
-    window.settle();
+    window.click("Set the step up again").settle();
     assert!(window.shows("1 dot measured"));
 }
 
@@ -215,8 +190,7 @@ fn the_search_in_two_directions_circles_the_lanterns() {
         window.app().read().features().iter().filter(rising).count()
     };
     assert_eq!(near(&window), 0, "no line holds them");
-    window.choose("BuFF 1D ⏷", "Preset BuFF 2D");
-    window.settle();
+    window.choose("BuFF 1D ⏷", "Preset BuFF 2D").settle();
     assert!(near(&window) >= 5, "{}", near(&window));
     assert!(window.app().model.document.look.overlay == FeaturesShown::ThisSlope);
     window.snapshot("lesson_lanterns");
@@ -230,18 +204,13 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
         "title = \"My own\"\nabout = \"About it.\"\n\n[[step]]\ntitle = \"First\"\ncaption = \"Look at *this*.\"\n";
     std::fs::write(&file, good.replace("caption", "captoin")).unwrap();
     let mut window = nothing_open();
-    window.dialogs.will_choose(folder.path());
-    window.run_action("open lessons");
+    window.will_choose(folder.path()).run_action("open lessons");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("mine.toml, line 6") && window.shows("captoin"));
     std::fs::write(&file, good).unwrap();
-    window.dialogs.will_choose(folder.path());
-    window.run_action("open lessons");
-    window.wait("the list", |app| app.lessons.list_is_open);
+    window.will_choose(folder.path()).run_action("open lessons").wait("the list", |app| app.lessons.list_is_open);
     assert!(window.app().model.shell.messages.errors().is_empty(), "the mistake is mended");
-    window.harness.run_steps(5);
-    window.click("Lesson: My own");
-    window.settle();
+    window.steps(5).click("Lesson: My own").settle();
     assert!(window.app().read().is_in_lesson(), "it is open");
     assert!(window.shows("First") && window.shows("Step 1 of 1"));
     let lessons = &mut window.app_mut().lessons;
@@ -253,9 +222,7 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
 #[test]
 fn the_first_page_offers_lessons() {
     let mut window = nothing_open();
-    window.harness.get_by_role_and_label(Role::Link, "Lesson: What noise does").click();
-    window.harness.run_steps(2);
-    window.settle();
+    window.click_on(Role::Link, "Lesson: What noise does").steps(2).settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| open.lesson.name.as_str()), Some("what-noise-does"));
 }
 
@@ -263,8 +230,7 @@ fn the_first_page_offers_lessons() {
 fn the_joint_rule_finds_as_many_landmarks_of_the_street_and_less_elsewhere() {
     let step = lesson("blobs-at-every-scale").steps.iter().position(|step| step.title == "Which were lost");
     let mut window = at_step("blobs-at-every-scale", step.expect("the step"), SIZES[0]);
-    window.run_action("compare with the truth");
-    window.settle();
+    window.run_action("compare with the truth").settle();
     let counts = |window: &Window| {
         let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
         [Compared::Same, Compared::Ours].map(|kind| shown.count(kind))

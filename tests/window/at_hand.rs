@@ -7,8 +7,7 @@ use egui::{Event, MouseWheelSource, MouseWheelUnit, PointerButton};
 
 /// Turns the wheel up by a notch, with the pointer at a place of the window.
 fn wheel_at(window: &mut Window, pos: Pos2, modifiers: Modifiers) {
-    window.harness.hover_at(pos);
-    window.harness.run_steps(1);
+    window.hover(pos).steps(1);
     let (unit, phase, source) = (MouseWheelUnit::Line, egui::TouchPhase::Move, MouseWheelSource::Unknown);
     let event = Event::MouseWheel { unit, delta: vec2(0.0, 1.0), phase, source, modifiers };
     window.harness.event_modifiers(event, modifiers);
@@ -24,11 +23,9 @@ fn contrast_is_set_in_the_header_of_a_pane() {
     let mut window = Start { size: [1400.0, 900.0], ..Start::without_auto_detect() }.open();
     let display = |window: &Window| window.app().read().display_of(window.app().model.document.focus());
     // The panel Display has the same words.
-    window.app_mut().model.document.panels.right = Visibility::Closed;
-    window.settle();
+    window.change(|document| document.panels.right = Visibility::Closed).settle();
     let before = display(&window);
-    window.click("Contrast");
-    window.click("0 – 1");
+    window.click("Contrast").click("0 – 1");
     assert_eq!((display(&window).min, display(&window).max), (0.0, 1.0));
     window.key(Key::Escape);
     // A range of another kind of picture, chosen before, is not this picture's to set.
@@ -51,25 +48,16 @@ fn contrast_is_set_in_the_header_of_a_pane() {
 #[test]
 fn playing_steps_through_what_the_picture_shows() {
     let mut window = Start::without_auto_detect().open();
-    window.key(Key::Num1);
-    window.settle();
+    window.key(Key::Num1).settle();
     let start = *window.app().model.document.cursor();
-    window.key(Key::Space);
-    window.wait("another frame", |app| app.model.document.cursor().frame != start.frame);
-    window.click("What is played");
-    window.harness.get_by_role_and_label(Role::RadioButton, "frames").click();
-    window.harness.run_steps(3);
-    window.key(Key::Escape);
+    window.key(Key::Space).wait("another frame", |app| app.model.document.cursor().frame != start.frame);
+    window.click("What is played").click_on(Role::RadioButton, "frames").steps(3).key(Key::Escape);
     window.click("⏸ Pause");
     let cursor = *window.app().model.document.cursor();
     assert_eq!((cursor.kind, cursor.slope), (ViewKind::Frame, start.slope), "frames are played, and nothing else");
     assert!(!window.app().model.document.playing);
-    window.click("What is played");
-    window.harness.get_by_role_and_label(Role::RadioButton, "scales").click();
-    window.harness.run_steps(3);
-    window.key(Key::Escape);
-    window.click("▶ Play");
-    window.wait("another scale", |app| app.model.document.cursor().level != start.level);
+    window.click("What is played").click_on(Role::RadioButton, "scales").steps(3).key(Key::Escape);
+    window.click("▶ Play").wait("another scale", |app| app.model.document.cursor().level != start.level);
     window.click("⏸ Pause");
     assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
 }
@@ -85,8 +73,7 @@ fn the_wheel_moves_a_slider_the_plane_and_with_alt_what_a_picture_shows() {
     let picture = window.ui_from_image(pos2(200.0, 150.0)).expect("drawn");
     wheel_at(&mut window, picture, Modifiers::ALT);
     assert_eq!(cursor(&window).frame, frame + 2);
-    window.key(Key::Num2);
-    window.settle();
+    window.key(Key::Num2).settle();
     let before = cursor(&window).slope;
     wheel_at(&mut window, picture, Modifiers::ALT);
     let grid = window.app().read().cursor_params().slopes;
@@ -99,8 +86,7 @@ fn the_wheel_moves_a_slider_the_plane_and_with_alt_what_a_picture_shows() {
 #[test]
 fn a_frame_beside_a_stack_moves_alone() {
     let mut window = Start::without_auto_detect().open();
-    window.key(Key::Num6);
-    window.settle();
+    window.key(Key::Num6).settle();
     let kinds = |window: &Window| {
         let panes = &window.app().model.document.panes;
         panes.shown().into_iter().filter_map(|id| panes.get(id)?.shown()).collect::<Vec<ViewKind>>()
@@ -109,12 +95,10 @@ fn a_frame_beside_a_stack_moves_alone() {
     assert!(before.contains(&ViewKind::Frame) && before.contains(&ViewKind::Stack), "{before:?}");
     for id in window.app().model.document.panes.shown() {
         window.app_mut().model.document.panes.set_focus(id);
-        window.slide("Frame", if id == PaneId(0) { 7.0 } else { 3.0 });
-        window.settle();
+        window.slide("Frame", if id == PaneId(0) { 7.0 } else { 3.0 }).settle();
         assert_eq!(kinds(&window), before, "with {id:?} in focus");
         for key in [Key::Period, Key::Comma] {
-            window.key(key);
-            window.settle();
+            window.key(key).settle();
             assert_eq!(kinds(&window), before, "{key:?} with {id:?} in focus");
         }
     }
@@ -141,8 +125,7 @@ fn the_loupe_shows_the_place_under_the_pointer_and_a_click_takes_its_slope() {
         (|window: &Window| *window.app().model.document.cursor(), *window.app().model.document.cursor());
     window.run_action("focus in a loupe");
     window.harness.event(Event::ModifiersChanged(Modifiers::COMMAND));
-    window.harness.hover_at(at);
-    window.settle();
+    window.hover(at).settle();
     assert_eq!(cursor(&window), before, "the pane stays as it is");
     for name in [format!("Frame {}", before.frame), "Stack".to_owned(), "In focus".to_owned()] {
         let patch = format!("{name} in the loupe");
@@ -177,14 +160,12 @@ fn the_place_under_the_pointer_comes_into_focus_and_goes_back() {
     let mut window = Start::automatic().open();
     let before = *window.app().model.document.cursor();
     let (at, slope) = place_of_other_motion(&window);
-    window.harness.hover_at(at + vec2(3.0, 0.0));
-    window.harness.run_steps(2);
+    window.hover(at + vec2(3.0, 0.0)).steps(2);
     let steps = window.app().model.document.cursor().slope;
     assert_eq!(steps, before.slope, "nothing is led without the key");
     // Ctrl is held, and the pointer moves.
     window.harness.event(Event::ModifiersChanged(Modifiers::COMMAND));
-    window.harness.hover_at(at);
-    window.harness.run_steps(1);
+    window.hover(at).steps(1);
     assert_eq!(window.app().model.document.cursor().slope, slope);
     assert!(window.shows("Sharp at "));
     window.harness.event(Event::ModifiersChanged(Modifiers::NONE));
@@ -193,8 +174,7 @@ fn the_place_under_the_pointer_comes_into_focus_and_goes_back() {
     // The switch leads without a key, and what it led through is one step to undo.
     window.run_action("focus under");
     for aside in [6.0, 0.0] {
-        window.harness.hover_at(at + vec2(aside, 0.0));
-        window.harness.run_steps(2);
+        window.hover(at + vec2(aside, 0.0)).steps(2);
     }
     // Slopes that differ by less than can be seen are not computed anew.
     let led = window.app().model.document.cursor().slope;
@@ -214,8 +194,7 @@ fn a_mask_is_drawn_by_rectangle_polygon_and_brush() {
     let (from, to) = (pos(&window, 100.0, 100.0), pos(&window, 300.0, 250.0));
     window.drag(from, to);
     assert_eq!(hidden(&window), []);
-    window.click("rectangle");
-    window.drag(from, to);
+    window.click("rectangle").drag(from, to);
     let [Hidden::Outline(corners)] = &hidden(&window)[..] else { panic!("{:?}", hidden(&window)) };
     assert!(corners.len() == 4 && corners[0].distance(pos2(100.0, 100.0)) < 2.0, "{corners:?}");
     window.click("polygon");
@@ -226,8 +205,7 @@ fn a_mask_is_drawn_by_rectangle_polygon_and_brush() {
     let [_, Hidden::Outline(corners)] = &hidden(&window)[..] else { panic!("{:?}", hidden(&window)) };
     assert_eq!((corners.len(), window.app().model.document.measure.is_open), (3, false));
     assert_eq!(window.app().model.document.selected, None, "a corner selects no feature");
-    window.click("brush");
-    window.drag(from, to);
+    window.click("brush").drag(from, to);
     let [.., Hidden::Stroke { path, radius_px }] = &hidden(&window)[..] else { panic!("{:?}", hidden(&window)) };
     assert!(path.len() > 2 && *radius_px == 8.0);
     window.click("Take back");
@@ -239,8 +217,7 @@ fn the_title_names_what_is_open() {
     assert_eq!(Start::nothing_open().open().app().read().title(), "Burstscope");
     let mut window = Start::without_auto_detect().open();
     assert_eq!(window.app().read().title(), "Demo burst – Burstscope");
-    window.run_action("example: low contrast");
-    window.settle();
+    window.run_action("example: low contrast").settle();
     assert_eq!(window.app().read().title(), "Example: low contrast – Burstscope");
 }
 
@@ -249,15 +226,12 @@ fn only_real_features_are_shown_and_written() {
     let home = tempfile::tempdir().unwrap();
     let mut window = Start::automatic().open();
     let all = window.app().read().features().len();
-    window.run_action("only real");
-    window.settle();
+    window.run_action("only real").settle();
     assert_eq!(window.app().model.document.filter.verdict, Some(Verdict::Real));
     let shown = window.app().model.results.listed.len();
     assert!(0 < shown && shown < all, "{shown} of {all}");
     let file = home.path().join("real.csv");
-    window.dialogs.will_choose(&file);
-    window.run_action("export features as csv");
-    window.settle();
+    window.will_choose(&file).run_action("export features as csv").settle();
     let text = std::fs::read_to_string(&file).expect("written");
     assert_eq!(text.lines().count(), 1 + shown);
     assert!(text.starts_with(&(burstscope::export::feature_header() + ",verdict,coherence\n")));

@@ -27,18 +27,12 @@ fn start(path: &Path) -> Start {
 }
 
 fn open(window: &mut Window, path: &Path) {
-    window.dialogs.will_choose(path);
-    window.click("Open…");
-    window.settle();
+    window.will_choose(path).click("Open…").settle();
 }
 
 fn set_mask(window: &mut Window, mask: &Path) {
-    window.run_action("calibration");
-    window.dialogs.will_choose(mask);
-    window.click("Choose mask…");
-    window.settle();
-    window.click("Apply");
-    window.settle();
+    window.run_action("calibration").will_choose(mask).click("Choose mask…").settle();
+    window.click("Apply").settle();
 }
 
 fn is_masked(window: &Window) -> bool {
@@ -74,8 +68,7 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
     );
     assert!(model.document.filter.is_open());
     assert!(window.shows("The mask, frames used, slopes and filter of slider are not used here."));
-    window.click("Use them");
-    window.settle();
+    window.click("Use them").settle();
     let model = &window.app().model;
     assert!(
         is_masked(&window)
@@ -87,8 +80,7 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
     open(&mut window, &slider);
     assert!(!is_masked(&window));
     assert!(window.shows("of cube are not used here."));
-    window.click("Dismiss");
-    window.settle();
+    window.click("Dismiss").settle();
     assert!(!window.shows("not used here"));
 }
 
@@ -99,8 +91,7 @@ fn a_mask_is_hatched_in_every_picture() {
     let mut window = start(&slider).open();
     set_mask(&mut window, &mask);
     for key in [Key::Z, Key::B, Key::G] {
-        window.key(key);
-        window.settle();
+        window.key(key).settle();
         let picture = window.app().read().picture().unwrap();
         let hides = |u: usize| picture.plane.is_hidden_at(u, 30);
         assert!(hides(1) && !hides(60), "{:?}", picture.request.kind);
@@ -113,23 +104,24 @@ fn every_way_to_another_burst_drops_the_mask() {
     let (slider, cube, mask) = bursts(home.path());
     type Way = fn(&mut Window, &Path);
     let ways: [(&str, Way); 5] = [
-        ("dropped", |window, cube| window.drop_file(cube.to_owned())),
+        ("dropped", |window, cube| {
+            window.drop_file(cube.to_owned());
+        }),
         ("dialog", |window, cube| {
-            window.dialogs.will_choose(cube);
-            window.click("Open…");
+            window.will_choose(cube).click("Open…");
         }),
         ("recent", |window, cube| {
             open(window, cube);
-            window.dialogs.will_choose(cube.with_file_name("slider"));
-            window.click("Open…");
-            window.settle();
+            window.will_choose(cube.with_file_name("slider")).click("Open…").settle();
             set_mask(window, &cube.with_file_name("mask.png"));
-            window.click("File");
-            window.click("Open recent");
-            window.click("cube");
+            window.click("File").click("Open recent").click("cube");
         }),
-        ("palette", |window, _| window.run_action("open demo burst")),
-        ("example", |window, _| window.run_action("example: low contrast")),
+        ("palette", |window, _| {
+            window.run_action("open demo burst");
+        }),
+        ("example", |window, _| {
+            window.run_action("example: low contrast");
+        }),
     ];
     for (name, way) in ways {
         let mut window = start(&slider).open();
@@ -149,9 +141,7 @@ fn a_second_burst_has_not_the_mask_of_the_first_and_a_session_keeps_both() {
     let (slider, cube, mask) = bursts(home.path());
     let mut window = start(&slider).open();
     set_mask(&mut window, &mask);
-    window.dialogs.will_choose(&cube);
-    window.run_action("open b: folder");
-    window.settle();
+    window.will_choose(&cube).run_action("open b: folder").settle();
     let hides = |window: &Window| {
         let weight = |side: Side| {
             let open = window.app().read().burst_of(side).expect("both are open");
@@ -165,8 +155,7 @@ fn a_second_burst_has_not_the_mask_of_the_first_and_a_session_keeps_both() {
     let other = window.kept_and_opened_in_another(&file);
     assert_eq!(hides(&other), [true, false]);
     assert!(!other.shows("not used"));
-    window.click("Use it");
-    window.settle();
+    window.click("Use it").settle();
     assert_eq!(hides(&window), [true, true]);
 }
 
@@ -177,11 +166,8 @@ fn a_refused_calibration_changes_nothing_and_other_bursts_still_open() {
     let mut window = start(&slider).open();
     window.run_action("calibration");
     // The frames do not say when they were taken.
-    window.harness.get_by_role_and_label(Role::RadioButton, "Files").click();
-    window.harness.run_steps(2);
-    window.click("Apply");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
-    window.settle();
+    window.click_on(Role::RadioButton, "Files").steps(2).click("Apply");
+    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty()).settle();
     assert_eq!(window.app().model.document.calibration.times, None);
     open(&mut window, &cube);
     let model = &window.app().model;
@@ -199,19 +185,14 @@ fn a_step_back_takes_times_back_and_says_so() {
     window.run_action("calibration");
     // The views have such a choice as well, below.
     window.harness.query_all_by_role_and_label(Role::RadioButton, "Names").next().unwrap().click();
-    window.harness.run_steps(2);
-    window.click("Apply");
-    window.settle();
+    window.steps(2).click("Apply").settle();
     assert_eq!(names(&window), Some(TimesChoice::Names));
-    window.ctrl(Key::Z);
-    window.settle();
+    window.ctrl(Key::Z).settle();
     assert_eq!(names(&window), None);
     assert_eq!(window.app().model.shell.messages.last_note(), Some("Undone: Times"));
-    window.run_action("redo");
-    window.settle();
+    window.run_action("redo").settle();
     assert_eq!(names(&window), Some(TimesChoice::Names));
-    window.ctrl(Key::Z);
-    window.settle();
+    window.ctrl(Key::Z).settle();
     assert_eq!(names(&window), None, "a step that was made again is taken back again");
 }
 
@@ -221,14 +202,11 @@ fn a_filter_is_seen_above_the_picture_until_it_is_gone() {
     let chip = "Show all features again";
     let has_chip = |window: &Window| window.harness.query_by_role_and_label(Role::Button, chip).is_some();
     assert!(!has_chip(&window));
-    window.app_mut().model.document.filter.verdict = Some(Verdict::Ghost);
-    window.settle();
+    window.change(|document| document.filter.verdict = Some(Verdict::Ghost)).settle();
     // Also where no table is open, and in each of several panes.
-    window.run_action("table and tally");
-    window.settle();
+    window.run_action("table and tally").settle();
     assert!(has_chip(&window));
-    window.key(Key::S);
-    window.settle();
+    window.key(Key::S).settle();
     assert_eq!(window.harness.query_all_by_role_and_label(Role::Button, chip).count(), 2);
     window.harness.query_all_by_role_and_label(Role::Button, chip).next().unwrap().click();
     window.settle();

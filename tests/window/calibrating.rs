@@ -48,18 +48,13 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     );
     window.run_action("calibration");
     // The first dropped file is the bias; the flat is chosen.
-    window.drop_file(home.path().join("bias.png"));
-    window.dialogs.will_choose(home.path().join("flat.png"));
-    window.click("Choose flat frame…");
-    window.wait("both are named", |app| app.is_settled());
-    window.harness.run_steps(3);
+    window.drop_file(home.path().join("bias.png")).will_choose(home.path().join("flat.png"));
+    window.click("Choose flat frame…").wait("both are named", |app| app.is_settled()).steps(3);
     // The third is the mask.
-    window.drop_file(home.path().join("mask.png"));
-    window.harness.run_steps(3);
+    window.drop_file(home.path().join("mask.png")).steps(3);
     assert!(window.shows("bias.png") && window.shows("flat.png") && window.shows("mask.png"));
     window.snapshot("calibration");
-    window.click("Apply");
-    window.settle();
+    window.click("Apply").settle();
     let masked = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
     assert_eq!([masked.weight_at(7, 30), masked.weight_at(8, 30)], [0.0, 1.0]);
     // Both halves are as bright, and there are no stripes.
@@ -72,10 +67,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     let kept = other.app().model.document.calibration.clone();
     assert!(kept.bias.is_some_and(|path| path.ends_with("bias.png")) && kept.flat.is_some() && kept.mask.is_some());
     // Without calibration, values are as in the files.
-    other.run_action("calibration");
-    other.click("Reset");
-    other.click("Apply");
-    other.settle();
+    other.run_action("calibration").click("Reset").click("Apply").settle();
     assert!((value(&other, 0, 0) - 1300.0).abs() < 3.0);
 }
 
@@ -86,12 +78,8 @@ fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
     let wrong = home.path().join("small.png");
     image::GrayImage::new(8, 8).save(&wrong).unwrap();
     let mut window = Start::of(&home.path().join("night")).open();
-    window.run_action("calibration");
-    window.drop_file(wrong);
-    window.harness.get_by_role_and_label(Role::CheckBox, "Linear light").click();
-    window.harness.run_steps(2);
-    window.click("Apply");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.run_action("calibration").drop_file(wrong).click_on(Role::CheckBox, "Linear light").steps(2);
+    window.click("Apply").wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("the bias frame is 8×8"));
     assert_eq!(window.app().model.results.slots.a.burst.as_ref().unwrap().burst.len(), 4);
 }
@@ -99,12 +87,10 @@ fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
 /// Drags along the places of the focused pane's image.
 fn drag_along(window: &mut Window, places: &[Pos2]) {
     let places: Vec<Pos2> = places.iter().map(|pos| window.ui_from_image(*pos).unwrap()).collect();
-    window.harness.hover_at(places[0]);
-    window.harness.run_steps(1);
+    window.hover(places[0]).steps(1);
     window.harness.drag_at(places[0]);
     for pos in &places {
-        window.harness.hover_at(*pos);
-        window.harness.run_steps(1);
+        window.hover(*pos).steps(1);
     }
     window.harness.drop_at(places[places.len() - 1]);
     window.harness.run_steps(2);
@@ -115,9 +101,7 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     let home = tempfile::tempdir().unwrap();
     frames(home.path());
     let mut window = Start { size: [900.0, 600.0], ..Start::of(&home.path().join("night")) }.open();
-    window.key(Key::Num1);
-    window.run_action("calibration");
-    window.click("Draw");
+    window.key(Key::Num1).run_action("calibration").click("Draw");
     assert_eq!(window.app().model.document.measure.tool, Tool::Mask);
     assert!(window.shows("Hide") && window.shows("rectangle"));
     let arm = [pos2(2.0, 20.0), pos2(30.0, 30.0), pos2(26.0, 40.0), pos2(2.0, 50.0)];
@@ -127,14 +111,10 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     window.click("Take back");
     assert_eq!(window.app().model.document.measure.hidden.len(), 1);
     let file = home.path().join("arm.png");
-    window.dialogs.will_choose(&file);
-    window.click("Use as mask…");
-    window.wait("the mask is written", |_| file.is_file());
-    window.settle();
+    window.will_choose(&file).click("Use as mask…").wait("the mask is written", |_| file.is_file()).settle();
     window.harness.run_steps(3);
     assert!(window.shows("arm.png"));
-    window.click("Apply");
-    window.settle();
+    window.click("Apply").settle();
     let frame = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
     assert_eq!(
         [frame.is_hidden_at(10, 35), frame.is_hidden_at(10, 15), frame.is_hidden_at(80, 56)],
@@ -146,10 +126,7 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     drag_along(&mut window, &[pos2(60.0, 52.0), pos2(90.0, 52.0), pos2(90.0, 60.0), pos2(60.0, 60.0)]);
     window.snapshot("mask_drawn");
     let both = home.path().join("both.png");
-    window.dialogs.will_choose(&both);
-    window.click("Use as mask…");
-    window.wait("the mask is written", |_| both.is_file());
-    window.settle();
+    window.will_choose(&both).click("Use as mask…").wait("the mask is written", |_| both.is_file()).settle();
     let greys = image::open(both).unwrap().into_luma8();
     let grey = |u: u32, v: u32| greys.get_pixel(u, v).0[0];
     assert_eq!([grey(10, 35), grey(80, 56), grey(50, 40)], [0, 0, 255]);
@@ -159,11 +136,8 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     for t in 0..4 {
         std::fs::copy(&file, masks.join(format!("{t}.png.png"))).unwrap();
     }
-    window.dialogs.will_choose(&masks);
-    window.click("Folder…");
-    window.wait("the dialog names the folder", |app| app.is_settled());
-    window.click("Apply");
-    window.settle();
+    window.will_choose(&masks).click("Folder…").wait("the dialog names the folder", |app| app.is_settled());
+    window.click("Apply").settle();
     let frame = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[3].clone();
     assert!(frame.is_hidden_at(10, 35) && !frame.is_hidden_at(80, 56));
 }

@@ -82,8 +82,7 @@ fn hold_files_until_closing(window: &Window) -> Wanted<UntilCancelled> {
 /// Begins these exports, by their actions and files in `folder`; none is written yet.
 fn begin(window: &mut Window, folder: &Path, exports: &[(&str, &str)]) {
     for (action, name) in exports {
-        window.dialogs.will_choose(folder.join(name));
-        window.run_action(action);
+        window.will_choose(folder.join(name)).run_action(action);
         window.wait("the file is chosen", |app| !app.is_asking());
     }
     assert_eq!(files(folder), Vec::<PathBuf>::new());
@@ -101,8 +100,7 @@ fn assert_written(folder: &Path, exports: &[(&str, &str)]) {
 fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::without_auto_detect().open();
-    window.click("Detect");
-    window.settle();
+    window.click("Detect").settle();
     let count = window.app().read().features().len();
     let closing = hold_files_until_closing(&window);
     let exports = [
@@ -184,8 +182,7 @@ fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
     let mut window = start(walk(home.path())).open();
     let (ours, theirs) = (home.path().join("from-window"), home.path().join("from-command"));
     let bursts = dataset(&window).bursts.clone();
-    window.dialogs.will_choose(&ours);
-    window.run_action("export colmap database");
+    window.will_choose(&ours).run_action("export colmap database");
     window.wait("the first features are there", |_| {
         files(&ours).iter().any(|file| file.starts_with(ours.join("features")))
     });

@@ -8,11 +8,9 @@ use burstscope::inspect::result::{Spot, compare};
 fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     let before: Vec<Spot> = window.app().read().features().iter().map(Spot::from).collect();
-    window.run_action("pin this result");
-    window.app_mut().model.document.params.edge_threshold = 8.0;
+    window.run_action("pin this result").change(|document| document.params.edge_threshold = 8.0);
     window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(5.5);
-    window.app_mut().model.document.params.levels = 4;
-    window.settle();
+    window.change(|document| document.params.levels = 4).settle();
     let after: Vec<Spot> = window.app().read().features().iter().map(Spot::from).collect();
     let expected = compare(&before, &after);
     assert!(!expected.lost.is_empty() && !expected.same.is_empty());
@@ -23,15 +21,13 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
         (expected.gained.len(), expected.moved().count())
     );
     assert!(window.shows(&expected.summary()), "the counts in a line");
-    window.harness.get_by_role_and_label(Role::Row, "Lost 0").click();
-    window.settle();
+    window.click_on(Role::Row, "Lost 0").settle();
     assert_eq!(window.app().model.document.comparisons.a.selected, Some(0));
     assert_eq!(window.app().model.document.selected, None, "what is lost is none of ours");
     window.snapshot("compared_with_pinned");
     window.key(Key::Escape);
     assert_eq!(window.app().model.document.comparisons.a.selected, None);
-    window.run_action("unpin");
-    window.settle();
+    window.run_action("unpin").settle();
     assert!(window.app().read().shown_comparison(Side::A).is_none() && !window.shows("as before"));
 }
 
@@ -62,9 +58,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     write_csv(&csv, &detection.features, None).unwrap();
     write_colmap(&txt, &detection.features, &detection.descriptors).unwrap();
     for path in [csv, txt] {
-        window.dialogs.will_choose(&path);
-        window.run_action("open features");
-        window.settle();
+        window.will_choose(&path).run_action("open features").settle();
         let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
         assert_eq!((shown.with, shown.count(Compared::Theirs)), (Reference::File, 1), "{}", path.display());
         let row = &shown.rows[0];
@@ -72,8 +66,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
         assert!(window.shows("1 only theirs"));
     }
     window.snapshot("compared_with_theirs");
-    window.run_action("close opened features");
-    window.settle();
+    window.run_action("close opened features").settle();
     assert!(window.app().read().shown_comparison(Side::A).is_none());
 }
 
@@ -83,9 +76,7 @@ fn a_file_that_holds_no_features_is_refused_with_a_reason() {
     let path = folder.path().join("notes.txt");
     std::fs::write(&path, "nothing of the kind\n").unwrap();
     let mut window = Start::default().open();
-    window.dialogs.will_choose(&path);
-    window.run_action("open features");
-    window.settle();
+    window.will_choose(&path).run_action("open features").settle();
     assert!(window.shows("is neither the header of a feature table"));
 }
 
@@ -96,28 +87,20 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     let mut window = Start::default().open();
     write_csv(&theirs, &window.app().read().features()[5..], None).unwrap();
     window.run_action("pin this result");
-    window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0);
-    window.settle();
+    window.change(|document| document.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0)).settle();
     let pinned = window.app().read().shown_comparison(Side::A).expect("a comparison").clone();
     assert!(pinned.count(Compared::Theirs) > 0);
-    window.dialogs.will_choose(&theirs);
-    window.run_action("open features");
-    window.settle();
+    window.will_choose(&theirs).run_action("open features").settle();
     let laid_over = window.app().read().shown_comparison(Side::A).expect("a comparison").summary.clone();
-    window.dialogs.will_choose(&session);
-    window.run_action("save session");
-    window.settle();
+    window.will_choose(&session).run_action("save session").settle();
 
     let reopen = || {
         let mut window = Start::default().open();
-        window.dialogs.will_choose(&session);
-        window.run_action("open session");
-        window.settle();
+        window.will_choose(&session).run_action("open session").settle();
         window
     };
     let shows_pinned = |window: &mut crate::support::Window| {
-        window.click("Pinned result");
-        window.settle();
+        window.click("Pinned result").settle();
         let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
         // The features were found again, with equal bits.
         assert_eq!((&shown.rows, &shown.summary), (&pinned.rows, &pinned.summary));
@@ -137,8 +120,7 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
 #[test]
 fn what_is_seen_is_copied_as_a_command() {
     let mut window = Start::default().open();
-    window.app_mut().model.document.params.max_features = 25;
-    window.settle();
+    window.change(|document| document.params.max_features = 25).settle();
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::K);
     window.harness.run_steps(1);
     let line =

@@ -7,8 +7,7 @@ use burstscope::dataset::{KeptBursts, MatchedPair, match_pairs};
 /// Window on three bursts whose features are found, in the workspace of their matches.
 fn detected(home: &Path) -> Window {
     let mut window = start(walk(home)).open();
-    window.click("Detect all");
-    window.settle();
+    window.click("Detect all").settle();
     window.click("Matches");
     window
 }
@@ -45,15 +44,13 @@ fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstFiles> {
 fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     let home = tempfile::tempdir().unwrap();
     let mut window = detected(home.path());
-    window.click("Match pairs");
-    window.settle();
+    window.click("Match pairs").settle();
     for pair in [(0, 1), (0, 2), (1, 2)] {
         assert_eq!(dataset(&window).matches.counts.get(&pair), Some(&expected(home.path(), pair)), "{pair:?}");
     }
     assert!(window.shows("3 pairs matched"));
     // The list and the matrix select one common pair, which is A and B of the filmstrip.
-    window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_012").click();
-    window.harness.run_steps(3);
+    window.click_on(Role::Row, "Pair frame_002 – frame_012").steps(3);
     assert_eq!(chosen(&window), [Some(0), Some(2)]);
     let counts = expected(home.path(), (0, 2));
     assert!(window.shows(&format!("{} putative matches, {} inliers", counts.putative, counts.inliers.unwrap())));
@@ -63,8 +60,7 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     assert_eq!(chosen(&window), [Some(1), Some(2)]);
     window.key(Key::ArrowUp);
     assert_eq!(chosen(&window), [Some(0), Some(2)], "arrow keys move through the matrix");
-    window.click("Side by side");
-    window.settle();
+    window.click("Side by side").settle();
     let model = &window.app().model;
     assert_eq!(model.document.workspace, Workspace::Pair);
     assert_eq!(dataset(&window).place_of(model.results.slots.a.burst.as_ref()), Some(0));
@@ -76,40 +72,30 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
 fn neighbours_alone_or_one_pair_can_be_matched() {
     let home = tempfile::tempdir().unwrap();
     let mut window = detected(home.path());
-    window.harness.get_by_role_and_label(Role::RadioButton, "Each with the next").click();
-    window.harness.run_steps(2);
-    window.app_mut().model.document.pairs.overlap = 1;
-    window.click("Match pairs");
-    window.settle();
+    window.click_on(Role::RadioButton, "Each with the next").steps(2);
+    window.change(|document| document.pairs.overlap = 1).click("Match pairs").settle();
     let matched =
         |window: &Window| [(0, 1), (0, 2), (1, 2)].map(|pair| dataset(window).matches.counts.contains_key(&pair));
     assert_eq!(matched(&window), [true, false, true]);
     // With other parameters, earlier matches are dropped as soon as pairs are matched again.
-    window.app_mut().model.document.matching.ratio = 0.7;
-    window.harness.run_steps(3);
+    window.change(|document| document.matching.ratio = 0.7).steps(3);
     assert!(window.shows("The matching parameters changed; match again"));
     click_burst(&mut window, "Use frame_002 as A");
     click_burst(&mut window, "Use frame_012 as B");
-    window.click("Match A with B");
-    window.settle();
+    window.click("Match A with B").settle();
     assert_eq!(matched(&window), [false, true, false]);
     assert_eq!(dataset(&window).matches.params.ratio, 0.7);
     // Those that look most alike, chosen as the command does it.
-    window.harness.get_by_role_and_label(Role::RadioButton, "Each with the most alike").click();
-    window.harness.run_steps(2);
+    window.click_on(Role::RadioButton, "Each with the most alike").steps(2);
     assert_eq!(window.app().model.document.pairs.selection(), PairSelection::Near(1));
-    window.app_mut().model.document.matching = MatchParams::default();
-    window.click("Match pairs");
-    window.settle();
+    window.change(|document| document.matching = MatchParams::default()).click("Match pairs").settle();
     let descriptors = |k: usize| kept_of(home.path(), k);
     let near = PairSelection::Near(1).pairs_by(3, descriptors, &Monitor::default()).unwrap();
     assert!((2..=3).contains(&near.len()), "each of three bursts has one: {near:?}");
     assert_eq!(matched(&window), [(0, 1), (0, 2), (1, 2)].map(|pair| near.contains(&pair)));
     // A burst without features is left out.
     std::fs::remove_file(home.path().join("film-burstscope-5/features/frame_012.png.txt")).unwrap();
-    window.harness.get_by_role_and_label(Role::RadioButton, "All pairs").click();
-    window.click("Match pairs");
-    window.settle();
+    window.click_on(Role::RadioButton, "All pairs").click("Match pairs").settle();
     assert!(window.shows("2 left out, whose bursts have no features yet"));
 }
 
@@ -118,9 +104,7 @@ fn without_a_dataset_the_room_says_how_to_open_one() {
     let mut window = crate::support::Start::without_auto_detect().open();
     window.choose("One burst ⏷", "Matches");
     assert!(window.shows("a folder of bursts, or a long sequence"));
-    window.dialogs.will_choose("/no/such/dataset");
-    window.click("Open dataset…");
-    window.settle();
+    window.will_choose("/no/such/dataset").click("Open dataset…").settle();
     assert!(window.shows("/no/such/dataset") && window.app().model.results.datasets.open.is_none());
 }
 
@@ -128,8 +112,7 @@ fn without_a_dataset_the_room_says_how_to_open_one() {
 fn trajectory_matrix() {
     let home = tempfile::tempdir().unwrap();
     let mut window = detected(home.path());
-    window.click("Match pairs");
-    window.settle();
+    window.click("Match pairs").settle();
     window.harness.get_by_role_and_label(Role::Row, "Pair frame_002 – frame_007").click();
     let model = &mut window.app_mut().model;
     let open = model.results.datasets.open.as_mut().unwrap();

@@ -67,9 +67,7 @@ fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector(
         noisy_stack(&nights.join(name), frames, 40, 40);
     }
     let mut window = Start::without_auto_detect().open();
-    window.dialogs.will_choose(&nights);
-    window.click("Open…");
-    window.settle();
+    window.will_choose(&nights).click("Open…").settle();
     // The folder holds one stack in each subfolder; stacks are named after themselves.
     let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
     assert_eq!(names, ["first", "second"]);
@@ -78,16 +76,14 @@ fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector(
     click_burst(&mut window, "Burst second");
     window.settle();
     assert_eq!(window.app().read().frame_count(), 6);
-    window.ctrl(Key::ArrowLeft);
-    window.settle();
+    window.ctrl(Key::ArrowLeft).settle();
     assert_eq!(window.app().read().frame_count(), 3);
     assert_eq!(window.app().settings.datasets, [DatasetSource::of_bursts(vec![nights])]);
     assert!(window.app().settings.recent.is_empty(), "bursts of a dataset are not remembered one by one");
     window.click("Close dataset");
     assert!(window.app().model.results.datasets.open.is_none() && !window.shows("Burst second"));
     // Of a folder of bursts one is chosen as B.
-    window.dialogs.will_choose(folder.path().join("nights"));
-    window.run_action("open b: folder");
+    window.will_choose(folder.path().join("nights")).run_action("open b: folder");
     window.wait("the choice", |app| app.choice().len() == 2);
     assert!(window.app().model.results.datasets.open.is_none());
 }
@@ -117,8 +113,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     std::fs::remove_file(home.path().join("film-burstscope-5/features/frame_007.png.txt")).unwrap();
     let mut next = start(source.clone()).open();
     assert_eq!(features(&next), [found[0], None, found[2]]);
-    next.ctrl(Key::D);
-    next.settle();
+    next.ctrl(Key::D).settle();
     assert_eq!(features(&next), found);
 
     // Other parameters find nothing done, and the folder's own parameters can be taken.
@@ -127,8 +122,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     let mut other = other.open();
     assert_eq!(features(&other), [None; 3]);
     assert!(other.shows("The folder has features found with other parameters"));
-    other.click("Use those");
-    other.settle();
+    other.click("Use those").settle();
     assert_eq!((features(&other), &other.app().model.document.params), (found, &params.clone().into()));
     other.app_mut().model.document.params.edge_threshold *= 2.0;
     other.settle();
@@ -141,8 +135,7 @@ fn a_burst_that_fails_says_why_and_the_others_go_on() {
     let source = walk(home.path());
     std::fs::write(home.path().join("film/frame_006.png"), "broken").unwrap();
     let mut window = start(source).open();
-    window.click("Detect all");
-    window.settle();
+    window.click("Detect all").settle();
     assert!(window.shows("3 bursts, 2 done, 1 failed"));
     assert!(window.shows("Burst frame_007: failed"));
     let BurstState::Failed(error) = &dataset(&window).states[1] else { panic!("it failed") };
@@ -170,8 +163,7 @@ fn harmful_files_of_a_dataset_lose_their_bursts_alone() {
     }
     let dataset_source = DatasetSource { paths: vec![nights], burst_length: None, burst_step: None };
     let mut window = start(dataset_source).open();
-    window.click("Detect all");
-    window.settle();
+    window.click("Detect all").settle();
     let states = &dataset(&window).states;
     let failed: Vec<bool> = states.iter().map(|state| matches!(state, BurstState::Failed(_))).collect();
     assert_eq!(failed, [false, true, true, true, false], "{states:?}");
@@ -190,10 +182,8 @@ fn what_is_done_stays_when_it_is_cancelled() {
     });
     assert!(window.app().model.results.datasets.work.is_some(), "it must still run for this test to mean something");
     // The inspector works meanwhile.
-    window.slide("Slope u", 1.0);
-    window.wait("the picture of the new slope", |app| app.read().picture_is_current());
-    window.click("Cancel all");
-    window.wait("it ends", |app| app.model.results.datasets.work.is_none());
+    window.slide("Slope u", 1.0).wait("the picture of the new slope", |app| app.read().picture_is_current());
+    window.click("Cancel all").wait("it ends", |app| app.model.results.datasets.work.is_none());
     let done = dataset(&window).counts().done;
     assert!((1..3).contains(&done), "{done}");
     assert!(!dataset(&window).states.contains(&BurstState::Running));
@@ -204,22 +194,19 @@ fn what_is_done_stays_when_it_is_cancelled() {
 fn a_long_sequence_is_cut_as_one_says() {
     let home = tempfile::tempdir().unwrap();
     let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
-    window.dialogs.will_choose(film(home.path()));
-    window.run_action("open dataset");
+    window.will_choose(film(home.path())).run_action("open dataset");
     window.wait("the question", |app| app.model.results.datasets.work.is_none());
     assert!(window.shows("15 frames") && window.shows("1 burst, each named"));
     window.harness.get_by_role_and_label(Role::SpinButton, "Burst length").set_value_accesskit(6.0);
     window.harness.run_steps(2);
     assert!(window.shows("2 bursts, each named after its middle frame; the last 3 frames are left out"));
-    window.click("Cut");
-    window.settle();
+    window.click("Cut").settle();
     let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
     assert_eq!((names, window.app().read().frame_count()), (vec!["frame_003", "frame_009"], 6));
     // The open burst can be cut further.
     window.run_action("cut into bursts");
     assert!(window.shows("6 frames"));
-    window.key(Key::Escape);
-    window.settle();
+    window.key(Key::Escape).settle();
     assert!(!window.shows("Cut a sequence into bursts"));
 }
 
@@ -242,23 +229,17 @@ fn folders_that_will_not_do_are_named() {
     let own = home.path().join("own");
     std::fs::create_dir(&own).unwrap();
     std::fs::write(own.join("thesis.txt"), "precious").unwrap();
-    window.dialogs.will_choose(&own);
-    window.click("Choose feature folder…");
-    window.settle();
+    window.will_choose(&own).click("Choose feature folder…").settle();
     assert!(window.shows("name a new or an empty folder") && window.shows("own"));
     assert!(window.shows("Features cannot be kept here"));
     let detect = window.harness.get_by_role_and_label(Role::Button, "Detect all");
     assert!(NodeT::accesskit_node(&detect).is_disabled());
-    window.dialogs.will_choose(home.path().join("new"));
-    window.click("Choose feature folder…");
-    window.settle();
+    window.will_choose(home.path().join("new")).click("Choose feature folder…").settle();
     assert!(!window.shows("Features cannot be kept here"));
-    window.click("Detect all");
-    window.settle();
+    window.click("Detect all").settle();
     assert!(home.path().join("new/manifest.json").is_file());
     // A dropped dataset without pictures leaves the open one unchanged.
-    window.drop_file(own);
-    window.settle();
+    window.drop_file(own).settle();
     assert!(window.shows("holds no pictures") && dataset(&window).bursts.len() == 3);
 }
 

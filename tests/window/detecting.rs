@@ -7,8 +7,7 @@ use burstscope::inspect::words::counted;
 fn detect_finds_what_the_detector_finds() {
     let mut window = Start::without_auto_detect().open();
     assert!(window.app().model.results.slots.a.found.is_none());
-    window.click("Detect");
-    window.settle();
+    window.click("Detect").settle();
     let model = &window.app().model;
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected =
@@ -20,23 +19,19 @@ fn detect_finds_what_the_detector_finds() {
 #[test]
 fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    window.app_mut().model.document.look.overlay = FeaturesShown::All;
-    window.settle();
+    window.change(|document| document.look.overlay = FeaturesShown::All).settle();
     let strongest = &window.app().read().features()[0];
     let in_picture = window.ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
     let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 1").rect().center();
     let elsewhere = egui::pos2(640.0, 790.0);
     for (pos, wanted) in [(in_picture, true), (elsewhere, false), (in_table, true), (elsewhere, false)] {
-        window.harness.hover_at(pos);
-        window.harness.run_steps(3);
+        window.hover(pos).steps(3);
         assert_eq!(window.app().model.results.hovered.is_some(), wanted, "{pos}");
     }
     // A hidden table has no row under the pointer.
-    window.harness.hover_at(in_table);
-    window.harness.run_steps(3);
+    window.hover(in_table).steps(3);
     assert_eq!(window.app().model.results.hovered, Some(1));
-    window.ctrl(Key::J);
-    window.harness.run_steps(3);
+    window.ctrl(Key::J).steps(3);
     assert_ne!(window.app().model.results.hovered, Some(1));
 }
 
@@ -68,8 +63,7 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     // The table scrolls to the feature with the row above visible.
     // The row is wider than what is seen of it.
     let row = window.harness.get_by_role_and_label(Role::Row, &format!("Feature {}", index - 1)).rect();
-    window.click_at(row.left_center() + egui::vec2(80.0, 0.0));
-    window.harness.run_steps(2);
+    window.click_at(row.left_center() + egui::vec2(80.0, 0.0)).steps(2);
     assert_eq!(window.app().model.document.selected, Some(index - 1));
     window.key(Key::N);
     assert_eq!(window.app().model.document.selected, Some(index));
@@ -84,13 +78,11 @@ fn nothing_found_says_which_setting_to_change() {
     let mut start = Start::without_auto_detect();
     start.startup.params.peak_threshold = 0.5;
     let mut window = start.open();
-    window.click("Detect");
-    window.settle();
+    window.click("Detect").settle();
     assert!(window.app().read().features().is_empty());
     assert!(window.shows("No feature was found") && window.shows("; try Peak threshold 0"));
     // The advice is shown only while it holds.
-    window.app_mut().model.document.params.peak_threshold = 0.0;
-    window.harness.run_steps(2);
+    window.change(|document| document.params.peak_threshold = 0.0).steps(2);
     assert!(!window.shows("; try Peak threshold 0"));
 }
 
@@ -101,30 +93,25 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     // Many slopes, of which a cancelled search takes only the first.
     start.startup.params.slopes = SlopeGrid::plane(-4.0..=4.0, 49, -4.0..=4.0, 49).into();
     let mut window = start.open();
-    window.click("Detect");
-    window.wait("the detection runs", |app| app.model.results.slots.a.detecting.is_pending());
+    window.click("Detect").wait("the detection runs", |app| app.model.results.slots.a.detecting.is_pending());
     // Scrubbing works while the detection runs.
-    window.slide("Slope u", 1.0);
-    window.wait("the picture of the new slope", |app| app.read().picture_is_current());
+    window.slide("Slope u", 1.0).wait("the picture of the new slope", |app| app.read().picture_is_current());
     assert!(
         window.app().model.results.slots.a.detecting.is_pending(),
         "the detection must still run for this test to mean something"
     );
-    window.click("Cancel");
-    window.wait("the detection ends", |app| !app.model.results.slots.a.detecting.is_pending());
+    window.click("Cancel").wait("the detection ends", |app| !app.model.results.slots.a.detecting.is_pending());
     // A search that is cancelled has the features of its first slope, or none.
     let has_all =
         |window: &Window| window.app().model.results.slots.a.found.as_ref().is_some_and(|found| !found.is_first_slope);
     assert!(!has_all(&window));
     assert!(window.shows("Detection cancelled"));
     window.settle();
-    window.click("Detect");
-    window.wait("it runs again", |app| app.model.results.slots.a.detecting.is_pending());
+    window.click("Detect").wait("it runs again", |app| app.model.results.slots.a.detecting.is_pending());
     window.harness.key_press(Key::Escape);
     window.wait("the key ends it", |app| !app.model.results.slots.a.detecting.is_pending());
     assert!(!has_all(&window));
-    window.app_mut().model.document.auto_detect = true;
-    window.settle();
+    window.change(|document| document.auto_detect = true).settle();
     assert!(!has_all(&window), "what was cancelled is not begun again by itself");
     assert!(window.app().model.shell.messages.errors().is_empty(), "a person did not want it");
 }
@@ -132,14 +119,11 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
 #[test]
 fn features_of_other_parameters_are_marked_as_stale_until_detected_again() {
     let mut window = Start::without_auto_detect().open();
-    window.click("Detect");
-    window.settle();
-    window.run_action("preset sift");
-    window.settle();
+    window.click("Detect").settle();
+    window.run_action("preset sift").settle();
     assert_eq!(window.app().model.document.params.method, Method::Sift);
     assert!(window.shows("Stale features"));
-    window.click("Detect again");
-    window.settle();
+    window.click("Detect again").settle();
     assert!(!window.shows("Stale features"));
     assert_eq!(window.app().model.results.slots.a.found.as_ref().unwrap().detection.slopes.len(), 1);
 }
@@ -148,8 +132,7 @@ fn features_of_other_parameters_are_marked_as_stale_until_detected_again() {
 fn with_the_switch_on_a_change_is_detected_by_itself() {
     let mut window = Start::default().open();
     let before = window.app().read().features().len();
-    window.app_mut().model.document.params.max_features = 3;
-    window.settle();
+    window.change(|document| document.params.max_features = 3).settle();
     assert!(before > 3);
     assert_eq!(window.app().model.results.slots.a.found.as_ref().unwrap().params.max_features, 3);
     assert!(window.app().read().stale().is_none());
@@ -159,33 +142,28 @@ fn with_the_switch_on_a_change_is_detected_by_itself() {
 fn a_parameter_that_makes_no_sense_says_so_and_can_be_reset() {
     let mut window = Start::default().open();
     let none = SlopeGrid { u: SlopeAxis { count: 0, ..SlopeAxis::ZERO }, ..SlopeGrid::default() };
-    window.app_mut().model.document.params.slopes = none.into();
-    window.settle();
+    window.change(|document| document.params.slopes = none.into()).settle();
     assert!(window.shows("the count is 0: give at least 1 slope"));
     assert!(window.shows("the parameters are invalid"));
     assert!(window.app().read().picture_is_current(), "pictures go on");
-    window.click("Reset Slopes u");
-    window.settle();
+    window.click("Reset Slopes u").settle();
     assert_eq!(window.app().model.results.slots.a.param_error, None);
 }
 
 #[test]
 fn headings_sort_and_the_filter_leaves_out() {
     let mut window = Start::default().open();
-    window.click("Sort by σ");
-    window.settle();
+    window.click("Sort by σ").settle();
     let model = &window.app().model;
     assert_eq!(model.document.order.column, Quantity::Sigma);
     let sigmas: Vec<f32> = model.results.listed.iter().map(|&i| Read::of(model).features()[i].sigma).collect();
     assert!(sigmas.is_sorted() && sigmas.len() > 5);
     let total = sigmas.len();
-    window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
-    window.settle();
+    window.click_on(Role::CheckBox, "At this slope").settle();
     let model = &window.app().model;
     assert!(!model.results.listed.is_empty() && model.results.listed.len() < total);
     assert!(window.shows(&format!("{} of {total}", model.results.listed.len())));
-    window.click("Clear filter");
-    window.settle();
+    window.click("Clear filter").settle();
     assert_eq!(window.app().model.results.listed.len(), total);
 }
 
@@ -193,8 +171,7 @@ fn headings_sort_and_the_filter_leaves_out() {
 fn looking_at_the_filter_changes_nothing_and_its_sliders_do() {
     let mut window = Start::default().open();
     let total = window.app().read().features().len();
-    window.click("Filter");
-    window.harness.run_steps(3);
+    window.click("Filter").steps(3);
     assert!(window.app().model.document.filter.is_open());
     assert_eq!(window.app().model.results.listed.len(), total);
     // The first row with handles is slope u, the second the scale.

@@ -6,8 +6,7 @@ use burstscope::app::actions::{ACTIONS, ActionId, Menu};
 #[test]
 fn the_palette_finds_an_action_and_runs_it() {
     let mut window = Start::without_auto_detect().open();
-    window.run_action("show dog");
-    window.settle();
+    window.run_action("show dog").settle();
     assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
     window.ctrl(Key::P);
     assert!(window.shows("Find an action"));
@@ -32,8 +31,7 @@ fn the_question_mark_shows_every_action_that_has_keys_without_scrolling() {
             let is_here = by_label.chain(by_value).any(is_here);
             assert!(is_here || action.shortcut.is_none(), "{} is missing at {size:?}", action.label);
         }
-        window.click("Close");
-        window.settle();
+        window.click("Close").settle();
         assert!(!window.shows("finds every action by its name"));
     }
 }
@@ -45,9 +43,7 @@ fn keys_typed_into_a_field_do_not_run_actions() {
     let before = *window.app().model.document.cursor();
     let field = window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path");
     field.type_text("3");
-    window.harness.run_steps(1);
-    window.key(Key::Num3);
-    window.key(Key::G);
+    window.steps(1).key(Key::Num3).key(Key::G);
     assert_eq!(*window.app().model.document.cursor(), before);
 }
 
@@ -55,11 +51,9 @@ fn keys_typed_into_a_field_do_not_run_actions() {
 fn light_and_dark_are_actions() {
     let mut window = Start::without_auto_detect().open();
     assert!(window.harness.ctx.global_style().visuals.dark_mode);
-    window.run_action("light theme");
-    window.settle();
+    window.run_action("light theme").settle();
     assert!(!window.harness.ctx.global_style().visuals.dark_mode);
-    window.run_action("dark theme");
-    window.settle();
+    window.run_action("dark theme").settle();
     assert!(window.harness.ctx.global_style().visuals.dark_mode);
 }
 
@@ -80,8 +74,7 @@ fn escape_closes_a_drop_down_and_nothing_else() {
     assert_eq!(window.app().model.document.selected, Some(0));
     window.click("Features");
     assert!(window.shows("Clear filter"), "the menu is open");
-    window.key(Key::Escape);
-    window.harness.run_steps(3);
+    window.key(Key::Escape).steps(3);
     assert!(!window.shows("Clear filter"), "the menu is closed");
     assert_eq!(window.app().model.document.selected, Some(0));
     window.key(Key::Escape);
@@ -105,8 +98,7 @@ fn a_slow_click_is_a_click() {
 #[test]
 fn the_palette_is_as_high_as_its_list_and_begins_with_what_is_mostly_wanted() {
     let mut window = Start::without_auto_detect().open();
-    window.ctrl(Key::P);
-    window.harness.run_steps(3);
+    window.ctrl(Key::P).steps(3);
     let row = |window: &crate::support::Window, label: &str| {
         window.harness.query_all_by_label_contains(label).map(|node| node.rect()).next()
     };
@@ -122,26 +114,21 @@ fn the_palette_is_as_high_as_its_list_and_begins_with_what_is_mostly_wanted() {
     // As many rows as before are visible again.
     let seen = ACTIONS.iter().filter(|a| row(&window, a.label).is_some()).count();
     assert!(seen > 8, "{seen} rows");
-    window.key(Key::Enter);
-    window.settle();
+    window.key(Key::Enter).settle();
     assert!(window.app().model.results.slots.a.found.is_some(), "with nothing typed Enter detects");
 }
 
 #[test]
 fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
     let mut window = Start::default().open();
-    window.app_mut().model.document.look.overlay = FeaturesShown::All;
-    window.settle();
+    window.change(|document| document.look.overlay = FeaturesShown::All).settle();
     let feature = window.app().read().features()[0];
     let place = window.ui_from_image(egui::pos2(feature.u, feature.v)).expect("drawn");
-    window.harness.hover_at(place);
-    window.harness.run_steps(3);
+    window.hover(place).steps(3);
     assert!(window.shows("px/frame\nresponse"), "the tip");
-    window.ctrl(Key::P);
-    window.harness.run_steps(2);
+    window.ctrl(Key::P).steps(2);
     assert!(window.shows("Find an action") && !window.shows("px/frame\nresponse"));
-    window.key(Key::Escape);
-    window.harness.run_steps(3);
+    window.key(Key::Escape).steps(3);
     assert!(window.shows("px/frame\nresponse"), "it comes back");
 }
 
@@ -168,8 +155,7 @@ fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
             // To the end of the menu, or of the one that it is in and then of its own.
             let mut at = Rect::NOTHING;
             for menu in menu.parent().into_iter().chain([menu]) {
-                window.click(menu.label());
-                window.harness.run_steps(3);
+                window.click(menu.label()).steps(3);
                 let last = ACTIONS.iter().rfind(|action| action.menu == menu).expect("it has entries");
                 let below = Menu::ALL.into_iter().rfind(|below| below.parent() == Some(menu)).map(Menu::label);
                 let entry = below.or(menu.submenu(last.group)).unwrap_or(last.label);
@@ -180,8 +166,7 @@ fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
             let entry = menu.label();
             let screen = window.harness.ctx.content_rect();
             assert!(screen.contains_rect(at), "{size:?} {menu:?}: {entry} at {at:?}");
-            window.key(Key::Escape);
-            window.harness.run_steps(3);
+            window.key(Key::Escape).steps(3);
         }
     }
 }
@@ -193,14 +178,11 @@ fn menus_of_what_is_not_there_are_not_shown_and_groups_of_many_entries_are_folde
         window.harness.query_by_role_and_label(egui::accesskit::Role::Button, label).is_some()
     };
     assert!(!has(&window, "Pair") && !has(&window, "Dataset") && has(&window, "Help"));
-    window.click("View");
-    window.harness.run_steps(3);
+    window.click("View").steps(3);
     assert!(window.shows("Fit picture") && !window.shows("Show DoG"));
-    window.click("Picture");
-    window.harness.run_steps(3);
+    window.click("Picture").steps(3);
     window.harness.get_by_label_contains("Show DoG").click();
-    window.harness.run_steps(3);
-    window.settle();
+    window.steps(3).settle();
     assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
     window.ctrl(Key::Num2);
     assert!(has(&window, "Pair"));

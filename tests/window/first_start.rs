@@ -65,11 +65,9 @@ fn nothing_about_slopes_stands_on_the_screen_twice() {
     // Slopes that were found, and slopes that are too few.
     for slopes in [Slopes::AUTO, SlopeGrid::line(-1.0..=1.0, 5).into()] {
         let mut window = Start { size: [1280.0, 900.0], ..Start::automatic() }.open();
-        window.app_mut().model.document.params.slopes = slopes;
-        window.settle();
+        window.change(|document| document.params.slopes = slopes).settle();
         for tab in tabs {
-            window.app_mut().model.document.bottom_tab = tab;
-            window.settle();
+            window.change(|document| document.bottom_tab = tab).settle();
             let judged = window.app().read().slope_judgement().expect("judged").clone();
             assert_eq!(judged.advice.is_some(), slopes != Slopes::AUTO, "{judged:?}");
             let told = told_of_slopes(&window);
@@ -90,8 +88,7 @@ fn a_cursor_that_leaves_the_slope_on_show_says_why_and_the_first_one_does_not() 
     let mut window = Start::first([1280.0, 800.0]).open();
     assert_eq!(window.app().model.shell.messages.last_note(), None);
     let before = window.app().model.document.cursor().slope;
-    window.app_mut().model.document.params.slopes = SlopeGrid::line(0.5..=1.5, 5).into();
-    window.settle();
+    window.change(|document| document.params.slopes = SlopeGrid::line(0.5..=1.5, 5).into()).settle();
     assert_ne!(window.app().model.document.cursor().slope, before);
     assert!(window.shows("Most features ("));
 }
@@ -128,8 +125,7 @@ fn the_card_is_dismissed_for_good() {
 #[test]
 fn the_card_starts_the_first_lesson() {
     let mut window = Start::first([1280.0, 800.0]).open();
-    window.click("Three-minute lesson");
-    window.settle();
+    window.click("Three-minute lesson").settle();
     assert!(window.app().lessons.open.is_some());
     assert!(!window.shows("Drag in the slope plane"));
 }
@@ -145,14 +141,12 @@ fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     let feature = *Read::of(model).features().iter().find(is_here).expect("a feature of this slope");
     let place = egui::pos2(feature.u, feature.v);
     let before = window.ui_from_image(place).expect("drawn");
-    window.click_at(before);
-    window.settle();
+    window.click_at(before).settle();
     assert!(window.app().model.document.selected.is_some() && window.app().read().shows_right());
     let after = window.ui_from_image(place).expect("drawn");
     assert!((after - before).length() < 1.0, "{after:?} instead of {before:?}");
     window.snapshot("first_selection");
-    window.run_action("Clear selection");
-    window.settle();
+    window.run_action("Clear selection").settle();
     assert!(!window.app().read().shows_right());
     assert!(window.app().model.document.panes.of(Side::A).view.is_fit(), "as before");
 }
@@ -165,8 +159,7 @@ fn tabs_open_and_close_the_panel_below() {
     window.harness.get_by_label_contains("Tally · Noise").click();
     window.harness.run_steps(3);
     assert!(picture(&window).height() < whole - 80.0);
-    window.click("Tally");
-    window.click("Table");
+    window.click("Tally").click("Table");
     assert!(window.app().read().shows_bottom());
     window.click("Table");
     assert_eq!(picture(&window).height(), whole);
@@ -187,15 +180,13 @@ fn a_narrow_window_folds_the_left_panel_into_a_strip() {
 fn advanced_parameters_are_folded_and_say_that_one_is_changed() {
     let mut window = Start::first([1280.0, 800.0]).open();
     assert!(!window.shows("Edge threshold"));
-    window.app_mut().model.document.params.edge_threshold = 15.0;
-    window.harness.run_steps(2);
+    window.change(|document| document.params.edge_threshold = 15.0).steps(2);
     assert!(window.shows("1 not the default"));
     window.click("Advanced");
     assert!(window.shows("Edge threshold"));
     window.click("Advanced");
     assert!(!window.shows("Edge threshold"));
-    window.app_mut().model.document.params.edge_threshold = -1.0;
-    window.harness.run_steps(2);
+    window.change(|document| document.params.edge_threshold = -1.0).steps(2);
     assert!(window.shows("Edge threshold"), "an error opens the fold");
 }
 
@@ -204,8 +195,7 @@ fn a_question_opens_the_probe_beside_the_picture() {
     let mut window = Start::first([1280.0, 800.0]).open();
     window.click("Explore");
     let rect = picture(&window);
-    window.shift_click_at(rect.min + 0.37 * rect.size());
-    window.settle();
+    window.shift_click_at(rect.min + 0.37 * rect.size()).settle();
     assert!(window.app().read().shows_right() && window.app().model.document.probe.is_open);
     window.snapshot("first_probe");
 }
@@ -220,8 +210,7 @@ fn smoothing_changes_what_is_shown_and_not_the_values() {
     let (plane, drawn) = planes(&window);
     assert!(std::sync::Arc::ptr_eq(&plane, &drawn));
     let range = window.app().model.document.look.ranges.intensity;
-    window.slide("Smoothing", 2.0);
-    window.settle();
+    window.slide("Smoothing", 2.0).settle();
     let (values, smooth) = planes(&window);
     assert_eq!(values, plane);
     let spread = |plane: &burstscope::plane::Plane| {
@@ -232,11 +221,9 @@ fn smoothing_changes_what_is_shown_and_not_the_values() {
     let narrower = window.app().model.document.look.ranges.intensity;
     assert!(narrower.max - narrower.min < range.max - range.min, "the range follows");
     let middle = picture(&window).center();
-    window.harness.hover_at(middle);
-    window.harness.run_steps(3);
+    window.hover(middle).steps(3);
     assert!(window.shows("display smoothed, σ 2 px"));
     window.snapshot("smoothed_display");
-    window.slide("Smoothing", 0.0);
-    window.settle();
+    window.slide("Smoothing", 0.0).settle();
     assert!(std::sync::Arc::ptr_eq(&planes(&window).0, &planes(&window).1));
 }

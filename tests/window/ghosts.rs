@@ -38,14 +38,12 @@ fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it(
     // The selected one says why, and so does its tip.
     window.key(egui::Key::Escape);
     let ghost = window.app().model.results.listed[0];
-    window.app_mut().model.document.selected = Some(ghost);
-    window.settle();
+    window.change(|document| document.selected = Some(ghost)).settle();
     assert!(window.shows("Likely a ghost: only some of the frames respond"), "in the panel");
     window.snapshot("verdicts");
     let feature = window.app().read().features()[ghost];
     let at = window.ui_from_image(pos2(feature.u, feature.v)).expect("a picture");
-    window.harness.hover_at(at);
-    window.harness.run_steps(4);
+    window.hover(at).steps(4);
     assert!(window.app().model.results.hovered.is_some());
 }
 
@@ -60,18 +58,15 @@ fn apply_says_its_price_before_it_is_pressed() {
     // A lower gate than that of the search takes another one.
     assert!(answer(&window).prices.is_empty() && window.shows("Takes a new search, "));
     window.snapshot("probe_price");
-    window.click(&format!("Apply {}", change.label()));
-    window.settle();
+    window.click(&format!("Apply {}", change.label())).settle();
     let kept = window.app().read().features().len();
     // A higher one is judged at once.
-    window.app_mut().model.document.params.noise_gate = NoiseGate::Factor(9.0);
-    window.settle();
+    window.change(|document| document.params.noise_gate = NoiseGate::Factor(9.0)).settle();
     let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
     let change = fate.remedy.as_ref().expect("a lower gate").change.clone();
     let price = answer(&window).prices[0].1;
     assert!(price.now < price.then && price.then <= kept && window.shows("Keeps this one, and "), "{price:?}");
-    window.click(&format!("Apply {}", change.label()));
-    window.settle();
+    window.click(&format!("Apply {}", change.label())).settle();
     assert_eq!(window.app().read().features().len(), price.then);
 }
 
@@ -92,14 +87,12 @@ fn the_number_of_listed_features_that_noise_explains_follows_the_filter() {
     let mut window = with_table();
     let known = |window: &Window| window.app().model.results.listed_decoys.clone();
     assert!(known(&window).is_none() && !window.shows("expected of noise"), "nobody asked");
-    window.run_action("Only real ones");
-    window.settle();
+    window.run_action("Only real ones").settle();
     let real = known(&window).expect("asked for by the filter");
     assert!(window.shows(" expected of noise"), "{}", real.expected_words());
     assert_eq!(real.rates[0].found, window.app().model.results.listed.len());
     // Without a filter it is the number of the command.
-    window.run_action("Only real ones");
-    window.settle();
+    window.run_action("Only real ones").settle();
     let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
     let cache = ProbeCache::new(burst, &window.app().read().asked(), &Monitor::default()).unwrap();
     let report = decoys(&cache.trail, &DecoyStudy::default(), false, &Monitor::default()).unwrap().report;
@@ -110,26 +103,22 @@ fn the_number_of_listed_features_that_noise_explains_follows_the_filter() {
     // A limit counts as it does in the table of the command.
     let at_8 = report.rates.iter().find(|rate| rate.snr == 8.0).expect("told");
     let strong = Interval { min: 8.0, max: f32::INFINITY };
-    window.app_mut().model.document.filter.ranges.insert(Quantity::Snr, strong);
-    window.harness.run_steps(3);
+    window.change(|document| document.filter.ranges.insert(Quantity::Snr, strong)).steps(3);
     let listed = known(&window).expect("no search is needed");
     assert_eq!((listed.rates[0].found, &listed.rates[0].in_copies), (at_8.found, &at_8.in_copies));
     // Other features, whose decoys nobody asked for.
     window.app_mut().model.document.params.levels += 1;
     window.settle();
     assert!(known(&window).is_none() && window.shows("Expected of noise…"));
-    window.click("Expected of noise…");
-    window.settle();
+    window.click("Expected of noise…").settle();
     assert!(known(&window).is_some());
 }
 
 #[test]
 fn where_decoys_cannot_tell_what_noise_explains_the_reason_stands_in_place_of_the_number() {
     let mut window = with_table();
-    window.app_mut().model.document.params.frames = Some(FrameRange { start: 0, end: 3 });
-    window.settle();
-    window.run_action("Only real ones");
-    window.settle();
+    window.change(|document| document.params.frames = Some(FrameRange { start: 0, end: 3 })).settle();
+    window.run_action("Only real ones").settle();
     assert!(window.shows("Noise unknown: ") && window.shows("4 or more"));
     assert!(window.app().model.shell.messages.errors().is_empty(), "nobody pressed a button");
 }

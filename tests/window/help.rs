@@ -36,26 +36,22 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     assert!(lost < 6, "it is among the first that came far: {lost}");
     let name = format!("Candidate {}: noise gate", lost + 1);
     window.harness.query_all_by_label_contains(&name).next().expect("it is listed").click();
-    window.harness.run_steps(2);
-    window.settle();
+    window.steps(2).settle();
     assert_eq!(answer(&window).probe.subject_fate().map(|f| f.of_sample()), Some(fates[lost].of_sample()));
     assert!(window.shows("Below the noise gate"));
     let (before, change) = (window.app().model.document.params.clone(), fates[lost].remedy.clone().unwrap().change);
-    window.click(&format!("Apply {}", change.label()));
-    window.settle();
+    window.click(&format!("Apply {}", change.label())).settle();
     let gate = window.app().model.document.params.noise_gate;
     assert!(matches!(gate, NoiseGate::Factor(_)) && gate != before.noise_gate);
     let now = answer(&window);
     assert!(!window.app().read().probe_is_stale());
     let fate = now.probe.fates.iter().find(|f| f.of_sample() == fates[lost].of_sample()).expect("the same candidate");
     assert_ne!(fate.first_failed, Some(Test::NoiseGate));
-    window.ctrl(Key::Z);
-    window.settle();
+    window.ctrl(Key::Z).settle();
     assert_eq!(window.app().model.document.params, before);
     assert_eq!(window.app().model.results.slots.a.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
     // Another burst is searched at slopes that are found in it.
-    window.run_action("open demo burst");
-    window.settle();
+    window.run_action("open demo burst").settle();
     assert!(window.app().model.document.params.slopes.is_auto() && window.app().read().probed_place().is_none());
 }
 
@@ -77,8 +73,7 @@ fn the_garlands_open_on_an_alias_with_its_evidence() {
     assert_eq!(Example::Aliasing.slope_u(), slope.u);
     window.snapshot("probe_aliasing");
     // With other parameters the place is probed again.
-    window.app_mut().model.document.params.edge_threshold = 10.0;
-    window.settle();
+    window.change(|document| document.params.edge_threshold = 10.0).settle();
     assert_eq!(answer(&window).probe.pos_image, Example::Aliasing.place());
     // With other slopes and octaves the probe answers too.
     let mut start = Start::default();
@@ -108,8 +103,7 @@ fn a_link_of_a_caption_leads_to_its_word() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::nothing_open() }.open();
     window.app_mut().start_lesson(built_in()[0].clone());
     window.settle();
-    window.harness.get_by_role_and_label(Role::Link, "burst").click();
-    window.harness.run_steps(4);
+    window.click_on(Role::Link, "burst").steps(4);
     assert!(window.shows("Search the glossary") && window.shows("A few frames taken right after one another"));
     assert!(window.app().lessons.open.is_some(), "the lesson stays");
 }
@@ -117,10 +111,7 @@ fn a_link_of_a_caption_leads_to_its_word() {
 /// Hovers over a widget until its tooltip appears, and follows the link in it.
 fn follow_the_tooltip(window: &mut Window, role: Role, label: &str, word: &str) {
     let rect = window.harness.get_all_by_role_and_label(role, label).next().expect("its row").rect();
-    window.harness.hover_at(rect.center());
-    window.harness.run_steps(40);
-    window.harness.get_by_role_and_label(Role::Link, &format!("Glossary: {word}")).click();
-    window.harness.run_steps(4);
+    window.hover(rect.center()).steps(40).click_on(Role::Link, &format!("Glossary: {word}")).steps(4);
 }
 
 #[test]
@@ -140,8 +131,7 @@ fn tooltips_of_kinds_of_picture_of_sliders_and_of_columns_lead_to_their_words() 
     ];
     for (role, label, word, meaning) in cases {
         let mut window = open();
-        window.key(Key::Num3);
-        window.settle();
+        window.key(Key::Num3).settle();
         follow_the_tooltip(&mut window, role, label, word);
         assert!(window.shows(meaning), "{word}");
     }
@@ -156,8 +146,7 @@ fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
     let folder = tempfile::tempdir().unwrap();
     let out = folder.path().join("paper");
     let mut window = Start::without_auto_detect().open();
-    window.dialogs.will_choose(&out);
-    window.run_action("figures of the paper");
+    window.will_choose(&out).run_action("figures of the paper");
     window.wait("figures are being made", |app| app.model.results.figures.is_pending());
     assert!(window.shows("Figures  "), "the status says how far they are");
     window.click("Cancel figures");
@@ -183,8 +172,7 @@ fn about_lists_the_software_of_others_and_copies_its_licences() {
     let mut window = Start::nothing_open().open();
     window.run_action("about burstscope");
     assert!(window.shows("MIT or Apache-2.0, at your option.") && !window.shows("accesskit "));
-    window.harness.get_by_role_and_label(Role::DisclosureTriangle, "Software of others").click();
-    window.harness.run_steps(30);
+    window.click_on(Role::DisclosureTriangle, "Software of others").steps(30);
     assert!(packages > 300 && window.shows(&format!("{packages} packages, under licences of their own")));
     // The list is long: what is not in sight is not drawn.
     assert!(window.shows("accesskit ") && window.shows("MIT OR Apache-2.0") && !window.shows("zvariant "));

@@ -11,17 +11,13 @@ fn parameters_are_saved_and_loaded() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("params.toml");
     let mut window = Start::without_auto_detect().open();
-    window.app_mut().model.document.params.peak_threshold = 0.0125;
-    window.dialogs.will_choose(&file);
-    window.run_action("save parameters");
-    window.settle();
+    window.change(|document| document.params.peak_threshold = 0.0125).will_choose(&file);
+    window.run_action("save parameters").settle();
     let saved = DetectorParams::from_toml(&std::fs::read_to_string(&file).unwrap()).unwrap();
     assert_eq!(saved.peak_threshold, 0.0125);
     window.click("Reset all");
     assert_eq!(window.app().model.document.params, DetectorParams::default());
-    window.dialogs.will_choose(&file);
-    window.run_action("load parameters");
-    window.settle();
+    window.will_choose(&file).run_action("load parameters").settle();
     assert_eq!(window.app().model.document.params, saved);
 }
 
@@ -32,8 +28,7 @@ fn a_parameter_file_with_a_mistake_is_named_and_changes_nothing() {
     std::fs::write(&file, "peak_treshold = 0.1\n").unwrap();
     let mut window = Start::without_auto_detect().open();
     let before = window.app().model.document.params.clone();
-    window.dialogs.will_choose(&file);
-    window.run_action("load parameters");
+    window.will_choose(&file).run_action("load parameters");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("peak_treshold") && window.shows("wrong.toml"));
     assert_eq!(window.app().model.document.params, before);
@@ -45,15 +40,11 @@ fn a_session_brings_everything_back() {
     let stack = noisy_stack(folder.path(), 7, 96, 128);
     let file = folder.path().join("night.burstscope.toml");
     let mut window = Start::of(&stack).open();
-    window.click("Detect");
-    window.settle();
+    window.click("Detect").settle();
     let features = window.app().read().features().to_vec();
     assert!(features.len() >= 2, "{features:?}");
-    window.slide("Slope u", 1.25);
-    window.app_mut().model.document.selected = Some(1);
-    window.run_action("zoom in");
-    window.run_action("motion vectors");
-    window.settle();
+    window.slide("Slope u", 1.25).change(|document| document.selected = Some(1)).run_action("zoom in");
+    window.run_action("motion vectors").settle();
     let (view, scrub) = (window.app().model.document.focused().view, *window.app().model.document.cursor());
     let other = window.kept_and_opened_in_another(&file);
     let model = &other.app().model;
@@ -71,17 +62,11 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("panes.burstscope.toml");
     let mut window = Start::without_auto_detect().open();
-    window.run_action("later demo burst as b");
-    window.settle();
-    window.click("One burst");
-    window.key(egui::Key::Num9);
-    window.key(egui::Key::S);
+    window.run_action("later demo burst as b").settle();
+    window.click("One burst").key(egui::Key::Num9).key(egui::Key::S);
     window.app_mut().model.document.focused_mut().side = Side::B;
     window.settle();
-    window.click("Link view of pane 1");
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
+    window.click("Link view of pane 1").will_choose(&file).run_action("save session").settle();
     let startup = Startup { source: None, session: Some(file), ..Start::without_auto_detect().startup };
     let mut other = Start { startup, ..Start::default() }.open();
     other.settle();
@@ -110,9 +95,7 @@ fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
     let truth = "[document.comparisons.a]\nwith = \"truth\"\n[document.look]\noverlay = \"this_slope\"\n";
     let text = format!("version = 4\nburst = \"demo\"\ndetected = true\n{truth}");
     std::fs::write(&file, text).unwrap();
-    window.dialogs.will_choose(&file);
-    window.run_action("open session");
-    window.settle();
+    window.will_choose(&file).run_action("open session").settle();
     assert!(window.app().model.shell.messages.errors().is_empty(), "{:?}", window.app().model.shell.messages.errors());
     let cursor = pane(&window).cursor;
     assert_eq!((cursor.frame, opened.cursor.frame), (5, 5));
@@ -129,8 +112,7 @@ fn a_session_of_a_newer_version_says_so() {
     let file = folder.path().join("new.burstscope.toml");
     std::fs::write(&file, "version = 77\nburst = \"demo\"\nsomething_new = true\n").unwrap();
     let mut window = Start::without_auto_detect().open();
-    window.dialogs.will_choose(&file);
-    window.run_action("open session");
+    window.will_choose(&file).run_action("open session");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("version 77") && window.shows("open it with a newer Burstscope"));
 }
@@ -141,15 +123,12 @@ fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
     let stack = noisy_stack(folder.path(), 3, 48, 48);
     let file = folder.path().join("night.burstscope.toml");
     let mut window = Start::of(&stack).open();
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
+    window.will_choose(&file).run_action("save session").settle();
     std::fs::remove_file(&stack).unwrap();
     let mut other = Start::without_auto_detect().open();
     let before =
         (other.app().model.results.slots.a.burst.as_ref().unwrap().id, other.app().model.document.params.clone());
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
+    other.will_choose(&file).run_action("open session");
     other.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(other.shows("noisy.npy"));
     assert_eq!(
@@ -177,12 +156,9 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
     std::fs::write(&dng, crate::dng::Dng::new((96, 80), |u, v| (64 + (u * 37 + v * 91) % 400) as u16).bytes()).unwrap();
     let mut window = Start::of(&dng).open();
     assert_eq!(window.app().read().size(), (48, 40));
-    window.run_action("later demo burst as b");
-    window.settle();
-    window.app_mut().model.document.params.peak_threshold = 0.0125;
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
+    window.run_action("later demo burst as b").settle();
+    window.change(|document| document.params.peak_threshold = 0.0125).will_choose(&file);
+    window.run_action("save session").settle();
     let session = std::fs::read_to_string(&file).unwrap();
     for (name, bytes) in harmful_files() {
         std::fs::write(folder.path().join(name), bytes).unwrap();
@@ -190,10 +166,8 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
         std::fs::write(&file, session.replace("a.dng", name)).unwrap();
         let mut other = Start::without_auto_detect().open();
         let before = other.app().model.results.slots.a.burst.as_ref().unwrap().id;
-        other.dialogs.will_choose(&file);
-        other.run_action("open session");
-        other.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
-        other.settle();
+        other.will_choose(&file).run_action("open session");
+        other.wait("a message", |app| !app.model.shell.messages.errors().is_empty()).settle();
         assert!(other.shows(name), "{name} is not named");
         let model = &other.app().model;
         assert_eq!(model.results.slots.a.burst.as_ref().unwrap().id, before, "what was open stays");
@@ -218,9 +192,7 @@ fn features_pictures_and_figures_are_exported() {
         ("figure as before", "p.svg"),
     ];
     for (action, name) in exports {
-        window.dialogs.will_choose(folder.path().join(name));
-        window.run_action(action);
-        window.settle();
+        window.will_choose(folder.path().join(name)).run_action(action).settle();
         assert!(window.shows(&format!("Wrote {}", folder.path().join(name).display())), "{action}");
     }
     let csv = std::fs::read_to_string(folder.path().join("f.csv")).unwrap();
@@ -241,37 +213,23 @@ fn figures_show_what_the_panes_show() {
     let folder = tempfile::tempdir().unwrap();
     let (svg, png) = (folder.path().join("f.svg"), folder.path().join("f.png"));
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    window.key(egui::Key::Num6);
-    window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
-    window.settle();
+    window.key(egui::Key::Num6).click_on(Role::CheckBox, "At this slope").settle();
     let listed = window.app().model.results.listed.len();
     assert!(listed > 0 && listed < window.app().read().features().len());
     // Zoomed in, so that a part of the picture is visible.
-    window.run_action("zoom in");
-    window.run_action("zoom in");
-    window.settle();
-    window.run_action("export figure…");
-    window.click("Pixels");
-    window.harness.run_steps(2);
+    window.run_action("zoom in").run_action("zoom in").settle();
+    window.run_action("export figure…").click("Pixels").steps(2);
     window.harness.get_by_role_and_label(Role::SpinButton, "Width").set_value_accesskit(3.0);
-    window.harness.get_by_role_and_label(Role::CheckBox, "Colour bar").click();
-    window.harness.run_steps(2);
-    window.dialogs.will_choose(&svg);
-    window.click("Export…");
-    window.settle();
+    window.click_on(Role::CheckBox, "Colour bar").steps(2).will_choose(&svg).click("Export…").settle();
     let text = std::fs::read_to_string(&svg).unwrap();
     assert_eq!(text.matches("<image").count(), 2);
     let all = text.matches("<circle").count();
     assert!(0 < all && all < 2 * listed, "{all} are drawn in full of twice {listed}");
     assert!(text.contains("(a) Frame 5") && text.contains("(b) Motion stack") && !text.contains("of full scale"));
-    window.dialogs.will_choose(&png);
-    window.run_action("figure as before");
-    window.settle();
+    window.will_choose(&png).run_action("figure as before").settle();
     window.app_mut().model.document.figure.features = burstscope::export::FigureAmount::All;
     let of_all = folder.path().join("all.svg");
-    window.dialogs.will_choose(&of_all);
-    window.run_action("figure as before");
-    window.settle();
+    window.will_choose(&of_all).run_action("figure as before").settle();
     let text = std::fs::read_to_string(&of_all).unwrap();
     assert_eq!(text.matches("<circle").count(), 2 * listed, "the filter holds in both pictures");
     let image = image::open(&png).unwrap().to_rgb8();
@@ -304,30 +262,23 @@ fn the_form_of_a_figure_shows_what_it_would_write() {
     let on_paper = previewed(&mut window);
     assert!(window.shows("Preview of 1 picture on 181 × "));
     assert_eq!(on_paper.width().max(on_paper.height()), 800, "enough for a sharp screen");
-    window.click("PNG");
-    window.click("Pixels");
-    window.harness.run_steps(2);
+    window.click("PNG").click("Pixels").steps(2);
     window.harness.get_by_role_and_label(Role::SpinButton, "Width").set_value_accesskit(0.5);
     window.harness.run_steps(2);
     let with_legend = previewed(&mut window);
     assert!(!window.shows(" mm. ") && window.shows(" px. ") && with_legend != on_paper);
-    window.harness.get_by_role_and_label(Role::CheckBox, "Legend of features").click();
-    window.harness.run_steps(2);
+    window.click_on(Role::CheckBox, "Legend of features").steps(2);
     let without = previewed(&mut window);
     assert!(without.height() < with_legend.height(), "the legend is gone");
-    window.dialogs.will_choose(&png);
-    window.click("Export…");
-    window.settle();
+    window.will_choose(&png).click("Export…").settle();
     assert!(image::open(&png).unwrap().to_rgba8() == without, "each pixel of the file");
     assert!(window.app().model.results.preview.made.is_none(), "nothing is drawn without the form");
     // Why nothing could be written is said in the place of the preview.
-    window.key(egui::Key::Num6);
-    window.settle();
+    window.key(egui::Key::Num6).settle();
     window.run_action("export figure…");
     assert!(previewed(&mut window).width() > without.width(), "two pictures");
     window.harness.get_by_role_and_label(Role::SpinButton, "Width").set_value_accesskit(32.0);
-    window.harness.run_steps(2);
-    window.settle();
+    window.steps(2).settle();
     assert!(window.shows("choose a smaller scale") && !window.shows("Preview of"));
     window.click("PDF");
     assert!(previewed(&mut window).width() <= 800, "vectors have any size");
@@ -337,8 +288,7 @@ fn the_form_of_a_figure_shows_what_it_would_write() {
 fn a_file_that_cannot_be_written_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::default().open();
-    window.dialogs.will_choose(folder.path());
-    window.run_action("features as csv");
+    window.will_choose(folder.path()).run_action("features as csv");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows(&folder.path().display().to_string()));
 }
@@ -348,8 +298,7 @@ fn theme_panels_and_recent_bursts_are_remembered() {
     let folder = tempfile::tempdir().unwrap();
     let stack = noisy_stack(folder.path(), 3, 48, 48);
     let mut window = Start::of(&stack).open();
-    window.run_action("light theme");
-    window.settle();
+    window.run_action("light theme").settle();
     let mut memory = Memory::default();
     eframe::App::save(window.app_mut(), &mut memory);
     let settings = Settings::load(&memory);
@@ -364,14 +313,12 @@ fn typing_gives_a_file_another_name_and_a_new_folder_is_announced() {
     let mut window = Start::default().open();
     // The system shows no dialog, so the field opens with a name whose first part is selected.
     window.run_action("export features as csv");
-    window.wait("the field opens", |app| !app.choice().is_empty() || app.is_settled());
-    window.harness.run_steps(3);
+    window.wait("the field opens", |app| !app.choice().is_empty() || app.is_settled()).steps(3);
     let wanted = folder.path().join("new").join("mine");
     window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path").type_text(wanted.to_str().unwrap());
     window.harness.run_steps(3);
     assert!(window.shows(&format!("The folder {} will be made", wanted.parent().unwrap().display())));
-    window.key(egui::Key::Enter);
-    window.settle();
+    window.key(egui::Key::Enter).settle();
     assert!(wanted.with_extension("csv").is_file(), "the kind of file stays");
 }
 
@@ -382,14 +329,10 @@ fn a_typed_name_of_a_file_that_is_there_is_asked_about() {
     let mut window = Start::without_auto_detect().open();
     let type_name = |window: &mut crate::support::Window, file: &std::path::Path| {
         // The system shows no dialog, so the field opens.
-        window.run_action("save parameters");
-        window.wait("the field opens", |app| app.is_settled());
-        window.harness.run_steps(3);
+        window.run_action("save parameters").wait("the field opens", |app| app.is_settled()).steps(3);
         let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
         field.type_text(file.with_extension("").to_str().unwrap());
-        window.harness.run_steps(3);
-        window.key(egui::Key::Enter);
-        window.harness.run_steps(3);
+        window.steps(3).key(egui::Key::Enter).steps(3);
     };
     let text = || std::fs::read_to_string(&file).unwrap();
     type_name(&mut window, &file);
@@ -399,17 +342,14 @@ fn a_typed_name_of_a_file_that_is_there_is_asked_about() {
     std::fs::write(&file, "precious").unwrap();
     type_name(&mut window, &file);
     assert!(window.shows("Replace this file?") && window.shows("Burstscope did not write it"));
-    window.click("Cancel");
-    window.settle();
+    window.click("Cancel").settle();
     assert!(!window.shows("Replace this file?") && text() == "precious");
     type_name(&mut window, &file);
-    window.click("Replace");
-    window.settle();
+    window.click("Replace").settle();
     assert!(text().starts_with("# Written by Burstscope"));
     type_name(&mut window, &file);
     assert!(window.shows("Burstscope wrote it"));
-    window.key(egui::Key::Escape);
-    window.harness.run_steps(3);
+    window.key(egui::Key::Escape).steps(3);
     assert!(!window.shows("Replace this file?"));
 
     #[cfg(unix)]
@@ -420,8 +360,7 @@ fn a_typed_name_of_a_file_that_is_there_is_asked_about() {
         std::os::unix::fs::symlink(&thesis, &file).unwrap();
         type_name(&mut window, &file);
         assert!(window.shows("It is a link"));
-        window.click("Replace");
-        window.settle();
+        window.click("Replace").settle();
         assert_eq!(std::fs::read_to_string(&thesis).unwrap(), "precious");
         assert!(!std::fs::symlink_metadata(&file).unwrap().is_symlink() && text().contains("Burstscope"));
     }
@@ -439,8 +378,7 @@ fn what_is_open_is_never_written_over() {
     for file in [&stack, &gold] {
         let before = std::fs::read(file).unwrap();
         // The system's dialog has asked whether the file may be replaced, and the user agreed.
-        window.dialogs.will_choose(file);
-        window.run_action("picture as png");
+        window.will_choose(file).run_action("picture as png");
         window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
         assert!(window.shows("files that were opened are never written to"));
         assert!(std::fs::read(file).unwrap() == before);
@@ -449,9 +387,7 @@ fn what_is_open_is_never_written_over() {
     }
     // Another file beside it is written.
     let png = folder.path().join("p.png");
-    window.dialogs.will_choose(&png);
-    window.run_action("picture as png");
-    window.settle();
+    window.will_choose(&png).run_action("picture as png").settle();
     assert!(burstscope::export::is_ours(&png));
 }
 

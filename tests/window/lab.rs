@@ -21,8 +21,7 @@ fn lab(size: [f32; 2]) -> Window {
 fn go_to(window: &mut Window) {
     window.run_action("lab");
     assert_eq!(window.app().model.document.workspace, Workspace::Lab);
-    window.app_mut().model.document.lab.chart = small_chart();
-    window.app_mut().model.document.lab.seeds = 3;
+    window.change(|document| document.lab.chart = small_chart()).change(|document| document.lab.seeds = 3);
     type_snrs(window, "0.5, 0.9, 1.8");
 }
 
@@ -34,11 +33,9 @@ pub fn run_small_study(window: &mut Window) {
 
 fn type_snrs(window: &mut Window, text: &str) {
     window.harness.get_by_role_and_label(Role::TextInput, "SNR").focus();
-    window.harness.run_steps(2);
-    window.ctrl(egui::Key::A);
+    window.steps(2).ctrl(egui::Key::A);
     window.harness.get_by_role_and_label(Role::TextInput, "SNR").type_text(text);
-    window.harness.run_steps(2);
-    window.key(egui::Key::Enter);
+    window.steps(2).key(egui::Key::Enter);
 }
 
 fn run(window: &mut Window) {
@@ -74,32 +71,24 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
         assert!(window.harness.query_by_role_and_label(Role::Image, &name).is_some(), "{name}");
     }
     // A point is chosen, and its chart made again: the marks are those that were counted.
-    window.harness.get_by_role_and_label(Role::ComboBox, "Point").click();
-    window.harness.run_steps(2);
-    window.click("SIFT, one frame, SNR 0.5");
-    window.click("▶");
-    window.settle();
+    window.click_on(Role::ComboBox, "Point").steps(2).click("SIFT, one frame, SNR 0.5").click("▶").settle();
     let score = &report.rows[0].methods[0].charts[1];
     let shown = window.app().read().current_chart().expect("a chart");
     assert_eq!((shown.of.seed, shown.looked.truth.features.len()), (score.seed, 12));
     // At the threshold of the curves, and for everything detected.
     assert!(window.shows(&format!("{} found", score.true_positives)));
     assert!(window.shows(&format!("{} missed", 12 - score.true_positives)));
-    window.harness.get_by_role_and_label(Role::CheckBox, "All detections").click();
-    window.settle();
+    window.click_on(Role::CheckBox, "All detections").settle();
     assert!(window.shows(&format!("{} found", score.default_true_positives)));
     assert!(window.shows(&format!("{} false", score.default_false_features)));
-    window.harness.get_by_role_and_label(Role::CheckBox, "All detections").click();
-    window.settle();
+    window.click_on(Role::CheckBox, "All detections").settle();
     window.snapshot("lab");
     // The chart opens as a burst with known truth.
-    window.click("Look at chart as burst");
-    window.settle();
+    window.click("Look at chart as burst").settle();
     assert_eq!(window.app().model.document.workspace, Workspace::Inspect);
     let frames = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames;
     assert_eq!(frames.len(), 10);
-    window.run_action("compare with the truth");
-    window.settle();
+    window.run_action("compare with the truth").settle();
     assert!(window.app().read().has_reference(Side::A, Reference::Truth));
     assert!(window.app().read().shown_comparison(Side::A).expect("a comparison").is_whole_truth);
 }
@@ -114,16 +103,13 @@ fn one_click_gives_every_method_the_same_false_rate() {
     let of = |method| rate.of(method).expect("a threshold");
     assert!(of(BurstMethod::SiftFrame) > of(BurstMethod::Buff1d), "one frame has more noise");
     let before = window.app().model.document.params.peak_threshold;
-    window.click("Search at 10 % false");
-    window.settle();
+    window.click("Search at 10 % false").settle();
     let (sift, buff_1d) = (MethodId::Sift, MethodId::Buff1d);
     for (method, expected) in [(sift, of(BurstMethod::SiftFrame)), (buff_1d, of(BurstMethod::Buff1d))] {
         assert_eq!(window.app().read().method_params(method, Side::A).peak_threshold, expected);
     }
-    window.ctrl(egui::Key::Num3);
-    window.settle();
-    window.harness.get_by_role_and_label(Role::CheckBox, "At 10 % false on charts of SNR 0.5").click();
-    window.settle();
+    window.ctrl(egui::Key::Num3).settle();
+    window.click_on(Role::CheckBox, "At 10 % false on charts of SNR 0.5").settle();
     let model = &window.app().model;
     assert_eq!(model.document.methods.same_false_rate, None);
     // The search keeps that of its own method, which one step back takes away.
@@ -137,8 +123,7 @@ fn one_click_gives_every_method_the_same_false_rate() {
 fn kept_curves_stay_beside_those_of_other_parameters() {
     let mut window = lab([1280.0, 800.0]);
     run(&mut window);
-    window.click("Keep curves");
-    window.app_mut().model.document.params.edge_threshold = 8.0;
+    window.click("Keep curves").change(|document| document.params.edge_threshold = 8.0);
     window.app_mut().model.document.lab.methods = vec![BurstMethod::SiftMean];
     run(&mut window);
     let shown = window.app().read().lab_results().len();
@@ -157,8 +142,7 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
 #[test]
 fn a_study_that_is_cancelled_leaves_the_curves_so_far() {
     let mut window = lab([1280.0, 800.0]);
-    window.app_mut().model.document.lab.seeds = 500;
-    window.click("Run study");
+    window.change(|document| document.lab.seeds = 500).click("Run study");
     window.wait("some charts are finished", |app| app.model.results.studies.current.is_some());
     window.run_action("cancel study");
     window.wait("it has stopped", |app| !app.model.results.studies.wanted.is_pending());
@@ -180,9 +164,7 @@ fn errors_have_plots_of_their_own_and_are_written_as_a_table() {
     window.snapshot("lab_errors");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("errors.csv");
-    window.dialogs.will_choose(&path);
-    window.run_action("export curves as csv");
-    window.wait("it is written", |_| path.is_file());
+    window.will_choose(&path).run_action("export curves as csv").wait("it is written", |_| path.is_file());
     let written = std::fs::read_to_string(&path).unwrap();
     assert_eq!(written, curves_table(&[("This study".to_owned(), result.report.plots(usize::MAX))]).csv());
 }
@@ -212,9 +194,7 @@ fn the_number_of_frames_is_studied_on_charts_and_on_the_open_burst() {
     window.snapshot("lab_frames_of_burst");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.svg");
-    window.dialogs.will_choose(&path);
-    window.run_action("export curves as svg");
-    window.wait("it is written", |_| path.is_file());
+    window.will_choose(&path).run_action("export curves as svg").wait("it is written", |_| path.is_file());
     assert!(std::fs::read_to_string(&path).unwrap().contains("confirmed by all frames"));
 }
 
@@ -231,9 +211,7 @@ fn nonsense_is_said_in_place_and_cannot_be_run() {
 fn a_dark_copy_of_the_open_burst_is_a_burst() {
     let mut window = lab([1280.0, 800.0]);
     let size = window.app().read().size();
-    window.app_mut().model.document.lab.dark_copy.snr = 0.4;
-    window.run_action("dark copy of a");
-    window.settle();
+    window.change(|document| document.lab.dark_copy.snr = 0.4).run_action("dark copy of a").settle();
     let model = &window.app().model;
     assert!(model.results.slots.a.burst.as_ref().unwrap().burst.name.contains("dark copy at SNR 0.4"));
     assert_eq!(Read::of(model).size(), size);

@@ -81,12 +81,10 @@ fn fulfil(window: &mut Window, goal: &Goal) {
         }
     }
     if goal.reads_depths == Some(true) {
-        window.harness.get_by_role_and_label(Role::CheckBox, "Read slopes as depths").click();
-        window.harness.run_steps(2);
+        window.click_on(Role::CheckBox, "Read slopes as depths").steps(2);
     }
     if goal.finds_slopes == Some(true) {
-        window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
-        window.harness.run_steps(2);
+        window.click_on(Role::CheckBox, "Auto slopes").steps(2);
     }
     if goal.features.is_some() && !window.app().model.document.auto_detect {
         window.click("Detect");
@@ -95,8 +93,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
         window.key(Key::Home);
     }
     if goal.camera == Some(true) {
-        window.harness.get_by_role_and_label(Role::Row, "Camera burst_003.png").click();
-        window.harness.run_steps(2);
+        window.click_on(Role::Row, "Camera burst_003.png").steps(2);
     }
     if let Some(near) = goal.probe {
         probe(window, near);
@@ -121,17 +118,16 @@ fn fulfil(window: &mut Window, goal: &Goal) {
     match goal.tab {
         Some(BottomTab::Compared) => window.run_action("compare with the truth"),
         Some(tab) => window.open_tab(&format!("{tab:?}")),
-        None => {}
-    }
+        None => &mut *window,
+    };
     match goal.workspace {
         Some(Workspace::Pair) => window.ctrl(Key::Num2),
         Some(Workspace::Inspect) => window.ctrl(Key::Num1),
         Some(other) => panic!("no lesson asks for {other:?}"),
-        None => {}
-    }
+        None => &mut *window,
+    };
     if goal.detects == Some(true) {
-        window.harness.get_by_role_and_label(Role::CheckBox, "Auto").click();
-        window.harness.run_steps(2);
+        window.click_on(Role::CheckBox, "Auto").steps(2);
     }
 }
 
@@ -182,16 +178,14 @@ fn set_parameter(window: &mut Window, name: &str, wanted: &GoalValue) {
             choose(window, doc.label, entry);
         }
         GoalValue::Switch(_) => {
-            window.harness.get_by_role_and_label(Role::CheckBox, doc.label).click();
-            window.harness.run_steps(2);
+            window.click_on(Role::CheckBox, doc.label).steps(2);
         }
     }
 }
 
 /// Chooses an entry of a drop-down.
 pub fn choose(window: &mut Window, label: &str, entry: &str) {
-    window.harness.get_by_role_and_label(Role::ComboBox, label).click();
-    window.harness.run_steps(4);
+    window.click_on(Role::ComboBox, label).steps(4);
     let found = window.harness.query_all_by_label(entry).last();
     found.unwrap_or_else(|| panic!("'{label}' has no entry '{entry}'")).click();
     window.harness.run_steps(4);
@@ -296,22 +290,17 @@ fn ends(window: &mut Window, lesson: &Lesson, is_drawn: bool) {
     }
     let next = built_in().iter().skip_while(|other| other.name != lesson.name).nth(1);
     let Some(next) = next else {
-        window.click("Close the lesson");
-        window.settle();
+        window.click("Close the lesson").settle();
         return;
     };
     assert!(window.shows(&format!("Next: {}", next.title)));
     // The last step can be looked at again.
-    window.click("Step back");
-    window.settle();
+    window.click("Step back").settle();
     assert!(window.shows(&format!("Step {0} of {0}", lesson.steps.len())));
-    window.click("Finish the lesson");
-    window.settle();
-    window.click("Next lesson");
-    window.settle();
+    window.click("Finish the lesson").settle();
+    window.click("Next lesson").settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| (&open.lesson.name, open.step)), Some((&next.name, 0)));
-    window.click("Leave lesson");
-    window.settle();
+    window.click("Leave lesson").settle();
 }
 
 #[test]

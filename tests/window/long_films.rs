@@ -20,8 +20,7 @@ fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
     assert!(window.shows("36 frames are long for one burst"));
     let length = 36 / window.app().settings.burst_length;
     let label = format!("Cut into bursts of {}", window.app().settings.burst_length);
-    window.click(&label);
-    window.settle();
+    window.click(&label).settle();
     assert_eq!(dataset(&window).bursts.len(), length);
     assert!(!window.shows("frames are long for one burst"));
     window.settle();
@@ -35,29 +34,20 @@ fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
 fn features_of_other_parameters_are_replaced_only_after_a_question() {
     let home = tempfile::tempdir().unwrap();
     let mut window = start(walk(home.path())).open();
-    window.click("Detect all");
-    window.settle();
+    window.click("Detect all").settle();
     let features = |window: &crate::support::Window| -> Vec<usize> {
         dataset(window).states.iter().map(|s| if let BurstState::Done(f) = s { f.features } else { 0 }).collect()
     };
     let before = features(&window);
     assert!(before.iter().all(|count| *count > 2), "{before:?}");
-    window.app_mut().model.document.params.max_features = 2;
-    window.harness.run_steps(2);
-    window.click("Detect all");
-    window.harness.run_steps(3);
+    window.change(|document| document.params.max_features = 2).steps(2).click("Detect all").steps(3);
     assert!(window.shows("Replace features?") && window.shows("The bursts themselves are not touched"));
-    window.click("Cancel");
-    window.settle();
+    window.click("Cancel").settle();
     assert_eq!(features(&window), before);
-    window.click("Detect all");
-    window.harness.run_steps(3);
-    window.click("Replace");
-    window.settle();
+    window.click("Detect all").steps(3).click("Replace").settle();
     assert_eq!(features(&window), [2; 3]);
     // With unchanged parameters work continues without a question.
-    window.click("Detect all");
-    window.settle();
+    window.click("Detect all").settle();
     assert!(!window.shows("Replace features?"));
 }
 
@@ -70,9 +60,7 @@ fn the_window_writes_the_database_that_the_command_writes() {
     let home = tempfile::tempdir().unwrap();
     let mut window = start(walk(home.path())).open();
     let (ours, theirs) = (home.path().join("from-window"), home.path().join("from-command"));
-    window.dialogs.will_choose(&ours);
-    window.run_action("export colmap database");
-    window.settle();
+    window.will_choose(&ours).run_action("export colmap database").settle();
     assert!(window.shows("database.db: 3 images, 3 pairs"));
     let job = ColmapJob {
         features: FeatureJob {

@@ -27,16 +27,14 @@ fn dog_response() {
     window.key(Key::Num3);
     // The axis of the histogram depends on earlier pictures, so each picture is waited for.
     window.settle();
-    window.slide("Octave", 1.0);
-    window.app_mut().model.document.bottom_tab = BottomTab::Tally;
+    window.slide("Octave", 1.0).change(|document| document.bottom_tab = BottomTab::Tally);
     window.snapshot("dog_response");
 }
 
 #[test]
 fn selected_feature() {
     let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
-    window.key(Key::Home);
-    window.key(Key::Enter);
+    window.key(Key::Home).key(Key::Enter);
     window.snapshot("selected_feature");
 }
 
@@ -139,8 +137,7 @@ fn methods() {
 #[test]
 fn methods_matches() {
     let mut window = open_pair([1400.0, 1000.0]);
-    window.ctrl(Key::Num3);
-    window.settle();
+    window.ctrl(Key::Num3).settle();
     window.click("Match lines");
     window.snapshot("methods_matches");
 }
@@ -148,8 +145,7 @@ fn methods_matches() {
 #[test]
 fn wipe() {
     let mut window = open();
-    window.ctrl(Key::Num3);
-    window.settle();
+    window.ctrl(Key::Num3).settle();
     window.click("Wipe");
     window.snapshot("wipe");
 }

@@ -6,8 +6,7 @@ use burstscope::inspect::pair::{Losses, Lost};
 fn two_bursts() -> Window {
     let startup = Startup { second: Some(BurstSource::DemoLater), ..given() };
     let mut window = Start { size: [1280.0, 900.0], startup, ..Start::default() }.open();
-    window.app_mut().model.document.workspace = Workspace::Pair;
-    window.settle();
+    window.change(|document| document.workspace = Workspace::Pair).settle();
     window
 }
 
@@ -19,8 +18,7 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     let expected = losses.counts(&Monitor::default()).unwrap();
     assert_eq!(found.counts, expected);
     let count = |lost: Lost| expected.iter().find(|(at, _)| *at == lost).unwrap().1;
-    window.click("Unmatched");
-    window.settle();
+    window.click("Unmatched").settle();
     // Other orientations of a keypoint are told with the first one.
     let lost = &window.app().model.results.pair.lost;
     let told = |step: Lost| lost.count(step);
@@ -34,8 +32,7 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
         (count(Lost::Geometry), window.app().model.results.pair.lost.count(Lost::Geometry)),
         (outliers, outliers)
     );
-    window.harness.get_by_role_and_label(Role::Row, &format!("Unmatched feature {index}")).click();
-    window.settle();
+    window.click_on(Role::Row, &format!("Unmatched feature {index}")).settle();
     assert_eq!(window.app().read().asked_feature(), Some(index));
     let why = losses.of(index, 5);
     let words: String = why.sentence.chars().skip(1).collect();
@@ -64,8 +61,7 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     window.settle();
     let side = burstscope::app::document::side::Side::A;
     let pos = window.ui_from_image_of(side, egui::pos2(f.u, f.v)).unwrap();
-    window.click_at(pos);
-    window.settle();
+    window.click_at(pos).settle();
     let asked = window.app().read().asked_feature().expect("a feature is asked about");
     assert_eq!((a.features[asked].u, a.features[asked].v), (f.u, f.v));
     assert!(window.app().model.document.selected_match.is_none());
@@ -75,9 +71,7 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
 fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     let mut window = two_bursts();
     // The strongest of A are not all among the strongest of B.
-    window.app_mut().model.document.params.max_features = 300;
-    window.run_action("detect");
-    window.settle();
+    window.change(|document| document.params.max_features = 300).run_action("detect").settle();
     let found = window.app().read().losses().expect("the losses are known").clone();
     let losses = Losses::new(found.request.pair(), &Monitor::default()).unwrap();
     let missing = (0..found.lost.len())
@@ -89,8 +83,7 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     apply::pair::ask_feature(&mut window.app_mut().model, Some(missing));
     window.settle();
     let place = window.app().read().expected_place().expect("a place in B");
-    window.click("Probe its place in B");
-    window.settle();
+    window.click("Probe its place in B").settle();
     assert_eq!(
         (window.app().model.document.workspace, names(&window)),
         (Workspace::Pair, before.clone()),
@@ -110,8 +103,7 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     assert_eq!(probed(&window), (Side::B, before[1].clone()));
     assert!(window.shows(" of B"), "the panel says of which burst");
     // When the sides are swapped, the place stays one of its burst.
-    window.run_action("swap a and b");
-    window.settle();
+    window.run_action("swap a and b").settle();
     assert_eq!((names(&window), probed(&window)), ([1, 0].map(|i| before[i].clone()), (Side::A, before[1].clone())));
 }
 
@@ -134,12 +126,10 @@ fn a_feature_without_a_match_has_a_remedy_that_keeps_what_it_promises() {
             |window: &Window| window.app().model.results.pair.matches.as_ref().unwrap().result.counts.inliers.unwrap();
         let before = inliers(&window);
         let apply = window.harness.get_by_label_contains("Apply ").rect().center();
-        window.click_at(apply);
-        window.settle();
+        window.click_at(apply).settle();
         assert_eq!(inliers(&window), before + 1 + others, "{price}");
         assert_eq!(window.app().read().losses().expect("known").lost[index], Lost::Not);
-        window.ctrl(Key::Z);
-        window.settle();
+        window.ctrl(Key::Z).settle();
         assert_eq!(inliers(&window), before);
         kept += 1;
         if kept == 2 {
@@ -161,11 +151,9 @@ fn an_outlier_says_the_limit_and_motions_filter_the_matches() {
         assert!(inlier != Some(true) || error.unwrap() <= matches.max_error_px());
     }
     let expected = matches.passed_limit(&matches.row(outlier).unwrap()).unwrap();
-    window.app_mut().model.document.selected_match = Some(outlier);
-    window.settle();
+    window.change(|document| document.selected_match = Some(outlier)).settle();
     assert!(window.shows(&expected), "{expected}");
-    window.app_mut().model.document.match_look.max_motion = Some(0.2);
-    window.settle();
+    window.change(|document| document.match_look.max_motion = Some(0.2)).settle();
     let pair = &window.app().model.results.pair;
     let apart = pair.listed.iter().map(|&i| pair.matches.as_ref().unwrap().row(i).unwrap().motion_apart());
     let (count, largest) = apart.fold((0, 0.0f32), |(count, largest), apart| (count + 1, largest.max(apart)));
@@ -177,10 +165,8 @@ fn a_match_tells_its_second_best() {
     let mut window = two_bursts();
     // The nearest descriptor of all is the match of the ratio test; a predicted one is the nearest where it is
     // expected.
-    window.app_mut().model.document.matching.predict = false;
-    window.settle();
-    window.key(Key::Home);
-    window.settle();
+    window.change(|document| document.matching.predict = false).settle();
+    window.key(Key::Home).settle();
     let model = &window.app().model;
     let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
     let why = model.results.pair.lost.why.as_ref().expect("it is known why");

@@ -34,8 +34,7 @@ fn open(folder: &Path) -> Window {
 
 fn shift(window: &mut Window, key: Key) {
     window.harness.key_press_modifiers(Modifiers::SHIFT, key);
-    window.harness.run_steps(2);
-    window.settle();
+    window.steps(2).settle();
 }
 
 #[test]
@@ -60,22 +59,17 @@ fn the_local_noise_is_a_picture_of_its_own() {
     assert!(window.harness.query_by_label_contains("Colour bar: Noise (σ) of the response").is_some());
     // The value has its unit.
     let at = window.ui_from_image(pos2(180.0, 80.0)).unwrap();
-    window.harness.hover_at(at);
-    window.harness.run_steps(3);
+    window.hover(at).steps(3);
     assert!(window.shows("σ 0.0") && window.shows("of full scale"), "the status bar says what it is");
     window.snapshot("noise_map");
     // It follows the cursor in slope, octave and level.
-    window.slide("Slope u", -2.0);
-    window.key(Key::PageUp);
-    window.key(Key::CloseBracket);
-    window.settle();
+    window.slide("Slope u", -2.0).key(Key::PageUp).key(Key::CloseBracket).settle();
     let model = &window.app().model;
     assert_eq!(model.document.focused().content, Content::Map(ViewKind::Noise));
     let coarser = &Read::of(model).picture().unwrap().plane;
     assert_eq!((coarser.width(), model.document.cursor().octave), (map.width() / 2, cursor.octave + 1));
     // The frame slider shows frames again.
-    window.key(Key::Num1);
-    window.settle();
+    window.key(Key::Num1).settle();
     assert_eq!(window.app().model.document.focused().content, Content::Cursor);
 }
 
@@ -101,8 +95,7 @@ fn coverage_is_a_share_of_the_frames() {
         (0.0, 1.0)
     );
     let at = window.ui_from_image(pos2(0.0, 80.0)).unwrap();
-    window.harness.hover_at(at);
-    window.harness.run_steps(3);
+    window.hover(at).steps(3);
     assert!(window.shows("50 % of the frames"));
     window.harness.remove_cursor();
     window.harness.run_steps(2);
@@ -113,13 +106,8 @@ fn coverage_is_a_share_of_the_frames() {
 fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    window.key(Key::S);
-    window.settle();
-    window.click("Menu of pane 2");
-    window.harness.run_steps(3);
-    window.harness.get_by_role_and_label(Role::RadioButton, "Local noise").click();
-    window.harness.run_steps(2);
-    window.key(Key::Escape);
+    window.key(Key::S).settle();
+    window.click("Menu of pane 2").steps(3).click_on(Role::RadioButton, "Local noise").steps(2).key(Key::Escape);
     window.settle();
     let model = &window.app().model;
     let second = model.document.panes.shown()[1];

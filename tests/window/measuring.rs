@@ -9,21 +9,18 @@ use burstscope::plane::statistics::Region;
 
 fn open() -> Window {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    window.key(Key::Num6);
-    window.settle();
+    window.key(Key::Num6).settle();
     window
 }
 
 /// Drags from one place of the focused pane's image to another.
 fn drag(window: &mut Window, from: Pos2, to: Pos2) {
     let [from, to] = [from, to].map(|pos| window.ui_from_image(pos).unwrap());
-    window.harness.hover_at(from);
-    window.harness.run_steps(1);
+    window.hover(from).steps(1);
     window.harness.drag_at(from);
     window.harness.run_steps(1);
     for i in 1..=4 {
-        window.harness.hover_at(from + (to - from) * (i as f32 / 4.0));
-        window.harness.run_steps(1);
+        window.hover(from + (to - from) * (i as f32 / 4.0)).steps(1);
     }
     window.harness.drop_at(to);
     window.harness.run_steps(2);
@@ -44,9 +41,7 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     assert!((line.from_image - pos2(100.0, 80.0)).length() < 1.5, "{line:?}");
     assert_eq!(model.document.bottom_tab, BottomTab::Profile);
     assert!(window.harness.query_by_role_and_label(Role::Image, "Profile of 2 pictures").is_some());
-    window.dialogs.will_choose(&file);
-    window.click("Export as CSV…");
-    window.settle();
+    window.will_choose(&file).click("Export as CSV…").settle();
     let text = std::fs::read_to_string(&file).unwrap();
     let rows: Vec<&str> = text.lines().skip(1).collect();
     // The stack is the second pane; the frame shows the line half a frame later, moved along its slope.
@@ -107,8 +102,7 @@ fn region_statistics_panel() {
 #[test]
 fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    window.run_action("compare with the truth");
-    window.settle();
+    window.run_action("compare with the truth").settle();
     let model = &window.app().model;
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let cache =
@@ -136,15 +130,13 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     // The row stays in its place when it is selected, and selected when it is clicked again.
     let place = window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect();
     for _ in 0..2 {
-        window.harness.get_by_role_and_label(Role::Row, "Missed 0").click();
-        window.settle();
+        window.click_on(Role::Row, "Missed 0").settle();
         assert_eq!(window.app().model.document.comparisons.a.selected, Some(0));
         assert_eq!(window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect(), place);
     }
     assert!(window.shows(&expected.missed[0].why));
     window.snapshot("truth");
-    window.click("Why here?");
-    window.settle();
+    window.click("Why here?").settle();
     let place = window.app().read().probed_place().expect("the place is probed");
     let miss = &truth.features[expected.missed[0].disc];
     assert!((f64::from(place[0]) - miss.u).abs() < 0.01 && (f64::from(place[1]) - miss.v).abs() < 0.01);
@@ -154,10 +146,8 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
 fn a_burst_of_the_camera_has_no_truth_to_compare_with() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::of(&noisy_stack(folder.path(), 4, 60, 80)).open();
-    window.click("Detect");
-    window.settle();
+    window.click("Detect").settle();
     assert!(!window.app().read().has_reference(Side::A, Reference::Truth));
-    window.run_action("compare with the truth");
-    window.settle();
+    window.run_action("compare with the truth").settle();
     assert_eq!(window.app().model.document.comparisons.a.with, None);
 }

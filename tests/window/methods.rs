@@ -10,8 +10,7 @@ fn methods(second: bool) -> Window {
     let mut start = Start { size: [1400.0, 900.0], ..Start::default() };
     start.startup.second = second.then_some(BurstSource::DemoLater);
     let mut window = start.open();
-    window.ctrl(Key::Num3);
-    window.settle();
+    window.ctrl(Key::Num3).settle();
     window
 }
 
@@ -44,8 +43,7 @@ fn with_a_second_burst_matches_are_compared_too() {
     let lines = |of: MethodId| Read::of(model).most_lines(Some(of)).unwrap();
     assert_eq!(lines(most), 40);
     assert_eq!(lines(MethodId::Sift), (40 * inliers(MethodId::Sift)).div_ceil(inliers(most)));
-    window.click("Match lines");
-    window.settle();
+    window.click("Match lines").settle();
     assert_eq!(window.app().model.document.panes.arrangement().in_rows().len(), 4, "a row for each");
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "B: BuFF 1D").is_some());
 }
@@ -53,14 +51,11 @@ fn with_a_second_burst_matches_are_compared_too() {
 #[test]
 fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     let mut window = methods(false);
-    window.click("Wipe");
-    window.settle();
+    window.click("Wipe").settle();
     let [left, right] = window.app().model.document.panes.shown()[..] else { panic!("two in one place") };
     let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
     window.harness.drag_at(handle);
-    window.harness.run_steps(1);
-    window.harness.hover_at(handle + egui::vec2(120.0, 0.0));
-    window.harness.run_steps(1);
+    window.steps(1).hover(handle + egui::vec2(120.0, 0.0)).steps(1);
     window.harness.drop_at(handle + egui::vec2(120.0, 0.0));
     window.harness.run_steps(2);
     let over = window.app().model.document.panes.over(left);
@@ -69,17 +64,12 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     let methods =
         |window: &Window| [left, right].map(|id| window.app().model.document.panes.get(id).unwrap().method.unwrap());
     assert_eq!(methods(&window), [MethodId::Sift, MethodId::Buff1d]);
-    window.harness.get_by_role_and_label(Role::ComboBox, "Right").click();
-    window.harness.run_steps(2);
-    window.click("SIFT, merged");
-    window.settle();
+    window.click_on(Role::ComboBox, "Right").steps(2).click("SIFT, merged").settle();
     assert_eq!(methods(&window), [MethodId::Sift, MethodId::Merge]);
     assert!(window.shows("SIFT, merged  ·  Merged frames"));
-    window.key(Key::W);
-    window.settle();
+    window.key(Key::W).settle();
     assert!(window.shows("1  ·  SIFT, one frame  ·  Frame 5"));
-    window.key(Key::Y);
-    window.settle();
+    window.key(Key::Y).settle();
     assert!(window.shows("2  ·  SIFT, merged  ·  Merged frames"), "the other one is on show");
 }
 
@@ -89,9 +79,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let pane = |window: &Window, method: MethodId| window.app().model.document.panes.shown_of(Side::A, Some(method));
     let [own] = pane(&window, MethodId::Buff1d)[..] else { panic!("one pane") };
     let number = window.app().model.document.panes.number(own).unwrap();
-    window.click(&format!("Split down {number}"));
-    window.key(Key::Num3);
-    window.settle();
+    window.click(&format!("Split down {number}")).key(Key::Num3).settle();
     let [stack, dog] = pane(&window, MethodId::Buff1d)[..] else { panic!("two panes") };
     let model = &window.app().model;
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
@@ -120,19 +108,16 @@ fn burst_of(window: &Window) -> &burstscope::burst::Burst {
 #[test]
 fn a_method_that_is_switched_off_loses_its_pane_and_the_others_stay() {
     let mut window = methods(true);
-    window.click("Match lines");
-    window.settle();
+    window.click("Match lines").settle();
     let methods = |window: &Window| -> Vec<MethodId> {
         let panes = &window.app().model.document.panes;
         panes.shown().iter().filter_map(|id| panes.get(*id)?.method).collect()
     };
     let merge = "SIFT, merged";
-    window.harness.get_by_role_and_label(Role::CheckBox, merge).click();
-    window.settle();
+    window.click_on(Role::CheckBox, merge).settle();
     let left = [MethodId::Sift, MethodId::Buff1d, MethodId::Buff2d];
     assert_eq!(methods(&window), left.into_iter().flat_map(|method| [method; 2]).collect::<Vec<_>>());
-    window.harness.get_by_role_and_label(Role::CheckBox, merge).click();
-    window.settle();
+    window.click_on(Role::CheckBox, merge).settle();
     assert_eq!(methods(&window)[6..], [MethodId::Merge; 2], "in a row of its own");
     assert!(window.shows("matches are inliers"));
 }
@@ -142,14 +127,11 @@ fn a_gold_standard_is_opened_and_methods_are_switched_in_the_table() {
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 1, 360, 480);
     let mut window = methods(false);
-    window.dialogs.will_choose(&path);
-    window.run_action("gold standard of a");
-    window.settle();
+    window.will_choose(&path).run_action("gold standard of a").settle();
     let model = &window.app().model;
     let found = Read::of(model).method_found(MethodId::Gold, Side::A).unwrap();
     assert!(window.shows(&format!("Gold standard  ·  {} features", found.detection.features.len())));
-    window.harness.get_by_role_and_label(Role::CheckBox, "BuFF 2D").click();
-    window.settle();
+    window.click_on(Role::CheckBox, "BuFF 2D").settle();
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "A: BuFF 2D").is_none());
 }
 
@@ -158,20 +140,15 @@ fn a_session_of_when_methods_were_a_workspace_compares_them() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("methods.burstscope.toml");
     let mut window = methods(false);
-    window.click("Wipe");
-    window.settle();
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
+    window.click("Wipe").settle();
+    window.will_choose(&file).run_action("save session").settle();
     let written = std::fs::read_to_string(&file).unwrap();
     let [workspace, tab, methods] = ["workspace = \"inspect\"", "bottom_tab = \"methods\"", "[document.methods]\n"];
     assert!([workspace, tab, methods].iter().all(|part| written.contains(part)), "{written}");
     let of_then = written.replace(workspace, "workspace = \"methods\"").replace(tab, "bottom_tab = \"tally\"");
     std::fs::write(&file, of_then.replace(methods, "[document.methods]\nfeatures = false\n")).unwrap();
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    other.will_choose(&file).run_action("open session").settle();
     let [before, after] = [&window, &other].map(|window| window.app().model.document.clone());
     let (errors, panes) = (other.app().model.shell.messages.errors(), toml::to_string(&after.panes));
     assert!(after.compares_methods() && after.workspace == Workspace::Inspect, "{errors:?} {panes:?}");
@@ -180,8 +157,7 @@ fn a_session_of_when_methods_were_a_workspace_compares_them() {
     // A recording of then names the action that opened it.
     let did: ActionId = serde_json::from_str("\"workspace_methods\"").unwrap();
     assert_eq!(did, ActionId::WorkspaceMethods);
-    other.ctrl(Key::Num1);
-    other.settle();
+    other.ctrl(Key::Num1).settle();
     assert_eq!(other.app().model.document.panes.shown().len(), 1, "the panes of one burst are as they were");
 }
 
@@ -190,16 +166,10 @@ fn the_comparison_is_kept_in_a_session() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("methods.burstscope.toml");
     let mut window = methods(false);
-    window.key(Key::W);
-    window.harness.get_by_role_and_label(Role::CheckBox, "BuFF 2D").click();
-    window.settle();
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
+    window.key(Key::W).click_on(Role::CheckBox, "BuFF 2D").settle();
+    window.will_choose(&file).run_action("save session").settle();
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    other.will_choose(&file).run_action("open session").settle();
     assert_eq!(other.app().model.document.methods, window.app().model.document.methods);
     let [before, after] = [&window, &other].map(|window| window.app().model.document.panes.arrangement().clone());
     assert_eq!((after.panes().len(), &after), (3, &before));

@@ -12,8 +12,7 @@ fn open() -> Window {
 #[test]
 fn one_count_of_the_features_at_this_slope() {
     let mut window = open();
-    window.run_action("slope with most features");
-    window.settle();
+    window.run_action("slope with most features").settle();
     let model = &window.app().model;
     let slope = model.document.cursor().slope;
     let near = near_slope(&model.results.slots.a.found.as_ref().unwrap().detection.slopes);
@@ -27,8 +26,7 @@ fn one_count_of_the_features_at_this_slope() {
     let note = model.shell.messages.last_note().expect("a note").to_owned();
     assert!(note.starts_with(&format!("Most features ({here}) are at slope (")), "{note}");
     let total = Read::of(model).features().len();
-    window.harness.get_by_role_and_label(Role::CheckBox, "At this slope").click();
-    window.settle();
+    window.click_on(Role::CheckBox, "At this slope").settle();
     assert!(window.shows(&format!("{here} of {total}")));
     assert!(window.app().model.document.look.overlay == FeaturesShown::ThisSlope, "and so many are drawn");
 }
@@ -46,31 +44,25 @@ fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep(
     let alone = count(&window, &|feature| feature.layer == 1 && feature.moves == Moves::ByItself);
     assert!(total > first && first > alone && none > 0, "{total} {first} {alone} {none}");
     let name = layer_text(1, &field.layers[0]);
-    window.click("Filter");
-    window.harness.run_steps(3);
+    window.click("Filter").steps(3);
     // A switch leaves the menu open for the next.
     let switch = |window: &mut Window, name: &str| {
-        window.harness.get_by_role_and_label(Role::CheckBox, name).click();
-        window.settle();
+        window.click_on(Role::CheckBox, name).settle();
     };
     switch(&mut window, &name);
     assert_eq!(listed(&window), total - first);
     switch(&mut window, "no layer");
     assert_eq!(listed(&window), total - first - none);
-    window.click(&format!("Solo {name}"));
-    window.settle();
+    window.click(&format!("Solo {name}")).settle();
     assert_eq!(listed(&window), first, "alone, though it is switched off");
-    window.click("moves by itself");
-    window.settle();
+    window.click("moves by itself").settle();
     assert_eq!(listed(&window), alone);
     let session = Session::of(window.app().read()).expect("a burst is open");
     assert_eq!(
         Session::from_toml(&session.to_toml()).expect("a session").document.filter,
         window.app().model.document.filter
     );
-    window.click("any way");
-    window.click(&format!("Solo {name}"));
-    window.settle();
+    window.click("any way").click(&format!("Solo {name}")).settle();
     assert_eq!(listed(&window), total - first - none, "the switches are as they were");
     window.key(Key::Escape);
 }
@@ -78,12 +70,9 @@ fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep(
 #[test]
 fn a_hidden_layer_is_dark_in_the_field_of_motion() {
     let mut window = open();
-    window.key(Key::O);
-    window.run_action("show field of motion");
-    window.settle();
+    window.key(Key::O).run_action("show field of motion").settle();
     let shown = window.harness.render().expect("a picture");
-    window.app_mut().model.document.filter.solo_layer = Some(1);
-    window.settle();
+    window.change(|document| document.filter.solo_layer = Some(1)).settle();
     let model = &window.app().model;
     let field = Read::of(model).picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
     let solo = window.harness.render().expect("a picture");
@@ -111,8 +100,7 @@ fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
     for moves in [Moves::WithSurroundings, Moves::ByItself, Moves::Edge, Moves::Ghost] {
         let index = features.iter().position(|f| f.moves == moves && f.layer > 0).expect("one moves so");
         let feature = features[index];
-        window.app_mut().model.document.selected = Some(index);
-        window.settle();
+        window.change(|document| document.selected = Some(index)).settle();
         // The unit and the word stand in the names of the rows.
         let motions = [(feature.slope, feature.slope_sigma), (feature.field, feature.field_sigma)];
         for text in motions.map(|(motion, sigma)| motion_text(motion, sigma, 2)) {
@@ -132,18 +120,15 @@ fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
 #[test]
 fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
     let mut window = open();
-    window.run_action("show field of motion");
-    window.settle();
+    window.run_action("show field of motion").settle();
     let model = &window.app().model;
     let field = Read::of(model).picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
     let known = |at: &[f32; 2]| field.known_at(at[0], at[1]).is_some_and(|motion| motion.slope != Slope::default());
     let [u, v] = (2..8).map(|i| [40.0 * i as f32, 100.0]).find(known).expect("a known motion");
     // Cells of 4 pixels are large enough for ellipses then.
-    window.app_mut().model.document.focused_mut().view = View::new(Zoom::PointsPerPixel(8.0), [u, v]);
-    window.settle();
+    window.change(|document| document.focused_mut().view = View::new(Zoom::PointsPerPixel(8.0), [u, v])).settle();
     let at = window.ui_from_image(egui::pos2(u, v)).expect("drawn");
-    window.harness.hover_at(at);
-    window.harness.run_steps(4);
+    window.hover(at).steps(4);
     let motion = field.at(u, v);
     assert!(window.shows(&motion_text(motion.slope, motion.ellipse().0[0], 2)));
 }
@@ -154,8 +139,7 @@ fn the_field_and_all_in_focus_are_pictures() {
     // The features would cover them.
     window.key(Key::O);
     for (action, name) in [("show all in focus", "all_in_focus"), ("show field of motion", "field_of_motion")] {
-        window.run_action(action);
-        window.settle();
+        window.run_action(action).settle();
         window.snapshot(name);
     }
 }

@@ -9,10 +9,8 @@ fn open(path: &Path) -> Window {
     start.startup.params =
         DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into();
     let mut window = start.open();
-    window.run_action("detect");
-    window.settle();
-    window.open_tab("Noise");
-    window.settle();
+    window.run_action("detect").settle();
+    window.open_tab("Noise").settle();
     window
 }
 
@@ -32,8 +30,7 @@ fn the_curve_and_the_map_are_shown_and_opened_in_the_picture() {
     let noise = window.app().model.results.slots.a.found.as_ref().unwrap().detection.noise.clone();
     assert!(noise.is_local && noise.transfer.slope > 0.0005, "{:?}", noise.transfer);
     assert!(window.shows("σ of a frame over brightness") && window.shows("σ² = a·I + b"));
-    window.click("Show σ in the picture");
-    window.settle();
+    window.click("Show σ in the picture").settle();
     assert_eq!(window.app().model.document.focused().content, Content::Map(ViewKind::Noise));
     window.snapshot("noise_tab");
 }

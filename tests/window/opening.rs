@@ -23,8 +23,7 @@ fn with_nothing_open_the_first_page_leads_on() {
     let mut window = Start::nothing_open().open();
     assert!(window.app().model.results.slots.a.burst.is_none());
     assert!(window.shows("or drop a folder"));
-    window.click("Open demo burst");
-    window.settle();
+    window.click("Open demo burst").settle();
     assert_eq!(window.app().read().frame_count(), 10);
 }
 
@@ -33,9 +32,7 @@ fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 4, 48, 64);
     let mut window = Start::without_auto_detect().open();
-    window.dialogs.will_choose(&path);
-    window.click("Open…");
-    window.settle();
+    window.will_choose(&path).click("Open…").settle();
     assert_eq!((window.app().read().frame_count(), window.app().read().size()), (4, (64, 48)));
     assert_eq!(window.app().settings.recent, [BurstSource::Paths(vec![path])]);
 }
@@ -48,8 +45,7 @@ fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
     let mut window = Start::without_auto_detect().open();
     let before = window.app().model.results.slots.a.burst.as_ref().unwrap().id;
     let plane = window.app().read().picture().cloned().unwrap().plane;
-    window.dialogs.will_choose(&path);
-    window.click("Open…");
+    window.will_choose(&path).click("Open…");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("broken-frame.png"));
     assert_eq!(window.app().model.results.slots.a.burst.as_ref().unwrap().id, before);
@@ -64,8 +60,7 @@ fn where_the_system_has_no_dialog_a_path_can_be_typed() {
     let path = noisy_stack(folder.path(), 3, 40, 40);
     let mut window = Start::without_auto_detect().open();
     // The script is empty: there are no dialogs.
-    window.click("Open…");
-    window.wait("the dialog's answer", |app| app.is_settled());
+    window.click("Open…").wait("the dialog's answer", |app| app.is_settled());
     assert!(window.shows("This system shows no file dialog"));
     type_path(&mut window, &path.display().to_string());
     window.settle();
@@ -77,8 +72,7 @@ fn a_dialog_that_ends_without_an_answer_is_said_and_the_path_can_be_typed() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::without_auto_detect().open();
     window.dialogs.will_end();
-    window.run_action("Save parameters…");
-    window.wait("the dialog's answer", |app| app.is_settled());
+    window.run_action("Save parameters…").wait("the dialog's answer", |app| app.is_settled());
     assert!(window.shows("Save parameters: the dialog ended without a file"));
     assert!(!window.shows("This system shows no file dialog"));
     window.click("Type the path…");
@@ -99,16 +93,14 @@ fn files_that_are_dropped_are_opened() {
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 5, 40, 40);
     let mut window = Start::without_auto_detect().open();
-    window.drop_file(path);
-    window.settle();
+    window.drop_file(path).settle();
     assert_eq!(window.app().read().frame_count(), 5);
 }
 
 #[test]
 fn the_name_of_a_built_in_burst_can_be_typed_as_on_the_command_line() {
     let mut window = Start::without_auto_detect().open();
-    window.click("Open…");
-    window.wait("the dialog's answer", |app| app.is_settled());
+    window.click("Open…").wait("the dialog's answer", |app| app.is_settled());
     type_path(&mut window, "demo-later");
     window.settle();
     let open = window.app().model.results.slots.a.burst.as_ref();
@@ -121,21 +113,18 @@ fn what_was_taken_is_a_note_and_what_may_be_wrong_a_warning() {
     let picture = |t: u8| image::RgbImage::from_fn(64, 48, |u, v| image::Rgb([(u * 3) as u8, (v * 4) as u8, 40 * t]));
     (0..3).for_each(|t| picture(t).save(folder.path().join(format!("{t}.jpg"))).unwrap());
     let mut window = Start::without_auto_detect().open();
-    window.drop_file(folder.path().to_owned());
-    window.settle();
+    window.drop_file(folder.path().to_owned()).settle();
     let burst = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.clone();
     let notes: Vec<String> = burst.notes().iter().map(|note| note.for_window()).collect();
     assert!(notes.len() > burst.taken.len(), "pictures of screens are no measurements");
     let words = if notes.len() == 1 { "1 warning".to_owned() } else { format!("{} warnings", notes.len()) };
-    window.click(&words);
-    window.settle();
+    window.click(&words).settle();
     notes.iter().for_each(|note| assert!(window.shows(note), "not only the last one: {note}"));
     // The axes of an array are only taken for something.
     let array = ndarray::Array4::from_shape_fn((5, 5, 40, 48), |(j, i, v, u)| ((i + 2 * j + u * v) % 17) as f32 / 17.0);
     let views = folder.path().join("views.npy");
     ndarray_npy::write_npy(&views, &array).unwrap();
-    window.drop_file(views);
-    window.settle();
+    window.drop_file(views).settle();
     assert!(window.shows("1 note") && !window.shows("warning"));
 }
 
@@ -145,8 +134,7 @@ pub fn type_path(window: &mut crate::support::Window, text: &str) {
     let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
     field.focus();
     field.type_text(text);
-    window.harness.run_steps(2);
-    window.key(egui::Key::Enter);
+    window.steps(2).key(egui::Key::Enter);
 }
 
 #[test]
@@ -154,8 +142,7 @@ fn the_failures_to_look_at_open_from_the_help_menu_and_are_kept_in_sessions() {
     use burstscope::synth::Example;
     for example in Example::ALL {
         let mut window = Start::without_auto_detect().open();
-        window.run_action(example.label());
-        window.settle();
+        window.run_action(example.label()).settle();
         let source = BurstSource::Example(example);
         assert_eq!(window.app().model.results.slots.a.burst.as_ref().map(|open| &open.source), Some(&source));
         let frames = if example == Example::Views { 25 } else { burstscope::synth::examples::EXAMPLE_FRAMES };
@@ -175,25 +162,18 @@ fn a_file_without_header_is_opened_in_the_shape_that_is_chosen_from_pictures() {
     let bytes: Vec<u8> = frames.iter().flat_map(|x| ((9000.0 * (x + 0.1)) as u16).to_le_bytes()).collect();
     std::fs::write(&path, bytes).unwrap();
     let mut window = Start::without_auto_detect().open();
-    window.dialogs.will_choose(&path);
-    window.click("Open…");
-    window.wait("the question", |app| app.asks_for_shape());
-    window.harness.run_steps(3);
+    window.will_choose(&path).click("Open…").wait("the question", |app| app.asks_for_shape()).steps(3);
     let shape = |window: &Window, name: &str| window.harness.query_by_role_and_label(Role::RadioButton, name).is_some();
     assert!(window.shows("Shape of a file without header"), "no error, but a question");
     assert!(shape(&window, "320x240:u16le, 20 frames") && shape(&window, "320x240:u8, 40 frames"));
     window.snapshot("shape_of_a_dump");
     let field = |window: &Window| window.harness.get_by_role_and_label(Role::TextInput, "Shape").rect().center();
-    window.harness.get_by_role_and_label(Role::RadioButton, "320x240:u8, 40 frames").click();
-    window.harness.run_steps(3);
+    window.click_on(Role::RadioButton, "320x240:u8, 40 frames").steps(3);
     window.click_at(field(&window));
     window.harness.get_by_role_and_label(Role::TextInput, "Shape").type_text(":");
     window.harness.run_steps(3);
     assert!(window.shows("is not WIDTHxHEIGHT:TYPE"));
-    window.harness.get_by_role_and_label(Role::RadioButton, "320x240:u16le, 20 frames").click();
-    window.harness.run_steps(3);
-    window.click("Open");
-    window.settle();
+    window.click_on(Role::RadioButton, "320x240:u16le, 20 frames").steps(3).click("Open").settle();
     assert_eq!((window.app().read().frame_count(), window.app().read().size()), (20, (320, 240)));
     assert_eq!(
         window.app().model.document.calibration.raw.map(|raw| raw.to_string()).as_deref(),
@@ -210,10 +190,7 @@ fn the_shape_that_is_typed_is_previewed_and_one_that_does_not_fit_says_which_wou
     let values = frames.iter().flat_map(|x| ((9000.0 * (x + 0.1)) as u16).to_le_bytes());
     std::fs::write(&path, [7; 5].into_iter().chain(values).collect::<Vec<u8>>()).unwrap();
     let mut window = Start::without_auto_detect().open();
-    window.dialogs.will_choose(&path);
-    window.click("Open…");
-    window.wait("the question", |app| app.asks_for_shape());
-    window.harness.run_steps(3);
+    window.will_choose(&path).click("Open…").wait("the question", |app| app.asks_for_shape()).steps(3);
     assert!(window.shows("No usual size fills this file"), "it has a header of five bytes");
     let field = |window: &Window| window.harness.get_by_role_and_label(Role::TextInput, "Shape").rect().center();
     window.click_at(field(&window));
@@ -226,8 +203,7 @@ fn the_shape_that_is_typed_is_previewed_and_one_that_does_not_fit_says_which_wou
     assert!(!window.shows("no whole number"));
     let words = "First frame in 320x240:u16le+5, 20 frames";
     assert!(window.harness.query_by_role_and_label(Role::Image, words).is_some());
-    window.click("Open");
-    window.settle();
+    window.click("Open").settle();
     assert_eq!((window.app().read().frame_count(), window.app().read().size()), (20, (320, 240)));
     let model = &window.app().model;
     assert!(model.results.shape.asked().is_none(), "nothing is read for a form that is closed");
@@ -258,29 +234,20 @@ fn tab_completes_a_path_and_arrows_choose_among_names_and_paths_of_before() {
     window.key(egui::Key::Tab);
     write(&mut window, "t");
     assert!(!window.shows("night-one/") && window.shows("night-two/"));
-    window.key(egui::Key::Backspace);
-    window.settle();
-    window.key(egui::Key::ArrowDown);
-    window.key(egui::Key::Enter);
+    window.key(egui::Key::Backspace).settle();
+    window.key(egui::Key::ArrowDown).key(egui::Key::Enter);
     assert!(window.shows("Open a path"), "the name is chosen, and nothing is opened yet");
     window.settle();
-    window.key(egui::Key::Tab);
-    window.key(egui::Key::Enter);
-    window.settle();
+    window.key(egui::Key::Tab).key(egui::Key::Enter).settle();
     assert_eq!(window.app().settings.recent, [BurstSource::Paths(vec![path.clone()])]);
     // Built-in bursts are completed as files are.
     begin(&mut window);
     write(&mut window, "demo-al");
-    window.key(egui::Key::Tab);
-    window.key(egui::Key::Enter);
-    window.settle();
+    window.key(egui::Key::Tab).key(egui::Key::Enter).settle();
     let source = |window: &Window| window.app().model.results.slots.a.burst.as_ref().map(|open| open.source.clone());
     assert_eq!(source(&window), BurstSource::named("demo-aliasing"));
     // On an empty line the arrow offers what was opened last.
     begin(&mut window);
-    window.key(egui::Key::ArrowDown);
-    window.key(egui::Key::Enter);
-    window.key(egui::Key::Enter);
-    window.settle();
+    window.key(egui::Key::ArrowDown).key(egui::Key::Enter).key(egui::Key::Enter).settle();
     assert_eq!(source(&window), Some(BurstSource::Paths(vec![path])));
 }

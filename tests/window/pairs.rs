@@ -23,11 +23,9 @@ fn middle_of(window: &Window, index: usize) -> egui::Pos2 {
 #[test]
 fn a_second_burst_is_opened_beside_the_first_and_matched() {
     let mut window = Start { size: [1400.0, 900.0], ..Start::default() }.open();
-    window.choose("One burst ⏷", "Two bursts");
-    window.settle();
+    window.choose("One burst ⏷", "Two bursts").settle();
     assert!(window.shows("Open a second burst"));
-    window.click("Later demo burst as B");
-    window.settle();
+    window.click("Later demo burst as B").settle();
     let model = &window.app().model;
     let names = Side::BOTH.map(|side| Read::of(model).burst_of(side).unwrap().burst.name.clone());
     assert_eq!(names, ["demo", "demo-later"]);
@@ -59,13 +57,10 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
 fn a_match_is_pointed_at_chosen_and_seen_alone() {
     let mut window = pair();
     // Zoomed in on one match with no others nearby.
-    window.click("Sort by σ A");
-    window.click("Sort by σ A");
-    window.settle();
+    window.click("Sort by σ A").click("Sort by σ A").settle();
     let index = window.app().model.results.pair.listed[0];
     let pos = middle_of(&window, index);
-    window.click_at(pos);
-    window.settle();
+    window.click_at(pos).settle();
     let chosen = window.app().model.document.selected_match.expect("a line is there");
     assert!(window.shows(&format!("Match {chosen}: ")));
     for name in ["Patch in A", "Patch in B", "Descriptor in A", "Descriptor in B"] {
@@ -80,8 +75,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
         [row.found.ratio.map_or("no other".to_owned(), |ratio| format!("{ratio:.3}")), "Epipolar error".to_owned()];
     assert!(shown.iter().all(|text| window.shows(text)), "{shown:?}");
     // Rows and keys select too.
-    window.harness.get_by_role_and_label(Role::Row, &format!("Match {chosen}")).click();
-    window.harness.run_steps(2);
+    window.click_on(Role::Row, &format!("Match {chosen}")).steps(2);
     assert_eq!(
         window.app().model.document.selected_match,
         Some(chosen),
@@ -91,8 +85,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     assert_eq!(window.app().model.document.selected_match, Some(index));
     window.key(Key::N);
     assert_eq!(window.app().model.document.selected_match, Some(window.app().model.results.pair.listed[1]));
-    window.key(Key::Enter);
-    window.settle();
+    window.key(Key::Enter).settle();
     let model = &window.app().model;
     let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
     assert_eq!(
@@ -106,8 +99,7 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
 #[test]
 fn headings_sort_and_switches_leave_out() {
     let mut window = pair();
-    window.click("Sort by Ratio");
-    window.settle();
+    window.click("Sort by Ratio").settle();
     let ratios = |window: &Window| -> Vec<f32> {
         let pair = &window.app().model.results.pair;
         let matches = pair.matches.as_ref().unwrap();
@@ -117,12 +109,9 @@ fn headings_sort_and_switches_leave_out() {
     assert!(ratios(&window).is_sorted());
     let counts = window.app().model.results.pair.matches.as_ref().unwrap().result.counts;
     assert_eq!(ratios(&window).len(), counts.putative);
-    window.harness.get_by_role_and_label(Role::CheckBox, "Outliers").click();
-    window.settle();
+    window.click_on(Role::CheckBox, "Outliers").settle();
     assert_eq!(ratios(&window).len(), counts.inliers.unwrap());
-    window.key(Key::U);
-    window.key(Key::I);
-    window.settle();
+    window.key(Key::U).key(Key::I).settle();
     assert_eq!(ratios(&window).len(), counts.putative - counts.inliers.unwrap());
 }
 
@@ -136,33 +125,27 @@ fn parameters_of_matching_are_live_documented_and_checked() {
         assert!(doc.unit.is_empty() || window.shows(doc.unit), "the unit of {}", doc.label);
     }
     // Predicted matches have a ratio of their own.
-    window.app_mut().model.document.matching.predict = false;
-    window.settle();
+    window.change(|document| document.matching.predict = false).settle();
     let before = window.app().model.results.pair.matches.as_ref().unwrap().result.clone();
-    window.app_mut().model.document.matching.ratio = 0.6;
-    window.settle();
+    window.change(|document| document.matching.ratio = 0.6).settle();
     let after = window.app().model.results.pair.matches.as_ref().unwrap().result.clone();
     assert!(
         after.matches.len() < before.matches.len()
             && after.matches.iter().all(|m| m.ratio.is_none_or(|ratio| ratio <= 0.6))
     );
-    window.app_mut().model.document.matching.ratio = -1.0;
-    window.settle();
+    window.change(|document| document.matching.ratio = -1.0).settle();
     assert!(window.shows("give more than 0 and at most 1"));
     assert_eq!(
         window.app().model.results.pair.matches.as_ref().unwrap().result.counts,
         after.counts,
         "the last ones stay"
     );
-    window.click("Reset Ratio test");
-    window.settle();
+    window.click("Reset Ratio test").settle();
     assert_eq!(window.app().model.results.pair.matches.as_ref().unwrap().result.counts, before.counts);
     // The essential matrix needs the camera.
-    window.app_mut().model.document.matching.geometry = Geometry::Essential;
-    window.settle();
+    window.change(|document| document.matching.geometry = Geometry::Essential).settle();
     assert!(window.shows("the essential matrix needs the camera's intrinsics"));
-    window.click("Guess");
-    window.settle();
+    window.click("Guess").settle();
     let model = &window.app().model;
     assert_eq!(model.document.matching.camera.as_ref().map(|c| (c.width, c.height)), Some((480, 360)));
     assert!(model.results.pair.matches.as_ref().unwrap().model().is_some());
@@ -171,16 +154,11 @@ fn parameters_of_matching_are_live_documented_and_checked() {
 #[test]
 fn hands_move_together_or_each_its_own() {
     let mut window = pair();
-    window.slide("Slope u", 1.25);
-    window.settle();
+    window.slide("Slope u", 1.25).settle();
     let slopes = |window: &Window| Side::BOTH.map(|side| window.app().model.document.panes.of(side).cursor.slope.u);
     assert_eq!(slopes(&window), [1.25, 1.25]);
-    window.harness.get_by_role_and_label(Role::CheckBox, "Slope and scale together").click();
-    window.harness.run_steps(2);
-    window.click("Cursor of B");
-    window.slide("Slope u", -0.5);
-    window.key(Key::Num3);
-    window.settle();
+    window.click_on(Role::CheckBox, "Slope and scale together").steps(2).click("Cursor of B");
+    window.slide("Slope u", -0.5).key(Key::Num3).settle();
     assert_eq!(slopes(&window), [1.25, -0.5]);
     assert_eq!(
         Side::BOTH.map(|side| window.app().model.document.panes.of(side).cursor.kind),
@@ -188,9 +166,7 @@ fn hands_move_together_or_each_its_own() {
     );
     assert!(window.app().read().pictures_are_current());
     assert!(window.shows("A  Stack (1.25, 0)") && window.shows("B  DoG 0/0 (−0.5, 0)"));
-    window.key(Key::T);
-    window.key(Key::K);
-    window.settle();
+    window.key(Key::T).key(Key::K).settle();
     assert_eq!(slopes(&window), [1.25, 1.25], "the one that the sliders do not move comes to the other");
 }
 
@@ -214,8 +190,7 @@ fn both_pictures_zoom_and_pan_together_when_asked() {
 }
 
 fn zoom_at(window: &mut Window, pos: egui::Pos2) {
-    window.harness.hover_at(pos);
-    window.harness.run_steps(1);
+    window.hover(pos).steps(1);
     window.harness.event(egui::Event::Zoom(1.8));
     window.harness.run_steps(4);
     window.harness.remove_cursor();
@@ -237,11 +212,9 @@ fn files_dropped_on_the_right_pane_are_opened_there() {
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 5, 60, 80);
     let mut window = Start::without_auto_detect().open();
-    window.ctrl(egui::Key::Num2);
-    window.settle();
+    window.ctrl(egui::Key::Num2).settle();
     let pane = window.app().widgets.rect_ui(PaneId::of(Side::B)).unwrap();
-    window.harness.hover_at(pane.center());
-    window.harness.run_steps(1);
+    window.hover(pane.center()).steps(1);
     window.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
     window.harness.step();
     window.settle();
@@ -249,8 +222,7 @@ fn files_dropped_on_the_right_pane_are_opened_there() {
     assert_eq!(Read::of(model).burst_of(Side::A).unwrap().burst.name, "demo");
     assert_eq!(Read::of(model).burst_of(Side::B).unwrap().burst.size(), (80, 60));
     assert!(window.shows("No features yet in A and B"));
-    window.run_action("swap a and b");
-    window.settle();
+    window.run_action("swap a and b").settle();
     assert_eq!(window.app().read().size(), (80, 60));
 }
 
@@ -259,23 +231,13 @@ fn a_session_brings_the_pair_back() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("pair.burstscope.toml");
     let mut window = pair();
-    window.app_mut().model.document.matching.ratio = 0.7;
-    window.settle();
-    window.key(Key::Home);
-    window.key(Key::N);
-    window.key(Key::K);
-    window.click("Cursor of B");
-    window.slide("Slope u", 0.75);
-    window.settle();
+    window.change(|document| document.matching.ratio = 0.7).settle();
+    window.key(Key::Home).key(Key::N).key(Key::K).click("Cursor of B").slide("Slope u", 0.75).settle();
     let saved = window.app().read().saved_match().unwrap();
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
+    window.will_choose(&file).run_action("save session").settle();
 
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    other.will_choose(&file).run_action("open session").settle();
     let model = &other.app().model;
     assert_eq!(model.document.workspace, Workspace::Pair);
     assert_eq!(Read::of(model).burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
@@ -289,8 +251,7 @@ fn a_session_brings_the_pair_back() {
 fn a_second_burst_that_cannot_be_opened_is_named_and_the_pair_stays() {
     let mut window = pair();
     let before = window.app().read().burst_of(Side::B).unwrap().id;
-    window.dialogs.will_choose("/no/such/burst-of-frames");
-    window.run_action("open b: folder");
+    window.will_choose("/no/such/burst-of-frames").run_action("open b: folder");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("burst-of-frames"));
     assert_eq!(window.app().read().burst_of(Side::B).unwrap().id, before);
@@ -301,9 +262,7 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = pair();
     for (action, name) in [("matches as csv", "m.csv"), ("figure as before", "m.png")] {
-        window.dialogs.will_choose(folder.path().join(name));
-        window.run_action(action);
-        window.settle();
+        window.will_choose(folder.path().join(name)).run_action(action).settle();
         assert!(window.shows(&format!("Wrote {}", folder.path().join(name).display())), "{action}");
     }
     let counts = window.app().model.results.pair.matches.as_ref().unwrap().result.counts;
@@ -330,8 +289,7 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
         why.starts_with("Error aligned ") && why.ends_with("at most 1.40 px is allowed: 0.35 × the max error of 4 px"),
         "{why}"
     );
-    window.app_mut().model.document.selected_match = Some(index);
-    window.settle();
+    window.change(|document| document.selected_match = Some(index)).settle();
     assert!(window.shows(&format!("Match {index}: ")) && window.shows("predicted by its motion"));
     for row in ["Ratio among all", "Error as found", " aligned"] {
         assert!(window.shows(row), "{row}");
@@ -339,20 +297,15 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     // The explanation below says the same of it.
     let ratios = window.app().model.results.pair.matches.as_ref().unwrap().row(index).unwrap().found.ratio_words();
     assert!(window.shows(&format!("ratio {ratios}")), "{ratios}");
-    window.app_mut().model.document.selected_match = None;
-    window.settle();
+    window.change(|document| document.selected_match = None).settle();
     // 181 mm at 300 pixels an inch.
     assert_eq!(image::open(folder.path().join("m.png")).unwrap().width(), 2138);
     let svg = folder.path().join("m.svg");
-    window.dialogs.will_choose(&svg);
-    window.run_action("figure as before");
-    window.settle();
+    window.will_choose(&svg).run_action("figure as before").settle();
     let as_drawn = std::fs::read_to_string(&svg).unwrap();
     window.app_mut().model.document.figure.matches = burstscope::export::FigureAmount::All;
     let whole = folder.path().join("all.svg");
-    window.dialogs.will_choose(&whole);
-    window.run_action("figure as before");
-    window.settle();
+    window.will_choose(&whole).run_action("figure as before").settle();
     let text = std::fs::read_to_string(&whole).unwrap();
     let inliers = counts.inliers.unwrap();
     assert!(
@@ -384,8 +337,7 @@ fn match_between(window: &mut Window, a: PaneId, b: PaneId) -> Option<usize> {
     let mut found = None;
     // Part of the line is in the gap between the two pictures, where nothing is hovered.
     for part in [0.2, 0.4, 0.6, 0.8] {
-        window.harness.hover_at(from + part * (to - from));
-        window.harness.run_steps(2);
+        window.hover(from + part * (to - from)).steps(2);
         found = window.app().model.results.pair.hovered.or(found);
     }
     window.harness.remove_cursor();
@@ -396,15 +348,12 @@ fn match_between(window: &mut Window, a: PaneId, b: PaneId) -> Option<usize> {
 #[test]
 fn a_pane_that_is_split_has_its_part_of_the_matches() {
     let mut window = pair();
-    window.key(Key::Home);
-    window.settle();
+    window.key(Key::Home).settle();
     let selected = window.app().model.document.selected_match;
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     assert_eq!(match_between(&mut window, a, b), selected);
     // A twice: the lines begin at the pane beside B, the other one keeps the ends.
-    window.click("Split right 1");
-    window.key(Key::Num3);
-    window.settle();
+    window.click("Split right 1").key(Key::Num3).settle();
     let [first, second, b] = shown(&window)[..] else { panic!("three panes") };
     assert!(window.app().model.document.panes.get(second).unwrap().shows(ViewKind::Dog));
     for name in ["Picture A, pane 1", "Picture A, pane 2", "Picture B"] {
@@ -413,8 +362,7 @@ fn a_pane_that_is_split_has_its_part_of_the_matches() {
     assert_eq!(match_between(&mut window, second, b), selected);
     let row = selected.and_then(|index| window.app().model.results.pair.matches.as_ref()?.row(index).map(|row| *row.a));
     let end = pos_in(&window, first, &row.unwrap());
-    window.harness.hover_at(end);
-    window.harness.run_steps(2);
+    window.hover(end).steps(2);
     assert_eq!(window.app().model.results.pair.hovered, selected);
     window.snapshot("two_bursts_split");
 }
@@ -422,8 +370,7 @@ fn a_pane_that_is_split_has_its_part_of_the_matches() {
 #[test]
 fn matches_go_to_where_a_person_puts_the_panes() {
     let mut window = pair();
-    window.key(Key::Home);
-    window.settle();
+    window.key(Key::Home).settle();
     let selected = window.app().model.document.selected_match;
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     let middle = |window: &Window, id: PaneId| window.app().widgets.rect_ui(id).unwrap().center();
@@ -431,17 +378,14 @@ fn matches_go_to_where_a_person_puts_the_panes() {
     // B is dragged by its name and dropped below A.
     let grip = window.app().widgets.rect_ui(b).unwrap().left_top() + egui::vec2(40.0, 12.0);
     let target = window.app().widgets.rect_ui(a).unwrap().center_bottom() - egui::vec2(0.0, 30.0);
-    window.harness.hover_at(grip);
-    window.harness.run_steps(1);
+    window.hover(grip).steps(1);
     window.harness.drag_at(grip);
     window.harness.run_steps(1);
     for part in [0.1, 0.4, 0.7, 1.0] {
-        window.harness.hover_at(grip + part * (target - grip));
-        window.harness.run_steps(2);
+        window.hover(grip + part * (target - grip)).steps(2);
     }
     window.harness.drop_at(target);
-    window.harness.run_steps(4);
-    window.settle();
+    window.steps(4).settle();
     assert!(middle(&window, a).y < middle(&window, b).y, "B is below A now");
     assert_eq!(match_between(&mut window, a, b), selected);
     window.snapshot("two_bursts_stacked");
@@ -450,12 +394,7 @@ fn matches_go_to_where_a_person_puts_the_panes() {
 #[test]
 fn both_bursts_their_difference_a_wipe_and_a_flip() {
     let mut window = pair();
-    window.click("Menu of pane 1");
-    window.harness.run_steps(3);
-    window.click("Layout");
-    window.harness.run_steps(3);
-    window.click("A, B and their difference");
-    window.settle();
+    window.click("Menu of pane 1").steps(3).click("Layout").steps(3).click("A, B and their difference").settle();
     let [a, b, difference] = shown(&window)[..] else { panic!("three panes") };
     let model = &window.app().model;
     assert_eq!(model.document.panes.get(difference).unwrap().content, Content::Difference(a, b));
@@ -463,13 +402,11 @@ fn both_bursts_their_difference_a_wipe_and_a_flip() {
     assert_eq!(plane(difference).at(90, 70), plane(a).at(90, 70) - plane(b).at(90, 70));
     window.snapshot("two_bursts_difference");
     // The pane of A with the picture of B over it.
-    window.app_mut().model.document.panes.set_focus(a);
-    window.key(Key::W);
+    window.change(|document| document.panes.set_focus(a)).key(Key::W);
     assert_eq!(window.app().model.document.panes.over(a), Some(Over::Wipe { other: b, at: 0.5 }));
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());
-    window.key(Key::W);
-    window.key(Key::Y);
+    window.key(Key::W).key(Key::Y);
     assert_eq!(window.app().model.document.panes.over(a), Some(Over::Flip { other: b, flipped: true }));
 }
 
@@ -479,18 +416,12 @@ fn a_session_keeps_how_two_bursts_are_arranged() {
     let file = folder.path().join("arranged.burstscope.toml");
     let mut window = pair();
     window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::S);
-    window.harness.run_steps(2);
-    window.key(Key::Num3);
-    window.settle();
+    window.steps(2).key(Key::Num3).settle();
     let arrangement = window.app().model.document.panes.arrangement().clone();
     assert_eq!(arrangement.panes().len(), 3);
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
+    window.will_choose(&file).run_action("save session").settle();
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    other.will_choose(&file).run_action("open session").settle();
     let panes = &other.app().model.document.panes;
     assert_eq!((panes.arrangement(), panes.focus()), (&arrangement, window.app().model.document.panes.focus()));
     assert!(panes.get(panes.focus()).unwrap().shows(ViewKind::Dog));

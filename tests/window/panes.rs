@@ -12,8 +12,7 @@ fn open() -> Window {
 
 /// The window after a key that lays out a preset.
 fn laid_out(mut window: Window, key: Key) -> Window {
-    window.key(key);
-    window.settle();
+    window.key(key).settle();
     window
 }
 
@@ -32,8 +31,7 @@ fn middle(window: &Window, number: usize) -> Pos2 {
 }
 
 fn zoom_at(window: &mut Window, pos: Pos2) {
-    window.harness.hover_at(pos);
-    window.harness.run_steps(1);
+    window.hover(pos).steps(1);
     window.harness.event(egui::Event::Zoom(1.8));
     window.harness.run_steps(4);
 }
@@ -57,25 +55,20 @@ fn every_kind_of_picture_is_what_the_library_makes() {
 fn panes_are_split_by_buttons_and_keys_and_closed() {
     let mut window = open();
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "Picture").is_some());
-    window.key(Key::S);
-    window.settle();
+    window.key(Key::S).settle();
     assert_eq!(shown(&window).len(), 2);
     let new = window.app().model.document.panes.focus();
     assert_eq!(new, shown(&window)[1], "the new pane has the focus");
-    window.key(Key::Num1);
-    window.settle();
+    window.key(Key::Num1).settle();
     let panes = &window.app().model.document.panes;
     assert!(panes.get(new).unwrap().shows(ViewKind::Frame) && panes.of(Side::A).shows(ViewKind::Stack));
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
-    window.harness.run_steps(2);
-    window.settle();
+    window.steps(2).settle();
     assert_eq!(shown(&window).len(), 3);
     // Each pane has these buttons, named by its number.
-    window.click("Close pane 2");
-    window.settle();
+    window.click("Close pane 2").settle();
     assert_eq!(shown(&window).len(), 2);
-    window.ctrl(Key::W);
-    window.settle();
+    window.ctrl(Key::W).settle();
     assert_eq!(shown(&window), [PaneId::of(Side::A)]);
     window.ctrl(Key::W);
     assert_eq!(shown(&window).len(), 1, "the last one stays");
@@ -89,12 +82,9 @@ fn a_click_gives_a_pane_the_focus_and_keys_move_it() {
     let pos = middle(&window, 2) + egui::vec2(0.0, 150.0);
     window.click_at(pos);
     assert_eq!(window.app().model.document.panes.focus(), shown(&window)[1]);
-    window.key(Key::ArrowRight);
-    window.settle();
+    window.key(Key::ArrowRight).settle();
     assert_eq!(slopes(&window), [-2.0, 0.0], "two slopes are moved each on its own");
-    window.key(Key::J);
-    window.key(Key::ArrowRight);
-    window.settle();
+    window.key(Key::J).key(Key::ArrowRight).settle();
     assert_eq!(slopes(&window), [-1.0, 0.0]);
     assert!(window.app().read().pictures_are_current());
 }
@@ -103,12 +93,9 @@ fn a_click_gives_a_pane_the_focus_and_keys_move_it() {
 fn a_strip_moves_as_one_until_a_pane_is_let_go() {
     let mut window = laid_out(open(), Key::Num8);
     assert_eq!(slopes(&window), [-3.0, -2.0, -1.0, 0.0, 1.0]);
-    window.key(Key::ArrowRight);
-    window.settle();
+    window.key(Key::ArrowRight).settle();
     assert_eq!(slopes(&window), [-2.0, -1.0, 0.0, 1.0, 2.0]);
-    window.click("Link cursor of pane 5");
-    window.slide("Slope u", 0.5);
-    window.settle();
+    window.click("Link cursor of pane 5").slide("Slope u", 0.5).settle();
     assert_eq!(slopes(&window), [-0.5, 0.5, 1.5, 2.5, 2.0]);
     let model = &window.app().model;
     let last = Read::of(model).picture_in(shown(&window)[0]).unwrap();
@@ -130,8 +117,7 @@ fn views_move_together_where_they_are_linked() {
     let first = zooms(&window);
     assert!(first[0] != Zoom::Fit && first[0] == first[1], "{first:?}");
     window.harness.remove_cursor();
-    window.harness.run_steps(2);
-    window.click("Link view of pane 2");
+    window.steps(2).click("Link view of pane 2");
     zoom_at(&mut window, pos);
     let second = zooms(&window);
     assert!(second[0] != first[0] && second[1] == first[1], "{second:?}");
@@ -140,16 +126,13 @@ fn views_move_together_where_they_are_linked() {
 #[test]
 fn a_display_of_its_own_is_changed_alone() {
     let mut window = laid_out(open(), Key::Num7);
-    window.click("Link display of pane 1");
-    window.settle();
+    window.click("Link display of pane 1").settle();
     assert!(window.shows("This pane's range for motion stacks and merged frames"));
-    window.click("Full range");
-    window.settle();
+    window.click("Full range").settle();
     let model = &window.app().model;
     let displays: Vec<_> = shown(&window).iter().map(|id| Read::of(model).display_of(*id)).collect();
     assert_ne!(displays[0].max, displays[1].max);
-    window.click("Link display of pane 1");
-    window.settle();
+    window.click("Link display of pane 1").settle();
     let model = &window.app().model;
     assert_eq!(Read::of(model).display_of(shown(&window)[0]), displays[1]);
 }
@@ -174,8 +157,7 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
     );
     let place = pos2(200.3, 150.2);
     let at = window.app().widgets.pos_ui(stack, place).unwrap();
-    window.harness.hover_at(at);
-    window.harness.run_steps(3);
+    window.hover(at).steps(3);
     let values = window.app().widgets.values.clone();
     assert_eq!(values.iter().map(|v| v.id).collect::<Vec<_>>(), [stack, frame]);
     assert!((values[0].readout.u - 200.3).abs() < 0.6);
@@ -184,9 +166,7 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
     let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
     assert_eq!(values[1].readout.value, burst.frames[9].at(values[1].readout.pixel.0, values[1].readout.pixel.1));
     assert!(window.shows("v 150.") && window.shows("2: 0."), "the status bar has both values");
-    window.click("Link place of pane 1");
-    window.harness.hover_at(at);
-    window.harness.run_steps(3);
+    window.click("Link place of pane 1").hover(at).steps(3);
     assert_eq!(window.app().widgets.values.len(), 1);
 }
 
@@ -196,21 +176,16 @@ fn a_pane_is_laid_over_another_as_a_wipe_and_as_a_flip() {
     let focus = window.app().model.document.panes.focus();
     let other = shown(&window)[0];
     let over = |window: &Window| window.app().model.document.panes.get(focus).unwrap().over;
-    window.key(Key::W);
-    window.settle();
+    window.key(Key::W).settle();
     assert_eq!(over(&window), Some(Over::Wipe { other, at: 0.5 }));
     let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
     window.harness.drag_at(handle);
-    window.harness.run_steps(1);
-    window.harness.hover_at(handle + egui::vec2(60.0, 0.0));
-    window.harness.run_steps(1);
+    window.steps(1).hover(handle + egui::vec2(60.0, 0.0)).steps(1);
     window.harness.drop_at(handle + egui::vec2(60.0, 0.0));
     window.harness.run_steps(2);
     let Some(Over::Wipe { at, .. }) = over(&window) else { panic!("still a wipe") };
     assert!(at > 0.55, "{at}");
-    window.key(Key::W);
-    window.key(Key::Y);
-    window.settle();
+    window.key(Key::W).key(Key::Y).settle();
     assert_eq!(over(&window), Some(Over::Flip { other, flipped: true }));
     assert!(window.shows("1  ·  Frame 5"), "what is on show is said");
     window.key(Key::W);
@@ -220,18 +195,12 @@ fn a_pane_is_laid_over_another_as_a_wipe_and_as_a_flip() {
 #[test]
 fn a_difference_is_chosen_in_the_menu_of_a_third_pane() {
     let mut window = laid_out(open(), Key::Num7);
-    window.key(Key::S);
-    window.settle();
+    window.key(Key::S).settle();
     let [a, b, c] = shown(&window)[..] else { panic!("three panes") };
     let number = window.app().model.document.panes.number(window.app().model.document.panes.focus()).unwrap();
-    window.click(&format!("Menu of pane {number}"));
-    window.harness.run_steps(3);
-    window.click("Difference");
-    window.harness.run_steps(3);
+    window.click(&format!("Menu of pane {number}")).steps(3).click("Difference").steps(3);
     let others: Vec<usize> = (1..=3).filter(|n| *n != number).collect();
-    window.click(&format!("{} minus", others[0]));
-    window.harness.run_steps(3);
-    window.click(&format!("{} − {}", others[0], others[1]));
+    window.click(&format!("{} minus", others[0])).steps(3).click(&format!("{} − {}", others[0], others[1]));
     window.settle();
     let model = &window.app().model;
     let focus = model.document.panes.focus();
@@ -246,21 +215,14 @@ fn a_pane_shows_the_other_burst() {
     let mut start = Start { size: [1280.0, 800.0], ..Start::default() };
     start.startup.second = Some(BurstSource::DemoLater);
     let mut window = start.open();
-    window.click("One burst");
-    window.key(Key::S);
-    window.click("Menu of pane 2");
-    window.harness.run_steps(3);
-    window.harness.get_by_role_and_label(Role::RadioButton, "B").click();
-    window.harness.run_steps(2);
-    window.key(Key::Escape);
-    window.settle();
+    window.click("One burst").key(Key::S).click("Menu of pane 2").steps(3).click_on(Role::RadioButton, "B");
+    window.steps(2).key(Key::Escape).settle();
     let model = &window.app().model;
     let id = shown(&window)[1];
     assert_eq!(model.document.panes.get(id).unwrap().side, Side::B);
     assert_eq!(Read::of(model).picture_in(id).unwrap().request.burst.id, Read::of(model).burst_of(Side::B).unwrap().id);
     // Closing B also closes the pane.
-    window.run_action("close b");
-    window.settle();
+    window.run_action("close b").settle();
     assert_eq!(shown(&window), [PaneId::of(Side::A)]);
 }
 
@@ -283,16 +245,14 @@ fn preset_strip_of_slopes() {
 fn preset_nine_slopes_small() {
     let slopes = burstscope::detector::SlopeGrid::line(-3.0..=3.0, 13);
     let mut window = flat::open_with(flat::at_slopes([1024.0, 700.0], slopes));
-    window.run_action("layout: 9 slopes");
-    window.settle();
+    window.run_action("layout: 9 slopes").settle();
     window.snapshot("flat/preset_nine_slopes");
 }
 
 #[test]
 fn preset_strip_of_scales() {
     let mut window = flat::open([1280.0, 800.0]);
-    window.run_action("layout: scales");
-    window.settle();
+    window.run_action("layout: scales").settle();
     window.snapshot("flat/preset_strip_of_scales");
 }
 
@@ -330,8 +290,7 @@ fn rect_of(window: &Window, role: Role, label: &str) -> Rect {
 #[test]
 fn at_1024_by_700_the_picture_and_the_columns_that_matter_are_seen() {
     let mut window = Start { size: [1024.0, 700.0], ..Start::default() }.open();
-    window.key(Key::Home);
-    window.settle();
+    window.key(Key::Home).settle();
     window.snapshot("small_window");
     // The panel on the right ends where the table does.
     let right = rect_of(&window, Role::Button, "Why?").left();
@@ -352,8 +311,7 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
     let mut window = start.open();
     assert!(window.app().read().found_of(Side::B).is_some());
     window.snapshot("two_bursts_narrow");
-    window.click("Unmatched");
-    window.settle();
+    window.click("Unmatched").settle();
     // Between the two panels on the sides.
     let left = rect_of(&window, Role::SpinButton, "Frame").right();
     let right = window.harness.get_by_label("Selected match").rect().left();

@@ -6,8 +6,7 @@ use egui::Shape;
 
 fn probe_at(window: &mut Window, u: f32, v: f32) {
     let at = window.ui_from_image(pos2(u, v)).unwrap();
-    window.shift_click_at(at);
-    window.settle();
+    window.shift_click_at(at).settle();
 }
 
 fn pinned(window: &Window) -> Vec<(String, [f32; 2])> {
@@ -38,32 +37,24 @@ fn a_pinned_place_has_a_name_and_stays_with_its_burst() {
     // The field of its name, and the picture.
     assert_eq!(drawn(&window, "Place 1"), 2);
     window.harness.get_by_role_and_label(Role::TextInput, "Name of place").focus();
-    window.harness.run_steps(2);
-    window.ctrl(Key::A);
+    window.steps(2).ctrl(Key::A);
     window.harness.get_by_role_and_label(Role::TextInput, "Name of place").type_text("mast");
-    window.harness.run_steps(2);
-    window.key(Key::Enter);
-    window.settle();
+    window.steps(2).key(Key::Enter).settle();
     assert_eq!((names(&window), drawn(&window, "mast"), drawn(&window, "Place 1")), (vec!["mast".to_owned()], 2, 0));
-    window.key(Key::Num6);
-    window.settle();
+    window.key(Key::Num6).settle();
     assert_eq!(drawn(&window, "mast"), 3, "both pictures mark it");
     probe_at(&mut window, 24.4, 194.6);
-    window.click("Pin place");
-    window.settle();
+    window.click("Pin place").settle();
     assert_eq!(names(&window), ["mast", "Place 2"]);
     window.ctrl(Key::Z);
     assert_eq!(names(&window), ["mast"]);
     window.run_action("redo");
     assert_eq!(names(&window), ["mast", "Place 2"]);
-    window.click("Probe mast");
-    window.settle();
+    window.click("Probe mast").settle();
     assert_eq!(window.app().read().probed_place(), Some(first));
 
     let page = folder.path().join("r.md");
-    window.dialogs.will_choose(&page);
-    window.run_action("report");
-    window.settle();
+    window.will_choose(&page).run_action("report").settle();
     let text = std::fs::read_to_string(&page).expect("a report");
     for (name, at) in pinned(&window) {
         let [u, v] = at.map(|x| number(x, 1));
@@ -73,17 +64,12 @@ fn a_pinned_place_has_a_name_and_stays_with_its_burst() {
 
     let mut other = window.kept_and_opened_in_another(&folder.path().join("s.toml"));
     assert_eq!(pinned(&other), pinned(&window));
-    other.drop_file(noisy_stack(folder.path(), 3, 48, 48));
-    other.settle();
+    other.drop_file(noisy_stack(folder.path(), 3, 48, 48)).settle();
     assert!(pinned(&other).is_empty() && drawn(&other, "mast") == 0, "they are of another burst");
-    other.run_action("open demo burst");
-    other.settle();
+    other.run_action("open demo burst").settle();
     assert_eq!(names(&other), ["mast", "Place 2"], "its burst has them again");
-    other.click("Probe");
-    other.click("Remove mast");
-    other.settle();
+    other.click("Probe").click("Remove mast").settle();
     assert_eq!((names(&other), drawn(&other, "mast")), (vec!["Place 2".to_owned()], 0));
-    other.click("Probe Place 2");
-    other.settle();
+    other.click("Probe Place 2").settle();
     assert_eq!(other.app().read().probed_place(), Some(pinned(&other)[0].1));
 }

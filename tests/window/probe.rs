@@ -32,9 +32,7 @@ fn rect_of(window: &Window, label: &str) -> egui::Rect {
 fn a_feature_says_why_it_was_kept() {
     // High enough for the whole answer.
     let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
-    window.key(Key::Home);
-    window.click("Why?");
-    window.settle();
+    window.key(Key::Home).click("Why?").settle();
     let fate = answer(&window).probe.subject_fate().expect("it is a candidate").clone();
     assert!(fate.features.contains(&0), "{fate:?}");
     let verdict = fate.verdict.clone();
@@ -47,8 +45,7 @@ fn a_feature_says_why_it_was_kept() {
     window.snapshot("probe_feature");
     // A click in the map sets that slope and scale.
     let rect = rect_of(&window, "Response over slope and scale");
-    window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height()));
-    window.settle();
+    window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height())).settle();
     let (model, map) = (&window.app().model, &answer(&window).probe.response);
     assert!(model.document.focused().shows(ViewKind::Dog));
     assert!(map.columns.contains(&model.document.cursor().slope), "{:?}", model.document.cursor().slope);
@@ -66,22 +63,18 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?} {u} {v}");
     };
     let pos = ui(&window, 300.0, 40.0);
-    window.shift_click_at(pos);
-    window.settle();
+    window.shift_click_at(pos).settle();
     near(&window, 300.0, 40.0);
     assert!(window.shows("Place (300"), "the panel says where");
     let pos = ui(&window, 200.0, 90.0);
-    window.harness.hover_at(pos);
-    window.harness.run_steps(2);
+    window.hover(pos).steps(2);
     shift(&mut window, Key::P);
     window.settle();
     near(&window, 200.0, 90.0);
     shift(&mut window, Key::F);
     for u in [100.0, 140.0, 180.0] {
         let pos = ui(&window, u, 60.0);
-        window.harness.hover_at(pos);
-        window.harness.run_steps(2);
-        window.settle();
+        window.hover(pos).steps(2).settle();
         near(&window, u, 60.0);
         answer(&window);
     }
@@ -89,18 +82,14 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     let pos = ui(&window, 180.0, 60.0);
     window.click_at(pos);
     let pos = ui(&window, 260.0, 120.0);
-    window.harness.hover_at(pos);
-    window.harness.run_steps(2);
-    window.settle();
+    window.hover(pos).steps(2).settle();
     near(&window, 180.0, 60.0);
     // In a frame the place under the pointer has moved since mid-burst.
-    window.key(Key::Num1);
-    window.settle();
+    window.key(Key::Num1).settle();
     let (cursor, used) = (*window.app().model.document.cursor(), window.app().read().frame_count());
     let later = cursor.frame as f32 - 0.5 * (used as f32 - 1.0);
     let pos = ui(&window, 240.0, 100.0);
-    window.shift_click_at(pos);
-    window.settle();
+    window.shift_click_at(pos).settle();
     near(&window, 240.0 - later * cursor.slope.u, 100.0 - later * cursor.slope.v);
     window.click("Clear probe");
     assert!(window.app().model.results.probed.answer.is_none() && !window.app().model.document.probe.is_on());
@@ -117,8 +106,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     );
     for (side, u, v) in [(Side::B, 92.0, 58.0), (Side::A, 200.0, 90.0), (Side::B, 300.0, 40.0)] {
         let pos = window.ui_from_image_of(side, pos2(u, v)).unwrap();
-        window.shift_click_at(pos);
-        window.settle();
+        window.shift_click_at(pos).settle();
         let (model, answer) = (&window.app().model, answer(&window));
         assert_eq!((model.document.probe.side, model.document.workspace), (side, Workspace::Pair));
         assert_eq!(
@@ -140,8 +128,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     assert_eq!(names(&window), ["demo", "demo-later"], "nothing is swapped");
     // A click in the map moves B's cursor.
     let rect = rect_of(&window, "Response over slope and scale");
-    window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height()));
-    window.settle();
+    window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height())).settle();
     let (model, map) = (&window.app().model, &answer(&window).probe.response);
     assert_eq!(Read::of(model).active_side(), Side::B);
     assert!(
@@ -158,9 +145,7 @@ fn the_probe_is_to_be_read_on_a_light_ground_too() {
     let settings = Settings { theme: egui::ThemePreference::Light, ..given().settings };
     let startup = Startup { settings, ..given() };
     let mut window = Start { size: [1280.0, 800.0], startup, ..Start::default() }.open();
-    window.key(Key::Home);
-    window.click("Why?");
-    window.settle();
+    window.key(Key::Home).click("Why?").settle();
     assert!(!window.harness.ctx.global_style().visuals.dark_mode);
     assert!(answer(&window).probe.subject_fate().expect("it is a candidate").is_kept() && window.shows("Kept as"));
     window.snapshot("probe_light");
@@ -171,20 +156,16 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
     let mut start = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() };
     start.startup.params.peak_threshold = 0.5;
     let mut window = start.open();
-    window.click("Detect");
-    window.settle();
+    window.click("Detect").settle();
     assert!(window.app().read().features().is_empty());
-    window.click("Probe the strongest candidate");
-    window.settle();
+    window.click("Probe the strongest candidate").settle();
     let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
     assert_eq!(fate.first_failed, Some(Test::PeakThreshold));
     // Without automatic detection the answer is marked as stale.
     let change = fate.remedy.expect("a lower threshold").change;
-    window.click(&format!("Apply {}", change.label()));
-    window.settle();
+    window.click(&format!("Apply {}", change.label())).settle();
     assert!(!window.app().read().probe_is_stale() && !window.app().read().features().is_empty());
-    window.app_mut().model.document.params.edge_threshold = 5.0;
-    window.harness.run_steps(2);
+    window.change(|document| document.params.edge_threshold = 5.0).steps(2);
     assert!(window.app().read().probe_is_stale() && window.shows("Stale: found with other parameters"));
 }
 
@@ -194,39 +175,32 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
     window.app_mut().model.document.look.overlay = FeaturesShown::None;
     let probe = |window: &mut Window, u: f32, v: f32| {
         let pos = window.ui_from_image(pos2(u, v)).unwrap();
-        window.shift_click_at(pos);
-        window.settle();
+        window.shift_click_at(pos).settle();
     };
     // A star that was kept at slopes with which it does not move: a button goes to what was found.
-    window.app_mut().model.document.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
-    window.settle();
+    window.change(|document| document.focused_mut().cursor.slope = Slope::new(0.95, 0.0)).settle();
     probe(&mut window, 238.0, 36.0);
     let reasons = answer(&window).probe.reasons.clone();
     let other = reasons.iter().find(|reason| reason.kind == CauseKind::AtAnotherSlope).expect("it was found");
     assert!(window.shows(&other.sentence["found ".len()..]), "{}", other.sentence);
     assert!(!window.shows("It is shown under All"), "no features are shown at all");
-    window.app_mut().model.document.look.overlay = FeaturesShown::ThisSlope;
-    window.harness.run_steps(2);
+    window.change(|document| document.look.overlay = FeaturesShown::ThisSlope).steps(2);
     assert!(window.shows("It is shown under All, not under This slope."));
     let feature = other.feature.expect("a feature");
-    window.click(&format!("Go to feature {feature}"));
-    window.settle();
+    window.click(&format!("Go to feature {feature}")).settle();
     let model = &window.app().model;
     assert_eq!(
         (model.document.selected, model.document.cursor().slope),
         (Some(feature), Read::of(model).features()[feature].slope)
     );
     // A star that is too small: the setting that finds it is a click away.
-    window.app_mut().model.document.look.overlay = FeaturesShown::None;
-    window.run_action("fit picture");
+    window.change(|document| document.look.overlay = FeaturesShown::None).run_action("fit picture");
     // At its own slope, where it is to be seen.
-    window.app_mut().model.document.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
-    window.settle();
+    window.change(|document| document.focused_mut().cursor.slope = Slope::new(0.95, 0.0)).settle();
     probe(&mut window, 159.9, 23.6);
     let small = answer(&window).probe.reasons.iter().find(|r| r.kind == CauseKind::TooSmall).expect("it is").clone();
     assert!(window.shows("oo small for the smallest scale") && window.shows("first octave −1 finds it"));
-    window.click(&format!("Apply {}", small.change.expect("a setting").label()));
-    window.settle();
+    window.click(&format!("Apply {}", small.change.expect("a setting").label())).settle();
     assert_eq!(window.app().model.document.params.first_octave, -1);
     let fate = answer(&window).probe.subject_fate().expect("it was found").clone();
     assert!(fate.is_kept() && (fate.slope.u - 0.95).abs() < 0.35 && fate.sigma < 1.7, "{fate:?}");
@@ -235,8 +209,7 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
 #[test]
 fn a_feature_that_is_drawn_as_a_dot_is_said_to_be() {
     let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
-    window.app_mut().model.document.look.overlay = FeaturesShown::All;
-    window.settle();
+    window.change(|document| document.look.overlay = FeaturesShown::All).settle();
     // Of so many features at one zoom some are dots; one of the weakest is asked about.
     let count = window.app().read().features().len();
     let dot = (0..count).rev().find(|&index| {
@@ -257,13 +230,10 @@ fn a_feature_that_is_drawn_as_a_dot_is_said_to_be() {
 fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     let mut window = demo();
     // The moon, which moves as the stars do.
-    window.app_mut().model.document.focused_mut().cursor.slope = Slope::new(0.95, 0.0);
-    window.settle();
+    window.change(|document| document.focused_mut().cursor.slope = Slope::new(0.95, 0.0)).settle();
     let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
-    window.shift_click_at(pos);
-    window.settle();
-    window.run_action("stack and slice");
-    window.settle();
+    window.shift_click_at(pos).settle();
+    window.run_action("stack and slice").settle();
     let shown = window.app().model.document.panes.shown();
     let content = |window: &Window, place: usize| {
         let panes = &window.app().model.document.panes;
@@ -303,17 +273,11 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
     let file = folder.path().join("probe.burstscope.toml");
     let mut window = demo();
     let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
-    window.shift_click_at(pos);
-    window.run_action("stack and slice");
-    window.settle();
+    window.shift_click_at(pos).run_action("stack and slice").settle();
     let place = window.app().read().probed_place();
-    window.dialogs.will_choose(&file);
-    window.run_action("save session");
-    window.settle();
+    window.will_choose(&file).run_action("save session").settle();
     let mut other = demo();
-    other.dialogs.will_choose(&file);
-    other.run_action("open session");
-    other.settle();
+    other.will_choose(&file).run_action("open session").settle();
     let model = &other.app().model;
     assert!(place.is_some() && Read::of(model).probed_place() == place && model.document.probe.is_open);
     assert_eq!(answer(&other).probe.pos_image, place.unwrap());
@@ -325,10 +289,8 @@ fn open(folder: &Path) -> Window {
     start.startup.params =
         DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into();
     let mut window = start.open();
-    window.run_action("detect");
-    window.settle();
-    window.open_tab("Tally");
-    window.settle();
+    window.run_action("detect").settle();
+    window.open_tab("Tally").settle();
     window
 }
 
@@ -337,8 +299,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
     assert!(window.app().read().survey_counts().is_none() && window.shows("Click a test"));
-    window.click(Test::NoiseGate.reason());
-    window.settle();
+    window.click(Test::NoiseGate.reason()).settle();
     let model = &window.app().model;
     let shown = Read::of(model).survey().unwrap().clone();
     // The marks are those of the library.
@@ -353,16 +314,14 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     window.run_action("fit picture");
     let mark = *shown.marks.iter().find(|m| m.pos_image[0] > 20.0 && m.pos_image[1] > 40.0).expect("one");
     let at = window.ui_from_image(pos2(mark.pos_image[0], mark.pos_image[1])).unwrap();
-    window.harness.hover_at(at);
-    window.harness.run_steps(3);
+    window.hover(at).steps(3);
     assert!(window.shows("below the noise gate: by "), "the pointer says by how much");
     window.click_at(at);
     let chosen = *window.app().read().selected_candidate().expect("a click selects it");
     assert_eq!(chosen.pos_image, mark.pos_image);
     assert!(window.shows("Candidate at ("));
     window.snapshot("candidates");
-    window.click("Go to candidate");
-    window.settle();
+    window.click("Go to candidate").settle();
     let cursor = *window.app().model.document.cursor();
     assert_eq!((cursor.octave, cursor.level), (chosen.sample.octave, chosen.sample.level));
     // Another row replaces it; the same row again hides them.
@@ -381,8 +340,7 @@ fn switch(window: &mut Window, test: Test) {
 /// Clicks a row or button of the tally, which may have to be scrolled to.
 fn press(window: &mut Window, label: &str) {
     window.harness.get_by_role_and_label(Role::Button, label).click_accesskit();
-    window.harness.run_steps(2);
-    window.settle();
+    window.steps(2).settle();
 }
 
 #[test]
@@ -397,13 +355,11 @@ fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
     assert_eq!(shown.report, decoys(&cache.trail, &DecoyStudy::default(), false, &Monitor::default()).unwrap().report);
     assert!(shown.report.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.report.sentence())));
     // Other parameters are another search, whose decoys nobody asked for.
-    window.app_mut().model.document.params.slopes = SlopeGrid::line(-2.0..=2.0, 9).into();
-    window.settle();
+    window.change(|document| document.params.slopes = SlopeGrid::line(-2.0..=2.0, 9).into()).settle();
     assert!(window.app().read().stale().is_some() && !window.shows("Decoys: "));
     press(&mut window, "False rate…");
     assert!(window.app().read().decoys().is_none(), "there is nothing to compare with");
-    window.run_action("detect");
-    window.settle();
+    window.run_action("detect").settle();
     assert!(window.app().read().decoys().is_none() && !window.shows("Decoys: "));
     press(&mut window, "False rate…");
     assert_ne!(*window.app().read().decoys().expect("they were asked for"), shown);
@@ -413,8 +369,7 @@ fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
 fn a_burst_too_short_for_decoys_says_why_each_time() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    window.app_mut().model.document.params.frames = Some(FrameRange { start: 0, end: 3 });
-    window.run_action("detect");
+    window.change(|document| document.params.frames = Some(FrameRange { start: 0, end: 3 })).run_action("detect");
     window.settle();
     for _ in 0..2 {
         press(&mut window, "False rate…");
@@ -428,12 +383,9 @@ fn a_burst_too_short_for_decoys_says_why_each_time() {
 fn candidates_follow_the_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    window.click(Test::NoiseGate.reason());
-    window.settle();
+    window.click(Test::NoiseGate.reason()).settle();
     let before = window.app().read().survey().unwrap().clone();
-    window.app_mut().model.document.params.octaves = 2;
-    window.run_action("detect");
-    window.settle();
+    window.change(|document| document.params.octaves = 2).run_action("detect").settle();
     let after = window.app().read().survey().unwrap().clone();
     assert!(after.candidates < before.candidates, "they are those of the new detection");
     assert!(window.harness.query_by_label_contains("candidates: below the noise gate").is_some());

@@ -40,16 +40,13 @@ fn open(folder: &Path) -> Window {
     let slopes = SlopeGrid::plane(-2.0..=2.0, 5, -2.0..=2.0, 5);
     start.startup.params = DetectorParams { slopes, ..DetectorParams::default() }.into();
     let mut window = start.open();
-    window.key(Key::D);
-    window.settle();
+    window.key(Key::D).settle();
     window
 }
 
 /// Selects the strongest feature and probes it.
 fn probe_strongest(window: &mut Window) -> Feature {
-    window.key(Key::Home);
-    window.click("Why?");
-    window.settle();
+    window.key(Key::Home).click("Why?").settle();
     let feature = *window.app().read().selected_feature().expect("there is one");
     let near = |slope: Slope| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) < 0.3;
     assert!(near(LEFT) || near(RIGHT), "{feature:?}");
@@ -80,8 +77,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     assert!((peak.0 - feature.slope.u).abs() < 0.5 && (peak.1 - feature.slope.v).abs() < 0.5, "{peak:?} {feature:?}");
     window.snapshot("probe_both_slopes");
     // A click sets that slope, at the scale of the map. The centre of the range is slope 0.
-    window.click_at(rect.center());
-    window.settle();
+    window.click_at(rect.center()).settle();
     let (model, scale) = (&window.app().model, plane.scale);
     let cursor = *model.document.cursor();
     let near_zero = |x: f32| x.abs() < 0.4; // A cell of the map is a third of a slope wide.
@@ -90,8 +86,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     assert_eq!((cursor.octave, cursor.level), (scale.octave, scale.level));
     // A click in a row of the upper map sets the scale of the lower one.
     let above = rect_of(&window, "Response over slope and scale");
-    window.click_at(pos2(above.center().x, above.top() + 0.7 * above.height()));
-    window.settle();
+    window.click_at(pos2(above.center().x, above.top() + 0.7 * above.height())).settle();
     let coarser =
         window.app().model.results.probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
     assert!(coarser.scale.sigma > scale.sigma, "{} {}", coarser.scale.sigma, scale.sigma);
@@ -102,8 +97,7 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
     let feature = probe_strongest(&mut window);
-    window.run_action("stack and slice");
-    window.settle();
+    window.run_action("stack and slice").settle();
     let shown = window.app().model.document.panes.shown();
     let contents: Vec<Content> =
         shown.iter().map(|id| window.app().model.document.panes.get(*id).unwrap().content).collect();
@@ -139,8 +133,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     // The features would cover it.
     window.key(Key::O);
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::V);
-    window.harness.run_steps(2);
-    window.settle();
+    window.steps(2).settle();
     let model = &window.app().model;
     assert_eq!(model.document.focused().content, Content::Map(ViewKind::Motion));
     let picture = Read::of(model).picture().unwrap();
@@ -163,8 +156,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     assert_eq!(at(120.0, 20.0).1, 0.0, "where nothing is, nothing is sure");
     // The value under the pointer is the slope.
     let place = window.ui_from_image(pos2(74.0, 92.0)).unwrap();
-    window.harness.hover_at(place);
-    window.harness.run_steps(3);
+    window.hover(place).steps(3);
     assert!(window.shows("px/frame, ") && window.shows("sure "));
     window.snapshot("winning_slope_map");
 }

@@ -23,9 +23,7 @@ fn with_case(home: &std::path::Path) -> Window {
     let path = home.join("night.burstcase");
     write_case(&path, (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
-    window.dialogs.will_choose(&path);
-    window.run_action("open files");
-    window.settle();
+    window.will_choose(&path).run_action("open files").settle();
     window
 }
 
@@ -39,16 +37,12 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     assert_eq!(model.document.params.slopes, params.slopes.into());
     assert_eq!(Read::of(model).probed_place(), Some([120.0, 90.0]));
     // Another ending is refused, as the file could not be opened again.
-    window.dialogs.will_choose(home.path().join("again.png"));
-    window.run_action("save case");
+    window.will_choose(home.path().join("again.png")).run_action("save case");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("name the file .burstcase") && !home.path().join("again.png").exists());
     // Saved again, it is the same case.
     let again = home.path().join("again.burstcase");
-    window.dialogs.will_choose(&again);
-    window.run_action("save case");
-    window.wait("it is written", |_| again.is_file());
-    window.settle();
+    window.will_choose(&again).run_action("save case").wait("it is written", |_| again.is_file()).settle();
     let read = burstscope::export::case::read_about(&again).expect("a case");
     assert_eq!((read.place, read.search.slopes), (Some([120.0, 90.0]), params.slopes.into()));
 }
@@ -57,27 +51,19 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
 fn a_case_restores_the_view_in_which_it_was_saved() {
     let home = tempfile::tempdir().expect("a folder");
     let mut window = with_case(home.path());
-    window.run_action("pin this result");
-    window.settle();
-    window.run_action("split right");
-    window.app_mut().model.document.filter.hide_slope_limit = true;
+    window.run_action("pin this result").settle();
+    window.run_action("split right").change(|document| document.filter.hide_slope_limit = true);
     window.app_mut().model.document.params.edge_threshold = 8.0;
-    window.app_mut().model.document.lab.planted.copies = 3;
-    window.settle();
+    window.change(|document| document.lab.planted.copies = 3).settle();
     let before = window.app().model.document.panes.arrangement().in_rows();
     assert_eq!(before.iter().flatten().count(), 2);
     let kept = home.path().join("kept.burstcase");
-    window.dialogs.will_choose(&kept);
-    window.run_action("save case");
-    window.wait("it is written", |_| kept.is_file());
-    window.settle();
+    window.will_choose(&kept).run_action("save case").wait("it is written", |_| kept.is_file()).settle();
     let session = read_session(&kept).expect("read").expect("a session");
     assert!(!session.contains(&home.path().display().to_string()), "no path of this machine: {session}");
     // Another window opens it.
     let mut other = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
-    other.dialogs.will_choose(&kept);
-    other.run_action("open files");
-    other.settle();
+    other.will_choose(&kept).run_action("open files").settle();
     let (model, was) = (&other.app().model, &window.app().model);
     assert_eq!(
         model.results.slots.a.burst.as_ref().expect("open").burst.frames,
@@ -100,9 +86,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     for text in [hostile, "not a session".to_owned()] {
         let enclosed = Enclosed { session: Some(text), truth: None };
         write_case(&path, (&case, &part), &enclosed, &Monitor::default()).expect("written");
-        other.dialogs.will_choose(&path);
-        other.run_action("open files");
-        other.settle();
+        other.will_choose(&path).run_action("open files").settle();
         let model = &other.app().model;
         assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.sources, std::slice::from_ref(&path));
         assert!(!model.shell.messages.errors().iter().any(|error| error.text.contains("passwd")));
@@ -120,8 +104,7 @@ fn a_damaged_case_opens_a_window_that_says_so_once() {
     let errors = window.app().model.shell.messages.errors();
     assert!(errors.len() == 1 && errors[0].text.contains("damaged.burstcase"), "{errors:?}");
     assert!(window.app().model.results.slots.a.burst.is_none());
-    window.run_action("Open demo burst");
-    window.settle();
+    window.run_action("Open demo burst").settle();
     assert!(window.app().model.results.slots.a.burst.is_some());
 }
 
@@ -129,8 +112,7 @@ fn a_damaged_case_opens_a_window_that_says_so_once() {
 fn a_film_says_its_size_and_rate() {
     let home = tempfile::tempdir().expect("a folder");
     let mut window = with_case(home.path());
-    window.run_action("export film");
-    window.settle();
+    window.run_action("export film").settle();
     assert!(window.shows("9 pictures of") && window.shows("10 a second: 0.9 s; about"));
     window.harness.get_by_label("Scales").click();
     window.settle();
@@ -138,10 +120,7 @@ fn a_film_says_its_size_and_rate() {
     assert!(!window.shows("9 pictures of"));
     window.app_mut().model.document.film.content = FilmContent::Slopes;
     let path = home.path().join("sweep.gif");
-    window.dialogs.will_choose(&path);
-    window.click("Export…");
-    window.wait("it is written", |_| path.is_file());
-    window.settle();
+    window.will_choose(&path).click("Export…").wait("it is written", |_| path.is_file()).settle();
     // The extension that gives each picture its time.
     let bytes = std::fs::read(&path).expect("a file");
     assert_eq!(bytes.windows(3).filter(|window| *window == [0x21, 0xf9, 4]).count(), 9);
@@ -151,9 +130,7 @@ fn a_film_says_its_size_and_rate() {
 fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     let home = tempfile::tempdir().expect("a folder");
     let mut window = with_case(home.path());
-    window.run_action("lab");
-    window.click("In this burst");
-    window.app_mut().model.document.lab.planted.copies = 6;
+    window.run_action("lab").click("In this burst").change(|document| document.lab.planted.copies = 6);
     window.click("Run study");
     window.wait("the study is finished", |app| {
         !app.model.results.studies.wanted.is_pending()
@@ -175,13 +152,11 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     }
     window.click("Keep curves");
     assert_eq!(window.app().read().lab_results().len(), 2);
-    window.click("Next missed");
-    window.settle();
+    window.click("Next missed").settle();
     let thing = window.app().read().selected_thing().expect("one was missed").clone();
     assert!(thing.found.is_none() && window.shows("Missed, "));
     window.snapshot("lab_in_this_burst");
-    window.click("Probe planted thing");
-    window.settle();
+    window.click("Probe planted thing").settle();
     let model = &window.app().model;
     assert_eq!(model.document.workspace, Workspace::Inspect);
     let source = &model.results.slots.a.burst.as_ref().expect("open").source;
@@ -189,10 +164,8 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     let place = Read::of(model).probed_place().expect("probed");
     assert!((f64::from(place[0]) - thing.truth.u).abs() < 0.01 && (f64::from(place[1]) - thing.truth.v).abs() < 0.01);
     // The copy is compared with the truth of what is planted in it.
-    window.run_action("detect");
-    window.settle();
-    window.run_action("compare with the truth");
-    window.settle();
+    window.run_action("detect").settle();
+    window.run_action("compare with the truth").settle();
     let against = &window.app().model.results.slots.a.comparison;
     assert_eq!(window.app().model.document.comparisons.a.with, Some(Reference::Truth));
     let of_copy = report.planted.iter().filter(|one| one.seed == thing.seed);
@@ -204,15 +177,10 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     assert!(told == found || told < found && rest.contains("wrong motion"), "{found} planted found, {shown}");
     // A case keeps both.
     let kept = home.path().join("planted.burstcase");
-    window.dialogs.will_choose(&kept);
-    window.run_action("save case");
-    window.wait("it is written", |_| kept.is_file());
-    window.settle();
+    window.will_choose(&kept).run_action("save case").wait("it is written", |_| kept.is_file()).settle();
     let truth = read_truth(&kept).expect("read").expect("a truth");
     assert_eq!(truth.seed, thing.seed);
-    window.dialogs.will_choose(&kept);
-    window.run_action("open files");
-    window.settle();
+    window.will_choose(&kept).run_action("open files").settle();
     let against = &window.app().model.results.slots.a.comparison;
     let (found, _) = shown.split_once(" missed").expect("counted");
     assert!(against.shown.as_ref().is_some_and(|against| against.summary.starts_with(found)), "{shown}");
@@ -221,10 +189,8 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
 #[test]
 fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
     let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
-    window.app_mut().model.document.bottom_tab = BottomTab::Slopes;
-    window.settle();
-    window.run_action("slopes from the set-up");
-    window.settle();
+    window.change(|document| document.bottom_tab = BottomTab::Slopes).settle();
+    window.run_action("slopes from the set-up").settle();
     let expected = {
         let model = &window.app().model;
         model
@@ -235,8 +201,7 @@ fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
             .expect("valid")
             .grid
     };
-    window.harness.get_by_role_and_label(Role::Button, "Apply set-up").click();
-    window.harness.run_steps(3);
+    window.click_on(Role::Button, "Apply set-up").steps(3);
     let model = &window.app().model;
     assert_eq!(model.document.params.slopes, expected.into());
 }
@@ -247,15 +212,11 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     // A camera that moves to the left with 6 cm/s: 2.4 px/frame is 1 m.
     window.app_mut().model.document.set_up.values =
         SetUp { speed_m_s: 0.06, direction_deg: 180.0, depth_m: [0.5, 8.0], ..SetUp::default() };
-    window.run_action("slopes from the set-up");
-    window.settle();
-    window.harness.get_by_role_and_label(Role::CheckBox, "Read slopes as depths").click();
-    window.settle();
+    window.run_action("slopes from the set-up").settle();
+    window.click_on(Role::CheckBox, "Read slopes as depths").settle();
     window.snapshot("slopes_from_set_up");
-    window.app_mut().model.document.bottom_tab = BottomTab::Table;
-    window.settle();
-    window.click("Sort by Depth");
-    window.settle();
+    window.change(|document| document.bottom_tab = BottomTab::Table).settle();
+    window.click("Sort by Depth").settle();
     let model = &window.app().model;
     let depth_of = |i: &usize| {
         model.document.set_up.values.depth_at(Read::of(model).features()[*i].motion().0).map(|metres| metres as f32)
@@ -264,27 +225,22 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     let known = depths.iter().take_while(|depth| depth.is_some()).count();
     assert!(known > 10 && known < depths.len(), "features of both directions: {known} of {}", depths.len());
     assert!(depths[..known].is_sorted() && depths[known..].iter().all(Option::is_none));
-    window.app_mut().model.document.colour_by = ColourBy::Of(Quantity::Depth);
-    window.settle();
+    window.change(|document| document.colour_by = ColourBy::Of(Quantity::Depth)).settle();
     assert!(window.shows("Legend: depth from 0.5 to 8 m"));
     // As a session it is kept; switched off, the colours show slopes again.
     let session = Session::of(window.app().read()).expect("a burst is open");
     assert_eq!(session.document.set_up, window.app().model.document.set_up);
-    window.app_mut().model.document.bottom_tab = BottomTab::Slopes;
-    window.settle();
-    window.harness.get_by_role_and_label(Role::CheckBox, "Read slopes as depths").click();
-    window.settle();
+    window.change(|document| document.bottom_tab = BottomTab::Slopes).settle();
+    window.click_on(Role::CheckBox, "Read slopes as depths").settle();
     assert_eq!(window.app().model.document.colour_by, ColourBy::SlopeDirection);
 }
 
 #[test]
 fn other_ways_to_add_frames_are_pictures_of_a_pane() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
-    window.run_action("show median");
-    window.settle();
+    window.run_action("show median").settle();
     let median = window.app().read().picture().expect("a picture").plane.clone();
-    window.run_action("show mean minus median");
-    window.settle();
+    window.run_action("show mean minus median").settle();
     let difference = window.app().read().picture().expect("a picture").plane.clone();
     assert_eq!(median.size(), difference.size());
     assert_ne!(median, difference);

@@ -36,8 +36,7 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     let kept_slope = || {
         sessions(&folder).iter().any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(1.25, 0.0))
     };
-    window.wait("the session is kept", |_| kept_slope());
-    window.settle();
+    window.wait("the session is kept", |_| kept_slope()).settle();
 
     // Another running window does not offer the session, which is still in use.
     let other = keeping(&folder, Start::nothing_open()).open();
@@ -49,8 +48,7 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     let mut next = keeping(&folder, Start::without_auto_detect()).open();
     assert!(next.shows(OFFER) && next.shows("noisy.npy"));
     assert_ne!(next.app().read().size(), (128, 96), "not unasked");
-    next.click("Restore");
-    next.settle();
+    next.click("Restore").settle();
     assert!(!next.shows(OFFER));
     assert_eq!(next.app().read().size(), (128, 96));
     assert_eq!(next.app().model.document.cursor().slope, Slope::new(1.25, 0.0));
@@ -62,8 +60,7 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     // Unanswered, it is offered again.
     end_in_the_ordinary_way(next);
     let mut last = keeping(&folder, Start::nothing_open()).open();
-    last.click("Discard…");
-    last.settle();
+    last.click("Discard…").settle();
     assert!(last.shows(OFFER) && last.shows("Delete the saved session?"), "nothing is deleted unasked");
     last.click("Delete");
     assert!(!last.shows(OFFER));
@@ -80,8 +77,7 @@ fn an_offer_that_cannot_be_restored_stays() {
     record.write("version = 4\nburst = { paths = [\"/nowhere/frames\"] }\n").unwrap();
     drop(record);
     let mut window = keeping(&folder, Start::nothing_open()).open();
-    window.click("Restore");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.click("Restore").wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("/nowhere/frames") && window.shows(OFFER));
     assert_eq!(sessions(&folder).len(), 1);
 }
@@ -155,9 +151,7 @@ fn a_window_that_is_asked_to_end_from_outside_finishes_its_files_and_keeps_its_s
     let commands = |window: &Window| window.harness.output().viewport_output[&egui::ViewportId::ROOT].commands.clone();
     assert!(!commands(&window).contains(&egui::ViewportCommand::Close));
     let file = home.path().join("params.toml");
-    window.dialogs.will_choose(&file);
-    window.run_action("save parameters");
-    window.wait("the file is chosen", |app| !app.is_asking());
+    window.will_choose(&file).run_action("save parameters").wait("the file is chosen", |app| !app.is_asking());
     std::thread::scope(|scope| {
         scope.spawn(|| end.make());
     });
@@ -179,13 +173,11 @@ fn a_session_that_could_not_be_written_is_written_later() {
     let home = tempfile::tempdir().unwrap();
     let (folder, aside) = (home.path().join("running"), home.path().join("aside"));
     let mut window = keeping(&folder, Start::without_auto_detect()).open();
-    window.wait("the session is kept", |_| !sessions(&folder).is_empty());
-    window.settle();
+    window.wait("the session is kept", |_| !sessions(&folder).is_empty()).settle();
     // A file in the place of the folder: nothing can be written there.
     std::fs::rename(&folder, &aside).unwrap();
     std::fs::write(&folder, "").unwrap();
-    window.slide("Slope u", 0.75);
-    window.wait("that is said", |app| !app.model.shell.messages.errors().is_empty());
+    window.slide("Slope u", 0.75).wait("that is said", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("Save the session by itself"));
     std::fs::remove_file(&folder).unwrap();
     // The next attempt may have made a new folder just now.

@@ -10,8 +10,7 @@ use burstscope::plane::Mask;
 fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
     let mut window = Start::without_auto_detect().open();
     let before = window.app().read().picture().cloned().unwrap();
-    window.slide("Slope u", 1.37);
-    window.settle();
+    window.slide("Slope u", 1.37).settle();
     let model = &window.app().model;
     let after = Read::of(model).picture().cloned().unwrap();
     assert_ne!(before.plane, after.plane);
@@ -28,26 +27,20 @@ fn keys_step_through_the_grid_and_snap_to_it() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::ArrowRight);
     assert_eq!(window.app().model.document.cursor().slope, Slope::new(1.0, 0.0));
-    window.key(Key::ArrowRight);
-    window.key(Key::ArrowLeft);
-    window.key(Key::ArrowLeft);
+    window.key(Key::ArrowRight).key(Key::ArrowLeft).key(Key::ArrowLeft);
     assert_eq!(window.app().model.document.cursor().slope, Slope::new(0.0, 0.0));
-    window.slide("Slope u", 1.8);
-    window.key(Key::G);
+    window.slide("Slope u", 1.8).key(Key::G);
     assert_eq!(window.app().model.document.cursor().slope, Slope::new(2.0, 0.0));
 }
 
 #[test]
 fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     let mut window = Start::without_auto_detect().open();
-    window.key(Key::Num1);
-    window.settle();
+    window.key(Key::Num1).settle();
     let model = &window.app().model;
     let frame = model.results.slots.a.burst.as_ref().unwrap().burst.frames[model.document.cursor().frame].clone();
     assert_eq!(Read::of(model).picture().unwrap().plane, frame);
-    window.key(Key::Num3);
-    window.slide("Octave", 1.0);
-    window.settle();
+    window.key(Key::Num3).slide("Octave", 1.0).settle();
     let model = &window.app().model;
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected = dog_view(
@@ -61,8 +54,7 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     .unwrap();
     assert_eq!(*Read::of(model).picture().unwrap().plane, expected);
     assert!(window.shows("octave 1"));
-    window.slide("Frame", 7.0);
-    window.settle();
+    window.slide("Frame", 7.0).settle();
     assert_eq!(
         (window.app().model.document.cursor().kind, window.app().model.document.cursor().frame),
         (ViewKind::Frame, 7)
@@ -116,11 +108,9 @@ fn the_range_stays_while_the_hand_moves() {
     let mut window = Start::without_auto_detect().open();
     let before = window.app().model.document.look.ranges.intensity;
     for slope in [-2.0, 0.7, 2.9] {
-        window.slide("Slope u", slope);
-        window.settle();
+        window.slide("Slope u", slope).settle();
     }
-    window.key(Key::Num1);
-    window.settle();
+    window.key(Key::Num1).settle();
     assert_eq!(window.app().model.document.look.ranges.intensity, before);
 }
 
@@ -130,15 +120,13 @@ fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
     let help = "Index from 0; moving it shows the frame";
     let slider = window.harness.get_by_role_and_label(Role::Slider, "Frame").rect();
     let (from, before) = (slider.center(), window.app().model.document.cursor().frame);
-    window.harness.hover_at(from);
-    window.harness.run_steps(60);
+    window.hover(from).steps(60);
     assert!(window.shows(help), "whoever rests on a slider is told what it does");
     window.harness.drag_at(from);
     window.harness.run_steps(2);
     let to = from + egui::vec2(0.3 * slider.width(), 2.0);
     for part in [0.2, 0.6, 1.0] {
-        window.harness.hover_at(from + part * (to - from));
-        window.harness.run_steps(60);
+        window.hover(from + part * (to - from)).steps(60);
         assert!(!window.shows(help), "at {part} of the way");
     }
     window.harness.drop_at(to);
@@ -150,8 +138,7 @@ fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
 fn playing_runs_through_the_slopes_until_it_is_paused() {
     let mut window = Start::without_auto_detect().open();
     let first = window.app().model.document.cursor().slope;
-    window.click("▶ Play");
-    window.wait("another slope", |app| app.model.document.cursor().slope != first);
+    window.click("▶ Play").wait("another slope", |app| app.model.document.cursor().slope != first);
     let second = window.app().model.document.cursor().slope;
     window.wait("a third slope", |app| {
         app.model.document.cursor().slope != first && app.model.document.cursor().slope != second
@@ -167,8 +154,7 @@ fn filmstrip() {
     let source = walk(home.path());
     std::fs::write(home.path().join("film/frame_012.png"), "broken").unwrap();
     let mut window = start(source).open();
-    window.click("Detect all");
-    window.settle();
+    window.click("Detect all").settle();
     click_burst(&mut window, "Use frame_002 as A");
     click_burst(&mut window, "Use frame_007 as B");
     let model = &mut window.app_mut().model;
@@ -200,8 +186,7 @@ fn a_burst_without_features_is_not_marked_as_good() {
     let source = walk(home.path());
     let detected = |start: Start| {
         let mut window = start.open();
-        window.click("Detect all");
-        window.settle();
+        window.click("Detect all").settle();
         window
     };
     let mut window = detected(start(source));

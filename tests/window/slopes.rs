@@ -38,17 +38,14 @@ fn the_demo_opens_with_its_slopes_found_and_shown() {
 fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     let mut window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
     let found = grid(&window);
-    window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
-    window.settle();
+    window.click_on(Role::CheckBox, "Auto slopes").settle();
     assert_eq!((is_auto(&window), grid(&window)), (false, found));
     assert!(window.app().model.results.slots.a.found.as_ref().unwrap().finding.is_none());
-    window.click("Reset Slopes");
-    window.settle();
+    window.click("Reset Slopes").settle();
     assert_eq!((is_auto(&window), grid(&window)), (true, found));
     // A range edited by hand is given. Those that are found have no fields.
     assert!(window.harness.query_by_role_and_label(Role::SpinButton, "Slopes v").is_none());
-    window.harness.get_by_role_and_label(Role::CheckBox, "Auto slopes").click();
-    window.settle();
+    window.click_on(Role::CheckBox, "Auto slopes").settle();
     window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
     window.settle();
     assert_eq!((is_auto(&window), grid(&window).v.count), (false, 3));
@@ -61,11 +58,9 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
 #[test]
 fn presets_give_ranges_and_reset_all_finds_them() {
     let mut window = Start::automatic().open();
-    window.choose("BuFF 2D ⏷", "Preset BuFF 1D");
-    window.settle();
+    window.choose("BuFF 2D ⏷", "Preset BuFF 1D").settle();
     assert_eq!((is_auto(&window), grid(&window)), (false, SlopeGrid::line(-3.0..=3.0, 7)));
-    window.click("Reset all");
-    window.settle();
+    window.click("Reset all").settle();
     assert!(is_auto(&window) && grid(&window).is_plane());
 }
 
@@ -106,16 +101,13 @@ fn sessions_keep_the_switch_and_given_ranges() {
 }
 
 fn colour_by_coherence(window: &mut Window) {
-    window.harness.get_by_role_and_label(Role::ComboBox, "Colour by").click();
-    window.harness.run_steps(4);
-    window.click("Coherence");
+    window.click_on(Role::ComboBox, "Colour by").steps(4).click("Coherence");
 }
 
 #[test]
 fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
-    window.run_action("detect");
-    window.settle();
+    window.run_action("detect").settle();
     colour_by_coherence(&mut window);
     window.settle();
     // The values are those of the library.
@@ -135,22 +127,17 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let index =
         (0..values.len()).find(|&i| values[i].coherence.is_some_and(|c| c < 0.995)).expect("one is not quite even");
     let text = format!("{:.2}", values[index].coherence.unwrap());
-    window.app_mut().model.document.selected = Some(index);
-    window.harness.run_steps(2);
-    window.settle();
+    window.change(|document| document.selected = Some(index)).steps(2).settle();
     assert!(window.shows("Coherence") && window.shows(&text));
     let feature = detection.features[index];
     let at = window.ui_from_image(pos2(feature.u, feature.v)).unwrap();
-    window.harness.hover_at(at);
-    window.harness.run_steps(3);
+    window.hover(at).steps(3);
     assert!(window.shows("\ncoherence "), "the pointer says it");
     window.snapshot("coherence");
     // The figure has these colours too, with a legend.
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("coherence.svg");
-    window.app_mut().model.document.figure.legend = true;
-    window.dialogs.will_choose(&path);
-    window.run_action("figure as before");
+    window.change(|document| document.figure.legend = true).will_choose(&path).run_action("figure as before");
     window.settle();
     let svg = std::fs::read_to_string(&path).unwrap();
     let colours: std::collections::BTreeSet<&str> = svg
@@ -161,9 +148,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     assert!(colours.len() > 5 && svg.contains(">0.75"), "{colours:?}");
     // Another detection has other values; unknown ones are grey, and choosing the quantity again restarts a cancelled
     // computation.
-    window.app_mut().model.document.params.octaves = 2;
-    window.run_action("detect");
-    window.settle();
+    window.change(|document| document.params.octaves = 2).run_action("detect").settle();
     let now = window.app().model.results.slots.a.found.as_ref().unwrap().detection.clone();
     let model = &mut window.app_mut().model;
     assert!(model.results.coherence.of(&detection).is_none() && model.results.coherence.of(&now).is_some());
@@ -206,18 +191,15 @@ fn open(folder: &Path) -> Window {
     start.startup.params =
         DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() }.into();
     let mut window = start.open();
-    window.run_action("detect");
-    window.settle();
+    window.run_action("detect").settle();
     window
 }
 
 /// Opens the tab; slopes are analysed automatically, unless the detection took long.
 fn look_at_slopes(window: &mut Window) {
-    window.app_mut().model.document.bottom_tab = BottomTab::Slopes;
-    window.settle();
+    window.change(|document| document.bottom_tab = BottomTab::Slopes).settle();
     if window.shows("Analyse slopes") {
-        window.click("Analyse slopes");
-        window.settle();
+        window.click("Analyse slopes").settle();
     }
 }
 
@@ -240,8 +222,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     let before = axis(&window);
     // The table says the same, and applies it too.
     let sentence = advice.sentence.clone();
-    window.app_mut().model.document.bottom_tab = BottomTab::Table;
-    window.settle();
+    window.change(|document| document.bottom_tab = BottomTab::Table).settle();
     assert!(window.shows(&sentence[1..]), "{sentence}");
     window.click("Apply slopes");
     assert!(axis(&window).max >= 2.5);
@@ -253,9 +234,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     assert!(!is_auto(&window));
     window.ctrl(Key::Z);
     assert_eq!(axis(&window), before, "it is undone as any change of a parameter");
-    window.click("Apply");
-    window.run_action("detect");
-    window.settle();
+    window.click("Apply").run_action("detect").settle();
     look_at_slopes(&mut window);
     let spectrum = window.app().read().spectrum().unwrap().clone();
     assert_eq!(spectrum.grid.u, wider, "the slopes are those of the new detection");
@@ -277,13 +256,11 @@ fn the_ends_of_the_range_are_dragged_below_the_slider() {
     let start = window.harness.get_by_role_and_label(Role::Slider, "Range start u").rect().center();
     // The distance from the middle to the end is 1 px/frame.
     let unit = 0.5 * (end.x - start.x);
-    window.harness.hover_at(end);
-    window.harness.run_steps(1);
+    window.hover(end).steps(1);
     window.harness.drag_at(end);
     window.harness.run_steps(1);
     for part in [0.3, 0.7, 1.0] {
-        window.harness.hover_at(end + vec2(part * unit, 0.0));
-        window.harness.run_steps(1);
+        window.hover(end + vec2(part * unit, 0.0)).steps(1);
     }
     window.harness.drop_at(end + vec2(unit, 0.0));
     window.harness.run_steps(2);

@@ -11,8 +11,7 @@ fn pair(size: [f32; 2], bursts: [BurstSource; 2]) -> Window {
     let [source, second] = bursts;
     let startup = Startup { source: Some(source), second: Some(second), params: given().params, ..Startup::default() };
     let mut window = Start { size, startup, ..Start::default() }.open();
-    window.app_mut().model.document.workspace = Workspace::Pair;
-    window.settle();
+    window.change(|document| document.workspace = Workspace::Pair).settle();
     window
 }
 
@@ -30,18 +29,14 @@ fn two_bursts_are_large_and_stay_where_they_are_when_a_match_is_looked_at() {
         let mut window = demos(size);
         let before = panes(&window);
         assert!(before.iter().all(|pane| pane.width() >= 450.0), "{size:?}: {before:?}");
-        window.key(Key::Home);
-        window.settle();
+        window.key(Key::Home).settle();
         assert!(window.shows("Selected match") && window.shows("Epipolar error"));
         assert_eq!(panes(&window), before, "{size:?}: a match is selected");
         let place = window.ui_from_image_of(Side::B, egui::pos2(200.0, 150.0)).unwrap();
-        window.shift_click_at(place);
-        window.settle();
+        window.shift_click_at(place).settle();
         assert!(window.app().model.document.probe.is_open && window.shows("Candidates here"));
         assert_eq!(panes(&window), before, "{size:?}: the probe is open");
-        window.key(Key::Escape);
-        window.run_action("Clear probe");
-        window.settle();
+        window.key(Key::Escape).run_action("Clear probe").settle();
         assert!(window.shows("Ratio test"));
         assert_eq!(panes(&window), before, "{size:?}: the parameters are back");
     }
@@ -51,12 +46,10 @@ fn two_bursts_are_large_and_stay_where_they_are_when_a_match_is_looked_at() {
 fn in_a_narrow_window_two_bursts_stay_until_the_panel_is_asked_for() {
     let mut window = demos([960.0, 640.0]);
     let before = panes(&window);
-    window.key(Key::Home);
-    window.settle();
+    window.key(Key::Home).settle();
     assert!(window.app().model.document.selected_match.is_some() && !window.shows("Selected match"));
     assert_eq!(panes(&window), before, "a match is selected");
-    window.click("Unfold Feature and display");
-    window.settle();
+    window.click("Unfold Feature and display").settle();
     assert!(window.shows("Selected match"));
 }
 
@@ -77,26 +70,22 @@ fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
     assert!((10..70).contains(&lines) && all > 3 * lines, "{lines} of {all}");
     // As many as are asked for, which the order of the table gives.
     let at_most = |window: &mut Window| {
-        window.harness.get_by_role_and_label(Role::CheckBox, "At most").click();
-        window.settle();
+        window.click_on(Role::CheckBox, "At most").settle();
     };
     at_most(&mut window);
     assert_eq!((window.app().model.document.match_look.most, drawn(&window)), (Some(100), (100.min(all), all)));
     at_most(&mut window);
     assert_eq!(drawn(&window), (lines, all));
-    window.harness.get_by_role_and_label(Role::RadioButton, "Vectors").click();
-    window.settle();
+    window.click_on(Role::RadioButton, "Vectors").settle();
     let (vectors, of) = drawn(&window);
     assert_eq!((window.app().model.document.match_look.drawn_as, of), (MatchesAs::Vectors, all));
     assert!(vectors > lines, "short ones take less room: {vectors}");
-    window.harness.get_by_role_and_label(Role::RadioButton, "Near pointer").click();
-    window.settle();
+    window.click_on(Role::RadioButton, "Near pointer").settle();
     assert_eq!(drawn(&window).1, 0, "the pointer is elsewhere");
     let row = window.app().model.results.pair.matches.as_ref().unwrap().row(3).unwrap();
     let end = egui::pos2(row.a.u, row.a.v);
     let end = window.ui_from_image_of(Side::A, end).unwrap();
-    window.harness.hover_at(end);
-    window.harness.run_steps(3);
+    window.hover(end).steps(3);
     let near = drawn(&window).1;
     assert!(near > 0 && near < all / 3, "{near}");
 }
@@ -111,8 +100,7 @@ fn the_fields_of_the_slopes_stay_while_they_are_used() {
     let set = |window: &mut Window, label: &str, count: f64| {
         let field = window.harness.get_all_by_role_and_label(Role::SpinButton, label).nth(2).unwrap();
         let pos = field.rect().center();
-        window.harness.hover_at(pos);
-        window.harness.run_steps(1);
+        window.hover(pos).steps(1);
         let field = window.harness.get_all_by_role_and_label(Role::SpinButton, label).nth(2).unwrap();
         field.set_value_accesskit(count);
         window.settle();
@@ -134,12 +122,10 @@ fn the_fields_of_the_slopes_stay_while_they_are_used() {
 #[test]
 fn the_filter_stays_under_the_pointer_when_it_hides_features() {
     let mut window = Start { size: [1280.0, 900.0], ..Start::default() }.open();
-    window.click("Filter");
-    window.harness.run_steps(3);
+    window.click("Filter").steps(3);
     let before = rect(&window, Role::CheckBox, "Hide features at the slope limit");
     let total = window.app().model.results.listed.len();
-    window.app_mut().model.document.filter.hide_slope_limit = true;
-    window.settle();
+    window.change(|document| document.filter.hide_slope_limit = true).settle();
     assert!(window.app().model.results.listed.len() < total);
     assert_eq!(rect(&window, Role::CheckBox, "Hide features at the slope limit"), before);
 }
@@ -156,8 +142,7 @@ fn the_list_of_lessons_opens_at_its_place() {
         // In its first pass it is measured, and not shown.
         window.harness.run_steps(2);
         let opened = first(&window).expect("listed");
-        window.harness.hover_at(opened.center());
-        window.harness.run_steps(5);
+        window.hover(opened.center()).steps(5);
         assert_eq!(first(&window), Some(opened), "{size:?}");
     }
 }
@@ -167,10 +152,8 @@ fn the_panel_on_the_right_keeps_its_width() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     let picture = |window: &Window| rect(window, Role::Canvas, "Picture");
     let before = picture(&window);
-    window.key(Key::Home);
-    window.settle();
+    window.key(Key::Home).settle();
     assert_eq!(picture(&window), before, "a feature is selected");
-    window.run_action("Why this feature?");
-    window.settle();
+    window.run_action("Why this feature?").settle();
     assert_eq!(picture(&window), before, "it is probed");
 }

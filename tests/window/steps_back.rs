@@ -26,8 +26,7 @@ pub fn copied(window: &mut Window, act: impl FnOnce(&mut Window)) -> Vec<String>
 }
 
 pub fn second_click_at(window: &mut Window, pos: Pos2) {
-    window.harness.hover_at(pos);
-    window.harness.run_steps(1);
+    window.hover(pos).steps(1);
     for pressed in [true, false] {
         window.harness.event(egui::Event::PointerButton {
             pos,
@@ -43,10 +42,7 @@ pub fn second_click_at(window: &mut Window, pos: Pos2) {
 #[test]
 fn parameters_and_slopes_are_taken_back_and_made_again() {
     let mut window = Start::without_auto_detect().open();
-    window.key(Key::ArrowRight);
-    window.run_action("preset sift");
-    window.slide("Slope u", 2.5);
-    window.settle();
+    window.key(Key::ArrowRight).run_action("preset sift").slide("Slope u", 2.5).settle();
     let state =
         |window: &Window| (window.app().model.document.params.method, window.app().model.document.cursor().slope.u);
     assert_eq!(state(&window), (Method::Sift, 2.5));
@@ -68,8 +64,7 @@ fn parameters_and_slopes_are_taken_back_and_made_again() {
 #[test]
 fn a_strip_goes_back_as_a_strip() {
     let mut window = Start::without_auto_detect().open();
-    window.key(Key::Num8);
-    window.settle();
+    window.key(Key::Num8).settle();
     let slopes = |window: &Window| -> Vec<f32> {
         let panes = &window.app().model.document.panes;
         panes.shown().iter().map(|id| panes.get(*id).unwrap().cursor.slope.u).collect()
@@ -92,8 +87,7 @@ fn a_feature_a_value_a_place_and_a_picture_are_copied() {
     // Without a selection, the value under the pointer is copied.
     window.key(Key::Escape);
     let at = window.ui_from_image(pos2(300.2, 40.3)).unwrap();
-    window.harness.hover_at(at);
-    window.harness.run_steps(2);
+    window.hover(at).steps(2);
     let texts = copied(&mut window, |window| window.harness.event(egui::Event::Copy));
     let plane = window.app().read().picture().unwrap().plane.clone();
     assert_eq!(texts, [plane.at(300, 40).to_string()]);
@@ -111,8 +105,7 @@ fn rows_and_features_have_menus() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     let row = window.harness.get_by_role_and_label(Role::Row, "Feature 2").rect().center();
     second_click_at(&mut window, row);
-    window.click("Go to feature");
-    window.settle();
+    window.click("Go to feature").settle();
     let model = &window.app().model;
     assert_eq!(
         (model.document.selected, model.document.cursor().slope),
@@ -144,8 +137,7 @@ fn keys_are_for_the_dialog_that_is_open_or_being_opened() {
     window.harness.key_press_modifiers(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::P);
     window.harness.run_steps(2);
     assert!(!window.shows("Find an action"));
-    window.key(Key::Escape);
-    window.key(Key::Num3);
+    window.key(Key::Escape).key(Key::Num3);
     assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
     assert_eq!(window.app().model.document.cursor().slope, Slope::default());
 }

@@ -196,16 +196,47 @@ impl Window {
         self.harness.state_mut()
     }
 
+    /// Lets the window draw so many times.
+    pub fn steps(&mut self, count: usize) -> &mut Self {
+        self.harness.run_steps(count);
+        self
+    }
+
+    /// Changes what is set, without a widget.
+    pub fn change<R>(&mut self, change: impl FnOnce(&mut Document) -> R) -> &mut Self {
+        change(&mut self.app_mut().model.document);
+        self
+    }
+
+    /// Sets the path that the next dialog returns.
+    pub fn will_choose(&mut self, path: impl Into<PathBuf>) -> &mut Self {
+        self.dialogs.will_choose(path);
+        self
+    }
+
+    /// Holds the pointer over a place of the window.
+    pub fn hover(&mut self, pos: Pos2) -> &mut Self {
+        self.harness.hover_at(pos);
+        self
+    }
+
+    /// Clicks a widget of this kind with this text; the window does not draw yet.
+    pub fn click_on(&mut self, role: Role, label: &str) -> &mut Self {
+        self.harness.get_by_role_and_label(role, label).click();
+        self
+    }
+
     /// Runs the window until no requested result is missing.
-    pub fn settle(&mut self) {
+    pub fn settle(&mut self) -> &mut Self {
         self.wait("the window comes to rest", |app| app.is_settled());
         // Sizes measured in one pass are used in the next.
         self.harness.run_steps(3);
         self.wait("the window comes to rest", |app| app.is_settled());
+        self
     }
 
     /// Runs the window until `wanted` holds.
-    pub fn wait(&mut self, what: &str, wanted: impl Fn(&BurstscopeApp) -> bool) {
+    pub fn wait(&mut self, what: &str, wanted: impl Fn(&BurstscopeApp) -> bool) -> &mut Self {
         let end = Instant::now() + PATIENCE;
         let mut held = 0;
         while held < 2 {
@@ -216,33 +247,38 @@ impl Window {
                 std::thread::sleep(Duration::from_millis(2));
             }
         }
+        self
     }
 
     /// Clicks a button (or another clickable widget) with this text.
-    pub fn click(&mut self, label: &str) {
+    pub fn click(&mut self, label: &str) -> &mut Self {
         self.harness.get_by_role_and_label(Role::Button, label).click();
         self.harness.run_steps(3);
+        self
     }
 
     /// Presses a key.
-    pub fn key(&mut self, key: egui::Key) {
+    pub fn key(&mut self, key: egui::Key) -> &mut Self {
         self.harness.key_press(key);
         self.harness.run_steps(2);
+        self
     }
 
     /// Presses keys with Ctrl (Cmd on a Mac).
-    pub fn ctrl(&mut self, key: egui::Key) {
+    pub fn ctrl(&mut self, key: egui::Key) -> &mut Self {
         self.harness.key_press_modifiers(egui::Modifiers::COMMAND, key);
         self.harness.run_steps(2);
+        self
     }
 
     /// Chooses an action in the command palette by typing its name.
-    pub fn run_action(&mut self, name: &str) {
+    pub fn run_action(&mut self, name: &str) -> &mut Self {
         self.ctrl(egui::Key::P);
         self.harness.get_by_role_and_label(Role::TextInput, "Find an action").type_text(name);
         self.harness.run_steps(2);
         self.key(egui::Key::Enter);
         self.harness.run_steps(2);
+        self
     }
 
     /// Saves the session as `file`, and opens it in another window.
@@ -258,7 +294,7 @@ impl Window {
     }
 
     /// Drops a file or folder on the window.
-    pub fn drop_file(&mut self, path: PathBuf) {
+    pub fn drop_file(&mut self, path: PathBuf) -> &mut Self {
         #[derive(Debug)]
         struct Dropped(PathBuf);
         impl egui::DroppedFile for Dropped {
@@ -271,37 +307,41 @@ impl Window {
         }
         self.harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
         self.harness.step();
+        self
     }
 
     /// Moves a slider.
-    pub fn slide(&mut self, label: &str, value: f64) {
+    pub fn slide(&mut self, label: &str, value: f64) -> &mut Self {
         // A slope that a pad shows has a number alone.
         let slider = self.harness.query_by_role_and_label(Role::Slider, label);
         slider
             .unwrap_or_else(|| self.harness.get_by_role_and_label(Role::SpinButton, label))
             .set_value_accesskit(value);
         self.harness.run_steps(2);
+        self
     }
 
     /// Opens a tab of the panel below, which was closed or shows another.
-    pub fn open_tab(&mut self, label: &str) {
+    pub fn open_tab(&mut self, label: &str) -> &mut Self {
         if !self.app().read().shows_bottom() {
             self.run_action("table and tally");
         }
         if format!("{:?}", self.app().model.document.bottom_tab) != label {
             self.click(label);
         }
+        self
     }
 
     /// Chooses an entry of a menu.
-    pub fn choose(&mut self, menu: &str, entry: &str) {
+    pub fn choose(&mut self, menu: &str, entry: &str) -> &mut Self {
         self.click(menu);
         self.harness.get_by_label_contains(entry).click();
         self.harness.run_steps(3);
+        self
     }
 
     /// Clicks at a place of the window, with a pause between the events.
-    pub fn click_at(&mut self, pos: egui::Pos2) {
+    pub fn click_at(&mut self, pos: egui::Pos2) -> &mut Self {
         self.harness.hover_at(pos);
         self.harness.run_steps(1);
         self.harness.drag_at(pos);
@@ -313,10 +353,11 @@ impl Window {
             modifiers: egui::Modifiers::NONE,
         });
         self.harness.run_steps(2);
+        self
     }
 
     /// Clicks at a place of the window with Shift held.
-    pub fn shift_click_at(&mut self, pos: egui::Pos2) {
+    pub fn shift_click_at(&mut self, pos: egui::Pos2) -> &mut Self {
         self.harness.hover_at(pos);
         self.harness.run_steps(1);
         for pressed in [true, false] {
@@ -326,11 +367,12 @@ impl Window {
             self.harness.run_steps(1);
         }
         self.harness.run_steps(1);
+        self
     }
 
     /// Double-clicks at a place of the window. A step here takes longer than a person's double click, so a slower one
     /// is accepted.
-    pub fn double_click_at(&mut self, pos: egui::Pos2) {
+    pub fn double_click_at(&mut self, pos: egui::Pos2) -> &mut Self {
         let set_delay = |window: &Self, seconds| {
             window.harness.ctx.options_mut(|o| o.input_options.max_double_click_delay = seconds);
         };
@@ -339,10 +381,11 @@ impl Window {
         self.click_at(pos);
         self.click_at(pos);
         set_delay(self, usual);
+        self
     }
 
     /// Drags from one place of the window to another, with stops on the way.
-    pub fn drag(&mut self, from: egui::Pos2, to: egui::Pos2) {
+    pub fn drag(&mut self, from: egui::Pos2, to: egui::Pos2) -> &mut Self {
         self.harness.hover_at(from);
         self.harness.run_steps(1);
         self.harness.drag_at(from);
@@ -354,6 +397,7 @@ impl Window {
         self.harness.drop_at(to);
         self.harness.run_steps(2);
         self.settle();
+        self
     }
 
     /// Whether any widget shows this text.

@@ -46,12 +46,8 @@ fn open_both(home: &Path) -> (Window, PoseReport) {
         evaluate_poses(&read_trajectory(&estimate).unwrap(), &read_trajectory(&truth).unwrap(), &PoseStudy::default())
             .unwrap();
     let mut window = Start { size: [1280.0, 800.0], ..Start::without_auto_detect() }.open();
-    window.dialogs.will_choose(estimate.join("images.txt"));
-    window.run_action("open estimated trajectory");
-    window.settle();
-    window.dialogs.will_choose(truth);
-    window.run_action("open true trajectory");
-    window.settle();
+    window.will_choose(estimate.join("images.txt")).run_action("open estimated trajectory").settle();
+    window.will_choose(truth).run_action("open true trajectory").settle();
     (window, report)
 }
 
@@ -66,8 +62,7 @@ fn the_errors_are_those_of_the_library() {
         assert!(window.shows(&format!("{:.4}", errors.translation.rmse)));
     }
     assert!(window.shows(&format!("{:.1}", report.model.unwrap().points_per_image)));
-    window.harness.get_by_role_and_label(Role::Row, "Camera burst_04.png").click();
-    window.harness.run_steps(2);
+    window.click_on(Role::Row, "Camera burst_04.png").steps(2);
     assert_eq!(window.app().model.document.trajectories.selected, Some(4));
     // Motions over three poses have other errors.
     window.harness.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
@@ -75,8 +70,7 @@ fn the_errors_are_those_of_the_library() {
     let over_three = window.app().model.results.poses.report(Which::Estimate).unwrap().clone();
     assert_eq!((over_three.step, over_three.relative.count), (3, 10));
     assert!(window.shows(&format!("{:.4}", over_three.relative.translation.rmse)));
-    window.run_action("close trajectories");
-    window.settle();
+    window.run_action("close trajectories").settle();
     assert!(window.app().model.results.poses.is_empty() && window.shows("none yet"));
 }
 
@@ -99,9 +93,7 @@ fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, first) = open_both(home.path());
     assert!(window.shows("13 of 14 cameras right"));
-    window.dialogs.will_choose(second_estimate(home.path()));
-    window.run_action("open second estimate");
-    window.settle();
+    window.will_choose(second_estimate(home.path())).run_action("open second estimate").settle();
     assert!(window.shows("merge/1, the largest of 2 parts"));
     let poses = &window.app().model.results.poses;
     let [one, two] = Which::ESTIMATES.map(|which| poses.report(which).unwrap().clone());
@@ -131,15 +123,13 @@ fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
 fn a_camera_is_pointed_at_in_the_plane() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
-    window.app_mut().model.document.trajectories.projection = Projection::Xz;
-    window.settle();
+    window.change(|document| document.trajectories.projection = Projection::Xz).settle();
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
     let scene = window.app().model.results.poses.scene(&window.app().model.document.trajectories);
     let view = window.app().model.document.trajectories.view;
     let at =
         canvas.center() + view.points_per_pixel() * (scene.cameras[0][6].pos - egui::Pos2::from(view.centre_image));
-    window.harness.hover_at(at);
-    window.harness.run_steps(30);
+    window.hover(at).steps(30);
     assert_eq!(window.app().model.results.poses.hovered, Some(6));
     assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
     window.click_at(at);
@@ -150,8 +140,7 @@ fn a_camera_is_pointed_at_in_the_plane() {
 fn a_free_view_goes_around_the_cameras_and_back() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
-    window.harness.get_by_role_and_label(Role::ComboBox, "Seen from").click();
-    window.harness.run_steps(2);
+    window.click_on(Role::ComboBox, "Seen from").steps(2);
     window.harness.get_by_label("Free view").click();
     window.settle();
     let set = |window: &Window| window.app().model.document.trajectories.clone();
@@ -185,8 +174,7 @@ fn a_free_view_goes_around_the_cameras_and_back() {
 fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
-    window.harness.get_by_role_and_label(Role::CheckBox, "3D points").click();
-    window.settle();
+    window.click_on(Role::CheckBox, "3D points").settle();
     assert!(window.app().model.document.trajectories.points && window.shows("3D points"));
     let app = window.app_mut();
     apply::studies::open_trajectory(&mut app.model, Which::Estimate, Some(home.path().join("truth.txt")), &app.engine);
@@ -208,18 +196,13 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     let at = row(&window, "Camera burst_01.png");
     window.double_click_at(at);
     assert!(window.shows("Open the dataset of burst_01.png"));
-    window.dialogs.will_choose(&nights);
-    window.run_action("open");
-    window.settle();
+    window.will_choose(&nights).run_action("open").settle();
     assert_eq!(window.app().read().frame_count(), 3);
-    window.run_action("trajectories");
-    window.settle();
+    window.run_action("trajectories").settle();
     let at = row(&window, "Camera burst_01.png");
-    window.double_click_at(at);
-    window.settle();
+    window.double_click_at(at).settle();
     assert_eq!((window.app().model.document.workspace, window.app().read().frame_count()), (Workspace::Inspect, 5));
-    window.run_action("trajectories");
-    window.settle();
+    window.run_action("trajectories").settle();
     let at = row(&window, "Camera burst_02.png");
     window.double_click_at(at);
     assert!(window.shows("nights has no burst with the name of the camera burst_02.png"));
@@ -233,9 +216,7 @@ fn open_nights(window: &mut Window, home: &Path, places: &[usize]) {
         std::fs::create_dir_all(&burst).unwrap();
         noisy_stack(&burst, 3, 40, 40);
     }
-    window.dialogs.will_choose(&nights);
-    window.run_action("open dataset");
-    window.settle();
+    window.will_choose(&nights).run_action("open dataset").settle();
 }
 
 #[test]
@@ -248,12 +229,10 @@ fn a_camera_leads_to_its_weakest_pair_and_a_missing_one_to_the_reason() {
         let counts = MatchCounts { keypoints_a: 500, putative, inliers: Some(inliers), ..MatchCounts::default() };
         dataset.matches.counts.insert(pair, counts);
     }
-    window.run_action("trajectories");
-    window.settle();
+    window.run_action("trajectories").settle();
     let select = |window: &mut Window, camera: usize| {
         // Rows below the others of a low table are not drawn: the row scrolls into sight.
-        window.app_mut().model.document.trajectories.selected = Some(camera);
-        window.harness.run_steps(3);
+        window.change(|document| document.trajectories.selected = Some(camera)).steps(3);
     };
     select(&mut window, 10);
     assert!(window.shows("Weakest pair: burst_09, burst_10"));
@@ -272,9 +251,7 @@ fn a_point_leads_to_its_features() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
     open_nights(&mut window, home.path(), &[1, 2]);
-    window.run_action("trajectories");
-    window.harness.get_by_role_and_label(Role::CheckBox, "3D points").click();
-    window.settle();
+    window.run_action("trajectories").click_on(Role::CheckBox, "3D points").settle();
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
     let set = &window.app().model.document.trajectories;
     let scene = window.app().model.results.poses.scene(set);
@@ -288,8 +265,7 @@ fn a_point_leads_to_its_features() {
     let model = &window.app().model;
     assert_eq!((model.document.workspace, window.app().read().frame_count()), (Workspace::Inspect, 3));
     assert_eq!(model.results.reselect, Some(SavedSelection::of_index(0)), "it waits for the features");
-    window.run_action("detect");
-    window.settle();
+    window.run_action("detect").settle();
     let found = !window.app().read().features().is_empty();
     assert_eq!(window.app().model.document.selected, found.then_some(0));
 }
@@ -308,8 +284,7 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     // A truth of other places: both are read, but nothing can be compared.
     let other = home.path().join("other.txt");
     std::fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
-    window.drop_file(other);
-    window.settle();
+    window.drop_file(other).settle();
     assert!(window.app().model.results.poses.report(Which::Estimate).is_none());
     assert!(window.app().model.results.poses.problems().next().is_some());
     assert!(window.shows("cannot be"));

@@ -35,8 +35,7 @@ fn open() -> Window {
 #[test]
 fn a_selected_feature_tells_all_its_numbers() {
     let mut window = open();
-    window.key(Key::Home);
-    window.settle();
+    window.key(Key::Home).settle();
     for size in SIZES {
         window.harness.set_size(size.into());
         window.harness.run_steps(4);
@@ -56,8 +55,7 @@ fn a_selected_feature_tells_all_its_numbers() {
 fn tables_and_tabs_are_whole() {
     let mut window = open();
     for tab in [BottomTab::Table, BottomTab::Tally, BottomTab::Noise, BottomTab::Slopes] {
-        window.app_mut().model.document.bottom_tab = tab;
-        window.settle();
+        window.change(|document| document.bottom_tab = tab).settle();
         assert_whole(&mut window, &format!("{tab:?}"));
     }
 }
@@ -66,8 +64,7 @@ fn tables_and_tabs_are_whole() {
 fn a_probe_is_whole() {
     let mut window = open();
     let at = window.ui_from_image(pos2(257.4, 150.5)).expect("drawn");
-    window.shift_click_at(at);
-    window.settle();
+    window.shift_click_at(at).settle();
     assert_whole(&mut window, "a probe");
 }
 
@@ -75,8 +72,7 @@ fn a_probe_is_whole() {
 fn a_match_is_whole() {
     let startup = burstscope::app::Startup { second: Some(BurstSource::DemoLater), ..given() };
     let mut window = Start { size: SIZES[1], startup, ..Start::default() }.open();
-    window.key(Key::Home);
-    window.settle();
+    window.key(Key::Home).settle();
     assert_whole(&mut window, "a match");
 }
 
@@ -88,8 +84,7 @@ fn the_loupe_is_whole_and_beside_its_place_in_one_pane_and_in_several() {
     let document = &mut window.app_mut().model.document;
     (document.follows_focus, document.panels) = (true, Panels { loupe: true, welcome: false, ..Panels::default() });
     for layout in [Key::Num5, Key::Num9] {
-        window.key(layout);
-        window.settle();
+        window.key(layout).settle();
         let mut seen = 0;
         for (size, place) in SIZES.into_iter().flat_map(|size| (0..15).map(move |place| (size, place))) {
             let parts = vec2([0.03, 0.3, 0.5, 0.7, 0.97][place % 5], [0.2, 0.5, 0.9][place / 5]);
@@ -120,8 +115,7 @@ fn the_loupe_is_whole_and_beside_its_place_in_one_pane_and_in_several() {
 fn dialogs_and_lessons_are_whole() {
     let mut window = open();
     for action in ["calibration", "export figure", "export film", "lessons", "keyboard shortcuts"] {
-        window.run_action(action);
-        window.settle();
+        window.run_action(action).settle();
         assert_whole(&mut window, action);
         window.key(Key::Escape);
     }
@@ -143,8 +137,7 @@ fn the_menu_of_a_feature_is_whole_and_no_tip_lies_over_it() {
         window.app_mut().model.document.focused_mut().cursor.slope = feature.motion().0;
         window.settle();
         let at = window.ui_from_image(pos2(feature.u, feature.v)).expect("drawn");
-        window.harness.hover_at(at);
-        window.harness.run_steps(4);
+        window.hover(at).steps(4);
         assert!(window.shows("response "), "the tip of the feature");
         second_click_at(&mut window, at);
         assert!(window.shows("Why this feature?") && window.shows("Split down"));
@@ -157,13 +150,10 @@ fn the_menu_of_a_feature_is_whole_and_no_tip_lies_over_it() {
 fn the_value_under_the_pointer_is_whole() {
     for size in SIZES {
         let mut window = Start { size, ..Start::without_auto_detect() }.open();
-        window.key(Key::Num3);
-        window.settle();
-        window.slide("Octave", 1.0);
-        window.settle();
+        window.key(Key::Num3).settle();
+        window.slide("Octave", 1.0).settle();
         let at = window.ui_from_image(pos2(322.1, 166.6)).expect("drawn");
-        window.harness.hover_at(at);
-        window.harness.run_steps(4);
+        window.hover(at).steps(4);
         let shown: Vec<(String, bool)> = readouts(&window);
         assert!(shown.len() == 1 && !shown[0].1, "{shown:?} at {size:?}");
     }
@@ -185,8 +175,7 @@ fn readouts(window: &Window) -> Vec<(String, bool)> {
 #[test]
 fn the_slope_of_features_is_said_with_their_own() {
     let mut window = open();
-    window.key(Key::B);
-    window.settle();
+    window.key(Key::B).settle();
     let note = window.app().model.shell.messages.last_note().expect("a note").to_owned();
     assert!(note.contains(" by their own slope"), "{note}");
     let model = &window.app().model;
@@ -211,9 +200,7 @@ fn the_slope_of_features_is_said_with_their_own() {
 fn figure_texts(window: &mut Window, folder: &std::path::Path) -> String {
     let path = folder.join("figure.svg");
     let _ = std::fs::remove_file(&path);
-    window.dialogs.will_choose(&path);
-    window.run_action("figure as before");
-    window.settle();
+    window.will_choose(&path).run_action("figure as before").settle();
     std::fs::read_to_string(&path).expect("it is written")
 }
 
@@ -243,8 +230,7 @@ fn the_legend_of_a_figure_names_what_is_drawn() {
     assert!(text.contains("slope up to ") && !others.iter().any(|other| text.contains(other)));
     // Words are said as such, and only those that are there.
     window.app_mut().model.document.colour_by = burstscope::app::view::ColourBy::Of(Quantity::Moves);
-    window.app_mut().model.document.filter.moves = Some(burstscope::detector::Moves::ByItself);
-    window.settle();
+    window.change(|document| document.filter.moves = Some(burstscope::detector::Moves::ByItself)).settle();
     let text = figure_texts(&mut window, folder.path());
     assert!(text.contains(">moves by itself<") && !text.contains(">ghost<"), "{text}");
 }
