@@ -7,22 +7,22 @@ use crate::support::*;
 const LONGEST: usize = 4;
 
 fn searched(window: &Window) -> SearchParams {
-    window.app().model.document.params.clone()
+    window.document().params.clone()
 }
 
 /// Applies advice on slopes until none is left; what was set at each step, the first as it was begun.
 fn apply_all(window: &mut Window, what: &str) -> Vec<SearchParams> {
     let mut set = vec![searched(window)];
     while window.shows("Apply slopes") {
-        let sentence = window.app().read().slope_judgement().expect("shown").sentence.clone();
+        let sentence = window.read().slope_judgement().expect("shown").sentence.clone();
         window.click("Apply slopes").settle();
         let now = searched(window);
-        let messages = window.app().model.shell.messages.errors();
+        let messages = window.model().shell.messages.errors();
         assert!(messages.is_empty(), "{what}: {sentence}: {messages:?}");
         assert!(!set.contains(&now), "{what}: {sentence}: leads back to {:?}", now.slopes);
-        assert!(window.app().read().features_are_current(burstscope::app::document::side::Side::A), "{what}");
+        assert!(window.read().features_are_current(burstscope::app::document::side::Side::A), "{what}");
         set.push(now);
-        assert!(set.len() <= LONGEST + 1, "{what}: no end of advice: {:?}", window.app().read().slope_judgement());
+        assert!(set.len() <= LONGEST + 1, "{what}: no end of advice: {:?}", window.read().slope_judgement());
     }
     set
 }

@@ -10,7 +10,7 @@ fn nothing_is_lost_of_what_was_open() {
     window.key(Key::Num6).slide("Slope u", 0.75).change(|document| document.params.levels = 4).settle();
     window.key(Key::Home).run_action("light theme").settle();
     let state = |window: &Window| {
-        let model = &window.app().model;
+        let model = window.model();
         let mut panes = model.document.panes.clone();
         panes.iter_mut().for_each(|(_, pane)| pane.view = Default::default());
         let burst = model.results.slots.a.burst.as_ref().map(|burst| burst.id);
@@ -26,21 +26,21 @@ fn nothing_is_lost_of_what_was_open() {
     };
     let before = state(&window);
     window.key(Key::F1).steps(5).click("Lesson: Out of the dark").settle();
-    let (in_lesson, count) = (window.app().read().is_in_lesson(), window.app().read().features().len());
+    let (in_lesson, count) = (window.read().is_in_lesson(), window.read().features().len());
     assert!(in_lesson && count == 0, "{in_lesson} {count}");
     window.slide("Frame", 1.0).settle();
     window.click("Next step").settle();
     window.click("Leave lesson").settle();
-    assert!(!window.app().read().is_in_lesson());
+    assert!(!window.read().is_in_lesson());
     assert!(state(&window) == before, "everything is as it was");
-    assert!(window.app().model.shell.history.can_undo(), "what was done before can be undone");
+    assert!(window.model().shell.history.can_undo(), "what was done before can be undone");
     // Coming back continues at the step that was left, with the tasks done.
     window.run_action("lessons").steps(5);
     assert!(window.shows("step 2 of"));
     window.click("Lesson: Out of the dark").settle();
     let open = window.app().lessons.open.as_ref().expect("open");
     assert_eq!((open.step, open.done.clone()), (1, [0].into()));
-    assert!(window.app().model.document.focused().shows(ViewKind::Frame), "set up as the step begins");
+    assert!(window.document().focused().shows(ViewKind::Frame), "set up as the step begins");
     window.click("Step back").settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| (open.step, open.is_done())), Some((0, true)));
     // Settings are those made outside the lesson, and the progress in it.
@@ -58,14 +58,14 @@ fn a_step_is_set_up_again_and_what_is_opened_in_a_lesson_leaves_it() {
     window.settle();
     window.slide("Slope u", 2.5).settle();
     window.click("Set the step up again").settle();
-    assert_eq!(window.app().model.document.cursor().slope, Slope::new(-2.1, 0.0));
+    assert_eq!(window.document().cursor().slope, Slope::new(-2.1, 0.0));
     // A step far away, by its dot.
     window.click("Step 3: A slice through time").settle();
-    let source = window.app().model.results.slots.a.burst.as_ref().map(|burst| burst.source.clone());
+    let source = window.results().slots.a.burst.as_ref().map(|burst| burst.source.clone());
     assert_eq!(source.and_then(|source| source.name()), Some("demo-depths"));
     window.run_action("open demo burst").settle();
-    assert!(window.app().lessons.open.is_none() && !window.app().read().is_in_lesson());
-    assert_eq!(window.app().model.results.slots.a.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
+    assert!(window.app().lessons.open.is_none() && !window.read().is_in_lesson());
+    assert_eq!(window.results().slots.a.burst.as_ref().map(|burst| &burst.source), Some(&BurstSource::Demo));
     assert_eq!(window.app().lessons.progress["slope-is-depth"].step, 2);
 }
 
@@ -130,7 +130,7 @@ fn in_a_hall_the_picture_is_large_and_a_presenters_keys_lead_through_the_lesson(
         window.key(Key::PageUp).settle();
         assert_eq!(ended(&window), Some(false), "back to the last step");
         window.key(Key::F11).settle();
-        assert!(window.app().read().shows_left() && !window.app().model.document.panels.hall, "as before");
+        assert!(window.read().shows_left() && !window.document().panels.hall, "as before");
     }
 }
 
@@ -187,12 +187,12 @@ fn the_search_in_two_directions_circles_the_lanterns() {
     let mut window = at_step("slope-is-depth", 7, [1280.0, 800.0]);
     let near = |window: &Window| {
         let rising = |f: &&burstscope::Feature| (f.slope.u - 1.6).hypot(f.slope.v + 1.2) < 0.5;
-        window.app().read().features().iter().filter(rising).count()
+        window.read().features().iter().filter(rising).count()
     };
     assert_eq!(near(&window), 0, "no line holds them");
     window.choose("BuFF 1D ⏷", "Preset BuFF 2D").settle();
     assert!(near(&window) >= 5, "{}", near(&window));
-    assert!(window.app().model.document.look.overlay == FeaturesShown::ThisSlope);
+    assert!(window.document().look.overlay == FeaturesShown::ThisSlope);
     window.snapshot("lesson_lanterns");
 }
 
@@ -209,9 +209,9 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
     assert!(window.shows("mine.toml, line 6") && window.shows("captoin"));
     std::fs::write(&file, good).unwrap();
     window.will_choose(folder.path()).run_action("open lessons").wait("the list", |app| app.lessons.list_is_open);
-    assert!(window.app().model.shell.messages.errors().is_empty(), "the mistake is mended");
+    assert!(window.model().shell.messages.errors().is_empty(), "the mistake is mended");
     window.steps(5).click("Lesson: My own").settle();
-    assert!(window.app().read().is_in_lesson(), "it is open");
+    assert!(window.read().is_in_lesson(), "it is open");
     assert!(window.shows("First") && window.shows("Step 1 of 1"));
     let lessons = &mut window.app_mut().lessons;
     lessons.open_at(folder.path()).unwrap();
@@ -232,7 +232,7 @@ fn the_joint_rule_finds_as_many_landmarks_of_the_street_and_less_elsewhere() {
     let mut window = at_step("blobs-at-every-scale", step.expect("the step"), SIZES[0]);
     window.run_action("compare with the truth").settle();
     let counts = |window: &Window| {
-        let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
+        let shown = window.read().shown_comparison(Side::A).expect("a comparison");
         [Compared::Same, Compared::Ours].map(|kind| shown.count(kind))
     };
     let [found, elsewhere] = counts(&window);

@@ -36,7 +36,7 @@ fn set_mask(window: &mut Window, mask: &Path) {
 }
 
 fn is_masked(window: &Window) -> bool {
-    window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].weight_at(3, 30) == 0.0
+    window.results().slots.a.burst.as_ref().unwrap().burst.frames[0].weight_at(3, 30) == 0.0
 }
 
 #[test]
@@ -53,14 +53,10 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
     let search = model.document.params.clone();
     // The same burst again keeps all.
     open(&mut window, &slider);
-    assert!(
-        is_masked(&window)
-            && window.app().model.document.params == search
-            && !window.app().model.document.filter.is_open()
-    );
+    assert!(is_masked(&window) && window.document().params == search && !window.document().filter.is_open());
     assert!(!window.shows("not used here"));
     open(&mut window, &cube);
-    let model = &window.app().model;
+    let model = window.model();
     assert!(!is_masked(&window), "the mask of another burst");
     assert_eq!(
         (model.document.calibration.mask.clone(), model.document.params.frames, model.document.params.slopes),
@@ -69,7 +65,7 @@ fn the_next_burst_begins_without_what_was_set_for_the_last_and_can_take_it() {
     assert!(model.document.filter.is_open());
     assert!(window.shows("The mask, frames used, slopes and filter of slider are not used here."));
     window.click("Use them").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert!(
         is_masked(&window)
             && model.document.params.slopes == search.slopes
@@ -92,7 +88,7 @@ fn a_mask_is_hatched_in_every_picture() {
     set_mask(&mut window, &mask);
     for key in [Key::Z, Key::B, Key::G] {
         window.key(key).settle();
-        let picture = window.app().read().picture().unwrap();
+        let picture = window.read().picture().unwrap();
         let hides = |u: usize| picture.plane.is_hidden_at(u, 30);
         assert!(hides(1) && !hides(60), "{:?}", picture.request.kind);
     }
@@ -128,7 +124,7 @@ fn every_way_to_another_burst_drops_the_mask() {
         set_mask(&mut window, &mask);
         way(&mut window, &cube);
         window.settle();
-        let model = &window.app().model;
+        let model = window.model();
         assert!(model.shell.messages.errors().is_empty(), "{name}: {:?}", model.shell.messages.errors());
         assert_eq!(model.document.calibration.mask, None, "{name}");
         assert!(window.shows("The mask of slider is not used here."), "{name}");
@@ -144,7 +140,7 @@ fn a_second_burst_has_not_the_mask_of_the_first_and_a_session_keeps_both() {
     window.will_choose(&cube).run_action("open b: folder").settle();
     let hides = |window: &Window| {
         let weight = |side: Side| {
-            let open = window.app().read().burst_of(side).expect("both are open");
+            let open = window.read().burst_of(side).expect("both are open");
             open.burst.frames[0].weight_at(3, 30)
         };
         Side::BOTH.map(|side| weight(side) == 0.0)
@@ -168,9 +164,9 @@ fn a_refused_calibration_changes_nothing_and_other_bursts_still_open() {
     // The frames do not say when they were taken.
     window.click_on(Role::RadioButton, "Files").steps(2).click("Apply");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty()).settle();
-    assert_eq!(window.app().model.document.calibration.times, None);
+    assert_eq!(window.document().calibration.times, None);
     open(&mut window, &cube);
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!((Read::of(model).frame_count(), model.shell.messages.errors()), (4, &[][..]), "it opens");
     let open = model.results.slots.a.burst.as_ref().unwrap();
     assert_eq!(open.source, BurstSource::Paths(vec![cube]));
@@ -181,7 +177,7 @@ fn a_step_back_takes_times_back_and_says_so() {
     let home = tempfile::tempdir().unwrap();
     let (slider, ..) = bursts(home.path());
     let mut window = start(&slider).open();
-    let names = |window: &Window| window.app().model.document.calibration.times.clone();
+    let names = |window: &Window| window.document().calibration.times.clone();
     window.run_action("calibration");
     // The views have such a choice as well, below.
     window.harness.query_all_by_role_and_label(Role::RadioButton, "Names").next().unwrap().click();
@@ -189,7 +185,7 @@ fn a_step_back_takes_times_back_and_says_so() {
     assert_eq!(names(&window), Some(TimesChoice::Names));
     window.ctrl(Key::Z).settle();
     assert_eq!(names(&window), None);
-    assert_eq!(window.app().model.shell.messages.last_note(), Some("Undone: Times"));
+    assert_eq!(window.model().shell.messages.last_note(), Some("Undone: Times"));
     window.run_action("redo").settle();
     assert_eq!(names(&window), Some(TimesChoice::Names));
     window.ctrl(Key::Z).settle();
@@ -210,5 +206,5 @@ fn a_filter_is_seen_above_the_picture_until_it_is_gone() {
     assert_eq!(window.harness.query_all_by_role_and_label(Role::Button, chip).count(), 2);
     window.harness.query_all_by_role_and_label(Role::Button, chip).next().unwrap().click();
     window.settle();
-    assert!(window.app().model.document.filter.is_open() && !has_chip(&window));
+    assert!(window.document().filter.is_open() && !has_chip(&window));
 }

@@ -27,7 +27,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     frames(home.path());
     let mut window = Start::of(&home.path().join("night")).open();
     let value = |window: &Window, u: usize, v: usize| {
-        window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].at(u, v) * 65_535.0
+        window.results().slots.a.burst.as_ref().unwrap().burst.frames[0].at(u, v) * 65_535.0
     };
     assert!((value(&window, 0, 0) - 1300.0).abs() < 3.0 && (value(&window, 90, 1) - 900.0).abs() < 3.0);
     // The suggestion about the values was noted when the burst was opened.
@@ -55,7 +55,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     assert!(window.shows("bias.png") && window.shows("flat.png") && window.shows("mask.png"));
     window.snapshot("calibration");
     window.click("Apply").settle();
-    let masked = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
+    let masked = window.results().slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
     assert_eq!([masked.weight_at(7, 30), masked.weight_at(8, 30)], [0.0, 1.0]);
     // Both halves are as bright, and there are no stripes.
     for (u, v) in [(0, 0), (0, 1), (90, 0), (90, 1)] {
@@ -64,7 +64,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     let file = home.path().join("night.burstscope.toml");
     let mut other = window.kept_and_opened_in_another(&file);
     assert!((value(&other, 90, 1) - 900.0).abs() < 4.0);
-    let kept = other.app().model.document.calibration.clone();
+    let kept = other.document().calibration.clone();
     assert!(kept.bias.is_some_and(|path| path.ends_with("bias.png")) && kept.flat.is_some() && kept.mask.is_some());
     // Without calibration, values are as in the files.
     other.run_action("calibration").click("Reset").click("Apply").settle();
@@ -81,7 +81,7 @@ fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
     window.run_action("calibration").drop_file(wrong).click_on(Role::CheckBox, "Linear light").steps(2);
     window.click("Apply").wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("the bias frame is 8×8"));
-    assert_eq!(window.app().model.results.slots.a.burst.as_ref().unwrap().burst.len(), 4);
+    assert_eq!(window.results().slots.a.burst.as_ref().unwrap().burst.len(), 4);
 }
 
 /// Drags along the places of the focused pane's image.
@@ -102,25 +102,25 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     frames(home.path());
     let mut window = Start { size: [900.0, 600.0], ..Start::of(&home.path().join("night")) }.open();
     window.key(Key::Num1).run_action("calibration").click("Draw");
-    assert_eq!(window.app().model.document.measure.tool, Tool::Mask);
+    assert_eq!(window.document().measure.tool, Tool::Mask);
     assert!(window.shows("Hide") && window.shows("rectangle"));
     let arm = [pos2(2.0, 20.0), pos2(30.0, 30.0), pos2(26.0, 40.0), pos2(2.0, 50.0)];
     drag_along(&mut window, &arm);
     drag_along(&mut window, &[pos2(60.0, 52.0), pos2(90.0, 52.0), pos2(90.0, 60.0), pos2(60.0, 60.0)]);
-    assert_eq!(window.app().model.document.measure.hidden.len(), 2);
+    assert_eq!(window.document().measure.hidden.len(), 2);
     window.click("Take back");
-    assert_eq!(window.app().model.document.measure.hidden.len(), 1);
+    assert_eq!(window.document().measure.hidden.len(), 1);
     let file = home.path().join("arm.png");
     window.will_choose(&file).click("Use as mask…").wait("the mask is written", |_| file.is_file()).settle();
     window.harness.run_steps(3);
     assert!(window.shows("arm.png"));
     window.click("Apply").settle();
-    let frame = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
+    let frame = window.results().slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
     assert_eq!(
         [frame.is_hidden_at(10, 35), frame.is_hidden_at(10, 15), frame.is_hidden_at(80, 56)],
         [true, false, false]
     );
-    assert!(window.app().model.document.measure.is_empty(), "what was drawn is in the mask");
+    assert!(window.document().measure.is_empty(), "what was drawn is in the mask");
     // Another outline is added to it.
     window.run_action("draw mask");
     drag_along(&mut window, &[pos2(60.0, 52.0), pos2(90.0, 52.0), pos2(90.0, 60.0), pos2(60.0, 60.0)]);
@@ -138,6 +138,6 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     }
     window.will_choose(&masks).click("Folder…").wait("the dialog names the folder", |app| app.is_settled());
     window.click("Apply").settle();
-    let frame = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames[3].clone();
+    let frame = window.results().slots.a.burst.as_ref().unwrap().burst.frames[3].clone();
     assert!(frame.is_hidden_at(10, 35) && !frame.is_hidden_at(80, 56));
 }

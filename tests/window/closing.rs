@@ -101,7 +101,7 @@ fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::without_auto_detect().open();
     window.click("Detect").settle();
-    let count = window.app().read().features().len();
+    let count = window.read().features().len();
     let closing = hold_files_until_closing(&window);
     let exports = [
         ("features as csv", "f.csv"),
@@ -133,7 +133,7 @@ fn what_was_matched_and_measured_is_whole_too() {
     let mut start = Start { size: [1400.0, 900.0], ..Start::default() };
     start.startup.second = Some(BurstSource::DemoLater);
     let mut window = start.open();
-    let matches = window.app().model.results.pair.matches.as_ref().unwrap().result.counts.putative;
+    let matches = window.results().pair.matches.as_ref().unwrap().result.counts.putative;
     run_small_study(&mut window);
     let closing = hold_files_until_closing(&window);
     let of_lab = [("export curves as csv", "c.csv"), ("export curves as svg", "c.svg")];
@@ -142,7 +142,7 @@ fn what_was_matched_and_measured_is_whole_too() {
     let of_pair = [("export matches as csv", "m.csv"), ("figure as before", "m.png")];
     begin(&mut window, folder.path(), &of_pair);
     window.ctrl(egui::Key::Num1);
-    let pane = window.app().model.document.focus();
+    let pane = window.document().focus();
     let (from_image, to_image) = (egui::pos2(100.0, 80.0), egui::pos2(160.0, 80.0));
     window.app_mut().model.document.measure.line = Some(MeasuredLine { pane, from_image, to_image });
     window.wait("there is something to measure", |app| app.read().picture().is_some());

@@ -7,14 +7,14 @@ use burstscope::inspect::result::{Spot, compare};
 #[test]
 fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    let before: Vec<Spot> = window.app().read().features().iter().map(Spot::from).collect();
+    let before: Vec<Spot> = window.read().features().iter().map(Spot::from).collect();
     window.run_action("pin this result").change(|document| document.params.edge_threshold = 8.0);
     window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(5.5);
     window.change(|document| document.params.levels = 4).settle();
-    let after: Vec<Spot> = window.app().read().features().iter().map(Spot::from).collect();
+    let after: Vec<Spot> = window.read().features().iter().map(Spot::from).collect();
     let expected = compare(&before, &after);
     assert!(!expected.lost.is_empty() && !expected.same.is_empty());
-    let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
+    let shown = window.read().shown_comparison(Side::A).expect("a comparison");
     assert_eq!((shown.with, shown.count(Compared::Theirs)), (Reference::Pinned, expected.lost.len()));
     assert_eq!(
         (shown.count(Compared::Ours), shown.count(Compared::Moved)),
@@ -22,22 +22,22 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     );
     assert!(window.shows(&expected.summary()), "the counts in a line");
     window.click_on(Role::Row, "Lost 0").settle();
-    assert_eq!(window.app().model.document.comparisons.a.selected, Some(0));
-    assert_eq!(window.app().model.document.selected, None, "what is lost is none of ours");
+    assert_eq!(window.document().comparisons.a.selected, Some(0));
+    assert_eq!(window.document().selected, None, "what is lost is none of ours");
     window.snapshot("compared_with_pinned");
     window.key(Key::Escape);
-    assert_eq!(window.app().model.document.comparisons.a.selected, None);
+    assert_eq!(window.document().comparisons.a.selected, None);
     window.run_action("unpin").settle();
-    assert!(window.app().read().shown_comparison(Side::A).is_none() && !window.shows("as before"));
+    assert!(window.read().shown_comparison(Side::A).is_none() && !window.shows("as before"));
 }
 
 #[test]
 fn pinning_a_result_and_changing_nothing_shows_no_change() {
     let mut window = Start::default().open();
-    let count = window.app().read().features().len();
+    let count = window.read().features().len();
     window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::D);
     window.settle();
-    let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
+    let shown = window.read().shown_comparison(Side::A).expect("a comparison");
     assert!([Compared::Theirs, Compared::Ours, Compared::Moved].into_iter().all(|kind| shown.count(kind) == 0));
     // All orientations of one keypoint count as one.
     assert!(shown.count(Compared::Same) > 0 && shown.count(Compared::Same) <= count);
@@ -47,7 +47,7 @@ fn pinning_a_result_and_changing_nothing_shows_no_change() {
 fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    let mut detection = (*window.app().model.results.slots.a.found.as_ref().unwrap().detection).clone();
+    let mut detection = (*window.results().slots.a.found.as_ref().unwrap().detection).clone();
     // The other features lack our strongest one, and have one where we have none.
     let lonely = burstscope::Feature { u: 5.0, v: 352.0, sigma: 1.7, ..detection.features[0] };
     detection.features.remove(0);
@@ -59,7 +59,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     write_colmap(&txt, &detection.features, &detection.descriptors).unwrap();
     for path in [csv, txt] {
         window.will_choose(&path).run_action("open features").settle();
-        let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
+        let shown = window.read().shown_comparison(Side::A).expect("a comparison");
         assert_eq!((shown.with, shown.count(Compared::Theirs)), (Reference::File, 1), "{}", path.display());
         let row = &shown.rows[0];
         assert!((row.pos_image[0] - 5.0).abs() < 0.01 && row.feature.is_none(), "{row:?}");
@@ -67,7 +67,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
     }
     window.snapshot("compared_with_theirs");
     window.run_action("close opened features").settle();
-    assert!(window.app().read().shown_comparison(Side::A).is_none());
+    assert!(window.read().shown_comparison(Side::A).is_none());
 }
 
 #[test]
@@ -85,13 +85,13 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     let folder = tempfile::tempdir().unwrap();
     let (session, theirs) = (folder.path().join("compared.burstscope.toml"), folder.path().join("theirs.csv"));
     let mut window = Start::default().open();
-    write_csv(&theirs, &window.app().read().features()[5..], None).unwrap();
+    write_csv(&theirs, &window.read().features()[5..], None).unwrap();
     window.run_action("pin this result");
     window.change(|document| document.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0)).settle();
-    let pinned = window.app().read().shown_comparison(Side::A).expect("a comparison").clone();
+    let pinned = window.read().shown_comparison(Side::A).expect("a comparison").clone();
     assert!(pinned.count(Compared::Theirs) > 0);
     window.will_choose(&theirs).run_action("open features").settle();
-    let laid_over = window.app().read().shown_comparison(Side::A).expect("a comparison").summary.clone();
+    let laid_over = window.read().shown_comparison(Side::A).expect("a comparison").summary.clone();
     window.will_choose(&session).run_action("save session").settle();
 
     let reopen = || {
@@ -101,19 +101,19 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     };
     let shows_pinned = |window: &mut crate::support::Window| {
         window.click("Pinned result").settle();
-        let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
+        let shown = window.read().shown_comparison(Side::A).expect("a comparison");
         // The features were found again, with equal bits.
         assert_eq!((&shown.rows, &shown.summary), (&pinned.rows, &pinned.summary));
     };
     let mut window = reopen();
-    let shown = window.app().read().shown_comparison(Side::A).expect("a comparison");
+    let shown = window.read().shown_comparison(Side::A).expect("a comparison");
     assert_eq!((shown.with, &shown.summary), (Reference::File, &laid_over));
     shows_pinned(&mut window);
     // A missing file is reported where it belongs, and nothing else is lost.
     std::fs::remove_file(&theirs).unwrap();
     let mut window = reopen();
-    assert!(window.app().read().shown_comparison(Side::A).is_none() && window.shows("theirs.csv"));
-    assert_eq!(window.app().model.document.params.noise_gate, burstscope::detector::NoiseGate::Factor(6.0));
+    assert!(window.read().shown_comparison(Side::A).is_none() && window.shows("theirs.csv"));
+    assert_eq!(window.document().params.noise_gate, burstscope::detector::NoiseGate::Factor(6.0));
     shows_pinned(&mut window);
 }
 
@@ -123,8 +123,7 @@ fn what_is_seen_is_copied_as_a_command() {
     window.change(|document| document.params.max_features = 25).settle();
     window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::K);
     window.harness.run_steps(1);
-    let line =
-        burstscope::requests::detect_line(&["demo".to_owned()], &window.app().read().asked(), &Default::default());
+    let line = burstscope::requests::detect_line(&["demo".to_owned()], &window.read().asked(), &Default::default());
     assert!(line.starts_with("burstscope detect demo --out ") && line.contains("--max-features 25"), "{line}");
     window.harness.run_steps(1);
     assert!(window.shows(&format!("Copied {line}")));

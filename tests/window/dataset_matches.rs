@@ -61,7 +61,7 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     window.key(Key::ArrowUp);
     assert_eq!(chosen(&window), [Some(0), Some(2)], "arrow keys move through the matrix");
     window.click("Side by side").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.workspace, Workspace::Pair);
     assert_eq!(dataset(&window).place_of(model.results.slots.a.burst.as_ref()), Some(0));
     assert_eq!(dataset(&window).place_of(model.results.slots.b.burst.as_ref()), Some(2));
@@ -87,7 +87,7 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     assert_eq!(dataset(&window).matches.params.ratio, 0.7);
     // Those that look most alike, chosen as the command does it.
     window.click_on(Role::RadioButton, "Each with the most alike").steps(2);
-    assert_eq!(window.app().model.document.pairs.selection(), PairSelection::Near(1));
+    assert_eq!(window.document().pairs.selection(), PairSelection::Near(1));
     window.change(|document| document.matching = MatchParams::default()).click("Match pairs").settle();
     let descriptors = |k: usize| kept_of(home.path(), k);
     let near = PairSelection::Near(1).pairs_by(3, descriptors, &Monitor::default()).unwrap();
@@ -105,7 +105,7 @@ fn without_a_dataset_the_room_says_how_to_open_one() {
     window.choose("One burst ⏷", "Matches");
     assert!(window.shows("a folder of bursts, or a long sequence"));
     window.will_choose("/no/such/dataset").click("Open dataset…").settle();
-    assert!(window.shows("/no/such/dataset") && window.app().model.results.datasets.open.is_none());
+    assert!(window.shows("/no/such/dataset") && window.results().datasets.open.is_none());
 }
 
 #[test]

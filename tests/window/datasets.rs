@@ -39,12 +39,12 @@ pub fn start(dataset: DatasetSource) -> Start {
 }
 
 pub fn dataset(window: &Window) -> &Dataset {
-    window.app().model.results.datasets.open.as_ref().expect("a dataset is open")
+    window.results().datasets.open.as_ref().expect("a dataset is open")
 }
 
 /// Places of the bursts chosen as A and as B.
 pub fn chosen(window: &Window) -> [Option<usize>; 2] {
-    window.app().model.document.dataset.as_ref().expect("a dataset is open").pair.both().map(|place| *place)
+    window.document().dataset.as_ref().expect("a dataset is open").pair.both().map(|place| *place)
 }
 
 fn features(window: &Window) -> Vec<Option<usize>> {
@@ -71,21 +71,21 @@ fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector(
     // The folder holds one stack in each subfolder; stacks are named after themselves.
     let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
     assert_eq!(names, ["first", "second"]);
-    assert_eq!(window.app().read().frame_count(), 3);
+    assert_eq!(window.read().frame_count(), 3);
     assert!(window.shows("2 bursts, 0 done"));
     click_burst(&mut window, "Burst second");
     window.settle();
-    assert_eq!(window.app().read().frame_count(), 6);
+    assert_eq!(window.read().frame_count(), 6);
     window.ctrl(Key::ArrowLeft).settle();
-    assert_eq!(window.app().read().frame_count(), 3);
+    assert_eq!(window.read().frame_count(), 3);
     assert_eq!(window.app().settings.datasets, [DatasetSource::of_bursts(vec![nights])]);
     assert!(window.app().settings.recent.is_empty(), "bursts of a dataset are not remembered one by one");
     window.click("Close dataset");
-    assert!(window.app().model.results.datasets.open.is_none() && !window.shows("Burst second"));
+    assert!(window.results().datasets.open.is_none() && !window.shows("Burst second"));
     // Of a folder of bursts one is chosen as B.
     window.will_choose(folder.path().join("nights")).run_action("open b: folder");
     window.wait("the choice", |app| app.choice().len() == 2);
-    assert!(window.app().model.results.datasets.open.is_none());
+    assert!(window.results().datasets.open.is_none());
 }
 
 #[test]
@@ -96,7 +96,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     assert!(window.shows("Burst frame_002: waiting") && window.shows("Burst frame_012: waiting"));
     assert!(window.shows("frame_002 · 5 frames"), "the burst that is open has its name in the dataset");
     window.click("Detect all");
-    assert!(window.app().model.results.datasets.work.is_some());
+    assert!(window.results().datasets.work.is_some());
     window.settle();
     let found = features(&window);
     let params = few_slopes();
@@ -123,7 +123,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     assert_eq!(features(&other), [None; 3]);
     assert!(other.shows("The folder has features found with other parameters"));
     other.click("Use those").settle();
-    assert_eq!((features(&other), &other.app().model.document.params), (found, &params.clone().into()));
+    assert_eq!((features(&other), &other.document().params), (found, &params.clone().into()));
     other.app_mut().model.document.params.edge_threshold *= 2.0;
     other.settle();
     assert!(other.shows("The parameters changed"));
@@ -180,7 +180,7 @@ fn what_is_done_stays_when_it_is_cancelled() {
     window.wait("the first burst is done", |app| {
         app.model.results.datasets.open.as_ref().is_some_and(|d| matches!(d.states[0], BurstState::Done(_)))
     });
-    assert!(window.app().model.results.datasets.work.is_some(), "it must still run for this test to mean something");
+    assert!(window.results().datasets.work.is_some(), "it must still run for this test to mean something");
     // The inspector works meanwhile.
     window.slide("Slope u", 1.0).wait("the picture of the new slope", |app| app.read().picture_is_current());
     window.click("Cancel all").wait("it ends", |app| app.model.results.datasets.work.is_none());
@@ -202,7 +202,7 @@ fn a_long_sequence_is_cut_as_one_says() {
     assert!(window.shows("2 bursts, each named after its middle frame; the last 3 frames are left out"));
     window.click("Cut").settle();
     let names: Vec<&str> = dataset(&window).bursts.iter().map(|b| b.name.as_str()).collect();
-    assert_eq!((names, window.app().read().frame_count()), (vec!["frame_003", "frame_009"], 6));
+    assert_eq!((names, window.read().frame_count()), (vec!["frame_003", "frame_009"], 6));
     // The open burst can be cut further.
     window.run_action("cut into bursts");
     assert!(window.shows("6 frames"));
@@ -253,7 +253,7 @@ fn a_session_brings_the_dataset_back() {
     click_burst(&mut window, "Use frame_012 as B");
     let other = window.kept_and_opened_in_another(&file);
     assert_eq!((chosen(&other), dataset(&other).bursts.len()), ([None, Some(2)], 3));
-    assert_eq!(dataset(&other).place_of(other.app().model.results.slots.a.burst.as_ref()), Some(1));
+    assert_eq!(dataset(&other).place_of(other.results().slots.a.burst.as_ref()), Some(1));
 }
 
 #[test]

@@ -6,9 +6,9 @@ use burstscope::inspect::words::counted;
 #[test]
 fn detect_finds_what_the_detector_finds() {
     let mut window = Start::without_auto_detect().open();
-    assert!(window.app().model.results.slots.a.found.is_none());
+    assert!(window.results().slots.a.found.is_none());
     window.click("Detect").settle();
-    let model = &window.app().model;
+    let model = window.model();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected =
         burstscope::detect(burst, &model.document.params.at_given(), &burstscope::Monitor::default()).unwrap();
@@ -20,26 +20,26 @@ fn detect_finds_what_the_detector_finds() {
 fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.change(|document| document.look.overlay = FeaturesShown::All).settle();
-    let strongest = &window.app().read().features()[0];
+    let strongest = &window.read().features()[0];
     let in_picture = window.ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
     let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 1").rect().center();
     let elsewhere = egui::pos2(640.0, 790.0);
     for (pos, wanted) in [(in_picture, true), (elsewhere, false), (in_table, true), (elsewhere, false)] {
         window.hover(pos).steps(3);
-        assert_eq!(window.app().model.results.hovered.is_some(), wanted, "{pos}");
+        assert_eq!(window.results().hovered.is_some(), wanted, "{pos}");
     }
     // A hidden table has no row under the pointer.
     window.hover(in_table).steps(3);
-    assert_eq!(window.app().model.results.hovered, Some(1));
+    assert_eq!(window.results().hovered, Some(1));
     window.ctrl(Key::J).steps(3);
-    assert_ne!(window.app().model.results.hovered, Some(1));
+    assert_ne!(window.results().hovered, Some(1));
 }
 
 #[test]
 fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     let mut window = Start::default().open();
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
-    let features = window.app().read().features().to_vec();
+    let features = window.read().features().to_vec();
     // Zoomed in enough to tell features apart, on one with no other nearby, so that the click is unambiguous.
     const POINTS_PER_PX: f32 = 8.0;
     let alone = |i: usize| {
@@ -55,7 +55,7 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     window.settle();
     let pos = window.ui_from_image(egui::pos2(feature.u, feature.v)).unwrap();
     window.click_at(pos);
-    assert_eq!(window.app().model.document.selected, Some(index));
+    assert_eq!(window.document().selected, Some(index));
     window.settle();
     assert!(window.shows(&format!("{:.2}, {:.2} px", feature.u, feature.v)), "the panel shows its numbers");
     assert!(window.harness.query_by_role_and_label(Role::Image, "Descriptor").is_some());
@@ -64,13 +64,13 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     // The row is wider than what is seen of it.
     let row = window.harness.get_by_role_and_label(Role::Row, &format!("Feature {}", index - 1)).rect();
     window.click_at(row.left_center() + egui::vec2(80.0, 0.0)).steps(2);
-    assert_eq!(window.app().model.document.selected, Some(index - 1));
+    assert_eq!(window.document().selected, Some(index - 1));
     window.key(Key::N);
-    assert_eq!(window.app().model.document.selected, Some(index));
+    assert_eq!(window.document().selected, Some(index));
     window.key(Key::P);
-    assert_eq!(window.app().model.document.selected, Some(index - 1));
+    assert_eq!(window.document().selected, Some(index - 1));
     window.key(Key::Escape);
-    assert_eq!(window.app().model.document.selected, None);
+    assert_eq!(window.document().selected, None);
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn nothing_found_says_which_setting_to_change() {
     start.startup.params.peak_threshold = 0.5;
     let mut window = start.open();
     window.click("Detect").settle();
-    assert!(window.app().read().features().is_empty());
+    assert!(window.read().features().is_empty());
     assert!(window.shows("No feature was found") && window.shows("; try Peak threshold 0"));
     // The advice is shown only while it holds.
     window.change(|document| document.params.peak_threshold = 0.0).steps(2);
@@ -97,13 +97,12 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     // Scrubbing works while the detection runs.
     window.slide("Slope u", 1.0).wait("the picture of the new slope", |app| app.read().picture_is_current());
     assert!(
-        window.app().model.results.slots.a.detecting.is_pending(),
+        window.results().slots.a.detecting.is_pending(),
         "the detection must still run for this test to mean something"
     );
     window.click("Cancel").wait("the detection ends", |app| !app.model.results.slots.a.detecting.is_pending());
     // A search that is cancelled has the features of its first slope, or none.
-    let has_all =
-        |window: &Window| window.app().model.results.slots.a.found.as_ref().is_some_and(|found| !found.is_first_slope);
+    let has_all = |window: &Window| window.results().slots.a.found.as_ref().is_some_and(|found| !found.is_first_slope);
     assert!(!has_all(&window));
     assert!(window.shows("Detection cancelled"));
     window.settle();
@@ -113,7 +112,7 @@ fn a_detection_is_cancelled_and_the_window_goes_on() {
     assert!(!has_all(&window));
     window.change(|document| document.auto_detect = true).settle();
     assert!(!has_all(&window), "what was cancelled is not begun again by itself");
-    assert!(window.app().model.shell.messages.errors().is_empty(), "a person did not want it");
+    assert!(window.model().shell.messages.errors().is_empty(), "a person did not want it");
 }
 
 #[test]
@@ -121,21 +120,21 @@ fn features_of_other_parameters_are_marked_as_stale_until_detected_again() {
     let mut window = Start::without_auto_detect().open();
     window.click("Detect").settle();
     window.run_action("preset sift").settle();
-    assert_eq!(window.app().model.document.params.method, Method::Sift);
+    assert_eq!(window.document().params.method, Method::Sift);
     assert!(window.shows("Stale features"));
     window.click("Detect again").settle();
     assert!(!window.shows("Stale features"));
-    assert_eq!(window.app().model.results.slots.a.found.as_ref().unwrap().detection.slopes.len(), 1);
+    assert_eq!(window.results().slots.a.found.as_ref().unwrap().detection.slopes.len(), 1);
 }
 
 #[test]
 fn with_the_switch_on_a_change_is_detected_by_itself() {
     let mut window = Start::default().open();
-    let before = window.app().read().features().len();
+    let before = window.read().features().len();
     window.change(|document| document.params.max_features = 3).settle();
     assert!(before > 3);
-    assert_eq!(window.app().model.results.slots.a.found.as_ref().unwrap().params.max_features, 3);
-    assert!(window.app().read().stale().is_none());
+    assert_eq!(window.results().slots.a.found.as_ref().unwrap().params.max_features, 3);
+    assert!(window.read().stale().is_none());
 }
 
 #[test]
@@ -145,39 +144,39 @@ fn a_parameter_that_makes_no_sense_says_so_and_can_be_reset() {
     window.change(|document| document.params.slopes = none.into()).settle();
     assert!(window.shows("the count is 0: give at least 1 slope"));
     assert!(window.shows("the parameters are invalid"));
-    assert!(window.app().read().picture_is_current(), "pictures go on");
+    assert!(window.read().picture_is_current(), "pictures go on");
     window.click("Reset Slopes u").settle();
-    assert_eq!(window.app().model.results.slots.a.param_error, None);
+    assert_eq!(window.results().slots.a.param_error, None);
 }
 
 #[test]
 fn headings_sort_and_the_filter_leaves_out() {
     let mut window = Start::default().open();
     window.click("Sort by σ").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.order.column, Quantity::Sigma);
     let sigmas: Vec<f32> = model.results.listed.iter().map(|&i| Read::of(model).features()[i].sigma).collect();
     assert!(sigmas.is_sorted() && sigmas.len() > 5);
     let total = sigmas.len();
     window.click_on(Role::CheckBox, "At this slope").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert!(!model.results.listed.is_empty() && model.results.listed.len() < total);
     assert!(window.shows(&format!("{} of {total}", model.results.listed.len())));
     window.click("Clear filter").settle();
-    assert_eq!(window.app().model.results.listed.len(), total);
+    assert_eq!(window.results().listed.len(), total);
 }
 
 #[test]
 fn looking_at_the_filter_changes_nothing_and_its_sliders_do() {
     let mut window = Start::default().open();
-    let total = window.app().read().features().len();
+    let total = window.read().features().len();
     window.click("Filter").steps(3);
-    assert!(window.app().model.document.filter.is_open());
-    assert_eq!(window.app().model.results.listed.len(), total);
+    assert!(window.document().filter.is_open());
+    assert_eq!(window.results().listed.len(), total);
     // The first row with handles is slope u, the second the scale.
     window.harness.get_all_by_role_and_label(Role::Slider, "low").nth(1).unwrap().set_value_accesskit(4.0);
     window.settle();
-    let model = &window.app().model;
+    let model = window.model();
     let expected = Read::of(model).features().iter().filter(|f| f.sigma >= 4.0).count();
     assert!(
         expected < total && model.results.listed.len() == expected,
@@ -205,5 +204,5 @@ fn a_key_pressed_twice_between_two_pictures_counts_twice() {
     window.harness.key_press(Key::ArrowRight);
     window.harness.key_press(Key::ArrowRight);
     window.harness.step();
-    assert_eq!(window.app().model.document.cursor().slope.u, 2.0);
+    assert_eq!(window.document().cursor().slope.u, 2.0);
 }

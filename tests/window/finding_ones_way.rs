@@ -7,11 +7,11 @@ use burstscope::app::actions::{ACTIONS, ActionId, Menu};
 fn the_palette_finds_an_action_and_runs_it() {
     let mut window = Start::without_auto_detect().open();
     window.run_action("show dog").settle();
-    assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
+    assert_eq!(window.document().cursor().kind, ViewKind::Dog);
     window.ctrl(Key::P);
     assert!(window.shows("Find an action"));
     window.key(Key::Escape);
-    assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
+    assert_eq!(window.document().cursor().kind, ViewKind::Dog);
 }
 
 #[test]
@@ -40,11 +40,11 @@ fn the_question_mark_shows_every_action_that_has_keys_without_scrolling() {
 fn keys_typed_into_a_field_do_not_run_actions() {
     let mut window = Start::without_auto_detect().open();
     window.ctrl(Key::L);
-    let before = *window.app().model.document.cursor();
+    let before = *window.document().cursor();
     let field = window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path");
     field.type_text("3");
     window.steps(1).key(Key::Num3).key(Key::G);
-    assert_eq!(*window.app().model.document.cursor(), before);
+    assert_eq!(*window.document().cursor(), before);
 }
 
 #[test]
@@ -71,14 +71,14 @@ fn panels_can_be_hidden_and_shown() {
 fn escape_closes_a_drop_down_and_nothing_else() {
     let mut window = Start::default().open();
     window.key(Key::Home);
-    assert_eq!(window.app().model.document.selected, Some(0));
+    assert_eq!(window.document().selected, Some(0));
     window.click("Features");
     assert!(window.shows("Clear filter"), "the menu is open");
     window.key(Key::Escape).steps(3);
     assert!(!window.shows("Clear filter"), "the menu is closed");
-    assert_eq!(window.app().model.document.selected, Some(0));
+    assert_eq!(window.document().selected, Some(0));
     window.key(Key::Escape);
-    assert_eq!(window.app().model.document.selected, None);
+    assert_eq!(window.document().selected, None);
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn a_slow_click_is_a_click() {
     }
     window.harness.drop_at(button);
     window.harness.run_steps(2);
-    assert!(window.app().model.document.playing);
+    assert!(window.document().playing);
 }
 
 #[test]
@@ -115,14 +115,14 @@ fn the_palette_is_as_high_as_its_list_and_begins_with_what_is_mostly_wanted() {
     let seen = ACTIONS.iter().filter(|a| row(&window, a.label).is_some()).count();
     assert!(seen > 8, "{seen} rows");
     window.key(Key::Enter).settle();
-    assert!(window.app().model.results.slots.a.found.is_some(), "with nothing typed Enter detects");
+    assert!(window.results().slots.a.found.is_some(), "with nothing typed Enter detects");
 }
 
 #[test]
 fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
     let mut window = Start::default().open();
     window.change(|document| document.look.overlay = FeaturesShown::All).settle();
-    let feature = window.app().read().features()[0];
+    let feature = window.read().features()[0];
     let place = window.ui_from_image(egui::pos2(feature.u, feature.v)).expect("drawn");
     window.hover(place).steps(3);
     assert!(window.shows("px/frame\nresponse"), "the tip");
@@ -148,7 +148,7 @@ fn scroll_to_end(window: &mut Window, inside: egui::Pos2) {
 fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
     for size in [[1280.0, 800.0], [960.0, 640.0], [720.0, 480.0]] {
         let mut window = Start { size, ..Start::without_auto_detect() }.open();
-        for menu in Menu::ALL.into_iter().filter(|menu| menu.has_content(window.app().read())).collect::<Vec<_>>() {
+        for menu in Menu::ALL.into_iter().filter(|menu| menu.has_content(window.read())).collect::<Vec<_>>() {
             let rect = |window: &Window, entry: &str| {
                 window.harness.get_all_by_label_contains(entry).last().expect("drawn").rect()
             };
@@ -183,7 +183,7 @@ fn menus_of_what_is_not_there_are_not_shown_and_groups_of_many_entries_are_folde
     window.click("Picture").steps(3);
     window.harness.get_by_label_contains("Show DoG").click();
     window.steps(3).settle();
-    assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
+    assert_eq!(window.document().cursor().kind, ViewKind::Dog);
     window.ctrl(Key::Num2);
     assert!(has(&window, "Pair"));
 }

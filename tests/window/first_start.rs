@@ -68,7 +68,7 @@ fn nothing_about_slopes_stands_on_the_screen_twice() {
         window.change(|document| document.params.slopes = slopes).settle();
         for tab in tabs {
             window.change(|document| document.bottom_tab = tab).settle();
-            let judged = window.app().read().slope_judgement().expect("judged").clone();
+            let judged = window.read().slope_judgement().expect("judged").clone();
             assert_eq!(judged.advice.is_some(), slopes != Slopes::AUTO, "{judged:?}");
             let told = told_of_slopes(&window);
             let once: std::collections::BTreeSet<&String> = told.iter().collect();
@@ -86,10 +86,10 @@ fn nothing_about_slopes_stands_on_the_screen_twice() {
 #[test]
 fn a_cursor_that_leaves_the_slope_on_show_says_why_and_the_first_one_does_not() {
     let mut window = Start::first([1280.0, 800.0]).open();
-    assert_eq!(window.app().model.shell.messages.last_note(), None);
-    let before = window.app().model.document.cursor().slope;
+    assert_eq!(window.model().shell.messages.last_note(), None);
+    let before = window.document().cursor().slope;
     window.change(|document| document.params.slopes = SlopeGrid::line(0.5..=1.5, 5).into()).settle();
-    assert_ne!(window.app().model.document.cursor().slope, before);
+    assert_ne!(window.document().cursor().slope, before);
     assert!(window.shows("Most features ("));
 }
 
@@ -134,7 +134,7 @@ fn the_card_starts_the_first_lesson() {
 fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     let mut window = Start::first([1280.0, 800.0]).open();
     window.click("Explore");
-    let model = &window.app().model;
+    let model = window.model();
     let slope = model.document.cursor().slope;
     let moves = |f: &burstscope::Feature| (f.motion().0.u - slope.u).hypot(f.motion().0.v - slope.v) < 0.1;
     let is_here = |f: &&burstscope::Feature| moves(f) && (100.0..300.0).contains(&f.u);
@@ -142,13 +142,13 @@ fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     let place = egui::pos2(feature.u, feature.v);
     let before = window.ui_from_image(place).expect("drawn");
     window.click_at(before).settle();
-    assert!(window.app().model.document.selected.is_some() && window.app().read().shows_right());
+    assert!(window.document().selected.is_some() && window.read().shows_right());
     let after = window.ui_from_image(place).expect("drawn");
     assert!((after - before).length() < 1.0, "{after:?} instead of {before:?}");
     window.snapshot("first_selection");
     window.run_action("Clear selection").settle();
-    assert!(!window.app().read().shows_right());
-    assert!(window.app().model.document.panes.of(Side::A).view.is_fit(), "as before");
+    assert!(!window.read().shows_right());
+    assert!(window.document().panes.of(Side::A).view.is_fit(), "as before");
 }
 
 #[test]
@@ -160,7 +160,7 @@ fn tabs_open_and_close_the_panel_below() {
     window.harness.run_steps(3);
     assert!(picture(&window).height() < whole - 80.0);
     window.click("Tally").click("Table");
-    assert!(window.app().read().shows_bottom());
+    assert!(window.read().shows_bottom());
     window.click("Table");
     assert_eq!(picture(&window).height(), whole);
 }
@@ -196,7 +196,7 @@ fn a_question_opens_the_probe_beside_the_picture() {
     window.click("Explore");
     let rect = picture(&window);
     window.shift_click_at(rect.min + 0.37 * rect.size()).settle();
-    assert!(window.app().read().shows_right() && window.app().model.document.probe.is_open);
+    assert!(window.read().shows_right() && window.document().probe.is_open);
     window.snapshot("first_probe");
 }
 
@@ -204,12 +204,12 @@ fn a_question_opens_the_probe_beside_the_picture() {
 fn smoothing_changes_what_is_shown_and_not_the_values() {
     let mut window = Start::default().open();
     let planes = |window: &Window| {
-        let picture = window.app().read().picture().expect("a picture");
+        let picture = window.read().picture().expect("a picture");
         (picture.plane.clone(), picture.drawn.clone())
     };
     let (plane, drawn) = planes(&window);
     assert!(std::sync::Arc::ptr_eq(&plane, &drawn));
-    let range = window.app().model.document.look.ranges.intensity;
+    let range = window.document().look.ranges.intensity;
     window.slide("Smoothing", 2.0).settle();
     let (values, smooth) = planes(&window);
     assert_eq!(values, plane);
@@ -218,7 +218,7 @@ fn smoothing_changes_what_is_shown_and_not_the_values() {
         plane.data().iter().map(|x| (x - mean).powi(2)).sum::<f32>()
     };
     assert!(spread(&smooth) < 0.8 * spread(&values));
-    let narrower = window.app().model.document.look.ranges.intensity;
+    let narrower = window.document().look.ranges.intensity;
     assert!(narrower.max - narrower.min < range.max - range.min, "the range follows");
     let middle = picture(&window).center();
     window.hover(middle).steps(3);

@@ -16,35 +16,35 @@ fn with_table() -> Window {
 #[test]
 fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it() {
     let mut window = with_table();
-    let judged = window.app().read().judged().expect("computed for the table").clone();
-    assert_eq!(judged.len(), window.app().read().features().len());
+    let judged = window.read().judged().expect("computed for the table").clone();
+    assert_eq!(judged.len(), window.read().features().len());
     let count = |verdict: Verdict| judged.iter().filter(|judged| judged.verdict == verdict).count();
     assert!(count(Verdict::Real) > 200 && count(Verdict::Ghost) > 10, "{}", count(Verdict::Ghost));
     assert!(window.shows("real"), "the first rows are seen");
     window.click("Sort by Coher.");
-    assert_eq!(window.app().model.document.order, Order { column: Quantity::Coherence, descending: false });
+    assert_eq!(window.document().order, Order { column: Quantity::Coherence, descending: false });
     let coherence = |index: &usize| judged[*index].coherence.unwrap_or(f32::INFINITY);
-    assert!(window.app().model.results.listed.iter().map(coherence).is_sorted());
+    assert!(window.results().listed.iter().map(coherence).is_sorted());
     // Only ghosts.
     window.harness.query_all_by_label_contains("Filter").next().expect("the filter").click();
     window.harness.run_steps(3);
     // The second is a way to move.
     window.harness.query_all_by_label("ghost").next().expect("a verdict").click();
     window.settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.filter.verdict, Some(Verdict::Ghost));
     assert_eq!(model.results.listed.len(), count(Verdict::Ghost));
     assert!(model.results.listed.iter().all(|&index| judged[index].verdict == Verdict::Ghost));
     // The selected one says why, and so does its tip.
     window.key(egui::Key::Escape);
-    let ghost = window.app().model.results.listed[0];
+    let ghost = window.results().listed[0];
     window.change(|document| document.selected = Some(ghost)).settle();
     assert!(window.shows("Likely a ghost: only some of the frames respond"), "in the panel");
     window.snapshot("verdicts");
-    let feature = window.app().read().features()[ghost];
+    let feature = window.read().features()[ghost];
     let at = window.ui_from_image(pos2(feature.u, feature.v)).expect("a picture");
     window.hover(at).steps(4);
-    assert!(window.app().model.results.hovered.is_some());
+    assert!(window.results().hovered.is_some());
 }
 
 #[test]
@@ -59,7 +59,7 @@ fn apply_says_its_price_before_it_is_pressed() {
     assert!(answer(&window).prices.is_empty() && window.shows("Takes a new search, "));
     window.snapshot("probe_price");
     window.click(&format!("Apply {}", change.label())).settle();
-    let kept = window.app().read().features().len();
+    let kept = window.read().features().len();
     // A higher one is judged at once.
     window.change(|document| document.params.noise_gate = NoiseGate::Factor(9.0)).settle();
     let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
@@ -67,13 +67,13 @@ fn apply_says_its_price_before_it_is_pressed() {
     let price = answer(&window).prices[0].1;
     assert!(price.now < price.then && price.then <= kept && window.shows("Keeps this one, and "), "{price:?}");
     window.click(&format!("Apply {}", change.label())).settle();
-    assert_eq!(window.app().read().features().len(), price.then);
+    assert_eq!(window.read().features().len(), price.then);
 }
 
 #[test]
 fn the_probe_of_a_ghost_tells_what_crosses_its_path() {
     let mut window = with_table();
-    let judged = window.app().read().judged().expect("computed").clone();
+    let judged = window.read().judged().expect("computed").clone();
     let ghost = judged.iter().position(|judged| judged.verdict == Verdict::Ghost).expect("one");
     apply::probe::probe_feature(&mut window.app_mut().model, Side::A, ghost);
     window.settle();
@@ -85,16 +85,16 @@ fn the_probe_of_a_ghost_tells_what_crosses_its_path() {
 #[test]
 fn the_number_of_listed_features_that_noise_explains_follows_the_filter() {
     let mut window = with_table();
-    let known = |window: &Window| window.app().model.results.listed_decoys.clone();
+    let known = |window: &Window| window.results().listed_decoys.clone();
     assert!(known(&window).is_none() && !window.shows("expected of noise"), "nobody asked");
     window.run_action("Only real ones").settle();
     let real = known(&window).expect("asked for by the filter");
     assert!(window.shows(" expected of noise"), "{}", real.expected_words());
-    assert_eq!(real.rates[0].found, window.app().model.results.listed.len());
+    assert_eq!(real.rates[0].found, window.results().listed.len());
     // Without a filter it is the number of the command.
     window.run_action("Only real ones").settle();
-    let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
-    let cache = ProbeCache::new(burst, &window.app().read().asked(), &Monitor::default()).unwrap();
+    let burst = &window.results().slots.a.burst.as_ref().unwrap().burst;
+    let cache = ProbeCache::new(burst, &window.read().asked(), &Monitor::default()).unwrap();
     let report = decoys(&cache.trail, &DecoyStudy::default(), false, &Monitor::default()).unwrap().report;
     let all = known(&window).expect("found once for the detection");
     assert_eq!((&all.rates[0], all.still), (&report.rates[0], report.still));
@@ -120,5 +120,5 @@ fn where_decoys_cannot_tell_what_noise_explains_the_reason_stands_in_place_of_th
     window.change(|document| document.params.frames = Some(FrameRange { start: 0, end: 3 })).settle();
     window.run_action("Only real ones").settle();
     assert!(window.shows("Noise unknown: ") && window.shows("4 or more"));
-    assert!(window.app().model.shell.messages.errors().is_empty(), "nobody pressed a button");
+    assert!(window.model().shell.messages.errors().is_empty(), "nobody pressed a button");
 }

@@ -21,7 +21,7 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     let mut window = example(Example::LowContrast);
     let place = Example::LowContrast.place();
     assert_eq!(answer(&window).probe.pos_image, place);
-    assert!(!window.app().model.document.params.slopes.is_auto());
+    assert!(!window.document().params.slopes.is_auto());
     assert!(window.shows("Nothing was kept here") && window.shows("Below the noise gate"), "it is said at once");
     let first = answer(&window).probe.subject_fate().expect("a candidate").remedy.clone().expect("a remedy");
     assert!(window.shows(&first.change.label()) && first.then_fails.is_none(), "and what would keep it");
@@ -39,20 +39,20 @@ fn an_example_opens_probed_and_a_remedy_is_applied_and_taken_back() {
     window.steps(2).settle();
     assert_eq!(answer(&window).probe.subject_fate().map(|f| f.of_sample()), Some(fates[lost].of_sample()));
     assert!(window.shows("Below the noise gate"));
-    let (before, change) = (window.app().model.document.params.clone(), fates[lost].remedy.clone().unwrap().change);
+    let (before, change) = (window.document().params.clone(), fates[lost].remedy.clone().unwrap().change);
     window.click(&format!("Apply {}", change.label())).settle();
-    let gate = window.app().model.document.params.noise_gate;
+    let gate = window.document().params.noise_gate;
     assert!(matches!(gate, NoiseGate::Factor(_)) && gate != before.noise_gate);
     let now = answer(&window);
-    assert!(!window.app().read().probe_is_stale());
+    assert!(!window.read().probe_is_stale());
     let fate = now.probe.fates.iter().find(|f| f.of_sample() == fates[lost].of_sample()).expect("the same candidate");
     assert_ne!(fate.first_failed, Some(Test::NoiseGate));
     window.ctrl(Key::Z).settle();
-    assert_eq!(window.app().model.document.params, before);
-    assert_eq!(window.app().model.results.slots.a.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
+    assert_eq!(window.document().params, before);
+    assert_eq!(window.results().slots.a.found.as_ref().unwrap().params.noise_gate, before.noise_gate);
     // Another burst is searched at slopes that are found in it.
     window.run_action("open demo burst").settle();
-    assert!(window.app().model.document.params.slopes.is_auto() && window.app().read().probed_place().is_none());
+    assert!(window.document().params.slopes.is_auto() && window.read().probed_place().is_none());
 }
 
 #[test]
@@ -68,7 +68,7 @@ fn the_garlands_open_on_an_alias_with_its_evidence() {
     assert!((other.u - ALIASING_SLOPE).abs() < 0.2 && alias.number > 1.0, "{alias:?}");
     assert!(window.shows("An alias?") && window.shows("repeats every 8 px"), "it is said at once");
     // The picture is that of a slope at which nothing moves, and yet the garlands are sharp.
-    let slope = window.app().model.document.cursor().slope;
+    let slope = window.document().cursor().slope;
     assert_eq!((slope.u, slope.v), (ALIASING_SLOPE - GARLAND_PERIOD, 0.0));
     assert_eq!(Example::Aliasing.slope_u(), slope.u);
     window.snapshot("probe_aliasing");
@@ -156,13 +156,13 @@ fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
         }
     };
     window.wait("they are cancelled", said("cancelled"));
-    assert!(!window.app().model.results.figures.is_pending() && !out.join("index.html").exists());
+    assert!(!window.results().figures.is_pending() && !out.join("index.html").exists());
     // One figure, with little material: the path to it is shown.
     let job = FiguresJob { out: out.clone(), only: vec![PaperFigure::Fig9], size: FigureSize::Quick, colmap: None };
     let app = window.app_mut();
     app.model.results.figures.ask(&app.engine, job);
     window.wait("it is there", said("index.html"));
-    assert!(out.join("fig9.svg").is_file() && window.app().model.shell.messages.errors().is_empty());
+    assert!(out.join("fig9.svg").is_file() && window.model().shell.messages.errors().is_empty());
 }
 
 #[test]

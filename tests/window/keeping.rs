@@ -16,9 +16,9 @@ fn parameters_are_saved_and_loaded() {
     let saved = DetectorParams::from_toml(&std::fs::read_to_string(&file).unwrap()).unwrap();
     assert_eq!(saved.peak_threshold, 0.0125);
     window.click("Reset all");
-    assert_eq!(window.app().model.document.params, DetectorParams::default());
+    assert_eq!(window.document().params, DetectorParams::default());
     window.will_choose(&file).run_action("load parameters").settle();
-    assert_eq!(window.app().model.document.params, saved);
+    assert_eq!(window.document().params, saved);
 }
 
 #[test]
@@ -27,11 +27,11 @@ fn a_parameter_file_with_a_mistake_is_named_and_changes_nothing() {
     let file = folder.path().join("wrong.toml");
     std::fs::write(&file, "peak_treshold = 0.1\n").unwrap();
     let mut window = Start::without_auto_detect().open();
-    let before = window.app().model.document.params.clone();
+    let before = window.document().params.clone();
     window.will_choose(&file).run_action("load parameters");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("peak_treshold") && window.shows("wrong.toml"));
-    assert_eq!(window.app().model.document.params, before);
+    assert_eq!(window.document().params, before);
 }
 
 #[test]
@@ -41,20 +41,20 @@ fn a_session_brings_everything_back() {
     let file = folder.path().join("night.burstscope.toml");
     let mut window = Start::of(&stack).open();
     window.click("Detect").settle();
-    let features = window.app().read().features().to_vec();
+    let features = window.read().features().to_vec();
     assert!(features.len() >= 2, "{features:?}");
     window.slide("Slope u", 1.25).change(|document| document.selected = Some(1)).run_action("zoom in");
     window.run_action("motion vectors").settle();
-    let (view, scrub) = (window.app().model.document.focused().view, *window.app().model.document.cursor());
+    let (view, scrub) = (window.document().focused().view, *window.document().cursor());
     let other = window.kept_and_opened_in_another(&file);
-    let model = &other.app().model;
+    let model = other.model();
     assert_eq!(Read::of(model).size(), (128, 96));
     assert_eq!(*model.document.cursor(), scrub);
     assert_eq!(model.document.cursor().slope, Slope::new(1.25, 0.0));
     assert_eq!(Read::of(model).features(), features, "the same burst and parameters give the same bits");
     assert_eq!(model.document.selected, Some(1));
     assert!(!model.document.look.motion_vectors);
-    assert_eq!(other.app().model.document.focused().view, view, "also beside the panel of the selection");
+    assert_eq!(other.document().focused().view, view, "also beside the panel of the selection");
 }
 
 #[test]
@@ -71,13 +71,13 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
     let mut other = Start { startup, ..Start::default() }.open();
     other.settle();
     let saved = |window: &crate::support::Window| {
-        let mut panes = window.app().model.document.panes.clone();
+        let mut panes = window.document().panes.clone();
         // The centre of a fitted view is computed anew.
         panes.iter_mut().for_each(|(_, pane)| pane.view = View::default());
         panes
     };
     assert_eq!(saved(&other), saved(&window));
-    let model = &other.app().model;
+    let model = other.model();
     let sides: Vec<Side> =
         model.document.panes.shown().iter().map(|id| model.document.panes.get(*id).unwrap().side).collect();
     assert_eq!(sides.iter().filter(|side| **side == Side::B).count(), 1);
@@ -90,13 +90,13 @@ fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
     let file = folder.path().join("handed_over.burstscope.toml");
     let mut window = Start::default().open();
     window.settle();
-    let pane = |window: &crate::support::Window| window.app().model.document.focused().clone();
+    let pane = |window: &crate::support::Window| window.document().focused().clone();
     let opened = pane(&window);
     let truth = "[document.comparisons.a]\nwith = \"truth\"\n[document.look]\noverlay = \"this_slope\"\n";
     let text = format!("version = 4\nburst = \"demo\"\ndetected = true\n{truth}");
     std::fs::write(&file, text).unwrap();
     window.will_choose(&file).run_action("open session").settle();
-    assert!(window.app().model.shell.messages.errors().is_empty(), "{:?}", window.app().model.shell.messages.errors());
+    assert!(window.model().shell.messages.errors().is_empty(), "{:?}", window.model().shell.messages.errors());
     let cursor = pane(&window).cursor;
     assert_eq!((cursor.frame, opened.cursor.frame), (5, 5));
     assert_ne!(cursor.slope, burstscope::detector::Slope::default(), "that with most features");
@@ -126,15 +126,11 @@ fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
     window.will_choose(&file).run_action("save session").settle();
     std::fs::remove_file(&stack).unwrap();
     let mut other = Start::without_auto_detect().open();
-    let before =
-        (other.app().model.results.slots.a.burst.as_ref().unwrap().id, other.app().model.document.params.clone());
+    let before = (other.results().slots.a.burst.as_ref().unwrap().id, other.document().params.clone());
     other.will_choose(&file).run_action("open session");
     other.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(other.shows("noisy.npy"));
-    assert_eq!(
-        (other.app().model.results.slots.a.burst.as_ref().unwrap().id, other.app().model.document.params.clone()),
-        before
-    );
+    assert_eq!((other.results().slots.a.burst.as_ref().unwrap().id, other.document().params.clone()), before);
 }
 
 /// Files that would make a decoder end the program, and a picture that is no longer whole.
@@ -155,7 +151,7 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
     let (dng, file) = (folder.path().join("a.dng"), folder.path().join("night.burstscope.toml"));
     std::fs::write(&dng, crate::dng::Dng::new((96, 80), |u, v| (64 + (u * 37 + v * 91) % 400) as u16).bytes()).unwrap();
     let mut window = Start::of(&dng).open();
-    assert_eq!(window.app().read().size(), (48, 40));
+    assert_eq!(window.read().size(), (48, 40));
     window.run_action("later demo burst as b").settle();
     window.change(|document| document.params.peak_threshold = 0.0125).will_choose(&file);
     window.run_action("save session").settle();
@@ -165,11 +161,11 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
         assert!(session.contains("a.dng"));
         std::fs::write(&file, session.replace("a.dng", name)).unwrap();
         let mut other = Start::without_auto_detect().open();
-        let before = other.app().model.results.slots.a.burst.as_ref().unwrap().id;
+        let before = other.results().slots.a.burst.as_ref().unwrap().id;
         other.will_choose(&file).run_action("open session");
         other.wait("a message", |app| !app.model.shell.messages.errors().is_empty()).settle();
         assert!(other.shows(name), "{name} is not named");
-        let model = &other.app().model;
+        let model = other.model();
         assert_eq!(model.results.slots.a.burst.as_ref().unwrap().id, before, "what was open stays");
         assert_eq!(model.document.params.peak_threshold, 0.0125, "the rest of the session is there");
         assert!(Read::of(model).burst_of(Side::B).is_some());
@@ -182,7 +178,7 @@ fn features_pictures_and_figures_are_exported() {
     let mut window = Start::default().open();
     window.app_mut().model.document.look.overlay = FeaturesShown::All;
     window.app_mut().model.document.figure.features = burstscope::export::FigureAmount::All;
-    let count = window.app().read().features().len();
+    let count = window.read().features().len();
     let exports = [
         ("features as csv", "f.csv"),
         ("features for colmap", "f.txt"),
@@ -200,7 +196,7 @@ fn features_pictures_and_figures_are_exported() {
     let colmap = std::fs::read_to_string(folder.path().join("f.txt")).unwrap();
     assert!(colmap.starts_with(&format!("{count} 128\n")));
     let tiff = burstscope::Burst::open(folder.path().join("p.tiff")).unwrap();
-    assert_eq!(tiff.frames[0].data(), window.app().read().picture().unwrap().plane.data());
+    assert_eq!(tiff.frames[0].data(), window.read().picture().unwrap().plane.data());
     let png = burstscope::Burst::open(folder.path().join("p.png")).unwrap();
     assert_eq!(png.size(), (480, 360));
     let svg = std::fs::read_to_string(folder.path().join("p.svg")).unwrap();
@@ -214,8 +210,8 @@ fn figures_show_what_the_panes_show() {
     let (svg, png) = (folder.path().join("f.svg"), folder.path().join("f.png"));
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.key(egui::Key::Num6).click_on(Role::CheckBox, "At this slope").settle();
-    let listed = window.app().model.results.listed.len();
-    assert!(listed > 0 && listed < window.app().read().features().len());
+    let listed = window.results().listed.len();
+    assert!(listed > 0 && listed < window.read().features().len());
     // Zoomed in, so that a part of the picture is visible.
     window.run_action("zoom in").run_action("zoom in").settle();
     window.run_action("export figure…").click("Pixels").steps(2);
@@ -233,7 +229,7 @@ fn figures_show_what_the_panes_show() {
     let text = std::fs::read_to_string(&of_all).unwrap();
     assert_eq!(text.matches("<circle").count(), 2 * listed, "the filter holds in both pictures");
     let image = image::open(&png).unwrap().to_rgb8();
-    let model = &window.app().model;
+    let model = window.model();
     let seen = window.app().widgets.get(model.document.focus()).unwrap().picture.visible_image.unwrap();
     // Two pictures of the visible part, three pixels for each of its pixels, and their margins.
     let wide = 2.0 * 3.0 * seen.width();
@@ -245,7 +241,7 @@ fn figures_show_what_the_panes_show() {
 /// The preview in the form of a figure; its label says what is drawn.
 fn previewed(window: &mut Window) -> image::RgbaImage {
     window.settle();
-    let made = window.app().model.results.preview.made.as_ref().expect("a preview").1.clone();
+    let made = window.results().preview.made.as_ref().expect("a preview").1.clone();
     let shown = window.harness.get_by_role_and_label(Role::Image, &made.words).rect();
     assert!(window.harness.ctx.content_rect().contains_rect(shown), "{shown:?} is in the window");
     let size = egui::Vec2::from([made.image.width(), made.image.height()].map(|side| side as f32));
@@ -272,7 +268,7 @@ fn the_form_of_a_figure_shows_what_it_would_write() {
     assert!(without.height() < with_legend.height(), "the legend is gone");
     window.will_choose(&png).click("Export…").settle();
     assert!(image::open(&png).unwrap().to_rgba8() == without, "each pixel of the file");
-    assert!(window.app().model.results.preview.made.is_none(), "nothing is drawn without the form");
+    assert!(window.results().preview.made.is_none(), "nothing is drawn without the form");
     // Why nothing could be written is said in the place of the preview.
     window.key(egui::Key::Num6).settle();
     window.run_action("export figure…");
@@ -382,7 +378,7 @@ fn what_is_open_is_never_written_over() {
         window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
         assert!(window.shows("files that were opened are never written to"));
         assert!(std::fs::read(file).unwrap() == before);
-        let id = window.app().model.shell.messages.errors()[0].id;
+        let id = window.model().shell.messages.errors()[0].id;
         window.app_mut().model.shell.messages.dismiss(id);
     }
     // Another file beside it is written.

@@ -20,7 +20,7 @@ fn lab(size: [f32; 2]) -> Window {
 
 fn go_to(window: &mut Window) {
     window.run_action("lab");
-    assert_eq!(window.app().model.document.workspace, Workspace::Lab);
+    assert_eq!(window.document().workspace, Workspace::Lab);
     window.change(|document| document.lab.chart = small_chart()).change(|document| document.lab.seeds = 3);
     type_snrs(window, "0.5, 0.9, 1.8");
 }
@@ -63,7 +63,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     let mut window = lab([1280.0, 800.0]);
     run(&mut window);
     let report = expected().run(&Monitor::default()).unwrap();
-    let result = window.app().model.results.studies.current.clone().unwrap();
+    let result = window.results().studies.current.clone().unwrap();
     assert_eq!(result.study, Study::Chart(Box::new(expected())));
     assert_eq!(result.report, StudyReport::Chart(Box::new(report.clone())));
     for plot in result.report.plots(0) {
@@ -73,7 +73,7 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     // A point is chosen, and its chart made again: the marks are those that were counted.
     window.click_on(Role::ComboBox, "Point").steps(2).click("SIFT, one frame, SNR 0.5").click("▶").settle();
     let score = &report.rows[0].methods[0].charts[1];
-    let shown = window.app().read().current_chart().expect("a chart");
+    let shown = window.read().current_chart().expect("a chart");
     assert_eq!((shown.of.seed, shown.looked.truth.features.len()), (score.seed, 12));
     // At the threshold of the curves, and for everything detected.
     assert!(window.shows(&format!("{} found", score.true_positives)));
@@ -85,12 +85,12 @@ fn the_curves_are_the_numbers_of_the_command_and_a_point_shows_its_chart() {
     window.snapshot("lab");
     // The chart opens as a burst with known truth.
     window.click("Look at chart as burst").settle();
-    assert_eq!(window.app().model.document.workspace, Workspace::Inspect);
-    let frames = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst.frames;
+    assert_eq!(window.document().workspace, Workspace::Inspect);
+    let frames = &window.results().slots.a.burst.as_ref().unwrap().burst.frames;
     assert_eq!(frames.len(), 10);
     window.run_action("compare with the truth").settle();
-    assert!(window.app().read().has_reference(Side::A, Reference::Truth));
-    assert!(window.app().read().shown_comparison(Side::A).expect("a comparison").is_whole_truth);
+    assert!(window.read().has_reference(Side::A, Reference::Truth));
+    assert!(window.read().shown_comparison(Side::A).expect("a comparison").is_whole_truth);
 }
 
 #[test]
@@ -98,25 +98,25 @@ fn one_click_gives_every_method_the_same_false_rate() {
     let mut window = lab([1280.0, 800.0]);
     window.app_mut().model.document.lab.methods.push(BurstMethod::Buff2d);
     run(&mut window);
-    let result = window.app().model.results.studies.current.clone().unwrap();
-    let rate = result.report.same_false_rate(window.app().model.document.lab.roc_row).expect("a rate");
+    let result = window.results().studies.current.clone().unwrap();
+    let rate = result.report.same_false_rate(window.document().lab.roc_row).expect("a rate");
     let of = |method| rate.of(method).expect("a threshold");
     assert!(of(BurstMethod::SiftFrame) > of(BurstMethod::Buff1d), "one frame has more noise");
-    let before = window.app().model.document.params.peak_threshold;
+    let before = window.document().params.peak_threshold;
     window.click("Search at 10 % false").settle();
     let (sift, buff_1d) = (MethodId::Sift, MethodId::Buff1d);
     for (method, expected) in [(sift, of(BurstMethod::SiftFrame)), (buff_1d, of(BurstMethod::Buff1d))] {
-        assert_eq!(window.app().read().method_params(method, Side::A).peak_threshold, expected);
+        assert_eq!(window.read().method_params(method, Side::A).peak_threshold, expected);
     }
     window.ctrl(egui::Key::Num3).settle();
     window.click_on(Role::CheckBox, "At 10 % false on charts of SNR 0.5").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.methods.same_false_rate, None);
     // The search keeps that of its own method, which one step back takes away.
     let own = of(MethodId::of_search(&Read::of(model).params_of(Side::A)).of_studies());
     assert_eq!(Read::of(model).method_params(sift, Side::A).peak_threshold, own);
     window.run_action("undo");
-    assert_eq!(window.app().model.document.params.peak_threshold, before);
+    assert_eq!(window.document().params.peak_threshold, before);
 }
 
 #[test]
@@ -126,17 +126,17 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
     window.click("Keep curves").change(|document| document.params.edge_threshold = 8.0);
     window.app_mut().model.document.lab.methods = vec![BurstMethod::SiftMean];
     run(&mut window);
-    let shown = window.app().read().lab_results().len();
+    let shown = window.read().lab_results().len();
     assert_eq!(shown, 2);
     let both = "Plot: ROC at SNR 0.5, 4 curves";
     assert!(window.harness.query_by_role_and_label(Role::Image, both).is_some());
     window.snapshot("lab_kept_curves");
     window.click("Remove");
-    assert!(window.app().model.results.studies.kept.is_empty());
+    assert!(window.results().studies.kept.is_empty());
     // A finished study is kept by itself when another one begins.
     window.app_mut().model.document.lab.snrs_text = "0.9".to_owned();
     run(&mut window);
-    assert_eq!((window.app().model.results.studies.kept.len(), window.app().read().lab_results().len()), (1, 2));
+    assert_eq!((window.results().studies.kept.len(), window.read().lab_results().len()), (1, 2));
 }
 
 #[test]
@@ -146,10 +146,10 @@ fn a_study_that_is_cancelled_leaves_the_curves_so_far() {
     window.wait("some charts are finished", |app| app.model.results.studies.current.is_some());
     window.run_action("cancel study");
     window.wait("it has stopped", |app| !app.model.results.studies.wanted.is_pending());
-    let result = window.app().model.results.studies.current.as_ref().unwrap();
+    let result = window.results().studies.current.as_ref().unwrap();
     assert!(!result.is_whole && !result.report.plots(0).is_empty());
     assert!(window.shows("Curves so far"));
-    assert!(window.app().model.results.studies.problem.is_none());
+    assert!(window.results().studies.problem.is_none());
 }
 
 #[test]
@@ -158,7 +158,7 @@ fn errors_have_plots_of_their_own_and_are_written_as_a_table() {
     window.click("Errors");
     type_snrs(&mut window, "1, 4");
     run(&mut window);
-    let result = window.app().model.results.studies.current.clone().unwrap();
+    let result = window.results().studies.current.clone().unwrap();
     let titles: Vec<String> = result.report.plots(0).into_iter().map(|plot| plot.title).collect();
     assert_eq!(titles, ["Errors of place", "Errors of scale", "Errors of slope"]);
     window.snapshot("lab_errors");
@@ -179,12 +179,12 @@ fn the_number_of_frames_is_studied_on_charts_and_on_the_open_burst() {
     run(&mut window);
     let study = ChartStudy { snrs: vec![0.9], frame_counts: vec![2, 4, 8], ..expected() };
     let report = StudyReport::Chart(Box::new(study.run(&Monitor::default()).unwrap()));
-    assert_eq!(window.app().model.results.studies.current.as_ref().unwrap().report, report);
+    assert_eq!(window.results().studies.current.as_ref().unwrap().report, report);
     window.snapshot("lab_frames");
 
     window.click("Frames of A");
     run(&mut window);
-    let StudyReport::BurstFrames(report) = window.app().model.results.studies.current.clone().unwrap().report else {
+    let StudyReport::BurstFrames(report) = window.results().studies.current.clone().unwrap().report else {
         panic!("a report on the open burst");
     };
     assert_eq!(report.rows.iter().map(|row| row.frames).collect::<Vec<_>>(), [2, 4, 8]);
@@ -204,15 +204,15 @@ fn nonsense_is_said_in_place_and_cannot_be_run() {
     type_snrs(&mut window, "0.5, dark");
     assert!(window.shows("'dark' is no ratio"));
     window.click("Run study");
-    assert!(!window.app().model.results.studies.wanted.is_pending());
+    assert!(!window.results().studies.wanted.is_pending());
 }
 
 #[test]
 fn a_dark_copy_of_the_open_burst_is_a_burst() {
     let mut window = lab([1280.0, 800.0]);
-    let size = window.app().read().size();
+    let size = window.read().size();
     window.change(|document| document.lab.dark_copy.snr = 0.4).run_action("dark copy of a").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert!(model.results.slots.a.burst.as_ref().unwrap().burst.name.contains("dark copy at SNR 0.4"));
     assert_eq!(Read::of(model).size(), size);
 }

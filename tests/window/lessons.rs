@@ -86,7 +86,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
     if goal.finds_slopes == Some(true) {
         window.click_on(Role::CheckBox, "Auto slopes").steps(2);
     }
-    if goal.features.is_some() && !window.app().model.document.auto_detect {
+    if goal.features.is_some() && !window.document().auto_detect {
         window.click("Detect");
     }
     if goal.selected == Some(true) || goal.selected_match == Some(true) {
@@ -111,7 +111,7 @@ fn fulfil(window: &mut Window, goal: &Goal) {
             window.run_action("preset buff 2d");
         } else {
             let axis = fields(window, "Slopes u");
-            let rows = window.app().read().grid_of(Side::A).v.count as f64;
+            let rows = window.read().grid_of(Side::A).v.count as f64;
             set(window, axis[2], (f64::from(slopes.min) / rows).ceil());
         }
     }
@@ -216,7 +216,7 @@ fn assert_in_sight(window: &Window, step: &Step, what: &str) {
     if state.workspace == Some(Workspace::Trajectories) {
         return;
     }
-    let plane = &window.app().model.results.slots.a.burst.as_ref().expect("open").burst.frames[0];
+    let plane = &window.results().slots.a.burst.as_ref().expect("open").burst.frames[0];
     let whole = [0.0, 0.0, plane.width() as f32 - 1.0, plane.height() as f32 - 1.0];
     let [left, top, right, bottom] = match state.view {
         Some(InView::Region(region)) => region,
@@ -233,15 +233,11 @@ fn play_at(name: &str, size: [f32; 2]) {
     for (place, step) in lesson.steps.iter().enumerate() {
         let what = format!("{name} at {size:?}, step {} '{}'", place + 1, step.title);
         window.settle();
-        let errors = format!("{:?}", window.app().model.shell.messages.errors());
+        let errors = format!("{:?}", window.model().shell.messages.errors());
         let open = window.app().lessons.open.as_ref().unwrap_or_else(|| panic!("{what}: the lesson was left"));
         assert!(open.step == place && open.is_ready, "{what}: {} {errors}", open.step);
         assert!(!open.is_done(), "{what}: done before anything was tried");
-        assert!(
-            window.app().model.results.slots.a.param_error.is_none(),
-            "{what}: {:?}",
-            window.app().model.results.slots.a.param_error
-        );
+        assert!(window.results().slots.a.param_error.is_none(), "{what}: {:?}", window.results().slots.a.param_error);
         let drawn = parts::drawn(&window.harness.ctx);
         for part in &step.highlight {
             let rect = drawn.iter().find(|(drawn, _)| drawn == part);
@@ -255,9 +251,9 @@ fn play_at(name: &str, size: [f32; 2]) {
         assert!(open.is_done(), "{what}: {:?} was done, and not noticed", task.goal);
         assert!(window.shows("✔ Done"), "{what}");
         assert!(
-            window.app().model.shell.messages.errors().is_empty(),
+            window.model().shell.messages.errors().is_empty(),
             "{what}: {:?}",
-            window.app().model.shell.messages.errors()
+            window.model().shell.messages.errors()
         );
         if KEY_STEPS.contains(&(name, place + 1)) && size == SIZES[0] {
             window.snapshot(&format!("lesson_{}", name.replace('-', "_")));
@@ -267,10 +263,7 @@ fn play_at(name: &str, size: [f32; 2]) {
     }
     window.settle();
     ends(&mut window, &lesson, size == SIZES[0]);
-    assert!(
-        window.app().lessons.open.is_none() && window.app().model.results.slots.a.burst.is_none(),
-        "what was open is back"
-    );
+    assert!(window.app().lessons.open.is_none() && window.results().slots.a.burst.is_none(), "what was open is back");
     let progress = &window.app().lessons.progress[name];
     assert_eq!((progress.done.len(), progress.step), (lesson.steps.len(), 0), "it begins anew");
 }

@@ -13,14 +13,14 @@ fn two_bursts() -> Window {
 #[test]
 fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     let mut window = two_bursts();
-    let found = window.app().read().losses().expect("the losses are known").clone();
+    let found = window.read().losses().expect("the losses are known").clone();
     let losses = Losses::new(found.request.pair(), &Monitor::default()).unwrap();
     let expected = losses.counts(&Monitor::default()).unwrap();
     assert_eq!(found.counts, expected);
     let count = |lost: Lost| expected.iter().find(|(at, _)| *at == lost).unwrap().1;
     window.click("Unmatched").settle();
     // Other orientations of a keypoint are told with the first one.
-    let lost = &window.app().model.results.pair.lost;
+    let lost = &window.results().pair.lost;
     let told = |step: Lost| lost.count(step);
     assert!(told(Lost::RatioTest) <= count(Lost::RatioTest) && told(Lost::MutualCheck) < count(Lost::MutualCheck));
     assert!(window.shows(&format!("ratio test {}", told(Lost::RatioTest))));
@@ -28,25 +28,22 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     let is_listed = |index: &usize| found.lost[*index] != Lost::Not && lost.twin(*index).is_none();
     let index = (0..found.lost.len()).find(is_listed).expect("some have no match");
     let outliers = found.request.result.counts.putative - found.request.result.counts.inliers.unwrap();
-    assert_eq!(
-        (count(Lost::Geometry), window.app().model.results.pair.lost.count(Lost::Geometry)),
-        (outliers, outliers)
-    );
+    assert_eq!((count(Lost::Geometry), window.results().pair.lost.count(Lost::Geometry)), (outliers, outliers));
     window.click_on(Role::Row, &format!("Unmatched feature {index}")).settle();
-    assert_eq!(window.app().read().asked_feature(), Some(index));
+    assert_eq!(window.read().asked_feature(), Some(index));
     let why = losses.of(index, 5);
     let words: String = why.sentence.chars().skip(1).collect();
     assert!(window.shows(&words), "{}", why.sentence);
     assert!(window.harness.query_by_role_and_label(Role::Image, "Patch of candidate 1").is_some());
     window.snapshot("unmatched_feature");
     window.key(Key::Escape);
-    assert_eq!(window.app().read().asked_feature(), None);
+    assert_eq!(window.read().asked_feature(), None);
 }
 
 #[test]
 fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let mut window = two_bursts();
-    let found = window.app().read().losses().expect("the losses are known").clone();
+    let found = window.read().losses().expect("the losses are known").clone();
     let a = found.request.request.a.clone();
     // A feature far from the others, so that the click is unambiguous.
     let apart = |i: usize, j: usize| (a.features[i].u - a.features[j].u).hypot(a.features[i].v - a.features[j].v);
@@ -62,9 +59,9 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     let side = burstscope::app::document::side::Side::A;
     let pos = window.ui_from_image_of(side, egui::pos2(f.u, f.v)).unwrap();
     window.click_at(pos).settle();
-    let asked = window.app().read().asked_feature().expect("a feature is asked about");
+    let asked = window.read().asked_feature().expect("a feature is asked about");
     assert_eq!((a.features[asked].u, a.features[asked].v), (f.u, f.v));
-    assert!(window.app().model.document.selected_match.is_none());
+    assert!(window.document().selected_match.is_none());
 }
 
 #[test]
@@ -72,25 +69,21 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
     let mut window = two_bursts();
     // The strongest of A are not all among the strongest of B.
     window.change(|document| document.params.max_features = 300).run_action("detect").settle();
-    let found = window.app().read().losses().expect("the losses are known").clone();
+    let found = window.read().losses().expect("the losses are known").clone();
     let losses = Losses::new(found.request.pair(), &Monitor::default()).unwrap();
     let missing = (0..found.lost.len())
         .find(|&index| found.lost[index] == Lost::NoKeypoint && !losses.of(index, 5).expected.is_empty())
         .expect("the geometry puts one where no keypoint is");
-    let names = |window: &Window| Side::BOTH.map(|side| window.app().read().burst_of(side).unwrap().burst.name.clone());
+    let names = |window: &Window| Side::BOTH.map(|side| window.read().burst_of(side).unwrap().burst.name.clone());
     let before = names(&window);
     assert_eq!(before, ["demo", "demo-later"]);
     apply::pair::ask_feature(&mut window.app_mut().model, Some(missing));
     window.settle();
-    let place = window.app().read().expected_place().expect("a place in B");
+    let place = window.read().expected_place().expect("a place in B");
     window.click("Probe its place in B").settle();
-    assert_eq!(
-        (window.app().model.document.workspace, names(&window)),
-        (Workspace::Pair, before.clone()),
-        "nothing is swapped"
-    );
+    assert_eq!((window.document().workspace, names(&window)), (Workspace::Pair, before.clone()), "nothing is swapped");
     let probed = |window: &Window| {
-        let model = &window.app().model;
+        let model = window.model();
         assert!(
             Read::of(model).probe_is_current() && model.document.probe.is_open,
             "{:?}",
@@ -110,25 +103,24 @@ fn where_b_has_no_keypoint_its_place_is_probed_with_one_click() {
 #[test]
 fn a_feature_without_a_match_has_a_remedy_that_keeps_what_it_promises() {
     let mut window = two_bursts();
-    let found = window.app().read().losses().expect("the losses are known").clone();
+    let found = window.read().losses().expect("the losses are known").clone();
     let mut kept = 0;
     let candidates = (0..found.lost.len()).filter(|&i| matches!(found.lost[i], Lost::RatioTest | Lost::Geometry));
     for index in candidates.step_by(5).take(12) {
         apply::pair::ask_feature(&mut window.app_mut().model, Some(index));
         window.settle();
-        let model = &window.app().model;
+        let model = window.model();
         let Some(params) = Read::of(model).remedy() else { continue };
         let price = Read::of(model).price_of_remedy(&params).expect("it was tried");
         assert!(window.shows(&price), "{price}");
         let Some(others) = price.strip_prefix("matches it and ") else { continue };
         let others: usize = others.split(' ').next().unwrap().parse().unwrap();
-        let inliers =
-            |window: &Window| window.app().model.results.pair.matches.as_ref().unwrap().result.counts.inliers.unwrap();
+        let inliers = |window: &Window| window.results().pair.matches.as_ref().unwrap().result.counts.inliers.unwrap();
         let before = inliers(&window);
         let apply = window.harness.get_by_label_contains("Apply ").rect().center();
         window.click_at(apply).settle();
         assert_eq!(inliers(&window), before + 1 + others, "{price}");
-        assert_eq!(window.app().read().losses().expect("known").lost[index], Lost::Not);
+        assert_eq!(window.read().losses().expect("known").lost[index], Lost::Not);
         window.ctrl(Key::Z).settle();
         assert_eq!(inliers(&window), before);
         kept += 1;
@@ -142,7 +134,7 @@ fn a_feature_without_a_match_has_a_remedy_that_keeps_what_it_promises() {
 #[test]
 fn an_outlier_says_the_limit_and_motions_filter_the_matches() {
     let mut window = two_bursts();
-    let pair = &window.app().model.results.pair;
+    let pair = &window.results().pair;
     let matches = pair.matches.as_ref().unwrap();
     let outlier = matches.rows().find(|row| row.inlier == Some(false)).expect("some do not fit").index;
     let limits = matches.rows().map(|row| (row.inlier, row.error_px, matches.passed_limit(&row)));
@@ -154,7 +146,7 @@ fn an_outlier_says_the_limit_and_motions_filter_the_matches() {
     window.change(|document| document.selected_match = Some(outlier)).settle();
     assert!(window.shows(&expected), "{expected}");
     window.change(|document| document.match_look.max_motion = Some(0.2)).settle();
-    let pair = &window.app().model.results.pair;
+    let pair = &window.results().pair;
     let apart = pair.listed.iter().map(|&i| pair.matches.as_ref().unwrap().row(i).unwrap().motion_apart());
     let (count, largest) = apart.fold((0, 0.0f32), |(count, largest), apart| (count + 1, largest.max(apart)));
     assert!(count > 20 && count < pair.matches.as_ref().unwrap().len() && largest <= 0.2, "{count} {largest}");
@@ -167,7 +159,7 @@ fn a_match_tells_its_second_best() {
     // expected.
     window.change(|document| document.matching.predict = false).settle();
     window.key(Key::Home).settle();
-    let model = &window.app().model;
+    let model = window.model();
     let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
     let why = model.results.pair.lost.why.as_ref().expect("it is known why");
     assert_eq!(why.feature, row.found.a);

@@ -43,7 +43,7 @@ fn the_local_noise_is_a_picture_of_its_own() {
     let mut window = open(folder.path());
     window.slide("Slope u", 1.0);
     shift(&mut window, Key::N);
-    let model = &window.app().model;
+    let model = window.model();
     let cursor = *model.document.cursor();
     assert_eq!(model.document.focused().content, Content::Map(ViewKind::Noise));
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
@@ -64,13 +64,13 @@ fn the_local_noise_is_a_picture_of_its_own() {
     window.snapshot("noise_map");
     // It follows the cursor in slope, octave and level.
     window.slide("Slope u", -2.0).key(Key::PageUp).key(Key::CloseBracket).settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.focused().content, Content::Map(ViewKind::Noise));
     let coarser = &Read::of(model).picture().unwrap().plane;
     assert_eq!((coarser.width(), model.document.cursor().octave), (map.width() / 2, cursor.octave + 1));
     // The frame slider shows frames again.
     window.key(Key::Num1).settle();
-    assert_eq!(window.app().model.document.focused().content, Content::Cursor);
+    assert_eq!(window.document().focused().content, Content::Cursor);
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn coverage_is_a_share_of_the_frames() {
     let mut window = open(folder.path());
     window.slide("Slope u", 2.0);
     shift(&mut window, Key::C);
-    let model = &window.app().model;
+    let model = window.model();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected =
         coverage_view(burst, &model.results.slots.a.usable_params, model.document.cursor().slope, &Monitor::default())
@@ -109,7 +109,7 @@ fn maps_are_chosen_in_the_menu_of_a_pane_and_kept_in_a_session() {
     window.key(Key::S).settle();
     window.click("Menu of pane 2").steps(3).click_on(Role::RadioButton, "Local noise").steps(2).key(Key::Escape);
     window.settle();
-    let model = &window.app().model;
+    let model = window.model();
     let second = model.document.panes.shown()[1];
     assert_eq!(model.document.panes.get(second).unwrap().content, Content::Map(ViewKind::Noise));
     // The other pane still shows the stack.

@@ -31,11 +31,11 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("profile.csv");
     let mut window = open();
-    let view = window.app().model.document.focused().view;
+    let view = window.document().focused().view;
     window.key(Key::Q);
     drag(&mut window, pos2(100.0, 80.0), pos2(220.0, 170.0));
     window.settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.focused().view.centre_image, view.centre_image, "the tool draws and does not pan");
     let line = model.document.measure.line.expect("a line was drawn");
     assert!((line.from_image - pos2(100.0, 80.0)).length() < 1.5, "{line:?}");
@@ -45,7 +45,7 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     let text = std::fs::read_to_string(&file).unwrap();
     let rows: Vec<&str> = text.lines().skip(1).collect();
     // The stack is the second pane; the frame shows the line half a frame later, moved along its slope.
-    let model = &window.app().model;
+    let model = window.model();
     let stack = Read::of(model).picture().unwrap().plane.clone();
     let expected = profile(&stack, line.from_image.into(), line.to_image.into(), 1.0);
     let of_stack: Vec<&&str> = rows.iter().filter(|row| row.starts_with("\"2  Stack")).collect();
@@ -56,7 +56,7 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     assert!((u(rows[0]) - u(of_stack[0]) + 1.0).abs() < 1e-3, "{} {}", rows[0], of_stack[0]);
     // Escape deselects the tool, and the pointer pans again.
     window.key(Key::Escape);
-    assert_eq!(window.app().model.document.measure.tool, Tool::Pan);
+    assert_eq!(window.document().measure.tool, Tool::Pan);
     window.click("Clear line");
     assert!(window.shows("Drag a line on a picture"));
 }
@@ -68,7 +68,7 @@ fn a_rectangle_is_measured_in_all_linked_panes() {
     window.harness.run_steps(2);
     drag(&mut window, pos2(200.0, 60.0), pos2(300.0, 130.0));
     window.settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.bottom_tab, BottomTab::Region);
     let rect = model.document.measure.region.expect("a rectangle was drawn").rect_image;
     let stack = Read::of(model).picture().unwrap().plane.clone();
@@ -103,7 +103,7 @@ fn region_statistics_panel() {
 fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.run_action("compare with the truth").settle();
-    let model = &window.app().model;
+    let model = window.model();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let cache =
         ProbeCache::new(burst, &model.results.slots.a.found.as_ref().unwrap().asked, &Monitor::default()).unwrap();
@@ -124,20 +124,20 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
     assert!(otherwise.all(|row| row.note.starts_with("slope ") && row.note.contains(" instead of ")));
     // The truth of a scene lists only some of its features.
     assert!(expected.summary().ends_with("elsewhere") && window.shows(&expected.summary()));
-    assert!(!shown.is_whole_truth && !window.app().model.document.comparisons.a.shows(Compared::Ours));
+    assert!(!shown.is_whole_truth && !window.document().comparisons.a.shows(Compared::Ours));
     // A miss tells its reason.
     assert_eq!(shown.rows[0].note, expected.missed[0].why);
     // The row stays in its place when it is selected, and selected when it is clicked again.
     let place = window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect();
     for _ in 0..2 {
         window.click_on(Role::Row, "Missed 0").settle();
-        assert_eq!(window.app().model.document.comparisons.a.selected, Some(0));
+        assert_eq!(window.document().comparisons.a.selected, Some(0));
         assert_eq!(window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect(), place);
     }
     assert!(window.shows(&expected.missed[0].why));
     window.snapshot("truth");
     window.click("Why here?").settle();
-    let place = window.app().read().probed_place().expect("the place is probed");
+    let place = window.read().probed_place().expect("the place is probed");
     let miss = &truth.features[expected.missed[0].disc];
     assert!((f64::from(place[0]) - miss.u).abs() < 0.01 && (f64::from(place[1]) - miss.v).abs() < 0.01);
 }
@@ -147,7 +147,7 @@ fn a_burst_of_the_camera_has_no_truth_to_compare_with() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::of(&noisy_stack(folder.path(), 4, 60, 80)).open();
     window.click("Detect").settle();
-    assert!(!window.app().read().has_reference(Side::A, Reference::Truth));
+    assert!(!window.read().has_reference(Side::A, Reference::Truth));
     window.run_action("compare with the truth").settle();
-    assert_eq!(window.app().model.document.comparisons.a.with, None);
+    assert_eq!(window.document().comparisons.a.with, None);
 }

@@ -17,7 +17,7 @@ fn methods(second: bool) -> Window {
 #[test]
 fn each_method_finds_what_the_library_finds() {
     let window = methods(false);
-    let model = &window.app().model;
+    let model = window.model();
     let burst = model.results.slots.a.burst.as_ref().unwrap().burst.clone();
     for method in [MethodId::Sift, MethodId::Merge, MethodId::Buff1d, MethodId::Buff2d] {
         let found = Read::of(model).method_found(method, Side::A).unwrap();
@@ -33,7 +33,7 @@ fn each_method_finds_what_the_library_finds() {
 #[test]
 fn with_a_second_burst_matches_are_compared_too() {
     let mut window = methods(true);
-    let model = &window.app().model;
+    let model = window.model();
     let inliers = |method| Read::of(model).method_matches(method).unwrap().result.counts.inliers.unwrap();
     assert!(inliers(MethodId::Buff1d) > 2 * inliers(MethodId::Sift), "a burst shows what one frame does not");
     assert!(window.shows(&inliers(MethodId::Buff1d).to_string()));
@@ -44,7 +44,7 @@ fn with_a_second_burst_matches_are_compared_too() {
     assert_eq!(lines(most), 40);
     assert_eq!(lines(MethodId::Sift), (40 * inliers(MethodId::Sift)).div_ceil(inliers(most)));
     window.click("Match lines").settle();
-    assert_eq!(window.app().model.document.panes.arrangement().in_rows().len(), 4, "a row for each");
+    assert_eq!(window.document().panes.arrangement().in_rows().len(), 4, "a row for each");
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "B: BuFF 1D").is_some());
 }
 
@@ -52,17 +52,16 @@ fn with_a_second_burst_matches_are_compared_too() {
 fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     let mut window = methods(false);
     window.click("Wipe").settle();
-    let [left, right] = window.app().model.document.panes.shown()[..] else { panic!("two in one place") };
+    let [left, right] = window.document().panes.shown()[..] else { panic!("two in one place") };
     let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
     window.harness.drag_at(handle);
     window.steps(1).hover(handle + egui::vec2(120.0, 0.0)).steps(1);
     window.harness.drop_at(handle + egui::vec2(120.0, 0.0));
     window.harness.run_steps(2);
-    let over = window.app().model.document.panes.over(left);
+    let over = window.document().panes.over(left);
     assert!(matches!(over, Some(Over::Wipe { other, at }) if other == right && at > 0.55), "{over:?}");
     // The two methods are chosen beside the picture.
-    let methods =
-        |window: &Window| [left, right].map(|id| window.app().model.document.panes.get(id).unwrap().method.unwrap());
+    let methods = |window: &Window| [left, right].map(|id| window.document().panes.get(id).unwrap().method.unwrap());
     assert_eq!(methods(&window), [MethodId::Sift, MethodId::Buff1d]);
     window.click_on(Role::ComboBox, "Right").steps(2).click("SIFT, merged").settle();
     assert_eq!(methods(&window), [MethodId::Sift, MethodId::Merge]);
@@ -76,12 +75,12 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
 #[test]
 fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     let mut window = methods(false);
-    let pane = |window: &Window, method: MethodId| window.app().model.document.panes.shown_of(Side::A, Some(method));
+    let pane = |window: &Window, method: MethodId| window.document().panes.shown_of(Side::A, Some(method));
     let [own] = pane(&window, MethodId::Buff1d)[..] else { panic!("one pane") };
-    let number = window.app().model.document.panes.number(own).unwrap();
+    let number = window.document().panes.number(own).unwrap();
     window.click(&format!("Split down {number}")).key(Key::Num3).settle();
     let [stack, dog] = pane(&window, MethodId::Buff1d)[..] else { panic!("two panes") };
-    let model = &window.app().model;
+    let model = window.model();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let params = MethodId::Buff1d.params(&model.document.params.at_given());
     let plane = |id| Read::of(model).picture_in(id).unwrap().plane.clone();
@@ -93,7 +92,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     assert!(window.harness.query_by_role_and_label(Role::Canvas, &name).is_some(), "{name}");
     // The other panes switched to the DoG of their inputs.
     let [sift] = pane(&window, MethodId::Sift)[..] else { panic!("one pane") };
-    let model = &window.app().model;
+    let model = window.model();
     let params = MethodId::Sift.params(&model.document.params.at_given());
     let plane = Read::of(model).picture_in(sift).unwrap().plane.clone();
     let expected = dog_view(burst_of(&window), &params, cursor.slope, cursor.octave, cursor.level, &monitor).unwrap();
@@ -102,7 +101,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
 }
 
 fn burst_of(window: &Window) -> &burstscope::burst::Burst {
-    &window.app().model.results.slots.a.burst.as_ref().unwrap().burst
+    &window.results().slots.a.burst.as_ref().unwrap().burst
 }
 
 #[test]
@@ -110,7 +109,7 @@ fn a_method_that_is_switched_off_loses_its_pane_and_the_others_stay() {
     let mut window = methods(true);
     window.click("Match lines").settle();
     let methods = |window: &Window| -> Vec<MethodId> {
-        let panes = &window.app().model.document.panes;
+        let panes = &window.document().panes;
         panes.shown().iter().filter_map(|id| panes.get(*id)?.method).collect()
     };
     let merge = "SIFT, merged";
@@ -128,7 +127,7 @@ fn a_gold_standard_is_opened_and_methods_are_switched_in_the_table() {
     let path = noisy_stack(folder.path(), 1, 360, 480);
     let mut window = methods(false);
     window.will_choose(&path).run_action("gold standard of a").settle();
-    let model = &window.app().model;
+    let model = window.model();
     let found = Read::of(model).method_found(MethodId::Gold, Side::A).unwrap();
     assert!(window.shows(&format!("Gold standard  ·  {} features", found.detection.features.len())));
     window.click_on(Role::CheckBox, "BuFF 2D").settle();
@@ -149,8 +148,8 @@ fn a_session_of_when_methods_were_a_workspace_compares_them() {
     std::fs::write(&file, of_then.replace(methods, "[document.methods]\nfeatures = false\n")).unwrap();
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
     other.will_choose(&file).run_action("open session").settle();
-    let [before, after] = [&window, &other].map(|window| window.app().model.document.clone());
-    let (errors, panes) = (other.app().model.shell.messages.errors(), toml::to_string(&after.panes));
+    let [before, after] = [&window, &other].map(|window| window.document().clone());
+    let (errors, panes) = (other.model().shell.messages.errors(), toml::to_string(&after.panes));
     assert!(after.compares_methods() && after.workspace == Workspace::Inspect, "{errors:?} {panes:?}");
     assert_eq!((after.panes.arrangement(), after.bottom_tab), (before.panes.arrangement(), BottomTab::Methods));
     assert!(other.shows("Match score"), "the table is open");
@@ -158,7 +157,7 @@ fn a_session_of_when_methods_were_a_workspace_compares_them() {
     let did: ActionId = serde_json::from_str("\"workspace_methods\"").unwrap();
     assert_eq!(did, ActionId::WorkspaceMethods);
     other.ctrl(Key::Num1).settle();
-    assert_eq!(other.app().model.document.panes.shown().len(), 1, "the panes of one burst are as they were");
+    assert_eq!(other.document().panes.shown().len(), 1, "the panes of one burst are as they were");
 }
 
 #[test]
@@ -170,8 +169,8 @@ fn the_comparison_is_kept_in_a_session() {
     window.will_choose(&file).run_action("save session").settle();
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
     other.will_choose(&file).run_action("open session").settle();
-    assert_eq!(other.app().model.document.methods, window.app().model.document.methods);
-    let [before, after] = [&window, &other].map(|window| window.app().model.document.panes.arrangement().clone());
+    assert_eq!(other.document().methods, window.document().methods);
+    let [before, after] = [&window, &other].map(|window| window.document().panes.arrangement().clone());
     assert_eq!((after.panes().len(), &after), (3, &before));
     assert!(other.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());
 }

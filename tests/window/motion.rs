@@ -13,7 +13,7 @@ fn open() -> Window {
 fn one_count_of_the_features_at_this_slope() {
     let mut window = open();
     window.run_action("slope with most features").settle();
-    let model = &window.app().model;
+    let model = window.model();
     let slope = model.document.cursor().slope;
     let near = near_slope(&model.results.slots.a.found.as_ref().unwrap().detection.slopes);
     let grid = &model.results.slots.a.found.as_ref().unwrap().detection.slopes;
@@ -28,17 +28,17 @@ fn one_count_of_the_features_at_this_slope() {
     let total = Read::of(model).features().len();
     window.click_on(Role::CheckBox, "At this slope").settle();
     assert!(window.shows(&format!("{here} of {total}")));
-    assert!(window.app().model.document.look.overlay == FeaturesShown::ThisSlope, "and so many are drawn");
+    assert!(window.document().look.overlay == FeaturesShown::ThisSlope, "and so many are drawn");
 }
 
 #[test]
 fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep() {
     let mut window = open();
-    let field = window.app().model.results.slots.a.found.as_ref().unwrap().detection.field.clone().expect("a field");
+    let field = window.results().slots.a.found.as_ref().unwrap().detection.field.clone().expect("a field");
     let count = |window: &Window, wanted: &dyn Fn(&burstscope::Feature) -> bool| {
-        window.app().read().features().iter().filter(|feature| wanted(feature)).count()
+        window.read().features().iter().filter(|feature| wanted(feature)).count()
     };
-    let listed = |window: &Window| window.app().model.results.listed.len();
+    let listed = |window: &Window| window.results().listed.len();
     let (total, first) = (count(&window, &|_| true), count(&window, &|feature| feature.layer == 1));
     let none = count(&window, &|feature| feature.layer == 0);
     let alone = count(&window, &|feature| feature.layer == 1 && feature.moves == Moves::ByItself);
@@ -57,11 +57,8 @@ fn layers_are_switches_and_with_what_moves_by_itself_filters_that_sessions_keep(
     assert_eq!(listed(&window), first, "alone, though it is switched off");
     window.click("moves by itself").settle();
     assert_eq!(listed(&window), alone);
-    let session = Session::of(window.app().read()).expect("a burst is open");
-    assert_eq!(
-        Session::from_toml(&session.to_toml()).expect("a session").document.filter,
-        window.app().model.document.filter
-    );
+    let session = Session::of(window.read()).expect("a burst is open");
+    assert_eq!(Session::from_toml(&session.to_toml()).expect("a session").document.filter, window.document().filter);
     window.click("any way").click(&format!("Solo {name}")).settle();
     assert_eq!(listed(&window), total - first - none, "the switches are as they were");
     window.key(Key::Escape);
@@ -73,7 +70,7 @@ fn a_hidden_layer_is_dark_in_the_field_of_motion() {
     window.key(Key::O).run_action("show field of motion").settle();
     let shown = window.harness.render().expect("a picture");
     window.change(|document| document.filter.solo_layer = Some(1)).settle();
-    let model = &window.app().model;
+    let model = window.model();
     let field = Read::of(model).picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
     let solo = window.harness.render().expect("a picture");
     let brightness = |picture: &image::RgbaImage, layer: u8| {
@@ -96,7 +93,7 @@ fn a_hidden_layer_is_dark_in_the_field_of_motion() {
 #[test]
 fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
     let mut window = open();
-    let features = window.app().read().features().to_vec();
+    let features = window.read().features().to_vec();
     for moves in [Moves::WithSurroundings, Moves::ByItself, Moves::Edge, Moves::Ghost] {
         let index = features.iter().position(|f| f.moves == moves && f.layer > 0).expect("one moves so");
         let feature = features[index];
@@ -108,7 +105,7 @@ fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
         }
         assert!(window.shows(moves.words().trim_start_matches("moves ")), "{feature:?}");
     }
-    let judged = window.app().read().judged().expect("judged for the table");
+    let judged = window.read().judged().expect("judged for the table");
     // What moves as its place does has that motion, also where only some of the frames respond.
     let is_said_alike = |(feature, judged): (&burstscope::Feature, &Judged)| {
         let has_place = Moves::by_numbers(feature) == Moves::WithSurroundings;
@@ -121,7 +118,7 @@ fn a_selected_feature_tells_its_own_motion_and_that_of_its_place() {
 fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
     let mut window = open();
     window.run_action("show field of motion").settle();
-    let model = &window.app().model;
+    let model = window.model();
     let field = Read::of(model).picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
     let known = |at: &[f32; 2]| field.known_at(at[0], at[1]).is_some_and(|motion| motion.slope != Slope::default());
     let [u, v] = (2..8).map(|i| [40.0 * i as f32, 100.0]).find(known).expect("a known motion");

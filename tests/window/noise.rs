@@ -27,11 +27,11 @@ fn open_case(case: NoiseCase, folder: &Path) -> Window {
 fn the_curve_and_the_map_are_shown_and_opened_in_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(&lamp(folder.path()));
-    let noise = window.app().model.results.slots.a.found.as_ref().unwrap().detection.noise.clone();
+    let noise = window.results().slots.a.found.as_ref().unwrap().detection.noise.clone();
     assert!(noise.is_local && noise.transfer.slope > 0.0005, "{:?}", noise.transfer);
     assert!(window.shows("σ of a frame over brightness") && window.shows("σ² = a·I + b"));
     window.click("Show σ in the picture").settle();
-    assert_eq!(window.app().model.document.focused().content, Content::Map(ViewKind::Noise));
+    assert_eq!(window.document().focused().content, Content::Map(ViewKind::Noise));
     window.snapshot("noise_tab");
 }
 
@@ -40,7 +40,7 @@ fn assumptions_that_fail_are_said() {
     for (case, word) in [(NoiseCase::Doubled, "repeat"), (NoiseCase::HotPixels, "pixels")] {
         let folder = tempfile::tempdir().unwrap();
         let mut window = open_case(case, folder.path());
-        let warnings = window.app().model.results.slots.a.found.as_ref().unwrap().detection.noise.warnings.clone();
+        let warnings = window.results().slots.a.found.as_ref().unwrap().detection.noise.warnings.clone();
         assert!(!warnings.is_empty(), "{case:?}");
         for warning in &warnings {
             assert!(window.shows(&format!("Noise: {}.", warning.text)), "{case:?}: {}", warning.text);

@@ -6,7 +6,7 @@ use std::io::Write;
 #[test]
 fn the_demo_opens_and_its_features_are_found_at_the_slope_that_reveals_most() {
     let window = Start::default().open();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(Read::of(model).frame_count(), 10);
     assert!(Read::of(model).features().len() > 5, "{}", Read::of(model).features().len());
     assert!(
@@ -21,10 +21,10 @@ fn the_demo_opens_and_its_features_are_found_at_the_slope_that_reveals_most() {
 #[test]
 fn with_nothing_open_the_first_page_leads_on() {
     let mut window = Start::nothing_open().open();
-    assert!(window.app().model.results.slots.a.burst.is_none());
+    assert!(window.results().slots.a.burst.is_none());
     assert!(window.shows("or drop a folder"));
     window.click("Open demo burst").settle();
-    assert_eq!(window.app().read().frame_count(), 10);
+    assert_eq!(window.read().frame_count(), 10);
 }
 
 #[test]
@@ -33,7 +33,7 @@ fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
     let path = noisy_stack(folder.path(), 4, 48, 64);
     let mut window = Start::without_auto_detect().open();
     window.will_choose(&path).click("Open…").settle();
-    assert_eq!((window.app().read().frame_count(), window.app().read().size()), (4, (64, 48)));
+    assert_eq!((window.read().frame_count(), window.read().size()), (4, (64, 48)));
     assert_eq!(window.app().settings.recent, [BurstSource::Paths(vec![path])]);
 }
 
@@ -43,13 +43,13 @@ fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
     let path = folder.path().join("broken-frame.png");
     std::fs::File::create(&path).unwrap().write_all(b"this is no picture").unwrap();
     let mut window = Start::without_auto_detect().open();
-    let before = window.app().model.results.slots.a.burst.as_ref().unwrap().id;
-    let plane = window.app().read().picture().cloned().unwrap().plane;
+    let before = window.results().slots.a.burst.as_ref().unwrap().id;
+    let plane = window.read().picture().cloned().unwrap().plane;
     window.will_choose(&path).click("Open…");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("broken-frame.png"));
-    assert_eq!(window.app().model.results.slots.a.burst.as_ref().unwrap().id, before);
-    assert_eq!(window.app().read().picture().unwrap().plane, plane);
+    assert_eq!(window.results().slots.a.burst.as_ref().unwrap().id, before);
+    assert_eq!(window.read().picture().unwrap().plane, plane);
     window.click("Dismiss: Open");
     assert!(!window.shows("broken-frame.png"));
 }
@@ -64,7 +64,7 @@ fn where_the_system_has_no_dialog_a_path_can_be_typed() {
     assert!(window.shows("This system shows no file dialog"));
     type_path(&mut window, &path.display().to_string());
     window.settle();
-    assert_eq!(window.app().read().frame_count(), 3);
+    assert_eq!(window.read().frame_count(), 3);
 }
 
 #[test]
@@ -94,7 +94,7 @@ fn files_that_are_dropped_are_opened() {
     let path = noisy_stack(folder.path(), 5, 40, 40);
     let mut window = Start::without_auto_detect().open();
     window.drop_file(path).settle();
-    assert_eq!(window.app().read().frame_count(), 5);
+    assert_eq!(window.read().frame_count(), 5);
 }
 
 #[test]
@@ -103,7 +103,7 @@ fn the_name_of_a_built_in_burst_can_be_typed_as_on_the_command_line() {
     window.click("Open…").wait("the dialog's answer", |app| app.is_settled());
     type_path(&mut window, "demo-later");
     window.settle();
-    let open = window.app().model.results.slots.a.burst.as_ref();
+    let open = window.results().slots.a.burst.as_ref();
     assert_eq!(open.map(|open| &open.source), Some(&BurstSource::DemoLater));
 }
 
@@ -114,7 +114,7 @@ fn what_was_taken_is_a_note_and_what_may_be_wrong_a_warning() {
     (0..3).for_each(|t| picture(t).save(folder.path().join(format!("{t}.jpg"))).unwrap());
     let mut window = Start::without_auto_detect().open();
     window.drop_file(folder.path().to_owned()).settle();
-    let burst = window.app().model.results.slots.a.burst.as_ref().unwrap().burst.clone();
+    let burst = window.results().slots.a.burst.as_ref().unwrap().burst.clone();
     let notes: Vec<String> = burst.notes().iter().map(|note| note.for_window()).collect();
     assert!(notes.len() > burst.taken.len(), "pictures of screens are no measurements");
     let words = if notes.len() == 1 { "1 warning".to_owned() } else { format!("{} warnings", notes.len()) };
@@ -144,9 +144,9 @@ fn the_failures_to_look_at_open_from_the_help_menu_and_are_kept_in_sessions() {
         let mut window = Start::without_auto_detect().open();
         window.run_action(example.label()).settle();
         let source = BurstSource::Example(example);
-        assert_eq!(window.app().model.results.slots.a.burst.as_ref().map(|open| &open.source), Some(&source));
+        assert_eq!(window.results().slots.a.burst.as_ref().map(|open| &open.source), Some(&source));
         let frames = if example == Example::Views { 25 } else { burstscope::synth::examples::EXAMPLE_FRAMES };
-        assert_eq!(window.app().read().frame_count(), frames);
+        assert_eq!(window.read().frame_count(), frames);
         assert!(window.shows(example.name()), "the status line names it");
         let text = toml::to_string(&std::collections::BTreeMap::from([("source", &source)])).expect("TOML");
         let read: std::collections::BTreeMap<String, BurstSource> = toml::from_str(&text).expect("the same");
@@ -174,12 +174,9 @@ fn a_file_without_header_is_opened_in_the_shape_that_is_chosen_from_pictures() {
     window.harness.run_steps(3);
     assert!(window.shows("is not WIDTHxHEIGHT:TYPE"));
     window.click_on(Role::RadioButton, "320x240:u16le, 20 frames").steps(3).click("Open").settle();
-    assert_eq!((window.app().read().frame_count(), window.app().read().size()), (20, (320, 240)));
-    assert_eq!(
-        window.app().model.document.calibration.raw.map(|raw| raw.to_string()).as_deref(),
-        Some("320x240:u16le")
-    );
-    assert!(window.app().model.shell.messages.errors().is_empty());
+    assert_eq!((window.read().frame_count(), window.read().size()), (20, (320, 240)));
+    assert_eq!(window.document().calibration.raw.map(|raw| raw.to_string()).as_deref(), Some("320x240:u16le"));
+    assert!(window.model().shell.messages.errors().is_empty());
 }
 
 #[test]
@@ -204,8 +201,8 @@ fn the_shape_that_is_typed_is_previewed_and_one_that_does_not_fit_says_which_wou
     let words = "First frame in 320x240:u16le+5, 20 frames";
     assert!(window.harness.query_by_role_and_label(Role::Image, words).is_some());
     window.click("Open").settle();
-    assert_eq!((window.app().read().frame_count(), window.app().read().size()), (20, (320, 240)));
-    let model = &window.app().model;
+    assert_eq!((window.read().frame_count(), window.read().size()), (20, (320, 240)));
+    let model = window.model();
     assert!(model.results.shape.asked().is_none(), "nothing is read for a form that is closed");
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     assert!(burst.notes().iter().any(|note| note.text.contains("no black level")), "{:?}", burst.notes());
@@ -244,7 +241,7 @@ fn tab_completes_a_path_and_arrows_choose_among_names_and_paths_of_before() {
     begin(&mut window);
     write(&mut window, "demo-al");
     window.key(egui::Key::Tab).key(egui::Key::Enter).settle();
-    let source = |window: &Window| window.app().model.results.slots.a.burst.as_ref().map(|open| open.source.clone());
+    let source = |window: &Window| window.results().slots.a.burst.as_ref().map(|open| open.source.clone());
     assert_eq!(source(&window), BurstSource::named("demo-aliasing"));
     // On an empty line the arrow offers what was opened last.
     begin(&mut window);

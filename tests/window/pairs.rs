@@ -26,7 +26,7 @@ fn a_second_burst_is_opened_beside_the_first_and_matched() {
     window.choose("One burst ⏷", "Two bursts").settle();
     assert!(window.shows("Open a second burst"));
     window.click("Later demo burst as B").settle();
-    let model = &window.app().model;
+    let model = window.model();
     let names = Side::BOTH.map(|side| Read::of(model).burst_of(side).unwrap().burst.name.clone());
     assert_eq!(names, ["demo", "demo-later"]);
     let sides = Side::BOTH.map(|side| {
@@ -58,42 +58,38 @@ fn a_match_is_pointed_at_chosen_and_seen_alone() {
     let mut window = pair();
     // Zoomed in on one match with no others nearby.
     window.click("Sort by σ A").click("Sort by σ A").settle();
-    let index = window.app().model.results.pair.listed[0];
+    let index = window.results().pair.listed[0];
     let pos = middle_of(&window, index);
     window.click_at(pos).settle();
-    let chosen = window.app().model.document.selected_match.expect("a line is there");
+    let chosen = window.document().selected_match.expect("a line is there");
     assert!(window.shows(&format!("Match {chosen}: ")));
     for name in ["Patch in A", "Patch in B", "Descriptor in A", "Descriptor in B"] {
         assert!(window.harness.query_by_role_and_label(Role::Image, name).is_some(), "{name}");
     }
-    let model = &window.app().model;
+    let model = window.model();
     let row = model.results.pair.matches.as_ref().unwrap().row(chosen).unwrap();
     for (side, feature) in [(Side::A, row.a), (Side::B, row.b)] {
-        assert!(window.app().read().stack_at(side, feature.slope).is_some(), "from its own motion stack");
+        assert!(window.read().stack_at(side, feature.slope).is_some(), "from its own motion stack");
     }
     let shown =
         [row.found.ratio.map_or("no other".to_owned(), |ratio| format!("{ratio:.3}")), "Epipolar error".to_owned()];
     assert!(shown.iter().all(|text| window.shows(text)), "{shown:?}");
     // Rows and keys select too.
     window.click_on(Role::Row, &format!("Match {chosen}")).steps(2);
-    assert_eq!(
-        window.app().model.document.selected_match,
-        Some(chosen),
-        "a click on the selected row keeps it selected"
-    );
+    assert_eq!(window.document().selected_match, Some(chosen), "a click on the selected row keeps it selected");
     window.key(Key::Home);
-    assert_eq!(window.app().model.document.selected_match, Some(index));
+    assert_eq!(window.document().selected_match, Some(index));
     window.key(Key::N);
-    assert_eq!(window.app().model.document.selected_match, Some(window.app().model.results.pair.listed[1]));
+    assert_eq!(window.document().selected_match, Some(window.results().pair.listed[1]));
     window.key(Key::Enter).settle();
-    let model = &window.app().model;
+    let model = window.model();
     let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
     assert_eq!(
         (model.document.panes.of(Side::A).cursor.slope, model.document.panes.of(Side::B).cursor.slope),
         (row.a.slope, row.b.slope)
     );
     window.key(Key::Escape);
-    assert_eq!(window.app().model.document.selected_match, None);
+    assert_eq!(window.document().selected_match, None);
 }
 
 #[test]
@@ -101,13 +97,13 @@ fn headings_sort_and_switches_leave_out() {
     let mut window = pair();
     window.click("Sort by Ratio").settle();
     let ratios = |window: &Window| -> Vec<f32> {
-        let pair = &window.app().model.results.pair;
+        let pair = &window.results().pair;
         let matches = pair.matches.as_ref().unwrap();
         pair.listed.iter().map(|&i| matches.row(i).unwrap().found.ratio.unwrap_or(0.0)).collect()
     };
-    assert_eq!(window.app().model.document.match_order.column, MatchColumn::Ratio);
+    assert_eq!(window.document().match_order.column, MatchColumn::Ratio);
     assert!(ratios(&window).is_sorted());
-    let counts = window.app().model.results.pair.matches.as_ref().unwrap().result.counts;
+    let counts = window.results().pair.matches.as_ref().unwrap().result.counts;
     assert_eq!(ratios(&window).len(), counts.putative);
     window.click_on(Role::CheckBox, "Outliers").settle();
     assert_eq!(ratios(&window).len(), counts.inliers.unwrap());
@@ -126,27 +122,23 @@ fn parameters_of_matching_are_live_documented_and_checked() {
     }
     // Predicted matches have a ratio of their own.
     window.change(|document| document.matching.predict = false).settle();
-    let before = window.app().model.results.pair.matches.as_ref().unwrap().result.clone();
+    let before = window.results().pair.matches.as_ref().unwrap().result.clone();
     window.change(|document| document.matching.ratio = 0.6).settle();
-    let after = window.app().model.results.pair.matches.as_ref().unwrap().result.clone();
+    let after = window.results().pair.matches.as_ref().unwrap().result.clone();
     assert!(
         after.matches.len() < before.matches.len()
             && after.matches.iter().all(|m| m.ratio.is_none_or(|ratio| ratio <= 0.6))
     );
     window.change(|document| document.matching.ratio = -1.0).settle();
     assert!(window.shows("give more than 0 and at most 1"));
-    assert_eq!(
-        window.app().model.results.pair.matches.as_ref().unwrap().result.counts,
-        after.counts,
-        "the last ones stay"
-    );
+    assert_eq!(window.results().pair.matches.as_ref().unwrap().result.counts, after.counts, "the last ones stay");
     window.click("Reset Ratio test").settle();
-    assert_eq!(window.app().model.results.pair.matches.as_ref().unwrap().result.counts, before.counts);
+    assert_eq!(window.results().pair.matches.as_ref().unwrap().result.counts, before.counts);
     // The essential matrix needs the camera.
     window.change(|document| document.matching.geometry = Geometry::Essential).settle();
     assert!(window.shows("the essential matrix needs the camera's intrinsics"));
     window.click("Guess").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.matching.camera.as_ref().map(|c| (c.width, c.height)), Some((480, 360)));
     assert!(model.results.pair.matches.as_ref().unwrap().model().is_some());
 }
@@ -155,16 +147,13 @@ fn parameters_of_matching_are_live_documented_and_checked() {
 fn hands_move_together_or_each_its_own() {
     let mut window = pair();
     window.slide("Slope u", 1.25).settle();
-    let slopes = |window: &Window| Side::BOTH.map(|side| window.app().model.document.panes.of(side).cursor.slope.u);
+    let slopes = |window: &Window| Side::BOTH.map(|side| window.document().panes.of(side).cursor.slope.u);
     assert_eq!(slopes(&window), [1.25, 1.25]);
     window.click_on(Role::CheckBox, "Slope and scale together").steps(2).click("Cursor of B");
     window.slide("Slope u", -0.5).key(Key::Num3).settle();
     assert_eq!(slopes(&window), [1.25, -0.5]);
-    assert_eq!(
-        Side::BOTH.map(|side| window.app().model.document.panes.of(side).cursor.kind),
-        [ViewKind::Stack, ViewKind::Dog]
-    );
-    assert!(window.app().read().pictures_are_current());
+    assert_eq!(Side::BOTH.map(|side| window.document().panes.of(side).cursor.kind), [ViewKind::Stack, ViewKind::Dog]);
+    assert!(window.read().pictures_are_current());
     assert!(window.shows("A  Stack (1.25, 0)") && window.shows("B  DoG 0/0 (−0.5, 0)"));
     window.key(Key::T).key(Key::K).settle();
     assert_eq!(slopes(&window), [1.25, 1.25], "the one that the sliders do not move comes to the other");
@@ -218,12 +207,12 @@ fn files_dropped_on_the_right_pane_are_opened_there() {
     window.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
     window.harness.step();
     window.settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(Read::of(model).burst_of(Side::A).unwrap().burst.name, "demo");
     assert_eq!(Read::of(model).burst_of(Side::B).unwrap().burst.size(), (80, 60));
     assert!(window.shows("No features yet in A and B"));
     window.run_action("swap a and b").settle();
-    assert_eq!(window.app().read().size(), (80, 60));
+    assert_eq!(window.read().size(), (80, 60));
 }
 
 #[test]
@@ -233,12 +222,12 @@ fn a_session_brings_the_pair_back() {
     let mut window = pair();
     window.change(|document| document.matching.ratio = 0.7).settle();
     window.key(Key::Home).key(Key::N).key(Key::K).click("Cursor of B").slide("Slope u", 0.75).settle();
-    let saved = window.app().read().saved_match().unwrap();
+    let saved = window.read().saved_match().unwrap();
     window.will_choose(&file).run_action("save session").settle();
 
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
     other.will_choose(&file).run_action("open session").settle();
-    let model = &other.app().model;
+    let model = other.model();
     assert_eq!(model.document.workspace, Workspace::Pair);
     assert_eq!(Read::of(model).burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
     assert_eq!(model.document.matching.ratio, 0.7);
@@ -250,11 +239,11 @@ fn a_session_brings_the_pair_back() {
 #[test]
 fn a_second_burst_that_cannot_be_opened_is_named_and_the_pair_stays() {
     let mut window = pair();
-    let before = window.app().read().burst_of(Side::B).unwrap().id;
+    let before = window.read().burst_of(Side::B).unwrap().id;
     window.will_choose("/no/such/burst-of-frames").run_action("open b: folder");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("burst-of-frames"));
-    assert_eq!(window.app().read().burst_of(Side::B).unwrap().id, before);
+    assert_eq!(window.read().burst_of(Side::B).unwrap().id, before);
 }
 
 #[test]
@@ -265,11 +254,11 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
         window.will_choose(folder.path().join(name)).run_action(action).settle();
         assert!(window.shows(&format!("Wrote {}", folder.path().join(name).display())), "{action}");
     }
-    let counts = window.app().model.results.pair.matches.as_ref().unwrap().result.counts;
+    let counts = window.results().pair.matches.as_ref().unwrap().result.counts;
     let csv = std::fs::read_to_string(folder.path().join("m.csv")).unwrap();
     assert_eq!(csv.lines().count(), counts.putative + 1);
     // A match has one number in the table, the panel, the tip's text and the file, and one ratio and error in each.
-    let matches = window.app().model.results.pair.matches.as_ref().unwrap();
+    let matches = window.results().pair.matches.as_ref().unwrap();
     let chosen = matches
         .rows()
         .find(|row| row.found.predicted.is_some() && row.aligned.is_some() && row.inlier == Some(true))
@@ -295,7 +284,7 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
         assert!(window.shows(row), "{row}");
     }
     // The explanation below says the same of it.
-    let ratios = window.app().model.results.pair.matches.as_ref().unwrap().row(index).unwrap().found.ratio_words();
+    let ratios = window.results().pair.matches.as_ref().unwrap().row(index).unwrap().found.ratio_words();
     assert!(window.shows(&format!("ratio {ratios}")), "{ratios}");
     window.change(|document| document.selected_match = None).settle();
     // 181 mm at 300 pixels an inch.
@@ -314,14 +303,14 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     );
     // At first a figure has the lines that the window draws.
     let count = |text: &str| text.matches("<line").count() + text.matches("<path").count();
-    let (drawn, lines) = window.app().model.results.pair.lines_drawn;
+    let (drawn, lines) = window.results().pair.lines_drawn;
     assert_eq!(count(&text) - count(&as_drawn), lines - drawn, "{drawn} of {lines}");
     assert!(0 < drawn && drawn < lines);
 }
 
 /// Panes on the screen.
 fn shown(window: &Window) -> Vec<PaneId> {
-    window.app().model.document.panes.shown()
+    window.document().panes.shown()
 }
 
 /// Position of a feature in pane `id`, in points.
@@ -331,14 +320,14 @@ fn pos_in(window: &Window, id: PaneId, feature: &burstscope::detector::Feature) 
 
 /// Hovers over the line of the selected match between two panes; returns the hovered match.
 fn match_between(window: &mut Window, a: PaneId, b: PaneId) -> Option<usize> {
-    let model = &window.app().model;
+    let model = window.model();
     let row = model.results.pair.matches.as_ref().unwrap().row(model.document.selected_match.unwrap()).unwrap();
     let (from, to) = (pos_in(window, a, row.a), pos_in(window, b, row.b));
     let mut found = None;
     // Part of the line is in the gap between the two pictures, where nothing is hovered.
     for part in [0.2, 0.4, 0.6, 0.8] {
         window.hover(from + part * (to - from)).steps(2);
-        found = window.app().model.results.pair.hovered.or(found);
+        found = window.results().pair.hovered.or(found);
     }
     window.harness.remove_cursor();
     window.harness.run_steps(2);
@@ -349,21 +338,21 @@ fn match_between(window: &mut Window, a: PaneId, b: PaneId) -> Option<usize> {
 fn a_pane_that_is_split_has_its_part_of_the_matches() {
     let mut window = pair();
     window.key(Key::Home).settle();
-    let selected = window.app().model.document.selected_match;
+    let selected = window.document().selected_match;
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     assert_eq!(match_between(&mut window, a, b), selected);
     // A twice: the lines begin at the pane beside B, the other one keeps the ends.
     window.click("Split right 1").key(Key::Num3).settle();
     let [first, second, b] = shown(&window)[..] else { panic!("three panes") };
-    assert!(window.app().model.document.panes.get(second).unwrap().shows(ViewKind::Dog));
+    assert!(window.document().panes.get(second).unwrap().shows(ViewKind::Dog));
     for name in ["Picture A, pane 1", "Picture A, pane 2", "Picture B"] {
         assert!(window.harness.query_by_role_and_label(Role::Canvas, name).is_some(), "{name}");
     }
     assert_eq!(match_between(&mut window, second, b), selected);
-    let row = selected.and_then(|index| window.app().model.results.pair.matches.as_ref()?.row(index).map(|row| *row.a));
+    let row = selected.and_then(|index| window.results().pair.matches.as_ref()?.row(index).map(|row| *row.a));
     let end = pos_in(&window, first, &row.unwrap());
     window.hover(end).steps(2);
-    assert_eq!(window.app().model.results.pair.hovered, selected);
+    assert_eq!(window.results().pair.hovered, selected);
     window.snapshot("two_bursts_split");
 }
 
@@ -371,7 +360,7 @@ fn a_pane_that_is_split_has_its_part_of_the_matches() {
 fn matches_go_to_where_a_person_puts_the_panes() {
     let mut window = pair();
     window.key(Key::Home).settle();
-    let selected = window.app().model.document.selected_match;
+    let selected = window.document().selected_match;
     let [a, b] = shown(&window)[..] else { panic!("A and B") };
     let middle = |window: &Window, id: PaneId| window.app().widgets.rect_ui(id).unwrap().center();
     assert!(middle(&window, a).x < middle(&window, b).x);
@@ -396,18 +385,18 @@ fn both_bursts_their_difference_a_wipe_and_a_flip() {
     let mut window = pair();
     window.click("Menu of pane 1").steps(3).click("Layout").steps(3).click("A, B and their difference").settle();
     let [a, b, difference] = shown(&window)[..] else { panic!("three panes") };
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.panes.get(difference).unwrap().content, Content::Difference(a, b));
     let plane = |id: PaneId| Read::of(model).picture_in(id).unwrap().plane.clone();
     assert_eq!(plane(difference).at(90, 70), plane(a).at(90, 70) - plane(b).at(90, 70));
     window.snapshot("two_bursts_difference");
     // The pane of A with the picture of B over it.
     window.change(|document| document.panes.set_focus(a)).key(Key::W);
-    assert_eq!(window.app().model.document.panes.over(a), Some(Over::Wipe { other: b, at: 0.5 }));
+    assert_eq!(window.document().panes.over(a), Some(Over::Wipe { other: b, at: 0.5 }));
     window.settle();
     assert!(window.harness.query_by_role_and_label(Role::Slider, "Wipe line").is_some());
     window.key(Key::W).key(Key::Y);
-    assert_eq!(window.app().model.document.panes.over(a), Some(Over::Flip { other: b, flipped: true }));
+    assert_eq!(window.document().panes.over(a), Some(Over::Flip { other: b, flipped: true }));
 }
 
 #[test]
@@ -417,12 +406,12 @@ fn a_session_keeps_how_two_bursts_are_arranged() {
     let mut window = pair();
     window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::S);
     window.steps(2).key(Key::Num3).settle();
-    let arrangement = window.app().model.document.panes.arrangement().clone();
+    let arrangement = window.document().panes.arrangement().clone();
     assert_eq!(arrangement.panes().len(), 3);
     window.will_choose(&file).run_action("save session").settle();
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
     other.will_choose(&file).run_action("open session").settle();
-    let panes = &other.app().model.document.panes;
-    assert_eq!((panes.arrangement(), panes.focus()), (&arrangement, window.app().model.document.panes.focus()));
+    let panes = &other.document().panes;
+    assert_eq!((panes.arrangement(), panes.focus()), (&arrangement, window.document().panes.focus()));
     assert!(panes.get(panes.focus()).unwrap().shows(ViewKind::Dog));
 }

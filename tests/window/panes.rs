@@ -17,11 +17,11 @@ fn laid_out(mut window: Window, key: Key) -> Window {
 }
 
 fn shown(window: &Window) -> Vec<PaneId> {
-    window.app().model.document.panes.shown()
+    window.document().panes.shown()
 }
 
 fn slopes(window: &Window) -> Vec<f32> {
-    let panes = &window.app().model.document.panes;
+    let panes = &window.document().panes;
     panes.shown().iter().map(|id| panes.get(*id).unwrap().cursor.slope.u).collect()
 }
 
@@ -39,7 +39,7 @@ fn zoom_at(window: &mut Window, pos: Pos2) {
 #[test]
 fn every_kind_of_picture_is_what_the_library_makes() {
     let window = laid_out(open(), Key::Num9);
-    let model = &window.app().model;
+    let model = window.model();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let planes: Vec<_> =
         shown(&window).iter().map(|id| Read::of(model).picture_in(*id).unwrap().plane.clone()).collect();
@@ -57,10 +57,10 @@ fn panes_are_split_by_buttons_and_keys_and_closed() {
     assert!(window.harness.query_by_role_and_label(Role::Canvas, "Picture").is_some());
     window.key(Key::S).settle();
     assert_eq!(shown(&window).len(), 2);
-    let new = window.app().model.document.panes.focus();
+    let new = window.document().panes.focus();
     assert_eq!(new, shown(&window)[1], "the new pane has the focus");
     window.key(Key::Num1).settle();
-    let panes = &window.app().model.document.panes;
+    let panes = &window.document().panes;
     assert!(panes.get(new).unwrap().shows(ViewKind::Frame) && panes.of(Side::A).shows(ViewKind::Stack));
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
     window.steps(2).settle();
@@ -81,12 +81,12 @@ fn a_click_gives_a_pane_the_focus_and_keys_move_it() {
     assert_eq!(slopes(&window), [-2.0, -1.0]);
     let pos = middle(&window, 2) + egui::vec2(0.0, 150.0);
     window.click_at(pos);
-    assert_eq!(window.app().model.document.panes.focus(), shown(&window)[1]);
+    assert_eq!(window.document().panes.focus(), shown(&window)[1]);
     window.key(Key::ArrowRight).settle();
     assert_eq!(slopes(&window), [-2.0, 0.0], "two slopes are moved each on its own");
     window.key(Key::J).key(Key::ArrowRight).settle();
     assert_eq!(slopes(&window), [-1.0, 0.0]);
-    assert!(window.app().read().pictures_are_current());
+    assert!(window.read().pictures_are_current());
 }
 
 #[test]
@@ -97,7 +97,7 @@ fn a_strip_moves_as_one_until_a_pane_is_let_go() {
     assert_eq!(slopes(&window), [-2.0, -1.0, 0.0, 1.0, 2.0]);
     window.click("Link cursor of pane 5").slide("Slope u", 0.5).settle();
     assert_eq!(slopes(&window), [-0.5, 0.5, 1.5, 2.5, 2.0]);
-    let model = &window.app().model;
+    let model = window.model();
     let last = Read::of(model).picture_in(shown(&window)[0]).unwrap();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected =
@@ -109,7 +109,7 @@ fn a_strip_moves_as_one_until_a_pane_is_let_go() {
 fn views_move_together_where_they_are_linked() {
     let mut window = laid_out(open(), Key::Num6);
     let zooms = |window: &Window| -> Vec<Zoom> {
-        let panes = &window.app().model.document.panes;
+        let panes = &window.document().panes;
         panes.shown().iter().map(|id| panes.get(*id).unwrap().view.zoom).collect()
     };
     let pos = middle(&window, 1);
@@ -129,11 +129,11 @@ fn a_display_of_its_own_is_changed_alone() {
     window.click("Link display of pane 1").settle();
     assert!(window.shows("This pane's range for motion stacks and merged frames"));
     window.click("Full range").settle();
-    let model = &window.app().model;
+    let model = window.model();
     let displays: Vec<_> = shown(&window).iter().map(|id| Read::of(model).display_of(*id)).collect();
     assert_ne!(displays[0].max, displays[1].max);
     window.click("Link display of pane 1").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(Read::of(model).display_of(shown(&window)[0]), displays[1]);
 }
 
@@ -147,7 +147,7 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
     window.settle();
     // The frame is the last one now, 4.5 frames after the middle; the stack is at slope −2.
     let [frame, stack] = shown(&window)[..] else { panic!("two panes") };
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(
         (
             model.document.panes.get(frame).unwrap().cursor.frame,
@@ -163,7 +163,7 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
     assert!((values[0].readout.u - 200.3).abs() < 0.6);
     let moved = values[1].readout.u - values[0].readout.u;
     assert!((moved + 9.0).abs() < 0.01, "{moved}");
-    let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
+    let burst = &window.results().slots.a.burst.as_ref().unwrap().burst;
     assert_eq!(values[1].readout.value, burst.frames[9].at(values[1].readout.pixel.0, values[1].readout.pixel.1));
     assert!(window.shows("v 150.") && window.shows("2: 0."), "the status bar has both values");
     window.click("Link place of pane 1").hover(at).steps(3);
@@ -173,9 +173,9 @@ fn the_place_under_the_pointer_is_marked_with_its_value_where_the_slope_takes_it
 #[test]
 fn a_pane_is_laid_over_another_as_a_wipe_and_as_a_flip() {
     let mut window = laid_out(open(), Key::Num6);
-    let focus = window.app().model.document.panes.focus();
+    let focus = window.document().panes.focus();
     let other = shown(&window)[0];
-    let over = |window: &Window| window.app().model.document.panes.get(focus).unwrap().over;
+    let over = |window: &Window| window.document().panes.get(focus).unwrap().over;
     window.key(Key::W).settle();
     assert_eq!(over(&window), Some(Over::Wipe { other, at: 0.5 }));
     let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
@@ -197,12 +197,12 @@ fn a_difference_is_chosen_in_the_menu_of_a_third_pane() {
     let mut window = laid_out(open(), Key::Num7);
     window.key(Key::S).settle();
     let [a, b, c] = shown(&window)[..] else { panic!("three panes") };
-    let number = window.app().model.document.panes.number(window.app().model.document.panes.focus()).unwrap();
+    let number = window.document().panes.number(window.document().panes.focus()).unwrap();
     window.click(&format!("Menu of pane {number}")).steps(3).click("Difference").steps(3);
     let others: Vec<usize> = (1..=3).filter(|n| *n != number).collect();
     window.click(&format!("{} minus", others[0])).steps(3).click(&format!("{} − {}", others[0], others[1]));
     window.settle();
-    let model = &window.app().model;
+    let model = window.model();
     let focus = model.document.panes.focus();
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
     assert_eq!(model.document.panes.get(focus).unwrap().content, Content::Difference(rest[0], rest[1]));
@@ -217,7 +217,7 @@ fn a_pane_shows_the_other_burst() {
     let mut window = start.open();
     window.click("One burst").key(Key::S).click("Menu of pane 2").steps(3).click_on(Role::RadioButton, "B");
     window.steps(2).key(Key::Escape).settle();
-    let model = &window.app().model;
+    let model = window.model();
     let id = shown(&window)[1];
     assert_eq!(model.document.panes.get(id).unwrap().side, Side::B);
     assert_eq!(Read::of(model).picture_in(id).unwrap().request.burst.id, Read::of(model).burst_of(Side::B).unwrap().id);
@@ -276,7 +276,7 @@ fn wipe_and_difference() {
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
     window.harness.run_steps(2);
     let [a, b, c] = shown(&window)[..] else { panic!("three panes") };
-    let focus = window.app().model.document.panes.focus();
+    let focus = window.document().panes.focus();
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();
     window.app_mut().model.document.panes.get_mut(focus).unwrap().content = Content::Difference(rest[0], rest[1]);
     window.settle();
@@ -298,9 +298,8 @@ fn at_1024_by_700_the_picture_and_the_columns_that_matter_are_seen() {
         let rect = rect_of(&window, Role::Button, &format!("Sort by {heading}"));
         assert!(rect.right() < right && rect.bottom() < 700.0, "{heading}: {rect:?}, but {right}");
     }
-    let visible =
-        window.app().widgets.get(window.app().model.document.focus()).and_then(|w| w.picture.visible_image).unwrap();
-    let (width, height) = window.app().read().size();
+    let visible = window.app().widgets.get(window.document().focus()).and_then(|w| w.picture.visible_image).unwrap();
+    let (width, height) = window.read().size();
     assert!(visible.width() >= width as f32 && visible.height() >= height as f32, "the whole picture: {visible:?}");
 }
 
@@ -309,7 +308,7 @@ fn the_numbers_of_two_bursts_fit_at_960_points() {
     let mut start = Start { size: [960.0, 640.0], ..Start::default() };
     start.startup.second = Some(BurstSource::DemoLater);
     let mut window = start.open();
-    assert!(window.app().read().found_of(Side::B).is_some());
+    assert!(window.read().found_of(Side::B).is_some());
     window.snapshot("two_bursts_narrow");
     window.click("Unmatched").settle();
     // Between the two panels on the sides.

@@ -10,7 +10,7 @@ fn probe_at(window: &mut Window, u: f32, v: f32) {
 }
 
 fn pinned(window: &Window) -> Vec<(String, [f32; 2])> {
-    window.app().read().places_of(Side::A).map(|(_, place)| (place.name.clone(), place.at)).collect()
+    window.read().places_of(Side::A).map(|(_, place)| (place.name.clone(), place.at)).collect()
 }
 
 fn names(window: &Window) -> Vec<String> {
@@ -30,10 +30,10 @@ fn a_pinned_place_has_a_name_and_stays_with_its_burst() {
     // Shown features would be probed instead of the places beside them.
     window.app_mut().model.document.look.overlay = FeaturesShown::None;
     probe_at(&mut window, 92.0, 58.0);
-    let first = window.app().read().probed_place().expect("a place");
+    let first = window.read().probed_place().expect("a place");
     window.click("Pin place");
     assert_eq!(pinned(&window), [("Place 1".to_owned(), first)]);
-    assert!(window.app().read().place_to_pin().is_none(), "it is pinned already");
+    assert!(window.read().place_to_pin().is_none(), "it is pinned already");
     // The field of its name, and the picture.
     assert_eq!(drawn(&window, "Place 1"), 2);
     window.harness.get_by_role_and_label(Role::TextInput, "Name of place").focus();
@@ -51,7 +51,7 @@ fn a_pinned_place_has_a_name_and_stays_with_its_burst() {
     window.run_action("redo");
     assert_eq!(names(&window), ["mast", "Place 2"]);
     window.click("Probe mast").settle();
-    assert_eq!(window.app().read().probed_place(), Some(first));
+    assert_eq!(window.read().probed_place(), Some(first));
 
     let page = folder.path().join("r.md");
     window.will_choose(&page).run_action("report").settle();
@@ -71,5 +71,5 @@ fn a_pinned_place_has_a_name_and_stays_with_its_burst() {
     other.click("Probe").click("Remove mast").settle();
     assert_eq!((names(&other), drawn(&other, "mast")), (vec!["Place 2".to_owned()], 0));
     other.click("Probe Place 2").settle();
-    assert_eq!(other.app().read().probed_place(), Some(pinned(&other)[0].1));
+    assert_eq!(other.read().probed_place(), Some(pinned(&other)[0].1));
 }

@@ -17,7 +17,7 @@ fn played(like: Start, steps: Steps) -> Window {
 }
 
 fn assert_same(window: &Window, again: &Window) {
-    let (model, other) = (&window.app().model, &again.app().model);
+    let (model, other) = (window.model(), again.model());
     assert_eq!(model.document, other.document);
     assert_eq!(Session::of(Read::of(model)), Session::of(Read::of(other)));
     assert_eq!(model.shell.history.can_undo(), other.shell.history.can_undo());
@@ -66,7 +66,7 @@ fn what_is_played_shows_its_errors_and_needs_no_session_file() {
     let path = home.path().join("s.burstscope.toml");
     let mut window = Start::default().open();
     window.key(Key::ArrowRight).settle();
-    std::fs::write(&path, Session::of(window.app().read()).unwrap().to_toml()).unwrap();
+    std::fs::write(&path, Session::of(window.read()).unwrap().to_toml()).unwrap();
     let mut window = Start::nothing_open().open();
     window.drop_file(path.clone()).settle();
     let steps = did(&mut window);

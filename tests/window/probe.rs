@@ -13,7 +13,7 @@ fn demo() -> Window {
 }
 
 pub fn answer(window: &Window) -> &Probed {
-    let model = &window.app().model;
+    let model = window.model();
     assert!(Read::of(model).probe_is_current(), "{:?} {:?}", model.document.probe, model.results.probed.problem);
     model.results.probed.answer.as_ref().unwrap()
 }
@@ -41,12 +41,12 @@ fn a_feature_says_why_it_was_kept() {
         rect_of(&window, image);
     }
     let traced = answer(&window).request.traced.cache.clone();
-    assert_eq!(traced.detection().features, window.app().read().features(), "one search, or the same bits");
+    assert_eq!(traced.detection().features, window.read().features(), "one search, or the same bits");
     window.snapshot("probe_feature");
     // A click in the map sets that slope and scale.
     let rect = rect_of(&window, "Response over slope and scale");
     window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height())).settle();
-    let (model, map) = (&window.app().model, &answer(&window).probe.response);
+    let (model, map) = (window.model(), &answer(&window).probe.response);
     assert!(model.document.focused().shows(ViewKind::Dog));
     assert!(map.columns.contains(&model.document.cursor().slope), "{:?}", model.document.cursor().slope);
     assert!(map.row_of(model.document.cursor().octave, model.document.cursor().level).is_some());
@@ -59,7 +59,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     window.app_mut().model.document.look.overlay = FeaturesShown::None;
     let ui = |window: &Window, u: f32, v: f32| window.ui_from_image(pos2(u, v)).unwrap();
     let near = |window: &Window, u: f32, v: f32| {
-        let place = window.app().read().probed_place().expect("a place");
+        let place = window.read().probed_place().expect("a place");
         assert!((place[0] - u).hypot(place[1] - v) < 1.0, "{place:?} {u} {v}");
     };
     let pos = ui(&window, 300.0, 40.0);
@@ -86,28 +86,28 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     near(&window, 180.0, 60.0);
     // In a frame the place under the pointer has moved since mid-burst.
     window.key(Key::Num1).settle();
-    let (cursor, used) = (*window.app().model.document.cursor(), window.app().read().frame_count());
+    let (cursor, used) = (*window.document().cursor(), window.read().frame_count());
     let later = cursor.frame as f32 - 0.5 * (used as f32 - 1.0);
     let pos = ui(&window, 240.0, 100.0);
     window.shift_click_at(pos).settle();
     near(&window, 240.0 - later * cursor.slope.u, 100.0 - later * cursor.slope.v);
     window.click("Clear probe");
-    assert!(window.app().model.results.probed.answer.is_none() && !window.app().model.document.probe.is_on());
+    assert!(window.results().probed.answer.is_none() && !window.document().probe.is_on());
 }
 
 #[test]
 fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     let startup = Startup { second: Some(BurstSource::DemoLater), ..given() };
     let mut window = Start { size: [1400.0, 900.0], startup, ..Start::default() }.open();
-    let names = |window: &Window| Side::BOTH.map(|side| window.app().read().burst_of(side).unwrap().burst.name.clone());
+    let names = |window: &Window| Side::BOTH.map(|side| window.read().burst_of(side).unwrap().burst.name.clone());
     assert_eq!(
-        (window.app().model.document.workspace, names(&window)),
+        (window.document().workspace, names(&window)),
         (Workspace::Pair, ["demo", "demo-later"].map(String::from))
     );
     for (side, u, v) in [(Side::B, 92.0, 58.0), (Side::A, 200.0, 90.0), (Side::B, 300.0, 40.0)] {
         let pos = window.ui_from_image_of(side, pos2(u, v)).unwrap();
         window.shift_click_at(pos).settle();
-        let (model, answer) = (&window.app().model, answer(&window));
+        let (model, answer) = (window.model(), answer(&window));
         assert_eq!((model.document.probe.side, model.document.workspace), (side, Workspace::Pair));
         assert_eq!(
             (model.document.selected_match, Read::of(model).asked_feature()),
@@ -129,7 +129,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     // A click in the map moves B's cursor.
     let rect = rect_of(&window, "Response over slope and scale");
     window.click_at(pos2(rect.left() + 0.25 * rect.width(), rect.top() + 0.2 * rect.height())).settle();
-    let (model, map) = (&window.app().model, &answer(&window).probe.response);
+    let (model, map) = (window.model(), &answer(&window).probe.response);
     assert_eq!(Read::of(model).active_side(), Side::B);
     assert!(
         model.document.focused().shows(ViewKind::Dog)
@@ -137,7 +137,7 @@ fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
     );
     // The other tab brings the match back.
     window.click("Match and display");
-    assert!(!window.app().model.document.probe.is_open && window.shows("Selected match"));
+    assert!(!window.document().probe.is_open && window.shows("Selected match"));
 }
 
 #[test]
@@ -157,16 +157,16 @@ fn where_nothing_was_found_the_strongest_candidate_is_a_click_away() {
     start.startup.params.peak_threshold = 0.5;
     let mut window = start.open();
     window.click("Detect").settle();
-    assert!(window.app().read().features().is_empty());
+    assert!(window.read().features().is_empty());
     window.click("Probe the strongest candidate").settle();
     let fate = answer(&window).probe.subject_fate().expect("a candidate").clone();
     assert_eq!(fate.first_failed, Some(Test::PeakThreshold));
     // Without automatic detection the answer is marked as stale.
     let change = fate.remedy.expect("a lower threshold").change;
     window.click(&format!("Apply {}", change.label())).settle();
-    assert!(!window.app().read().probe_is_stale() && !window.app().read().features().is_empty());
+    assert!(!window.read().probe_is_stale() && !window.read().features().is_empty());
     window.change(|document| document.params.edge_threshold = 5.0).steps(2);
-    assert!(window.app().read().probe_is_stale() && window.shows("Stale: found with other parameters"));
+    assert!(window.read().probe_is_stale() && window.shows("Stale: found with other parameters"));
 }
 
 #[test]
@@ -188,7 +188,7 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
     assert!(window.shows("It is shown under All, not under This slope."));
     let feature = other.feature.expect("a feature");
     window.click(&format!("Go to feature {feature}")).settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(
         (model.document.selected, model.document.cursor().slope),
         (Some(feature), Read::of(model).features()[feature].slope)
@@ -201,7 +201,7 @@ fn the_panel_speaks_of_the_place_what_is_too_small_for_the_scales_and_what_was_f
     let small = answer(&window).probe.reasons.iter().find(|r| r.kind == CauseKind::TooSmall).expect("it is").clone();
     assert!(window.shows("oo small for the smallest scale") && window.shows("first octave −1 finds it"));
     window.click(&format!("Apply {}", small.change.expect("a setting").label())).settle();
-    assert_eq!(window.app().model.document.params.first_octave, -1);
+    assert_eq!(window.document().params.first_octave, -1);
     let fate = answer(&window).probe.subject_fate().expect("it was found").clone();
     assert!(fate.is_kept() && (fate.slope.u - 0.95).abs() < 0.35 && fate.sigma < 1.7, "{fate:?}");
 }
@@ -211,15 +211,15 @@ fn a_feature_that_is_drawn_as_a_dot_is_said_to_be() {
     let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
     window.change(|document| document.look.overlay = FeaturesShown::All).settle();
     // Of so many features at one zoom some are dots; one of the weakest is asked about.
-    let count = window.app().read().features().len();
+    let count = window.read().features().len();
     let dot = (0..count).rev().find(|&index| {
-        let feature = window.app().read().features()[index];
+        let feature = window.read().features()[index];
         apply::probe::probe_place(&mut window.app_mut().model, Side::A, [feature.u, feature.v]);
         window.settle();
-        !window.app().model.results.probed.as_dots.is_empty()
+        !window.results().probed.as_dots.is_empty()
     });
     assert!(dot.is_some(), "{count} features, none a dot");
-    let shown = window.app().model.results.probed.as_dots[0];
+    let shown = window.results().probed.as_dots[0];
     assert!(window.shows(&format!("Feature {} was found here, but is drawn as a dot", shown)));
     apply::probe::clear_probe(&mut window.app_mut().model);
     window.settle();
@@ -234,9 +234,9 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
     window.shift_click_at(pos).settle();
     window.run_action("stack and slice").settle();
-    let shown = window.app().model.document.panes.shown();
+    let shown = window.document().panes.shown();
     let content = |window: &Window, place: usize| {
-        let panes = &window.app().model.document.panes;
+        let panes = &window.document().panes;
         panes.get(panes.shown()[place]).unwrap().content
     };
     assert_eq!(
@@ -247,9 +247,9 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
     let rect = rect_of(&window, "Slice along the motion");
     // The first drag focuses the pane; the pointer is then where the line crosses the last row.
     window.click_at(rect.center());
-    assert_eq!(window.app().model.document.panes.focus(), shown[1]);
+    assert_eq!(window.document().panes.focus(), shown[1]);
     let slopes = |window: &Window| -> Vec<Slope> {
-        shown.iter().map(|id| window.app().model.document.panes.get(*id).unwrap().cursor.slope).collect()
+        shown.iter().map(|id| window.document().panes.get(*id).unwrap().cursor.slope).collect()
     };
     let before = slopes(&window);
     let (from, to) = (rect.center() + egui::vec2(0.0, 60.0), rect.center() + egui::vec2(60.0, 60.0));
@@ -274,11 +274,11 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
     let mut window = demo();
     let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
     window.shift_click_at(pos).run_action("stack and slice").settle();
-    let place = window.app().read().probed_place();
+    let place = window.read().probed_place();
     window.will_choose(&file).run_action("save session").settle();
     let mut other = demo();
     other.will_choose(&file).run_action("open session").settle();
-    let model = &other.app().model;
+    let model = other.model();
     assert!(place.is_some() && Read::of(model).probed_place() == place && model.document.probe.is_open);
     assert_eq!(answer(&other).probe.pos_image, place.unwrap());
     assert!(model.document.panes.iter().any(|(_, pane)| pane.content == Content::Slice(SliceAxis::Along)));
@@ -298,9 +298,9 @@ fn open(folder: &Path) -> Window {
 fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    assert!(window.app().read().survey_counts().is_none() && window.shows("Click a test"));
+    assert!(window.read().survey_counts().is_none() && window.shows("Click a test"));
     window.click(Test::NoiseGate.reason()).settle();
-    let model = &window.app().model;
+    let model = window.model();
     let shown = Read::of(model).survey().unwrap().clone();
     // The marks are those of the library.
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
@@ -317,20 +317,20 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     window.hover(at).steps(3);
     assert!(window.shows("below the noise gate: by "), "the pointer says by how much");
     window.click_at(at);
-    let chosen = *window.app().read().selected_candidate().expect("a click selects it");
+    let chosen = *window.read().selected_candidate().expect("a click selects it");
     assert_eq!(chosen.pos_image, mark.pos_image);
     assert!(window.shows("Candidate at ("));
     window.snapshot("candidates");
     window.click("Go to candidate").settle();
-    let cursor = *window.app().model.document.cursor();
+    let cursor = *window.document().cursor();
     assert_eq!((cursor.octave, cursor.level), (chosen.sample.octave, chosen.sample.level));
     // Another row replaces it; the same row again hides them.
     switch(&mut window, Test::Edge);
-    let edge = window.app().read().survey().unwrap().clone();
+    let edge = window.read().survey().unwrap().clone();
     assert!(edge.marks.iter().all(|m| m.first_failed == Some(Test::Edge)));
     assert_eq!(edge.counts, shown.counts);
     switch(&mut window, Test::Edge);
-    assert!(window.app().read().survey().is_none() && !window.shows("candidates: on an edge"));
+    assert!(window.read().survey().is_none() && !window.shows("candidates: on an edge"));
 }
 
 fn switch(window: &mut Window, test: Test) {
@@ -347,22 +347,22 @@ fn press(window: &mut Window, label: &str) {
 fn decoys_are_searched_when_asked_for_and_are_those_of_the_detection_on_show() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    assert!(window.app().read().decoys().is_none() && !window.shows("Decoys: "), "nobody asked for them");
+    assert!(window.read().decoys().is_none() && !window.shows("Decoys: "), "nobody asked for them");
     press(&mut window, "False rate…");
-    let shown = window.app().read().decoys().expect("they were asked for").clone();
-    let burst = &window.app().model.results.slots.a.burst.as_ref().unwrap().burst;
-    let cache = ProbeCache::new(burst, &window.app().read().asked(), &Monitor::default()).unwrap();
+    let shown = window.read().decoys().expect("they were asked for").clone();
+    let burst = &window.results().slots.a.burst.as_ref().unwrap().burst;
+    let cache = ProbeCache::new(burst, &window.read().asked(), &Monitor::default()).unwrap();
     assert_eq!(shown.report, decoys(&cache.trail, &DecoyStudy::default(), false, &Monitor::default()).unwrap().report);
     assert!(shown.report.rates[0].found > 0 && window.shows(&format!("Decoys: {}", shown.report.sentence())));
     // Other parameters are another search, whose decoys nobody asked for.
     window.change(|document| document.params.slopes = SlopeGrid::line(-2.0..=2.0, 9).into()).settle();
-    assert!(window.app().read().stale().is_some() && !window.shows("Decoys: "));
+    assert!(window.read().stale().is_some() && !window.shows("Decoys: "));
     press(&mut window, "False rate…");
-    assert!(window.app().read().decoys().is_none(), "there is nothing to compare with");
+    assert!(window.read().decoys().is_none(), "there is nothing to compare with");
     window.run_action("detect").settle();
-    assert!(window.app().read().decoys().is_none() && !window.shows("Decoys: "));
+    assert!(window.read().decoys().is_none() && !window.shows("Decoys: "));
     press(&mut window, "False rate…");
-    assert_ne!(*window.app().read().decoys().expect("they were asked for"), shown);
+    assert_ne!(*window.read().decoys().expect("they were asked for"), shown);
 }
 
 #[test]
@@ -373,9 +373,9 @@ fn a_burst_too_short_for_decoys_says_why_each_time() {
     window.settle();
     for _ in 0..2 {
         press(&mut window, "False rate…");
-        let errors = window.app().model.shell.messages.errors();
+        let errors = window.model().shell.messages.errors();
         assert!(errors.iter().any(|error| format!("{error:?}").contains("4 or more")), "{errors:?}");
-        assert!(window.app().read().decoys().is_none());
+        assert!(window.read().decoys().is_none());
     }
 }
 
@@ -384,9 +384,9 @@ fn candidates_follow_the_parameters() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
     window.click(Test::NoiseGate.reason()).settle();
-    let before = window.app().read().survey().unwrap().clone();
+    let before = window.read().survey().unwrap().clone();
     window.change(|document| document.params.octaves = 2).run_action("detect").settle();
-    let after = window.app().read().survey().unwrap().clone();
+    let after = window.read().survey().unwrap().clone();
     assert!(after.candidates < before.candidates, "they are those of the new detection");
     assert!(window.harness.query_by_label_contains("candidates: below the noise gate").is_some());
 }

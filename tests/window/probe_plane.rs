@@ -47,7 +47,7 @@ fn open(folder: &Path) -> Window {
 /// Selects the strongest feature and probes it.
 fn probe_strongest(window: &mut Window) -> Feature {
     window.key(Key::Home).click("Why?").settle();
-    let feature = *window.app().read().selected_feature().expect("there is one");
+    let feature = *window.read().selected_feature().expect("there is one");
     let near = |slope: Slope| (feature.slope.u - slope.u).hypot(feature.slope.v - slope.v) < 0.3;
     assert!(near(LEFT) || near(RIGHT), "{feature:?}");
     feature
@@ -67,8 +67,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     window.settle();
     let rect = rect_of(&window, "Response over both slopes");
     assert!(window.harness.ctx.content_rect().contains_rect(rect), "{rect:?}");
-    let plane =
-        window.app().model.results.probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
+    let plane = window.results().probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
     let (columns, rows) = plane.snr.size();
     let cells = (0..rows).flat_map(|row| (0..columns).map(move |column| (column, row)));
     let (column, row) =
@@ -78,7 +77,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     window.snapshot("probe_both_slopes");
     // A click sets that slope, at the scale of the map. The centre of the range is slope 0.
     window.click_at(rect.center()).settle();
-    let (model, scale) = (&window.app().model, plane.scale);
+    let (model, scale) = (window.model(), plane.scale);
     let cursor = *model.document.cursor();
     let near_zero = |x: f32| x.abs() < 0.4; // A cell of the map is a third of a slope wide.
     assert!(near_zero(cursor.slope.u) && near_zero(cursor.slope.v), "{:?}", cursor.slope);
@@ -87,8 +86,7 @@ fn the_probe_shows_the_response_over_both_slopes() {
     // A click in a row of the upper map sets the scale of the lower one.
     let above = rect_of(&window, "Response over slope and scale");
     window.click_at(pos2(above.center().x, above.top() + 0.7 * above.height())).settle();
-    let coarser =
-        window.app().model.results.probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
+    let coarser = window.results().probed.answer.as_ref().unwrap().probe.response.plane.clone().expect("two axes");
     assert!(coarser.scale.sigma > scale.sigma, "{} {}", coarser.scale.sigma, scale.sigma);
 }
 
@@ -98,12 +96,11 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     let mut window = open(folder.path());
     let feature = probe_strongest(&mut window);
     window.run_action("stack and slice").settle();
-    let shown = window.app().model.document.panes.shown();
-    let contents: Vec<Content> =
-        shown.iter().map(|id| window.app().model.document.panes.get(*id).unwrap().content).collect();
+    let shown = window.document().panes.shown();
+    let contents: Vec<Content> = shown.iter().map(|id| window.document().panes.get(*id).unwrap().content).collect();
     let slices = [Content::Slice(SliceAxis::Along), Content::Slice(SliceAxis::Across)];
     assert_eq!(contents, [Content::Cursor, slices[0], slices[1]]);
-    let probe = &window.app().model.results.probed.answer.as_ref().unwrap().probe;
+    let probe = &window.results().probed.answer.as_ref().unwrap().probe;
     let [along, across] = [0, 1].map(|axis| probe.slices[axis].direction);
     assert!((along[0] * across[0] + along[1] * across[1]).abs() < 1e-5, "at right angles");
     let on = |direction: [f32; 2], slope: Slope| slope.u * direction[0] + slope.v * direction[1];
@@ -112,7 +109,7 @@ fn across_the_motion_a_slice_shows_what_is_left_of_it() {
     // The line of the slope is dragged sideways: only the slope's component across the motion changes.
     let rect = rect_of(&window, "Slice across the motion");
     window.click_at(rect.center());
-    let slope = |window: &Window| window.app().model.document.panes.get(shown[2]).unwrap().cursor.slope;
+    let slope = |window: &Window| window.document().panes.get(shown[2]).unwrap().cursor.slope;
     let before = slope(&window);
     // The slice has space for numbers on its left.
     let from = rect.center() + vec2(13.0, 45.0);
@@ -134,7 +131,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     window.key(Key::O);
     window.harness.key_press_modifiers(Modifiers::SHIFT, Key::V);
     window.steps(2).settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.focused().content, Content::Map(ViewKind::Motion));
     let picture = Read::of(model).picture().unwrap();
     let motion = picture.motion.clone().expect("a map of the motion");

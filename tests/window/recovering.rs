@@ -31,7 +31,7 @@ fn with_case(home: &std::path::Path) -> Window {
 fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     let home = tempfile::tempdir().expect("a folder");
     let mut window = with_case(home.path());
-    let model = &window.app().model;
+    let model = window.model();
     let (burst, params) = small();
     assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.frames, burst.frames);
     assert_eq!(model.document.params.slopes, params.slopes.into());
@@ -55,7 +55,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     window.run_action("split right").change(|document| document.filter.hide_slope_limit = true);
     window.app_mut().model.document.params.edge_threshold = 8.0;
     window.change(|document| document.lab.planted.copies = 3).settle();
-    let before = window.app().model.document.panes.arrangement().in_rows();
+    let before = window.document().panes.arrangement().in_rows();
     assert_eq!(before.iter().flatten().count(), 2);
     let kept = home.path().join("kept.burstcase");
     window.will_choose(&kept).run_action("save case").wait("it is written", |_| kept.is_file()).settle();
@@ -64,7 +64,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
     // Another window opens it.
     let mut other = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     other.will_choose(&kept).run_action("open files").settle();
-    let (model, was) = (&other.app().model, &window.app().model);
+    let (model, was) = (other.model(), window.model());
     assert_eq!(
         model.results.slots.a.burst.as_ref().expect("open").burst.frames,
         was.results.slots.a.burst.as_ref().expect("open").burst.frames
@@ -87,11 +87,11 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
         let enclosed = Enclosed { session: Some(text), truth: None };
         write_case(&path, (&case, &part), &enclosed, &Monitor::default()).expect("written");
         other.will_choose(&path).run_action("open files").settle();
-        let model = &other.app().model;
+        let model = other.model();
         assert_eq!(model.results.slots.a.burst.as_ref().expect("open").burst.sources, std::slice::from_ref(&path));
         assert!(!model.shell.messages.errors().iter().any(|error| error.text.contains("passwd")));
     }
-    let errors = other.app().model.shell.messages.errors();
+    let errors = other.model().shell.messages.errors();
     assert!(errors.iter().any(|error| error.text.contains("hostile.burstcase")), "{errors:?}");
 }
 
@@ -101,11 +101,11 @@ fn a_damaged_case_opens_a_window_that_says_so_once() {
     let path = home.path().join("damaged.burstcase");
     std::fs::write(&path, b"PK\x03\x04 and no more").expect("written");
     let mut window = Start::of(&path).open();
-    let errors = window.app().model.shell.messages.errors();
+    let errors = window.model().shell.messages.errors();
     assert!(errors.len() == 1 && errors[0].text.contains("damaged.burstcase"), "{errors:?}");
-    assert!(window.app().model.results.slots.a.burst.is_none());
+    assert!(window.results().slots.a.burst.is_none());
     window.run_action("Open demo burst").settle();
-    assert!(window.app().model.results.slots.a.burst.is_some());
+    assert!(window.results().slots.a.burst.is_some());
 }
 
 #[test]
@@ -116,7 +116,7 @@ fn a_film_says_its_size_and_rate() {
     assert!(window.shows("9 pictures of") && window.shows("10 a second: 0.9 s; about"));
     window.harness.get_by_label("Scales").click();
     window.settle();
-    assert_eq!(window.app().model.document.film.content, FilmContent::Scales);
+    assert_eq!(window.document().film.content, FilmContent::Scales);
     assert!(!window.shows("9 pictures of"));
     window.app_mut().model.document.film.content = FilmContent::Slopes;
     let path = home.path().join("sweep.gif");
@@ -137,7 +137,7 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
             && app.model.results.studies.current.as_ref().is_some_and(|result| result.is_whole)
     });
     window.settle();
-    let result = window.app().model.results.studies.current.clone().expect("a result");
+    let result = window.results().studies.current.clone().expect("a result");
     let StudyReport::Recover(report) = &result.report else { panic!("a report of planted things") };
     assert_eq!(report.copies_done, 6);
     let of_command = match &result.study {
@@ -151,13 +151,13 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
         assert!(window.shows(&format!("Planted things found against {title}")), "{title}");
     }
     window.click("Keep curves");
-    assert_eq!(window.app().read().lab_results().len(), 2);
+    assert_eq!(window.read().lab_results().len(), 2);
     window.click("Next missed").settle();
-    let thing = window.app().read().selected_thing().expect("one was missed").clone();
+    let thing = window.read().selected_thing().expect("one was missed").clone();
     assert!(thing.found.is_none() && window.shows("Missed, "));
     window.snapshot("lab_in_this_burst");
     window.click("Probe planted thing").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.workspace, Workspace::Inspect);
     let source = &model.results.slots.a.burst.as_ref().expect("open").source;
     assert!(matches!(source, BurstSource::Planted { seed, .. } if *seed == thing.seed), "{source:?}");
@@ -166,8 +166,8 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     // The copy is compared with the truth of what is planted in it.
     window.run_action("detect").settle();
     window.run_action("compare with the truth").settle();
-    let against = &window.app().model.results.slots.a.comparison;
-    assert_eq!(window.app().model.document.comparisons.a.with, Some(Reference::Truth));
+    let against = &window.results().slots.a.comparison;
+    assert_eq!(window.document().comparisons.a.with, Some(Reference::Truth));
     let of_copy = report.planted.iter().filter(|one| one.seed == thing.seed);
     // One that is found at a wrong motion only is not found for the truth, which says so.
     let found = of_copy.clone().filter(|one| one.found.is_some()).count();
@@ -181,7 +181,7 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     let truth = read_truth(&kept).expect("read").expect("a truth");
     assert_eq!(truth.seed, thing.seed);
     window.will_choose(&kept).run_action("open files").settle();
-    let against = &window.app().model.results.slots.a.comparison;
+    let against = &window.results().slots.a.comparison;
     let (found, _) = shown.split_once(" missed").expect("counted");
     assert!(against.shown.as_ref().is_some_and(|against| against.summary.starts_with(found)), "{shown}");
 }
@@ -192,7 +192,7 @@ fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
     window.change(|document| document.bottom_tab = BottomTab::Slopes).settle();
     window.run_action("slopes from the set-up").settle();
     let expected = {
-        let model = &window.app().model;
+        let model = window.model();
         model
             .document
             .set_up
@@ -202,7 +202,7 @@ fn slopes_from_the_set_up_are_applied_as_the_command_computes_them() {
             .grid
     };
     window.click_on(Role::Button, "Apply set-up").steps(3);
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(model.document.params.slopes, expected.into());
 }
 
@@ -217,7 +217,7 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     window.snapshot("slopes_from_set_up");
     window.change(|document| document.bottom_tab = BottomTab::Table).settle();
     window.click("Sort by Depth").settle();
-    let model = &window.app().model;
+    let model = window.model();
     let depth_of = |i: &usize| {
         model.document.set_up.values.depth_at(Read::of(model).features()[*i].motion().0).map(|metres| metres as f32)
     };
@@ -228,20 +228,20 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
     window.change(|document| document.colour_by = ColourBy::Of(Quantity::Depth)).settle();
     assert!(window.shows("Legend: depth from 0.5 to 8 m"));
     // As a session it is kept; switched off, the colours show slopes again.
-    let session = Session::of(window.app().read()).expect("a burst is open");
-    assert_eq!(session.document.set_up, window.app().model.document.set_up);
+    let session = Session::of(window.read()).expect("a burst is open");
+    assert_eq!(session.document.set_up, window.document().set_up);
     window.change(|document| document.bottom_tab = BottomTab::Slopes).settle();
     window.click_on(Role::CheckBox, "Read slopes as depths").settle();
-    assert_eq!(window.app().model.document.colour_by, ColourBy::SlopeDirection);
+    assert_eq!(window.document().colour_by, ColourBy::SlopeDirection);
 }
 
 #[test]
 fn other_ways_to_add_frames_are_pictures_of_a_pane() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     window.run_action("show median").settle();
-    let median = window.app().read().picture().expect("a picture").plane.clone();
+    let median = window.read().picture().expect("a picture").plane.clone();
     window.run_action("show mean minus median").settle();
-    let difference = window.app().read().picture().expect("a picture").plane.clone();
+    let difference = window.read().picture().expect("a picture").plane.clone();
     assert_eq!(median.size(), difference.size());
     assert_ne!(median, difference);
     window.snapshot("mean_minus_median");

@@ -9,9 +9,9 @@ use burstscope::plane::Mask;
 #[test]
 fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
     let mut window = Start::without_auto_detect().open();
-    let before = window.app().read().picture().cloned().unwrap();
+    let before = window.read().picture().cloned().unwrap();
     window.slide("Slope u", 1.37).settle();
-    let model = &window.app().model;
+    let model = window.model();
     let after = Read::of(model).picture().cloned().unwrap();
     assert_ne!(before.plane, after.plane);
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
@@ -26,22 +26,22 @@ fn moving_the_slope_slider_shows_that_slopes_motion_stack() {
 fn keys_step_through_the_grid_and_snap_to_it() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::ArrowRight);
-    assert_eq!(window.app().model.document.cursor().slope, Slope::new(1.0, 0.0));
+    assert_eq!(window.document().cursor().slope, Slope::new(1.0, 0.0));
     window.key(Key::ArrowRight).key(Key::ArrowLeft).key(Key::ArrowLeft);
-    assert_eq!(window.app().model.document.cursor().slope, Slope::new(0.0, 0.0));
+    assert_eq!(window.document().cursor().slope, Slope::new(0.0, 0.0));
     window.slide("Slope u", 1.8).key(Key::G);
-    assert_eq!(window.app().model.document.cursor().slope, Slope::new(2.0, 0.0));
+    assert_eq!(window.document().cursor().slope, Slope::new(2.0, 0.0));
 }
 
 #[test]
 fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::Num1).settle();
-    let model = &window.app().model;
+    let model = window.model();
     let frame = model.results.slots.a.burst.as_ref().unwrap().burst.frames[model.document.cursor().frame].clone();
     assert_eq!(Read::of(model).picture().unwrap().plane, frame);
     window.key(Key::Num3).slide("Octave", 1.0).settle();
-    let model = &window.app().model;
+    let model = window.model();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected = dog_view(
         burst,
@@ -55,10 +55,7 @@ fn the_kind_of_picture_switches_and_moving_a_frame_or_scale_shows_it() {
     assert_eq!(*Read::of(model).picture().unwrap().plane, expected);
     assert!(window.shows("octave 1"));
     window.slide("Frame", 7.0).settle();
-    assert_eq!(
-        (window.app().model.document.cursor().kind, window.app().model.document.cursor().frame),
-        (ViewKind::Frame, 7)
-    );
+    assert_eq!((window.document().cursor().kind, window.document().cursor().frame), (ViewKind::Frame, 7));
 }
 
 #[test]
@@ -106,12 +103,12 @@ fn a_large_stack_is_previewed_at_the_resolution_at_which_it_is_seen() {
 #[test]
 fn the_range_stays_while_the_hand_moves() {
     let mut window = Start::without_auto_detect().open();
-    let before = window.app().model.document.look.ranges.intensity;
+    let before = window.document().look.ranges.intensity;
     for slope in [-2.0, 0.7, 2.9] {
         window.slide("Slope u", slope).settle();
     }
     window.key(Key::Num1).settle();
-    assert_eq!(window.app().model.document.look.ranges.intensity, before);
+    assert_eq!(window.document().look.ranges.intensity, before);
 }
 
 #[test]
@@ -119,7 +116,7 @@ fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
     let mut window = Start::without_auto_detect().open();
     let help = "Index from 0; moving it shows the frame";
     let slider = window.harness.get_by_role_and_label(Role::Slider, "Frame").rect();
-    let (from, before) = (slider.center(), window.app().model.document.cursor().frame);
+    let (from, before) = (slider.center(), window.document().cursor().frame);
     window.hover(from).steps(60);
     assert!(window.shows(help), "whoever rests on a slider is told what it does");
     window.harness.drag_at(from);
@@ -131,21 +128,21 @@ fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
     }
     window.harness.drop_at(to);
     window.settle();
-    assert!(window.app().model.document.cursor().frame > before);
+    assert!(window.document().cursor().frame > before);
 }
 
 #[test]
 fn playing_runs_through_the_slopes_until_it_is_paused() {
     let mut window = Start::without_auto_detect().open();
-    let first = window.app().model.document.cursor().slope;
+    let first = window.document().cursor().slope;
     window.click("▶ Play").wait("another slope", |app| app.model.document.cursor().slope != first);
-    let second = window.app().model.document.cursor().slope;
+    let second = window.document().cursor().slope;
     window.wait("a third slope", |app| {
         app.model.document.cursor().slope != first && app.model.document.cursor().slope != second
     });
-    assert!(window.app().read().grid_of(Side::A).slopes().any(|s| s == second), "the grid's slopes are played");
+    assert!(window.read().grid_of(Side::A).slopes().any(|s| s == second), "the grid's slopes are played");
     window.click("⏸ Pause");
-    assert!(!window.app().model.document.playing);
+    assert!(!window.document().playing);
 }
 
 #[test]

@@ -7,17 +7,17 @@ use burstscope::inspect::place::judged;
 use burstscope::synth::random::Stream;
 
 fn grid(window: &Window) -> SlopeGrid {
-    window.app().read().grid_of(Side::A)
+    window.read().grid_of(Side::A)
 }
 
 fn is_auto(window: &Window) -> bool {
-    window.app().model.document.params.slopes.is_auto()
+    window.document().params.slopes.is_auto()
 }
 
 #[test]
 fn the_demo_opens_with_its_slopes_found_and_shown() {
     let window = Start { size: [1280.0, 1000.0], ..Start::automatic() }.open();
-    let model = &window.app().model;
+    let model = window.model();
     let found = model.results.slots.a.found.as_ref().unwrap();
     let finding = found.finding.as_ref().unwrap();
     assert!(is_auto(&window) && finding.verdict == SlopeVerdict::Found);
@@ -40,7 +40,7 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     let found = grid(&window);
     window.click_on(Role::CheckBox, "Auto slopes").settle();
     assert_eq!((is_auto(&window), grid(&window)), (false, found));
-    assert!(window.app().model.results.slots.a.found.as_ref().unwrap().finding.is_none());
+    assert!(window.results().slots.a.found.as_ref().unwrap().finding.is_none());
     window.click("Reset Slopes").settle();
     assert_eq!((is_auto(&window), grid(&window)), (true, found));
     // A range edited by hand is given. Those that are found have no fields.
@@ -49,10 +49,7 @@ fn the_switch_gives_what_was_found_to_be_edited_and_a_reset_finds_it_again() {
     window.harness.get_all_by_role_and_label(Role::SpinButton, "Slopes v").nth(2).unwrap().set_value_accesskit(3.0);
     window.settle();
     assert_eq!((is_auto(&window), grid(&window).v.count), (false, 3));
-    assert_eq!(
-        (grid(&window).u, window.app().model.results.slots.a.found.as_ref().unwrap().params.slopes.v.count),
-        (found.u, 3)
-    );
+    assert_eq!((grid(&window).u, window.results().slots.a.found.as_ref().unwrap().params.slopes.v.count), (found.u, 3));
 }
 
 #[test]
@@ -67,7 +64,7 @@ fn presets_give_ranges_and_reset_all_finds_them() {
 #[test]
 fn sessions_keep_the_switch_and_given_ranges() {
     let mut window = Start::automatic().open();
-    let model = &window.app().model;
+    let model = window.model();
     let session = Session::of(Read::of(model)).unwrap();
     let text = session.to_toml();
     assert!(text.contains("slopes = \"auto\""), "{text}");
@@ -96,7 +93,7 @@ fn sessions_keep_the_switch_and_given_ranges() {
     window.settle();
     assert!(!is_auto(&window));
     assert_eq!(grid(&window).u, SlopeAxis::new(-1.0..=1.0, 5));
-    assert!(window.app().model.results.slots.a.found.as_ref().unwrap().finding.is_none());
+    assert!(window.results().slots.a.found.as_ref().unwrap().finding.is_none());
     assert_eq!(grid(&window).v.value(0.0), Slope::default().v);
 }
 
@@ -111,7 +108,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     colour_by_coherence(&mut window);
     window.settle();
     // The values are those of the library.
-    let model = &window.app().model;
+    let model = window.model();
     let detection = model.results.slots.a.found.as_ref().unwrap().detection.clone();
     let values = model.results.coherence.of(&detection).unwrap().clone();
     let cache = ProbeCache::new(
@@ -149,7 +146,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     // Another detection has other values; unknown ones are grey, and choosing the quantity again restarts a cancelled
     // computation.
     window.change(|document| document.params.octaves = 2).run_action("detect").settle();
-    let now = window.app().model.results.slots.a.found.as_ref().unwrap().detection.clone();
+    let now = window.results().slots.a.found.as_ref().unwrap().detection.clone();
     let model = &mut window.app_mut().model;
     assert!(model.results.coherence.of(&detection).is_none() && model.results.coherence.of(&now).is_some());
     model.results.coherence = Default::default();
@@ -161,7 +158,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     assert!(window.shows("Grey: cancelled"));
     colour_by_coherence(&mut window);
     window.settle();
-    assert!(window.app().model.results.coherence.of(&now).is_some() && !window.shows("Grey: cancelled"));
+    assert!(window.results().coherence.of(&now).is_some() && !window.shows("Grey: cancelled"));
 }
 
 /// Writes many discs that all move by (2.5, 0), with noise, as a `.npy` stack.
@@ -211,13 +208,13 @@ fn axis(window: &Window) -> SlopeAxis {
 fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    let slope = window.app().model.document.cursor().slope;
+    let slope = window.document().cursor().slope;
     look_at_slopes(&mut window);
-    let spectrum = window.app().read().spectrum().unwrap().clone();
+    let spectrum = window.read().spectrum().unwrap().clone();
     let advice = &spectrum.advice[0];
     assert!(!advice.changes.is_empty() && window.shows("moves beyond the range"), "{advice:?}");
     assert!(window.shows(&advice.changes[0].label()) && window.shows("at the limit"));
-    assert_eq!(window.app().model.document.cursor().slope, slope, "it never moves the slope by itself");
+    assert_eq!(window.document().cursor().slope, slope, "it never moves the slope by itself");
     window.snapshot("slopes_advice");
     let before = axis(&window);
     // The table says the same, and applies it too.
@@ -236,7 +233,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     assert_eq!(axis(&window), before, "it is undone as any change of a parameter");
     window.click("Apply").run_action("detect").settle();
     look_at_slopes(&mut window);
-    let spectrum = window.app().read().spectrum().unwrap().clone();
+    let spectrum = window.read().spectrum().unwrap().clone();
     assert_eq!(spectrum.grid.u, wider, "the slopes are those of the new detection");
     assert!((spectrum.most_features().unwrap().u - 2.5).abs() < 0.6);
     let told = |spectrum: &burstscope::inspect::slopes::Spectrum| {
@@ -244,7 +241,7 @@ fn too_narrow_a_range_is_told_and_one_click_widens_it() {
     };
     assert!(!told(&spectrum), "{:?}", spectrum.advice);
     window.key(Key::B);
-    assert!((window.app().model.document.cursor().slope.u - 2.5).abs() < 0.6);
+    assert!((window.document().cursor().slope.u - 2.5).abs() < 0.6);
 }
 
 #[test]
@@ -273,7 +270,7 @@ fn the_ends_of_the_range_are_dragged_below_the_slider() {
 fn a_plane_of_slopes_has_cells() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::automatic() }.open();
     look_at_slopes(&mut window);
-    assert!(window.app().read().spectrum().unwrap().grid.is_plane());
+    assert!(window.read().spectrum().unwrap().grid.is_plane());
     assert!(window.shows("Evidence by slope") && window.shows("Cost: "));
     assert!(window.harness.query_by_label("Features and evidence below the slider").is_none());
     window.snapshot("slopes_plane");

@@ -34,7 +34,7 @@ fn two_bursts_are_large_and_stay_where_they_are_when_a_match_is_looked_at() {
         assert_eq!(panes(&window), before, "{size:?}: a match is selected");
         let place = window.ui_from_image_of(Side::B, egui::pos2(200.0, 150.0)).unwrap();
         window.shift_click_at(place).settle();
-        assert!(window.app().model.document.probe.is_open && window.shows("Candidates here"));
+        assert!(window.document().probe.is_open && window.shows("Candidates here"));
         assert_eq!(panes(&window), before, "{size:?}: the probe is open");
         window.key(Key::Escape).run_action("Clear probe").settle();
         assert!(window.shows("Ratio test"));
@@ -47,7 +47,7 @@ fn in_a_narrow_window_two_bursts_stay_until_the_panel_is_asked_for() {
     let mut window = demos([960.0, 640.0]);
     let before = panes(&window);
     window.key(Key::Home).settle();
-    assert!(window.app().model.document.selected_match.is_some() && !window.shows("Selected match"));
+    assert!(window.document().selected_match.is_some() && !window.shows("Selected match"));
     assert_eq!(panes(&window), before, "a match is selected");
     window.click("Unfold Feature and display").settle();
     assert!(window.shows("Selected match"));
@@ -65,7 +65,7 @@ fn wide_bursts_stand_one_above_the_other() {
 #[test]
 fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
     let mut window = demos([1280.0, 800.0]);
-    let drawn = |window: &Window| window.app().model.results.pair.lines_drawn;
+    let drawn = |window: &Window| window.results().pair.lines_drawn;
     let (lines, all) = drawn(&window);
     assert!((10..70).contains(&lines) && all > 3 * lines, "{lines} of {all}");
     // As many as are asked for, which the order of the table gives.
@@ -73,16 +73,16 @@ fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
         window.click_on(Role::CheckBox, "At most").settle();
     };
     at_most(&mut window);
-    assert_eq!((window.app().model.document.match_look.most, drawn(&window)), (Some(100), (100.min(all), all)));
+    assert_eq!((window.document().match_look.most, drawn(&window)), (Some(100), (100.min(all), all)));
     at_most(&mut window);
     assert_eq!(drawn(&window), (lines, all));
     window.click_on(Role::RadioButton, "Vectors").settle();
     let (vectors, of) = drawn(&window);
-    assert_eq!((window.app().model.document.match_look.drawn_as, of), (MatchesAs::Vectors, all));
+    assert_eq!((window.document().match_look.drawn_as, of), (MatchesAs::Vectors, all));
     assert!(vectors > lines, "short ones take less room: {vectors}");
     window.click_on(Role::RadioButton, "Near pointer").settle();
     assert_eq!(drawn(&window).1, 0, "the pointer is elsewhere");
-    let row = window.app().model.results.pair.matches.as_ref().unwrap().row(3).unwrap();
+    let row = window.results().pair.matches.as_ref().unwrap().row(3).unwrap();
     let end = egui::pos2(row.a.u, row.a.v);
     let end = window.ui_from_image_of(Side::A, end).unwrap();
     window.hover(end).steps(3);
@@ -124,9 +124,9 @@ fn the_filter_stays_under_the_pointer_when_it_hides_features() {
     let mut window = Start { size: [1280.0, 900.0], ..Start::default() }.open();
     window.click("Filter").steps(3);
     let before = rect(&window, Role::CheckBox, "Hide features at the slope limit");
-    let total = window.app().model.results.listed.len();
+    let total = window.results().listed.len();
     window.change(|document| document.filter.hide_slope_limit = true).settle();
-    assert!(window.app().model.results.listed.len() < total);
+    assert!(window.results().listed.len() < total);
     assert_eq!(rect(&window, Role::CheckBox, "Hide features at the slope limit"), before);
 }
 

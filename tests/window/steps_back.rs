@@ -43,8 +43,7 @@ pub fn second_click_at(window: &mut Window, pos: Pos2) {
 fn parameters_and_slopes_are_taken_back_and_made_again() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::ArrowRight).run_action("preset sift").slide("Slope u", 2.5).settle();
-    let state =
-        |window: &Window| (window.app().model.document.params.method, window.app().model.document.cursor().slope.u);
+    let state = |window: &Window| (window.document().params.method, window.document().cursor().slope.u);
     assert_eq!(state(&window), (Method::Sift, 2.5));
     window.ctrl(Key::Z);
     assert_eq!(state(&window), (Method::Sift, 1.0));
@@ -58,7 +57,7 @@ fn parameters_and_slopes_are_taken_back_and_made_again() {
     redo(&mut window);
     assert_eq!(state(&window), (Method::Sift, 1.0));
     window.settle();
-    assert!(window.app().read().picture_is_current());
+    assert!(window.read().picture_is_current());
 }
 
 #[test]
@@ -66,7 +65,7 @@ fn a_strip_goes_back_as_a_strip() {
     let mut window = Start::without_auto_detect().open();
     window.key(Key::Num8).settle();
     let slopes = |window: &Window| -> Vec<f32> {
-        let panes = &window.app().model.document.panes;
+        let panes = &window.document().panes;
         panes.shown().iter().map(|id| panes.get(*id).unwrap().cursor.slope.u).collect()
     };
     let before = slopes(&window);
@@ -81,7 +80,7 @@ fn a_feature_a_value_a_place_and_a_picture_are_copied() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.key(Key::Home);
     let texts = copied(&mut window, |window| window.harness.event(egui::Event::Copy));
-    let first = window.app().read().features()[window.app().model.document.selected.unwrap()];
+    let first = window.read().features()[window.document().selected.unwrap()];
     assert_eq!(texts.len(), 1);
     assert!(texts[0].starts_with("u\tv\tsigma") && texts[0].contains(&format!("\n{}\t{}", first.u, first.v)));
     // Without a selection, the value under the pointer is copied.
@@ -89,7 +88,7 @@ fn a_feature_a_value_a_place_and_a_picture_are_copied() {
     let at = window.ui_from_image(pos2(300.2, 40.3)).unwrap();
     window.hover(at).steps(2);
     let texts = copied(&mut window, |window| window.harness.event(egui::Event::Copy));
-    let plane = window.app().read().picture().unwrap().plane.clone();
+    let plane = window.read().picture().unwrap().plane.clone();
     assert_eq!(texts, [plane.at(300, 40).to_string()]);
     second_click_at(&mut window, at);
     let texts = copied(&mut window, |window| window.harness.get_by_label_contains("Copy place (300.").click());
@@ -106,7 +105,7 @@ fn rows_and_features_have_menus() {
     let row = window.harness.get_by_role_and_label(Role::Row, "Feature 2").rect().center();
     second_click_at(&mut window, row);
     window.click("Go to feature").settle();
-    let model = &window.app().model;
+    let model = window.model();
     assert_eq!(
         (model.document.selected, model.document.cursor().slope),
         (Some(2), Read::of(model).features()[2].slope)
@@ -115,29 +114,29 @@ fn rows_and_features_have_menus() {
     let at = window.ui_from_image(pos2(feature.u, feature.v)).unwrap();
     window.key(Key::Escape);
     second_click_at(&mut window, at);
-    let hovered = window.app().model.results.hovered.expect("the pointer is on a feature");
+    let hovered = window.results().hovered.expect("the pointer is on a feature");
     window.harness.get_all_by_role_and_label(Role::Button, "Select").next().unwrap().click();
     window.harness.run_steps(2);
-    assert_eq!(window.app().model.document.selected, Some(hovered));
+    assert_eq!(window.document().selected, Some(hovered));
 }
 
 #[test]
 fn keys_are_for_the_dialog_that_is_open_or_being_opened() {
     let mut window = Start::without_auto_detect().open();
-    let before = *window.app().model.document.cursor();
+    let before = *window.document().cursor();
     // The key that opens the dialog, and one after it in the same pass.
     window.harness.key_press_modifiers(Modifiers::COMMAND, Key::L);
     window.harness.key_press(Key::Num3);
     window.harness.step();
     window.harness.key_press(Key::ArrowRight);
     window.harness.run_steps(2);
-    assert_eq!(*window.app().model.document.cursor(), before);
+    assert_eq!(*window.document().cursor(), before);
     assert!(window.shows("Open a path"));
     // The palette does not open over it.
     window.harness.key_press_modifiers(Modifiers::COMMAND.plus(Modifiers::SHIFT), Key::P);
     window.harness.run_steps(2);
     assert!(!window.shows("Find an action"));
     window.key(Key::Escape).key(Key::Num3);
-    assert_eq!(window.app().model.document.cursor().kind, ViewKind::Dog);
-    assert_eq!(window.app().model.document.cursor().slope, Slope::default());
+    assert_eq!(window.document().cursor().kind, ViewKind::Dog);
+    assert_eq!(window.document().cursor().slope, Slope::default());
 }

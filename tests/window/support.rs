@@ -8,7 +8,7 @@ pub use burstscope::app::document::{
     Trajectories, Visibility, cursor::ViewKind,
 };
 pub use burstscope::app::pane::{Content, Over, PaneId};
-pub use burstscope::app::results::{Read, datasets::BurstState};
+pub use burstscope::app::results::{Model, Read, Results, datasets::BurstState};
 pub use burstscope::app::{Startup, apply, session::Session, settings::Settings};
 pub use burstscope::burst::OpenOptions;
 pub use burstscope::dataset::{FeatureJob, FeatureStore, ImageKind};
@@ -177,7 +177,7 @@ impl Start {
 impl Window {
     /// Place in the window, points, of a place of the image, pixels, in the pane in focus, as last drawn.
     pub fn ui_from_image(&self, pos_image: Pos2) -> Option<Pos2> {
-        self.ui_from_image_in(self.app().model.document.focus(), pos_image)
+        self.ui_from_image_in(self.document().focus(), pos_image)
     }
 
     pub fn ui_from_image_of(&self, side: Side, pos_image: Pos2) -> Option<Pos2> {
@@ -190,6 +190,22 @@ impl Window {
 
     pub fn app(&self) -> &BurstscopeApp {
         self.harness.state()
+    }
+
+    pub fn model(&self) -> &Model {
+        &self.app().model
+    }
+
+    pub fn document(&self) -> &Document {
+        &self.model().document
+    }
+
+    pub fn results(&self) -> &Results {
+        &self.model().results
+    }
+
+    pub fn read(&self) -> Read<'_> {
+        self.app().read()
     }
 
     pub fn app_mut(&mut self) -> &mut BurstscopeApp {
@@ -323,10 +339,10 @@ impl Window {
 
     /// Opens a tab of the panel below, which was closed or shows another.
     pub fn open_tab(&mut self, label: &str) -> &mut Self {
-        if !self.app().read().shows_bottom() {
+        if !self.read().shows_bottom() {
             self.run_action("table and tally");
         }
-        if format!("{:?}", self.app().model.document.bottom_tab) != label {
+        if format!("{:?}", self.document().bottom_tab) != label {
             self.click(label);
         }
         self
@@ -426,7 +442,7 @@ impl Window {
     fn compare(&mut self, name: &str) {
         self.settle();
         // Which of several bursts' or methods' answers comes last differs from run to run.
-        let document = &self.app().model.document;
+        let document = self.document();
         if document.workspace.shows_pair() || document.compares_methods() {
             self.app_mut().model.shell.messages.note("");
         }

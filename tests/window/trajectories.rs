@@ -55,23 +55,23 @@ fn open_both(home: &Path) -> (Window, PoseReport) {
 fn the_errors_are_those_of_the_library() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, report) = open_both(home.path());
-    assert_eq!(window.app().model.document.workspace, Workspace::Trajectories);
-    assert_eq!(window.app().model.results.poses.report(Which::Estimate).map(|r| (**r).clone()), Some(report.clone()));
+    assert_eq!(window.document().workspace, Workspace::Trajectories);
+    assert_eq!(window.results().poses.report(Which::Estimate).map(|r| (**r).clone()), Some(report.clone()));
     assert!(window.shows("13 of 14 (93 %)"));
     for errors in [&report.absolute, &report.relative] {
         assert!(window.shows(&format!("{:.4}", errors.translation.rmse)));
     }
     assert!(window.shows(&format!("{:.1}", report.model.unwrap().points_per_image)));
     window.click_on(Role::Row, "Camera burst_04.png").steps(2);
-    assert_eq!(window.app().model.document.trajectories.selected, Some(4));
+    assert_eq!(window.document().trajectories.selected, Some(4));
     // Motions over three poses have other errors.
     window.harness.get_by_role_and_label(Role::SpinButton, "Step").set_value_accesskit(3.0);
     window.settle();
-    let over_three = window.app().model.results.poses.report(Which::Estimate).unwrap().clone();
+    let over_three = window.results().poses.report(Which::Estimate).unwrap().clone();
     assert_eq!((over_three.step, over_three.relative.count), (3, 10));
     assert!(window.shows(&format!("{:.4}", over_three.relative.translation.rmse)));
     window.run_action("close trajectories").settle();
-    assert!(window.app().model.results.poses.is_empty() && window.shows("none yet"));
+    assert!(window.results().poses.is_empty() && window.shows("none yet"));
 }
 
 /// Writes the model of `files` as the second of two parts, with one of its cameras far off; the first part is smaller.
@@ -95,10 +95,10 @@ fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
     assert!(window.shows("13 of 14 cameras right"));
     window.will_choose(second_estimate(home.path())).run_action("open second estimate").settle();
     assert!(window.shows("merge/1, the largest of 2 parts"));
-    let poses = &window.app().model.results.poses;
+    let poses = &window.results().poses;
     let [one, two] = Which::ESTIMATES.map(|which| poses.report(which).unwrap().clone());
     assert_eq!((&*one, two.right), (&first, 12), "one far off shifts the alignment by all, and not the count");
-    assert_eq!(poses.scene(&window.app().model.document.trajectories).cameras.each_ref().map(Vec::len), [13, 13, 14]);
+    assert_eq!(poses.scene(&window.document().trajectories).cameras.each_ref().map(Vec::len), [13, 13, 14]);
     assert!(window.shows("12 of 14 cameras right"));
     for report in [&one, &two] {
         assert!(window.shows(&format!("{:.4}", report.absolute.translation.rmse)));
@@ -108,14 +108,14 @@ fn two_estimates_and_the_truth_are_shown_at_once_with_their_errors() {
     assert!(window.shows("error 2") && window.shows(&format!("{:.4}", two.pairs[2].translation_error)));
     window.harness.get_by_role_and_label(Role::Row, "Camera burst_09.png").click_accesskit();
     window.harness.run_steps(2);
-    assert_eq!(window.app().model.document.trajectories.selected, Some(9));
+    assert_eq!(window.document().trajectories.selected, Some(9));
     let other = window.kept_and_opened_in_another(&home.path().join("two.burstscope.toml"));
-    let model = &other.app().model;
+    let model = other.model();
     assert_eq!(model.results.poses.report(Which::Second).map(|r| r.absolute), Some(two.absolute));
     assert_eq!(model.document.trajectories.selected, Some(9));
     window.harness.get_by_label("Close Second estimate").click();
     window.settle();
-    let poses = &window.app().model.results.poses;
+    let poses = &window.results().poses;
     assert!(poses.read(Which::Second).is_none() && poses.report(Which::Estimate).is_some());
 }
 
@@ -125,15 +125,15 @@ fn a_camera_is_pointed_at_in_the_plane() {
     let (mut window, _) = open_both(home.path());
     window.change(|document| document.trajectories.projection = Projection::Xz).settle();
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
-    let scene = window.app().model.results.poses.scene(&window.app().model.document.trajectories);
-    let view = window.app().model.document.trajectories.view;
+    let scene = window.results().poses.scene(&window.document().trajectories);
+    let view = window.document().trajectories.view;
     let at =
         canvas.center() + view.points_per_pixel() * (scene.cameras[0][6].pos - egui::Pos2::from(view.centre_image));
     window.hover(at).steps(30);
-    assert_eq!(window.app().model.results.poses.hovered, Some(6));
+    assert_eq!(window.results().poses.hovered, Some(6));
     assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
     window.click_at(at);
-    assert_eq!(window.app().model.document.trajectories.selected, Some(6));
+    assert_eq!(window.document().trajectories.selected, Some(6));
 }
 
 #[test]
@@ -143,8 +143,8 @@ fn a_free_view_goes_around_the_cameras_and_back() {
     window.click_on(Role::ComboBox, "Seen from").steps(2);
     window.harness.get_by_label("Free view").click();
     window.settle();
-    let set = |window: &Window| window.app().model.document.trajectories.clone();
-    let scene = |window: &Window| window.app().model.results.poses.scene(&set(window));
+    let set = |window: &Window| window.document().trajectories.clone();
+    let scene = |window: &Window| window.results().poses.scene(&set(window));
     let is_at = |window: &Window, orbit: [f32; 2]| {
         let off = set(window).orbit.into_iter().zip(orbit).map(|(is, wanted)| (is - wanted).abs());
         assert!(off.fold(0.0, f32::max) < 0.01, "{:?} for {orbit:?}", set(window).orbit);
@@ -175,7 +175,7 @@ fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
     window.click_on(Role::CheckBox, "3D points").settle();
-    assert!(window.app().model.document.trajectories.points && window.shows("3D points"));
+    assert!(window.document().trajectories.points && window.shows("3D points"));
     let app = window.app_mut();
     apply::studies::open_trajectory(&mut app.model, Which::Estimate, Some(home.path().join("truth.txt")), &app.engine);
     window.settle();
@@ -197,11 +197,11 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     window.double_click_at(at);
     assert!(window.shows("Open the dataset of burst_01.png"));
     window.will_choose(&nights).run_action("open").settle();
-    assert_eq!(window.app().read().frame_count(), 3);
+    assert_eq!(window.read().frame_count(), 3);
     window.run_action("trajectories").settle();
     let at = row(&window, "Camera burst_01.png");
     window.double_click_at(at).settle();
-    assert_eq!((window.app().model.document.workspace, window.app().read().frame_count()), (Workspace::Inspect, 5));
+    assert_eq!((window.document().workspace, window.read().frame_count()), (Workspace::Inspect, 5));
     window.run_action("trajectories").settle();
     let at = row(&window, "Camera burst_02.png");
     window.double_click_at(at);
@@ -241,7 +241,7 @@ fn a_camera_leads_to_its_weakest_pair_and_a_missing_one_to_the_reason() {
     assert!(window.shows("12 inliers of about 30 needed; 94 % of 500 keypoints lost: ratio test or mutual check"));
     window.harness.get_by_label("Best pair: burst_08, burst_09").click();
     window.settle();
-    let document = &window.app().model.document;
+    let document = window.document();
     assert_eq!((document.workspace, document.pair_tab), (Workspace::Pair, PairTab::Unmatched));
     assert_eq!(document.dataset.as_ref().unwrap().selected(), Some((0, 1)));
 }
@@ -253,21 +253,21 @@ fn a_point_leads_to_its_features() {
     open_nights(&mut window, home.path(), &[1, 2]);
     window.run_action("trajectories").click_on(Role::CheckBox, "3D points").settle();
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
-    let set = &window.app().model.document.trajectories;
-    let scene = window.app().model.results.poses.scene(set);
+    let set = &window.document().trajectories;
+    let scene = window.results().poses.scene(set);
     let (point, at) = scene.points[0];
     let at = canvas.center() + set.view.points_per_pixel() * (at - egui::Pos2::from(set.view.centre_image));
     window.click_at(at);
-    assert_eq!(window.app().model.document.trajectories.point, Some(point));
+    assert_eq!(window.document().trajectories.point, Some(point));
     assert!(window.shows("burst_00.png, keypoint 0") && window.shows("burst_02.png, keypoint 0"));
     window.harness.get_by_label("burst_01.png, keypoint 0").click();
     window.settle();
-    let model = &window.app().model;
-    assert_eq!((model.document.workspace, window.app().read().frame_count()), (Workspace::Inspect, 3));
+    let model = window.model();
+    assert_eq!((model.document.workspace, window.read().frame_count()), (Workspace::Inspect, 3));
     assert_eq!(model.results.reselect, Some(SavedSelection::of_index(0)), "it waits for the features");
     window.run_action("detect").settle();
-    let found = !window.app().read().features().is_empty();
-    assert_eq!(window.app().model.document.selected, found.then_some(0));
+    let found = !window.read().features().is_empty();
+    assert_eq!(window.document().selected, found.then_some(0));
 }
 
 #[test]
@@ -280,13 +280,13 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     apply::studies::open_trajectory(&mut app.model, Which::Truth, Some(broken), &app.engine);
     window.settle();
     assert!(window.shows("broken.txt") && window.shows("line 1"));
-    assert!(window.app().model.results.poses.report(Which::Estimate).is_some());
+    assert!(window.results().poses.report(Which::Estimate).is_some());
     // A truth of other places: both are read, but nothing can be compared.
     let other = home.path().join("other.txt");
     std::fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
     window.drop_file(other).settle();
-    assert!(window.app().model.results.poses.report(Which::Estimate).is_none());
-    assert!(window.app().model.results.poses.problems().next().is_some());
+    assert!(window.results().poses.report(Which::Estimate).is_none());
+    assert!(window.results().poses.problems().next().is_some());
     assert!(window.shows("cannot be"));
 }
 
@@ -297,7 +297,7 @@ fn a_session_brings_the_trajectories_back() {
     window.app_mut().model.document.trajectories.projection = Projection::Yz;
     let file = home.path().join("walk.burstscope.toml");
     let other = window.kept_and_opened_in_another(&file);
-    let model = &other.app().model;
+    let model = other.model();
     assert_eq!(
         (model.document.workspace, model.document.trajectories.projection),
         (Workspace::Trajectories, Projection::Yz)

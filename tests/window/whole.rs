@@ -39,8 +39,8 @@ fn a_selected_feature_tells_all_its_numbers() {
     for size in SIZES {
         window.harness.set_size(size.into());
         window.harness.run_steps(4);
-        let index = window.app().model.document.selected.expect("the strongest");
-        let feature = window.app().read().features()[index];
+        let index = window.document().selected.expect("the strongest");
+        let feature = window.read().features()[index];
         for value in [format!("{:.1}", feature.snr), feature.octave.to_string(), feature.level.to_string()] {
             assert!(window.shows(&value), "{value} at {size:?}");
         }
@@ -130,7 +130,7 @@ fn the_menu_of_a_feature_is_whole_and_no_tip_lies_over_it() {
     for size in SIZES {
         let mut window = Start { size, ..Start::automatic() }.open();
         let feature = {
-            let model = &window.app().model;
+            let model = window.model();
             let index = model.results.listed[0];
             Read::of(model).features()[index]
         };
@@ -176,17 +176,17 @@ fn readouts(window: &Window) -> Vec<(String, bool)> {
 fn the_slope_of_features_is_said_with_their_own() {
     let mut window = open();
     window.key(Key::B).settle();
-    let note = window.app().model.shell.messages.last_note().expect("a note").to_owned();
+    let note = window.model().shell.messages.last_note().expect("a note").to_owned();
     assert!(note.contains(" by their own slope"), "{note}");
-    let model = &window.app().model;
+    let model = window.model();
     let found = model.results.slots.a.found.as_ref().unwrap();
     let slope: Slope = model.document.cursor().slope;
     let [all, own] = burstscope::app::document::filter::at_slope(&found.detection, slope);
     assert!(note.contains(&format!("({all})")) && note.contains(&format!("{own} by")), "{note} {all} {own}");
     window.app_mut().model.document.bottom_tab = BottomTab::Table;
-    window.app_mut().model.document.filter.near_slope = Some(window.app().read().near_slope());
+    window.app_mut().model.document.filter.near_slope = Some(window.read().near_slope());
     window.settle();
-    assert_eq!(window.app().model.results.listed.len(), all);
+    assert_eq!(window.results().listed.len(), all);
     assert!(window.shows(&format!("{own} by their own slope")));
     // The columns that decide stand beside one another.
     use egui_kittest::kittest::Queryable;
@@ -211,7 +211,7 @@ fn the_legend_of_a_figure_names_what_is_drawn() {
     window.app_mut().model.document.figure.legend = true;
     window.app_mut().model.document.figure.format = burstscope::export::FigureFormat::Svg;
     // Of one slope of a plane all features that are drawn move by it, or by few.
-    let model = &window.app().model;
+    let model = window.model();
     let (slope, grid) = (model.document.cursor().slope, model.results.slots.a.found.as_ref().unwrap().detection.slopes);
     assert!(grid.is_plane());
     let here = format!("{} px/frame", burstscope::inspect::words::slope_text(grid.slope(grid.nearest(slope))));
