@@ -1,298 +1,257 @@
-//! Tests of the public functions of `detector`, a module for each of its files.
+//! Tests of the public functions of `detector`.
 
-mod advice {
-    use crate::prelude::*;
-    use burstscope_core::detector::advice::*;
-    use burstscope_core::detector::params::doc;
+use crate::prelude::*;
+use burstscope_core::detector::advice::*;
+use burstscope_core::detector::coherence::*;
+use burstscope_core::detector::memory;
+use burstscope_core::detector::noise::*;
+use burstscope_core::detector::noise_model::*;
+use burstscope_core::detector::scale_space::*;
+use burstscope_core::detector::stack::*;
+use burstscope_core::detector::view::*;
+use proptest::prelude::*;
 
-    #[test]
-    fn made_bursts_are_explained() {
-        let found = |burst: &Burst, params: &DetectorParams| {
-            let detection = detect(burst, params, &Monitor::default()).expect("a detection");
-            explain(&detection, params, burst.size())
-        };
-        let made = |snr, discs, radius| {
-            let chart = ChartParams { width: 240, height: 180, discs, snr, radius, ..ChartParams::default() };
-            synth_chart(&chart, &Monitor::default()).expect("a chart").0
-        };
-        // Noise alone.
-        let open = DetectorParams { noise_gate: NoiseGate::Factor(5.5), ..DetectorParams::default() };
-        assert_eq!(
-            found(&made(0.3, 0, ChartParams::default().radius), &open).expect("advice").parameter,
-            doc::NOISE_GATE
-        );
-        // An even picture has no remedy, and nothing breaks.
-        let even = Burst::from_planes("even", vec![Plane::zeros(64, 48); 4]);
-        assert!(found(&even, &DetectorParams::default()).is_none_or(|advice| !advice.problem.is_empty()));
-        // A search that finds enough, or asks for few, needs no advice.
-        let clear = made(8.0, 10, 3.6..=9.0);
-        assert_eq!(found(&clear, &DetectorParams::default()), None);
-        assert_eq!(found(&clear, &DetectorParams { max_features: 2, ..DetectorParams::default() }), None);
-    }
-
-    #[test]
-    fn counts_are_grouped_by_thousands() {
-        assert_eq!([0, 7, 999, 1000, 12_345_678].map(grouped), ["0", "7", "999", "1 000", "12 345 678"]);
-    }
+#[test]
+fn made_bursts_are_explained() {
+    let found = |burst: &Burst, params: &DetectorParams| {
+        let detection = detect(burst, params, &Monitor::default()).expect("a detection");
+        explain(&detection, params, burst.size())
+    };
+    let made = |snr, discs, radius| {
+        let chart = ChartParams { width: 240, height: 180, discs, snr, radius, ..ChartParams::default() };
+        synth_chart(&chart, &Monitor::default()).expect("a chart").0
+    };
+    // Noise alone.
+    let open = DetectorParams { noise_gate: NoiseGate::Factor(5.5), ..DetectorParams::default() };
+    assert_eq!(found(&made(0.3, 0, ChartParams::default().radius), &open).expect("advice").parameter, doc::NOISE_GATE);
+    // An even picture has no remedy, and nothing breaks.
+    let even = Burst::from_planes("even", vec![Plane::zeros(64, 48); 4]);
+    assert!(found(&even, &DetectorParams::default()).is_none_or(|advice| !advice.problem.is_empty()));
+    // A search that finds enough, or asks for few, needs no advice.
+    let clear = made(8.0, 10, 3.6..=9.0);
+    assert_eq!(found(&clear, &DetectorParams::default()), None);
+    assert_eq!(found(&clear, &DetectorParams { max_features: 2, ..DetectorParams::default() }), None);
 }
 
-mod coherence {
-    use crate::prelude::*;
-    use burstscope_core::detector::coherence::*;
-    use proptest::prelude::*;
+#[test]
+fn counts_are_grouped_by_thousands() {
+    assert_eq!([0, 7, 999, 1000, 12_345_678].map(grouped), ["0", "7", "999", "1 000", "12 345 678"]);
+}
 
-    #[test]
-    fn level_answers_are_coherent_and_a_bump_is_its_part() {
-        let level: Vec<(f32, f32)> = vec![(-0.1, 0.0); 10];
-        assert_eq!(evenness(&level).coherence, Some(1.0));
-        assert_eq!(evenness(&level).shape, Shape::Level);
-        // Three of ten respond: the coherence is 0.3.
-        let bump: Vec<(f32, f32)> = (0..10).map(|t| (if (4..7).contains(&t) { 0.2 } else { 0.0 }, 0.005)).collect();
-        let seen = evenness(&bump);
-        assert!((seen.coherence.expect("clear") - 0.3).abs() < 0.02, "{seen:?}");
-        assert_eq!(seen.shape, Shape::Bump);
-        // Equal responses that are not side by side.
-        let apart: Vec<(f32, f32)> = (0..10).map(|t| (if t % 4 == 1 { 0.2 } else { 0.0 }, 0.005)).collect();
-        assert_eq!(evenness(&apart).shape, Shape::Uneven);
+#[test]
+fn level_answers_are_coherent_and_a_bump_is_its_part() {
+    let level: Vec<(f32, f32)> = vec![(-0.1, 0.0); 10];
+    assert_eq!(evenness(&level).coherence, Some(1.0));
+    assert_eq!(evenness(&level).shape, Shape::Level);
+    // Three of ten respond: the coherence is 0.3.
+    let bump: Vec<(f32, f32)> = (0..10).map(|t| (if (4..7).contains(&t) { 0.2 } else { 0.0 }, 0.005)).collect();
+    let seen = evenness(&bump);
+    assert!((seen.coherence.expect("clear") - 0.3).abs() < 0.02, "{seen:?}");
+    assert_eq!(seen.shape, Shape::Bump);
+    // Equal responses that are not side by side.
+    let apart: Vec<(f32, f32)> = (0..10).map(|t| (if t % 4 == 1 { 0.2 } else { 0.0 }, 0.005)).collect();
+    assert_eq!(evenness(&apart).shape, Shape::Uneven);
+}
+
+#[test]
+fn noise_alone_says_nothing_and_hides_nothing_strong() {
+    let mut noise = Stream::new(4, 0);
+    let (mut unclear, mut level) = (0, 0);
+    for _ in 0..200 {
+        let nothing: Vec<(f32, f32)> = (0..10).map(|_| (noise.normal() as f32, 1.0)).collect();
+        unclear += usize::from(evenness(&nothing).shape == Shape::Unclear);
+        let there: Vec<(f32, f32)> = (0..10).map(|_| (4.0 + noise.normal() as f32, 1.0)).collect();
+        level += usize::from(evenness(&there).shape == Shape::Level);
     }
+    assert!(unclear > 180 && level > 190, "{unclear} {level}");
+}
 
+proptest! {
     #[test]
-    fn noise_alone_says_nothing_and_hides_nothing_strong() {
-        let mut noise = Stream::new(4, 0);
-        let (mut unclear, mut level) = (0, 0);
-        for _ in 0..200 {
-            let nothing: Vec<(f32, f32)> = (0..10).map(|_| (noise.normal() as f32, 1.0)).collect();
-            unclear += usize::from(evenness(&nothing).shape == Shape::Unclear);
-            let there: Vec<(f32, f32)> = (0..10).map(|_| (4.0 + noise.normal() as f32, 1.0)).collect();
-            level += usize::from(evenness(&there).shape == Shape::Level);
+    fn coherence_is_a_part_and_does_not_depend_on_sign_or_unit(
+        values in prop::collection::vec(-1.0f32..1.0, 0..20), noise in 0.0f32..0.5, gain in 0.1f32..10.0,
+    ) {
+        let answers = |gain: f32| values.iter().map(|v| (gain * v, gain.abs() * noise)).collect::<Vec<_>>();
+        let (a, b) = (evenness(&answers(1.0)), evenness(&answers(-gain)));
+        prop_assert!(a.coherence.is_none_or(|c| (0.0..=1.0).contains(&c)));
+        if let (Some(a), Some(b)) = (a.coherence, b.coherence) {
+            prop_assert!((a - b).abs() < 1e-3);
         }
-        assert!(unclear > 180 && level > 190, "{unclear} {level}");
-    }
-
-    proptest! {
-        #[test]
-        fn coherence_is_a_part_and_does_not_depend_on_sign_or_unit(
-            values in prop::collection::vec(-1.0f32..1.0, 0..20), noise in 0.0f32..0.5, gain in 0.1f32..10.0,
-        ) {
-            let answers = |gain: f32| values.iter().map(|v| (gain * v, gain.abs() * noise)).collect::<Vec<_>>();
-            let (a, b) = (evenness(&answers(1.0)), evenness(&answers(-gain)));
-            prop_assert!(a.coherence.is_none_or(|c| (0.0..=1.0).contains(&c)));
-            if let (Some(a), Some(b)) = (a.coherence, b.coherence) {
-                prop_assert!((a - b).abs() < 1e-3);
-            }
-            prop_assert!(a.mean.is_finite() && a.unevenness.is_finite());
-        }
+        prop_assert!(a.mean.is_finite() && a.unevenness.is_finite());
     }
 }
 
-mod feature {
-    use crate::prelude::*;
-
-    #[test]
-    fn the_motion_said_is_that_of_the_place_unless_it_moves_otherwise() {
-        let known = Feature { field: Slope::new(2.0, 0.5), field_sigma: 0.05, slope_sigma: 0.2, ..Feature::default() };
-        let of = |u: f32, slope_sigma: f32, field_sigma: f32| {
-            let feature = Feature { slope: Slope::new(u, 0.5), slope_sigma, field_sigma, ..known };
-            let moves = Moves::by_numbers(&feature);
-            (moves, Feature { moves, ..feature }.motion())
-        };
-        let own = Slope::new(-1.0, 0.5);
-        assert_eq!(of(2.3, 0.2, 0.05), (Moves::WithSurroundings, (known.field, 0.05)));
-        assert_eq!(of(-1.0, 0.2, 0.05), (Moves::ByItself, (own, 0.2)));
-        assert_eq!(of(-1.0, 2.0, 0.05), (Moves::WithSurroundings, (known.field, 0.05)), "too faint to tell otherwise");
-        assert_eq!(of(2.3, 0.05, 0.57), (Moves::WithSurroundings, (Slope::new(2.3, 0.5), 0.05)), "its own is surer");
-        assert_eq!(of(2.8, 0.05, 0.57), (Moves::WithSurroundings, (known.field, 0.57)), "but does not quite agree");
-        assert_eq!(of(-1.0, 0.9, f32::INFINITY), (Moves::Unknown, (own, 0.9)));
-        for moves in [Moves::Edge, Moves::Ghost] {
-            let feature = Feature { slope: own, slope_sigma: 0.2, moves, ..known };
-            assert_eq!(feature.motion(), (known.field, 0.05));
-            assert_eq!(Feature { field_sigma: f32::INFINITY, ..feature }.motion(), (own, 0.2));
-        }
+#[test]
+fn the_motion_said_is_that_of_the_place_unless_it_moves_otherwise() {
+    let known = Feature { field: Slope::new(2.0, 0.5), field_sigma: 0.05, slope_sigma: 0.2, ..Feature::default() };
+    let of = |u: f32, slope_sigma: f32, field_sigma: f32| {
+        let feature = Feature { slope: Slope::new(u, 0.5), slope_sigma, field_sigma, ..known };
+        let moves = Moves::by_numbers(&feature);
+        (moves, Feature { moves, ..feature }.motion())
+    };
+    let own = Slope::new(-1.0, 0.5);
+    assert_eq!(of(2.3, 0.2, 0.05), (Moves::WithSurroundings, (known.field, 0.05)));
+    assert_eq!(of(-1.0, 0.2, 0.05), (Moves::ByItself, (own, 0.2)));
+    assert_eq!(of(-1.0, 2.0, 0.05), (Moves::WithSurroundings, (known.field, 0.05)), "too faint to tell otherwise");
+    assert_eq!(of(2.3, 0.05, 0.57), (Moves::WithSurroundings, (Slope::new(2.3, 0.5), 0.05)), "its own is surer");
+    assert_eq!(of(2.8, 0.05, 0.57), (Moves::WithSurroundings, (known.field, 0.57)), "but does not quite agree");
+    assert_eq!(of(-1.0, 0.9, f32::INFINITY), (Moves::Unknown, (own, 0.9)));
+    for moves in [Moves::Edge, Moves::Ghost] {
+        let feature = Feature { slope: own, slope_sigma: 0.2, moves, ..known };
+        assert_eq!(feature.motion(), (known.field, 0.05));
+        assert_eq!(Feature { field_sigma: f32::INFINITY, ..feature }.motion(), (own, 0.2));
     }
 }
 
-mod memory {
-    use crate::prelude::*;
-    use burstscope_core::detector::memory::*;
+const SIZE: (usize, usize) = (1600, 1200);
 
-    const SIZE: (usize, usize) = (1600, 1200);
-
-    fn plane(side: usize) -> DetectorParams {
-        let slopes = SlopeGrid::plane(-3.0..=3.0, side, -3.0..=3.0, side);
-        DetectorParams { slopes, ..DetectorParams::default() }
-    }
-
-    #[test]
-    fn the_estimate_grows_with_slopes_and_the_first_octave() {
-        let plane = plane(64);
-        let fine = DetectorParams { first_octave: -1, ..plane.clone() };
-        let of = |params: &DetectorParams| estimate(params, 10, SIZE) as f64 / 1e9;
-        assert!((8.0..13.0).contains(&of(&plane)) && (32.0..45.0).contains(&of(&fine)));
-        assert!(of(&DetectorParams::default()) < 0.5);
-        assert!(estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
-    }
+fn plane(side: usize) -> DetectorParams {
+    let slopes = SlopeGrid::plane(-3.0..=3.0, side, -3.0..=3.0, side);
+    DetectorParams { slopes, ..DetectorParams::default() }
 }
 
-mod noise {
-    use crate::prelude::*;
-    use burstscope_core::detector::noise::*;
+#[test]
+fn the_estimate_grows_with_slopes_and_the_first_octave() {
+    let plane = plane(64);
+    let fine = DetectorParams { first_octave: -1, ..plane.clone() };
+    let of = |params: &DetectorParams| memory::estimate(params, 10, SIZE) as f64 / 1e9;
+    assert!((8.0..13.0).contains(&of(&plane)) && (32.0..45.0).contains(&of(&fine)));
+    assert!(of(&DetectorParams::default()) < 0.5);
+    assert!(memory::estimate(&plane, usize::MAX >> 8, (1 << 30, 1 << 30)) > 1 << 60, "huge, and no overflow");
+}
 
-    fn noisy_burst(sigma: f32, n: usize, scene: impl Fn(usize, usize) -> f32, round_to: f32) -> Burst {
-        let mut noise = Stream::new(7, 0);
-        let frames = (0..n)
-            .map(|_| {
-                Plane::from_fn(300, 200, |u, v| {
-                    let value = scene(u, v) + sigma * noise.normal() as f32;
-                    if round_to > 0.0 { (value / round_to).round() * round_to } else { value }
-                })
+fn noisy_burst(sigma: f32, n: usize, scene: impl Fn(usize, usize) -> f32, round_to: f32) -> Burst {
+    let mut noise = Stream::new(7, 0);
+    let frames = (0..n)
+        .map(|_| {
+            Plane::from_fn(300, 200, |u, v| {
+                let value = scene(u, v) + sigma * noise.normal() as f32;
+                if round_to > 0.0 { (value / round_to).round() * round_to } else { value }
             })
-            .collect();
-        let mut burst = Burst::from_planes("noise", frames);
-        burst.quantisation_step = round_to;
-        burst
-    }
+        })
+        .collect();
+    let mut burst = Burst::from_planes("noise", frames);
+    burst.quantisation_step = round_to;
+    burst
+}
 
-    fn estimate(burst: &Burst) -> f32 {
-        frame_noise(burst, 0..burst.len(), &Monitor::default()).expect("not cancelled")
-    }
+fn estimate(burst: &Burst) -> f32 {
+    frame_noise(burst, 0..burst.len(), &Monitor::default()).expect("not cancelled")
+}
 
-    #[test]
-    fn the_estimate_is_within_three_percent_on_noise_with_edges() {
-        for sigma in [0.002f32, 0.01, 0.1] {
-            let burst = noisy_burst(sigma, 4, |u, v| if (u / 40 + v / 50) % 2 == 0 { 0.2 } else { 0.6 }, 0.0);
-            assert!((estimate(&burst) / sigma - 1.0).abs() < 0.03, "{sigma}: {}", estimate(&burst));
-        }
-    }
-
-    #[test]
-    fn coarse_numbers_do_not_spoil_the_estimate() {
-        // 8-bit frames whose noise is none, half, one and two grey values; rounding adds a twelfth of a step².
-        for grey_values in [0.0, 0.5f32, 1.0, 2.0] {
-            let step = 1.0 / 255.0;
-            let burst = noisy_burst(grey_values * step, 3, |u, _| 0.3 + u as f32 * 1e-4, step);
-            let expected = (grey_values * grey_values + 1.0 / 12.0).sqrt() * step;
-            assert!((estimate(&burst) / expected - 1.0).abs() < 0.05, "{grey_values}: {}", estimate(&burst));
-        }
-    }
-
-    #[test]
-    fn black_parts_where_the_noise_is_cut_off_do_not_count() {
-        // Two thirds of the image are so dark that nearly all of their noise is cut off at zero.
-        let (sigma, step) = (3.0 / 255.0, 1.0 / 255.0);
-        let mut burst = noisy_burst(sigma, 3, |u, _| if u < 200 { -0.03 } else { 0.4 }, step);
-        for frame in &mut burst.frames {
-            let cut = Plane::from_vec(300, 200, frame.data().iter().map(|x| x.max(0.0)).collect());
-            *frame = std::sync::Arc::new(cut);
-        }
-        assert!((estimate(&burst) / sigma - 1.0).abs() < 0.06, "{}", estimate(&burst) / sigma);
-    }
-
-    #[test]
-    fn tiny_images_and_single_frames_have_an_answer() {
-        let flat = |n: usize, size: usize| {
-            estimate(&Burst::from_planes("flat", (0..n).map(|_| Plane::from_fn(size, size, |_, _| 0.3)).collect()))
-        };
-        assert_eq!((flat(3, 2), flat(1, 3), flat(2, 9)), (0.0, 0.0, 0.0));
-    }
-
-    #[test]
-    fn larger_searches_have_higher_gates() {
-        let line = SlopeGrid::line(-3.0..=3.0, 7);
-        let gate =
-            |slopes, noise_gate| gate_factor(&DetectorParams { slopes, noise_gate, ..DetectorParams::default() });
-        let one = gate(line, NoiseGate::Auto);
-        assert!(gate(SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), NoiseGate::Auto) > one + 0.2);
-        // A tenth of the false alarms is about ln 10 / k more.
-        assert!((gate(line, NoiseGate::Strict) - one - 10f32.ln() / one).abs() < 0.1);
-        assert!((0.8..1.1).contains(&(one - gate(line, NoiseGate::Matching))));
-        assert_eq!(gate(line, NoiseGate::Factor(4.5)), 4.5);
+#[test]
+fn the_estimate_is_within_three_percent_on_noise_with_edges() {
+    for sigma in [0.002f32, 0.01, 0.1] {
+        let burst = noisy_burst(sigma, 4, |u, v| if (u / 40 + v / 50) % 2 == 0 { 0.2 } else { 0.6 }, 0.0);
+        assert!((estimate(&burst) / sigma - 1.0).abs() < 0.03, "{sigma}: {}", estimate(&burst));
     }
 }
 
-mod noise_model {
-    use crate::prelude::*;
-    use burstscope_core::detector::noise::*;
-    use burstscope_core::detector::noise_model::*;
-    use burstscope_core::detector::scale_space::*;
-    use burstscope_core::detector::stack::frame_offsets;
-
-    #[test]
-    fn white_noise_has_the_bits_of_the_one_sigma() {
-        let space = ScaleSpace::new(4, 0, 4.0);
-        let slope = Slope::new(1.3, 0.2);
-        let offsets = frame_offsets(&Positions::even(10), slope, Interpolation::Linear);
-        let model = NoiseModel::white(0.0123);
-        for (octave, level) in [(0, 0), (2, 3)] {
-            let expected = 0.0123 * dog_noise_variance(&space, octave, f64::from(level), &offsets).sqrt() as f32;
-            assert_eq!(model.sigma_d(&space, Scale { octave, level }, (slope, &offsets), 5.0), expected);
-        }
-        assert_eq!(model.place_factor(0, &offsets, (3, 4), (100, 80)), 1.0);
+#[test]
+fn coarse_numbers_do_not_spoil_the_estimate() {
+    // 8-bit frames whose noise is none, half, one and two grey values; rounding adds a twelfth of a step².
+    for grey_values in [0.0, 0.5f32, 1.0, 2.0] {
+        let step = 1.0 / 255.0;
+        let burst = noisy_burst(grey_values * step, 3, |u, _| 0.3 + u as f32 * 1e-4, step);
+        let expected = (grey_values * grey_values + 1.0 / 12.0).sqrt() * step;
+        assert!((estimate(&burst) / expected - 1.0).abs() < 0.05, "{grey_values}: {}", estimate(&burst));
     }
 }
 
-mod params_change {
-    use crate::prelude::*;
-
-    #[test]
-    fn every_parameter_of_the_detector_can_be_changed_alone() {
-        let before = DetectorParams::default();
-        let text_of = |record: Param<SearchParams>, params: &DetectorParams| record.text(&params.clone().into());
-        for record in doc::ALL.into_iter().filter(|record| *record != doc::SLOPES) {
-            let mut sample = SearchParams::default();
-            let words = (record.field)(&mut sample).words().unwrap_or_default().iter().map(|(word, _)| *word);
-            let others =
-                words.chain(["-1:2:5", "1..4", "0.5", "4.25", "3"]).filter(|text| *text != text_of(record, &before));
-            let changed = others.filter_map(|text| Some((text, ParamChange::new(record, text).applied(&before).ok()?)));
-            let mut changed = changed.filter(|(text, after)| text_of(record, after) == **text);
-            let (text, after) = changed.next_back().unwrap_or_else(|| panic!("{}: no other value", record.name));
-            for other in doc::ALL.into_iter().filter(|_| record != doc::RULES) {
-                let expected = if other == record { text.to_owned() } else { text_of(other, &before) };
-                assert_eq!(text_of(other, &after), expected, "{} changed to {text}: {}", record.name, other.name);
-            }
-            let error = ParamChange::new(record, "nonsense").applied(&before).expect_err(record.name);
-            assert_eq!(error.subject, record.name);
-        }
-        assert!(ParamChange::new(doc::SLOPES, "auto").applied(&before).is_err());
-        assert!(ParamChange::new(doc::LEVELS, 0).applied(&before).is_err(), "checked");
-        assert_eq!(ParamChange::new(doc::NOISE_GATE, "strict").option(), "--noise-gate strict");
+#[test]
+fn black_parts_where_the_noise_is_cut_off_do_not_count() {
+    // Two thirds of the image are so dark that nearly all of their noise is cut off at zero.
+    let (sigma, step) = (3.0 / 255.0, 1.0 / 255.0);
+    let mut burst = noisy_burst(sigma, 3, |u, _| if u < 200 { -0.03 } else { 0.4 }, step);
+    for frame in &mut burst.frames {
+        let cut = Plane::from_vec(300, 200, frame.data().iter().map(|x| x.max(0.0)).collect());
+        *frame = std::sync::Arc::new(cut);
     }
+    assert!((estimate(&burst) / sigma - 1.0).abs() < 0.06, "{}", estimate(&burst) / sigma);
 }
 
-mod stack {
-    use crate::prelude::*;
-    use burstscope_core::detector::stack::*;
-
-    #[test]
-    fn a_moving_point_is_where_it_was_at_mid_burst() {
-        let frames: Vec<Plane> =
-            (0..5).map(|t| Plane::from_fn(40, 20, |u, v| f32::from(u == 10 + 2 * t && v == 15 - t))).collect();
-        let frames: Vec<&Plane> = frames.iter().collect();
-        let (slope, monitor) = (Slope::new(2.0, -1.0), Monitor::default());
-        let stack =
-            motion_stack(&frames, &Positions::even(5), slope, Interpolation::Linear, &monitor).expect("not cancelled");
-        assert_eq!(stack.at(14, 13), 1.0);
-        assert_eq!(stack.data().iter().filter(|&&x| x != 0.0).count(), 1);
-    }
+#[test]
+fn tiny_images_and_single_frames_have_an_answer() {
+    let flat = |n: usize, size: usize| {
+        estimate(&Burst::from_planes("flat", (0..n).map(|_| Plane::from_fn(size, size, |_, _| 0.3)).collect()))
+    };
+    assert_eq!((flat(3, 2), flat(1, 3), flat(2, 9)), (0.0, 0.0, 0.0));
 }
 
-mod view {
-    use crate::prelude::*;
-    use burstscope_core::detector::view::*;
+#[test]
+fn larger_searches_have_higher_gates() {
+    let line = SlopeGrid::line(-3.0..=3.0, 7);
+    let gate = |slopes, noise_gate| gate_factor(&DetectorParams { slopes, noise_gate, ..DetectorParams::default() });
+    let one = gate(line, NoiseGate::Auto);
+    assert!(gate(SlopeGrid::plane(-3.0..=3.0, 7, -3.0..=3.0, 7), NoiseGate::Auto) > one + 0.2);
+    // A tenth of the false alarms is about ln 10 / k more.
+    assert!((gate(line, NoiseGate::Strict) - one - 10f32.ln() / one).abs() < 0.1);
+    assert!((0.8..1.1).contains(&(one - gate(line, NoiseGate::Matching))));
+    assert_eq!(gate(line, NoiseGate::Factor(4.5)), 4.5);
+}
 
-    #[test]
-    fn a_map_of_the_noise_shows_where_it_is_stronger() {
-        let burst = NoiseCase::NoisyHalf.burst((640, 400), 6, 0.02, 7, &Monitor::default()).expect("not cancelled");
-        let map = |noise_model| {
-            let params =
-                DetectorParams { noise_model, slopes: SlopeGrid::line(-1.0..=1.0, 3), ..DetectorParams::default() };
-            noise_map(&burst, &params, &Monitor::default()).expect("a map")
-        };
-        let local = map(NoiseModelKind::Local);
-        assert_eq!(local.size(), burst.size());
-        for (u, sigma) in [(40, 0.02), (600, 0.06)] {
-            assert!((local.at(u, 200) / sigma - 1.0).abs() < 0.2, "{u}: {}", local.at(u, 200));
-        }
-        let white = map(NoiseModelKind::White);
-        assert!(white.data().iter().all(|x| *x == white.data()[0]) && white.at(0, 0) > 0.02);
+#[test]
+fn white_noise_has_the_bits_of_the_one_sigma() {
+    let space = ScaleSpace::new(4, 0, 4.0);
+    let slope = Slope::new(1.3, 0.2);
+    let offsets = frame_offsets(&Positions::even(10), slope, Interpolation::Linear);
+    let model = NoiseModel::white(0.0123);
+    for (octave, level) in [(0, 0), (2, 3)] {
+        let expected = 0.0123 * dog_noise_variance(&space, octave, f64::from(level), &offsets).sqrt() as f32;
+        assert_eq!(model.sigma_d(&space, Scale { octave, level }, (slope, &offsets), 5.0), expected);
     }
+    assert_eq!(model.place_factor(0, &offsets, (3, 4), (100, 80)), 1.0);
+}
+
+#[test]
+fn every_parameter_of_the_detector_can_be_changed_alone() {
+    let before = DetectorParams::default();
+    let text_of = |record: Param<SearchParams>, params: &DetectorParams| record.text(&params.clone().into());
+    for record in doc::ALL.into_iter().filter(|record| *record != doc::SLOPES) {
+        let mut sample = SearchParams::default();
+        let words = (record.field)(&mut sample).words().unwrap_or_default().iter().map(|(word, _)| *word);
+        let others =
+            words.chain(["-1:2:5", "1..4", "0.5", "4.25", "3"]).filter(|text| *text != text_of(record, &before));
+        let changed = others.filter_map(|text| Some((text, ParamChange::new(record, text).applied(&before).ok()?)));
+        let mut changed = changed.filter(|(text, after)| text_of(record, after) == **text);
+        let (text, after) = changed.next_back().unwrap_or_else(|| panic!("{}: no other value", record.name));
+        for other in doc::ALL.into_iter().filter(|_| record != doc::RULES) {
+            let expected = if other == record { text.to_owned() } else { text_of(other, &before) };
+            assert_eq!(text_of(other, &after), expected, "{} changed to {text}: {}", record.name, other.name);
+        }
+        let error = ParamChange::new(record, "nonsense").applied(&before).expect_err(record.name);
+        assert_eq!(error.subject, record.name);
+    }
+    assert!(ParamChange::new(doc::SLOPES, "auto").applied(&before).is_err());
+    assert!(ParamChange::new(doc::LEVELS, 0).applied(&before).is_err(), "checked");
+    assert_eq!(ParamChange::new(doc::NOISE_GATE, "strict").option(), "--noise-gate strict");
+}
+
+#[test]
+fn a_moving_point_is_where_it_was_at_mid_burst() {
+    let frames: Vec<Plane> =
+        (0..5).map(|t| Plane::from_fn(40, 20, |u, v| f32::from(u == 10 + 2 * t && v == 15 - t))).collect();
+    let frames: Vec<&Plane> = frames.iter().collect();
+    let (slope, monitor) = (Slope::new(2.0, -1.0), Monitor::default());
+    let stack =
+        motion_stack(&frames, &Positions::even(5), slope, Interpolation::Linear, &monitor).expect("not cancelled");
+    assert_eq!(stack.at(14, 13), 1.0);
+    assert_eq!(stack.data().iter().filter(|&&x| x != 0.0).count(), 1);
+}
+
+#[test]
+fn a_map_of_the_noise_shows_where_it_is_stronger() {
+    let burst = NoiseCase::NoisyHalf.burst((640, 400), 6, 0.02, 7, &Monitor::default()).expect("not cancelled");
+    let map = |noise_model| {
+        let params =
+            DetectorParams { noise_model, slopes: SlopeGrid::line(-1.0..=1.0, 3), ..DetectorParams::default() };
+        noise_map(&burst, &params, &Monitor::default()).expect("a map")
+    };
+    let local = map(NoiseModelKind::Local);
+    assert_eq!(local.size(), burst.size());
+    for (u, sigma) in [(40, 0.02), (600, 0.06)] {
+        assert!((local.at(u, 200) / sigma - 1.0).abs() < 0.2, "{u}: {}", local.at(u, 200));
+    }
+    let white = map(NoiseModelKind::White);
+    assert!(white.data().iter().all(|x| *x == white.data()[0]) && white.at(0, 0) > 0.02);
 }
