@@ -25,21 +25,8 @@ fn spotted(home: &Path) {
 }
 
 fn features(home: &Path, options: &[&str]) -> (u64, serde_json::Value) {
-    let search = [
-        "detect",
-        "night",
-        "--out",
-        "found",
-        "--json",
-        "--slopes-u",
-        "-1:1:3",
-        "--noise-model",
-        "white",
-        "--noise-gate",
-        "4",
-    ];
-    let json = run_well(home, &[&search, options].concat());
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let search = args("detect night --out found --json --slopes-u -1:1:3 --noise-model white --noise-gate 4");
+    let json = run_json(home, &[&search, options].concat());
     (json["bursts"][0]["features"].as_u64().expect("a number"), json["bursts"][0].clone())
 }
 
@@ -113,8 +100,7 @@ fn colmap_gets_the_masks_and_a_changed_mask_changes_its_burst_alone() {
     }
     let search = ["--slopes-u", "-1:1:3", "--noise-gate", "4", "--octaves", "2", "--mask", "masks", "--json"];
     let export = || {
-        let json = run_well(home.path(), &[&["colmap", "nights", "--out", "rec"][..], &search].concat());
-        let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        let json = run_json(home.path(), &[&["colmap", "nights", "--out", "rec"][..], &search].concat());
         [0, 1].map(|image| json["images"][image]["resumed"].as_bool().expect("told"))
     };
     assert_eq!(export(), [false; 2]);
@@ -165,8 +151,7 @@ fn info_says_what_an_input_is_and_a_dump_is_searched_as_it_says() {
     let said = run_badly(home.path(), &["info", "night.raw"], 1);
     assert!(said.contains("--raw WIDTHxHEIGHT:TYPE") && said.contains("night.raw"), "{said}");
     let shape = ["--raw", "160x120:u16be+5"];
-    let text = run_well(home.path(), &["info", "night", "night.raw", shape[0], shape[1], "--json"]);
-    let document: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let document = run_json(home.path(), &["info", "night", "night.raw", shape[0], shape[1], "--json"]);
     for (burst, kind) in document["bursts"].as_array().expect("two").iter().zip(["PNG", "headerless"]) {
         assert_eq!((burst["kind"].as_str(), burst["samples"].as_str()), (Some(kind), Some("16 bit")));
         assert_eq!([&burst["frames"], &burst["width"], &burst["height"]].map(|n| n.as_u64()), [6, 160, 120].map(Some));

@@ -61,8 +61,7 @@ fn nothing_found_and_slopes_that_do_not_fit_are_explained() {
         "{text}"
     );
     let report = |arguments: &[&str]| {
-        let json: serde_json::Value =
-            serde_json::from_str(&run_well(home.path(), &[arguments, &["--json"]].concat())).expect("JSON");
+        let json = run_json(home.path(), &[arguments, &["--json"]].concat());
         json["bursts"][0].clone()
     };
     let said = &report(&nothing)["advice"];
@@ -210,11 +209,10 @@ fn a_parameter_file_is_read_and_options_override_it() {
         ..Default::default()
     };
     std::fs::write(home.path().join("p.toml"), params.to_toml()).expect("written");
-    let text = run_well(
+    let json = run_json(
         home.path(),
         &["detect", "demo", "--out", "found", "--json", "--params", "p.toml", "--max-features", "20"],
     );
-    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let read: burstscope::DetectorParams = serde_json::from_value(json["params"].clone()).expect("parameters");
     assert_eq!(read, burstscope::DetectorParams { max_features: 20, ..params.at_given() });
     assert_eq!(features(&home.path().join("found").join("demo.csv")).len(), 20);

@@ -61,14 +61,13 @@ fn the_field_of_motion_as_pfm_is_replaced_only_on_request() {
 #[test]
 fn stack_writes_a_response_on_the_octaves_pixels() {
     let home = tempfile::tempdir().expect("a folder");
-    let text = run_well(
+    let json = run_json(
         home.path(),
         &[
             "stack", "demo", "--slope", "0.95,0", "--octave", "1", "--level", "0", "--levels", "3", "--out", "d.tif",
             "--json",
         ],
     );
-    let json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
     let (size, values) = read_tiff(&home.path().join("d.tif"));
     assert_eq!(size, (240, 180));
     assert_eq!((&json["width"], &json["octave"]), (&240.into(), &1.into()));

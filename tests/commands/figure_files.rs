@@ -5,10 +5,6 @@ use crate::support::*;
 const FORMATS: [(&str, &[u8]); 5] =
     [("svg", b"<svg "), ("pdf", b"%PDF-1.7"), ("png", b"\x89PNG\r\n"), ("csv", b""), ("tex", b"% ")];
 
-fn json(home: &Path, arguments: &[&str]) -> Value {
-    serde_json::from_str(&run_well(home, arguments)).expect("a document")
-}
-
 /// Runs the command with each ending at `option`; returns the rows of its CSV, the header first, and its LaTeX.
 fn written(home: &Path, command: &[&str], option: &str) -> (Vec<Vec<String>>, String) {
     for (ending, start) in FORMATS {
@@ -65,7 +61,7 @@ fn a_plot_and_a_table_are_two_files() {
     let home = tempfile::tempdir().expect("a folder");
     for line in ["recover demo", "evaluate chart --slopes-u -1:1:3", "evaluate frames --slopes-u -1:1:3"] {
         let line = format!("{line} --plot x.svg --table x.svg");
-        let told = run_badly(home.path(), &line.split(' ').collect::<Vec<_>>(), 2);
+        let told = run_badly(home.path(), &args(&line), 2);
         assert!(told.contains("--plot names this file too"), "{told}");
     }
     assert_eq!(names(home.path()), [""; 0]);
@@ -77,7 +73,7 @@ fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
     let line = ["demo-low-contrast", "--slopes-u", "-2:2:5", "--octaves", "2"];
     let slopes = [&["slopes"][..], &line].concat();
     let (rows, latex) = written(home.path(), &slopes, "--plot");
-    let bars = &json(home.path(), &[&slopes[..], &["--json"]].concat())["spectrum"]["bars"];
+    let bars = &run_json(home.path(), &[&slopes[..], &["--json"]].concat())["spectrum"]["bars"];
     assert_same(&column(&rows, "slope_u"), &numbers(bars, |bar| &bar["slope"]["u"]));
     assert_same(&column(&rows, "features"), &numbers(bars, |bar| &bar["features"]));
     assert_same(&column(&rows, "evidence"), &numbers(bars, |bar| &bar["evidence"]));
@@ -85,7 +81,7 @@ fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
 
     let probe = [&["probe"][..], &line, &["--at", "160,120"]].concat();
     let (rows, latex) = written(home.path(), &probe, "--plot");
-    let answer = &json(home.path(), &[&probe[..], &["--json"]].concat())["probe"];
+    let answer = &run_json(home.path(), &[&probe[..], &["--json"]].concat())["probe"];
     let snr = answer["response"]["snr"].as_array().expect("rows").iter().flat_map(|row| numbers(row, |x| x));
     let frames = answer["shares"]["frames"].as_array().expect("frames").iter().filter(|frame| frame["covers"] == true);
     let values = frames.map(|frame| frame["value"].as_f64().expect("a number"));
@@ -96,7 +92,7 @@ fn the_figures_of_a_burst_are_of_every_kind_and_have_its_numbers() {
     let (rows, _) = written(home.path(), &recover, "--plot");
     assert!(rows[0].join(",") == "set,plot,curve,x,y,low,high" && rows.len() > 5);
     let (rows, latex) = written(home.path(), &recover, "--table");
-    let planted = &json(home.path(), &[&recover[..], &["--json"]].concat())["planted"];
+    let planted = &run_json(home.path(), &[&recover[..], &["--json"]].concat())["planted"];
     assert_same(&column(&rows, "snr"), &numbers(planted, |one| &one["snr"]));
     assert_same(&column(&rows, "u"), &numbers(planted, |one| &one["truth"]["u"]));
     assert!(has_all(&latex, &column(&rows, "u"), 3));
@@ -109,7 +105,7 @@ fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
     let methods = ["--methods", "sift-frame,buff-1d"];
     let chart = [&["evaluate", "chart", "--snr", "2"][..], &small, &methods].concat();
     let (rows, _) = written(home.path(), &chart, "--plot");
-    let report = json(home.path(), &[&chart[..], &["--json"]].concat());
+    let report = run_json(home.path(), &[&chart[..], &["--json"]].concat());
     let roc = |of: usize| numbers(&report["rows"][0]["methods"][of]["roc"], |x| x);
     let y = column(&rows, "y");
     assert!(roc(0).starts_with(&y[..1]) && y.len() > 2, "{y:?}");
@@ -121,28 +117,28 @@ fn the_tables_of_studies_are_of_every_kind_and_have_their_numbers() {
 
     let frames = [&["evaluate", "frames", "--snr", "2", "--frame-counts", "4,2"][..], &small, &methods].concat();
     let (rows, _) = written(home.path(), &frames, "--table");
-    let report = json(home.path(), &[&frames[..], &["--json"]].concat());
+    let report = run_json(home.path(), &[&frames[..], &["--json"]].concat());
     let found = |row: usize| numbers(&report["rows"][row]["methods"], |method| &method["true_positives"]["mean"]);
     assert_same(&column(&rows, "found"), &[found(0), found(1)].concat());
     written(home.path(), &frames, "--plot");
 
     let burst = ["evaluate", "frames", "demo-low-contrast", "--frame-counts", "3,5", "--slopes-u", "-1:1:3"];
     let (rows, latex) = written(home.path(), &burst, "--table");
-    let report = json(home.path(), &[&burst[..], &["--json"]].concat());
+    let report = run_json(home.path(), &[&burst[..], &["--json"]].concat());
     assert_same(&column(&rows, "confirmed"), &numbers(&report["rows"], |row| &row["confirmed"]));
     assert!(has_all(&latex, &column(&rows, "confirmed"), 0));
     written(home.path(), &burst, "--plot");
 
     let accuracy = [&["evaluate", "accuracy", "--snr", "5", "--apart-discs", "0"][..], &small].concat();
     let (rows, _) = written(home.path(), &accuracy, "--table");
-    let report = json(home.path(), &[&accuracy[..], &["--json"]].concat());
+    let report = run_json(home.path(), &[&accuracy[..], &["--json"]].concat());
     let medians = ["u", "v", "scale", "slope_u", "slope_v"].map(|name| &report["rows"][0][name]["median_magnitude"]);
     let medians = medians.map(|median| median.as_f64().unwrap_or(f64::NAN));
     assert_same(&column(&rows, "median")[..5], &medians);
 
     let noise = ["evaluate", "noise", "--case", "white", "--megapixels", "0.1", "--method", "sift"];
     let (rows, _) = written(home.path(), &noise, "--table");
-    let report = json(home.path(), &[&noise[..], &["--json"]].concat());
+    let report = run_json(home.path(), &[&noise[..], &["--json"]].concat());
     let search = &report["rows"][0]["searches"];
     assert_same(&column(&rows, "false_features"), &numbers(search, |search| &search["false_features"]));
     assert_same(&column(&rows, "per_megapixel"), &numbers(search, |search| &search["per_megapixel"]));
@@ -155,7 +151,7 @@ fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
     run_well(home.path(), &[&way[..], &["--height", "180"]].concat());
     let matches = ["evaluate", "matches", "way/bursts", "--methods", "sift-frame,buff-1d", "--slopes-u", "-1:1:3"];
     let (rows, _) = written(home.path(), &matches, "--table");
-    let report = json(home.path(), &[&matches[..], &["--json"]].concat());
+    let report = run_json(home.path(), &[&matches[..], &["--json"]].concat());
     for name in ["keypoints_per_image", "match_score", "verified_pairs"] {
         assert_eq!(column(&rows, name), numbers(&report["methods"], |method| &method[name]), "{name}");
     }
@@ -165,7 +161,7 @@ fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
     std::fs::write(home.path().join("found.txt"), poses.replace("2 2 0.5", "2 2 0.4")).expect("written");
     let poses = ["evaluate", "poses", "--estimate", "found.txt", "--truth", "truth.txt"];
     let (rows, latex) = written(home.path(), &poses, "--table");
-    let report = json(home.path(), &[&poses[..], &["--json"]].concat());
+    let report = run_json(home.path(), &[&poses[..], &["--json"]].concat());
     let rmse = ["absolute", "relative"].map(|of| ["translation", "rotation_deg"].map(|e| &report[of][e]["rmse"]));
     let rmse: Vec<f64> = rmse.as_flattened().iter().map(|x| x.as_f64().expect("a number")).collect();
     assert_same(&column(&rows, "rmse"), &rmse);

@@ -41,7 +41,7 @@ fn a_number_that_no_file_can_keep_is_refused_where_it_is_read() {
     for command in commands {
         for number in beyond {
             let command = command.replace('N', number);
-            let words: Vec<&str> = command.split(' ').collect();
+            let words = args(&command);
             let error = run_badly(home.path(), &words, 2);
             assert!(error.contains(number), "{command}: {error}");
             let is_told = [LARGEST, "too large", "is neither", "is not in"].iter().any(|words| error.contains(words));
@@ -93,7 +93,7 @@ fn no_pipe_is_waited_for() {
         ("synth chart --out out/made --frames 2 --quiet", Some(0)),
     ];
     for (command, code) in commands {
-        let mut running = program(home.path(), &command.split(' ').collect::<Vec<_>>());
+        let mut running = program(home.path(), &args(command));
         let output = ended(running.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().expect("it starts"));
         assert!(code.is_none_or(|code| output.status.code() == Some(code)), "{command}: {}", stderr(&output));
         assert!(output.status.code().is_some_and(|code| code < 3), "{command}: {}", stderr(&output));

@@ -2,10 +2,6 @@
 
 use crate::support::*;
 
-fn json(home: &Path, arguments: &[&str]) -> Value {
-    serde_json::from_str(&run_well(home, arguments)).expect("JSON")
-}
-
 const GARLANDS: [&str; 3] = ["demo-aliasing", "--slopes-u", "-9:9:37"];
 
 #[test]
@@ -16,7 +12,7 @@ fn probe_says_what_became_of_a_place() {
     for words in ["demo at (92, 58)", "noise gate", "kept as", "frame   0", "coherence"] {
         assert!(text.contains(words), "{words}: {text}");
     }
-    let found = json(home.path(), &["probe", "demo", "--at", "92,58", "--slopes-u", "-3:3:13", "--json"]);
+    let found = run_json(home.path(), &["probe", "demo", "--at", "92,58", "--slopes-u", "-3:3:13", "--json"]);
     assert_eq!(found["command"], "probe");
     let fates = found["probe"]["fates"].as_array().expect("fates");
     assert!(fates.iter().any(|f| f["first_failed"].is_null()), "something was kept");
@@ -45,7 +41,7 @@ fn probe_of_a_feature_is_that_of_its_place_and_draws_it() {
     assert_eq!(count("image"), 12);
     assert!(count("circle") > 10 && count("text") > 30);
     assert!(svg.contains("Kept as"), "the tests are told");
-    let found = json(home.path(), &["probe", "demo", "--feature", "0", "--slopes-u", "-3:3:13", "--json"]);
+    let found = run_json(home.path(), &["probe", "demo", "--feature", "0", "--slopes-u", "-3:3:13", "--json"]);
     let subject = found["probe"]["subject"]["fate"].as_u64().expect("a candidate") as usize;
     let features = found["probe"]["fates"][subject]["features"].as_array().expect("indices");
     assert!(features.contains(&Value::from(0)));
@@ -55,7 +51,7 @@ fn probe_of_a_feature_is_that_of_its_place_and_draws_it() {
 fn an_option_that_probe_proposes_keeps_what_was_lost() {
     let home = tempfile::tempdir().expect("a folder");
     let place = ["demo-low-contrast", "--at", "160,120", "--slopes-u", "-2:2:9"];
-    let asked = json(home.path(), &[&["probe", "--json"], &place[..]].concat());
+    let asked = run_json(home.path(), &[&["probe", "--json"], &place[..]].concat());
     let fates = asked["probe"]["fates"].as_array().expect("fates");
     let lost = fates
         .iter()
@@ -64,7 +60,7 @@ fn an_option_that_probe_proposes_keeps_what_was_lost() {
     let change = &lost["remedy"]["change"];
     let option = format!("--{}", change["parameter"].as_str().expect("a name"));
     let value = change["value"].as_str().expect("a value");
-    let again = json(home.path(), &[&["probe", "--json", &option, value], &place[..]].concat());
+    let again = run_json(home.path(), &[&["probe", "--json", &option, value], &place[..]].concat());
     let same = |f: &&Value| ["octave", "level", "slope_index", "sample"].iter().all(|key| f[*key] == lost[*key]);
     let now = again["probe"]["fates"].as_array().expect("fates").iter().find(same).expect("the same candidate");
     assert_ne!(now["first_failed"], "noise_gate", "{now:#}");
@@ -74,13 +70,13 @@ fn an_option_that_probe_proposes_keeps_what_was_lost() {
 fn the_price_of_an_option_is_what_it_then_gives() {
     let home = tempfile::tempdir().expect("a folder");
     let search = ["demo-low-contrast", "--slopes-u", "-2:2:9", "--noise-gate", "8"];
-    let asked = json(home.path(), &[&["probe", "--json", "--at", "160,120", "--price"], &search[..]].concat());
+    let asked = run_json(home.path(), &[&["probe", "--json", "--at", "160,120", "--price"], &search[..]].concat());
     let (probe, price) = (&asked["probe"], &asked["price"]);
     let subject = probe["subject"]["fate"].as_u64().expect("a candidate is there") as usize;
     let change = &probe["fates"][subject]["remedy"]["change"];
     let (option, value) = (format!("--{}", change["parameter"].as_str().expect("a name")), change["value"].clone());
     let option = [option.as_str(), value.as_str().expect("a value")];
-    let again = json(home.path(), &[&["probe", "--json", "--at", "160,120"], &search[..3], &option[..]].concat());
+    let again = run_json(home.path(), &[&["probe", "--json", "--at", "160,120"], &search[..3], &option[..]].concat());
     assert_eq!((&price["now"], &price["then"]), (&asked["features"], &again["features"]), "{price}");
     let text = run_well(home.path(), &[&["probe", "--at", "160,120", "--price"], &search[..]].concat());
     assert!(text.contains(&format!("{} keeps this one, and ", option.join(" "))), "{text}");
@@ -92,11 +88,11 @@ fn slopes_tells_what_is_there_and_what_to_change() {
     // The sign moves by −2.1 px/frame, the lanterns by 1.6: a range of ±1 holds neither.
     let text = run_well(home.path(), &["slopes", "demo", "--slopes-u", "-1:1:5"]);
     assert!(text.contains("beyond") && text.contains("try --slopes-u"), "{text}");
-    let narrow = json(home.path(), &["slopes", "demo", "--slopes-u", "-1:1:5", "--json"]);
+    let narrow = run_json(home.path(), &["slopes", "demo", "--slopes-u", "-1:1:5", "--json"]);
     let advice = narrow["spectrum"]["advice"].as_array().expect("advice");
     assert!(advice.iter().any(|a| a["subject"] == "range" || a["subject"] == "direction"), "{advice:#?}");
     // Slopes that were found need no advice.
-    let found = json(home.path(), &["slopes", "demo", "--json"]);
+    let found = run_json(home.path(), &["slopes", "demo", "--json"]);
     assert_eq!(found["spectrum"]["advice"], Value::Array(Vec::new()));
     let bars = found["spectrum"]["bars"].as_array().expect("bars");
     let features: u64 = bars.iter().map(|bar| bar["features"].as_u64().expect("a count")).sum();
@@ -111,11 +107,11 @@ fn slopes_and_detect_judge_the_slopes_in_the_same_words() {
         (&["demo-tripod", "--slopes-u", "-2:2:9"][..], "one slope, 0, is enough"),
         (&["demo-depths"][..], "the slopes fit the burst; "),
     ] {
-        let answer = json(home.path(), &[&["slopes", "--json"], options].concat());
+        let answer = run_json(home.path(), &[&["slopes", "--json"], options].concat());
         let sentence = answer["spectrum"]["judgement"]["sentence"].as_str().expect("a sentence");
         assert!(sentence.contains(words), "{sentence}");
         assert!(run_well(home.path(), &[&["slopes"], options].concat()).contains(sentence), "{sentence}");
-        let found = json(home.path(), &[&["detect", "--out", "found", "--json"], options].concat());
+        let found = run_json(home.path(), &[&["detect", "--out", "found", "--json"], options].concat());
         assert_eq!(found["bursts"][0]["slopes_judged"]["sentence"], sentence);
         // Slopes that cost too much give the same features: for people they are not compared with the frames.
         let text = run_well(home.path(), &[&["detect", "--out", "found"], options].concat());
@@ -141,7 +137,7 @@ fn slopes_has_the_features_of_garlands_a_period_away_and_draws_them() {
 fn decoys_says_how_much_is_found_in_other_orders_too() {
     let home = tempfile::tempdir().expect("a folder");
     let line = ["decoys", "demo-crossing", "--slopes-u", "-2:2:5", "--copies", "2"];
-    let found = json(home.path(), &[&line[..], &["--json"]].concat());
+    let found = run_json(home.path(), &[&line[..], &["--json"]].concat());
     assert_eq!((&found["command"], &found["decoys"]["copies"]), (&Value::from("decoys"), &Value::from(2)));
     let rates = found["decoys"]["rates"].as_array().expect("rates");
     assert!(rates.len() > 5 && rates[0]["found"].as_u64() > Some(10), "{rates:?}");
@@ -156,7 +152,7 @@ fn decoys_says_how_much_is_found_in_other_orders_too() {
     let (rate, error) = (rates[0]["rate"].as_f64().expect("a rate"), rates[0]["error"].as_f64().expect("an error"));
     assert!(text.contains("2 copies in other orders (seed 1)"), "{text}");
     assert!(text.contains(&format!("{rate:.2} ± {error:.2}")), "{text}");
-    let other = json(home.path(), &[&line[..], &["--seed", "2", "--json"]].concat());
+    let other = run_json(home.path(), &[&line[..], &["--seed", "2", "--json"]].concat());
     assert_ne!(other["decoys"]["rates"], found["decoys"]["rates"]);
 }
 
@@ -204,7 +200,7 @@ fn documents_have_the_digits_of_32_bit_numbers() {
         let text = run_well(home.path(), &[command, &search].concat());
         assert!(text.contains("\"edge_threshold\": 8.1,"), "{text}");
     }
-    let document = json(home.path(), &["stack", "demo", "--slope", "-2.1,0.3", "--out", "a.tiff", "--json"]);
+    let document = run_json(home.path(), &["stack", "demo", "--slope", "-2.1,0.3", "--out", "a.tiff", "--json"]);
     assert_eq!(document["slope"], serde_json::json!({ "u": -2.1, "v": 0.3 }));
     for key in ["min", "max"] {
         let number = document[key].as_f64().expect("a number");

@@ -46,20 +46,8 @@ fn making_a_large_burst_stops_and_leaves_nothing() {
 fn a_long_search_stops_and_leaves_nothing() {
     let home = tempfile::tempdir().expect("a folder");
     run_well(home.path(), &["synth", "chart", "--out", "chart", "--frames", "8", "--quiet"]);
-    let arguments = [
-        "detect",
-        "chart",
-        "--slopes-u",
-        "-3:3:61",
-        "--slopes-v",
-        "-3:3:61",
-        "--first-octave",
-        "-1",
-        "--threads",
-        "1",
-        "--out",
-        "found",
-    ];
+    let arguments =
+        args("detect chart --slopes-u -3:3:61 --slopes-v -3:3:61 --first-octave -1 --threads 1 --out found");
     for signal in signals() {
         assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
         assert_eq!(names(home.path()), ["chart"]);

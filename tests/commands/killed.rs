@@ -143,8 +143,7 @@ fn what_was_altered_is_made_again_and_what_is_whole_is_kept() {
     let other = if text[digit..].starts_with('7') { "8" } else { "7" };
     fs::write(&first, format!("{}{other}{}", &text[..digit], &text[digit + 1..])).expect("written");
     let resumed = |home: &Path| {
-        let json = run_well(home, &[&arguments("rec", "12")[..], &["--json"]].concat());
-        let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        let json = run_json(home, &[&arguments("rec", "12")[..], &["--json"]].concat());
         json["images"].as_array().expect("images").iter().filter(|image| image["resumed"] == true).count()
     };
     assert_eq!(resumed(home.path()), 19);
@@ -177,7 +176,7 @@ fn nights(home: &Path) {
 /// For each burst of `nights`, whether it was taken from an earlier run into the folder `rec`.
 fn resumed(home: &Path, more: &[&str]) -> Vec<bool> {
     let arguments = ["colmap", "nights", "--out", "rec", "--slopes-u", "-1:1:3", "--octaves", "2", "--json"];
-    let json: serde_json::Value = serde_json::from_str(&run_well(home, &[&arguments, more].concat())).expect("JSON");
+    let json = run_json(home, &[&arguments, more].concat());
     json["images"].as_array().expect("images").iter().map(|image| image["resumed"] == true).collect()
 }
 
@@ -188,8 +187,7 @@ fn colmap_keeps_faint_features_unless_told_otherwise() {
     fs::write(home.path().join("mine.toml"), "levels = 4\n").expect("written");
     let gate = |out: &str, more: &[&str]| {
         let arguments = ["colmap", "nights", "--slopes-u", "-1:1:3", "--octaves", "2", "--json", "--out", out];
-        let json: serde_json::Value =
-            serde_json::from_str(&run_well(home.path(), &[&arguments, more].concat())).expect("JSON");
+        let json = run_json(home.path(), &[&arguments, more].concat());
         let features = json["images"].as_array().expect("images").iter().map(|image| image["features"].as_u64());
         let text = json.to_string();
         let word = ["matching", "auto"].into_iter().find(|word| text.contains(&format!("\"noise_gate\":\"{word}\"")));
@@ -201,8 +199,7 @@ fn colmap_keeps_faint_features_unless_told_otherwise() {
     assert!(kept > fewer, "{kept} {fewer}");
     assert_eq!(gate("rec3", &["--params", "mine.toml"]).0, Some("auto"), "a parameter file has the usual defaults");
     // The slopes are found, as everywhere, unless they are given.
-    let json = run_well(home.path(), &["colmap", "nights", "--octaves", "2", "--json", "--out", "rec4"]);
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let json = run_json(home.path(), &["colmap", "nights", "--octaves", "2", "--json", "--out", "rec4"]);
     assert_eq!(json["params"]["slopes"], "auto");
     let help = run_well(home.path(), &["colmap", "--help"]);
     assert!(help.contains("[default of this command: matching]"), "{help}");

@@ -43,26 +43,9 @@ fn a_chart_opens_again_with_the_very_same_values() {
 #[test]
 fn a_light_field_opens_again_by_its_names_with_its_truth() {
     let home = tempfile::tempdir().expect("a folder");
-    let arguments = [
-        "synth",
-        "chart",
-        "--out",
-        "field",
-        "--width",
-        "240",
-        "--height",
-        "200",
-        "--discs",
-        "8",
-        "--radius",
-        "4:9",
-        "--views",
-        "5x4",
-        "--max-slope",
-        "1.5",
-        "--snr",
-        "2",
-    ];
+    let arguments = args(
+        "synth chart --out field --width 240 --height 200 --discs 8 --radius 4:9 --views 5x4 --max-slope 1.5 --snr 2",
+    );
     run_well(home.path(), &arguments);
     let folder = home.path().join("field");
     assert!(folder.join("view_04_03.png").is_file() && !folder.join("times.csv").exists());
@@ -89,14 +72,14 @@ fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
         let line = format!(
             "synth chart --out {out} --width 320 --height 240 --discs 12 --radius 4:10 --frames 7 --max-slope 2 --snr 2 {more}"
         );
-        run_well(home.path(), &line.split_whitespace().collect::<Vec<_>>());
+        run_well(home.path(), &args(&line));
         truth(&home.path().join(out))
     };
     let known = synth("exchanged", "--exchange 1,4");
     assert_eq!(known.times, [0.0, 4.0, 2.0, 3.0, 1.0, 5.0, 6.0]);
     let found = |more: &str| {
         let line = format!("detect {more} --slopes-u -2.5:2.5:11 --json --force --out found");
-        run_well(home.path(), &line.split_whitespace().collect::<Vec<_>>())
+        run_well(home.path(), &args(&line))
     };
     let answers = |folder: &str, known: &Truth| {
         let rows = super::support::features(&home.path().join(format!("found/{folder}.csv")));

@@ -2,14 +2,6 @@
 
 use crate::support::*;
 
-/// Makes a chart of four small frames in the folder `home/name`.
-fn chart(home: &Path, name: &str) {
-    let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
-    run_well(home, &[&["synth", "chart", "--quiet", "--out", name][..], &size].concat());
-}
-
-const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
-
 /// Writes files of somebody else, with these names and contents.
 fn put(home: &Path, files: &[(&str, &str)]) {
     for (name, text) in files {

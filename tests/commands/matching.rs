@@ -14,24 +14,7 @@ use burstscope::{Detection, detect};
 fn two_bursts(home: &Path) {
     run_well(
         home,
-        &[
-            "synth",
-            "scene",
-            "--out",
-            "film",
-            "--width",
-            "320",
-            "--height",
-            "240",
-            "--frames",
-            "12",
-            "--max-slope",
-            "1.5",
-            "--snr",
-            "3",
-            "--seed",
-            "4",
-        ],
+        &args("synth scene --out film --width 320 --height 240 --frames 12 --max-slope 1.5 --snr 3 --seed 4"),
     );
     for (name, first) in [("a", 0), ("b", 5)] {
         std::fs::create_dir(home.join(name)).expect("made");
@@ -51,11 +34,10 @@ fn two_bursts_are_matched_verified_and_drawn() {
     assert_eq!(names(&home.path().join("m")), ["a.csv", "a_b.matches.csv", "a_b.matches.png", "b.csv"]);
     assert!(text.contains("inliers") && text.contains("match score"), "{text}");
 
-    let json = run_well(
+    let json = run_json(
         home.path(),
         &[&["match", "a", "b", "--out", "n", "--json", "--images", "merged", "--threads", "1"], &search[..2]].concat(),
     );
-    let json: serde_json::Value = serde_json::from_str(&json).expect("one JSON document");
     let count = |key: &str| json[key].as_u64().unwrap_or_else(|| panic!("{key}")) as usize;
     let out = |file: &str| home.path().join("n").join(file);
     let (a, b) = (features(&out("a.csv")), features(&out("b.csv")));
@@ -134,11 +116,10 @@ fn figure_as_vectors(home: &Path, rows: &[Vec<f64>]) {
 #[test]
 fn matches_may_stay_unverified_and_wrong_use_is_explained() {
     let home = tempfile::tempdir().expect("a folder");
-    let json = run_well(
+    let json = run_json(
         home.path(),
         &["match", "demo", "demo", "--out", "m", "--geometry", "none", "--json", "--method", "sift"],
     );
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert!(json["inliers"].is_null() && json["match_score"].is_null() && json["model"].is_null());
     // A burst matched with itself: nearly every feature matches itself, except those that look alike.
     assert!(json["match_ratio"].as_f64().is_some_and(|x| x > 0.9), "{}", json["match_ratio"]);
@@ -172,8 +153,7 @@ fn every_option_of_matching_reaches_its_parameter() {
     let camera = "SIMPLE_PINHOLE,480,360,500,240,180";
     let matched = |options: &str| -> MatchParams {
         let line = format!("match demo demo-later --method sift --out m --json --camera {camera} {options}");
-        let json = run_well(home.path(), &line.split_whitespace().collect::<Vec<_>>());
-        let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        let json = run_json(home.path(), &args(&line));
         serde_json::from_value(json["matching"].clone()).expect("parameters")
     };
     let got = matched(
@@ -213,8 +193,7 @@ fn every_option_of_matching_reaches_its_parameter() {
 #[test]
 fn the_merged_image_is_what_the_method_merge_searches() {
     let home = tempfile::tempdir().expect("a folder");
-    let json = run_well(home.path(), &["merge", "demo", "--out", "merged.tiff", "--json", "--frames", "1..10"]);
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let json = run_json(home.path(), &["merge", "demo", "--out", "merged.tiff", "--json", "--frames", "1..10"]);
     assert_eq!((&json["frames_used"], &json["reference"]), (&serde_json::json!([1, 10]), &"frame 5".into()));
     let ratio = json["merged_noise"].as_f64().expect("a number") / json["frame_noise"].as_f64().expect("a number");
     assert!(ratio < 0.5, "{ratio}");
@@ -236,8 +215,8 @@ fn the_merged_image_is_what_the_method_merge_searches() {
 #[test]
 fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
     let home = tempfile::tempdir().expect("a folder");
-    let scene = "synth scene --out film --width 240 --height 180 --frames 14 --max-slope 1.5 --snr 1.2 --seed 4";
-    run_well(home.path(), &scene.split(' ').collect::<Vec<_>>());
+    let scene = args("synth scene --out film --width 240 --height 180 --frames 14 --max-slope 1.5 --snr 1.2 --seed 4");
+    run_well(home.path(), &scene);
     for (name, first) in [("a", 0), ("b", 4), ("c", 7)] {
         let folder = home.path().join("nights").join(name);
         std::fs::create_dir_all(&folder).expect("made");
@@ -328,10 +307,8 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
     // The commands say so too.
     let search = ["--slopes-u", "-2:2:9", "--json"];
     let told =
-        run_well(home.path(), &[&["evaluate", "matches", "nights", "--methods", "buff-1d"], &search[..]].concat());
-    let told: serde_json::Value = serde_json::from_str(&told).expect("JSON");
-    let pair = run_well(home.path(), &[&["match", "nights/a", "nights/b", "--out", "m"], &search[..]].concat());
-    let pair: serde_json::Value = serde_json::from_str(&pair).expect("JSON");
+        run_json(home.path(), &[&["evaluate", "matches", "nights", "--methods", "buff-1d"], &search[..]].concat());
+    let pair = run_json(home.path(), &[&["match", "nights/a", "nights/b", "--out", "m"], &search[..]].concat());
     for key in ["keypoints_a", "putative", "inliers"] {
         assert_eq!(told["methods"][0]["by_pair"][0][key], pair[key], "{key}");
     }

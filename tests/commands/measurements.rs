@@ -86,7 +86,7 @@ fn output(home: &Path, command: &str) -> Value {
     let mut words: Vec<&str> = command.split_whitespace().collect();
     let Some(file) = file else {
         words.extend(["--json", "--quiet"]);
-        return serde_json::from_str(&run_well(home, &words)).expect("JSON");
+        return run_json(home, &words);
     };
     run_well(home, &words);
     let text = std::fs::read_to_string(home.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));

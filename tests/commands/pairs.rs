@@ -7,8 +7,7 @@ const SEARCH: [&str; 4] = ["--slopes-u", "-2:2:5", "--octaves", "2"];
 /// Makes four bursts along a way that see the same things.
 fn way(home: &Path) {
     let size = "--width 240 --height 180 --bursts 4 --frames 5 --max-slope 2 --snr 5";
-    let size: Vec<&str> = size.split(' ').collect();
-    run_well(home, &[&["synth", "trajectory", "--out", "way"], &size[..]].concat());
+    run_well(home, &args(&format!("synth trajectory --out way {size}")));
 }
 
 /// The names of the bursts of the way.
@@ -20,7 +19,7 @@ fn bursts(numbers: std::ops::Range<usize>) -> Vec<String> {
 fn reconstruct(home: &Path, bursts: &[String], out: &str, more: &[&str]) -> (Value, Vec<u8>) {
     let bursts: Vec<&str> = bursts.iter().map(String::as_str).collect();
     let line = [&["colmap"], &bursts[..], &SEARCH, &["--out", out, "--json"], more].concat();
-    let json = serde_json::from_str(&run_well(home, &line)).expect("JSON");
+    let json = run_json(home, &line);
     (json, fs::read(home.join(out).join("database.db")).expect("a database"))
 }
 
@@ -203,8 +202,8 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
     let report = |inputs: &[&'static str], more: &[&'static str]| {
         [&["report"], inputs, &["--out", "flight.md", "--json", "--pairs-of"], more, &SEARCH].concat()
     };
-    let flight: Value = serde_json::from_str(&run_well(home, &report(&["way/bursts"], &["rec"]))).expect("JSON");
-    let json: Value = serde_json::from_str(&run_well(home, &[&line[..], &["--json"]].concat())).expect("JSON");
+    let flight = run_json(home, &report(&["way/bursts"], &["rec"]));
+    let json = run_json(home, &[&line[..], &["--json"]].concat());
     assert_eq!((&flight["joined"], flight["pairs"].as_array().map(Vec::len)), (&json["joined"], Some(1)));
     for key in ["ids", "keypoints_a", "keypoints_b", "putative", "inliers", "refused"] {
         assert_eq!(flight["pairs"][0][key], json["pairs"][0][key], "{key}");
@@ -223,12 +222,12 @@ fn a_list_names_the_pairs_and_the_summary_says_what_they_join() {
         ("way/bursts", "broken", "its database.db is damaged ("),
         ("demo demo-later", "rec", "it holds none of them; give the --out of a `burstscope colmap`"),
     ] {
-        let told = run_badly(home, &report(&inputs.split(' ').collect::<Vec<_>>(), &[folder]), 2);
+        let told = run_badly(home, &report(&args(inputs), &[folder]), 2);
         assert!(told.contains(words) && told.contains("--pairs-of: "), "{folder}: {told}");
     }
     // No inliers: nothing is joined, and nothing can be mapped.
     let none = [&line[..], &["--min-inliers", "100000", "--predict", "false", "--json"]].concat();
-    let json: Value = serde_json::from_str(&run_well(home, &none)).expect("JSON");
+    let json = run_json(home, &none);
     assert_eq!(json["joined"]["alone"].as_array().map(Vec::len), Some(4), "{}", json["joined"]);
     let why = json["no_start"].as_str().expect("a reason");
     assert!(why.contains("the one pair is not verified (0 without a match, 0 refused"), "{why}");

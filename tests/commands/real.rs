@@ -5,20 +5,8 @@ use crate::support::*;
 
 /// Options of the paper's joint rule, which leaves few features at wrong slopes: with each slope for itself, bright
 /// blobs also leave smeared features at other slopes.
-const JOINT: [&str; 12] = [
-    "--slope-extrema",
-    "joint",
-    "--distinct",
-    "off",
-    "--rules",
-    "vlfeat",
-    "--max-orientations",
-    "1",
-    "--peak-threshold",
-    "0.0003",
-    "--noise-gate",
-    "strict",
-];
+const JOINT: &str = "--slope-extrema joint --distinct off --rules vlfeat --max-orientations 1 \
+                     --peak-threshold 0.0003 --noise-gate strict";
 
 #[needs::shared("data")]
 #[test]
@@ -29,7 +17,7 @@ fn the_graffiti_burst_moves_by_one_pixel_to_the_right() {
     let frames: Vec<String> =
         [5, 1, 2, 4, 3].map(|k| data.join(format!("buff-demo-1d/{k}.png")).to_string_lossy().into_owned()).to_vec();
     let mut arguments = vec!["detect", "--slopes-u", "-2:2:5", "--out", "found"];
-    arguments.extend(JOINT);
+    arguments.extend(args(JOINT));
     arguments.extend(frames.iter().map(String::as_str));
     run_well(home.path(), &arguments);
     let rows = features(&home.path().join("found/buff-demo-1d.csv"));
@@ -84,7 +72,7 @@ fn a_real_cameras_features_pile_up_at_its_motion() {
         .collect();
     frames.sort();
     let mut arguments = vec!["detect", "--slopes-u", "-6:6:25", "--levels", "3", "--out", "found"];
-    arguments.extend(JOINT);
+    arguments.extend(args(JOINT));
     arguments.extend(frames[20..29].iter().map(String::as_str));
     run_well(home.path(), &arguments);
     let rows = features(&home.path().join("found/slider-far.csv"));

@@ -35,8 +35,7 @@ fn a_models_poses_are_compared_with_the_truth() {
         "{text}"
     );
     assert!(text.contains("4 poses paired by time"), "{text}");
-    let json = run_well(home.path(), &[&arguments[..], &["--json", "--step", "2"]].concat());
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let json = run_json(home.path(), &[&arguments[..], &["--json", "--step", "2"]].concat());
     let number = |path: &str| json.pointer(path).and_then(serde_json::Value::as_f64).expect(path);
     assert!((number("/scale") - 0.5).abs() < 0.01 && number("/images_pass_percent") == 80.0);
     // A plane through four corners of which one is 0.1 too high misses each by 0.025.
@@ -44,8 +43,7 @@ fn a_models_poses_are_compared_with_the_truth() {
     assert!((rmse - 0.025).abs() < 0.001, "{rmse}");
     assert_eq!((number("/relative/count"), json["pairs"][2]["label"].as_str()), (2.0, Some("image.0040.png")));
     // A model can be the truth too: the gold standard. Against itself there are no errors.
-    let json = run_well(home.path(), &["evaluate", "poses", "--estimate", "sparse", "--truth", "sparse/0", "--json"]);
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let json = run_json(home.path(), &["evaluate", "poses", "--estimate", "sparse", "--truth", "sparse/0", "--json"]);
     assert_eq!(json["associated"], "name");
     assert!(json["absolute"]["translation"]["max"].as_f64().is_some_and(|x| x < 1e-12), "{json}");
 }
@@ -79,22 +77,7 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     let home = tempfile::tempdir().expect("a folder");
     run_well(
         home.path(),
-        &[
-            "synth",
-            "scene",
-            "--out",
-            "film",
-            "--width",
-            "240",
-            "--height",
-            "180",
-            "--frames",
-            "12",
-            "--max-slope",
-            "1.5",
-            "--snr",
-            "10",
-        ],
+        &args("synth scene --out film --width 240 --height 180 --frames 12 --max-slope 1.5 --snr 10"),
     );
     let arguments = ["colmap", "film", "--burst-length", "4", "--slopes-u", "-2:2:5", "--out", "my rec"];
     let text = run_well(home.path(), &arguments);
@@ -122,12 +105,10 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
                others too few agree), and it needs a pair with about 30 inliers";
     assert!(note.trim_end().ends_with(&format!("note: {why}; `burstscope match` shows what a pair lacks")), "{note}");
     assert!(text.ends_with("database.db\n") && !text.contains("Next:") && output.status.success(), "{text}");
-    let json: serde_json::Value =
-        serde_json::from_str(&run_well(home.path(), &[&few[..], &["--json"]].concat())).expect("JSON");
+    let json = run_json(home.path(), &[&few[..], &["--json"]].concat());
     assert_eq!(json["no_start"], why);
     let some = ["--max-features", "45", "--align", "false", "--out", "some", "--json"];
-    let json: serde_json::Value =
-        serde_json::from_str(&run_well(home.path(), &[&few[..6], &some].concat())).expect("JSON");
+    let json = run_json(home.path(), &[&few[..6], &some].concat());
     assert!(json["no_start"].as_str().is_some_and(|why| why.contains("the most inliers of a pair are ")), "{json}");
     assert_eq!(names(&home.path().join("my rec")), ["database.db", "features", "images", "manifest.json", "records"]);
     // With a camera from a file, and as JSON; the features are there already.
@@ -136,11 +117,10 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
         "model = \"PINHOLE\"\nwidth = 240\nheight = 180\nparams = [250, 250, 120, 90]\n",
     )
     .expect("written");
-    let json = run_well(
+    let json = run_json(
         home.path(),
         &[&arguments[..], &["--camera", "lens.toml", "--pairs", "sequential:1", "--json"]].concat(),
     );
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
     assert_eq!((&json["known_camera"], &json["cameras"][0]["model"]), (&true.into(), &"PINHOLE".into()));
     assert_eq!((json["pairs"].as_array().map(Vec::len), &json["matching"]["geometry"]), (Some(2), &"essential".into()));
     assert_eq!(json["detector_revision"], burstscope::detector::REVISION);
@@ -169,8 +149,7 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
         kept["detector_revision"] = 0.into();
         fs::write(&record, kept.to_string()).expect("written");
     }
-    let again = run_well(home.path(), &[&arguments[..], &["--json"]].concat());
-    let again: serde_json::Value = serde_json::from_str(&again).expect("JSON");
+    let again = run_json(home.path(), &[&arguments[..], &["--json"]].concat());
     assert!(again["images"].as_array().is_some_and(|all| all.len() == 3 && all.iter().all(|i| i["resumed"] == false)));
     // A burst that cannot be opened is reported, and the rest is written.
     fs::write(home.path().join("film/frame_001.png"), "broken").expect("written");
@@ -202,9 +181,7 @@ fn bursts_of_two_cameras_have_a_camera_each() {
     ] {
         assert!(text.contains(line), "{text}");
     }
-    let json = |more: &[&str]| -> serde_json::Value {
-        serde_json::from_str(&run_well(home.path(), &colmap(&[more, &["--json"]].concat()))).expect("JSON")
-    };
+    let json = |more: &[&str]| -> Value { run_json(home.path(), &colmap(&[more, &["--json"]].concat())) };
     let both = json(&["--camera", "left=lens.toml"]);
     assert_eq!((&both["known_camera"], &both["matching"]["geometry"]), (&true.into(), &"essential".into()));
     assert!(both["matching"].get("camera").is_none() && both["pairs"][0]["resumed"] == true, "{both}");
@@ -228,7 +205,7 @@ fn bursts_of_two_cameras_have_a_camera_each() {
     // A pair has them too, each side its own, and with one unknown the fundamental matrix.
     let pair = |more: &[&str]| -> serde_json::Value {
         let line = ["match", "set/left", "set/right", "--slopes-u", "-2:2:5", "--out", "m", "--json"];
-        serde_json::from_str(&run_well(home.path(), &[&line, more].concat())).expect("JSON")
+        run_json(home.path(), &[&line, more].concat())
     };
     let (both, found) = (pair(&["--camera", "left=lens.toml"]), pair(&[]));
     let focal = |camera: &str| both["matching"][camera]["params"][0].clone();
@@ -275,15 +252,13 @@ fn keypoints(rec: &Path, name: &str) -> Vec<[f64; 3]> {
 fn the_databases_keypoints_lie_in_their_pictures_and_the_command_says_how_far_they_were_moved() {
     let home = tempfile::tempdir().expect("a folder");
     let at = |name: &str| home.path().join(name);
-    let scene = "synth scene --out film --width 240 --height 180 --frames 21 --max-slope 1.5 --snr 0.7 --seed 2";
-    run_well(home.path(), &scene.split(' ').collect::<Vec<_>>());
+    let scene = args("synth scene --out film --width 240 --height 180 --frames 21 --max-slope 1.5 --snr 0.7 --seed 2");
+    run_well(home.path(), &scene);
     // What is behind a post is not seen.
     let post = |u: u32, v: u32| image::Luma([if (110..140).contains(&u) && v > 60 { 0 } else { 255 }]);
     image::GrayImage::from_fn(240, 180, post).save(at("post.png")).expect("written");
-    let arguments = "colmap film --burst-length 7 --slopes-u -2:2:9 --mask post.png --out rec";
-    let arguments: Vec<&str> = arguments.split(' ').collect();
-    let json = run_well(home.path(), &[&arguments[..], &["--json"]].concat());
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let arguments = args("colmap film --burst-length 7 --slopes-u -2:2:9 --mask post.png --out rec");
+    let json = run_json(home.path(), &[&arguments[..], &["--json"]].concat());
     let (mut places, mut inside) = (Vec::new(), 0);
     for image in json["images"].as_array().expect("images") {
         let name = image["image"].as_str().expect("a name");

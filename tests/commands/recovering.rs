@@ -5,7 +5,7 @@ use burstscope::export::case::{read_session, read_truth};
 use burstscope::synth::TruthKind;
 
 fn json(home: &Path, arguments: &[&str]) -> Value {
-    serde_json::from_str(&run_well(home, arguments)).expect("JSON")
+    run_json(home, arguments)
 }
 
 const SEARCH: [&str; 3] = ["demo-low-contrast", "--slopes-u", "-2:2:9"];

@@ -43,7 +43,7 @@ fn all_figures_are_made_once_and_kept() {
     let home = tempfile::tempdir().expect("a folder");
     let folder = home.path().join("paper");
     let arguments = ["figures", "--out", "paper", "--quick", "--no-colmap", "--json"];
-    let made: Value = serde_json::from_str(&run_well(home.path(), &arguments)).expect("JSON");
+    let made = run_json(home.path(), &arguments);
     let mut found: Vec<&str> = figures(&made).into_iter().map(|(name, _)| name).collect();
     found.sort_unstable();
     assert_eq!(found, ALL);
@@ -71,7 +71,7 @@ fn all_figures_are_made_once_and_kept() {
     let seconds = made["figures"][4]["seconds"].clone();
     let picture = std::fs::read_to_string(folder.join("fig7.svg")).expect("a picture");
     std::fs::write(folder.join("fig7.svg"), picture.replacen("<title>", "<title>Altered: ", 1)).expect("written");
-    let again: Value = serde_json::from_str(&run_well(home.path(), &arguments)).expect("JSON");
+    let again = run_json(home.path(), &arguments);
     for (name, resumed) in figures(&again) {
         assert_eq!(resumed, name != "fig7", "{name}");
     }

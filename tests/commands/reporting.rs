@@ -3,7 +3,7 @@
 use crate::support::*;
 
 fn json(home: &Path, arguments: &[&str]) -> Value {
-    serde_json::from_str(&run_well(home, arguments)).expect("JSON")
+    run_json(home, arguments)
 }
 
 /// A value without what depends on how long the work took.
@@ -94,7 +94,7 @@ fn what_cannot_be_reported_is_refused_and_nothing_is_written() {
         ("report demo demo-later --out r.svg", 2, "name the report of several bursts .md, .html or .csv"),
         ("report demo demo-later --out r.md --at 5,5", 2, "--at: a place is one of one burst"),
     ] {
-        let told = run_badly(home.path(), &line.split(' ').collect::<Vec<_>>(), code);
+        let told = run_badly(home.path(), &args(line), code);
         assert!(told.contains(words), "{line}: {told}");
     }
     assert_eq!(names(home.path()), [""; 0]);

@@ -76,6 +76,26 @@ pub fn run_well(home: &Path, arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).expect("text")
 }
 
+/// Runs the program and expects exit code 0; returns the document on the standard output.
+pub fn run_json(home: &Path, arguments: &[&str]) -> Value {
+    serde_json::from_str(&run_well(home, arguments)).expect("JSON")
+}
+
+/// Arguments of one line.
+pub fn args(line: &str) -> Vec<&str> {
+    line.split_whitespace().collect()
+}
+
+/// Makes a chart of four small frames in the folder `home/name`.
+#[cfg(unix)]
+pub fn chart(home: &Path, name: &str) {
+    let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
+    run_well(home, &[&["synth", "chart", "--quiet", "--out", name][..], &size].concat());
+}
+
+/// Options of a quick search.
+pub const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
+
 /// Runs the program and expects exit code `code`; returns the standard error.
 pub fn run_badly(home: &Path, arguments: &[&str], code: i32) -> String {
     let output = run(home, arguments);

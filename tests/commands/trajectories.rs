@@ -2,22 +2,7 @@
 
 use crate::support::*;
 
-const SMALL: [&str; 14] = [
-    "synth",
-    "trajectory",
-    "--out",
-    "way",
-    "--width",
-    "240",
-    "--height",
-    "180",
-    "--bursts",
-    "3",
-    "--frames",
-    "5",
-    "--max-slope",
-    "2",
-];
+const SMALL: &str = "synth trajectory --out way --width 240 --height 180 --bursts 3 --frames 5 --max-slope 2";
 
 fn truth(folder: &Path) -> Value {
     let text = fs::read_to_string(folder.join("trajectory.json")).expect("a file");
@@ -27,7 +12,7 @@ fn truth(folder: &Path) -> Value {
 #[test]
 fn a_trajectory_is_bursts_gold_poses_and_a_lens() {
     let home = tempfile::tempdir().expect("a folder");
-    let text = run_well(home.path(), &SMALL);
+    let text = run_well(home.path(), &args(SMALL));
     assert!(text.contains("3 bursts of 5 frames of 240×180, 4 planes, SNR 0.30 ("), "{text}");
     let way = home.path().join("way");
     assert_eq!(names(&way), [".burstscope.json", "bursts", "gold", "lens.toml", "poses.txt", "trajectory.json"]);
@@ -51,10 +36,10 @@ fn a_trajectory_is_bursts_gold_poses_and_a_lens() {
 #[test]
 fn its_poses_and_its_lens_are_read_back() {
     let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &[&SMALL[..], &["--snr", "5"]].concat());
+    run_well(home.path(), &[&args(SMALL)[..], &["--snr", "5"]].concat());
     // The truth against itself: every pose is paired, and there are no errors.
     let poses = ["evaluate", "poses", "--estimate", "way/poses.txt", "--truth", "way/poses.txt", "--json"];
-    let report: Value = serde_json::from_str(&run_well(home.path(), &poses)).expect("JSON");
+    let report = run_json(home.path(), &poses);
     assert_eq!(report["pairs"].as_array().map(Vec::len), Some(3));
     assert!(report["absolute"]["translation"]["max"].as_f64().is_some_and(|x| x < 1e-9), "{report}");
     // An estimate that names images, as COLMAP's, is paired with the poses by the bursts' numbers.
@@ -71,13 +56,13 @@ fn its_poses_and_its_lens_are_read_back() {
     fs::write(home.path().join("model/points3D.txt"), "").expect("written");
     fs::write(home.path().join("model/cameras.txt"), "1 PINHOLE 240 180 216 216 120 90\n").expect("written");
     let poses = ["evaluate", "poses", "--estimate", "model", "--truth", "way/poses.txt", "--json"];
-    let report: Value = serde_json::from_str(&run_well(home.path(), &poses)).expect("JSON");
+    let report = run_json(home.path(), &poses);
     assert_eq!((&report["associated"], report["pairs"].as_array().map(Vec::len)), (&"time".into(), Some(3)));
     assert!(report["absolute"]["translation"]["max"].as_f64().is_some_and(|x| x < 1e-6), "{report}");
     // The lens is the camera that COLMAP's database is given.
     let colmap =
         ["colmap", "way/bursts", "--camera", "way/lens.toml", "--slopes-u", "-2:2:5", "--out", "rec", "--json"];
-    let report: Value = serde_json::from_str(&run_well(home.path(), &colmap)).expect("JSON");
+    let report = run_json(home.path(), &colmap);
     assert_eq!(report["known_camera"], true);
     assert_eq!(report["cameras"][0]["model"], "PINHOLE");
     assert_eq!(report["cameras"][0]["params"], truth(&home.path().join("way"))["camera_params"]);
@@ -96,22 +81,21 @@ fn wrong_use_says_what_would_be_right() {
         (&["--planes", "99"], "--planes: 99 planes; give 1 to 16"),
         (&["--motion", "3d"], "1d, 2d"),
     ] {
-        let error = run_badly(home.path(), &[&SMALL[..8], arguments].concat(), 2);
+        let error = run_badly(home.path(), &[&args(SMALL)[..8], arguments].concat(), 2);
         assert!(error.contains(words), "{arguments:?}: {error}");
     }
     fs::create_dir(home.path().join("way")).expect("made");
     fs::write(home.path().join("way/thesis.txt"), "precious").expect("written");
-    assert!(run_badly(home.path(), &SMALL, 1).contains("way"));
+    assert!(run_badly(home.path(), &args(SMALL), 1).contains("way"));
     assert_eq!(names(&home.path().join("way")), ["thesis.txt"]);
 }
 
 #[test]
 fn methods_are_compared_on_a_trajectory() {
     let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &[&SMALL[..], &["--snr", "1"]].concat());
+    run_well(home.path(), &[&args(SMALL)[..], &["--snr", "1"]].concat());
     let study = ["evaluate", "matches", "way/bursts", "--gold", "way/gold"];
-    let report: Value =
-        serde_json::from_str(&run_well(home.path(), &[&study[..], &["--json"]].concat())).expect("JSON");
+    let report = run_json(home.path(), &[&study[..], &["--json"]].concat());
     let rows = report["methods"].as_array().expect("rows");
     let methods: Vec<&str> = rows.iter().filter_map(|row| row["method"].as_str()).collect();
     // Without a range of slopes each burst's are found.

@@ -246,8 +246,7 @@ fn damaged_jpegs_are_taken_on_demand_and_named_in_the_report() {
     let accepting = [&arguments[..], &["--accept-damaged"]].concat();
     let words = run_well(home.path(), &accepting);
     assert!(words.contains("1 of 4 frames are damaged") && words.contains("2.jpg"), "{words}");
-    let json = run_well(home.path(), &[&accepting[..], &["--json"]].concat());
-    let json: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let json = run_json(home.path(), &[&accepting[..], &["--json"]].concat());
     assert_eq!(json["bursts"][0]["damaged_frames"], serde_json::json!(["2.jpg"]));
 }
 
