@@ -5,7 +5,7 @@ use image::{ImageBuffer, Luma};
 
 /// Ten-bit frames of noise with strong fixed spots, and the spots alone.
 fn spotted(home: &Path) {
-    std::fs::create_dir(home.join("night")).expect("made");
+    fs::create_dir(home.join("night")).expect("made");
     let spot = |u: u32, v: u32| {
         let (du, dv) = ((u % 20).abs_diff(10), (v % 20).abs_diff(10));
         if du * du + dv * dv < 10 { 900u16 } else { 300 }
@@ -24,7 +24,7 @@ fn spotted(home: &Path) {
     picture(&mut || 32).save(home.join("bias.png")).expect("written");
 }
 
-fn features(home: &Path, options: &[&str]) -> (u64, serde_json::Value) {
+fn features(home: &Path, options: &[&str]) -> (u64, Value) {
     let search = args("detect night --out found --json --slopes-u -1:1:3 --noise-model white --noise-gate 4");
     let json = run_json(home, &[&search, options].concat());
     (json["bursts"][0]["features"].as_u64().expect("a number"), json["bursts"][0].clone())
@@ -91,11 +91,11 @@ fn colmap_gets_the_masks_and_a_changed_mask_changes_its_burst_alone() {
     half(home.path());
     let at = |name: &str| home.path().join(name);
     for burst in ["a", "b"] {
-        std::fs::create_dir_all(at(&format!("nights/{burst}"))).expect("made");
-        std::fs::create_dir_all(at(&format!("masks/{burst}"))).expect("made");
+        fs::create_dir_all(at(&format!("nights/{burst}"))).expect("made");
+        fs::create_dir_all(at(&format!("masks/{burst}"))).expect("made");
         for t in 0..6 {
-            std::fs::copy(at(&format!("night/{t}.png")), at(&format!("nights/{burst}/{t}.png"))).expect("copied");
-            std::fs::copy(at("half.png"), at(&format!("masks/{burst}/{t}.png.png"))).expect("copied");
+            fs::copy(at(&format!("night/{t}.png")), at(&format!("nights/{burst}/{t}.png"))).expect("copied");
+            fs::copy(at("half.png"), at(&format!("masks/{burst}/{t}.png.png"))).expect("copied");
         }
     }
     let search = ["--slopes-u", "-1:1:3", "--noise-gate", "4", "--octaves", "2", "--mask", "masks", "--json"];
@@ -116,7 +116,7 @@ fn colmap_gets_the_masks_and_a_changed_mask_changes_its_burst_alone() {
 #[test]
 fn pictures_for_screens_are_said_to_be_so() {
     let home = tempfile::tempdir().expect("a folder");
-    std::fs::create_dir(home.path().join("night")).expect("made");
+    fs::create_dir(home.path().join("night")).expect("made");
     for t in 0..3u8 {
         let picture =
             image::RgbImage::from_fn(64, 48, |u, v| image::Rgb([(3 * u + t as u32) as u8, (2 * v) as u8, 90]));
@@ -127,7 +127,7 @@ fn pictures_for_screens_are_said_to_be_so() {
     assert!(text.contains("encoded for screens (sRGB)") && text.contains("--linearise"), "{text}");
     let text = run_well(home.path(), &[&search[..], &["--linearise"]].concat());
     assert!(!text.contains("sRGB"), "{text}");
-    std::fs::write(home.path().join("film.mp4"), b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2").expect("written");
+    fs::write(home.path().join("film.mp4"), b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2").expect("written");
     // Without a decoder of films on this machine.
     let mut detect = program(home.path(), &["detect", "film.mp4", "--out", "found"]);
     let output = detect.env("PATH", home.path()).output().expect("it starts");
@@ -147,7 +147,7 @@ fn info_says_what_an_input_is_and_a_dump_is_searched_as_it_says() {
         let frame = image::open(home.path().join(format!("night/{t}.png"))).expect("opens").into_luma16();
         dump.extend(frame.as_raw().iter().flat_map(|value| value.to_be_bytes()));
     }
-    std::fs::write(home.path().join("night.raw"), dump).expect("written");
+    fs::write(home.path().join("night.raw"), dump).expect("written");
     let said = run_badly(home.path(), &["info", "night.raw"], 1);
     assert!(said.contains("--raw WIDTHxHEIGHT:TYPE") && said.contains("night.raw"), "{said}");
     let shape = ["--raw", "160x120:u16be+5"];
@@ -160,13 +160,13 @@ fn info_says_what_an_input_is_and_a_dump_is_searched_as_it_says() {
     let stack = |input: &str, options: &[&str]| {
         let arguments = ["stack", input, "--slope", "0,0", "--out", "stack.tiff", "--force", "--quiet"];
         run_well(home.path(), &[&arguments, options].concat());
-        std::fs::read(home.path().join("stack.tiff")).expect("written")
+        fs::read(home.path().join("stack.tiff")).expect("written")
     };
     assert!(stack("night", &[]) == stack("night.raw", &shape), "the same frames have the same stack");
     let part = stack("night.raw", &[&shape[..], &["--take", "2..5"]].concat());
     assert!(part == stack("night", &["--frames", "2..5"]), "a part has the stack of its frames");
     // A recording of any length is described, and a part of it opens.
-    std::fs::write(home.path().join("long.raw"), vec![9; 5000 * 400]).expect("written");
+    fs::write(home.path().join("long.raw"), vec![9; 5000 * 400]).expect("written");
     let long = ["long.raw", "--raw", "20x20:u8"];
     let text = run_well(home.path(), &[&["info"], &long[..]].concat());
     assert!(text.contains("5000 frames") && text.contains("take a part, such as --take 0..10"), "{text}");

@@ -14,14 +14,14 @@ fn the_demo_gives_features_in_all_formats() {
     assert!(text.contains(&format!("features  {}", rows.len())), "{text}");
     assert!(text.contains("by slope") && text.contains("the same blob as a stronger one"), "{text}");
 
-    let colmap = std::fs::read_to_string(out.join("demo.txt")).expect("a file");
+    let colmap = fs::read_to_string(out.join("demo.txt")).expect("a file");
     let mut lines = colmap.lines();
     assert_eq!(lines.next(), Some(format!("{} 128", rows.len()).as_str()));
     let first: Vec<f64> = lines.next().expect("a feature").split(' ').map(|x| x.parse().expect("a number")).collect();
     assert_eq!(first.len(), 4 + 128);
     assert!((first[0] - rows[0][0] - 0.5).abs() < 1e-3, "COLMAP's first pixel centre is at 0.5");
 
-    let mut npz = NpzReader::new(std::fs::File::open(out.join("demo.npz")).expect("a file")).expect("an archive");
+    let mut npz = NpzReader::new(fs::File::open(out.join("demo.npz")).expect("a file")).expect("an archive");
     let array: ndarray::Array2<f32> = npz.by_name("features").expect("an array");
     let descriptors: ndarray::Array2<u8> = npz.by_name("descriptors").expect("an array");
     assert_eq!((array.dim(), descriptors.dim()), ((rows.len(), 17), (rows.len(), 128)));
@@ -77,10 +77,7 @@ fn nothing_found_and_slopes_that_do_not_fit_are_explained() {
     let text = run_well(home.path(), &beside);
     assert!(text.contains("try --slopes-u 0:0:1\n"), "{text}");
     let fits = report(&["detect", "still", "--slopes-u", "0:0:1", "--out", "found"]);
-    assert_eq!(
-        (&fits["slopes_judged"]["advice"], &fits["advice"]),
-        (&serde_json::Value::Null, &serde_json::Value::Null)
-    );
+    assert_eq!((&fits["slopes_judged"]["advice"], &fits["advice"]), (&Value::Null, &Value::Null));
 }
 
 #[test]
@@ -90,7 +87,7 @@ fn json_is_one_document_that_agrees_with_the_files() {
         home.path(),
         &["detect", "demo", "--out", "found", "--json", "--noise-gate", "6", "--slopes-u", "-3:3:7"],
     );
-    let json: serde_json::Value = serde_json::from_str(&text).expect("one JSON document");
+    let json: Value = serde_json::from_str(&text).expect("one JSON document");
     let burst = &json["bursts"][0];
     let rows = features(&home.path().join("found").join("demo.csv"));
     assert_eq!(burst["features"], rows.len());
@@ -104,7 +101,7 @@ fn json_is_one_document_that_agrees_with_the_files() {
     let rejected: u64 = tally["rejected"].as_object().expect("a map").values().filter_map(|x| x.as_u64()).sum();
     assert_eq!(rejected + tally["kept"].as_u64().expect("a count"), tally["samples"].as_u64().expect("a count"));
     assert!(burst["times"]["search_secs"].as_f64().expect("a time") > 0.0);
-    assert_eq!(burst["files"]["csv"], std::path::Path::new("found").join("demo.csv").to_str().expect("text"));
+    assert_eq!(burst["files"]["csv"], Path::new("found").join("demo.csv").to_str().expect("text"));
 }
 
 #[test]
@@ -112,7 +109,7 @@ fn the_number_of_threads_changes_nothing() {
     let home = tempfile::tempdir().expect("a folder");
     run_well(home.path(), &["detect", "demo", "--out", "one", "--threads", "1"]);
     run_well(home.path(), &["detect", "demo", "--out", "three", "--threads", "3"]);
-    let read = |name: &str| std::fs::read(home.path().join(name).join("demo.csv")).expect("a file");
+    let read = |name: &str| fs::read(home.path().join(name).join("demo.csv")).expect("a file");
     assert_eq!(read("one"), read("three"));
 }
 
@@ -149,7 +146,7 @@ fn wrong_use_is_2_and_says_what_would_be_right() {
 #[test]
 fn failures_are_1_and_name_the_file() {
     let home = tempfile::tempdir().expect("a folder");
-    std::fs::write(home.path().join("a file"), "no picture").expect("written");
+    fs::write(home.path().join("a file"), "no picture").expect("written");
     let cases: [(&[&str], &str); 6] = [
         (&["detect", "no such folder", "--out", "x"], "no such folder"),
         (&["detect", "a file", "--out", "x"], "a file"),
@@ -169,7 +166,7 @@ fn failures_are_1_and_name_the_file() {
 fn slopes_are_found_unless_they_are_given() {
     let home = tempfile::tempdir().expect("a folder");
     let few = ["--octaves", "3", "--max-features", "200"];
-    let json = |more: &[&str]| -> serde_json::Value {
+    let json = |more: &[&str]| -> Value {
         let text = run_well(home.path(), &[&["detect", "demo", "--out", "found", "--json"], &few[..], more].concat());
         serde_json::from_str(&text).expect("one JSON document")
     };
@@ -194,7 +191,7 @@ fn slopes_are_found_unless_they_are_given() {
     let sift = json(&["--method", "sift"]);
     assert!(sift["bursts"][0]["slopes_found"].is_null(), "nothing is searched");
 
-    std::fs::write(home.path().join("auto.toml"), "slopes = \"auto\"\noctaves = 2\n").expect("written");
+    fs::write(home.path().join("auto.toml"), "slopes = \"auto\"\noctaves = 2\n").expect("written");
     let text = run_well(home.path(), &["detect", "demo", "--out", "found", "--params", "auto.toml"]);
     assert!(text.contains("slopes    found: u ") && text.contains("of what is seen agrees"), "{text}");
 }
@@ -208,7 +205,7 @@ fn a_parameter_file_is_read_and_options_override_it() {
         max_features: 50,
         ..Default::default()
     };
-    std::fs::write(home.path().join("p.toml"), params.to_toml()).expect("written");
+    fs::write(home.path().join("p.toml"), params.to_toml()).expect("written");
     let json = run_json(
         home.path(),
         &["detect", "demo", "--out", "found", "--json", "--params", "p.toml", "--max-features", "20"],
@@ -216,7 +213,7 @@ fn a_parameter_file_is_read_and_options_override_it() {
     let read: burstscope::DetectorParams = serde_json::from_value(json["params"].clone()).expect("parameters");
     assert_eq!(read, burstscope::DetectorParams { max_features: 20, ..params.at_given() });
     assert_eq!(features(&home.path().join("found").join("demo.csv")).len(), 20);
-    std::fs::write(home.path().join("bad.toml"), "peak_treshold = 1.0").expect("written");
+    fs::write(home.path().join("bad.toml"), "peak_treshold = 1.0").expect("written");
     let error = run_badly(home.path(), &["detect", "demo", "--out", "x", "--params", "bad.toml"], 2);
     assert!(error.contains("bad.toml") && error.contains("peak_treshold"), "{error}");
 }
@@ -234,7 +231,7 @@ fn a_broken_burst_does_not_stop_the_others() {
             ],
         );
     }
-    std::fs::write(home.path().join("nights/b/frame_004.png"), "broken").expect("written");
+    fs::write(home.path().join("nights/b/frame_004.png"), "broken").expect("written");
     let output = run(home.path(), &["detect", "nights", "gone", "demo", "--out", "found"]);
     assert_eq!(output.status.code(), Some(1));
     let (text, error) = (String::from_utf8_lossy(&output.stdout), stderr(&output));
@@ -242,7 +239,7 @@ fn a_broken_burst_does_not_stop_the_others() {
     assert!(text.contains("3 of 5 bursts done"), "{text}");
     assert_eq!(names(&home.path().join("found")), ["a.csv", "c.csv", "demo.csv"]);
     let output = run(home.path(), &["detect", "nights", "--out", "again", "--json"]);
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON in spite of the failure");
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON in spite of the failure");
     assert_eq!((json["bursts"].as_array().map(Vec::len), &json["failures"][0]["name"]), (Some(2), &"b".into()));
 }
 

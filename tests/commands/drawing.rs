@@ -10,7 +10,7 @@ use burstscope::synth::demo_burst;
 use std::path::Component;
 
 fn read_tiff(path: &Path) -> ((u32, u32), Vec<f32>) {
-    let file = std::io::BufReader::new(std::fs::File::open(path).expect("a file"));
+    let file = std::io::BufReader::new(fs::File::open(path).expect("a file"));
     let mut decoder = tiff::decoder::Decoder::new(file).expect("a TIFF");
     let size = decoder.dimensions().expect("a size");
     match decoder.read_image().expect("an image") {
@@ -42,7 +42,7 @@ fn the_field_of_motion_as_pfm_is_replaced_only_on_request() {
     let home = tempfile::tempdir().expect("a folder");
     let line = ["stack", "demo", "--slopes-u=-3:3:7", "--field", "--out", "field.pfm"];
     run_well(home.path(), &line);
-    let bytes = std::fs::read(home.path().join("field.pfm")).expect("written");
+    let bytes = fs::read(home.path().join("field.pfm")).expect("written");
     let samples = bytes.strip_prefix(b"PF\n480 360\n-1.0\n").expect("a header");
     assert_eq!(samples.len(), 480 * 360 * 3 * 4);
     // The street moves to the left and the moon to the right; the last row comes first.
@@ -96,7 +96,7 @@ fn render_draws_the_window() {
 #[test]
 fn what_was_done_in_a_window_is_done_again_and_drawn() {
     let home = tempfile::tempdir().expect("a folder");
-    let play = |did: &str| std::fs::write(home.path().join("did.toml"), format!("version = 1\ndid = [\n{did}\n]\n"));
+    let play = |did: &str| fs::write(home.path().join("did.toml"), format!("version = 1\ndid = [\n{did}\n]\n"));
     let arguments = ["render", "--play", "did.toml", "--out", "x.png", "--size", "600x400"];
     play("[{ do = \"auto_detect\" }],\n[{ open = [\"a\", \"demo\"] }],\n[{ set_slope = [0, { u = 2.0, v = 0.0 }] }],")
         .expect("written");
@@ -134,7 +134,7 @@ fn what_was_opened_by_a_path_relative_to_one_folder_is_done_again_from_another()
     let mut journal = Journal::default();
     journal.take(&Action::Open(Side::A, BurstSource::Paths(vec![relative])), false);
     let elsewhere = tempfile::tempdir().expect("a folder");
-    std::fs::write(elsewhere.path().join("did.toml"), journal.to_toml()).expect("written");
+    fs::write(elsewhere.path().join("did.toml"), journal.to_toml()).expect("written");
     run_well(elsewhere.path(), &["render", "--play", "did.toml", "--out", "x.png", "--size", "600x400"]);
     assert_eq!(image::open(elsewhere.path().join("x.png")).expect("a picture").width(), 600);
 }
@@ -171,7 +171,7 @@ fn without_a_display_the_window_becomes_a_picture_and_a_table() {
 fn a_damaged_case_is_said_where_the_burst_is_opened() {
     let home = tempfile::tempdir().expect("a folder");
     for name in ["damaged.burstcase", "damaged.npy"] {
-        std::fs::write(home.path().join(name), b"PK\x03\x04 and no more").expect("written");
+        fs::write(home.path().join(name), b"PK\x03\x04 and no more").expect("written");
         let output = program(home.path(), &[name]).output().expect("it starts");
         let text = String::from_utf8_lossy(&output.stdout);
         assert!(text.contains("There is no display here"), "{name}: {text}");

@@ -86,7 +86,7 @@ fn names_that_are_no_text_work_everywhere() {
         let output = run_os(home.path(), &arguments);
         assert_eq!(output.status.code(), Some(0), "{arguments:?}: {}", stderr(&output));
         if arguments.contains(&os("--json")) {
-            let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+            let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
             assert!(json.to_string().contains("\\\\xFF"), "{arguments:?}: {json}");
         }
     }
@@ -402,7 +402,7 @@ fn memory_that_is_refused_is_said() {
     // A stack of two frames of 1 GiB each, as a sparse file.
     let header = "{'descr': '<f4', 'fortran_order': False, 'shape': (2, 16384, 16384), }";
     let header = format!("{header:117}\n");
-    let mut file = std::fs::File::create(home.path().join("large.npy")).expect("made");
+    let mut file = fs::File::create(home.path().join("large.npy")).expect("made");
     file.write_all(b"\x93NUMPY\x01\x00").expect("written");
     file.write_all(&(header.len() as u16).to_le_bytes()).expect("written");
     file.write_all(header.as_bytes()).expect("written");
@@ -416,15 +416,15 @@ fn memory_that_is_refused_is_said() {
         ("synth scene --width 16384 --height 16384 --frames 2 --max-slope 1 --out scene", refused, "MiB"),
     ] {
         let script = format!("ulimit -v 1000000; exec '{program}' {arguments}");
-        let output = std::process::Command::new("sh")
+        let output = Command::new("sh")
             .args(["-c", &script])
             .current_dir(home.path())
             .envs([("RAYON_NUM_THREADS", "2"), ("BURSTSCOPE_DEFAULTS", "")])
             .output()
             .expect("it runs");
-        let words = super::support::stderr(&output);
+        let words = stderr(&output);
         assert_eq!(output.status.code(), Some(1), "{arguments}: {words}");
         assert!(words.contains(words_of) && words.contains(named), "{arguments}: {words}");
     }
-    assert_eq!(super::support::names(home.path()), ["large.npy"]);
+    assert_eq!(names(home.path()), ["large.npy"]);
 }

@@ -10,13 +10,13 @@ fn written(home: &Path, command: &[&str], option: &str) -> (Vec<Vec<String>>, St
     for (ending, start) in FORMATS {
         let file = format!("x.{ending}");
         let said = run_well(home, &[command, &[option, &file]].concat());
-        let bytes = std::fs::read(home.join(&file)).expect("written");
+        let bytes = fs::read(home.join(&file)).expect("written");
         assert!(said.contains(&format!("wrote {file}")) && bytes.starts_with(start), "{command:?} {file}");
         // A table has no mark, and is known by its header; what is not the program's stays.
         if ending == "csv" {
             run_well(home, &[command, &[option, &file]].concat());
         }
-        std::fs::write(home.join(format!("mine.{ending}")), "mine\n").expect("written");
+        fs::write(home.join(format!("mine.{ending}")), "mine\n").expect("written");
         run_badly(home, &[command, &[option, &format!("mine.{ending}")]].concat(), 1);
     }
     for wrong in ["x.gif", "x"] {
@@ -24,7 +24,7 @@ fn written(home: &Path, command: &[&str], option: &str) -> (Vec<Vec<String>>, St
         assert!(error.contains("end the name in .pdf, .svg, .png, .csv or .tex"), "{error}");
         assert!(!names(home).contains(&wrong.to_owned()));
     }
-    let read = |file: &str| std::fs::read_to_string(home.join(file)).expect("text");
+    let read = |file: &str| fs::read_to_string(home.join(file)).expect("text");
     let svg = read("x.svg");
     roxmltree::Document::parse(&svg).expect("sound XML");
     let cells = |line: &str| {
@@ -157,8 +157,8 @@ fn the_tables_of_matches_and_poses_are_of_every_kind_and_have_their_numbers() {
     }
 
     let poses = "0 0 0 0 0 0 0 1\n1 1 0 0 0 0 0 1\n2 2 0.5 0 0 0 0 1\n3 3 0 1 0 0 0 1\n";
-    std::fs::write(home.path().join("truth.txt"), poses).expect("written");
-    std::fs::write(home.path().join("found.txt"), poses.replace("2 2 0.5", "2 2 0.4")).expect("written");
+    fs::write(home.path().join("truth.txt"), poses).expect("written");
+    fs::write(home.path().join("found.txt"), poses.replace("2 2 0.5", "2 2 0.4")).expect("written");
     let poses = ["evaluate", "poses", "--estimate", "found.txt", "--truth", "truth.txt"];
     let (rows, latex) = written(home.path(), &poses, "--table");
     let report = run_json(home.path(), &[&poses[..], &["--json"]].concat());

@@ -65,7 +65,7 @@ fn no_pipe_is_waited_for() {
     let pipe = |name: &str| {
         assert!(Command::new("mkfifo").arg(home.path().join(name)).status().expect("mkfifo runs").success());
     };
-    let folder = |name: &str| std::fs::create_dir_all(home.path().join(name)).expect("made");
+    let folder = |name: &str| fs::create_dir_all(home.path().join(name)).expect("made");
     folder("bag");
     ["bag/metadata.yaml", "a.burstcase", "a.toml", "times.csv", "a.csv"].iter().for_each(|name| pipe(name));
     for left in ["out/.burstscope-abcdef.tmp", "out/.burstscope-lock.tmp"] {
@@ -79,7 +79,7 @@ fn no_pipe_is_waited_for() {
     pipe("taken/.burstscope-lock");
     let list =
         "version = 1\ndid = [[{ open = [\"a\", \"demo-tripod\"] }], [{ open_features = [\"a\", \"./a.csv\"] }]]\n";
-    std::fs::write(home.path().join("list.toml"), list).expect("written");
+    fs::write(home.path().join("list.toml"), list).expect("written");
     let commands = [
         ("info bag", Some(1)),
         ("detect bag --out found", None),
@@ -103,7 +103,7 @@ fn no_pipe_is_waited_for() {
 #[test]
 fn a_picture_of_a_file_without_header_says_what_is_missing() {
     let home = tempfile::tempdir().expect("a folder");
-    std::fs::write(home.path().join("x.raw"), [7; 4096]).expect("written");
+    fs::write(home.path().join("x.raw"), [7; 4096]).expect("written");
     let expected = run_badly(home.path(), &["detect", "x.raw", "--out", "o"], 1);
     let words = expected.split("error: ").nth(1).and_then(|error| error.split_once(": ")).expect("an error").1;
     let running = program(home.path(), &["render", "x.raw", "--out", "r.png"])
@@ -141,7 +141,7 @@ fn a_list_that_is_played_writes_nothing_but_the_picture() {
         let list = format!(
             "version = 1\ndid = [\n[{{ open_dataset = {{ paths = [\"./ds\"] }} }}],\n[{{ use_feature_folder = \"./victim\" }}],\n[{action}],\n]\n"
         );
-        std::fs::write(home.path().join("list.toml"), list).expect("written");
+        fs::write(home.path().join("list.toml"), list).expect("written");
         let error = run_badly(home.path(), &["render", "--play", "list.toml", "--out", "a.png"], 2);
         assert!(error.contains("detect_all") && error.contains("writes files"), "{error}");
         assert_eq!(names(home.path()), ["ds", "list.toml"]);
@@ -176,22 +176,22 @@ fn names_are_one_word_for_a_shell_and_one_line_for_people() {
     for (start, tool) in [(&b"\x1f\x8b"[..], "gunzip"), (b"\x89HDF\r\n\x1a\n", "python3"), (b"ZISRAWFILE", "bfconvert")]
     {
         let name = format!("{odd}.x");
-        std::fs::write(home.path().join(&name), [start, &[0; 64]].concat()).expect("written");
+        fs::write(home.path().join(&name), [start, &[0; 64]].concat()).expect("written");
         let error = run_badly(home.path(), &["info", &name], 1);
         assert!(error.contains(tool) && error.contains(&shell_word(&name)), "{error}");
-        std::fs::remove_file(home.path().join(&name)).expect("removed");
+        fs::remove_file(home.path().join(&name)).expect("removed");
     }
     // What a terminal reads as a command, and a line feed, are written out.
     let name = "a\u{1b}[31m\u{9b}2J\r.png";
-    std::fs::write(home.path().join(name), "no picture").expect("written");
+    fs::write(home.path().join(name), "no picture").expect("written");
     let text = run_badly(home.path(), &["info", name], 1);
     assert!(text.contains("a\\u{1b}[31m\\u{9b}2J\\u{d}.png") && !text.contains(['\u{1b}', '\u{9b}', '\r']), "{text}");
     let name = "a\nerror: all is lost.png";
     image::GrayImage::from_pixel(9, 9, image::Luma([9])).save(home.path().join("a.png")).expect("saved");
-    std::fs::rename(home.path().join("a.png"), home.path().join(name)).expect("renamed");
+    fs::rename(home.path().join("a.png"), home.path().join(name)).expect("renamed");
     let text = run_well(home.path(), &["info", name]);
     assert!(text.contains("a\\u{a}error") && !text.contains("\nerror"), "{text}");
-    std::fs::write(home.path().join(name), "no picture").expect("written");
+    fs::write(home.path().join(name), "no picture").expect("written");
     let text = run_badly(home.path(), &["info", name], 1);
     assert!(text.contains("a\\u{a}error") && !text.contains("\nerror"), "{text}");
 }

@@ -34,7 +34,7 @@ fn probe_of_a_feature_is_that_of_its_place_and_draws_it() {
     let home = tempfile::tempdir().expect("a folder");
     let line = ["--slopes-u", "-3:3:13", "--quiet"];
     run_well(home.path(), &[&["probe", "demo", "--feature", "0", "--plot", "deep/why.svg"], &line[..]].concat());
-    let svg = std::fs::read_to_string(home.path().join("deep/why.svg")).expect("a figure");
+    let svg = fs::read_to_string(home.path().join("deep/why.svg")).expect("a figure");
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
     // The map, the slice, and a patch for each of ten frames.
@@ -129,7 +129,7 @@ fn slopes_has_the_features_of_garlands_a_period_away_and_draws_them() {
     let at_alias = text.lines().find_map(|line| line.trim().strip_prefix("−7 ")).expect("a row of the slope");
     let features = at_alias.split_whitespace().next().and_then(|count| count.parse::<usize>().ok());
     assert!(features.is_some_and(|count| count >= 10), "{text}");
-    let svg = std::fs::read_to_string(home.path().join("garlands.svg")).expect("a figure");
+    let svg = fs::read_to_string(home.path().join("garlands.svg")).expect("a figure");
     assert!(roxmltree::Document::parse(&svg).is_ok() && svg.contains("1 176 features at 37 slopes"), "{svg}");
 }
 

@@ -6,7 +6,7 @@ use crate::support::*;
 /// Signals that ask a program to end. Where the tests themselves were started with SIGHUP ignored, the program ignores
 /// it too; a line says so.
 fn signals() -> Vec<&'static str> {
-    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let status = fs::read_to_string("/proc/self/status").unwrap_or_default();
     let ignored = status.lines().find_map(|line| u64::from_str_radix(line.strip_prefix("SigIgn:")?.trim(), 16).ok());
     if ignored.is_some_and(|mask| mask & 1 == 0) {
         vec!["-INT", "-TERM", "-HUP"]
@@ -157,10 +157,10 @@ fn work_on_a_film_stops_also_where_ffmpeg_hangs() {
     use std::os::unix::fs::PermissionsExt;
     let home = tempfile::tempdir().expect("a folder");
     let at = |name: &str| home.path().join(name);
-    std::fs::create_dir(at("bin")).expect("made");
-    std::fs::write(at("bin/ffmpeg"), "#!/bin/sh\n: > started\nsleep 600\necho late\n").expect("written");
-    std::fs::set_permissions(at("bin/ffmpeg"), std::fs::Permissions::from_mode(0o755)).expect("a program");
-    std::fs::write(at("a.mp4"), b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2").expect("written");
+    fs::create_dir(at("bin")).expect("made");
+    fs::write(at("bin/ffmpeg"), "#!/bin/sh\n: > started\nsleep 600\necho late\n").expect("written");
+    fs::set_permissions(at("bin/ffmpeg"), fs::Permissions::from_mode(0o755)).expect("a program");
+    fs::write(at("a.mp4"), b"\0\0\0\x18ftypisom\0\0\x02\0isomiso2").expect("written");
     let path = format!("{}:{}", at("bin").display(), std::env::var("PATH").expect("a path"));
     let commands: [&[&str]; 4] = [
         &["film", "demo", "--sweep", "frames", "--no-features", "--out", "x.mp4"],
@@ -173,14 +173,14 @@ fn work_on_a_film_stops_also_where_ffmpeg_hangs() {
             let mut command = program(home.path(), arguments);
             let child =
                 command.env("PATH", &path).stdout(Stdio::null()).stderr(Stdio::null()).spawn().expect("it starts");
-            let begun = std::time::Instant::now();
+            let begun = Instant::now();
             while !at("started").exists() {
                 assert!(begun.elapsed() < Duration::from_secs(120), "{arguments:?} starts no ffmpeg");
                 std::thread::sleep(Duration::from_millis(2));
             }
             send(signal, child.id());
             assert_eq!(ended(child).status.code(), Some(130), "{arguments:?} {signal}");
-            std::fs::remove_file(at("started")).expect("removed");
+            fs::remove_file(at("started")).expect("removed");
             let left = names(home.path());
             assert!(left.iter().all(|name| ["a.mp4", "bin", "found"].contains(&name.as_str())), "{left:?}");
         }
@@ -193,7 +193,7 @@ fn an_mp4_without_ffmpeg_or_with_one_that_fails_is_an_error_with_its_words() {
     use std::os::unix::fs::PermissionsExt;
     let home = tempfile::tempdir().expect("a folder");
     let bin = home.path().join("bin");
-    std::fs::create_dir(&bin).expect("made");
+    fs::create_dir(&bin).expect("made");
     let film = ["film", "demo", "--sweep", "frames", "--no-features", "--out", "x.mp4"];
     let fails = || {
         let output = program(home.path(), &film).env("PATH", &bin).output().expect("it starts");
@@ -206,8 +206,8 @@ fn an_mp4_without_ffmpeg_or_with_one_that_fails_is_an_error_with_its_words() {
     assert!(!words.contains("pictures of"), "before any picture is made: {words}");
     // The pictures meet a closed pipe.
     let script = "#!/bin/sh\nexec 0<&-\necho 'a first line' >&2\necho 'no room for it' >&2\nexit 1\n";
-    std::fs::write(bin.join("ffmpeg"), script).expect("written");
-    std::fs::set_permissions(bin.join("ffmpeg"), std::fs::Permissions::from_mode(0o755)).expect("a program");
+    fs::write(bin.join("ffmpeg"), script).expect("written");
+    fs::set_permissions(bin.join("ffmpeg"), fs::Permissions::from_mode(0o755)).expect("a program");
     let words = fails();
     assert!(words.contains("says: no room for it") && words.contains("x.mp4"), "{words}");
 }

@@ -245,7 +245,7 @@ fn the_content_decides_when_it_is_asked_for() {
     let record = home.path().join("rec/records/a.png.json");
     // As if the frame had changed, with length and times unchanged.
     let text = fs::read_to_string(&record).expect("a record");
-    let mut json: serde_json::Value = serde_json::from_str(&text).expect("JSON");
+    let mut json: Value = serde_json::from_str(&text).expect("JSON");
     json["files"][1]["crc32"] = serde_json::json!(1);
     fs::write(&record, json.to_string()).expect("written");
     assert_eq!(resumed(home.path(), &[]), [true, true]);
@@ -310,7 +310,7 @@ fn what_several_runs_have_found_is_gathered() {
     assert_eq!(text.matches("from an earlier run").count(), 3, "{text}");
     same(&home.path().join("all"), &made(&home.path().join("whole")), "gathered");
     let manifest = fs::read_to_string(home.path().join("all/manifest.json")).expect("a manifest");
-    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    let manifest: Value = serde_json::from_str(&manifest).expect("JSON");
     assert_eq!(manifest["claims"]["settings"]["export"]["pairs"], "all", "{manifest}");
     // A burst that is not taken is named with the reason, on the standard error and in the JSON.
     let gather = |more: &[&str]| run(home.path(), &[&["colmap", "nights"][..], &search, more].concat());
@@ -326,7 +326,7 @@ fn what_several_runs_have_found_is_gathered() {
         "{words}"
     );
     assert!(words.contains("--gather film: it holds none of these bursts"), "{words}");
-    let json: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
+    let json: Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(json["gathered"]["brought"], serde_json::json!([]));
     assert_eq!(json["gathered"]["left_out"][1]["burst"], "b");
     assert!(json["gathered"]["left_out"][1]["reason"].as_str().is_some_and(|why| why.contains("edge-threshold")));

@@ -221,7 +221,7 @@ fn any_number_of_a_session_is_refused_by_its_name_or_does_no_harm() {
     // The program says the file's name too, and draws nothing.
     let home = tempfile::tempdir().expect("a folder");
     let wide = text.replacen("smoothing_px = 1.5", "smoothing_px = 1e9", 1);
-    std::fs::write(home.path().join("wide.burstscope.toml"), wide).expect("written");
+    fs::write(home.path().join("wide.burstscope.toml"), wide).expect("written");
     let words = run_badly(home.path(), &["render", "wide.burstscope.toml", "--out", "a.png"], 1);
     assert!(words.contains("wide.burstscope.toml") && words.contains("smoothing_px: 1000000000"), "{words}");
 }
@@ -244,7 +244,7 @@ fn a_session_of_absurd_numbers_is_drawn() {
                 all = next;
             }
         }
-        std::fs::write(home.path().join("a.burstscope.toml"), toml::to_string(&all).expect("plain values"))
+        fs::write(home.path().join("a.burstscope.toml"), toml::to_string(&all).expect("plain values"))
             .expect("written");
         let arguments =
             ["render", "a.burstscope.toml", "--out", "a.png", "--force", "--size", "900x600", "--timeout", "60"];

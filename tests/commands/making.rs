@@ -4,7 +4,7 @@ use crate::support::*;
 use burstscope::synth::{FeatureTruth, Motion, Truth, TruthKind, synth_chart};
 
 fn truth(folder: &Path) -> Truth {
-    serde_json::from_str(&std::fs::read_to_string(folder.join("truth.json")).expect("a file")).expect("a truth")
+    serde_json::from_str(&fs::read_to_string(folder.join("truth.json")).expect("a file")).expect("a truth")
 }
 
 #[test]
@@ -35,7 +35,7 @@ fn a_chart_opens_again_with_the_very_same_values() {
     let (made, known) = synth_chart(&params, &Monitor::default()).expect("a chart");
     let opened = Burst::open(&folder).expect("it opens");
     assert_eq!(opened.frames, made.frames);
-    let written = std::fs::read_to_string(folder.join("truth.json")).expect("a file");
+    let written = fs::read_to_string(folder.join("truth.json")).expect("a file");
     assert_eq!(written.trim_end(), serde_json::to_string_pretty(&known).expect("valid"));
     assert_eq!((known.kind, known.noise.and_then(|n| n.snr)), (TruthKind::Chart, Some(1.5)));
 }
@@ -54,7 +54,7 @@ fn a_light_field_opens_again_by_its_names_with_its_truth() {
     let text = run_well(home.path(), &["info", "field"]);
     assert!(text.contains("views   5 rows × 4 columns"), "{text}");
     run_well(home.path(), &["detect", "field", "--out", "found"]);
-    let rows = super::support::features(&home.path().join("found/field.csv"));
+    let rows = features(&home.path().join("found/field.csv"));
     let found = known.features.iter().filter(|disc| {
         rows.iter().any(|row| {
             (row[0] - disc.u).hypot(row[1] - disc.v) < 1.0 && (row[4] - disc.slope_u).abs() < 0.1 && row[5] == 0.0
@@ -82,14 +82,14 @@ fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
         run_well(home.path(), &args(&line))
     };
     let answers = |folder: &str, known: &Truth| {
-        let rows = super::support::features(&home.path().join(format!("found/{folder}.csv")));
+        let rows = features(&home.path().join(format!("found/{folder}.csv")));
         let is_found = |disc: &&FeatureTruth| {
             rows.iter().any(|row| (row[0] - disc.u).hypot(row[1] - disc.v) < 1.0 && (row[4] - disc.slope_u).abs() < 0.2)
         };
         (known.features.iter().filter(is_found).count(), known.features.len())
     };
     let said = found("exchanged --times found");
-    let document: serde_json::Value = serde_json::from_str(&said).expect("JSON");
+    let document: Value = serde_json::from_str(&said).expect("JSON");
     let burst = &document["bursts"][0];
     assert!(burst["taken"][0].as_str().is_some_and(|taken| taken.contains("exchanged")), "{said}");
     let names: Vec<&str> = burst["frame_names"].as_array().expect("names").iter().filter_map(|n| n.as_str()).collect();
@@ -103,7 +103,7 @@ fn exchanged_frames_and_an_arm_are_made_with_their_truth_and_taken_back() {
     let seen = known.features.len();
     assert!(known.mask_columns == 128 && (1..12).contains(&seen), "{known:?}");
     let at_edge = |folder: &str| {
-        let rows = super::support::features(&home.path().join(format!("found/{folder}.csv")));
+        let rows = features(&home.path().join(format!("found/{folder}.csv")));
         rows.iter().filter(|row| row[0] < 128.0).count()
     };
     found("behind");
@@ -124,7 +124,7 @@ fn the_features_of_a_chart_are_its_discs() {
         ],
     );
     run_well(home.path(), &["detect", "chart", "--slopes-u", "-3.5:3.5:15", "--out", "found"]);
-    let rows = super::support::features(&home.path().join("found/chart.csv"));
+    let rows = features(&home.path().join("found/chart.csv"));
     let known = truth(&home.path().join("chart"));
     let found = known.features.iter().filter(|disc| {
         rows.iter().any(|row| {
@@ -155,8 +155,8 @@ fn a_scene_opens_again_and_can_be_noiseless() {
 #[test]
 fn other_peoples_files_are_left_alone() {
     let home = tempfile::tempdir().expect("a folder");
-    std::fs::create_dir(home.path().join("mine")).expect("made");
-    std::fs::write(home.path().join("mine/thesis.txt"), "precious").expect("written");
+    fs::create_dir(home.path().join("mine")).expect("made");
+    fs::write(home.path().join("mine/thesis.txt"), "precious").expect("written");
     let arguments =
         ["synth", "chart", "--out", "mine", "--width", "64", "--height", "48", "--discs", "1", "--max-slope", "1"];
     let error = run_badly(home.path(), &arguments, 1);
@@ -186,14 +186,13 @@ fn noisy_copies_keep_names_and_bursts_apart() {
     assert!(text.contains("6 frames of 2 bursts"), "{text}");
     assert_eq!(names(&home.path().join("dark")), [".burstscope.json", "night 1", "night 2", "noise.json"]);
     assert_eq!(names(&home.path().join("dark/night 2")), ["frame_000.png", "frame_001.png", "frame_002.png"]);
-    let json: serde_json::Value =
-        serde_json::from_str(&copy("dark", &["--snr", "0.5", "--seed", "7", "--json"])).expect("JSON");
+    let json: Value = serde_json::from_str(&copy("dark", &["--snr", "0.5", "--seed", "7", "--json"])).expect("JSON");
     assert_eq!(
         (&json["truth"]["snr"], json["truth"]["frames"][3].as_str()),
         (&0.5.into(), Some("night 2/frame_000.png"))
     );
     // A seed makes equal bits for any number of threads; another seed makes others.
-    let frame = |out: &str| std::fs::read(home.path().join(out).join("night 1/frame_001.png")).expect("a frame");
+    let frame = |out: &str| fs::read(home.path().join(out).join("night 1/frame_001.png")).expect("a frame");
     copy("again", &["--snr", "0.5", "--seed", "7", "--threads", "3"]);
     copy("other", &["--snr", "0.5", "--seed", "8"]);
     assert!(frame("dark") == frame("again") && frame("dark") != frame("other"));

@@ -17,10 +17,10 @@ fn two_bursts(home: &Path) {
         &args("synth scene --out film --width 320 --height 240 --frames 12 --max-slope 1.5 --snr 3 --seed 4"),
     );
     for (name, first) in [("a", 0), ("b", 5)] {
-        std::fs::create_dir(home.join(name)).expect("made");
+        fs::create_dir(home.join(name)).expect("made");
         for t in first..first + 7 {
             let frame = format!("frame_{t:03}.png");
-            std::fs::copy(home.join("film").join(&frame), home.join(name).join(&frame)).expect("copied");
+            fs::copy(home.join("film").join(&frame), home.join(name).join(&frame)).expect("copied");
         }
     }
 }
@@ -44,7 +44,7 @@ fn two_bursts_are_matched_verified_and_drawn() {
     assert_eq!((count("keypoints_a"), count("keypoints_b")), (a.len(), b.len()));
     assert_eq!((json["command"].as_str(), json["a"]["features"].as_u64()), (Some("match"), Some(a.len() as u64)));
 
-    let text = std::fs::read_to_string(out("a_b.matches.csv")).expect("a file");
+    let text = fs::read_to_string(out("a_b.matches.csv")).expect("a file");
     let mut lines = text.lines();
     assert_eq!(lines.next(), Some(burstscope::export::MATCH_COLUMNS));
     // Empty cells are NaN here, and predicted matches 1 in the column `how`, which alone has words.
@@ -91,7 +91,7 @@ fn two_bursts_are_matched_verified_and_drawn() {
     assert_eq!(picture.width(), 2138, "181 mm with 300 pixels an inch");
     assert!(picture.pixels().any(|p| p.0 == burstscope::export::MatchKind::Inlier.color()), "the legend's line");
     // The number of threads changes nothing; --images changes the picture.
-    let read = |folder: &str, file: &str| std::fs::read(home.path().join(folder).join(file)).expect("a file");
+    let read = |folder: &str, file: &str| fs::read(home.path().join(folder).join(file)).expect("a file");
     assert_eq!(read("m", "a_b.matches.csv"), read("n", "a_b.matches.csv"));
     assert_ne!(read("m", "a_b.matches.png"), read("n", "a_b.matches.png"));
     figure_as_vectors(home.path(), &rows);
@@ -101,7 +101,7 @@ fn two_bursts_are_matched_verified_and_drawn() {
 fn figure_as_vectors(home: &Path, rows: &[Vec<f64>]) {
     let vectors = ["--picture", "svg", "--drawn", "40", "--width", "88", "--slopes-u", "-2:2:9"];
     run_well(home, &[&["match", "a", "b", "--out", "v"], &vectors[..]].concat());
-    let svg = std::fs::read_to_string(home.join("v/a_b.matches.svg")).expect("a file");
+    let svg = fs::read_to_string(home.join("v/a_b.matches.svg")).expect("a file");
     let mut nearest: Vec<&Vec<f64>> = rows.iter().collect();
     nearest.sort_by(|a, b| a[6].total_cmp(&b[6]));
     let inliers = nearest[..40].iter().filter(|row| row[9] == 1.0).count();
@@ -127,7 +127,7 @@ fn matches_may_stay_unverified_and_wrong_use_is_explained() {
         names(&home.path().join("m")),
         ["demo.csv", "demo_2.csv", "demo_demo_2.matches.csv", "demo_demo_2.matches.png"]
     );
-    let text = std::fs::read_to_string(home.path().join("m/demo_demo_2.matches.csv")).expect("a file");
+    let text = fs::read_to_string(home.path().join("m/demo_demo_2.matches.csv")).expect("a file");
     // Nothing was verified, so that there is no error, no inlier and no alignment, and no word for it.
     let is_empty = |line: &str| [8, 9, 10, 11, 12, 20].iter().all(|k| line.split(',').nth(*k) == Some(""));
     assert!(text.lines().skip(1).all(is_empty) && !text.contains("nan") && !text.contains("inf,"));
@@ -178,7 +178,7 @@ fn every_option_of_matching_reaches_its_parameter() {
     assert_eq!(matched("").geometry, Geometry::Essential, "with a camera and no geometry");
     // The same from a file, whose table other commands leave alone, and under what is given.
     let table = toml::to_string(&expected).expect("TOML").replace("[camera]", "[matching.camera]");
-    let write = |text: &str| std::fs::write(home.path().join("p.toml"), text).expect("written");
+    let write = |text: &str| fs::write(home.path().join("p.toml"), text).expect("written");
     write(&format!("levels = 3\n[matching]\n{table}"));
     assert_eq!(matched("--params p.toml"), expected);
     assert_eq!(matched("--params p.toml --ratio 0.6"), MatchParams { ratio: 0.6, ..expected });
@@ -219,10 +219,10 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
     run_well(home.path(), &scene);
     for (name, first) in [("a", 0), ("b", 4), ("c", 7)] {
         let folder = home.path().join("nights").join(name);
-        std::fs::create_dir_all(&folder).expect("made");
+        fs::create_dir_all(&folder).expect("made");
         for t in first..first + 7 {
             let frame = format!("frame_{t:03}.png");
-            std::fs::copy(home.path().join("film").join(&frame), folder.join(&frame)).expect("copied");
+            fs::copy(home.path().join("film").join(&frame), folder.join(&frame)).expect("copied");
         }
     }
     let monitor = Monitor::default();
@@ -322,16 +322,16 @@ fn a_pair_is_matched_alike_by_all_who_match_with_each_option_on_and_off() {
 fn noise_that_is_added_is_that_of_written_copies_for_each_method() {
     let home = tempfile::tempdir().expect("a folder");
     two_bursts(home.path());
-    std::fs::create_dir(home.path().join("night")).expect("made");
+    fs::create_dir(home.path().join("night")).expect("made");
     for name in ["a", "b"] {
-        std::fs::rename(home.path().join(name), home.path().join("night").join(name)).expect("moved");
+        fs::rename(home.path().join(name), home.path().join("night").join(name)).expect("moved");
     }
     let noise = ["--snr", "2"];
     run_well(home.path(), &[&["synth", "noisy", "night", "--out", "dark", "--seed", "3"], &noise[..]].concat());
     let counted = |methods: &str, more: &[&str]| {
         let line = [&["evaluate", "matches", "--slopes-u", "-2:2:9", "--json", "--methods", methods], more].concat();
         let text = run_well(home.path(), &line);
-        serde_json::from_str::<serde_json::Value>(&text).expect("one JSON document")["methods"].clone()
+        serde_json::from_str::<Value>(&text).expect("one JSON document")["methods"].clone()
     };
     let added = [&["night", "--noise-seed", "3"], &noise[..]].concat();
     let methods = ["sift-frame", "sift-merge", "buff-1d"];

@@ -89,7 +89,7 @@ fn output(home: &Path, command: &str) -> Value {
         return run_json(home, &words);
     };
     run_well(home, &words);
-    let text = std::fs::read_to_string(home.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+    let text = fs::read_to_string(home.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
     let mut lines = text.lines().filter(|line| !line.starts_with('#'));
     let header: Vec<&str> = lines.next().expect("a header").split(',').collect();
     let cell = |text: &str| text.parse::<f64>().map_or_else(|_| json!(text), |number| json!(number));
@@ -120,11 +120,11 @@ fn measure(name: &str) {
     result["commit"] = json!(String::from_utf8_lossy(&git.expect("git").stdout).trim());
     result["detector_revision"] = json!(REVISION);
     result["values"] = Value::Object(values);
-    std::fs::write(stored(name), serde_json::to_string_pretty(&result).expect("JSON") + "\n").expect("written");
+    fs::write(stored(name), serde_json::to_string_pretty(&result).expect("JSON") + "\n").expect("written");
 }
 
 fn read(path: &Path) -> Value {
-    let text = std::fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    let text = fs::read_to_string(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
     serde_json::from_str(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
@@ -183,7 +183,7 @@ fn tables_of_measurements_are_those_of_stored_results() {
             .for_each(|name| measure(name));
         let (made, names) = with_tables(&text, |name| table(&read(&stored(name)), REVISION));
         if std::env::var_os("BURSTSCOPE_UPDATE_DOCS").is_some() {
-            std::fs::write(&path, &made).expect("written");
+            fs::write(&path, &made).expect("written");
         } else {
             let name = path.display();
             assert!(made == text, "{name} has other tables than docs/measurements; `make measurements` writes them");
@@ -202,8 +202,7 @@ fn tables_of_measurements_are_those_of_stored_results() {
         }
         used.extend(names);
     }
-    let files =
-        std::fs::read_dir(root().join("docs/measurements")).expect("results").map(|entry| entry.expect("a file"));
+    let files = fs::read_dir(root().join("docs/measurements")).expect("results").map(|entry| entry.expect("a file"));
     let mut there: Vec<String> =
         files.map(|file| file.path().file_stem().expect("a name").to_string_lossy().into_owned()).collect();
     there.sort();

@@ -21,7 +21,7 @@ fn charts_give_a_table_and_a_figure() {
         assert!(table.contains(words), "{words}: {table}");
     }
     assert!(!table.contains("BuFF 2D"));
-    let svg = std::fs::read_to_string(home.path().join("figures/roc.svg")).expect("a figure");
+    let svg = fs::read_to_string(home.path().join("figures/roc.svg")).expect("a figure");
     assert!(svg.contains("SNR 0.8") && svg.contains("SNR 2"));
     assert_eq!(names(&home.path().join("figures")), ["roc.svg"]);
 }
@@ -90,7 +90,7 @@ fn frames_are_counted_on_charts_and_in_a_burst() {
     let report = json(&run_well(home.path(), &[&charts[..], &["--json"]].concat()));
     let counts: Vec<_> = report["rows"].as_array().expect("rows").iter().map(|row| row["frames"].as_u64()).collect();
     assert_eq!((report["command"].as_str(), counts), (Some("evaluate frames"), vec![Some(2), Some(4)]));
-    let svg = std::fs::read_to_string(home.path().join("charts.svg")).expect("a figure");
+    let svg = fs::read_to_string(home.path().join("charts.svg")).expect("a figure");
     assert!(svg.contains("number of frames") && svg.contains("SIFT, one frame"), "{svg}");
 
     let made =
@@ -105,7 +105,7 @@ fn frames_are_counted_on_charts_and_in_a_burst() {
     assert_eq!(rows.len(), 4, "2, 3, 4 and 5 frames");
     assert_eq!(rows[3]["confirmed"], report["features"]);
     assert!(rows[3]["discs_found"].as_u64() >= Some(5), "{report}");
-    let svg = std::fs::read_to_string(home.path().join("burst.svg")).expect("a figure");
+    let svg = fs::read_to_string(home.path().join("burst.svg")).expect("a figure");
     assert!(svg.contains("confirmed by all frames") && svg.contains("Matches with as many frames"), "{svg}");
 }
 

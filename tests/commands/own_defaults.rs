@@ -21,7 +21,7 @@ fn search(output: &Output) -> SearchParams {
 #[test]
 fn options_come_before_their_file_before_own_defaults_before_what_is_built_in() {
     let home = tempfile::tempdir().expect("a folder");
-    let write = |name: &str, text: &str| std::fs::write(home.path().join(name), text).expect("written");
+    let write = |name: &str, text: &str| fs::write(home.path().join(name), text).expect("written");
     write("own.toml", "levels = 4\nmax_features = 70\nedge_threshold = 8.0\n[matching]\nratio = 0.6\nseed = 7\n");
     write("p.toml", "levels = 5\nmax_features = 80\n[matching]\nratio = 0.7\nmin_inliers = 5\n");
     write("rules.toml", "rules = \"vlfeat\"\nlevels = 6\n");
@@ -55,8 +55,8 @@ fn options_come_before_their_file_before_own_defaults_before_what_is_built_in() 
 fn the_usual_place_is_read_unless_the_variable_is_set() {
     let home = tempfile::tempdir().expect("a folder");
     let folder = home.path().join("config/burstscope");
-    std::fs::create_dir_all(&folder).expect("made");
-    std::fs::write(folder.join("defaults.toml"), "levels = 4\n").expect("written");
+    fs::create_dir_all(&folder).expect("made");
+    fs::write(folder.join("defaults.toml"), "levels = 4\n").expect("written");
     let run = |variable: Option<&str>| {
         let line = ["case", "demo-tripod", "--out", "a.burstcase", "--json"];
         let mut command = program(home.path(), &line);
@@ -74,7 +74,7 @@ fn the_usual_place_is_read_unless_the_variable_is_set() {
 #[test]
 fn what_is_wrong_with_own_defaults_is_told_with_their_file() {
     let home = tempfile::tempdir().expect("a folder");
-    let write = |text: &str| std::fs::write(home.path().join("own.toml"), text).expect("written");
+    let write = |text: &str| fs::write(home.path().join("own.toml"), text).expect("written");
     let fails = |line: &[&str], defaults: &str, code: i32, words: [&str; 2]| {
         let line = [line, &["--out", "x"]].concat();
         let output = program(home.path(), &line).env("BURSTSCOPE_DEFAULTS", defaults).output().expect("it starts");
@@ -97,9 +97,9 @@ fn what_is_wrong_with_own_defaults_is_told_with_their_file() {
 #[test]
 fn nothing_is_written_over_own_defaults() {
     let home = tempfile::tempdir().expect("a folder");
-    std::fs::write(home.path().join("own.tiff"), "levels = 4\n").expect("written");
+    fs::write(home.path().join("own.tiff"), "levels = 4\n").expect("written");
     let line = ["stack", "demo-tripod", "--slope", "0,0", "--out", "own.tiff", "--force"];
     let output = program(home.path(), &line).env("BURSTSCOPE_DEFAULTS", "own.tiff").output().expect("it starts");
     assert_eq!(output.status.code(), Some(1), "{}", stderr(&output));
-    assert_eq!(std::fs::read(home.path().join("own.tiff")).expect("there"), b"levels = 4\n");
+    assert_eq!(fs::read(home.path().join("own.tiff")).expect("there"), b"levels = 4\n");
 }

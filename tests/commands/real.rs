@@ -65,7 +65,7 @@ fn the_eight_discs_have_their_true_slopes() {
 fn a_real_cameras_features_pile_up_at_its_motion() {
     let data = shared("data");
     let home = tempfile::tempdir().expect("a folder");
-    let mut frames: Vec<String> = std::fs::read_dir(data.join("slider-far"))
+    let mut frames: Vec<String> = fs::read_dir(data.join("slider-far"))
         .expect("a folder")
         .map(|e| e.expect("an entry").path().to_string_lossy().into_owned())
         .filter(|p| p.ends_with(".png"))

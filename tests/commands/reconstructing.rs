@@ -36,7 +36,7 @@ fn a_models_poses_are_compared_with_the_truth() {
     );
     assert!(text.contains("4 poses paired by time"), "{text}");
     let json = run_json(home.path(), &[&arguments[..], &["--json", "--step", "2"]].concat());
-    let number = |path: &str| json.pointer(path).and_then(serde_json::Value::as_f64).expect(path);
+    let number = |path: &str| json.pointer(path).and_then(Value::as_f64).expect(path);
     assert!((number("/scale") - 0.5).abs() < 0.01 && number("/images_pass_percent") == 80.0);
     // A plane through four corners of which one is 0.1 too high misses each by 0.025.
     let rmse = number("/absolute/translation/rmse");
@@ -126,14 +126,13 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     assert_eq!(json["detector_revision"], burstscope::detector::REVISION);
     // The folder says how it was made.
     let manifest = fs::read_to_string(home.path().join("my rec/manifest.json")).expect("a manifest");
-    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    let manifest: Value = serde_json::from_str(&manifest).expect("JSON");
     let made = &manifest["claims"]["settings"]["export"];
     assert_eq!(made["images"], "middle");
     assert_eq!((&made["pairs"], &made["camera"]), (&"sequential:1".into(), &"PINHOLE 240 180 250 250 120 90".into()));
     let matching: burstscope::matching::MatchParams =
         toml::from_str(made["matching"].as_str().expect("text")).expect("TOML");
-    let matching: serde_json::Value =
-        serde_json::from_str(&serde_json::to_string(&matching).expect("plain values")).expect("JSON");
+    let matching: Value = serde_json::from_str(&serde_json::to_string(&matching).expect("plain values")).expect("JSON");
     assert_eq!(matching, json["matching"]);
     // A camera that is known is held.
     let held =
@@ -144,8 +143,7 @@ fn a_film_becomes_what_colmaps_mapper_takes() {
     // Features of another revision of the detector are not mixed with those of this one.
     for name in names(&home.path().join("my rec/records")).into_iter().filter(|name| name.ends_with(".json")) {
         let record = home.path().join("my rec/records").join(name);
-        let mut kept: serde_json::Value =
-            serde_json::from_str(&fs::read_to_string(&record).expect("a file")).expect("JSON");
+        let mut kept: Value = serde_json::from_str(&fs::read_to_string(&record).expect("a file")).expect("JSON");
         kept["detector_revision"] = 0.into();
         fs::write(&record, kept.to_string()).expect("written");
     }
@@ -190,7 +188,7 @@ fn bursts_of_two_cameras_have_a_camera_each() {
         "known": true, "from": ["set/right/camera.toml"], "images": [2] });
     assert_eq!(*camera, expected);
     let manifest = fs::read_to_string(home.path().join("rec/manifest.json")).expect("a manifest");
-    let manifest: serde_json::Value = serde_json::from_str(&manifest).expect("JSON");
+    let manifest: Value = serde_json::from_str(&manifest).expect("JSON");
     assert_eq!(manifest["claims"]["settings"]["export"]["cameras"], both["cameras"]);
     // The file alone leaves the other camera guessed; one camera for all is that of all.
     let found = json(&[]);
@@ -203,7 +201,7 @@ fn bursts_of_two_cameras_have_a_camera_each() {
     let twice = run_badly(home.path(), &colmap(&["--camera", "lens.toml", "--camera", "lens.toml"]), 2);
     assert!(twice.contains("FOLDER=CAMERA"), "{twice}");
     // A pair has them too, each side its own, and with one unknown the fundamental matrix.
-    let pair = |more: &[&str]| -> serde_json::Value {
+    let pair = |more: &[&str]| -> Value {
         let line = ["match", "set/left", "set/right", "--slopes-u", "-2:2:5", "--out", "m", "--json"];
         run_json(home.path(), &[&line, more].concat())
     };

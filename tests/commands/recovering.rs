@@ -22,9 +22,9 @@ fn recover_says_what_would_be_found_and_draws_it() {
         let is_found = one["found"].is_object();
         assert_eq!(is_found, one["why"].as_str().is_some_and(str::is_empty), "{one:#}");
     }
-    let svg = std::fs::read_to_string(home.path().join("seen.svg")).expect("a figure");
+    let svg = fs::read_to_string(home.path().join("seen.svg")).expect("a figure");
     roxmltree::Document::parse(&svg).expect("sound XML");
-    let table = std::fs::read_to_string(home.path().join("planted.csv")).expect("a table");
+    let table = fs::read_to_string(home.path().join("planted.csv")).expect("a table");
     assert_eq!(table.lines().count(), 1 + planted.len());
     // The same again, over its own files.
     let again = json(home.path(), &[&["recover"], &SEARCH[..], &few].concat());
@@ -86,7 +86,7 @@ fn a_case_is_searched_like_the_burst_with_its_own_settings() {
     });
     assert!(part.features.len() < whole.features.len());
     assert_eq!((part.width, part.height), (81, 81));
-    std::fs::write(home.path().join("c.burstcase"), b"PK\x03\x04 and no more").expect("written");
+    fs::write(home.path().join("c.burstcase"), b"PK\x03\x04 and no more").expect("written");
     assert!(run_badly(home.path(), &["detect", "c.burstcase", "--out", "found"], 1).contains("not a case"));
     assert!(run_badly(home.path(), &["case", "demo", "--out", "a.zip"], 2).contains(".burstcase"));
 }
@@ -97,7 +97,7 @@ fn a_sweep_is_a_film_and_frames_are_combined() {
     let line = ["--sweep", "slope-u=-2:2:5", "--max-side", "160", "--out", "a.gif", "--json"];
     let made = json(home.path(), &[&["film"], &SEARCH[..], &line].concat());
     assert_eq!(made["pictures"], 5);
-    let bytes = std::fs::read(home.path().join("a.gif")).expect("a file");
+    let bytes = fs::read(home.path().join("a.gif")).expect("a file");
     let estimated = made["estimated_bytes"].as_u64().expect("a number") as usize;
     assert!((bytes.len() / 3..3 * bytes.len()).contains(&estimated), "{estimated} of {}", bytes.len());
     let size = [6, 8].map(|at| u16::from_le_bytes([bytes[at], bytes[at + 1]]));

@@ -7,7 +7,7 @@ const ALL: [&str; 12] =
 
 /// Checks that a picture is valid and readable alone, and that its table's rows are as long as its head.
 fn assert_whole(folder: &Path, name: &str) {
-    let text = std::fs::read_to_string(folder.join(format!("{name}.svg"))).expect("a picture");
+    let text = fs::read_to_string(folder.join(format!("{name}.svg"))).expect("a picture");
     let document = roxmltree::Document::parse(&text).unwrap_or_else(|e| panic!("{name}: {e}"));
     assert!(document.root_element().has_tag_name("svg"), "{name}");
     // Embedded pictures are random letters.
@@ -25,7 +25,7 @@ fn assert_whole(folder: &Path, name: &str) {
         let href = image.attribute(("http://www.w3.org/1999/xlink", "href")).expect("a picture in it");
         assert!(href.starts_with("data:image/png;base64,"), "{name} needs another file");
     }
-    let csv = std::fs::read_to_string(folder.join(format!("{name}.csv"))).expect("numbers");
+    let csv = fs::read_to_string(folder.join(format!("{name}.csv"))).expect("numbers");
     // Commas within quotes part nothing.
     let parts = |line: &str| 1 + line.split('"').step_by(2).map(|part| part.matches(',').count()).sum::<usize>();
     let columns: Vec<usize> = csv.lines().map(parts).collect();
@@ -49,28 +49,28 @@ fn all_figures_are_made_once_and_kept() {
     assert_eq!(found, ALL);
     assert!(figures(&made).iter().all(|(_, resumed)| !resumed));
     ALL.iter().for_each(|name| assert_whole(&folder, name));
-    let page = std::fs::read_to_string(folder.join("index.html")).expect("a page");
+    let page = fs::read_to_string(folder.join("index.html")).expect("a page");
     for name in ALL {
         assert!(page.contains(&format!("src=\"{name}.svg\"")) && page.contains(&format!("href=\"{name}.csv\"")));
     }
     assert!(page.contains("was not found (pycolmap alone is not enough)") && page.contains("--quick"));
-    let table = std::fs::read_to_string(folder.join("table1.csv")).expect("a table");
+    let table = fs::read_to_string(folder.join("table1.csv")).expect("a table");
     assert!(table.contains("1D,BuFF 1D,,,") && table.contains("2D,gold standard,,,"), "{table}");
 
     // A file of somebody else that came into the place of one of ours stays.
-    let numbers = std::fs::read(folder.join("fig7.csv")).expect("numbers");
-    std::fs::write(folder.join("fig7.csv"), "mine").expect("written");
+    let numbers = fs::read(folder.join("fig7.csv")).expect("numbers");
+    fs::write(folder.join("fig7.csv"), "mine").expect("written");
     let words = run_badly(home.path(), &arguments, 1);
     assert!(words.contains("fig7.csv") && words.contains("did not write"), "{words}");
-    assert_eq!(std::fs::read_to_string(folder.join("fig7.csv")).expect("there"), "mine");
-    std::fs::write(folder.join("fig7.csv"), numbers).expect("put back");
+    assert_eq!(fs::read_to_string(folder.join("fig7.csv")).expect("there"), "mine");
+    fs::write(folder.join("fig7.csv"), numbers).expect("put back");
 
     // Again: all files are kept, except the altered one.
     let dates = || names(&folder).iter().map(|n| folder.join(n).metadata().and_then(|m| m.modified()).ok()).collect();
     let before: Vec<_> = dates();
     let seconds = made["figures"][4]["seconds"].clone();
-    let picture = std::fs::read_to_string(folder.join("fig7.svg")).expect("a picture");
-    std::fs::write(folder.join("fig7.svg"), picture.replacen("<title>", "<title>Altered: ", 1)).expect("written");
+    let picture = fs::read_to_string(folder.join("fig7.svg")).expect("a picture");
+    fs::write(folder.join("fig7.svg"), picture.replacen("<title>", "<title>Altered: ", 1)).expect("written");
     let again = run_json(home.path(), &arguments);
     for (name, resumed) in figures(&again) {
         assert_eq!(resumed, name != "fig7", "{name}");
@@ -98,8 +98,8 @@ fn only_some_and_only_in_a_folder_of_figures() {
     ] {
         assert!(run_badly(home.path(), &arguments, code).contains(words), "{arguments:?}");
     }
-    std::fs::create_dir(home.path().join("own")).expect("made");
-    std::fs::write(home.path().join("own/fig3.svg"), "mine").expect("written");
+    fs::create_dir(home.path().join("own")).expect("made");
+    fs::write(home.path().join("own/fig3.svg"), "mine").expect("written");
     let error = run_badly(home.path(), &["figures", "--out", "own", "--quick"], 1);
     assert!(error.contains("this folder holds files"), "{error}");
     assert_eq!(names(&home.path().join("own")), ["fig3.svg"]);
@@ -127,9 +127,9 @@ fn where_colmap_is_installed_it_fills_the_columns() {
     use std::os::unix::fs::PermissionsExt;
     let home = tempfile::tempdir().expect("a folder");
     let tool = home.path().join("bin/colmap");
-    std::fs::create_dir(home.path().join("bin")).expect("made");
-    std::fs::write(&tool, MAPPER).expect("written");
-    std::fs::set_permissions(&tool, std::fs::Permissions::from_mode(0o755)).expect("set");
+    fs::create_dir(home.path().join("bin")).expect("made");
+    fs::write(&tool, MAPPER).expect("written");
+    fs::set_permissions(&tool, fs::Permissions::from_mode(0o755)).expect("set");
     let path = std::env::var("PATH").unwrap_or_default();
     let arguments = ["figures", "--out", "paper", "--quick", "--only", "table1,table2,table3,fig8", "--json"];
     let mut command = program(home.path(), &arguments);
@@ -138,7 +138,7 @@ fn where_colmap_is_installed_it_fills_the_columns() {
     let folder = home.path().join("paper");
     ["table1", "table2", "table3", "fig8"].iter().for_each(|name| assert_whole(&folder, name));
     let csv = |name: &str| -> Vec<Vec<String>> {
-        let text = std::fs::read_to_string(folder.join(name)).expect("a table");
+        let text = fs::read_to_string(folder.join(name)).expect("a table");
         // Commas within quotes part nothing.
         let plain = |(i, part): (usize, &str)| if i % 2 == 1 { part.replace(',', ";") } else { part.to_owned() };
         let line = |line: &str| line.split('"').enumerate().map(plain).collect::<String>();

@@ -32,7 +32,7 @@ fn a_report_says_what_the_other_commands_say() {
     for (index, place) in ["92,58", "12,34"].into_iter().enumerate() {
         assert_eq!(page["places"][index], ask(&["probe", "--at", place])["probe"], "{place}");
     }
-    let text = std::fs::read_to_string(home.path().join("r.md")).expect("a page");
+    let text = fs::read_to_string(home.path().join("r.md")).expect("a page");
     let features = page["features"].as_u64().expect("a count");
     let copies = page["decoys"]["rates"][0]["in_copies"].as_array().expect("counts");
     let false_ones = copies.iter().filter_map(Value::as_f64).sum::<f64>() / copies.len() as f64;
@@ -57,11 +57,11 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     for out in ["r.md", "r.html", "r.svg", "r.pdf", "r.png"] {
         // The second run replaces what the first one wrote.
         (0..2).for_each(|_| assert_eq!(run_well(home.path(), &line(out)), ""));
-        std::fs::write(home.path().join(out), "mine").expect("written");
+        fs::write(home.path().join(out), "mine").expect("written");
         assert!(run_badly(home.path(), &line(out), 1).contains("--force"), "{out}");
         run_well(home.path(), &[&line(out)[..], &["--force"]].concat());
     }
-    let svg = std::fs::read_to_string(home.path().join("r.svg")).expect("a figure");
+    let svg = fs::read_to_string(home.path().join("r.svg")).expect("a figure");
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|node| node.has_tag_name(tag)).count();
     let features =
@@ -77,7 +77,7 @@ fn a_report_is_drawn_with_the_burst_on_top_and_replaces_only_its_own_files() {
     let height =
         document.root_element().attribute("viewBox").and_then(|view| view.rsplit(' ').next()?.parse::<f64>().ok());
     assert!(height.is_some_and(|height| (100.0..height - 20.0).contains(&lowest)), "{lowest} of {height:?}");
-    assert!(std::fs::read(home.path().join("r.pdf")).expect("a file").starts_with(b"%PDF"));
+    assert!(fs::read(home.path().join("r.pdf")).expect("a file").starts_with(b"%PDF"));
 }
 
 #[test]
@@ -116,8 +116,8 @@ fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
         let scene = ["--width", "160", "--height", "120", "--frames", "6", "--snr", "8", "--max-slope", slope];
         run_well(home, &[&["synth", "scene", "--out", &out, "--seed", seed], &scene[..]].concat());
     }
-    std::fs::create_dir(home.join("nights/gone")).expect("a folder");
-    std::fs::write(home.join("nights/gone/f0.png"), "broken").expect("written");
+    fs::create_dir(home.join("nights/gone")).expect("a folder");
+    fs::write(home.join("nights/gone/f0.png"), "broken").expect("written");
     let ask = |arguments: &[&str]| {
         let output = run(home, &[arguments, &["nights", "--slopes-u", "-2:2:9", "--json"]].concat());
         assert_eq!(output.status.code(), Some(1), "one burst fails");
@@ -139,7 +139,7 @@ fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
     let worst: Vec<&str> =
         flight["worst"].as_array().expect("a list").iter().filter_map(|one| one["name"].as_str()).collect();
     assert_eq!(worst[..2], ["gone", "fast"], "{flight}");
-    let page = std::fs::read_to_string(home.join("flight.md")).expect("a page");
+    let page = fs::read_to_string(home.join("flight.md")).expect("a page");
     let [first, second] = ["- gone: ", "- fast: "].map(|words| page.find(words).expect("named"));
     assert!(
         first < second
@@ -151,11 +151,11 @@ fn a_report_of_a_flight_has_a_row_for_each_burst_and_begins_with_the_worst() {
     assert_eq!(flight["bursts"][2]["open"], "burstscope 'nights/n 1'");
     // As a table; the second run knows the first one's file.
     (0..2).for_each(|_| drop(ask(&["report", "--out", "flight.csv"])));
-    let table = std::fs::read_to_string(home.join("flight.csv")).expect("a table");
+    let table = fs::read_to_string(home.join("flight.csv")).expect("a table");
     assert_eq!(table.lines().count(), 5, "{table}");
     let cut = ["report", "nights/n2", "--burst-length", "3", "--slopes-u", "-2:2:5", "--out", "cut.md"];
     assert!(run_well(home, &cut).ends_with("wrote cut.md\n"));
-    assert!(std::fs::read_to_string(home.join("cut.md")).is_ok_and(|page| page.contains("# 2 bursts\n")));
+    assert!(fs::read_to_string(home.join("cut.md")).is_ok_and(|page| page.contains("# 2 bursts\n")));
 }
 
 #[test]
@@ -168,14 +168,14 @@ fn a_page_of_html_says_what_the_page_of_markdown_says_and_needs_no_other_file() 
         run_well(home, &[&["synth", "chart", "--out", &out, "--seed", seed], &small[..]].concat());
     }
     let broken = "<script> & \"co\"";
-    std::fs::create_dir(home.join("nights").join(broken)).expect("a folder");
-    std::fs::write(home.join("nights").join(broken).join("f0.png"), "broken").expect("written");
+    fs::create_dir(home.join("nights").join(broken)).expect("a folder");
+    fs::write(home.join("nights").join(broken).join("f0.png"), "broken").expect("written");
     for (input, out, code) in [("nights", "flight", 1), ("nights/a<b & \"c\"", "one", 0)] {
         let read = |ending: &str| {
             let out = format!("{out}.{ending}");
             let line = ["report", input, "--slopes-u", "-1:1:3", "--copies", "1", "--quiet", "--out", &out];
             assert_eq!(run(home, &line).status.code(), Some(code), "{out}");
-            std::fs::read_to_string(home.join(&out)).expect("a page")
+            fs::read_to_string(home.join(&out)).expect("a page")
         };
         let (markdown, html) = (read("md").replace('\\', ""), read("html"));
         let (kind, page) = html.split_once('\n').expect("lines");
@@ -208,7 +208,7 @@ fn names_have_no_marks_of_markdown() {
     let line = |out: &'static str| ["report", "a_b*c*", "--slopes-u", "-1:1:3", "--quiet", "--out", out];
     run_well(home.path(), &line("r.md"));
     run_well(home.path(), &line("r.svg"));
-    let read = |name: &str| std::fs::read_to_string(home.path().join(name)).expect("text");
+    let read = |name: &str| fs::read_to_string(home.path().join(name)).expect("text");
     assert!(read("r.md").contains(r"# a\_b\*c\*: 5 frames"), "{}", read("r.md"));
     assert!(read("r.svg").contains(">a_b*c*: 5 frames"));
 }

@@ -149,7 +149,7 @@ fn output_of(home: &Path, command: &str) -> String {
     let (command, file) = command.split_once(" > ").map_or((command, None), |(command, file)| (command, Some(file)));
     let output = run_well(home, &command.split_whitespace().collect::<Vec<_>>());
     let Some(file) = file else { return output };
-    let text = std::fs::read_to_string(home.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+    let text = fs::read_to_string(home.join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
     let is_figure = file.ends_with(".svg");
     if is_figure {
         text.split('<').filter_map(|part| part.split_once('>')).map(|(_, text)| format!("{text} ")).collect()
@@ -165,8 +165,8 @@ fn assert_written(name: &str, command: &str, expected: &Expected<'_>, output: &s
     let is_it = |written: f64| (written - value).abs() <= tolerance + 1e-9;
     let is_written = match pointer {
         Some(pointer) => {
-            let document: serde_json::Value = serde_json::from_str(output).expect("JSON");
-            document.pointer(pointer).and_then(serde_json::Value::as_f64).is_some_and(is_it)
+            let document: Value = serde_json::from_str(output).expect("JSON");
+            document.pointer(pointer).and_then(Value::as_f64).is_some_and(is_it)
         }
         None => numbers(output).any(is_it),
     };

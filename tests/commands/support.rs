@@ -60,7 +60,7 @@ pub fn at_work(running: &Child) {
         Some(u64::from_str_radix(caught.trim(), 16).ok()? & 0b10 != 0)
     };
     if cfg!(target_os = "linux") {
-        while std::fs::read_to_string(&status).ok().and_then(catches) == Some(false) {
+        while fs::read_to_string(&status).ok().and_then(catches) == Some(false) {
             std::thread::sleep(Duration::from_millis(5));
         }
         std::thread::sleep(Duration::from_millis(300));
@@ -109,7 +109,7 @@ pub fn stderr(output: &Output) -> String {
 
 /// Names in a folder, sorted, including hidden ones.
 pub fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = std::fs::read_dir(folder)
+    let mut names: Vec<String> = fs::read_dir(folder)
         .expect("a folder")
         .map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned())
         .collect();
@@ -120,7 +120,7 @@ pub fn names(folder: &Path) -> Vec<String> {
 /// Lines of a CSV file of features as numbers, without the header and the words of the last column; NaN for empty
 /// cells.
 pub fn features(path: &Path) -> Vec<Vec<f64>> {
-    let text = std::fs::read_to_string(path).expect("a file");
+    let text = fs::read_to_string(path).expect("a file");
     let mut lines = text.lines();
     assert_eq!(
         lines.next(),
@@ -142,8 +142,8 @@ pub fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
             found.extend(contents(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
         } else {
             // A link may lead nowhere.
-            let content = std::fs::read(&path)
-                .or_else(|_| std::fs::read_link(&path).map(|to| to.as_os_str().as_encoded_bytes().to_vec()));
+            let content =
+                fs::read(&path).or_else(|_| fs::read_link(&path).map(|to| to.as_os_str().as_encoded_bytes().to_vec()));
             found.push((name, content.expect("a file or a link")));
         }
     }
@@ -154,8 +154,8 @@ pub fn contents(folder: &Path) -> Vec<(String, Vec<u8>)> {
 pub fn leave_unfinished(folder: &Path) {
     use burstscope::files::mark::{OutputKind, claiming};
     let hidden = folder.join(".burstscope-abc.tmp");
-    std::fs::create_dir(&hidden).expect("made");
+    fs::create_dir(&hidden).expect("made");
     let mark = claiming(OutputKind::Unfinished, &serde_json::json!({ "target": "x.tiff" }));
-    std::fs::write(hidden.join(OutputKind::Unfinished.file()), mark).expect("written");
-    std::fs::write(hidden.join("new"), "half").expect("written");
+    fs::write(hidden.join(OutputKind::Unfinished.file()), mark).expect("written");
+    fs::write(hidden.join("new"), "half").expect("written");
 }

@@ -9,7 +9,7 @@ fn a_lesson_is_begun_by_its_name_or_from_its_file() {
     let text = run_well(home.path(), &["--lesson", "what-noise-does"]);
     assert!(text.contains("burstscope-what-noise-does.png"), "{text}");
     let own = "title = \"Mine\"\nabout = \"Own.\"\n[[step]]\ntitle = \"One\"\ncaption = \"Look.\"\n";
-    std::fs::write(home.path().join("mine.toml"), own).expect("written");
+    fs::write(home.path().join("mine.toml"), own).expect("written");
     run_well(home.path(), &["--lesson", "mine.toml"]);
     let drawn: Vec<String> = names(home.path()).into_iter().filter(|name| name.ends_with(".png")).collect();
     assert_eq!(drawn, ["burstscope-mine.png", "burstscope-what-noise-does.png"]);
@@ -24,7 +24,7 @@ fn a_lesson_that_is_not_there_or_has_a_mistake_is_said() {
     let home = tempfile::tempdir().expect("a folder");
     let error = run_badly(home.path(), &["--lesson", "nothing"], 2);
     assert!(error.contains("nothing") && error.contains("out-of-the-dark"), "{error}");
-    std::fs::write(home.path().join("bad.toml"), "title = \"Mine\"\nabuot = \"x\"\n").expect("written");
+    fs::write(home.path().join("bad.toml"), "title = \"Mine\"\nabuot = \"x\"\n").expect("written");
     let error = run_badly(home.path(), &["--lesson", "bad.toml"], 1);
     assert!(error.contains("bad.toml, line 2") && error.contains("abuot"), "{error}");
 }

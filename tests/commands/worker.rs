@@ -35,10 +35,10 @@ fn open(path: &Path) -> Result<Burst, Error> {
 
 /// Whether a child of this process is decoding; `false` where the system does not say.
 fn is_decoding() -> bool {
-    let tasks = std::fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
-    let mut lists = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+    let tasks = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
+    let mut lists = tasks.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
     let of_worker = |process: &str| {
-        let line = std::fs::read_to_string(format!("/proc/{process}/cmdline"));
+        let line = fs::read_to_string(format!("/proc/{process}/cmdline"));
         line.is_ok_and(|line| line.contains(burstscope::cli::DECODE_WORKER))
     };
     lists.any(|list| list.split_whitespace().any(of_worker))
@@ -47,11 +47,11 @@ fn is_decoding() -> bool {
 /// Process that decodes a file of this name.
 #[cfg(target_os = "linux")]
 fn decoder_of(file: &str) -> Option<String> {
-    let is_it = |process: &std::fs::DirEntry| {
-        let line = std::fs::read_to_string(process.path().join("cmdline"));
+    let is_it = |process: &fs::DirEntry| {
+        let line = fs::read_to_string(process.path().join("cmdline"));
         line.is_ok_and(|line| line.contains(burstscope::cli::DECODE_WORKER) && line.contains(file))
     };
-    let found = std::fs::read_dir("/proc").expect("a list").flatten().find(is_it)?;
+    let found = fs::read_dir("/proc").expect("a list").flatten().find(is_it)?;
     Some(found.file_name().to_string_lossy().into_owned())
 }
 
@@ -60,7 +60,7 @@ fn values_come_through_as_they_are() {
     let folder = tempfile::tempdir().expect("a folder");
     for t in 0..5usize {
         let dng = Dng::new((24, 16), |u, v| (64 + 31 * t + 7 * u + 3 * v) as u16);
-        std::fs::write(folder.path().join(format!("{t}.dng")), dng.bytes()).expect("written");
+        fs::write(folder.path().join(format!("{t}.dng")), dng.bytes()).expect("written");
     }
     let burst = open(folder.path()).expect("five frames");
     assert_eq!((burst.len(), burst.size(), burst.binning, burst.full_scale), (5, (12, 8), 2, 1023.0));
@@ -81,14 +81,14 @@ fn errors_say_what_they_say_without_a_process() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("a.dng");
     let sound = Dng::new((24, 16), |u, v| (64 + u + v) as u16).bytes();
-    std::fs::write(&path, &sound[..sound.len() - 9]).expect("written");
+    fs::write(&path, &sound[..sound.len() - 9]).expect("written");
     let error = open(&path).expect_err("cut");
     assert!(error.kind == ErrorKind::Damaged && error.to_string().contains("a.dng"), "{error}");
-    std::fs::write(&path, b"FUJIFILM and nothing more").expect("written");
+    fs::write(&path, b"FUJIFILM and nothing more").expect("written");
     let error = open(&path.with_extension("raf")).expect_err("missing");
     assert_eq!(error.kind, ErrorKind::NotFound, "{error}");
     // Contradictory levels: the error of the decoder's caller.
-    std::fs::write(&path, &sound).expect("written");
+    fs::write(&path, &sound).expect("written");
     let options = OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() };
     let error =
         Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default()).expect_err("black above white");
@@ -99,7 +99,7 @@ fn errors_say_what_they_say_without_a_process() {
     assert!(error.kind == ErrorKind::TooLarge && error.to_string().contains("24×16"), "{error:?}");
     // Frames of two sizes.
     let second = folder.path().join("b.dng");
-    std::fs::write(&second, Dng::new((24, 18), |_, _| 70).bytes()).expect("written");
+    fs::write(&second, Dng::new((24, 18), |_, _| 70).bytes()).expect("written");
     let error = open(folder.path()).expect_err("two sizes");
     let named = [("12×8", &path), ("12×9", &second)].map(|(size, path)| format!("{size}: {}", path.display()));
     assert!(named.iter().all(|name| error.problem.contains(name)), "{error:?}");
@@ -109,7 +109,7 @@ fn errors_say_what_they_say_without_a_process() {
 fn a_decoder_that_takes_all_memory_takes_that_of_its_process() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("bad.raf");
-    std::fs::write(&path, crafted::huge_count_raf()).expect("written");
+    fs::write(&path, crafted::huge_count_raf()).expect("written");
     let error = open(&path).expect_err("34 GB");
     assert_eq!(error.kind, ErrorKind::Damaged, "{error:?}");
     let words = error.to_string();
@@ -124,7 +124,7 @@ fn cancelling_ends_the_process() {
     let folder = tempfile::tempdir().expect("a folder");
     // Enough pixels to keep a decoder busy.
     let path = folder.path().join("large.dng");
-    std::fs::write(&path, Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes()).expect("written");
+    fs::write(&path, Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes()).expect("written");
     with_worker();
     let monitor = Monitor::default();
     let answer = std::thread::scope(|scope| {
@@ -146,7 +146,7 @@ fn cancelling_ends_the_process() {
 fn a_decoder_that_somebody_ends_is_no_damage_of_the_file() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("ended.dng");
-    std::fs::write(&path, Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes()).expect("written");
+    fs::write(&path, Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes()).expect("written");
     with_worker();
     for (signal, number) in [("-KILL", "signal 9"), ("-TERM", "signal 15")] {
         let error = std::thread::scope(|scope| {
@@ -159,7 +159,7 @@ fn a_decoder_that_somebody_ends_is_no_damage_of_the_file() {
                 assert!(started.elapsed() < Duration::from_secs(120), "no process was started");
                 std::thread::sleep(Duration::from_millis(1));
             };
-            assert!(std::process::Command::new("kill").args([signal, &child]).status().expect("kill").success());
+            assert!(Command::new("kill").args([signal, &child]).status().expect("kill").success());
             opening.join().expect("no panic").expect_err("it was ended")
         });
         let words = error.to_string();
@@ -171,9 +171,9 @@ fn a_decoder_that_somebody_ends_is_no_damage_of_the_file() {
 #[test]
 fn a_program_that_decodes_nothing_is_an_error_about_the_file() {
     // The decoding process alone, on a missing file: no answer at all.
-    let output = std::process::Command::new(env!("CARGO_BIN_EXE_burstscope"))
+    let output = Command::new(env!("CARGO_BIN_EXE_burstscope"))
         .args([burstscope::cli::DECODE_WORKER, "nowhere.dng"])
-        .stdin(std::process::Stdio::null())
+        .stdin(Stdio::null())
         .output()
         .expect("it starts");
     assert!(!output.status.success() && output.stdout.is_empty(), "{output:?}");
@@ -182,22 +182,22 @@ fn a_program_that_decodes_nothing_is_an_error_about_the_file() {
 #[test]
 fn a_harmful_file_loses_neither_the_other_bursts_nor_the_program() {
     let home = tempfile::tempdir().expect("a folder");
-    std::fs::write(home.path().join("bad.dng"), crafted::huge_count_dng(5)).expect("written");
-    std::fs::create_dir(home.path().join("night")).expect("made");
-    std::fs::write(home.path().join("night/bad.raf"), crafted::huge_count_raf()).expect("written");
+    fs::write(home.path().join("bad.dng"), crafted::huge_count_dng(5)).expect("written");
+    fs::create_dir(home.path().join("night")).expect("made");
+    fs::write(home.path().join("night/bad.raf"), crafted::huge_count_raf()).expect("written");
     let arguments = ["detect", "bad.dng", "night", "demo", "--out", "found", "--slopes-u", "-1:1:3", "--octaves", "1"];
     let words = run_badly(home.path(), &arguments, 1);
     assert!(words.contains("bad.dng") && words.contains("bad.raf"), "{words}");
     assert!(!words.contains("panicked") && !words.contains("memory allocation of"), "{words}");
     assert_eq!(names(&home.path().join("found")), ["demo.csv"]);
     // Files that announce more frames than there is memory, beside a good one in a folder.
-    std::fs::create_dir(home.path().join("arrays")).expect("made");
+    fs::create_dir(home.path().join("arrays")).expect("made");
     let at = |name: &str| home.path().join("arrays").join(name);
     let good: Vec<u8> = (0..2 * 96 * 72u32).map(|i| (i * i % 251) as u8).collect();
     let good = crafted::npy("2, 72, 96", &good);
-    std::fs::write(at("good.npz"), crafted::npz(&good, good.len() as u32, None, None)).expect("written");
+    fs::write(at("good.npz"), crafted::npz(&good, good.len() as u32, None, None)).expect("written");
     let many = crafted::npy("4294967000, 1, 1", &[7; 600]);
-    std::fs::write(at("many.npz"), crafted::npz(&many, 4_294_967_290, None, None)).expect("written");
+    fs::write(at("many.npz"), crafted::npz(&many, 4_294_967_290, None, None)).expect("written");
     let arguments = ["detect", "arrays", "--out", "arrays-found", "--slopes-u", "-1:1:3", "--octaves", "1"];
     let words = run_badly(home.path(), &arguments, 1);
     assert!(words.contains("many.npz") && words.contains("announces"), "{words}");
@@ -220,11 +220,11 @@ fn large_tiles_are_unpacked_in_a_process() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path().join("large.fits");
     let sides = [("ZNAXIS1", "8192"), ("ZNAXIS2", "4096"), ("ZTILE1", "8192"), ("ZTILE2", "4096")];
-    std::fs::write(&path, crafted::tile_fits(&sides, &[], &crafted::gzip_of_zeros(8192 * 4096))).expect("written");
+    fs::write(&path, crafted::tile_fits(&sides, &[], &crafted::gzip_of_zeros(8192 * 4096))).expect("written");
     let burst = open(&path).expect("unpacked");
     assert!(burst.size() == (8192, 4096) && burst.frames[0].data().iter().all(|value| *value == 0.0));
     let packed = crafted::gzip_of_zeros(8192 * 4096 + 1);
-    std::fs::write(&path, crafted::tile_fits(&sides, &[], &packed)).expect("written");
+    fs::write(&path, crafted::tile_fits(&sides, &[], &packed)).expect("written");
     let words = open(&path).expect_err("too much").to_string();
     assert!(words.contains("unpacks to") && words.contains("its pixels"), "{words}");
 }
@@ -232,14 +232,14 @@ fn large_tiles_are_unpacked_in_a_process() {
 #[test]
 fn damaged_jpegs_are_taken_on_demand_and_named_in_the_report() {
     let home = tempfile::tempdir().expect("a folder");
-    std::fs::create_dir(home.path().join("night")).expect("made");
+    fs::create_dir(home.path().join("night")).expect("made");
     let frame = |t: u32| home.path().join(format!("night/{t}.jpg"));
     for t in 0..4 {
         let picture = image::GrayImage::from_fn(64, 48, |u, v| image::Luma([((u + t) * 37 + v * 91) as u8]));
         picture.save(frame(t)).expect("written");
     }
-    let sound = std::fs::read(frame(2)).expect("read");
-    std::fs::write(frame(2), &sound[..sound.len() / 2]).expect("written");
+    let sound = fs::read(frame(2)).expect("read");
+    fs::write(frame(2), &sound[..sound.len() / 2]).expect("written");
     let arguments = ["detect", "night", "--out", "found", "--slopes-u", "-1:1:3", "--octaves", "1"];
     let words = run_badly(home.path(), &arguments, 1);
     assert!(words.contains("2.jpg") && words.contains("truncated or damaged"), "{words}");
@@ -257,13 +257,13 @@ fn a_process_that_decodes_has_few_rights_and_ends_when_the_program_is_killed() {
     let home = tempfile::tempdir().expect("a folder");
     // Enough pixels to keep a decoder busy.
     let large = Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes();
-    std::fs::write(home.path().join("large.dng"), large).expect("written");
+    fs::write(home.path().join("large.dng"), large).expect("written");
     let mut running = program(home.path(), &["stack", "large.dng", "--slope", "0,0", "--out", "a.tiff", "--quiet"])
         .spawn()
         .expect("it starts");
     let decoding = || {
-        let tasks = std::fs::read_dir(format!("/proc/{}/task", running.id())).into_iter().flatten().flatten();
-        let mut lists = tasks.filter_map(|task| std::fs::read_to_string(task.path().join("children")).ok());
+        let tasks = fs::read_dir(format!("/proc/{}/task", running.id())).into_iter().flatten().flatten();
+        let mut lists = tasks.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
         lists.find_map(|list| list.split_whitespace().next().map(str::to_owned))
     };
     let started = Instant::now();
@@ -276,7 +276,7 @@ fn a_process_that_decodes_has_few_rights_and_ends_when_the_program_is_killed() {
     };
     // What it may still do is tested beside the code; the kernel says that it gave up the rest before it decodes.
     if cfg!(any(target_arch = "x86_64", target_arch = "aarch64")) {
-        let status = || std::fs::read_to_string(format!("/proc/{child}/status")).unwrap_or_default();
+        let status = || fs::read_to_string(format!("/proc/{child}/status")).unwrap_or_default();
         let is_confined = |status: &str| ["NoNewPrivs:\t1", "Seccomp:\t2"].iter().all(|line| status.contains(line));
         while !is_confined(&status()) {
             assert!(running.try_wait().expect("its state").is_none(), "it is done, and was not seen confined");
@@ -286,7 +286,7 @@ fn a_process_that_decodes_has_few_rights_and_ends_when_the_program_is_killed() {
     }
     running.kill().expect("killed");
     running.wait().expect("an end");
-    let alive = || std::fs::read_to_string(format!("/proc/{child}/cmdline")).is_ok_and(|line| !line.is_empty());
+    let alive = || fs::read_to_string(format!("/proc/{child}/cmdline")).is_ok_and(|line| !line.is_empty());
     while alive() {
         assert!(started.elapsed() < Duration::from_secs(120), "process {child} goes on for nobody");
         std::thread::sleep(Duration::from_millis(5));
@@ -334,7 +334,7 @@ proptest! {
         }
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join(name);
-        std::fs::write(&path, bytes).expect("written");
+        fs::write(&path, bytes).expect("written");
         let limits = Limits { max_side_px: 512, max_pixels: 1 << 16, max_frames: 16, max_bytes: 1 << 22 };
         match Burst::open_with(&[path], &OpenOptions { limits, ..OpenOptions::default() }, &Monitor::default()) {
             Ok(burst) => prop_assert!(burst.frames[0].data().iter().all(|v| v.is_finite())),

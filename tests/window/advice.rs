@@ -39,7 +39,7 @@ fn check(source: BurstSource, grids: &[SlopeGrid]) -> usize {
         let set = apply_all(&mut window, &what);
         applied += set.len() - 1;
         for before in set.iter().rev().skip(1) {
-            window.harness.key_press_modifiers(egui::Modifiers::COMMAND, Key::Z);
+            window.harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
             window.settle();
             assert_eq!(&searched(&window), before, "{what}: a step back");
         }
@@ -53,7 +53,7 @@ fn unsuitable() -> [SlopeGrid; 5] {
         SlopeGrid::line(-9.0..=9.0, 7),
         SlopeGrid::line(3.0..=8.0, 11),
         SlopeGrid::line(-6.0..=6.0, 61),
-        SlopeGrid::single(burstscope::detector::Slope::new(0.0, 2.0)),
+        SlopeGrid::single(Slope::new(0.0, 2.0)),
     ]
 }
 

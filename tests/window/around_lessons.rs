@@ -110,8 +110,7 @@ fn in_a_hall_the_picture_is_large_and_a_presenters_keys_lead_through_the_lesson(
                 "{what}"
             );
             let pane = |id| app.widgets.rect_ui(id).expect("drawn");
-            let panes =
-                app.model.document.panes.shown().into_iter().map(pane).reduce(egui::Rect::union).expect("a pane");
+            let panes = app.model.document.panes.shown().into_iter().map(pane).reduce(Rect::union).expect("a pane");
             let drawn = parts::drawn(&window.harness.ctx);
             let has_plane = step.state.workspace == Some(Workspace::Trajectories);
             let plane = drawn.iter().find(|(part, _)| has_plane && *part == Part::Pictures);
@@ -141,7 +140,7 @@ fn a_lesson_is_written_as_a_sheet() {
     let mut window = at_step("ghosts", 0, SIZES[0]);
     window.will_choose(&file).run_action("export lesson sheet");
     window.wait("the sheet", |app| app.is_settled() && file.exists());
-    assert_eq!(std::fs::read_to_string(file).unwrap(), sheet(&lesson("ghosts")));
+    assert_eq!(fs::read_to_string(file).unwrap(), sheet(&lesson("ghosts")));
 }
 
 /// Opens a built-in lesson at a step, from 0, in a window of `size`.
@@ -202,12 +201,12 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
     let file = folder.path().join("mine.toml");
     let good =
         "title = \"My own\"\nabout = \"About it.\"\n\n[[step]]\ntitle = \"First\"\ncaption = \"Look at *this*.\"\n";
-    std::fs::write(&file, good.replace("caption", "captoin")).unwrap();
+    fs::write(&file, good.replace("caption", "captoin")).unwrap();
     let mut window = nothing_open();
     window.will_choose(folder.path()).run_action("open lessons");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("mine.toml, line 6") && window.shows("captoin"));
-    std::fs::write(&file, good).unwrap();
+    fs::write(&file, good).unwrap();
     window.will_choose(folder.path()).run_action("open lessons").wait("the list", |app| app.lessons.list_is_open);
     assert!(window.model().shell.messages.errors().is_empty(), "the mistake is mended");
     window.steps(5).click("Lesson: My own").settle();

@@ -231,7 +231,7 @@ fn only_real_features_are_shown_and_written() {
     assert!(0 < shown && shown < all, "{shown} of {all}");
     let file = home.path().join("real.csv");
     window.will_choose(&file).run_action("export features as csv").settle();
-    let text = std::fs::read_to_string(&file).expect("written");
+    let text = fs::read_to_string(&file).expect("written");
     assert_eq!(text.lines().count(), 1 + shown);
     assert!(text.starts_with(&(burstscope::export::feature_header() + ",verdict,coherence\n")));
     assert!(text.lines().skip(1).all(|line| line.contains(",real,")));

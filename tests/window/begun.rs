@@ -8,7 +8,7 @@ use image::GrayImage;
 /// Writes bursts of four frames and a mask that hides the left eight columns, all of one size.
 fn bursts(home: &Path) -> (PathBuf, PathBuf, PathBuf) {
     for (burst, shift) in [("slider", 0u32), ("cube", 3)] {
-        std::fs::create_dir(home.join(burst)).unwrap();
+        fs::create_dir(home.join(burst)).unwrap();
         for t in 0..4 {
             let value = |u: u32, v: u32| image::Luma([(40 + (u * 7 + v * 5 + 3 * t + shift) % 60) as u8]);
             GrayImage::from_fn(96, 64, value).save(home.join(burst).join(format!("{t}.png"))).unwrap();

@@ -12,7 +12,7 @@ fn frames(home: &Path) {
     let save = |name: &str, value: &dyn Fn(u32, u32) -> u16| {
         ImageBuffer::<Luma<u16>, _>::from_fn(96, 64, |u, v| Luma([value(u, v)])).save(home.join(name)).unwrap();
     };
-    std::fs::create_dir(home.join("night")).unwrap();
+    fs::create_dir(home.join("night")).unwrap();
     for t in 0..4u16 {
         save(&format!("night/{t}.png"), &|u, v| bias(v) + light(u) + (u as u16 * 7 + v as u16 * 5 + t) % 3);
     }
@@ -132,9 +132,9 @@ fn a_mask_is_drawn_on_the_picture_written_and_used() {
     assert_eq!([grey(10, 35), grey(80, 56), grey(50, 40)], [0, 0, 255]);
     // Masks of all frames lie in a folder.
     let masks = home.path().join("masks");
-    std::fs::create_dir(&masks).unwrap();
+    fs::create_dir(&masks).unwrap();
     for t in 0..4 {
-        std::fs::copy(&file, masks.join(format!("{t}.png.png"))).unwrap();
+        fs::copy(&file, masks.join(format!("{t}.png.png"))).unwrap();
     }
     window.will_choose(&masks).click("Folder…").wait("the dialog names the folder", |app| app.is_settled());
     window.click("Apply").settle();

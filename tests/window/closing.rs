@@ -12,7 +12,7 @@ use std::sync::{Mutex, mpsc};
 /// All files below `folder`.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut found = Vec::new();
-    for entry in std::fs::read_dir(folder).into_iter().flatten() {
+    for entry in fs::read_dir(folder).into_iter().flatten() {
         let path = entry.unwrap().path();
         if path.is_dir() { found.extend(files(&path)) } else { found.push(path) }
     }
@@ -24,7 +24,7 @@ fn assert_nothing_half_written(folder: &Path) {
     for file in files(folder) {
         let is_unfinished = |part: &std::ffi::OsStr| part.to_string_lossy().ends_with(".tmp");
         assert!(!file.iter().any(is_unfinished), "{}", file.display());
-        let text = || std::fs::read_to_string(&file).unwrap();
+        let text = || fs::read_to_string(&file).unwrap();
         match file.extension().and_then(|extension| extension.to_str()) {
             Some("svg") => assert!(burstscope::export::is_ours(&file), "{}", file.display()),
             Some("png") => assert!(image::open(&file).is_ok(), "{}", file.display()),
@@ -118,12 +118,12 @@ fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
     begin(&mut window, folder.path(), &exports);
     drop((window, closing));
     assert_written(folder.path(), &exports);
-    let text = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap();
+    let text = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap();
     assert_eq!(text("f.csv").lines().count(), count + 1);
     assert_eq!(text("f.txt").lines().count(), count + 1);
-    ndarray_npy::NpzReader::new(std::fs::File::open(folder.path().join("f.npz")).unwrap()).unwrap();
-    assert_eq!(burstscope::Burst::open(folder.path().join("p.tiff")).unwrap().size(), (480, 360));
-    burstscope::detector::SearchParams::from_toml(&text("params.toml")).unwrap();
+    ndarray_npy::NpzReader::new(fs::File::open(folder.path().join("f.npz")).unwrap()).unwrap();
+    assert_eq!(Burst::open(folder.path().join("p.tiff")).unwrap().size(), (480, 360));
+    SearchParams::from_toml(&text("params.toml")).unwrap();
     burstscope::app::session::Session::from_toml(&text("session.toml")).unwrap();
 }
 
@@ -138,19 +138,19 @@ fn what_was_matched_and_measured_is_whole_too() {
     let closing = hold_files_until_closing(&window);
     let of_lab = [("export curves as csv", "c.csv"), ("export curves as svg", "c.svg")];
     begin(&mut window, folder.path(), &of_lab);
-    window.ctrl(egui::Key::Num2);
+    window.ctrl(Key::Num2);
     let of_pair = [("export matches as csv", "m.csv"), ("figure as before", "m.png")];
     begin(&mut window, folder.path(), &of_pair);
-    window.ctrl(egui::Key::Num1);
+    window.ctrl(Key::Num1);
     let pane = window.document().focus();
-    let (from_image, to_image) = (egui::pos2(100.0, 80.0), egui::pos2(160.0, 80.0));
+    let (from_image, to_image) = (pos2(100.0, 80.0), pos2(160.0, 80.0));
     window.app_mut().model.document.measure.line = Some(MeasuredLine { pane, from_image, to_image });
     window.wait("there is something to measure", |app| app.read().picture().is_some());
     let of_line = [("export line profile as csv", "l.csv")];
     begin(&mut window, folder.path(), &of_line);
     drop((window, closing));
     assert_written(folder.path(), &[&of_lab[..], &of_pair[..], &of_line[..]].concat());
-    let lines = |name: &str| std::fs::read_to_string(folder.path().join(name)).unwrap().lines().count();
+    let lines = |name: &str| fs::read_to_string(folder.path().join(name)).unwrap().lines().count();
     assert_eq!(lines("m.csv"), matches + 1);
     assert!(lines("l.csv") > 60 && lines("c.csv") > 2);
 }
@@ -196,8 +196,8 @@ fn a_dataset_that_is_being_exported_leaves_whole_files_and_goes_on_later() {
     };
     for out in [&ours, &theirs] {
         let mut store = FeatureStore::open(out, &job.features).unwrap();
-        export_colmap(&mut store, &bursts, &job, &mut |_| {}, &burstscope::Monitor::default()).unwrap();
+        export_colmap(&mut store, &bursts, &job, &mut |_| {}, &Monitor::default()).unwrap();
     }
-    let database = |folder: &Path| std::fs::read(folder.join("database.db")).unwrap();
+    let database = |folder: &Path| fs::read(folder.join("database.db")).unwrap();
     assert_eq!(database(&ours), database(&theirs));
 }

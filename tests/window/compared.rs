@@ -9,7 +9,7 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     let before: Vec<Spot> = window.read().features().iter().map(Spot::from).collect();
     window.run_action("pin this result").change(|document| document.params.edge_threshold = 8.0);
-    window.app_mut().model.document.params.noise_gate = burstscope::detector::NoiseGate::Factor(5.5);
+    window.app_mut().model.document.params.noise_gate = NoiseGate::Factor(5.5);
     window.change(|document| document.params.levels = 4).settle();
     let after: Vec<Spot> = window.read().features().iter().map(Spot::from).collect();
     let expected = compare(&before, &after);
@@ -35,7 +35,7 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
 fn pinning_a_result_and_changing_nothing_shows_no_change() {
     let mut window = Start::default().open();
     let count = window.read().features().len();
-    window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::D);
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::D);
     window.settle();
     let shown = window.read().shown_comparison(Side::A).expect("a comparison");
     assert!([Compared::Theirs, Compared::Ours, Compared::Moved].into_iter().all(|kind| shown.count(kind) == 0));
@@ -74,7 +74,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
 fn a_file_that_holds_no_features_is_refused_with_a_reason() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("notes.txt");
-    std::fs::write(&path, "nothing of the kind\n").unwrap();
+    fs::write(&path, "nothing of the kind\n").unwrap();
     let mut window = Start::default().open();
     window.will_choose(&path).run_action("open features").settle();
     assert!(window.shows("is neither the header of a feature table"));
@@ -87,7 +87,7 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     let mut window = Start::default().open();
     write_csv(&theirs, &window.read().features()[5..], None).unwrap();
     window.run_action("pin this result");
-    window.change(|document| document.params.noise_gate = burstscope::detector::NoiseGate::Factor(6.0)).settle();
+    window.change(|document| document.params.noise_gate = NoiseGate::Factor(6.0)).settle();
     let pinned = window.read().shown_comparison(Side::A).expect("a comparison").clone();
     assert!(pinned.count(Compared::Theirs) > 0);
     window.will_choose(&theirs).run_action("open features").settle();
@@ -99,7 +99,7 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
         window.will_choose(&session).run_action("open session").settle();
         window
     };
-    let shows_pinned = |window: &mut crate::support::Window| {
+    let shows_pinned = |window: &mut Window| {
         window.click("Pinned result").settle();
         let shown = window.read().shown_comparison(Side::A).expect("a comparison");
         // The features were found again, with equal bits.
@@ -110,10 +110,10 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
     assert_eq!((shown.with, &shown.summary), (Reference::File, &laid_over));
     shows_pinned(&mut window);
     // A missing file is reported where it belongs, and nothing else is lost.
-    std::fs::remove_file(&theirs).unwrap();
+    fs::remove_file(&theirs).unwrap();
     let mut window = reopen();
     assert!(window.read().shown_comparison(Side::A).is_none() && window.shows("theirs.csv"));
-    assert_eq!(window.document().params.noise_gate, burstscope::detector::NoiseGate::Factor(6.0));
+    assert_eq!(window.document().params.noise_gate, NoiseGate::Factor(6.0));
     shows_pinned(&mut window);
 }
 
@@ -121,7 +121,7 @@ fn a_session_comes_back_with_what_the_features_are_compared_with() {
 fn what_is_seen_is_copied_as_a_command() {
     let mut window = Start::default().open();
     window.change(|document| document.params.max_features = 25).settle();
-    window.harness.key_press_modifiers(egui::Modifiers::COMMAND | egui::Modifiers::SHIFT, Key::K);
+    window.harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::K);
     window.harness.run_steps(1);
     let line = burstscope::requests::detect_line(&["demo".to_owned()], &window.read().asked(), &Default::default());
     assert!(line.starts_with("burstscope detect demo --out ") && line.contains("--max-features 25"), "{line}");

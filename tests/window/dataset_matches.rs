@@ -37,7 +37,7 @@ fn kept_of(home: &Path, place: usize) -> burstscope::error::Result<Vec<Descripto
 fn walk_again(home: &Path) -> Vec<burstscope::burst::BurstFiles> {
     let source =
         burstscope::dataset::DatasetSource { paths: vec![home.join("film")], burst_length: Some(5), burst_step: None };
-    source.bursts(&burstscope::burst::OpenOptions::default()).unwrap()
+    source.bursts(&OpenOptions::default()).unwrap()
 }
 
 #[test]
@@ -56,7 +56,7 @@ fn all_pairs_are_matched_as_the_library_matches_them_and_one_is_looked_at() {
     assert!(window.shows(&format!("{} putative matches, {} inliers", counts.putative, counts.inliers.unwrap())));
     let matrix = window.harness.get_by_role_and_label(Role::Image, "Match matrix").rect();
     // Cells are 64 points large; the first row is 72 points below the top, the first column 96 to the right.
-    window.click_at(matrix.min + egui::vec2(96.0 + 1.5 * 64.0, 72.0 + 2.5 * 64.0));
+    window.click_at(matrix.min + vec2(96.0 + 1.5 * 64.0, 72.0 + 2.5 * 64.0));
     assert_eq!(chosen(&window), [Some(1), Some(2)]);
     window.key(Key::ArrowUp);
     assert_eq!(chosen(&window), [Some(0), Some(2)], "arrow keys move through the matrix");
@@ -94,7 +94,7 @@ fn neighbours_alone_or_one_pair_can_be_matched() {
     assert!((2..=3).contains(&near.len()), "each of three bursts has one: {near:?}");
     assert_eq!(matched(&window), [(0, 1), (0, 2), (1, 2)].map(|pair| near.contains(&pair)));
     // A burst without features is left out.
-    std::fs::remove_file(home.path().join("film-burstscope-5/features/frame_012.png.txt")).unwrap();
+    fs::remove_file(home.path().join("film-burstscope-5/features/frame_012.png.txt")).unwrap();
     window.click_on(Role::RadioButton, "All pairs").click("Match pairs").settle();
     assert!(window.shows("2 left out, whose bursts have no features yet"));
 }
@@ -119,7 +119,7 @@ fn trajectory_matrix() {
     // More bursts than a test has time for: copies of one film, the more matches the nearer they are.
     let many = 20;
     let (bursts, states) = (open.bursts.clone(), open.states.clone());
-    open.opened.bursts = std::sync::Arc::new(
+    open.opened.bursts = Arc::new(
         (0..many)
             .map(|k| burstscope::burst::BurstFiles { name: format!("frame_{:03}", 2 + 5 * k), ..bursts[k % 3].clone() })
             .collect(),

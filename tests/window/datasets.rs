@@ -63,7 +63,7 @@ fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector(
     let folder = tempfile::tempdir().unwrap();
     let nights = folder.path().join("nights");
     for (name, frames) in [("first", 3), ("second", 6)] {
-        std::fs::create_dir_all(nights.join(name)).unwrap();
+        fs::create_dir_all(nights.join(name)).unwrap();
         noisy_stack(&nights.join(name), frames, 40, 40);
     }
     let mut window = Start::without_auto_detect().open();
@@ -100,9 +100,9 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     window.settle();
     let found = features(&window);
     let params = few_slopes();
-    for (burst, found) in source.bursts(&burstscope::burst::OpenOptions::default()).unwrap().iter().zip(&found) {
-        let open = burstscope::burst::OpenOptions::default();
-        let opened = burstscope::Burst::open_with(&burst.paths, &open, &Monitor::default()).unwrap();
+    for (burst, found) in source.bursts(&OpenOptions::default()).unwrap().iter().zip(&found) {
+        let open = OpenOptions::default();
+        let opened = Burst::open_with(&burst.paths, &open, &Monitor::default()).unwrap();
         let expected = burstscope::detect(&opened, &params, &Monitor::default()).unwrap();
         assert_eq!(*found, Some(expected.features.len()), "{}", burst.name);
     }
@@ -110,7 +110,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
     assert!(home.path().join("film-burstscope-5/features/frame_007.png.txt").is_file());
 
     // After a restart everything is there, and what was deleted is searched again.
-    std::fs::remove_file(home.path().join("film-burstscope-5/features/frame_007.png.txt")).unwrap();
+    fs::remove_file(home.path().join("film-burstscope-5/features/frame_007.png.txt")).unwrap();
     let mut next = start(source.clone()).open();
     assert_eq!(features(&next), [found[0], None, found[2]]);
     next.ctrl(Key::D).settle();
@@ -133,7 +133,7 @@ fn all_bursts_are_detected_and_found_done_by_the_next_window() {
 fn a_burst_that_fails_says_why_and_the_others_go_on() {
     let home = tempfile::tempdir().unwrap();
     let source = walk(home.path());
-    std::fs::write(home.path().join("film/frame_006.png"), "broken").unwrap();
+    fs::write(home.path().join("film/frame_006.png"), "broken").unwrap();
     let mut window = start(source).open();
     window.click("Detect all").settle();
     assert!(window.shows("3 bursts, 2 done, 1 failed"));
@@ -154,11 +154,11 @@ fn harmful_files_of_a_dataset_lose_their_bursts_alone() {
         ("c", "bad.raf", crate::crafted::huge_count_raf()),
         ("d", "bad.png", png[..png.len() / 2].to_vec()),
     ] {
-        std::fs::create_dir_all(nights.join(name)).unwrap();
-        std::fs::write(nights.join(name).join(file), bytes).unwrap();
+        fs::create_dir_all(nights.join(name)).unwrap();
+        fs::write(nights.join(name).join(file), bytes).unwrap();
     }
     for name in ["a", "e"] {
-        std::fs::create_dir_all(nights.join(name)).unwrap();
+        fs::create_dir_all(nights.join(name)).unwrap();
         noisy_stack(&nights.join(name), 3, 48, 48);
     }
     let dataset_source = DatasetSource { paths: vec![nights], burst_length: None, burst_step: None };
@@ -227,8 +227,8 @@ fn folders_that_will_not_do_are_named() {
     let mut window = start(walk(home.path())).open();
     // A folder that holds something else.
     let own = home.path().join("own");
-    std::fs::create_dir(&own).unwrap();
-    std::fs::write(own.join("thesis.txt"), "precious").unwrap();
+    fs::create_dir(&own).unwrap();
+    fs::write(own.join("thesis.txt"), "precious").unwrap();
     window.will_choose(&own).click("Choose feature folder…").settle();
     assert!(window.shows("name a new or an empty folder") && window.shows("own"));
     assert!(window.shows("Features cannot be kept here"));
@@ -261,7 +261,7 @@ fn a_picture_beside_the_bursts_of_a_dataset_is_named() {
     let home = tempfile::tempdir().unwrap();
     let nights = home.path().join("nights");
     for (folder, shade) in [("nights/a", 9u8), ("nights/b", 12)] {
-        std::fs::create_dir_all(home.path().join(folder)).unwrap();
+        fs::create_dir_all(home.path().join(folder)).unwrap();
         for t in 0..2 {
             let frame = image::GrayImage::from_fn(40, 30, |u, v| image::Luma([shade + ((u * 7 + v * 3) % 50) as u8]));
             frame.save(home.path().join(format!("{folder}/{t}.png"))).unwrap();

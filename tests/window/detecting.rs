@@ -10,8 +10,7 @@ fn detect_finds_what_the_detector_finds() {
     window.click("Detect").settle();
     let model = window.model();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
-    let expected =
-        burstscope::detect(burst, &model.document.params.at_given(), &burstscope::Monitor::default()).unwrap();
+    let expected = burstscope::detect(burst, &model.document.params.at_given(), &Monitor::default()).unwrap();
     assert_eq!(Read::of(model).features(), expected.features);
     assert!(window.shows(&format!("{} in", counted(expected.features.len(), "feature"))));
 }
@@ -21,9 +20,9 @@ fn what_is_pointed_at_is_marked_as_long_as_the_pointer_is_there() {
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
     window.change(|document| document.look.overlay = FeaturesShown::All).settle();
     let strongest = &window.read().features()[0];
-    let in_picture = window.ui_from_image(egui::pos2(strongest.u, strongest.v)).unwrap();
+    let in_picture = window.ui_from_image(pos2(strongest.u, strongest.v)).unwrap();
     let in_table = window.harness.get_by_role_and_label(Role::Row, "Feature 1").rect().center();
-    let elsewhere = egui::pos2(640.0, 790.0);
+    let elsewhere = pos2(640.0, 790.0);
     for (pos, wanted) in [(in_picture, true), (elsewhere, false), (in_table, true), (elsewhere, false)] {
         window.hover(pos).steps(3);
         assert_eq!(window.results().hovered.is_some(), wanted, "{pos}");
@@ -51,9 +50,9 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     };
     let index = (0..features.len()).find(|&i| alone(i)).expect("the demo has a feature that stands alone");
     let feature = features[index];
-    window.app_mut().model.document.focused_mut().view.look_at(egui::pos2(feature.u, feature.v), POINTS_PER_PX);
+    window.app_mut().model.document.focused_mut().view.look_at(pos2(feature.u, feature.v), POINTS_PER_PX);
     window.settle();
-    let pos = window.ui_from_image(egui::pos2(feature.u, feature.v)).unwrap();
+    let pos = window.ui_from_image(pos2(feature.u, feature.v)).unwrap();
     window.click_at(pos);
     assert_eq!(window.document().selected, Some(index));
     window.settle();
@@ -63,7 +62,7 @@ fn a_feature_is_selected_in_the_picture_and_in_the_table() {
     // The table scrolls to the feature with the row above visible.
     // The row is wider than what is seen of it.
     let row = window.harness.get_by_role_and_label(Role::Row, &format!("Feature {}", index - 1)).rect();
-    window.click_at(row.left_center() + egui::vec2(80.0, 0.0)).steps(2);
+    window.click_at(row.left_center() + vec2(80.0, 0.0)).steps(2);
     assert_eq!(window.document().selected, Some(index - 1));
     window.key(Key::N);
     assert_eq!(window.document().selected, Some(index));

@@ -27,7 +27,7 @@ fn the_question_mark_shows_every_action_that_has_keys_without_scrolling() {
         for action in ACTIONS.iter().filter(|action| action.id != ActionId::Shortcuts) {
             let by_label = window.harness.query_all_by_label(action.label).map(|node| node.rect());
             let by_value = window.harness.query_all_by_value(action.label).map(|node| node.rect());
-            let is_here = |rect: egui::Rect| rect.top() > close.bottom() && rect.bottom() < foot.top();
+            let is_here = |rect: Rect| rect.top() > close.bottom() && rect.bottom() < foot.top();
             let is_here = by_label.chain(by_value).any(is_here);
             assert!(is_here || action.shortcut.is_none(), "{} is missing at {size:?}", action.label);
         }
@@ -41,7 +41,7 @@ fn keys_typed_into_a_field_do_not_run_actions() {
     let mut window = Start::without_auto_detect().open();
     window.ctrl(Key::L);
     let before = *window.document().cursor();
-    let field = window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path");
+    let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
     field.type_text("3");
     window.steps(1).key(Key::Num3).key(Key::G);
     assert_eq!(*window.document().cursor(), before);
@@ -84,7 +84,7 @@ fn escape_closes_a_drop_down_and_nothing_else() {
 #[test]
 fn a_slow_click_is_a_click() {
     let mut window = Start::without_auto_detect().open();
-    let button = window.harness.get_by_role_and_label(egui::accesskit::Role::Button, "▶ Play").rect().center();
+    let button = window.harness.get_by_role_and_label(Role::Button, "▶ Play").rect().center();
     window.harness.drag_at(button);
     let pressed = window.harness.ctx.input(|i| i.time);
     while window.harness.ctx.input(|i| i.time) < pressed + 1.5 {
@@ -99,12 +99,11 @@ fn a_slow_click_is_a_click() {
 fn the_palette_is_as_high_as_its_list_and_begins_with_what_is_mostly_wanted() {
     let mut window = Start::without_auto_detect().open();
     window.ctrl(Key::P).steps(3);
-    let row = |window: &crate::support::Window, label: &str| {
-        window.harness.query_all_by_label_contains(label).map(|node| node.rect()).next()
-    };
+    let row =
+        |window: &Window, label: &str| window.harness.query_all_by_label_contains(label).map(|node| node.rect()).next();
     let first = row(&window, "Find features with").or_else(|| row(&window, "Detect"));
     assert!(first.is_some());
-    let field = window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Find an action");
+    let field = window.harness.get_by_role_and_label(Role::TextInput, "Find an action");
     field.type_text("keyb");
     window.harness.run_steps(3);
     for _ in 0..4 {
@@ -123,7 +122,7 @@ fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
     let mut window = Start::default().open();
     window.change(|document| document.look.overlay = FeaturesShown::All).settle();
     let feature = window.read().features()[0];
-    let place = window.ui_from_image(egui::pos2(feature.u, feature.v)).expect("drawn");
+    let place = window.ui_from_image(pos2(feature.u, feature.v)).expect("drawn");
     window.hover(place).steps(3);
     assert!(window.shows("px/frame\nresponse"), "the tip");
     window.ctrl(Key::P).steps(2);
@@ -133,10 +132,10 @@ fn the_tip_of_a_feature_goes_when_a_dialog_comes() {
 }
 
 /// Scrolls an open menu to its end, where it is longer than the window.
-fn scroll_to_end(window: &mut Window, inside: egui::Pos2) {
+fn scroll_to_end(window: &mut Window, inside: Pos2) {
     window.harness.hover_at(inside);
     for _ in 0..12 {
-        let delta = egui::vec2(0.0, -200.0);
+        let delta = vec2(0.0, -200.0);
         let (unit, modifiers, phase) = (egui::MouseWheelUnit::Point, Modifiers::NONE, egui::TouchPhase::Move);
         let source = egui::MouseWheelSource::Wheel;
         window.harness.event(egui::Event::MouseWheel { unit, delta, modifiers, phase, source });
@@ -160,7 +159,7 @@ fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
                 let below = Menu::ALL.into_iter().rfind(|below| below.parent() == Some(menu)).map(Menu::label);
                 let entry = below.or(menu.submenu(last.group)).unwrap_or(last.label);
                 let before = rect(&window, entry);
-                scroll_to_end(&mut window, egui::pos2(before.center().x, size[1] * 0.4));
+                scroll_to_end(&mut window, pos2(before.center().x, size[1] * 0.4));
                 at = rect(&window, entry);
             }
             let entry = menu.label();
@@ -174,9 +173,7 @@ fn the_last_entry_of_every_menu_can_be_reached_at_every_size() {
 #[test]
 fn menus_of_what_is_not_there_are_not_shown_and_groups_of_many_entries_are_folded() {
     let mut window = Start::without_auto_detect().open();
-    let has = |window: &Window, label: &str| {
-        window.harness.query_by_role_and_label(egui::accesskit::Role::Button, label).is_some()
-    };
+    let has = |window: &Window, label: &str| window.harness.query_by_role_and_label(Role::Button, label).is_some();
     assert!(!has(&window, "Pair") && !has(&window, "Dataset") && has(&window, "Help"));
     window.click("View").steps(3);
     assert!(window.shows("Fit picture") && !window.shows("Show DoG"));

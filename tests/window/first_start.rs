@@ -71,7 +71,7 @@ fn nothing_about_slopes_stands_on_the_screen_twice() {
             let judged = window.read().slope_judgement().expect("judged").clone();
             assert_eq!(judged.advice.is_some(), slopes != Slopes::AUTO, "{judged:?}");
             let told = told_of_slopes(&window);
-            let once: std::collections::BTreeSet<&String> = told.iter().collect();
+            let once: BTreeSet<&String> = told.iter().collect();
             assert_eq!(once.len(), told.len(), "{tab:?}: {told:#?}");
             let first = judged.sentence.split("; ").next().expect("a clause").to_lowercase();
             assert!(told.contains(&first), "{tab:?}: {first}: {told:#?}");
@@ -139,7 +139,7 @@ fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     let moves = |f: &burstscope::Feature| (f.motion().0.u - slope.u).hypot(f.motion().0.v - slope.v) < 0.1;
     let is_here = |f: &&burstscope::Feature| moves(f) && (100.0..300.0).contains(&f.u);
     let feature = *Read::of(model).features().iter().find(is_here).expect("a feature of this slope");
-    let place = egui::pos2(feature.u, feature.v);
+    let place = pos2(feature.u, feature.v);
     let before = window.ui_from_image(place).expect("drawn");
     window.click_at(before).settle();
     assert!(window.document().selected.is_some() && window.read().shows_right());
@@ -208,12 +208,12 @@ fn smoothing_changes_what_is_shown_and_not_the_values() {
         (picture.plane.clone(), picture.drawn.clone())
     };
     let (plane, drawn) = planes(&window);
-    assert!(std::sync::Arc::ptr_eq(&plane, &drawn));
+    assert!(Arc::ptr_eq(&plane, &drawn));
     let range = window.document().look.ranges.intensity;
     window.slide("Smoothing", 2.0).settle();
     let (values, smooth) = planes(&window);
     assert_eq!(values, plane);
-    let spread = |plane: &burstscope::plane::Plane| {
+    let spread = |plane: &Plane| {
         let mean = plane.data().iter().sum::<f32>() / plane.data().len() as f32;
         plane.data().iter().map(|x| (x - mean).powi(2)).sum::<f32>()
     };
@@ -225,5 +225,5 @@ fn smoothing_changes_what_is_shown_and_not_the_values() {
     assert!(window.shows("display smoothed, σ 2 px"));
     window.snapshot("smoothed_display");
     window.slide("Smoothing", 0.0).settle();
-    assert!(std::sync::Arc::ptr_eq(&planes(&window).0, &planes(&window).1));
+    assert!(Arc::ptr_eq(&planes(&window).0, &planes(&window).1));
 }

@@ -36,7 +36,7 @@ fn the_table_says_of_each_feature_what_it_likely_is_and_sorts_and_filters_by_it(
     assert_eq!(model.results.listed.len(), count(Verdict::Ghost));
     assert!(model.results.listed.iter().all(|&index| judged[index].verdict == Verdict::Ghost));
     // The selected one says why, and so does its tip.
-    window.key(egui::Key::Escape);
+    window.key(Key::Escape);
     let ghost = window.results().listed[0];
     window.change(|document| document.selected = Some(ghost)).settle();
     assert!(window.shows("Likely a ghost: only some of the frames respond"), "in the panel");

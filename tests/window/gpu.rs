@@ -89,7 +89,7 @@ fn magnified_pixels_are_crisp_and_where_the_transform_says() {
     let mut view = View::fit();
     let display = Display::default();
     let image = draw(&mut window, &picture, &display, &mut view, false);
-    let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, vec2(120.0, 90.0));
+    let rect = Rect::from_min_size(Pos2::ZERO, vec2(120.0, 90.0));
     let ui_from_image = view.settle(rect, picture.image_size, pixels_per_point);
     let image_from_ui = ui_from_image.inverse();
     let mut inside = 0;
@@ -143,11 +143,11 @@ fn any_reduction_keeps_the_mean_of_a_noisy_picture() {
         let mut window = offscreen(size, 1.0);
         let mut view = View::fit();
         let image = draw(&mut window, &picture, &Display::default(), &mut view, false);
-        let rect = egui::Rect::from_min_size(egui::Pos2::ZERO, size);
+        let rect = Rect::from_min_size(Pos2::ZERO, size);
         let shown = view.settle(rect, picture.image_size, 1.0).rect(picture.rect_image()).shrink(1.0);
         let (mut sum, mut count) = (0.0, 0.0);
         for (x, y, pixel) in image.enumerate_pixels() {
-            if shown.contains(egui::pos2(x as f32 + 0.5, y as f32 + 0.5)) {
+            if shown.contains(pos2(x as f32 + 0.5, y as f32 + 0.5)) {
                 sum += f32::from(pixel.0[0]) / 255.0;
                 count += 1.0;
             }
@@ -188,7 +188,7 @@ fn pictures_beyond_one_texture_are_tiled_without_a_seam() {
 }
 
 fn address_space() -> u64 {
-    let status = std::fs::read_to_string("/proc/self/status").expect("Linux has it");
+    let status = fs::read_to_string("/proc/self/status").expect("Linux has it");
     let line = status.lines().find_map(|line| line.strip_prefix("VmSize:")).expect("its size");
     line.trim().trim_end_matches(" kB").parse::<u64>().expect("a number") << 10
 }

@@ -35,8 +35,8 @@ pub struct Greys {
 impl Greys {
     /// Greys of `image` in `rect`, pixels; `None` where fewer pixels than cells are in the image.
     pub fn of(image: &RgbaImage, rect: Rect) -> Option<Self> {
-        let inside = rect
-            .intersect(Rect::from_min_size(egui::Pos2::ZERO, [image.width(), image.height()].map(|s| s as f32).into()));
+        let inside =
+            rect.intersect(Rect::from_min_size(Pos2::ZERO, [image.width(), image.height()].map(|s| s as f32).into()));
         let [left, top, right, bottom] =
             [inside.left(), inside.top(), inside.right(), inside.bottom()].map(|x| x.round() as u32);
         if right < left + CELLS[0] || bottom < top + CELLS[1] {

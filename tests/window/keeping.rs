@@ -13,7 +13,7 @@ fn parameters_are_saved_and_loaded() {
     let mut window = Start::without_auto_detect().open();
     window.change(|document| document.params.peak_threshold = 0.0125).will_choose(&file);
     window.run_action("save parameters").settle();
-    let saved = DetectorParams::from_toml(&std::fs::read_to_string(&file).unwrap()).unwrap();
+    let saved = DetectorParams::from_toml(&fs::read_to_string(&file).unwrap()).unwrap();
     assert_eq!(saved.peak_threshold, 0.0125);
     window.click("Reset all");
     assert_eq!(window.document().params, DetectorParams::default());
@@ -25,7 +25,7 @@ fn parameters_are_saved_and_loaded() {
 fn a_parameter_file_with_a_mistake_is_named_and_changes_nothing() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("wrong.toml");
-    std::fs::write(&file, "peak_treshold = 0.1\n").unwrap();
+    fs::write(&file, "peak_treshold = 0.1\n").unwrap();
     let mut window = Start::without_auto_detect().open();
     let before = window.document().params.clone();
     window.will_choose(&file).run_action("load parameters");
@@ -63,14 +63,14 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
     let file = folder.path().join("panes.burstscope.toml");
     let mut window = Start::without_auto_detect().open();
     window.run_action("later demo burst as b").settle();
-    window.click("One burst").key(egui::Key::Num9).key(egui::Key::S);
+    window.click("One burst").key(Key::Num9).key(Key::S);
     window.app_mut().model.document.focused_mut().side = Side::B;
     window.settle();
     window.click("Link view of pane 1").will_choose(&file).run_action("save session").settle();
     let startup = Startup { source: None, session: Some(file), ..Start::without_auto_detect().startup };
     let mut other = Start { startup, ..Start::default() }.open();
     other.settle();
-    let saved = |window: &crate::support::Window| {
+    let saved = |window: &Window| {
         let mut panes = window.document().panes.clone();
         // The centre of a fitted view is computed anew.
         panes.iter_mut().for_each(|(_, pane)| pane.view = View::default());
@@ -90,16 +90,16 @@ fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
     let file = folder.path().join("handed_over.burstscope.toml");
     let mut window = Start::default().open();
     window.settle();
-    let pane = |window: &crate::support::Window| window.document().focused().clone();
+    let pane = |window: &Window| window.document().focused().clone();
     let opened = pane(&window);
     let truth = "[document.comparisons.a]\nwith = \"truth\"\n[document.look]\noverlay = \"this_slope\"\n";
     let text = format!("version = 4\nburst = \"demo\"\ndetected = true\n{truth}");
-    std::fs::write(&file, text).unwrap();
+    fs::write(&file, text).unwrap();
     window.will_choose(&file).run_action("open session").settle();
     assert!(window.model().shell.messages.errors().is_empty(), "{:?}", window.model().shell.messages.errors());
     let cursor = pane(&window).cursor;
     assert_eq!((cursor.frame, opened.cursor.frame), (5, 5));
-    assert_ne!(cursor.slope, burstscope::detector::Slope::default(), "that with most features");
+    assert_ne!(cursor.slope, Slope::default(), "that with most features");
     // Of the comparison it shows what is at the slope of the picture, and how many that are.
     let is_part = |text: &str| text.starts_with("Found ") && text.contains(" of ");
     let by = egui_kittest::kittest::by().predicate(move |node| node.value().is_some_and(|text| is_part(&text)));
@@ -110,7 +110,7 @@ fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
 fn a_session_of_a_newer_version_says_so() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("new.burstscope.toml");
-    std::fs::write(&file, "version = 77\nburst = \"demo\"\nsomething_new = true\n").unwrap();
+    fs::write(&file, "version = 77\nburst = \"demo\"\nsomething_new = true\n").unwrap();
     let mut window = Start::without_auto_detect().open();
     window.will_choose(&file).run_action("open session");
     window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
@@ -124,7 +124,7 @@ fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
     let file = folder.path().join("night.burstscope.toml");
     let mut window = Start::of(&stack).open();
     window.will_choose(&file).run_action("save session").settle();
-    std::fs::remove_file(&stack).unwrap();
+    fs::remove_file(&stack).unwrap();
     let mut other = Start::without_auto_detect().open();
     let before = (other.results().slots.a.burst.as_ref().unwrap().id, other.document().params.clone());
     other.will_choose(&file).run_action("open session");
@@ -149,17 +149,17 @@ fn harmful_files() -> [(&'static str, Vec<u8>); 3] {
 fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
     let folder = tempfile::tempdir().unwrap();
     let (dng, file) = (folder.path().join("a.dng"), folder.path().join("night.burstscope.toml"));
-    std::fs::write(&dng, crate::dng::Dng::new((96, 80), |u, v| (64 + (u * 37 + v * 91) % 400) as u16).bytes()).unwrap();
+    fs::write(&dng, crate::dng::Dng::new((96, 80), |u, v| (64 + (u * 37 + v * 91) % 400) as u16).bytes()).unwrap();
     let mut window = Start::of(&dng).open();
     assert_eq!(window.read().size(), (48, 40));
     window.run_action("later demo burst as b").settle();
     window.change(|document| document.params.peak_threshold = 0.0125).will_choose(&file);
     window.run_action("save session").settle();
-    let session = std::fs::read_to_string(&file).unwrap();
+    let session = fs::read_to_string(&file).unwrap();
     for (name, bytes) in harmful_files() {
-        std::fs::write(folder.path().join(name), bytes).unwrap();
+        fs::write(folder.path().join(name), bytes).unwrap();
         assert!(session.contains("a.dng"));
-        std::fs::write(&file, session.replace("a.dng", name)).unwrap();
+        fs::write(&file, session.replace("a.dng", name)).unwrap();
         let mut other = Start::without_auto_detect().open();
         let before = other.results().slots.a.burst.as_ref().unwrap().id;
         other.will_choose(&file).run_action("open session");
@@ -191,15 +191,15 @@ fn features_pictures_and_figures_are_exported() {
         window.will_choose(folder.path().join(name)).run_action(action).settle();
         assert!(window.shows(&format!("Wrote {}", folder.path().join(name).display())), "{action}");
     }
-    let csv = std::fs::read_to_string(folder.path().join("f.csv")).unwrap();
+    let csv = fs::read_to_string(folder.path().join("f.csv")).unwrap();
     assert_eq!(csv.lines().count(), count + 1);
-    let colmap = std::fs::read_to_string(folder.path().join("f.txt")).unwrap();
+    let colmap = fs::read_to_string(folder.path().join("f.txt")).unwrap();
     assert!(colmap.starts_with(&format!("{count} 128\n")));
-    let tiff = burstscope::Burst::open(folder.path().join("p.tiff")).unwrap();
+    let tiff = Burst::open(folder.path().join("p.tiff")).unwrap();
     assert_eq!(tiff.frames[0].data(), window.read().picture().unwrap().plane.data());
-    let png = burstscope::Burst::open(folder.path().join("p.png")).unwrap();
+    let png = Burst::open(folder.path().join("p.png")).unwrap();
     assert_eq!(png.size(), (480, 360));
-    let svg = std::fs::read_to_string(folder.path().join("p.svg")).unwrap();
+    let svg = fs::read_to_string(folder.path().join("p.svg")).unwrap();
     assert_eq!(svg.matches("<circle").count(), count, "a circle for each feature");
     assert!(svg.contains("px/frame") && svg.contains("of full scale") && svg.contains("50 px"));
 }
@@ -209,7 +209,7 @@ fn figures_show_what_the_panes_show() {
     let folder = tempfile::tempdir().unwrap();
     let (svg, png) = (folder.path().join("f.svg"), folder.path().join("f.png"));
     let mut window = Start { size: [1280.0, 800.0], ..Start::default() }.open();
-    window.key(egui::Key::Num6).click_on(Role::CheckBox, "At this slope").settle();
+    window.key(Key::Num6).click_on(Role::CheckBox, "At this slope").settle();
     let listed = window.results().listed.len();
     assert!(listed > 0 && listed < window.read().features().len());
     // Zoomed in, so that a part of the picture is visible.
@@ -217,7 +217,7 @@ fn figures_show_what_the_panes_show() {
     window.run_action("export figure…").click("Pixels").steps(2);
     window.harness.get_by_role_and_label(Role::SpinButton, "Width").set_value_accesskit(3.0);
     window.click_on(Role::CheckBox, "Colour bar").steps(2).will_choose(&svg).click("Export…").settle();
-    let text = std::fs::read_to_string(&svg).unwrap();
+    let text = fs::read_to_string(&svg).unwrap();
     assert_eq!(text.matches("<image").count(), 2);
     let all = text.matches("<circle").count();
     assert!(0 < all && all < 2 * listed, "{all} are drawn in full of twice {listed}");
@@ -226,7 +226,7 @@ fn figures_show_what_the_panes_show() {
     window.app_mut().model.document.figure.features = burstscope::export::FigureAmount::All;
     let of_all = folder.path().join("all.svg");
     window.will_choose(&of_all).run_action("figure as before").settle();
-    let text = std::fs::read_to_string(&of_all).unwrap();
+    let text = fs::read_to_string(&of_all).unwrap();
     assert_eq!(text.matches("<circle").count(), 2 * listed, "the filter holds in both pictures");
     let image = image::open(&png).unwrap().to_rgb8();
     let model = window.model();
@@ -239,12 +239,12 @@ fn figures_show_what_the_panes_show() {
 }
 
 /// The preview in the form of a figure; its label says what is drawn.
-fn previewed(window: &mut Window) -> image::RgbaImage {
+fn previewed(window: &mut Window) -> RgbaImage {
     window.settle();
     let made = window.results().preview.made.as_ref().expect("a preview").1.clone();
     let shown = window.harness.get_by_role_and_label(Role::Image, &made.words).rect();
     assert!(window.harness.ctx.content_rect().contains_rect(shown), "{shown:?} is in the window");
-    let size = egui::Vec2::from([made.image.width(), made.image.height()].map(|side| side as f32));
+    let size = Vec2::from([made.image.width(), made.image.height()].map(|side| side as f32));
     assert!((shown.size() - size * (400.0 / size.max_elem()).min(1.0)).length() < 1.0, "{shown:?} of {size:?}");
     made.image.clone()
 }
@@ -270,7 +270,7 @@ fn the_form_of_a_figure_shows_what_it_would_write() {
     assert!(image::open(&png).unwrap().to_rgba8() == without, "each pixel of the file");
     assert!(window.results().preview.made.is_none(), "nothing is drawn without the form");
     // Why nothing could be written is said in the place of the preview.
-    window.key(egui::Key::Num6).settle();
+    window.key(Key::Num6).settle();
     window.run_action("export figure…");
     assert!(previewed(&mut window).width() > without.width(), "two pictures");
     window.harness.get_by_role_and_label(Role::SpinButton, "Width").set_value_accesskit(32.0);
@@ -311,10 +311,10 @@ fn typing_gives_a_file_another_name_and_a_new_folder_is_announced() {
     window.run_action("export features as csv");
     window.wait("the field opens", |app| !app.choice().is_empty() || app.is_settled()).steps(3);
     let wanted = folder.path().join("new").join("mine");
-    window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path").type_text(wanted.to_str().unwrap());
+    window.harness.get_by_role_and_label(Role::TextInput, "Path").type_text(wanted.to_str().unwrap());
     window.harness.run_steps(3);
     assert!(window.shows(&format!("The folder {} will be made", wanted.parent().unwrap().display())));
-    window.key(egui::Key::Enter).settle();
+    window.key(Key::Enter).settle();
     assert!(wanted.with_extension("csv").is_file(), "the kind of file stays");
 }
 
@@ -323,19 +323,19 @@ fn a_typed_name_of_a_file_that_is_there_is_asked_about() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("params.toml");
     let mut window = Start::without_auto_detect().open();
-    let type_name = |window: &mut crate::support::Window, file: &std::path::Path| {
+    let type_name = |window: &mut Window, file: &Path| {
         // The system shows no dialog, so the field opens.
         window.run_action("save parameters").wait("the field opens", |app| app.is_settled()).steps(3);
         let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
         field.type_text(file.with_extension("").to_str().unwrap());
-        window.steps(3).key(egui::Key::Enter).steps(3);
+        window.steps(3).key(Key::Enter).steps(3);
     };
-    let text = || std::fs::read_to_string(&file).unwrap();
+    let text = || fs::read_to_string(&file).unwrap();
     type_name(&mut window, &file);
     window.settle();
     assert!(text().starts_with("# Written by Burstscope"), "nothing was there, so nothing is asked");
 
-    std::fs::write(&file, "precious").unwrap();
+    fs::write(&file, "precious").unwrap();
     type_name(&mut window, &file);
     assert!(window.shows("Replace this file?") && window.shows("Burstscope did not write it"));
     window.click("Cancel").settle();
@@ -345,20 +345,20 @@ fn a_typed_name_of_a_file_that_is_there_is_asked_about() {
     assert!(text().starts_with("# Written by Burstscope"));
     type_name(&mut window, &file);
     assert!(window.shows("Burstscope wrote it"));
-    window.key(egui::Key::Escape).steps(3);
+    window.key(Key::Escape).steps(3);
     assert!(!window.shows("Replace this file?"));
 
     #[cfg(unix)]
     {
         let thesis = folder.path().join("thesis.txt");
-        std::fs::write(&thesis, "precious").unwrap();
-        std::fs::remove_file(&file).unwrap();
+        fs::write(&thesis, "precious").unwrap();
+        fs::remove_file(&file).unwrap();
         std::os::unix::fs::symlink(&thesis, &file).unwrap();
         type_name(&mut window, &file);
         assert!(window.shows("It is a link"));
         window.click("Replace").settle();
-        assert_eq!(std::fs::read_to_string(&thesis).unwrap(), "precious");
-        assert!(!std::fs::symlink_metadata(&file).unwrap().is_symlink() && text().contains("Burstscope"));
+        assert_eq!(fs::read_to_string(&thesis).unwrap(), "precious");
+        assert!(!fs::symlink_metadata(&file).unwrap().is_symlink() && text().contains("Burstscope"));
     }
 }
 
@@ -367,17 +367,17 @@ fn what_is_open_is_never_written_over() {
     let folder = tempfile::tempdir().unwrap();
     let stack = noisy_stack(folder.path(), 3, 48, 48);
     let gold = folder.path().join("bias.npy");
-    std::fs::copy(&stack, &gold).unwrap();
+    fs::copy(&stack, &gold).unwrap();
     let mut start = Start::of(&stack);
     start.startup.calibration.bias = Some(gold.clone());
     let mut window = start.open();
     for file in [&stack, &gold] {
-        let before = std::fs::read(file).unwrap();
+        let before = fs::read(file).unwrap();
         // The system's dialog has asked whether the file may be replaced, and the user agreed.
         window.will_choose(file).run_action("picture as png");
         window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
         assert!(window.shows("files that were opened are never written to"));
-        assert!(std::fs::read(file).unwrap() == before);
+        assert!(fs::read(file).unwrap() == before);
         let id = window.model().shell.messages.errors()[0].id;
         window.app_mut().model.shell.messages.dismiss(id);
     }

@@ -33,9 +33,9 @@ pub fn run_small_study(window: &mut Window) {
 
 fn type_snrs(window: &mut Window, text: &str) {
     window.harness.get_by_role_and_label(Role::TextInput, "SNR").focus();
-    window.steps(2).ctrl(egui::Key::A);
+    window.steps(2).ctrl(Key::A);
     window.harness.get_by_role_and_label(Role::TextInput, "SNR").type_text(text);
-    window.steps(2).key(egui::Key::Enter);
+    window.steps(2).key(Key::Enter);
 }
 
 fn run(window: &mut Window) {
@@ -108,7 +108,7 @@ fn one_click_gives_every_method_the_same_false_rate() {
     for (method, expected) in [(sift, of(BurstMethod::SiftFrame)), (buff_1d, of(BurstMethod::Buff1d))] {
         assert_eq!(window.read().method_params(method, Side::A).peak_threshold, expected);
     }
-    window.ctrl(egui::Key::Num3).settle();
+    window.ctrl(Key::Num3).settle();
     window.click_on(Role::CheckBox, "At 10 % false on charts of SNR 0.5").settle();
     let model = window.model();
     assert_eq!(model.document.methods.same_false_rate, None);
@@ -165,7 +165,7 @@ fn errors_have_plots_of_their_own_and_are_written_as_a_table() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("errors.csv");
     window.will_choose(&path).run_action("export curves as csv").wait("it is written", |_| path.is_file());
-    let written = std::fs::read_to_string(&path).unwrap();
+    let written = fs::read_to_string(&path).unwrap();
     assert_eq!(written, curves_table(&[("This study".to_owned(), result.report.plots(usize::MAX))]).csv());
 }
 
@@ -195,7 +195,7 @@ fn the_number_of_frames_is_studied_on_charts_and_on_the_open_burst() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("frames.svg");
     window.will_choose(&path).run_action("export curves as svg").wait("it is written", |_| path.is_file());
-    assert!(std::fs::read_to_string(&path).unwrap().contains("confirmed by all frames"));
+    assert!(fs::read_to_string(&path).unwrap().contains("confirmed by all frames"));
 }
 
 #[test]

@@ -8,14 +8,14 @@ fn a_film_that_was_opened_as_a_burst_is_cut_with_one_click() {
     let folder = tempfile::tempdir().unwrap();
     // A few frames more than a usual burst has.
     let film = folder.path().join("film");
-    std::fs::create_dir_all(&film).unwrap();
+    fs::create_dir_all(&film).unwrap();
     let (burst, truth) = burstscope::synth::synth_scene(
         &burstscope::synth::SceneParams { width: 64, height: 48, frames: 36, max_slope: 0.3, ..Default::default() },
-        &burstscope::Monitor::default(),
+        &Monitor::default(),
     )
     .unwrap();
     let path = film.join("walk");
-    burstscope::synth::write_burst(&path, &burst, &truth, &burstscope::Monitor::default()).unwrap();
+    burstscope::synth::write_burst(&path, &burst, &truth, &Monitor::default()).unwrap();
     let mut window = Start::of(&path).open();
     assert!(window.shows("36 frames are long for one burst"));
     let length = 36 / window.app().settings.burst_length;
@@ -35,7 +35,7 @@ fn features_of_other_parameters_are_replaced_only_after_a_question() {
     let home = tempfile::tempdir().unwrap();
     let mut window = start(walk(home.path())).open();
     window.click("Detect all").settle();
-    let features = |window: &crate::support::Window| -> Vec<usize> {
+    let features = |window: &Window| -> Vec<usize> {
         dataset(window).states.iter().map(|s| if let BurstState::Done(f) = s { f.features } else { 0 }).collect()
     };
     let before = features(&window);
@@ -74,9 +74,9 @@ fn the_window_writes_the_database_that_the_command_writes() {
     };
     let bursts = dataset(&window).bursts.clone();
     let mut store = FeatureStore::open(&theirs, &job.features).unwrap();
-    let report = export_colmap(&mut store, &bursts, &job, &mut |_| {}, &burstscope::Monitor::default()).unwrap();
+    let report = export_colmap(&mut store, &bursts, &job, &mut |_| {}, &Monitor::default()).unwrap();
     assert_eq!(report.images.len(), 3);
-    let read = |path: std::path::PathBuf| std::fs::read(path).unwrap();
+    let read = |path: PathBuf| fs::read(path).unwrap();
     for image in &report.images {
         let file = format!("features/{}.txt", image.image);
         assert_eq!(read(ours.join(&file)), read(theirs.join(&file)), "{file}");

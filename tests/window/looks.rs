@@ -51,7 +51,7 @@ fn palette() {
     window.ctrl(Key::P);
     {
         use egui_kittest::kittest::Queryable;
-        let field = window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Find an action");
+        let field = window.harness.get_by_role_and_label(Role::TextInput, "Find an action");
         field.type_text("exp");
     }
     window.harness.run_steps(3);

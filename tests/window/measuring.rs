@@ -42,7 +42,7 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
     assert_eq!(model.document.bottom_tab, BottomTab::Profile);
     assert!(window.harness.query_by_role_and_label(Role::Image, "Profile of 2 pictures").is_some());
     window.will_choose(&file).click("Export as CSV…").settle();
-    let text = std::fs::read_to_string(&file).unwrap();
+    let text = fs::read_to_string(&file).unwrap();
     let rows: Vec<&str> = text.lines().skip(1).collect();
     // The stack is the second pane; the frame shows the line half a frame later, moved along its slope.
     let model = window.model();

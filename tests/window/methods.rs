@@ -55,8 +55,8 @@ fn a_wipe_is_dragged_and_a_flip_is_flipped() {
     let [left, right] = window.document().panes.shown()[..] else { panic!("two in one place") };
     let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
     window.harness.drag_at(handle);
-    window.steps(1).hover(handle + egui::vec2(120.0, 0.0)).steps(1);
-    window.harness.drop_at(handle + egui::vec2(120.0, 0.0));
+    window.steps(1).hover(handle + vec2(120.0, 0.0)).steps(1);
+    window.harness.drop_at(handle + vec2(120.0, 0.0));
     window.harness.run_steps(2);
     let over = window.document().panes.over(left);
     assert!(matches!(over, Some(Over::Wipe { other, at }) if other == right && at > 0.55), "{over:?}");
@@ -100,7 +100,7 @@ fn a_pane_of_a_method_is_split_into_stack_and_dog() {
     window.snapshot("methods_split");
 }
 
-fn burst_of(window: &Window) -> &burstscope::burst::Burst {
+fn burst_of(window: &Window) -> &Burst {
     &window.results().slots.a.burst.as_ref().unwrap().burst
 }
 
@@ -141,11 +141,11 @@ fn a_session_of_when_methods_were_a_workspace_compares_them() {
     let mut window = methods(false);
     window.click("Wipe").settle();
     window.will_choose(&file).run_action("save session").settle();
-    let written = std::fs::read_to_string(&file).unwrap();
+    let written = fs::read_to_string(&file).unwrap();
     let [workspace, tab, methods] = ["workspace = \"inspect\"", "bottom_tab = \"methods\"", "[document.methods]\n"];
     assert!([workspace, tab, methods].iter().all(|part| written.contains(part)), "{written}");
     let of_then = written.replace(workspace, "workspace = \"methods\"").replace(tab, "bottom_tab = \"tally\"");
-    std::fs::write(&file, of_then.replace(methods, "[document.methods]\nfeatures = false\n")).unwrap();
+    fs::write(&file, of_then.replace(methods, "[document.methods]\nfeatures = false\n")).unwrap();
     let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
     other.will_choose(&file).run_action("open session").settle();
     let [before, after] = [&window, &other].map(|window| window.document().clone());

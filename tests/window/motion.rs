@@ -73,11 +73,11 @@ fn a_hidden_layer_is_dark_in_the_field_of_motion() {
     let model = window.model();
     let field = Read::of(model).picture().unwrap().motion.as_ref().unwrap().field.clone().expect("the field");
     let solo = window.harness.render().expect("a picture");
-    let brightness = |picture: &image::RgbaImage, layer: u8| {
+    let brightness = |picture: &RgbaImage, layer: u8| {
         let cells = (0..field.size.0 * field.size.1).filter(|cell| field.layer[*cell] == layer);
         let middle = |at: usize| (at as f32 + 0.5) * field.cell_px as f32 - 0.5;
         let pixel = |cell: usize| {
-            let at = egui::pos2(middle(cell % field.size.0), middle(cell / field.size.0));
+            let at = pos2(middle(cell % field.size.0), middle(cell / field.size.0));
             let at = window.ui_from_image(at).expect("drawn");
             let at = at * window.harness.ctx.pixels_per_point();
             picture.get_pixel(at.x as u32, at.y as u32).0[..3].iter().map(|c| f32::from(*c)).sum::<f32>()
@@ -124,7 +124,7 @@ fn the_field_says_the_motion_under_the_pointer_with_its_uncertainty() {
     let [u, v] = (2..8).map(|i| [40.0 * i as f32, 100.0]).find(known).expect("a known motion");
     // Cells of 4 pixels are large enough for ellipses then.
     window.change(|document| document.focused_mut().view = View::new(Zoom::PointsPerPixel(8.0), [u, v])).settle();
-    let at = window.ui_from_image(egui::pos2(u, v)).expect("drawn");
+    let at = window.ui_from_image(pos2(u, v)).expect("drawn");
     window.hover(at).steps(4);
     let motion = field.at(u, v);
     assert!(window.shows(&motion_text(motion.slope, motion.ellipse().0[0], 2)));

@@ -41,7 +41,7 @@ fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
 fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("broken-frame.png");
-    std::fs::File::create(&path).unwrap().write_all(b"this is no picture").unwrap();
+    fs::File::create(&path).unwrap().write_all(b"this is no picture").unwrap();
     let mut window = Start::without_auto_detect().open();
     let before = window.results().slots.a.burst.as_ref().unwrap().id;
     let plane = window.read().picture().cloned().unwrap().plane;
@@ -77,9 +77,9 @@ fn a_dialog_that_ends_without_an_answer_is_said_and_the_path_can_be_typed() {
     assert!(!window.shows("This system shows no file dialog"));
     window.click("Type the path…");
     // The field has the suggested name, which the path replaces.
-    window.harness.get_by_role_and_label(egui::accesskit::Role::TextInput, "Path").focus();
+    window.harness.get_by_role_and_label(Role::TextInput, "Path").focus();
     window.harness.run_steps(1);
-    window.harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::A);
+    window.harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
     window.harness.run_steps(1);
     let path = folder.path().join("typed.toml");
     type_path(&mut window, &path.display().to_string());
@@ -129,12 +129,12 @@ fn what_was_taken_is_a_note_and_what_may_be_wrong_a_warning() {
 }
 
 /// Types into the path field and accepts.
-pub fn type_path(window: &mut crate::support::Window, text: &str) {
+pub fn type_path(window: &mut Window, text: &str) {
     use egui::accesskit::Role;
     let field = window.harness.get_by_role_and_label(Role::TextInput, "Path");
     field.focus();
     field.type_text(text);
-    window.steps(2).key(egui::Key::Enter);
+    window.steps(2).key(Key::Enter);
 }
 
 #[test]
@@ -157,10 +157,10 @@ fn the_failures_to_look_at_open_from_the_help_menu_and_are_kept_in_sessions() {
 #[test]
 fn a_file_without_header_is_opened_in_the_shape_that_is_chosen_from_pictures() {
     let folder = tempfile::tempdir().unwrap();
-    let frames: ndarray::Array3<f32> = ndarray_npy::read_npy(noisy_stack(folder.path(), 20, 240, 320)).unwrap();
+    let frames: Array3<f32> = ndarray_npy::read_npy(noisy_stack(folder.path(), 20, 240, 320)).unwrap();
     let path = folder.path().join("night.bin");
     let bytes: Vec<u8> = frames.iter().flat_map(|x| ((9000.0 * (x + 0.1)) as u16).to_le_bytes()).collect();
-    std::fs::write(&path, bytes).unwrap();
+    fs::write(&path, bytes).unwrap();
     let mut window = Start::without_auto_detect().open();
     window.will_choose(&path).click("Open…").wait("the question", |app| app.asks_for_shape()).steps(3);
     let shape = |window: &Window, name: &str| window.harness.query_by_role_and_label(Role::RadioButton, name).is_some();
@@ -182,10 +182,10 @@ fn a_file_without_header_is_opened_in_the_shape_that_is_chosen_from_pictures() {
 #[test]
 fn the_shape_that_is_typed_is_previewed_and_one_that_does_not_fit_says_which_would() {
     let folder = tempfile::tempdir().unwrap();
-    let frames: ndarray::Array3<f32> = ndarray_npy::read_npy(noisy_stack(folder.path(), 20, 240, 320)).unwrap();
+    let frames: Array3<f32> = ndarray_npy::read_npy(noisy_stack(folder.path(), 20, 240, 320)).unwrap();
     let path = folder.path().join("night.bin");
     let values = frames.iter().flat_map(|x| ((9000.0 * (x + 0.1)) as u16).to_le_bytes());
-    std::fs::write(&path, [7; 5].into_iter().chain(values).collect::<Vec<u8>>()).unwrap();
+    fs::write(&path, [7; 5].into_iter().chain(values).collect::<Vec<u8>>()).unwrap();
     let mut window = Start::without_auto_detect().open();
     window.will_choose(&path).click("Open…").wait("the question", |app| app.asks_for_shape()).steps(3);
     assert!(window.shows("No usual size fills this file"), "it has a header of five bytes");
@@ -212,12 +212,12 @@ fn the_shape_that_is_typed_is_previewed_and_one_that_does_not_fit_says_which_wou
 fn tab_completes_a_path_and_arrows_choose_among_names_and_paths_of_before() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["night-one", "night-two"] {
-        std::fs::create_dir(folder.path().join(name)).unwrap();
+        fs::create_dir(folder.path().join(name)).unwrap();
     }
     let path = noisy_stack(&folder.path().join("night-two"), 3, 40, 40);
     let mut window = Start::without_auto_detect().open();
     let begin = |window: &mut Window| {
-        window.harness.key_press_modifiers(egui::Modifiers::COMMAND, egui::Key::L);
+        window.harness.key_press_modifiers(Modifiers::COMMAND, Key::L);
         window.harness.run_steps(3);
     };
     let write = |window: &mut Window, text: &str| {
@@ -228,23 +228,23 @@ fn tab_completes_a_path_and_arrows_choose_among_names_and_paths_of_before() {
     write(&mut window, &format!("{}/ni", folder.path().display()));
     assert!(window.shows("night-one/") && window.shows("night-two/"), "what begins so is offered");
     // To where the two names part, and then to the second.
-    window.key(egui::Key::Tab);
+    window.key(Key::Tab);
     write(&mut window, "t");
     assert!(!window.shows("night-one/") && window.shows("night-two/"));
-    window.key(egui::Key::Backspace).settle();
-    window.key(egui::Key::ArrowDown).key(egui::Key::Enter);
+    window.key(Key::Backspace).settle();
+    window.key(Key::ArrowDown).key(Key::Enter);
     assert!(window.shows("Open a path"), "the name is chosen, and nothing is opened yet");
     window.settle();
-    window.key(egui::Key::Tab).key(egui::Key::Enter).settle();
+    window.key(Key::Tab).key(Key::Enter).settle();
     assert_eq!(window.app().settings.recent, [BurstSource::Paths(vec![path.clone()])]);
     // Built-in bursts are completed as files are.
     begin(&mut window);
     write(&mut window, "demo-al");
-    window.key(egui::Key::Tab).key(egui::Key::Enter).settle();
+    window.key(Key::Tab).key(Key::Enter).settle();
     let source = |window: &Window| window.results().slots.a.burst.as_ref().map(|open| open.source.clone());
     assert_eq!(source(&window), BurstSource::named("demo-aliasing"));
     // On an empty line the arrow offers what was opened last.
     begin(&mut window);
-    window.key(egui::Key::ArrowDown).key(egui::Key::Enter).key(egui::Key::Enter).settle();
+    window.key(Key::ArrowDown).key(Key::Enter).key(Key::Enter).settle();
     assert_eq!(source(&window), Some(BurstSource::Paths(vec![path])));
 }

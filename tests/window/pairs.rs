@@ -12,11 +12,11 @@ fn pair() -> Window {
 }
 
 /// Midpoint of the line of match `index`, in points.
-fn middle_of(window: &Window, index: usize) -> egui::Pos2 {
+fn middle_of(window: &Window, index: usize) -> Pos2 {
     let app = window.app();
     let row = app.model.results.pair.matches.as_ref().unwrap().row(index).unwrap();
-    let a = window.ui_from_image_of(Side::A, egui::pos2(row.a.u, row.a.v)).unwrap();
-    let b = window.ui_from_image_of(Side::B, egui::pos2(row.b.u, row.b.v)).unwrap();
+    let a = window.ui_from_image_of(Side::A, pos2(row.a.u, row.a.v)).unwrap();
+    let b = window.ui_from_image_of(Side::B, pos2(row.b.u, row.b.v)).unwrap();
     a + 0.5 * (b - a)
 }
 
@@ -167,7 +167,7 @@ fn both_pictures_zoom_and_pan_together_when_asked() {
         Side::BOTH.map(|side| app.model.document.panes.of(side).view).map(|view| (view.zoom, view.centre_image))
     };
     // Zooms as the wheel does, at a place of A.
-    let pos = window.ui_from_image(egui::pos2(120.0, 90.0)).unwrap();
+    let pos = window.ui_from_image(pos2(120.0, 90.0)).unwrap();
     zoom_at(&mut window, pos);
     let [a, b] = views(&window);
     assert_ne!(a.0, burstscope::app::canvas::Zoom::Fit);
@@ -178,7 +178,7 @@ fn both_pictures_zoom_and_pan_together_when_asked() {
     assert_ne!(a, b);
 }
 
-fn zoom_at(window: &mut Window, pos: egui::Pos2) {
+fn zoom_at(window: &mut Window, pos: Pos2) {
     window.hover(pos).steps(1);
     window.harness.event(egui::Event::Zoom(1.8));
     window.harness.run_steps(4);
@@ -189,22 +189,22 @@ fn zoom_at(window: &mut Window, pos: egui::Pos2) {
 #[test]
 fn files_dropped_on_the_right_pane_are_opened_there() {
     #[derive(Debug)]
-    struct Dropped(std::path::PathBuf);
+    struct Dropped(PathBuf);
     impl egui::DroppedFile for Dropped {
-        fn path(&self) -> &std::path::Path {
+        fn path(&self) -> &Path {
             &self.0
         }
         fn bytes(&self) -> Result<Vec<u8>, String> {
-            std::fs::read(&self.0).map_err(|e| e.to_string())
+            fs::read(&self.0).map_err(|e| e.to_string())
         }
     }
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 5, 60, 80);
     let mut window = Start::without_auto_detect().open();
-    window.ctrl(egui::Key::Num2).settle();
+    window.ctrl(Key::Num2).settle();
     let pane = window.app().widgets.rect_ui(PaneId::of(Side::B)).unwrap();
     window.hover(pane.center()).steps(1);
-    window.harness.input_mut().dropped_files.push(std::sync::Arc::new(Dropped(path)));
+    window.harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
     window.harness.step();
     window.settle();
     let model = window.model();
@@ -255,7 +255,7 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
         assert!(window.shows(&format!("Wrote {}", folder.path().join(name).display())), "{action}");
     }
     let counts = window.results().pair.matches.as_ref().unwrap().result.counts;
-    let csv = std::fs::read_to_string(folder.path().join("m.csv")).unwrap();
+    let csv = fs::read_to_string(folder.path().join("m.csv")).unwrap();
     assert_eq!(csv.lines().count(), counts.putative + 1);
     // A match has one number in the table, the panel, the tip's text and the file, and one ratio and error in each.
     let matches = window.results().pair.matches.as_ref().unwrap();
@@ -291,11 +291,11 @@ fn matches_are_exported_as_a_table_and_as_a_picture() {
     assert_eq!(image::open(folder.path().join("m.png")).unwrap().width(), 2138);
     let svg = folder.path().join("m.svg");
     window.will_choose(&svg).run_action("figure as before").settle();
-    let as_drawn = std::fs::read_to_string(&svg).unwrap();
+    let as_drawn = fs::read_to_string(&svg).unwrap();
     window.app_mut().model.document.figure.matches = burstscope::export::FigureAmount::All;
     let whole = folder.path().join("all.svg");
     window.will_choose(&whole).run_action("figure as before").settle();
-    let text = std::fs::read_to_string(&whole).unwrap();
+    let text = fs::read_to_string(&whole).unwrap();
     let inliers = counts.inliers.unwrap();
     assert!(
         text.contains(&format!(">{inliers} inliers<")) && text.contains(">(a) A: ") && text.contains("pt\""),
@@ -314,8 +314,8 @@ fn shown(window: &Window) -> Vec<PaneId> {
 }
 
 /// Position of a feature in pane `id`, in points.
-fn pos_in(window: &Window, id: PaneId, feature: &burstscope::detector::Feature) -> egui::Pos2 {
-    window.app().widgets.pos_ui(id, egui::pos2(feature.u, feature.v)).unwrap()
+fn pos_in(window: &Window, id: PaneId, feature: &Feature) -> Pos2 {
+    window.app().widgets.pos_ui(id, pos2(feature.u, feature.v)).unwrap()
 }
 
 /// Hovers over the line of the selected match between two panes; returns the hovered match.
@@ -365,8 +365,8 @@ fn matches_go_to_where_a_person_puts_the_panes() {
     let middle = |window: &Window, id: PaneId| window.app().widgets.rect_ui(id).unwrap().center();
     assert!(middle(&window, a).x < middle(&window, b).x);
     // B is dragged by its name and dropped below A.
-    let grip = window.app().widgets.rect_ui(b).unwrap().left_top() + egui::vec2(40.0, 12.0);
-    let target = window.app().widgets.rect_ui(a).unwrap().center_bottom() - egui::vec2(0.0, 30.0);
+    let grip = window.app().widgets.rect_ui(b).unwrap().left_top() + vec2(40.0, 12.0);
+    let target = window.app().widgets.rect_ui(a).unwrap().center_bottom() - vec2(0.0, 30.0);
     window.hover(grip).steps(1);
     window.harness.drag_at(grip);
     window.harness.run_steps(1);
@@ -404,7 +404,7 @@ fn a_session_keeps_how_two_bursts_are_arranged() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("arranged.burstscope.toml");
     let mut window = pair();
-    window.harness.key_press_modifiers(egui::Modifiers::SHIFT, Key::S);
+    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
     window.steps(2).key(Key::Num3).settle();
     let arrangement = window.document().panes.arrangement().clone();
     assert_eq!(arrangement.panes().len(), 3);

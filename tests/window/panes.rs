@@ -79,7 +79,7 @@ fn panes_are_split_by_buttons_and_keys_and_closed() {
 fn a_click_gives_a_pane_the_focus_and_keys_move_it() {
     let mut window = laid_out(open(), Key::Num7);
     assert_eq!(slopes(&window), [-2.0, -1.0]);
-    let pos = middle(&window, 2) + egui::vec2(0.0, 150.0);
+    let pos = middle(&window, 2) + vec2(0.0, 150.0);
     window.click_at(pos);
     assert_eq!(window.document().panes.focus(), shown(&window)[1]);
     window.key(Key::ArrowRight).settle();
@@ -180,8 +180,8 @@ fn a_pane_is_laid_over_another_as_a_wipe_and_as_a_flip() {
     assert_eq!(over(&window), Some(Over::Wipe { other, at: 0.5 }));
     let handle = window.harness.get_by_role_and_label(Role::Slider, "Wipe line").rect().center();
     window.harness.drag_at(handle);
-    window.steps(1).hover(handle + egui::vec2(60.0, 0.0)).steps(1);
-    window.harness.drop_at(handle + egui::vec2(60.0, 0.0));
+    window.steps(1).hover(handle + vec2(60.0, 0.0)).steps(1);
+    window.harness.drop_at(handle + vec2(60.0, 0.0));
     window.harness.run_steps(2);
     let Some(Over::Wipe { at, .. }) = over(&window) else { panic!("still a wipe") };
     assert!(at > 0.55, "{at}");
@@ -243,7 +243,7 @@ fn preset_strip_of_slopes() {
 
 #[test]
 fn preset_nine_slopes_small() {
-    let slopes = burstscope::detector::SlopeGrid::line(-3.0..=3.0, 13);
+    let slopes = SlopeGrid::line(-3.0..=3.0, 13);
     let mut window = flat::open_with(flat::at_slopes([1024.0, 700.0], slopes));
     window.run_action("layout: 9 slopes").settle();
     window.snapshot("flat/preset_nine_slopes");

@@ -63,7 +63,7 @@ impl Stored {
     /// Differences from what is shown; `None` where there are none.
     fn differences(&self, shown: &str, image: &RgbaImage) -> Option<String> {
         // A file that is not there is an empty one.
-        let text = std::fs::read_to_string(&self.text).unwrap_or_default();
+        let text = fs::read_to_string(&self.text).unwrap_or_default();
         structure::differences(&text, shown).or_else(|| {
             let is_stored = || Some(count_differing(&image::open(&self.picture).ok()?.into_rgb8(), &halved(image)));
             let pixels = self.is_flat().then(is_stored)?.unwrap_or(usize::MAX);
@@ -75,7 +75,7 @@ impl Stored {
     #[track_caller]
     fn check(&self, shown: &str, image: &RgbaImage, told: Option<String>) {
         let (text, picture) = (self.text.with_extension("new.txt"), self.picture.with_extension("new.png"));
-        let _ = (std::fs::remove_file(&text), std::fs::remove_file(&picture));
+        let _ = (fs::remove_file(&text), fs::remove_file(&picture));
         if let Some(told) = told {
             write(&text, shown.as_bytes());
             image.save(&picture).unwrap_or_else(|error| panic!("{}: {error}", picture.display()));
@@ -89,7 +89,7 @@ impl Stored {
     }
 
     fn write(&self, shown: &str, image: &RgbaImage, with_picture: bool) {
-        std::fs::create_dir_all(self.text.parent().expect("a folder")).expect("a folder can be made");
+        fs::create_dir_all(self.text.parent().expect("a folder")).expect("a folder can be made");
         write(&self.text, shown.as_bytes());
         if with_picture {
             let stored = if self.is_flat() { coarse(&halved(image)) } else { in_few_colours(&halved(image)) };
@@ -103,15 +103,15 @@ fn root() -> &'static Path {
 }
 
 fn write(path: &Path, bytes: &[u8]) {
-    std::fs::write(path, bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    fs::write(path, bytes).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
 }
 
 /// Whether the README or a page of `docs/` shows the picture.
 fn is_in_a_document(name: &str) -> bool {
-    let pages = std::fs::read_dir(root().join("docs")).expect("a folder").map(|entry| entry.expect("an entry").path());
+    let pages = fs::read_dir(root().join("docs")).expect("a folder").map(|entry| entry.expect("an entry").path());
     let markdown = pages.filter(|path| path.extension().is_some_and(|extension| extension == "md"));
     let shows =
-        |path: PathBuf| std::fs::read_to_string(&path).expect("a text").contains(&format!("screenshots/{name}.png)"));
+        |path: PathBuf| fs::read_to_string(&path).expect("a text").contains(&format!("screenshots/{name}.png)"));
     markdown.chain([root().join("README.md")]).any(shows)
 }
 

@@ -55,7 +55,7 @@ fn a_pinned_place_has_a_name_and_stays_with_its_burst() {
 
     let page = folder.path().join("r.md");
     window.will_choose(&page).run_action("report").settle();
-    let text = std::fs::read_to_string(&page).expect("a report");
+    let text = fs::read_to_string(&page).expect("a report");
     for (name, at) in pinned(&window) {
         let [u, v] = at.map(|x| number(x, 1));
         assert_eq!(text.matches(&format!("## {name} at ({u}, {v})")).count(), 1, "{text}");

@@ -37,7 +37,7 @@ fn what_was_done_with_one_burst_is_done_again() {
     let place = window.ui_from_image(pos2(60.0, 50.0)).expect("it is drawn");
     window.run_action("Pin this result").settle();
     window.shift_click_at(place).settle();
-    window.drag(place, place + egui::vec2(30.0, 12.0)).settle();
+    window.drag(place, place + vec2(30.0, 12.0)).settle();
     let steps = did(&mut window);
     assert!(steps.iter().flatten().any(|action| matches!(action, Action::Probe(..))), "{steps:?}");
     let mut again = played(Start::default(), steps.clone());
@@ -66,11 +66,11 @@ fn what_is_played_shows_its_errors_and_needs_no_session_file() {
     let path = home.path().join("s.burstscope.toml");
     let mut window = Start::default().open();
     window.key(Key::ArrowRight).settle();
-    std::fs::write(&path, Session::of(window.read()).unwrap().to_toml()).unwrap();
+    fs::write(&path, Session::of(window.read()).unwrap().to_toml()).unwrap();
     let mut window = Start::nothing_open().open();
     window.drop_file(path.clone()).settle();
     let steps = did(&mut window);
-    std::fs::remove_file(&path).unwrap();
+    fs::remove_file(&path).unwrap();
     let again = played(Start::default(), steps);
     assert_same(&window, &again);
     let gone = Action::OpenFeatures(burstscope::app::document::side::Side::A, home.path().join("gone.csv"));

@@ -24,7 +24,7 @@ fn shift(window: &mut Window, key: Key) {
 }
 
 /// Rectangle of an image in the panel.
-fn rect_of(window: &Window, label: &str) -> egui::Rect {
+fn rect_of(window: &Window, label: &str) -> Rect {
     window.harness.get_by_role_and_label(Role::Image, label).rect()
 }
 
@@ -252,7 +252,7 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
         shown.iter().map(|id| window.document().panes.get(*id).unwrap().cursor.slope).collect()
     };
     let before = slopes(&window);
-    let (from, to) = (rect.center() + egui::vec2(0.0, 60.0), rect.center() + egui::vec2(60.0, 60.0));
+    let (from, to) = (rect.center() + vec2(0.0, 60.0), rect.center() + vec2(60.0, 60.0));
     window.drag(from, to);
     let after = slopes(&window);
     // The slice runs along the subject's motion, to the right.

@@ -16,7 +16,7 @@ fn small() -> (Burst, DetectorParams) {
 }
 
 /// The window with the small burst as a case, with its search and a place to probe.
-fn with_case(home: &std::path::Path) -> Window {
+fn with_case(home: &Path) -> Window {
     let (burst, params) = small();
     let (case, part) = Case::of(&burst, &params.into(), (Some([120.0, 90.0]), None), "a note", &Monitor::default())
         .expect("nobody cancels");
@@ -99,7 +99,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
 fn a_damaged_case_opens_a_window_that_says_so_once() {
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("damaged.burstcase");
-    std::fs::write(&path, b"PK\x03\x04 and no more").expect("written");
+    fs::write(&path, b"PK\x03\x04 and no more").expect("written");
     let mut window = Start::of(&path).open();
     let errors = window.model().shell.messages.errors();
     assert!(errors.len() == 1 && errors[0].text.contains("damaged.burstcase"), "{errors:?}");
@@ -122,7 +122,7 @@ fn a_film_says_its_size_and_rate() {
     let path = home.path().join("sweep.gif");
     window.will_choose(&path).click("Export…").wait("it is written", |_| path.is_file()).settle();
     // The extension that gives each picture its time.
-    let bytes = std::fs::read(&path).expect("a file");
+    let bytes = fs::read(&path).expect("a file");
     assert_eq!(bytes.windows(3).filter(|window| *window == [0x21, 0xf9, 4]).count(), 9);
 }
 

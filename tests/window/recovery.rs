@@ -16,9 +16,9 @@ fn keeping(folder: &Path, start: Start) -> Start {
 
 /// Sessions saved in `folder`.
 fn sessions(folder: &Path) -> Vec<Session> {
-    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let files = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let texts = files.filter(|path| path.extension().is_some_and(|e| e == "toml"));
-    texts.map(|path| Session::from_toml(&std::fs::read_to_string(path).unwrap()).unwrap()).collect()
+    texts.map(|path| Session::from_toml(&fs::read_to_string(path).unwrap()).unwrap()).collect()
 }
 
 fn end_in_the_ordinary_way(mut window: Window) {
@@ -65,7 +65,7 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
     last.click("Delete");
     assert!(!last.shows(OFFER));
     end_in_the_ordinary_way(last);
-    assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 0, "nothing is left");
+    assert_eq!(fs::read_dir(&folder).unwrap().count(), 0, "nothing is left");
     assert!(stack.is_file());
 }
 
@@ -86,7 +86,7 @@ fn an_offer_that_cannot_be_restored_stays() {
 fn where_nothing_can_be_kept_that_is_said() {
     let home = tempfile::tempdir().unwrap();
     let file = home.path().join("file");
-    std::fs::write(&file, "").unwrap();
+    fs::write(&file, "").unwrap();
     let window = keeping(&file.join("running"), Start::nothing_open()).open();
     assert!(window.shows("Save the session by itself"));
 }
@@ -98,7 +98,7 @@ fn the_offer_looks_like_this() {
         let record = Record::new(home.path()).unwrap();
         record.write(&format!("version = 4\nburst = {{ paths = [\"/data/{name}\"] }}\n")).unwrap();
         let then = SystemTime::now() - Duration::from_secs(60 * minutes + 20);
-        std::fs::File::options().write(true).open(&record.session).unwrap().set_modified(then).unwrap();
+        fs::File::options().write(true).open(&record.session).unwrap().set_modified(then).unwrap();
     }
     let mut window = keeping(home.path(), Start::nothing_open()).open();
     window.harness.get_by_role_and_label(Role::Button, "Restore");
@@ -175,14 +175,14 @@ fn a_session_that_could_not_be_written_is_written_later() {
     let mut window = keeping(&folder, Start::without_auto_detect()).open();
     window.wait("the session is kept", |_| !sessions(&folder).is_empty()).settle();
     // A file in the place of the folder: nothing can be written there.
-    std::fs::rename(&folder, &aside).unwrap();
-    std::fs::write(&folder, "").unwrap();
+    fs::rename(&folder, &aside).unwrap();
+    fs::write(&folder, "").unwrap();
     window.slide("Slope u", 0.75).wait("that is said", |app| !app.model.shell.messages.errors().is_empty());
     assert!(window.shows("Save the session by itself"));
-    std::fs::remove_file(&folder).unwrap();
+    fs::remove_file(&folder).unwrap();
     // The next attempt may have made a new folder just now.
-    while std::fs::rename(&aside, &folder).is_err() {
-        let _ = std::fs::remove_dir_all(&folder);
+    while fs::rename(&aside, &folder).is_err() {
+        let _ = fs::remove_dir_all(&folder);
     }
     let is_kept = |_: &BurstscopeApp| {
         sessions(&folder).iter().any(|session| session.document.panes.of(Side::A).cursor.slope == Slope::new(0.75, 0.0))
@@ -194,7 +194,7 @@ fn a_session_that_could_not_be_written_is_written_later() {
 
 #[test]
 fn the_window_is_the_same_on_a_new_device() {
-    let size = egui::vec2(1000.0, 640.0);
+    let size = vec2(1000.0, 640.0);
     let mut offscreen = Offscreen::new(size, 1.0, gpu::AdapterChoice::Software).unwrap();
     let startup = Start::without_auto_detect().startup;
     let mut app = BurstscopeApp::new(&offscreen.context, None, startup);

@@ -121,7 +121,7 @@ fn no_tooltip_lies_over_the_next_slider_while_one_is_dragged() {
     assert!(window.shows(help), "whoever rests on a slider is told what it does");
     window.harness.drag_at(from);
     window.harness.run_steps(2);
-    let to = from + egui::vec2(0.3 * slider.width(), 2.0);
+    let to = from + vec2(0.3 * slider.width(), 2.0);
     for part in [0.2, 0.6, 1.0] {
         window.hover(from + part * (to - from)).steps(60);
         assert!(!window.shows(help), "at {part} of the way");
@@ -149,7 +149,7 @@ fn playing_runs_through_the_slopes_until_it_is_paused() {
 fn filmstrip() {
     let home = tempfile::tempdir().unwrap();
     let source = walk(home.path());
-    std::fs::write(home.path().join("film/frame_012.png"), "broken").unwrap();
+    fs::write(home.path().join("film/frame_012.png"), "broken").unwrap();
     let mut window = start(source).open();
     window.click("Detect all").settle();
     click_burst(&mut window, "Use frame_002 as A");

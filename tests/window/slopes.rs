@@ -25,9 +25,8 @@ fn the_demo_opens_with_its_slopes_found_and_shown() {
     assert!(finding.grid.is_plane() && Read::of(model).stale().is_none());
     let (u, v) = (finding.grid.u, finding.grid.v);
     let number = |x| burstscope::inspect::words::number(x, 3);
-    let text = |name, axis: burstscope::detector::SlopeAxis| {
-        format!("{name} {} to {} in {} slopes", number(axis.min), number(axis.max), axis.count)
-    };
+    let text =
+        |name, axis: SlopeAxis| format!("{name} {} to {} in {} slopes", number(axis.min), number(axis.max), axis.count);
     assert!(window.shows(&format!("; found: {}, {}", text("u", u), text("v", v))));
     // The sliders range over the found slopes.
     assert!(slope_limit(&model.results.slots.a.usable_params.slopes) >= finding.grid.max_magnitude());
@@ -136,8 +135,8 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     let path = folder.path().join("coherence.svg");
     window.change(|document| document.figure.legend = true).will_choose(&path).run_action("figure as before");
     window.settle();
-    let svg = std::fs::read_to_string(&path).unwrap();
-    let colours: std::collections::BTreeSet<&str> = svg
+    let svg = fs::read_to_string(&path).unwrap();
+    let colours: BTreeSet<&str> = svg
         .lines()
         .filter(|line| line.contains("<circle"))
         .filter_map(|line| line.split("stroke=\"").nth(1)?.split('"').next())

@@ -32,7 +32,7 @@ fn two_bursts_are_large_and_stay_where_they_are_when_a_match_is_looked_at() {
         window.key(Key::Home).settle();
         assert!(window.shows("Selected match") && window.shows("Epipolar error"));
         assert_eq!(panes(&window), before, "{size:?}: a match is selected");
-        let place = window.ui_from_image_of(Side::B, egui::pos2(200.0, 150.0)).unwrap();
+        let place = window.ui_from_image_of(Side::B, pos2(200.0, 150.0)).unwrap();
         window.shift_click_at(place).settle();
         assert!(window.document().probe.is_open && window.shows("Candidates here"));
         assert_eq!(panes(&window), before, "{size:?}: the probe is open");
@@ -83,7 +83,7 @@ fn match_lines_leave_the_picture_free_and_come_near_the_pointer_on_demand() {
     window.click_on(Role::RadioButton, "Near pointer").settle();
     assert_eq!(drawn(&window).1, 0, "the pointer is elsewhere");
     let row = window.results().pair.matches.as_ref().unwrap().row(3).unwrap();
-    let end = egui::pos2(row.a.u, row.a.v);
+    let end = pos2(row.a.u, row.a.v);
     let end = window.ui_from_image_of(Side::A, end).unwrap();
     window.hover(end).steps(3);
     let near = drawn(&window).1;

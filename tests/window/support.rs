@@ -34,6 +34,7 @@ pub use egui_kittest::kittest::{NodeT, Queryable};
 pub use image::RgbaImage;
 pub use ndarray::Array3;
 pub use std::collections::BTreeSet;
+pub use std::fs;
 pub use std::path::{Path, PathBuf};
 pub use std::sync::Arc;
 pub use std::time::Duration;
@@ -274,25 +275,25 @@ impl Window {
     }
 
     /// Presses a key.
-    pub fn key(&mut self, key: egui::Key) -> &mut Self {
+    pub fn key(&mut self, key: Key) -> &mut Self {
         self.harness.key_press(key);
         self.harness.run_steps(2);
         self
     }
 
     /// Presses keys with Ctrl (Cmd on a Mac).
-    pub fn ctrl(&mut self, key: egui::Key) -> &mut Self {
-        self.harness.key_press_modifiers(egui::Modifiers::COMMAND, key);
+    pub fn ctrl(&mut self, key: Key) -> &mut Self {
+        self.harness.key_press_modifiers(Modifiers::COMMAND, key);
         self.harness.run_steps(2);
         self
     }
 
     /// Chooses an action in the command palette by typing its name.
     pub fn run_action(&mut self, name: &str) -> &mut Self {
-        self.ctrl(egui::Key::P);
+        self.ctrl(Key::P);
         self.harness.get_by_role_and_label(Role::TextInput, "Find an action").type_text(name);
         self.harness.run_steps(2);
-        self.key(egui::Key::Enter);
+        self.key(Key::Enter);
         self.harness.run_steps(2);
         self
     }
@@ -318,7 +319,7 @@ impl Window {
                 &self.0
             }
             fn bytes(&self) -> Result<Vec<u8>, String> {
-                std::fs::read(&self.0).map_err(|e| e.to_string())
+                fs::read(&self.0).map_err(|e| e.to_string())
             }
         }
         self.harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
@@ -357,7 +358,7 @@ impl Window {
     }
 
     /// Clicks at a place of the window, with a pause between the events.
-    pub fn click_at(&mut self, pos: egui::Pos2) -> &mut Self {
+    pub fn click_at(&mut self, pos: Pos2) -> &mut Self {
         self.harness.hover_at(pos);
         self.harness.run_steps(1);
         self.harness.drag_at(pos);
@@ -366,18 +367,18 @@ impl Window {
             pos,
             button: egui::PointerButton::Primary,
             pressed: false,
-            modifiers: egui::Modifiers::NONE,
+            modifiers: Modifiers::NONE,
         });
         self.harness.run_steps(2);
         self
     }
 
     /// Clicks at a place of the window with Shift held.
-    pub fn shift_click_at(&mut self, pos: egui::Pos2) -> &mut Self {
+    pub fn shift_click_at(&mut self, pos: Pos2) -> &mut Self {
         self.harness.hover_at(pos);
         self.harness.run_steps(1);
         for pressed in [true, false] {
-            let (button, modifiers) = (egui::PointerButton::Primary, egui::Modifiers::SHIFT);
+            let (button, modifiers) = (egui::PointerButton::Primary, Modifiers::SHIFT);
             let event = egui::Event::PointerButton { pos, button, pressed, modifiers };
             self.harness.event_modifiers(event, modifiers);
             self.harness.run_steps(1);
@@ -388,7 +389,7 @@ impl Window {
 
     /// Double-clicks at a place of the window. A step here takes longer than a person's double click, so a slower one
     /// is accepted.
-    pub fn double_click_at(&mut self, pos: egui::Pos2) -> &mut Self {
+    pub fn double_click_at(&mut self, pos: Pos2) -> &mut Self {
         let set_delay = |window: &Self, seconds| {
             window.harness.ctx.options_mut(|o| o.input_options.max_double_click_delay = seconds);
         };
@@ -401,7 +402,7 @@ impl Window {
     }
 
     /// Drags from one place of the window to another, with stops on the way.
-    pub fn drag(&mut self, from: egui::Pos2, to: egui::Pos2) -> &mut Self {
+    pub fn drag(&mut self, from: Pos2, to: Pos2) -> &mut Self {
         self.harness.hover_at(from);
         self.harness.run_steps(1);
         self.harness.drag_at(from);
@@ -433,7 +434,7 @@ impl Window {
     }
 
     /// Compares the window with what is stored of it under this name, with the pointer at a place of the window.
-    pub fn snapshot_with_pointer(&mut self, name: &str, pos: egui::Pos2) {
+    pub fn snapshot_with_pointer(&mut self, name: &str, pos: Pos2) {
         self.harness.hover_at(pos);
         self.harness.run_steps(30);
         self.compare(name);

@@ -33,10 +33,10 @@ fn files(home: &Path) -> (PathBuf, PathBuf) {
         writeln!(points, "{point} 0 0 9 128 128 128 0.6 1 0 2 0 3 0").unwrap();
     }
     let (model, path) = (home.join("sparse"), home.join("truth.txt"));
-    std::fs::create_dir_all(&model).unwrap();
-    std::fs::write(model.join("images.txt"), images).unwrap();
-    std::fs::write(model.join("points3D.txt"), points).unwrap();
-    std::fs::write(&path, truth).unwrap();
+    fs::create_dir_all(&model).unwrap();
+    fs::write(model.join("images.txt"), images).unwrap();
+    fs::write(model.join("points3D.txt"), points).unwrap();
+    fs::write(&path, truth).unwrap();
     (model, path)
 }
 
@@ -78,12 +78,12 @@ fn the_errors_are_those_of_the_library() {
 fn second_estimate(home: &Path) -> PathBuf {
     let rec = home.join("merge");
     for (part, images) in [("0", 3), ("1", 13)] {
-        std::fs::create_dir_all(rec.join(part)).unwrap();
-        let text = std::fs::read_to_string(home.join("sparse/images.txt")).unwrap();
+        fs::create_dir_all(rec.join(part)).unwrap();
+        let text = fs::read_to_string(home.join("sparse/images.txt")).unwrap();
         let mut lines: Vec<String> = text.lines().take(2 * images).map(str::to_owned).collect();
         lines[4] = "3 1 0 0 0 9 9 9 1 burst_02.png".to_owned();
-        std::fs::write(rec.join(part).join("images.txt"), lines.join("\n") + "\n").unwrap();
-        std::fs::copy(home.join("sparse/points3D.txt"), rec.join(part).join("points3D.txt")).unwrap();
+        fs::write(rec.join(part).join("images.txt"), lines.join("\n") + "\n").unwrap();
+        fs::copy(home.join("sparse/points3D.txt"), rec.join(part).join("points3D.txt")).unwrap();
     }
     rec
 }
@@ -127,8 +127,7 @@ fn a_camera_is_pointed_at_in_the_plane() {
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
     let scene = window.results().poses.scene(&window.document().trajectories);
     let view = window.document().trajectories.view;
-    let at =
-        canvas.center() + view.points_per_pixel() * (scene.cameras[0][6].pos - egui::Pos2::from(view.centre_image));
+    let at = canvas.center() + view.points_per_pixel() * (scene.cameras[0][6].pos - Pos2::from(view.centre_image));
     window.hover(at).steps(30);
     assert_eq!(window.results().poses.hovered, Some(6));
     assert!(window.shows("burst_06.png\noff by"), "the tooltip names the image and its error");
@@ -154,14 +153,14 @@ fn a_free_view_goes_around_the_cameras_and_back() {
     let spot = &begin.cameras[2][0];
     assert!(spot.frustum.iter().all(|corner| corner.is_finite() && *corner != spot.pos), "{spot:?}");
     let canvas = window.harness.get_by_role_and_label(Role::Canvas, "Trajectories").rect();
-    let from = canvas.center() + egui::vec2(-300.0, 100.0);
-    window.drag(from, from + egui::vec2(100.0, 50.0));
+    let from = canvas.center() + vec2(-300.0, 100.0);
+    window.drag(from, from + vec2(100.0, 50.0));
     is_at(&window, [-40.0, 20.0]);
     let turned = scene(&window);
     assert_eq!((turned.size, turned.scale), (begin.size, begin.scale), "it turns without a change of size");
     assert!(turned.cameras[2][0].pos.distance(spot.pos) > 10.0);
     // From straight above it goes no farther; the pan of the fixed planes stays as it is.
-    window.drag(from, from + egui::vec2(0.0, 250.0));
+    window.drag(from, from + vec2(0.0, 250.0));
     is_at(&window, [-40.0, 70.0]);
     assert!(set(&window).view.is_fit());
     let other = window.kept_and_opened_in_another(&home.path().join("free.burstscope.toml"));
@@ -188,7 +187,7 @@ fn a_second_click_on_a_camera_opens_its_burst() {
     let nights = home.path().join("nights");
     for (k, frames) in [(0, 3), (1, 5)] {
         let burst = nights.join(format!("burst_{k:02}"));
-        std::fs::create_dir_all(&burst).unwrap();
+        fs::create_dir_all(&burst).unwrap();
         noisy_stack(&burst, frames, 40, 40);
     }
     let (mut window, _) = open_both(home.path());
@@ -213,7 +212,7 @@ fn open_nights(window: &mut Window, home: &Path, places: &[usize]) {
     let nights = home.join("nights");
     for k in places {
         let burst = nights.join(format!("burst_{k:02}"));
-        std::fs::create_dir_all(&burst).unwrap();
+        fs::create_dir_all(&burst).unwrap();
         noisy_stack(&burst, 3, 40, 40);
     }
     window.will_choose(&nights).run_action("open dataset").settle();
@@ -256,7 +255,7 @@ fn a_point_leads_to_its_features() {
     let set = &window.document().trajectories;
     let scene = window.results().poses.scene(set);
     let (point, at) = scene.points[0];
-    let at = canvas.center() + set.view.points_per_pixel() * (at - egui::Pos2::from(set.view.centre_image));
+    let at = canvas.center() + set.view.points_per_pixel() * (at - Pos2::from(set.view.centre_image));
     window.click_at(at);
     assert_eq!(window.document().trajectories.point, Some(point));
     assert!(window.shows("burst_00.png, keypoint 0") && window.shows("burst_02.png, keypoint 0"));
@@ -275,7 +274,7 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     let home = tempfile::tempdir().unwrap();
     let (mut window, _) = open_both(home.path());
     let broken = home.path().join("broken.txt");
-    std::fs::write(&broken, "1 2 3\n").unwrap();
+    fs::write(&broken, "1 2 3\n").unwrap();
     let app = window.app_mut();
     apply::studies::open_trajectory(&mut app.model, Which::Truth, Some(broken), &app.engine);
     window.settle();
@@ -283,7 +282,7 @@ fn trajectories_that_will_not_do_are_named_and_what_is_open_stays() {
     assert!(window.results().poses.report(Which::Estimate).is_some());
     // A truth of other places: both are read, but nothing can be compared.
     let other = home.path().join("other.txt");
-    std::fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
+    fs::write(&other, "x.png 0 0 0 0 0 0 1\ny.png 1 0 0 0 0 0 1\n").unwrap();
     window.drop_file(other).settle();
     assert!(window.results().poses.report(Which::Estimate).is_none());
     assert!(window.results().poses.problems().next().is_some());

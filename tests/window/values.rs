@@ -147,7 +147,7 @@ fn estimates_of_other_scales_lie_on_the_truth() {
         assert!((spot.pos - there.pos).length() < 1e-2, "{spot:?} {there:?}");
         assert_eq!((spot.camera, there.camera), (Some(spot.index), Some(spot.index)));
     }
-    assert_eq!(of_truth[0].pos, egui::pos2(60.0, 560.0), "up is up");
+    assert_eq!(of_truth[0].pos, pos2(60.0, 560.0), "up is up");
     // Alone, the first is drawn in its own coordinates; without a comparison only the truth is drawn.
     let drawn = |read| scene(&compared(read), Projection::Xy, true).cameras.map(|cameras| cameras.len());
     assert_eq!(drawn([first, second.clone(), None]), [3, 0, 0]);
@@ -164,7 +164,7 @@ fn points_lie_where_their_cameras_saw_them_and_are_in_the_section_shown() {
     let both = compared([Some(estimate), None, Some(truth)]);
     let drawn = scene(&both, Projection::Xz, true);
     let (width, height) = (drawn.size.0 as f32, drawn.size.1 as f32);
-    let section = egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(width, height));
+    let section = Rect::from_min_size(Pos2::ZERO, vec2(width, height));
     let inside = drawn.points.iter().filter(|(_, p)| section.contains(*p)).count();
     assert!(drawn.points.len() == points && inside > points * 9 / 10, "{inside} of {points}");
     // Ahead is up, and the cameras look ahead.
@@ -458,7 +458,7 @@ fn rows_and_columns_have_the_names_of_their_bursts() {
     let dataset = Dataset::new(burstscope::requests::OpenDataset {
         strays: Vec::new(),
         source: burstscope::dataset::DatasetSource::of_bursts(Vec::new()),
-        bursts: std::sync::Arc::new(vec![burst("0"), burst("dusk")]),
+        bursts: Arc::new(vec![burst("0"), burst("dusk")]),
         frames_of_one: None,
         folder: None,
         folder_error: None,

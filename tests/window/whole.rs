@@ -190,18 +190,18 @@ fn the_slope_of_features_is_said_with_their_own() {
     assert!(window.shows(&format!("{own} by their own slope")));
     // The columns that decide stand beside one another.
     use egui_kittest::kittest::Queryable;
-    let left = |name: &str| window.harness.get_by_role_and_label(egui::accesskit::Role::Button, name).rect().left();
+    let left = |name: &str| window.harness.get_by_role_and_label(Role::Button, name).rect().left();
     let columns =
         ["Slope u", "Slope v", "Field u", "Field v", "Moves", "SNR"].map(|name| left(&format!("Sort by {name}")));
     assert!(columns.is_sorted(), "{columns:?}");
 }
 
 /// Texts of the figure of what the window shows.
-fn figure_texts(window: &mut Window, folder: &std::path::Path) -> String {
+fn figure_texts(window: &mut Window, folder: &Path) -> String {
     let path = folder.join("figure.svg");
-    let _ = std::fs::remove_file(&path);
+    let _ = fs::remove_file(&path);
     window.will_choose(&path).run_action("figure as before").settle();
-    std::fs::read_to_string(&path).expect("it is written")
+    fs::read_to_string(&path).expect("it is written")
 }
 
 #[test]
@@ -230,7 +230,7 @@ fn the_legend_of_a_figure_names_what_is_drawn() {
     assert!(text.contains("slope up to ") && !others.iter().any(|other| text.contains(other)));
     // Words are said as such, and only those that are there.
     window.app_mut().model.document.colour_by = burstscope::app::view::ColourBy::Of(Quantity::Moves);
-    window.change(|document| document.filter.moves = Some(burstscope::detector::Moves::ByItself)).settle();
+    window.change(|document| document.filter.moves = Some(Moves::ByItself)).settle();
     let text = figure_texts(&mut window, folder.path());
     assert!(text.contains(">moves by itself<") && !text.contains(">ghost<"), "{text}");
 }

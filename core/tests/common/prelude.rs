@@ -18,3 +18,8 @@ pub use burstscope_core::synth::{
 pub use std::fs;
 pub use std::path::{Path, PathBuf};
 pub use std::sync::Arc;
+
+/// Monitor that nobody hears or cancels.
+pub fn quiet() -> Monitor {
+    Monitor::default()
+}

@@ -13,14 +13,14 @@ fn params() -> DetectorParams {
 }
 
 fn found(burst: &Burst) -> Detection {
-    detect(burst, &params(), &Monitor::default()).expect("valid parameters")
+    detect(burst, &params(), &quiet()).expect("valid parameters")
 }
 
 fn matched(bursts: [(&Burst, &Detection); 2], geometry: Geometry) -> MatchResult {
     let params = params();
     let sides = bursts.map(|(burst, detection)| DetectedBurst { burst, params: &params, detection });
     let matching = MatchParams { geometry, ..MatchParams::default() };
-    match_bursts(sides, &matching, &Monitor::default()).expect("valid parameters")
+    match_bursts(sides, &matching, &quiet()).expect("valid parameters")
 }
 
 /// The inliers (a, b), and how far each is shifted in B by the alignment.
@@ -98,7 +98,7 @@ fn aligned_with(shifts: &[([f64; 2], [f64; 2], f32)]) -> (Vec<[f64; 2]>, usize, 
             alignment.add_match((image, next), (k, k), Measured { shift_px: [0.0; 2], jacobian, correlation: 1.0 });
         }
     }
-    let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
+    let aligned = alignment.solve(&quiet()).expect("not cancelled");
     (aligned.places[0].clone(), aligned.moved.refused, aligned.moved.max_px.unwrap_or(0.0))
 }
 
@@ -167,9 +167,9 @@ fn confirmed_of(
     let found = |i: usize| Inlier { a: i as u32, b: i as u32, rank: 0.5 };
     let mut link = |i| (found(i), measure(i).map(|measured| alignment.add_match((0, 1), (i, i), measured)));
     let inliers: Vec<(Inlier, Option<usize>)> = (0..count).map(&mut link).collect();
-    let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
+    let aligned = alignment.solve(&quiet()).expect("not cancelled");
     let params = MatchParams::default();
-    let verified = aligned.confirmed((0, 1), &inliers, &params, &Monitor::default()).expect("valid parameters");
+    let verified = aligned.confirmed((0, 1), &inliers, &params, &quiet()).expect("valid parameters");
     (aligned, verified.expect("asked for"))
 }
 
@@ -221,9 +221,9 @@ fn places_that_contradict_their_other_matches_lose_them() {
             matches.push((found(i), Some(link)));
         }
     }
-    let aligned = alignment.solve(&Monitor::default()).expect("not cancelled");
+    let aligned = alignment.solve(&quiet()).expect("not cancelled");
     let (images, matches) = &pairs[1];
     let params = MatchParams::default();
-    let verified = aligned.confirmed(*images, matches, &params, &Monitor::default()).expect("valid").expect("asked");
+    let verified = aligned.confirmed(*images, matches, &params, &quiet()).expect("valid").expect("asked");
     assert!(!verified.inlier[..20].contains(&true) && verified.inlier[20..].iter().all(|inlier| *inlier));
 }

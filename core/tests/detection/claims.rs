@@ -11,7 +11,7 @@ use burstscope_core::inspect::slopes::{AdviceSubject, SlopeJudgement, judgement}
 use std::ops::Range;
 
 fn find(burst: &Burst) -> SlopeFinding {
-    find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")
+    find_slopes(burst, &DetectorParams::default(), None, &quiet()).expect("not cancelled")
 }
 
 /// Seeds, more of them on request.
@@ -171,7 +171,7 @@ fn what_did_happen_to_frames_is_told() {
 
 fn dark(snr: f64, seed: u64) -> Burst {
     let chart = ChartParams { snr, motion: Motion::TwoD, seed, ..ChartParams::default() };
-    synth_chart(&chart, &Monitor::default()).expect("a chart").0
+    synth_chart(&chart, &quiet()).expect("a chart").0
 }
 
 fn judged(burst: &Burst, params: &SearchParams) -> (SlopeJudgement, SlopeFinding, DetectorParams) {
@@ -199,8 +199,7 @@ fn a_change_that_is_offered_leaves_no_fault() {
         for (motion, snr) in [(Motion::OneD, 2.0), (Motion::TwoD, 2.0), (Motion::OneD, 0.4), (Motion::TwoD, 0.25)] {
             let chart =
                 ChartParams { width: 240, height: 180, discs: 10, frames: 8, max_slope: 2.0, ..Default::default() };
-            let (burst, _) =
-                synth_chart(&ChartParams { motion, snr, seed, ..chart }, &Monitor::default()).expect("a chart");
+            let (burst, _) = synth_chart(&ChartParams { motion, snr, seed, ..chart }, &quiet()).expect("a chart");
             for slopes in &grids {
                 let params = DetectorParams { slopes: *slopes, ..coarse() };
                 let (before, _, params) = judged(&burst, &params.into());
@@ -248,7 +247,7 @@ fn slopes_fit_only_if_most_of_what_moves_has_them() {
 fn the_order_of_frames_is_judged_whatever_slopes_are_searched() {
     let mut frames: Vec<_> = (1..6).map(|k| shared("data/buff-demo-1d").join(format!("{k}.png"))).collect();
     frames.sort();
-    let burst = Burst::open_with(&frames, &OpenOptions::default(), &Monitor::default()).expect("a burst");
+    let burst = Burst::open_with(&frames, &OpenOptions::default(), &quiet()).expect("a burst");
     for axis in [SlopeAxis { min: 0.0, max: 1.0, count: 2 }, SlopeAxis { min: -20.0, max: 20.0, count: 5 }] {
         let slopes = SlopeGrid { u: axis, ..SlopeGrid::default() };
         let (judged, ..) = judged(&burst, &DetectorParams { slopes, ..coarse() }.into());
@@ -261,14 +260,14 @@ fn the_order_of_frames_is_judged_whatever_slopes_are_searched() {
 #[needs::shared("data/buff-demo-2d")]
 #[test]
 fn several_things_that_move_are_no_picture_that_grows() {
-    let files: Vec<_> = std::fs::read_dir(shared("data/buff-demo-2d")).expect("a folder").flatten().collect();
+    let files: Vec<_> = fs::read_dir(shared("data/buff-demo-2d")).expect("a folder").flatten().collect();
     let mut files: Vec<_> = files
         .into_iter()
         .map(|entry| entry.path())
         .filter(|path| path.extension().is_some_and(|e| e == "png"))
         .collect();
     files.sort();
-    let burst = Burst::open_with(&files, &OpenOptions::default(), &Monitor::default()).expect("a burst");
+    let burst = Burst::open_with(&files, &OpenOptions::default(), &quiet()).expect("a burst");
     assert_eq!(find(&burst).warnings, []);
     for seed in seeds(12) {
         let discs = 4 + seed as usize % 8;
@@ -282,7 +281,7 @@ fn several_things_that_move_are_no_picture_that_grows() {
             seed,
             ..ChartParams::default()
         };
-        let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let (burst, _) = synth_chart(&chart, &quiet()).expect("a chart");
         assert_eq!(find(&burst).warnings, [], "{seed}");
     }
 }
@@ -290,17 +289,15 @@ fn several_things_that_move_are_no_picture_that_grows() {
 #[test]
 fn a_finer_octave_is_offered_where_it_keeps_what_rises_beyond_the_smallest_scale() {
     let burst = demo_burst();
-    let found = |params: SearchParams| ProbeCache::new(&burst, &params, &Monitor::default()).expect("valid");
+    let found = |params: SearchParams| ProbeCache::new(&burst, &params, &quiet()).expect("valid");
     let cache = found(SearchParams::default());
     // A lamp whose response still rises at the smallest scale of that octave, at its own slope.
     let place = [257.4, 150.5];
-    let probe = probe(&cache, place, &ProbeOptions::default(), &Monitor::default()).expect("inside");
+    let probe = probe(&cache, place, &ProbeOptions::default(), &quiet()).expect("inside");
     let small = probe.reasons.iter().find(|reason| reason.kind == CauseKind::TooSmall).expect("too small");
     let change = small.change.as_ref().expect("a first octave of -1");
     let finer = found(change.applied(&cache.made_with()).expect("valid").into());
-    let is_it = |feature: &&burstscope_core::Feature| {
-        (feature.u - place[0]).hypot(feature.v - place[1]) < 3.0 && feature.sigma < 1.9
-    };
+    let is_it = |feature: &&Feature| (feature.u - place[0]).hypot(feature.v - place[1]) < 3.0 && feature.sigma < 1.9;
     let kept = finer.detection().features.iter().find(is_it);
     let (sigma, snr) = small.sigma_and_snr.expect("measured");
     assert!(kept.is_some_and(|f| (f.sigma / sigma - 1.0).abs() < 0.3 && f.snr > 0.5 * snr), "{small:?} {kept:?}");

@@ -4,7 +4,7 @@ use crate::prelude::*;
 use burstscope_core::detector::slopes::{MotionWarningKind, UniformTimes, resolve};
 
 fn find(burst: &Burst) -> SlopeFinding {
-    find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")
+    find_slopes(burst, &DetectorParams::default(), None, &quiet()).expect("not cancelled")
 }
 
 /// The step of the search at the default levels, pixels per frame.
@@ -89,7 +89,7 @@ fn uniform_motion_in_any_direction_is_a_short_line() {
 fn what_a_still_camera_sees_is_slope_0_even_in_the_dark() {
     let dark = |seed| {
         let params = ChartParams { snr: 0.2, max_slope: 0.0, seed, ..ChartParams::default() };
-        synth_chart(&params, &Monitor::default()).expect("a chart").0
+        synth_chart(&params, &quiet()).expect("a chart").0
     };
     for burst in [moved((300, 220), 0.3, 10, |_| (0.0, 0.0)), moved((100, 100), 0.0, 1, |_| (0.0, 0.0))]
         .into_iter()
@@ -180,7 +180,7 @@ fn a_crop_by_a_pixel_leaves_the_grids_points_in_place() {
 fn dark_charts_show_the_range_of_their_discs() {
     for (motion, snr) in [(Motion::OneD, 0.35), (Motion::TwoD, 0.35), (Motion::OneD, 0.6)] {
         let chart = ChartParams { motion, snr, ..ChartParams::default() };
-        let (burst, truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let (burst, truth) = synth_chart(&chart, &quiet()).expect("a chart");
         let finding = find(&burst);
         assert_eq!(finding.verdict, SlopeVerdict::Found, "{motion:?} {snr}: {finding:?}");
         assert_eq!(finding.grid.is_plane(), motion == Motion::TwoD, "{snr}: {:?}", finding.grid);
@@ -217,7 +217,7 @@ fn periodic_texture_does_not_take_its_alias() {
 fn a_direction_that_is_asked_for_is_the_line_that_is_searched() {
     let burst = moved((320, 240), 0.1, 8, |t| (1.5 * t as f64, 1.5 * t as f64));
     let params = DetectorParams::default();
-    let finding = find_slopes(&burst, &params, Some(45.0), &Monitor::default()).expect("not cancelled");
+    let finding = find_slopes(&burst, &params, Some(45.0), &quiet()).expect("not cancelled");
     assert_eq!((finding.verdict, finding.grid.direction_deg), (SlopeVerdict::Found, 45.0));
     assert!(holds(&finding.grid, Slope::new(1.5, 1.5), 0.0) && !finding.grid.is_plane(), "{:?}", finding.grid);
 }
@@ -225,8 +225,7 @@ fn a_direction_that_is_asked_for_is_the_line_that_is_searched() {
 #[test]
 fn threads_change_nothing_and_cancelling_ends_it() {
     let (burst, _) =
-        synth_scene(&SceneParams { width: 320, height: 240, ..SceneParams::default() }, &Monitor::default())
-            .expect("a scene");
+        synth_scene(&SceneParams { width: 320, height: 240, ..SceneParams::default() }, &quiet()).expect("a scene");
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     let with = |threads| pool(threads).install(|| find(&burst));
     assert_eq!(with(1), with(3));
@@ -239,7 +238,7 @@ fn threads_change_nothing_and_cancelling_ends_it() {
 fn parameters_are_checked_before_slopes_are_searched() {
     let frames = Some(FrameRange { start: 2, end: 99 });
     let past = SearchParams { frames, ..SearchParams::default() };
-    assert!(resolve(&demo_burst(), &past, &Monitor::default()).is_err_and(|error| error.subject == "frames"));
+    assert!(resolve(&demo_burst(), &past, &quiet()).is_err_and(|error| error.subject == "frames"));
 }
 
 #[test]

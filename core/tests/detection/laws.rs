@@ -55,7 +55,7 @@ fn map_frames(burst: &Burst, f: impl Fn(&Plane) -> Plane) -> Burst {
 }
 
 fn found(burst: &Burst, params: &DetectorParams) -> Detection {
-    detect(burst, params, &Monitor::default()).expect("valid parameters")
+    detect(burst, params, &quiet()).expect("valid parameters")
 }
 
 /// Features at least `margin` px from the border.
@@ -229,7 +229,7 @@ fn any_number_of_threads_gives_the_same_bits() {
 fn tiles_and_threads_change_no_bit_of_a_larger_image() {
     // Wide enough for a few tiles, whose height depends on the number of threads.
     let scene = SceneParams { width: 640, height: 440, snr: 8.0, seed: 5, ..SceneParams::default() };
-    let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
+    let (burst, _) = synth_scene(&scene, &quiet()).expect("valid parameters");
     // Whole and half columns a frame, and other fractions.
     for slopes in [SlopeGrid::line(-3.0..=3.0, 7), SlopeGrid::line(-1.7..=2.0, 5)] {
         let params = DetectorParams { slopes, peak_threshold: 0.0015, ..DetectorParams::default() };
@@ -398,7 +398,7 @@ fn a_binned_start_finds_a_blob_where_the_frames_themselves_show_it() {
             let noise_model = NoiseModelKind::White;
             let params = DetectorParams { slopes, first_octave, noise_model, ..DetectorParams::default() };
             // By the response: without noise the ratio to it means nothing.
-            let found = detect(&burst, &params, &Monitor::default()).expect("valid parameters").features;
+            let found = detect(&burst, &params, &quiet()).expect("valid parameters").features;
             found.into_iter().max_by(|a, b| a.response.abs().total_cmp(&b.response.abs())).expect("the blob")
         };
         let (fine, coarse) = (strongest(0), strongest(first_octave));

@@ -13,12 +13,12 @@ fn masked(burst: &Burst, sees: impl Fn(usize, usize, usize) -> bool) -> Burst {
 }
 
 fn found(burst: &Burst, params: &DetectorParams) -> Detection {
-    detect(burst, params, &Monitor::default()).expect("valid parameters")
+    detect(burst, params, &quiet()).expect("valid parameters")
 }
 
 fn scene(seed: u64) -> Burst {
     let params = SceneParams { width: 320, height: 240, frames: 8, snr: 1.5, seed, ..SceneParams::default() };
-    synth_scene(&params, &Monitor::default()).expect("valid parameters").0
+    synth_scene(&params, &quiet()).expect("valid parameters").0
 }
 
 /// White noise and a given gate: the local model measures other squares where some are hidden.
@@ -153,7 +153,7 @@ fn an_arm_that_is_masked_gives_no_features_at_its_edge() {
     let mut sums = [(0, 0); 3];
     for seed in seeds.clone() {
         let chart = ChartParams { snr: 0.35, seed, ..ChartParams::default() };
-        let (burst, truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+        let (burst, truth) = synth_chart(&chart, &quiet()).expect("a chart");
         let params = DetectorParams { slopes: SlopeGrid::line(-3.0..=3.0, 13), ..DetectorParams::default() };
         let arm = with_arm(&burst, edge);
         let hidden = masked(&arm, |_, u, _| u >= edge);

@@ -10,7 +10,7 @@ fn params(noise_model: NoiseModelKind) -> DetectorParams {
 }
 
 fn found(burst: &Burst, noise_model: NoiseModelKind) -> Detection {
-    detect(burst, &params(noise_model), &Monitor::default()).expect("detected")
+    detect(burst, &params(noise_model), &quiet()).expect("detected")
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn noise_as_cameras_make_it_gives_next_to_nothing() {
         (NoiseCase::CosmicStreaks, 5),
         (NoiseCase::FixedPattern(30), 1),
     ] {
-        let burst = case.burst((480, 360), 10, 0.02, 11, &Monitor::default()).expect("a burst");
+        let burst = case.burst((480, 360), 10, 0.02, 11, &quiet()).expect("a burst");
         let [white, local] =
             [NoiseModelKind::White, NoiseModelKind::Local].map(|kind| found(&burst, kind).features.len());
         println!("{}: white {white}, local {local}", case.name());
@@ -56,7 +56,7 @@ fn frames_of_bits_have_the_noise_of_bits() {
     for (percent, frames) in [(3u8, 20), (3, 10), (10, 20), (30, 10), (60, 20), (97, 20)] {
         for seed in [31, 32, 33] {
             let case = NoiseCase::Bits(percent);
-            let burst = case.burst((480, 360), frames, 0.02, seed, &Monitor::default()).expect("a burst");
+            let burst = case.burst((480, 360), frames, 0.02, seed, &quiet()).expect("a burst");
             let detection = found(&burst, NoiseModelKind::Local);
             println!("{} in {frames} frames, seed {seed}: {}", case.name(), detection.features.len());
             all += detection.features.len();
@@ -71,7 +71,7 @@ fn frames_of_bits_have_the_noise_of_bits() {
 
 #[test]
 fn masked_bits_are_bits_and_two_neighbouring_values_of_a_converter_are_not() {
-    let bits = NoiseCase::Bits(20).burst((240, 180), 8, 0.02, 5, &Monitor::default()).expect("a burst");
+    let bits = NoiseCase::Bits(20).burst((240, 180), 8, 0.02, 5, &quiet()).expect("a burst");
     let with = |change: &dyn Fn(&Plane) -> Plane, step: f32| {
         let frames = bits.frames.iter().map(|frame| change(frame)).collect();
         let mut burst = Burst::from_planes("changed", frames);
@@ -96,7 +96,7 @@ fn blocks_that_a_codec_flattened_are_no_evidence_of_low_noise() {
         (NoiseCase::Jpeg(20), 0.2),
     ] {
         for seed in [31, 32] {
-            let burst = case.burst_at(level, (480, 360), 10, 0.02, seed, &Monitor::default()).expect("a burst");
+            let burst = case.burst_at(level, (480, 360), 10, 0.02, seed, &quiet()).expect("a burst");
             let detection = found(&burst, NoiseModelKind::Local);
             println!("{} at {level}, seed {seed}: {}", case.name(), detection.features.len());
             all += detection.features.len();
@@ -135,7 +135,7 @@ fn every_kind_of_noise_is_warned_of() {
         (NoiseCase::CosmicStreaks, Struck),
         (NoiseCase::ColourJpeg(30), FlattenedByCodec),
     ] {
-        let burst = case.burst((480, 360), 10, 0.02, 3, &Monitor::default()).expect("a burst");
+        let burst = case.burst((480, 360), 10, 0.02, 3, &quiet()).expect("a burst");
         let warnings = &found(&burst, NoiseModelKind::Local).noise.warnings;
         assert!(warnings.iter().any(|warning| warning.kind == kind), "{case:?}: {warnings:?}");
     }
@@ -144,10 +144,10 @@ fn every_kind_of_noise_is_warned_of() {
 #[test]
 fn noise_and_scenes_are_not_warned_of_for_what_they_do_not_have() {
     use WarningKind::*;
-    let of_case = |case: NoiseCase| case.burst((480, 360), 10, 0.02, 5, &Monitor::default()).expect("a burst");
+    let of_case = |case: NoiseCase| case.burst((480, 360), 10, 0.02, 5, &quiet()).expect("a burst");
     let of_scene = |layers: usize| {
         let scene = SceneParams { width: 320, height: 240, layers, ..SceneParams::default() };
-        synth_scene(&scene, &Monitor::default()).expect("a scene").0
+        synth_scene(&scene, &quiet()).expect("a scene").0
     };
     for (burst, kinds) in [
         (of_case(NoiseCase::White), &[ChangingLines, Stripes, HotPixels, DiffersByPlace][..]),
@@ -168,7 +168,7 @@ fn noise_and_scenes_are_not_warned_of_for_what_they_do_not_have() {
 #[test]
 fn a_weak_pattern_is_measured_in_the_mean_of_the_frames() {
     let share = |case: NoiseCase| {
-        let burst = case.burst((480, 360), 10, 0.02, 3, &Monitor::default()).expect("a burst");
+        let burst = case.burst((480, 360), 10, 0.02, 3, &quiet()).expect("a burst");
         found(&burst, NoiseModelKind::Local).noise.pattern_share
     };
     for (percent, expected) in [(20u8, 0.038), (40, 0.138)] {
@@ -183,20 +183,20 @@ fn a_weak_pattern_is_measured_in_the_mean_of_the_frames() {
 #[test]
 fn the_noise_is_measured_unless_it_is_said_otherwise() {
     assert_eq!(burstscope_core::detector::SearchParams::default().noise_model, NoiseModelKind::Local);
-    let burst = NoiseCase::White.burst((160, 120), 5, 0.02, 5, &Monitor::default()).expect("a burst");
-    let detection = detect(&burst, &DetectorParams::default(), &Monitor::default()).expect("detected");
+    let burst = NoiseCase::White.burst((160, 120), 5, 0.02, 5, &quiet()).expect("a burst");
+    let detection = detect(&burst, &DetectorParams::default(), &quiet()).expect("detected");
     assert!(detection.noise.is_local && detection.noise.warnings.is_empty(), "{:?}", detection.noise.warnings);
 }
 
 #[test]
 fn what_is_cleaned_is_said() {
-    let burst = NoiseCase::HotPixels.burst((320, 240), 8, 0.02, 5, &Monitor::default()).expect("a burst");
+    let burst = NoiseCase::HotPixels.burst((320, 240), 8, 0.02, 5, &quiet()).expect("a burst");
     let detection = found(&burst, NoiseModelKind::Local);
     let kinds: Vec<WarningKind> = detection.noise.warnings.iter().map(|w| w.kind).collect();
     assert_eq!(kinds, [WarningKind::HotPixels]);
     assert!(found(&burst, NoiseModelKind::White).noise.warnings.is_empty());
     let merge = DetectorParams { method: Method::Merge, ..params(NoiseModelKind::Local) };
-    let merged = detect(&burst, &merge, &Monitor::default()).expect("detected");
+    let merged = detect(&burst, &merge, &quiet()).expect("detected");
     let kinds: Vec<WarningKind> = merged.noise.warnings.iter().map(|w| w.kind).collect();
     assert_eq!(kinds, [WarningKind::KeptByMerge]);
 }
@@ -204,7 +204,7 @@ fn what_is_cleaned_is_said() {
 /// A chart whose right half is lit by a lamp, so that its shot noise is several times that of the dark left.
 fn lit_chart(seed: u64) -> (Burst, Vec<FeatureTruth>) {
     let chart = ChartParams { snr: f64::INFINITY, seed, ..ChartParams::default() };
-    let (clean, truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+    let (clean, truth) = synth_chart(&chart, &quiet()).expect("a chart");
     let (width, height) = clean.size();
     let camera = Camera { full_scale_electrons: 150.0, read_noise_electrons: 3.0, black_level: 0.02, bits: Some(12) };
     let lift = truth.black_level as f32;
@@ -213,7 +213,7 @@ fn lit_chart(seed: u64) -> (Burst, Vec<FeatureTruth>) {
             let light = 1.0 + 30.0 / (1.0 + (6.0 - 12.0 * u as f32 / width as f32).exp());
             (0.25 * light * (frame.at(u, v) - lift)).min(0.9)
         });
-        camera.capture(&lit, &mut Stream::new(seed + 1000, t), &Monitor::default()).expect("not cancelled")
+        camera.capture(&lit, &mut Stream::new(seed + 1000, t), &quiet()).expect("not cancelled")
     });
     let mut burst = Burst::from_planes("lit", frames.collect());
     burst.quantisation_step = camera.quantisation_step() as f32;

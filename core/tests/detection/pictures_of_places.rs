@@ -124,7 +124,7 @@ impl Scene {
 
     fn measured(&self) -> Vec<Option<Measured>> {
         let views = self.views(0, 1);
-        measure(&views, PairFrame::of(&views), FIT_RADIUS, &Monitor::default()).expect("not cancelled")
+        measure(&views, PairFrame::of(&views), FIT_RADIUS, &quiet()).expect("not cancelled")
     }
 
     /// Errors of the measured shifts, σ of B.
@@ -195,7 +195,7 @@ fn what_lies_beyond_the_search_is_not_measured() {
     let source = ChipSource::new(&[&flat, &flat], &FrameTimes::all(Positions::even(2)), 4.0);
     let chip = source.chip((50.0, 50.0), 3.0, Slope::new(0.0, 0.0)).expect("inside");
     let view = View { chip: &chip, orientation: 0.0 };
-    let none = measure(&[[view, view]], PairFrame::of(&[[view, view]]), FIT_RADIUS, &Monitor::default());
+    let none = measure(&[[view, view]], PairFrame::of(&[[view, view]]), FIT_RADIUS, &quiet());
     assert_eq!(none, Ok(vec![None]), "a wall without texture");
 }
 
@@ -204,7 +204,7 @@ fn b_to_a_is_a_to_b_reversed() {
     let scene = Scene::new(similar(), NOISE, as_detected);
     let there = scene.measured();
     let views = scene.views(1, 0);
-    let back = measure(&views, PairFrame::of(&views), FIT_RADIUS, &Monitor::default()).expect("not cancelled");
+    let back = measure(&views, PairFrame::of(&views), FIT_RADIUS, &quiet()).expect("not cancelled");
     for (there, back) in there.iter().zip(&back) {
         let (there, back) = (there.expect("found"), back.expect("found"));
         let carried =
@@ -234,7 +234,7 @@ fn a_place_at_the_border_is_measured_by_what_is_there() {
     let chip = |u: f32, v: f32| source.chip((u, v), SIGMA, Slope::new(0.0, 0.0)).expect("inside");
     let (a, b) = (chip(14.0, 150.0), chip(16.0, 151.0));
     let [a, b] = [&a, &b].map(|chip| View { chip, orientation: 0.0 });
-    let found = measure(&[[a, b]], PairFrame::of(&[[a, b]]), FIT_RADIUS, &Monitor::default()).expect("not cancelled");
+    let found = measure(&[[a, b]], PairFrame::of(&[[a, b]]), FIT_RADIUS, &quiet()).expect("not cancelled");
     let found = found[0].expect("most of it is seen");
     assert!((found.shift_px[0] + 2.0).abs() < 0.1 && (found.shift_px[1] + 1.0).abs() < 0.1, "{found:?}");
     assert_eq!(source.chip((-1.0, 5.0), SIGMA, Slope::new(0.0, 0.0)), None, "outside the image");

@@ -9,7 +9,7 @@ use proptest::test_runner::RngSeed;
 fn scene(seed: u64, size: (usize, usize), tails: bool) -> Burst {
     let params =
         SceneParams { width: size.0, height: size.1, frames: 6, layers: 2, snr: 6.0, seed, ..SceneParams::default() };
-    let mut burst = synth_scene(&params, &Monitor::default()).expect("valid parameters").0;
+    let mut burst = synth_scene(&params, &quiet()).expect("valid parameters").0;
     let mut state = seed as u32;
     for frame in burst.frames.iter_mut().filter(|_| tails) {
         let damaged = |u, v| {
@@ -17,17 +17,17 @@ fn scene(seed: u64, size: (usize, usize), tails: bool) -> Burst {
             let error = if state >> 8 < (1 << 24) / 50 { 0.05 * ((state >> 16) % 3) as f32 - 0.05 } else { 0.0 };
             frame.row(v)[u] + error
         };
-        *frame = std::sync::Arc::new(Plane::from_fn(size.0, size.1, damaged));
+        *frame = Arc::new(Plane::from_fn(size.0, size.1, damaged));
     }
     burst
 }
 
 fn searched(burst: &Burst, params: &DetectorParams) -> ProbeCache {
-    ProbeCache::new(burst, &params.clone().into(), &Monitor::default()).expect("valid parameters")
+    ProbeCache::new(burst, &params.clone().into(), &quiet()).expect("valid parameters")
 }
 
 fn rejudged(trail: &Trail, params: &DetectorParams) -> Option<Trail> {
-    trail.rejudged(params, &Monitor::default()).expect("nobody cancels it")
+    trail.rejudged(params, &quiet()).expect("nobody cancels it")
 }
 
 /// Compares a judgement with a new search.
@@ -177,10 +177,10 @@ fn what_the_search_did_not_leave_needs_another() {
 fn slopes_that_were_found_stay() {
     let burst = scene(7, (160, 120), false);
     let asked = SearchParams::default();
-    let first = ProbeCache::new(&burst, &asked, &Monitor::default()).expect("valid parameters");
-    let judged = |asked: &SearchParams| first.rejudged(asked, &Monitor::default()).expect("nobody cancels it");
+    let first = ProbeCache::new(&burst, &asked, &quiet()).expect("valid parameters");
+    let judged = |asked: &SearchParams| first.rejudged(asked, &quiet()).expect("nobody cancels it");
     let asked = SearchParams { noise_gate: NoiseGate::Factor(9.0), max_features: 20, ..asked };
-    let (found, new) = (judged(&asked).expect("stricter"), ProbeCache::new(&burst, &asked, &Monitor::default()));
+    let (found, new) = (judged(&asked).expect("stricter"), ProbeCache::new(&burst, &asked, &quiet()));
     let new = new.expect("valid parameters");
     assert_eq!(found.detection().features, new.detection().features);
     assert_eq!((found.made_with(), &found.asked, &found.finding), (new.made_with(), &new.asked, &new.finding));

@@ -146,7 +146,7 @@ fn matched(pair: &[Features; 2], params: &MatchParams) -> MatchResult {
         let Features { places, descriptors, blobs } = of;
         MatchSide { places, descriptors, blobs, pictures: Some(at) }
     });
-    match_features(sides, params, &Monitor::default()).expect("valid parameters").result
+    match_features(sides, params, &quiet()).expect("valid parameters").result
 }
 
 /// Whether a pair has a geometry, of whose inliers most are right: half, without the mover's.

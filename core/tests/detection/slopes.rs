@@ -6,11 +6,11 @@ use burstscope_core::detector::slopes::MotionWarningKind;
 use burstscope_core::inspect::slopes::{AdviceSubject, judgement};
 
 fn open(files: &[PathBuf]) -> Burst {
-    Burst::open_with(files, &OpenOptions::default(), &Monitor::default()).expect("a burst")
+    Burst::open_with(files, &OpenOptions::default(), &quiet()).expect("a burst")
 }
 
 fn find(burst: &Burst) -> SlopeFinding {
-    find_slopes(burst, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled")
+    find_slopes(burst, &DetectorParams::default(), None, &quiet()).expect("not cancelled")
 }
 
 /// Half the right step of the search for `burst` at the default levels, pixels per frame.
@@ -21,7 +21,7 @@ fn half_step(burst: &Burst) -> f32 {
 /// The files of a folder, in the order of their names.
 fn files(folder: &Path) -> Vec<PathBuf> {
     let mut files: Vec<PathBuf> =
-        std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
+        fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path()).collect();
     files.retain(|file| file.extension().is_some_and(|extension| extension == "png"));
     files.sort();
     files
@@ -159,7 +159,7 @@ fn noise_that_frames_have_in_common_does_not_move() {
     };
     for seed in 0..3 {
         for case in [NoiseCase::Smoothed, NoiseCase::HotPixels, NoiseCase::FlickeringPixels] {
-            let burst = case.burst((width, height), 8, 0.02, seed + 1, &Monitor::default()).expect("not cancelled");
+            let burst = case.burst((width, height), 8, 0.02, seed + 1, &quiet()).expect("not cancelled");
             check(&case.name(), burst.frames.iter().map(|f| (**f).clone()).collect());
         }
         let some: Vec<Plane> = (0..9).map(|t| noise(10 * seed + t, (width, height))).collect();
@@ -195,7 +195,7 @@ fn taken(quarters: &[usize], seed: u64) -> Burst {
         max_slope,
         ..Default::default()
     };
-    let (burst, _) = synth_scene(&params, &Monitor::default()).expect("a scene");
+    let (burst, _) = synth_scene(&params, &quiet()).expect("a scene");
     Burst::from_planes("taken", quarters.iter().map(|t| (*burst.frames[*t]).clone()).collect())
 }
 

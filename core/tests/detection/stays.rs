@@ -20,7 +20,7 @@ fn scene(seed: u64) -> Burst {
         seed,
         ..SceneParams::default()
     };
-    synth_scene(&params, &Monitor::default()).expect("valid parameters").0
+    synth_scene(&params, &quiet()).expect("valid parameters").0
 }
 
 /// Parameters with the white noise model: the other one depends on the squares that it measures, and these do not move
@@ -60,7 +60,7 @@ fn kept(
         }
         let after = Burst { frames, ..burst.clone() };
         let find = |burst: &Burst, slopes| {
-            detect(burst, &DetectorParams { slopes, ..params() }, &Monitor::default()).expect("valid parameters")
+            detect(burst, &DetectorParams { slopes, ..params() }, &quiet()).expect("valid parameters")
         };
         let (before, after) = (find(&burst, params().slopes), find(&after, slopes));
         for feature in &before.features {
@@ -147,7 +147,7 @@ fn no_blob_is_lost_between_octaves() {
     let frame = Arc::new(frame);
     let burst = Burst { frames: (0..3).map(|_| frame.clone()).collect(), ..scene(1) };
     let params = DetectorParams { slopes: SlopeGrid::line(0.0..=0.0, 1), ..params() };
-    let found = detect(&burst, &params, &Monitor::default()).expect("valid parameters").features;
+    let found = detect(&burst, &params, &quiet()).expect("valid parameters").features;
     // The scale of D's maximum on a Gaussian blob: the geometric mean of the two Gaussians' σ is the blob's.
     let k = 2f64.powf(1.0 / params.levels as f64);
     for i in 0..count {

@@ -8,7 +8,7 @@ use std::sync::{Mutex, OnceLock};
 
 fn burst() -> Burst {
     let scene = SceneParams { width: 640, height: 480, snr: 8.0, seed: 7, ..SceneParams::default() };
-    synth_scene(&scene, &Monitor::default()).expect("valid parameters").0
+    synth_scene(&scene, &quiet()).expect("valid parameters").0
 }
 
 fn params() -> DetectorParams {

@@ -15,7 +15,7 @@ fn chart(uneven: Uneven, motion: Motion) -> (Burst, Truth) {
         max_slope: 2.5,
         ..ChartParams::default()
     };
-    synth_chart(&ChartParams { uneven, motion, ..params }, &Monitor::default()).expect("a chart")
+    synth_chart(&ChartParams { uneven, motion, ..params }, &quiet()).expect("a chart")
 }
 
 fn uneven_by(drop: Vec<usize>, jitter: f64) -> Uneven {
@@ -23,15 +23,13 @@ fn uneven_by(drop: Vec<usize>, jitter: f64) -> Uneven {
 }
 
 fn found(burst: &Burst) -> Detection {
-    search(burst, &SearchParams::default(), &Monitor::default()).expect("valid parameters").detection
+    search(burst, &SearchParams::default(), &quiet()).expect("valid parameters").detection
 }
 
 /// Discs that a feature finds with their motion, to a tenth of a pixel per frame.
 fn with_motion(detection: &Detection, truth: &Truth) -> usize {
     let is_found = |disc: &&burstscope_core::synth::FeatureTruth| {
-        let apart = |f: &burstscope_core::Feature| {
-            (f64::from(f.slope.u) - disc.slope_u).hypot(f64::from(f.slope.v) - disc.slope_v)
-        };
+        let apart = |f: &Feature| (f64::from(f.slope.u) - disc.slope_u).hypot(f64::from(f.slope.v) - disc.slope_v);
         detection.features.iter().any(|feature| finds(feature, disc) && apart(feature) < 0.1)
     };
     truth.features.iter().filter(is_found).count()
@@ -72,7 +70,7 @@ fn dropped_frames_with_their_times_give_the_slopes_of_all_and_without_them_do_no
 #[test]
 fn slopes_are_found_at_the_frames_times() {
     let params = DetectorParams::default();
-    let find = |burst: &Burst| find_slopes(burst, &params, None, &Monitor::default()).expect("not cancelled");
+    let find = |burst: &Burst| find_slopes(burst, &params, None, &quiet()).expect("not cancelled");
     let (all, _) = chart(Uneven::default(), Motion::OneD);
     let (timed, _) = chart(uneven_by(vec![3, 4, 5, 8], 0.0), Motion::OneD);
     let [of_all, with] = [&all, &timed].map(find);
@@ -87,8 +85,7 @@ fn slopes_are_found_at_the_frames_times() {
 #[test]
 fn frames_that_stay_have_the_bits_of_the_even_burst() {
     let even = ChartParams { width: 160, height: 120, discs: 4, frames: 6, ..ChartParams::default() };
-    let made =
-        |uneven: Uneven| synth_chart(&ChartParams { uneven, ..even.clone() }, &Monitor::default()).expect("a chart");
+    let made = |uneven: Uneven| synth_chart(&ChartParams { uneven, ..even.clone() }, &quiet()).expect("a chart");
     let (all, truth) = made(Uneven::default());
     let (some, moved) = made(uneven_by(vec![1, 5], 0.0));
     assert_eq!(some.positions.since_first(), [0.0, 2.0, 3.0, 4.0]);

@@ -16,11 +16,11 @@ fn chart(rows: usize, columns: usize, snr: f64) -> (Burst, Truth) {
         uneven,
         ..ChartParams::default()
     };
-    synth_chart(&params, &Monitor::default()).expect("a chart")
+    synth_chart(&params, &quiet()).expect("a chart")
 }
 
 fn with(params: DetectorParams, burst: &Burst) -> Detection {
-    search(burst, &params.into(), &Monitor::default()).expect("valid parameters").detection
+    search(burst, &params.into(), &quiet()).expect("valid parameters").detection
 }
 
 fn line() -> DetectorParams {
@@ -102,8 +102,8 @@ fn slopes_are_found_along_the_disparity_alone_and_nothing_is_said_of_time() {
         uneven: Uneven { views: ViewGrid::new(5, 5), ..Uneven::default() },
         ..SceneParams::default()
     };
-    let (views, truth) = synth_scene(&params, &Monitor::default()).expect("a scene");
-    let finding = find_slopes(&views, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled");
+    let (views, truth) = synth_scene(&params, &quiet()).expect("a scene");
+    let finding = find_slopes(&views, &DetectorParams::default(), None, &quiet()).expect("not cancelled");
     assert_eq!((finding.verdict, finding.warnings.len()), (SlopeVerdict::Found, 0), "{}", finding.summary());
     assert!(!finding.grid.is_plane() && finding.grid.direction_deg == 0.0, "{:?}", finding.grid);
     let axis = finding.grid.u;
@@ -111,7 +111,7 @@ fn slopes_are_found_along_the_disparity_alone_and_nothing_is_said_of_time() {
     assert!(truth.layers.iter().all(|layer| holds(layer.slope_u)), "{axis:?} {:?}", truth.layers);
     assert!(finding.confidence > 0.8 && axis.max - axis.min < 5.0, "{} {axis:?}", finding.confidence);
     // The field of the disparities is the depth map.
-    let found = search(&views, &SearchParams::default(), &Monitor::default()).expect("valid parameters").detection;
+    let found = search(&views, &SearchParams::default(), &quiet()).expect("valid parameters").detection;
     let field = found.field.expect("a field");
     let near = |slope: f32| truth.layers.iter().any(|layer| (f64::from(slope) - layer.slope_u).abs() < 0.15);
     let known: Vec<_> = (0..30)

@@ -8,13 +8,13 @@ use zip::{ZipArchive, ZipWriter, write::SimpleFileOptions};
 
 fn chart() -> (Burst, Truth) {
     let chart = ChartParams { width: 96, height: 64, discs: 3, frames: 4, radius: 3.6..=8.0, ..ChartParams::default() };
-    synth_chart(&chart, &Monitor::default()).expect("a chart")
+    synth_chart(&chart, &quiet()).expect("a chart")
 }
 
 fn written(case: &Case, burst: &Burst, enclosed: &Enclosed) -> (tempfile::TempDir, PathBuf) {
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("a.burstcase");
-    write_case(&path, (case, burst), enclosed, &Monitor::default()).expect("written");
+    write_case(&path, (case, burst), enclosed, &quiet()).expect("written");
     (home, path)
 }
 
@@ -22,20 +22,20 @@ fn written(case: &Case, burst: &Burst, enclosed: &Enclosed) -> (tempfile::TempDi
 fn a_case_comes_back_as_it_was() {
     let (burst, truth) = chart();
     let search = SearchParams::default();
-    let of = |place, note: &str| Case::of(&burst, &search, place, note, &Monitor::default()).expect("whole");
+    let of = |place, note: &str| Case::of(&burst, &search, place, note, &quiet()).expect("whole");
     let (case, part) = of((Some([40.0, 30.0]), None), "why not this one?");
     // A masked frame comes back masked, and its seen values to the bit.
     let mask = Mask::new(Plane::from_fn(96, 64, |u, v| f32::from(u > 20 || v > 9)));
     let frames = part.frames.iter().map(|frame| Arc::new(Plane::clone(frame).masked(mask.clone()))).collect();
     let masked = Burst { frames, ..part.clone() };
-    let whole = Case::of(&masked, &search, (None, None), "", &Monitor::default()).expect("not cancelled").0;
+    let whole = Case::of(&masked, &search, (None, None), "", &quiet()).expect("not cancelled").0;
     let (_home, path) = written(&whole, &masked, &Enclosed::default());
-    let back = read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1;
+    let back = read_case(&path, &Limits::default(), &quiet()).expect("read").1;
     assert!(back.frames == masked.frames);
     let views = Burst { positions: Positions::grid(2, 2), ..part.clone() };
-    let of_views = Case::of(&views, &search, (None, None), "", &Monitor::default()).expect("not cancelled").0;
+    let of_views = Case::of(&views, &search, (None, None), "", &quiet()).expect("not cancelled").0;
     let (_home, path) = written(&of_views, &views, &Enclosed::default());
-    let back = read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1;
+    let back = read_case(&path, &Limits::default(), &quiet()).expect("read").1;
     assert_eq!(back.positions, views.positions);
     // A case without session and truth.
     let (_home, path) = written(&case, &part, &Enclosed::default());
@@ -46,10 +46,10 @@ fn a_case_comes_back_as_it_was() {
     assert!(has_truth(&path));
     assert_eq!(read_session(&path).expect("read"), enclosed.session);
     assert_eq!(read_truth(&path).expect("read"), enclosed.truth);
-    let (read, back) = read_case(&path, &Limits::default(), &Monitor::default()).expect("read");
+    let (read, back) = read_case(&path, &Limits::default(), &quiet()).expect("read");
     assert_eq!(read, case);
     assert!(back.frames == burst.frames, "12-bit values are exact");
-    assert!(std::fs::metadata(&path).expect("a file").len() <= case.estimated_bytes());
+    assert!(fs::metadata(&path).expect("a file").len() <= case.estimated_bytes());
     let (case, part) = of((Some([90.0, 30.0]), Some(10)), "");
     assert_eq!((case.corner, case.size, case.place), ([80, 20], [16, 21], Some([10.0, 10.0])));
     assert_eq!(part.frames[1].at(3, 4), burst.frames[1].at(83, 24));
@@ -58,13 +58,13 @@ fn a_case_comes_back_as_it_was() {
     assert_eq!((of_part.width, of_part.height), (16, 21));
     let inside = truth.features.iter().filter(|one| one.u >= 79.5 && (19.5..40.5).contains(&one.v));
     assert_eq!(of_part.features.len(), inside.count());
-    assert!(read_case(&path, &Limits::default(), &Monitor::default()).expect("read").1.frames == part.frames);
+    assert!(read_case(&path, &Limits::default(), &quiet()).expect("read").1.frames == part.frames);
 }
 
 #[test]
 fn numbers_that_make_no_sense_are_refused_by_their_names() {
     let search = SearchParams::default();
-    let (case, part) = Case::of(&chart().0, &search, (None, None), "", &Monitor::default()).expect("whole");
+    let (case, part) = Case::of(&chart().0, &search, (None, None), "", &quiet()).expect("whole");
     let good = || case.clone();
     for (lying, name) in [
         (Case { place: Some([1e9, 0.0]), ..good() }, "place: 1000000000"),
@@ -83,7 +83,7 @@ fn numbers_that_make_no_sense_are_refused_by_their_names() {
         (Case { quantisation_step: f32::INFINITY, ..good() }, "quantisation_step: inf"),
     ] {
         let (_home, path) = written(&lying, &Burst { frames: Vec::new(), ..part.clone() }, &Enclosed::default());
-        let words = read_case(&path, &Limits::default(), &Monitor::default()).expect_err(name).to_string();
+        let words = read_case(&path, &Limits::default(), &quiet()).expect_err(name).to_string();
         assert!(words.contains("a.burstcase") && words.contains(name), "{words}");
     }
 }
@@ -91,9 +91,9 @@ fn numbers_that_make_no_sense_are_refused_by_their_names() {
 #[test]
 fn sizes_that_the_frames_do_not_have_and_endless_texts_are_refused() {
     let search = SearchParams::default();
-    let (case, part) = Case::of(&chart().0, &search, (None, None), "", &Monitor::default()).expect("whole");
+    let (case, part) = Case::of(&chart().0, &search, (None, None), "", &quiet()).expect("whole");
     let (_home, path) = written(&case, &part, &Enclosed::default());
-    let whole = std::fs::read(&path).expect("read");
+    let whole = fs::read(&path).expect("read");
     for (size, frames) in [([1 << 40, 1 << 40], 4), ([96, 64], 1 << 40), ([0, 64], 4), ([97, 64], 4), ([96, 64], 5)] {
         let lying = toml::to_string(&Case { size, frames, ..case.clone() }).expect("plain values");
         let mut good = ZipArchive::new(Cursor::new(&whole)).expect("a case is a ZIP");
@@ -106,8 +106,8 @@ fn sizes_that_the_frames_do_not_have_and_endless_texts_are_refused() {
                 zip.raw_copy_file(entry).expect("copied");
             }
         }
-        std::fs::write(&path, zip.finish().expect("zipped").into_inner()).expect("written");
-        let error = read_case(&path, &Limits::default(), &Monitor::default()).expect_err("a lie");
+        fs::write(&path, zip.finish().expect("zipped").into_inner()).expect("written");
+        let error = read_case(&path, &Limits::default(), &quiet()).expect_err("a lie");
         assert_eq!(error.kind, ErrorKind::Content, "{error}");
     }
     // Not read to its end, whatever it unpacks to.

@@ -28,9 +28,9 @@ pub fn walk(home: &Path) -> Vec<BurstFiles> {
         seed: 3,
         ..SceneParams::default()
     };
-    let (burst, truth) = synth_scene(&params, &Monitor::default()).expect("a scene");
+    let (burst, truth) = synth_scene(&params, &quiet()).expect("a scene");
     let film = home.join("film");
-    write_burst(&film, &burst, &truth, &Monitor::default()).expect("written");
+    write_burst(&film, &burst, &truth, &quiet()).expect("written");
     let sequence = &find_bursts(&[film], &OpenOptions::default()).expect("one sequence")[0];
     cut_sequence(sequence, SequenceCut::new(5, None).expect("a cut"), &OpenOptions::default()).expect("three bursts")
 }
@@ -58,7 +58,7 @@ pub fn export(bursts: &[BurstFiles], out: &Path, job: &ColmapJob) -> (Result<Col
         }
     };
     let report = FeatureStore::open(out, &job.features)
-        .and_then(|mut store| export_colmap(&mut store, bursts, job, &mut on, &Monitor::default()));
+        .and_then(|mut store| export_colmap(&mut store, bursts, job, &mut on, &quiet()));
     (report, failed)
 }
 

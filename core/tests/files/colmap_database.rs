@@ -62,7 +62,7 @@ fn floats(bytes: &[u8]) -> Vec<f64> {
 #[test]
 fn every_blob_is_as_documented() {
     let (_home, path) = written();
-    assert_eq!(std::fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1, "no leftovers");
+    assert_eq!(fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1, "no leftovers");
     let db = Connection::open(&path).expect("a database");
     let row = |sql: &str| {
         db.query_row(sql, [], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, i64>(1)?, row.get::<_, Vec<u8>>(2)?)))
@@ -117,7 +117,7 @@ fn a_geometry_is_moved_by_half_a_pixel_and_laid_down_by_rows() {
 #[test]
 fn a_database_is_whole_or_not_there() {
     let (home, path) = written();
-    let before = std::fs::read(&path).expect("a file");
+    let before = fs::read(&path).expect("a file");
     let twice = write_colmap_database(&path, |database| {
         let camera = add_camera(database)?;
         database.add_image("a.png", camera, &[], &[])?;
@@ -126,8 +126,8 @@ fn a_database_is_whole_or_not_there() {
     assert!(twice.as_ref().is_err_and(|error| error.problem.contains("images.name")), "{twice:?}");
     // An error of `fill` is returned unchanged.
     assert_eq!(write_colmap_database(&path, |_| Err(Cancelled.into())), Err(Cancelled.into()));
-    assert_eq!(std::fs::read(&path).expect("a file"), before);
-    assert_eq!(std::fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1);
+    assert_eq!(fs::read(&path).expect("a file"), before);
+    assert_eq!(fs::read_dir(path.parent().expect("one")).expect("a folder").count(), 1);
     let refused = write_colmap_database(home.path(), |_| Ok(())).expect_err("a folder");
     assert_eq!(refused.kind, ErrorKind::Refused);
 }
@@ -146,7 +146,7 @@ fn text_that_is_no_features_is_named() {
         (format!("1 128\n{}", row("").replace(" 9\n", " 256\n")), "'256' is not a number"),
         (format!("1 128\n{}", row("").replace("0.5", "inf")), "not finite"),
     ] {
-        std::fs::write(&path, text).expect("written");
+        fs::write(&path, text).expect("written");
         let error = read_colmap(&path).expect_err(words).to_string();
         assert!(error.contains(words) && error.ends_with("a.txt"), "{error}");
     }

@@ -45,7 +45,7 @@ fn detection(count: u32) -> Detection {
         descriptors: (0..count).map(descriptor).collect(),
         tally: Tally::default(),
         frame_noise: 0.01,
-        noise: std::sync::Arc::default(),
+        noise: Arc::default(),
         field: None,
         noise_gate_factor: 4.5,
         slopes: SlopeGrid::single(Slope::default()),
@@ -495,7 +495,7 @@ fn both_formats_come_back_with_the_same_places() {
 
 fn error_of(text: &str) -> String {
     let file = tempfile::NamedTempFile::new().expect("a file");
-    std::fs::write(file.path(), text).expect("written");
+    fs::write(file.path(), text).expect("written");
     read_features(file.path()).expect_err("refused").to_string()
 }
 

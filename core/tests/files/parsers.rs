@@ -20,7 +20,7 @@ use std::sync::OnceLock;
 /// Writes a file of this name with these bytes into the test's own folder.
 fn file(folder: &Path, name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder.join(name);
-    std::fs::write(&path, bytes).expect("written");
+    fs::write(&path, bytes).expect("written");
     path
 }
 
@@ -46,22 +46,22 @@ fn sound() -> &'static Sound {
         let home = tempfile::tempdir().expect("a folder");
         let params = ChartParams { width: 96, height: 80, discs: 4, frames: 3, snr: 20.0, ..ChartParams::default() };
         let params = ChartParams { radius: 4.0..=6.0, max_slope: 1.0, ..params };
-        let (burst, truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
+        let (burst, truth) = synth_chart(&params, &quiet()).expect("a chart");
         let folder = home.path().join("chart");
-        write_burst(&folder, &burst, &truth, &Monitor::default()).expect("written");
+        write_burst(&folder, &burst, &truth, &quiet()).expect("written");
         let search = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 3), ..DetectorParams::default() };
-        let mut detection = detect(&burst, &search, &Monitor::default()).expect("features");
+        let mut detection = detect(&burst, &search, &quiet()).expect("features");
         detection.features.truncate(3);
         detection.descriptors.truncate(3);
         let (csv, colmap) = (home.path().join("f.csv"), home.path().join("f.txt"));
         write_csv(&csv, &detection.features, None).expect("written");
         write_colmap(&colmap, &detection.features, &detection.descriptors).expect("written");
-        let read = |path: &Path| std::fs::read(path).expect("read");
+        let read = |path: &Path| fs::read(path).expect("read");
         let colmap = String::from_utf8(read(&colmap)).expect("text");
         let (of_case, whole) = (home.path().join("a.burstcase"), (None, None));
-        let (case, part) = Case::of(&burst, &search.into(), whole, "", &Monitor::default()).expect("a case");
+        let (case, part) = Case::of(&burst, &search.into(), whole, "", &quiet()).expect("a case");
         let enclosed = Enclosed { session: Some("version = 3\n".repeat(20)), truth: Some(truth) };
-        write_case(&of_case, (&case, &part), &enclosed, &Monitor::default()).expect("written");
+        write_case(&of_case, (&case, &part), &enclosed, &quiet()).expect("written");
         Sound { case: read(&of_case), truth: read(&folder.join("truth.json")), csv: read(&csv), colmap }
     })
 }
@@ -113,7 +113,7 @@ fn sound_inputs_are_read() {
     assert!(read_camera(&file(folder, "camera.toml", CAMERA.as_bytes())).is_ok());
     assert!(read_truth(&file(folder, "truth.json", &sound().truth)).is_ok());
     let case = file(folder, "a.burstcase", &sound().case);
-    assert!(read_case(&case, &Limits::default(), &Monitor::default()).is_ok());
+    assert!(read_case(&case, &Limits::default(), &quiet()).is_ok());
     assert_eq!(read_features_csv(&file(folder, "f.csv", &sound().csv)).expect("features").len(), 3);
     assert_eq!(parse_colmap(Path::new("f.txt"), &sound().colmap).expect("features").0.len(), 3);
     assert_eq!(read_trajectory(&file(folder, "poses.txt", TRAJECTORY.as_bytes())).expect("poses").poses.len(), 3);
@@ -122,7 +122,7 @@ fn sound_inputs_are_read() {
     }
     for extension in ["txt", "bin"] {
         let folder = folder.join(extension);
-        std::fs::create_dir_all(&folder).expect("made");
+        fs::create_dir_all(&folder).expect("made");
         let (images, points) = model_files(extension);
         file(&folder, &format!("images.{extension}"), &images);
         file(&folder, &format!("points3D.{extension}"), &points);
@@ -145,8 +145,7 @@ fn any_number_of_a_parameter_file_is_refused_by_its_name_or_does_no_harm() {
     let slopes = Slopes::Given(SlopeGrid::plane(-1.0..=1.0, 3, -1.0..=0.0, 2));
     let small = SearchParams { slopes, octaves: 1, max_features: 5, ..SearchParams::default() };
     let chart = ChartParams { width: 64, height: 48, discs: 1, frames: 3, radius: 4.0..=5.0, ..ChartParams::default() };
-    let (burst, _) =
-        synth_chart(&ChartParams { max_slope: 1.0, snr: 20.0, ..chart }, &Monitor::default()).expect("a chart");
+    let (burst, _) = synth_chart(&ChartParams { max_slope: 1.0, snr: 20.0, ..chart }, &quiet()).expect("a chart");
     let (mut refused, mut taken) = (0, 0);
     let file = small.to_toml();
     let gates = ["noise_gate = 4.0", "distinct = 2.0"];
@@ -165,7 +164,7 @@ fn any_number_of_a_parameter_file_is_refused_by_its_name_or_does_no_harm() {
             }
             Ok(params) => {
                 taken += 1;
-                if let Err(error) = detect(&burst, &params.at_given(), &Monitor::default()) {
+                if let Err(error) = detect(&burst, &params.at_given(), &quiet()) {
                     assert!(says_something(&error.to_string()), "{path} = {value}: {error}");
                 }
             }
@@ -245,9 +244,9 @@ proptest! {
         file(folder, "camera.toml", b"model = \"SIMPLE_PINHOLE\"\nwidth = 16\nheight = 12\nparams = [20.0, 8.0, 6.0]\n");
         let list = file(folder, "turns.csv", &damaged(b"#t,x,y,z,qw,qx,qy,qz\n1,0,0,0,1,0,0,0\n2,0,0,0,0.8,0.6,0,0\n", &damages));
         let frames: Vec<PathBuf> = (0..2).map(|t| folder.join(format!("turned_{t}.pgm"))).collect();
-        frames.iter().for_each(|frame| std::fs::write(frame, [&b"P5 16 12 255\n"[..], &[7; 16 * 12]].concat()).expect("written"));
+        frames.iter().for_each(|frame| fs::write(frame, [&b"P5 16 12 255\n"[..], &[7; 16 * 12]].concat()).expect("written"));
         let options = OpenOptions { rotations: Some(list), ..OpenOptions::default() };
-        match Burst::open_with(&frames, &options, &Monitor::default()) {
+        match Burst::open_with(&frames, &options, &quiet()) {
             Ok(burst) => prop_assert!(burst.frames.iter().all(|frame| frame.data().iter().all(|x| x.is_finite()))),
             Err(error) => prop_assert!(says_something(&error)),
         }
@@ -265,7 +264,7 @@ proptest! {
         let path = file(folder!(), "a.burstcase", &damaged(&sound().case, &damages));
         let others = [case::read_session(&path).err(), case::read_truth(&path).err()];
         prop_assert!(others.iter().flatten().all(|error| error.to_string().contains("a.burstcase")));
-        match read_case(&path, &Limits::default(), &Monitor::default()) {
+        match read_case(&path, &Limits::default(), &quiet()) {
             Ok((read, burst)) => prop_assert_eq!(burst.len(), read.frames),
             Err(error) => prop_assert!(error.to_string().contains("a.burstcase")),
         }
@@ -315,7 +314,7 @@ proptest! {
     fn sparse_models(binary in any::<bool>(), damage_images in damage(), damage_points in damage()) {
         let extension = if binary { "bin" } else { "txt" };
         let folder = folder!().join(extension);
-        std::fs::create_dir_all(&folder).expect("made");
+        fs::create_dir_all(&folder).expect("made");
         let (images, points) = model_files(extension);
         file(&folder, &format!("images.{extension}"), &damaged(&images, &damage_images));
         file(&folder, &format!("points3D.{extension}"), &damaged(&points, &damage_points));

@@ -9,11 +9,11 @@ use std::io;
 fn files_are_read_up_to_their_limit() {
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("a.toml");
-    std::fs::write(&path, "levels = 4\n").expect("written");
+    fs::write(&path, "levels = 4\n").expect("written");
     assert_eq!(read_text(&path, 11).expect("just fits"), "levels = 4\n");
     assert_eq!(read_text(&path, 10).expect_err("too large").kind(), io::ErrorKind::FileTooLarge);
     assert_eq!(read_text(home.path(), 10).expect_err("a folder").kind(), io::ErrorKind::InvalidInput);
-    std::fs::write(&path, [0xff, b'a']).expect("written");
+    fs::write(&path, [0xff, b'a']).expect("written");
     assert_eq!(read_text(&path, 10).expect_err("no text").kind(), io::ErrorKind::InvalidData);
     #[cfg(unix)]
     assert_eq!(read_text(Path::new("/dev/zero"), 10).expect_err("a device").kind(), io::ErrorKind::InvalidInput);
@@ -83,16 +83,16 @@ fn one_at_a_time_and_the_owner_is_named() {
 #[test]
 fn nothing_is_left_but_what_was_written() {
     let home = tempfile::tempdir().expect("a folder");
-    let names = || std::fs::read_dir(home.path()).expect("a folder").count();
+    let names = || fs::read_dir(home.path()).expect("a folder").count();
     let folder = home.path().join("a/b/c");
     drop(FolderLock::take(&folder).expect("free"));
     assert_eq!(names(), 0, "folders that were made for nothing");
     let lock = FolderLock::take(&folder).expect("free");
-    std::fs::write(folder.join("x"), "").expect("written");
+    fs::write(folder.join("x"), "").expect("written");
     drop(lock);
-    assert_eq!(std::fs::read_dir(&folder).expect("it stays").count(), 1);
+    assert_eq!(fs::read_dir(&folder).expect("it stays").count(), 1);
     // A lock file left by a killed run is removed by the next lock there.
-    std::fs::write(home.path().join(".burstscope-old.lock"), "process 4711").expect("written");
+    fs::write(home.path().join(".burstscope-old.lock"), "process 4711").expect("written");
     drop(FolderLock::beside(&home.path().join("d")).expect("free"));
     assert_eq!(names(), 1);
 }
@@ -104,7 +104,7 @@ fn a_folder_that_is_removed_or_replaced_is_noticed() {
     let folder = home.path().join("a");
     let lock = FolderLock::take(&folder).expect("free");
     lock.check().expect("it is there");
-    std::fs::remove_dir_all(&folder).expect("removed");
+    fs::remove_dir_all(&folder).expect("removed");
     let gone = lock.check().expect_err("it is gone");
     assert!(gone.kind == ErrorKind::Locked && gone.to_string().contains("was removed while"), "{gone}");
     let next = FolderLock::take(&folder).expect("a new folder has a new lock");
@@ -147,10 +147,10 @@ fn many_who_want_it_have_it_one_after_the_other() {
 fn a_link_in_place_of_the_lock_is_not_followed() {
     let home = tempfile::tempdir().expect("a folder");
     let precious = home.path().join("thesis.txt");
-    std::fs::write(&precious, "precious").expect("written");
+    fs::write(&precious, "precious").expect("written");
     std::os::unix::fs::symlink(&precious, home.path().join(LOCK_FILE)).expect("linked");
     assert!(FolderLock::take(home.path()).is_err_and(|error| error.kind == ErrorKind::Unwritten));
-    assert_eq!(std::fs::read_to_string(&precious).expect("there"), "precious");
+    assert_eq!(fs::read_to_string(&precious).expect("there"), "precious");
 }
 
 #[test]

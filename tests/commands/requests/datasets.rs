@@ -15,7 +15,7 @@ fn nights(home: &Path) -> DatasetSource {
     for (name, seed) in [("a", 1), ("b", 2), ("c", 1)] {
         write_chart(&home.join("nights").join(name), seed);
     }
-    std::fs::write(home.join("nights/b/frame_001.png"), "broken").expect("written");
+    fs::write(home.join("nights/b/frame_001.png"), "broken").expect("written");
     DatasetSource::of_bursts(vec![home.join("nights")])
 }
 
@@ -142,7 +142,7 @@ fn an_export_to_a_new_folder_takes_the_features_that_are_kept() {
     let (width, height) = image::image_dimensions(home.path().join("nights/c/frame_000.png")).expect("a picture");
     let text = format!("model = \"SIMPLE_PINHOLE\"\nwidth = {width}\nheight = {height}\nparams = [300, 60, 40]\n");
     let file = home.path().join("nights/c/camera.toml");
-    std::fs::write(&file, text).expect("written");
+    fs::write(&file, text).expect("written");
     let cameras = report("new", params()).cameras;
     let known: Vec<_> = cameras.iter().map(|of| (of.known, of.from.clone(), of.images.clone())).collect();
     assert_eq!(known, [(false, vec![], vec![1]), (true, vec![file], vec![2])]);

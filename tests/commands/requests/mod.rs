@@ -25,7 +25,7 @@ fn open() -> OpenBurst {
 }
 
 fn empty(size: (usize, usize), frames: usize) -> OpenBurst {
-    let planes = (0..frames).map(|_| burstscope::plane::Plane::zeros(size.0, size.1)).collect();
+    let planes = (0..frames).map(|_| Plane::zeros(size.0, size.1)).collect();
     OpenBurst::new(Burst::from_planes("empty", planes), BurstSource::Demo)
 }
 

@@ -57,16 +57,15 @@ fn authors_1d_stages() {
     let (low, high) = (7.629_394_5e-6, 0.999_977_1);
     let doubled: Vec<Plane> = burst.frames.iter().map(|f| stretched_and_doubled(f, low, high)).collect();
     let doubled: Vec<&Plane> = doubled.iter().collect();
-    let mut file = ndarray_npy::NpzReader::new(std::fs::File::open(golden).expect("readable")).expect("npz");
+    let mut file = ndarray_npy::NpzReader::new(fs::File::open(golden).expect("readable")).expect("npz");
     let stacks: Array3<f32> = file.by_name("motion_stack").expect("f32");
     let gauss: Array3<f32> = file.by_name("gauss_octave2_level1").expect("f32");
     let dog: Array3<f32> = file.by_name("dog_octave2_level2").expect("f32");
     for index in 0..5 {
         // Their slope −3.2 … 3.2 along rows is −2 … 2 of our pixels per frame, twice that on the doubled image.
         let slope = Slope::new(0.0, 2.0 * (index as f32 - 2.0));
-        let ours =
-            motion_stack(&doubled, &Positions::even(doubled.len()), slope, Interpolation::Nearest, &Monitor::default())
-                .expect("not cancelled");
+        let ours = motion_stack(&doubled, &Positions::even(doubled.len()), slope, Interpolation::Nearest, &quiet())
+            .expect("not cancelled");
         // Where a frame does not reach, theirs leaves it out but still divides by N.
         let inner = 16..640 - 16;
         let values = stacks.index_axis(Axis(0), index);
@@ -91,7 +90,7 @@ fn authors_2d_stages() {
     let (low, high) = (0.101_961_53, 0.199_997_76);
     let doubled: Vec<Plane> = burst.frames.iter().map(|f| stretched_and_doubled(f, low, high)).collect();
     let doubled: Vec<&Plane> = doubled.iter().collect();
-    let mut file = ndarray_npy::NpzReader::new(std::fs::File::open(golden).expect("readable")).expect("npz");
+    let mut file = ndarray_npy::NpzReader::new(fs::File::open(golden).expect("readable")).expect("npz");
     let stacks: Array4<f32> = file.by_name("motion_stack").expect("f32");
     let gauss: Array4<f32> = file.by_name("gauss_octave2_level1").expect("f32");
     let dog: Array4<f32> = file.by_name("dog_octave2_level2").expect("f32");
@@ -99,14 +98,8 @@ fn authors_2d_stages() {
         for j in 0..3 {
             // Slopes ±1 of theirs are ±0.625 px per frame, twice that on the doubled image, sampled linearly.
             let slope = Slope::new(1.25 * (i as f32 - 1.0), 1.25 * (j as f32 - 1.0));
-            let ours = motion_stack(
-                &doubled,
-                &Positions::even(doubled.len()),
-                slope,
-                Interpolation::Linear,
-                &Monitor::default(),
-            )
-            .expect("not cancelled");
+            let ours = motion_stack(&doubled, &Positions::even(doubled.len()), slope, Interpolation::Linear, &quiet())
+                .expect("not cancelled");
             let values = stacks.index_axis(Axis(0), i).index_axis_move(Axis(0), j);
             let inside = values
                 .indexed_iter()
@@ -134,7 +127,7 @@ struct Authors {
 
 impl Authors {
     fn read(path: PathBuf, slope: impl Fn(&[f32]) -> Slope) -> Vec<Self> {
-        let text = std::fs::read_to_string(path).expect("readable");
+        let text = fs::read_to_string(path).expect("readable");
         let feature = |line: &str| {
             let x = numbers(line, |c| c == ',');
             Self { u: x[0] - 0.75, v: x[1] - 0.75, sigma: x[2], slope: slope(&x) }
@@ -159,7 +152,7 @@ impl Authors {
 fn authors_found(theirs: &[Authors], burst: &Burst, slopes: SlopeGrid, step_px_per_frame: f32) -> (usize, usize) {
     let with = |rules: Rules| {
         let params = DetectorParams { slopes, rules, levels: 3, ..as_published() };
-        detect(burst, &params, &Monitor::default()).expect("valid parameters")
+        detect(burst, &params, &quiet()).expect("valid parameters")
     };
     let (ours, cut) = (with(as_published().rules), with(Rules { kernel_cut: 2.0, ..Rules::VLFEAT }));
     let (mut by_default, mut by_cut) = (0, 0);

@@ -17,7 +17,7 @@ struct Theirs {
 fn theirs(name: &str, first_octave: i32) -> Vec<Theirs> {
     let file =
         Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("tests/detection/goldens/own/{name}_{first_octave}.txt"));
-    let text = std::fs::read_to_string(&file).expect("the answers are kept with the tests");
+    let text = fs::read_to_string(&file).expect("the answers are kept with the tests");
     let line = |line: &str| {
         let words: Vec<&str> = line.split(' ').collect();
         let number = |i: usize| words[i].parse::<f32>().expect("a number");
@@ -36,7 +36,7 @@ fn theirs(name: &str, first_octave: i32) -> Vec<Theirs> {
 /// The picture that `own/make.py` used: the first frame without noise, in 8 bit.
 fn picture(width: usize, height: usize, seed: u64) -> Burst {
     let params = SceneParams { width, height, frames: 1, snr: f64::INFINITY, seed, ..SceneParams::default() };
-    let (burst, _) = synth_scene(&params, &Monitor::default()).expect("a scene");
+    let (burst, _) = synth_scene(&params, &quiet()).expect("a scene");
     let eight_bit = |value: f32| {
         let word = (f64::from(value) * 65_535.0).round();
         ((word / 257.0 + 0.5).floor() / 255.0) as f32
@@ -72,7 +72,7 @@ fn check(name: &str, burst: &Burst, first_octave: i32) {
         max_orientations: 4,
         ..as_published()
     };
-    let ours = detect(burst, &params, &Monitor::default()).expect("valid parameters");
+    let ours = detect(burst, &params, &quiet()).expect("valid parameters");
     let missed = theirs.iter().filter(|one| !ours.features.iter().any(|feature| is_there(one, feature))).count();
     let extra = ours.features.iter().filter(|feature| !theirs.iter().any(|one| is_there(one, feature))).count();
     let mut pairs = Vec::new();

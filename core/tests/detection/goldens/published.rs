@@ -4,7 +4,7 @@ use crate::prelude::*;
 
 /// Opens the burst of `paths`.
 pub fn open(paths: &[PathBuf]) -> Burst {
-    Burst::open_with(paths, &Default::default(), &Monitor::default()).expect("the published input opens")
+    Burst::open_with(paths, &Default::default(), &quiet()).expect("the published input opens")
 }
 
 /// The 1D demo in the order in which its motion is uniform.
@@ -43,8 +43,7 @@ pub fn as_published() -> DetectorParams {
 #[test]
 fn noise_of_a_real_dim_camera() {
     let burst = open(&[shared("data/slider-far")]);
-    let noise =
-        burstscope_core::detector::noise::frame_noise(&burst, 20..29, &Monitor::default()).expect("not cancelled");
+    let noise = burstscope_core::detector::noise::frame_noise(&burst, 20..29, &quiet()).expect("not cancelled");
     println!("slider-far: noise of a frame {:.2} grey values", 255.0 * noise);
     assert!((255.0 * noise / 2.7 - 1.0).abs() < 0.15, "{}", 255.0 * noise);
 }

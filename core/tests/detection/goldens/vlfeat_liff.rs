@@ -30,13 +30,8 @@ fn agree(a: &Frame, b: &Frame) -> bool {
 }
 
 fn frames_of(detection: &Detection) -> Vec<Frame> {
-    let frame = |f: &burstscope_core::Feature| Frame {
-        u: f.u,
-        v: f.v,
-        sigma: f.sigma,
-        orientation: f.orientation,
-        slope_index: f.slope_index,
-    };
+    let frame =
+        |f: &Feature| Frame { u: f.u, v: f.v, sigma: f.sigma, orientation: f.orientation, slope_index: f.slope_index };
     detection.features.iter().map(frame).collect()
 }
 
@@ -114,8 +109,8 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
         octaves: 16,
         ..DetectorParams::default().under(Rules::VLFEAT)
     };
-    let ours = detect(&burst, &params, &Monitor::default()).expect("valid parameters");
-    let text = std::fs::read_to_string(golden.join(format!("{name}.frame"))).expect("the frames are there");
+    let ours = detect(&burst, &params, &quiet()).expect("valid parameters");
+    let text = fs::read_to_string(golden.join(format!("{name}.frame"))).expect("the frames are there");
     let theirs: Vec<Frame> = text
         .lines()
         .map(|line| {
@@ -127,7 +122,7 @@ fn check_vlfeat(name: &str, image: &str, first_octave: i32, peak_of_255: f32, mi
     agreement.check(name, missed, extra);
 
     let mut text = String::new();
-    let file = std::fs::File::open(golden.join(format!("{name}.descr.gz"))).expect("the descriptors are there");
+    let file = fs::File::open(golden.join(format!("{name}.descr.gz"))).expect("the descriptors are there");
     flate2::read::GzDecoder::new(file).read_to_string(&mut text).expect("gzip");
     let theirs: Vec<[f32; 128]> = text.lines().map(|line| to_l1_root(&numbers(line, char::is_whitespace))).collect();
     let difference = agreement.descriptor_difference(&theirs, &ours.descriptors);
@@ -160,8 +155,8 @@ fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: f32) {
         octaves: 16,
         ..DetectorParams::default().under(Rules::LIFF)
     };
-    let ours = detect(&burst, &params, &Monitor::default()).expect("valid parameters");
-    let text = std::fs::read_to_string(golden.join("features.csv")).expect("the features are there");
+    let ours = detect(&burst, &params, &quiet()).expect("valid parameters");
+    let text = fs::read_to_string(golden.join("features.csv")).expect("the features are there");
     let theirs: Vec<Frame> = text
         .lines()
         .skip(1)
@@ -178,7 +173,7 @@ fn check_liff(first_octave: i32, missed: f32, extra: f32, missed_inside: f32) {
     let missed = 100.0 * agreement.missed.iter().filter(inside).count() as f32 / all;
     println!("LiFF first octave {first_octave}, away from an 8 px border: missed {missed:.2} %");
     assert!(missed <= missed_inside, "{missed}");
-    let file = std::fs::File::open(golden.join("descriptors.npz")).expect("the descriptors are there");
+    let file = fs::File::open(golden.join("descriptors.npz")).expect("the descriptors are there");
     let bytes: Array2<u8> = ndarray_npy::NpzReader::new(file).expect("npz").by_name("u8_l1root").expect("u8");
     let theirs: Vec<[f32; 128]> = bytes.rows().into_iter().map(|r| std::array::from_fn(|i| f32::from(r[i]))).collect();
     let difference = agreement.descriptor_difference(&theirs, &ours.descriptors);
@@ -203,12 +198,11 @@ fn liff_from_octave_minus_1() {
 fn liff_motion_stack() {
     let (burst, golden) = (demo_1d(), shared("goldens/liff1d/focal_stack_rows_300_363.npz"));
     let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
-    let file = std::fs::File::open(golden).expect("readable");
+    let file = fs::File::open(golden).expect("readable");
     let stack: Array3<f32> = ndarray_npy::NpzReader::new(file).expect("npz").by_name("stack").expect("f32");
     for (index, slope) in SlopeGrid::line(-4.0..=4.0, 9).slopes().enumerate() {
-        let ours =
-            motion_stack(&frames, &Positions::even(frames.len()), slope, Interpolation::Truncated, &Monitor::default())
-                .expect("not cancelled");
+        let ours = motion_stack(&frames, &Positions::even(frames.len()), slope, Interpolation::Truncated, &quiet())
+            .expect("not cancelled");
         for v in 0..64 {
             for u in 0..800 {
                 let (ours, theirs) = (ours.at(u, 300 + v), stack[[index, v, u]]);

@@ -31,7 +31,7 @@ fn is_true(feature: &Feature, truth: &[(f32, f32, Slope)]) -> bool {
 }
 
 fn judge(cache: &ProbeCache) -> Vec<Judged> {
-    judged(&cache.trail, &Monitor::default()).expect("not cancelled")
+    judged(&cache.trail, &quiet()).expect("not cancelled")
 }
 
 /// Numbers of features by verdict, in the order of [`Verdict::ALL`].
@@ -78,7 +78,7 @@ fn the_probe_suspects_a_ghost_as_the_table_does() {
     let judged = judge(&open);
     let index = judged.iter().position(|judged| judged.verdict == Verdict::Ghost).expect("one");
     let options = ProbeOptions { wanted: ProbeSubject::Feature(index), ..ProbeOptions::default() };
-    let probed = probe(&open, [0.0, 0.0], &options, &Monitor::default()).expect("a feature");
+    let probed = probe(&open, [0.0, 0.0], &options, &quiet()).expect("a feature");
     assert_eq!(probed.judged.as_ref(), Some(&judged[index]));
     let ghost = probed.suspicions.iter().find(|suspicion| suspicion.kind == SuspicionKind::Ghost).expect("suspected");
     assert_eq!(Some(ghost.number), judged[index].coherence);
@@ -110,12 +110,12 @@ fn a_blob_that_is_kept_twice_has_a_duplicate() {
     let mut removed = 0;
     for index in (0..judged.len()).filter(|&index| judged[index].verdict == Verdict::Duplicate).take(6) {
         let options = ProbeOptions { wanted: ProbeSubject::Feature(index), ..ProbeOptions::default() };
-        let probed = probe(&cache, [0.0, 0.0], &options, &Monitor::default()).expect("a feature");
+        let probed = probe(&cache, [0.0, 0.0], &options, &quiet()).expect("a feature");
         let suspicion = probed.suspicions.iter().find(|s| s.kind == SuspicionKind::Duplicate).expect("suspected");
         let Some(change) = &suspicion.change else { continue };
         let sample = probed.subject_fate().expect("a feature").of_sample();
         let after = super::probing::cache(&burst, &change.applied(&params).expect("valid"));
-        let fate = fate_of(&after.trail, &sample, &Monitor::default()).expect("not cancelled").expect("examined");
+        let fate = fate_of(&after.trail, &sample, &quiet()).expect("not cancelled").expect("examined");
         assert_eq!(fate.first_failed, Some(Test::Duplicate), "{change:?}");
         removed += 1;
     }

@@ -19,7 +19,7 @@ use proptest::test_runner::RngSeed;
 
 pub fn scene(seed: u64, size: (usize, usize), frames: usize, snr: f64) -> Burst {
     let params = SceneParams { width: size.0, height: size.1, frames, layers: 2, snr, seed, ..SceneParams::default() };
-    synth_scene(&params, &Monitor::default()).expect("valid parameters").0
+    synth_scene(&params, &quiet()).expect("valid parameters").0
 }
 
 /// All samples of an octave, whether or not the search examines them.
@@ -131,7 +131,7 @@ fn assert_agrees(fate: &Fate, first_failed: Option<Test>) {
 fn grids() -> impl Strategy<Value = SlopeGrid> {
     prop_oneof![
         (1usize..6).prop_map(|count| if count == 1 {
-            SlopeGrid::single(burstscope_core::detector::Slope::new(0.5, 0.0))
+            SlopeGrid::single(Slope::new(0.5, 0.0))
         } else {
             SlopeGrid::line(-1.5..=1.5, count)
         }),
@@ -197,7 +197,7 @@ fn the_law_holds_for_the_default_search_on_a_line_and_in_a_plane() {
 fn chart() -> (Burst, burstscope_core::synth::Truth) {
     let params =
         ChartParams { width: 320, height: 240, discs: 24, frames: 7, snr: 0.3, seed: 3, ..ChartParams::default() };
-    synth_chart(&params, &Monitor::default()).expect("valid parameters")
+    synth_chart(&params, &quiet()).expect("valid parameters")
 }
 
 fn params() -> DetectorParams {
@@ -229,7 +229,7 @@ fn found_missed_repeated_and_false_add_up_and_each_miss_has_a_reason() {
     // A gate that rejects some of the discs, and no suppression of repeated features.
     let params = DetectorParams { noise_gate: NoiseGate::Factor(7.0), distinct: Distinct::Off, ..params() };
     let cache = cache(&burst, &params);
-    let against = against_truth(&cache, &truth, &Monitor::default()).expect("not cancelled");
+    let against = against_truth(&cache, &truth, &quiet()).expect("not cancelled");
     let AgainstTruth { found, at_wrong_motion, missed, repeated, elsewhere, is_whole_truth } = &against;
     assert_eq!(found.len() + at_wrong_motion.len() + missed.len(), truth.features.len());
     assert!(!found.is_empty() && !missed.is_empty() && !repeated.is_empty(), "{}", against.summary());
@@ -264,8 +264,7 @@ fn the_faint_discs_of_the_example_are_lost_to_the_gate() {
     assert!((0..3).all(found), "the bright ones are found");
     assert!(!found(7) && !found(8), "the faint ones are not");
     let probe =
-        burstscope_core::inspect::place::probe(&cache, example.place(), &Default::default(), &Monitor::default())
-            .expect("inside");
+        burstscope_core::inspect::place::probe(&cache, example.place(), &Default::default(), &quiet()).expect("inside");
     assert!(!probe.fates.is_empty());
     let gated =
         |f: &&burstscope_core::inspect::place::Fate| f.first_failed == Some(Test::NoiseGate) && f.remedy.is_some();
@@ -277,7 +276,7 @@ fn the_truth_beside_a_burst_is_found_and_a_wrong_one_refused() {
     let home = tempfile::tempdir().expect("a folder");
     let (burst, truth) = chart();
     let folder = home.path().join("chart");
-    write_burst(&folder, &burst, &truth, &Monitor::default()).expect("written");
+    write_burst(&folder, &burst, &truth, &quiet()).expect("written");
     let opened = Burst::open(&folder).expect("a burst");
     // Numbers are equal up to the last bit.
     let read = truth_of(&opened).expect("sound").expect("there");
@@ -289,9 +288,9 @@ fn the_truth_beside_a_burst_is_found_and_a_wrong_one_refused() {
         truth_of(&demo_burst()).expect("known").is_some() && truth_of(&later_demo_burst()).expect("known").is_none()
     );
     let small = burstscope_core::synth::Truth { width: 9, ..truth };
-    std::fs::write(folder.join("truth.json"), serde_json::to_string(&small).expect("JSON")).expect("written");
+    fs::write(folder.join("truth.json"), serde_json::to_string(&small).expect("JSON")).expect("written");
     assert!(truth_of(&opened).is_err_and(|error| error.problem.contains("the burst has")));
-    std::fs::write(folder.join("truth.json"), "{").expect("written");
+    fs::write(folder.join("truth.json"), "{").expect("written");
     let error = truth_of(&opened).expect_err("broken").to_string();
     assert!(error.contains("truth.json") && error.contains("burstscope synth"), "{error}");
     assert!(read_truth(&home.path().join("gone.json")).is_err_and(|error| error.problem.starts_with("cannot be read")));
@@ -311,13 +310,13 @@ fn every_feature_was_lost_somewhere_or_not_at_all() {
         let matching = MatchParams { geometry, predict, align: false, ..MatchParams::default() };
         let sides = [a.detection(), b.detection()].map(BurstSide::from);
         let sides = sides.each_ref().map(BurstSide::side);
-        let result = match_pair(sides, &matching, &Monitor::default()).expect("matched");
+        let result = match_pair(sides, &matching, &quiet()).expect("matched");
         let is_predicted = result.prediction.as_ref().is_some_and(Prediction::is_believed);
         assert_eq!(is_predicted, predict && geometry != Geometry::None);
         let pair =
             ComparedPair { a: a.detection(), b: b.detection(), size_b: (480, 360), result: &result, params: &matching };
-        let losses = Losses::new(pair, &Monitor::default()).expect("not cancelled");
-        let counts = losses.counts(&Monitor::default()).expect("not cancelled");
+        let losses = Losses::new(pair, &quiet()).expect("not cancelled");
+        let counts = losses.counts(&quiet()).expect("not cancelled");
         let of = |lost: Lost| counts[lost as usize].1;
         assert_eq!(counts.iter().map(|c| c.1).sum::<usize>(), a.detection().features.len());
         let inliers = result.counts.inliers.unwrap_or(result.counts.putative);

@@ -19,7 +19,7 @@ fn plane() -> SlopeGrid {
 
 fn found(burst: &Burst, slopes: SlopeGrid) -> Detection {
     let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
-    detect(burst, &params, &Monitor::default()).expect("valid")
+    detect(burst, &params, &quiet()).expect("valid")
 }
 
 /// The share of the stronger half of the features at the limit, and the number of those on the rim.
@@ -59,7 +59,7 @@ fn half_a_step_and_more_beyond_the_range_many_features_are_at_the_limit() {
             let (part, _) = share(&detection);
             assert!(part > 0.1, "{u} {v}: {part}");
             // They are those at the end towards the motion.
-            let towards = |f: &&burstscope_core::Feature| f.slope.u * u + f.slope.v * v > 0.0;
+            let towards = |f: &&Feature| f.slope.u * u + f.slope.v * v > 0.0;
             let at_limit: Vec<_> = detection.features.iter().filter(|f| f.at_slope_limit).collect();
             let there = at_limit.iter().copied().filter(towards).count();
             assert!(10 * there >= 8 * at_limit.len(), "{u} {v}: {there} of {}", at_limit.len());
@@ -73,12 +73,11 @@ fn noise_on_the_rim_is_not_at_the_limit() {
     let frames = (0..FRAMES).map(|_| Plane::from_fn(320, 240, |_, _| 0.5 + 0.1 * noise.normal() as f32)).collect();
     let noise = Burst::from_planes("noise", frames);
     let params = DetectorParams { slopes: plane(), noise_gate: NoiseGate::Factor(3.2), ..DetectorParams::default() };
-    let detection = detect(&noise, &params, &Monitor::default()).expect("valid");
+    let detection = detect(&noise, &params, &quiet()).expect("valid");
     let on_rim = detection.features.iter().filter(|f| f.is_on_rim(&params)).count();
     let at_limit = detection.features.iter().filter(|f| f.at_slope_limit).count();
     assert!(on_rim >= 20 && 20 * at_limit <= on_rim, "{at_limit} of {on_rim} on the rim");
-    let judged =
-        judgement(&detection, &params, None, &noise, &Monitor::default()).expect("not cancelled").expect("slopes");
+    let judged = judgement(&detection, &params, None, &noise, &quiet()).expect("not cancelled").expect("slopes");
     assert_eq!(judged.advice, None, "{}", judged.sentence);
 }
 
@@ -128,7 +127,7 @@ fn a_still_camera_is_told_that_one_slope_is_enough() {
 #[test]
 fn slopes_that_were_found_fit_and_the_text_says_so() {
     let demo = demo_burst();
-    let found = find_slopes(&demo, &DetectorParams::default(), None, &Monitor::default()).expect("not cancelled");
+    let found = find_slopes(&demo, &DetectorParams::default(), None, &quiet()).expect("not cancelled");
     let spectrum = asked(&demo, found.grid);
     let (judgement, same) = judged(&spectrum);
     assert_eq!((&judgement.advice, same), (&None, found.grid));
@@ -143,12 +142,11 @@ fn features_decide_where_the_frames_were_not_examined() {
     let burst = uniform(Slope::new(1.8, 0.0), FRAMES);
     let params = DetectorParams { slopes: line(), octaves: 2, ..DetectorParams::default() };
     let detection = found(&burst, line());
-    let judged =
-        judgement(&detection, &params, None, &burst, &Monitor::default()).expect("not cancelled").expect("slopes");
+    let judged = judgement(&detection, &params, None, &burst, &quiet()).expect("not cancelled").expect("slopes");
     assert!(judged.sentence.contains("still rises beyond u 1 px/frame"), "{}", judged.sentence);
     let wider = applied(line(), &judged.advice.expect("advice").changes).slopes;
     assert!(wider.u.max >= 1.8 && wider.u.min == -1.0, "{wider:?}");
     // A method that merges the frames has no slopes.
     let merge = DetectorParams { method: Method::Merge, ..params };
-    assert_eq!(judgement(&detection, &merge, None, &burst, &Monitor::default()), Ok(None));
+    assert_eq!(judgement(&detection, &merge, None, &burst, &quiet()), Ok(None));
 }

@@ -31,13 +31,13 @@ fn dots() -> Burst {
         for ([u, v], radius) in DOTS {
             draw_disc(&mut signal, u + f64::from(DOTS_MOVE.u) * dt, v, radius, 0.8);
         }
-        camera.capture(&signal, &mut Stream::new(7, t as u64 + 1), &Monitor::default()).expect("not cancelled")
+        camera.capture(&signal, &mut Stream::new(7, t as u64 + 1), &quiet()).expect("not cancelled")
     };
     Burst::from_planes("dots", (0..FRAMES).map(frame).collect())
 }
 
 fn probed(cache: &ProbeCache, place: [f32; 2], options: ProbeOptions) -> Probe {
-    probe(cache, place, &options, &Monitor::default()).expect("inside")
+    probe(cache, place, &options, &quiet()).expect("inside")
 }
 
 fn too_small(probe: &Probe) -> Option<&Cause> {
@@ -52,9 +52,7 @@ fn apart(a: Slope, b: Slope) -> f32 {
 /// its motion, and the proposed setting finds it.
 fn assert_too_small(cache: &ProbeCache, burst: &Burst, places: &[[f32; 2]], motion: Slope) {
     let finds = |cache: &ProbeCache, [u, v]: [f32; 2]| {
-        let is_it = |f: &&burstscope_core::Feature| {
-            (f.u - u).hypot(f.v - v) < 1.5 && f.sigma < 2.6 && apart(f.slope, motion) < 0.35
-        };
+        let is_it = |f: &&Feature| (f.u - u).hypot(f.v - v) < 1.5 && f.sigma < 2.6 && apart(f.slope, motion) < 0.35;
         cache.detection().features.iter().any(|f| is_it(&f))
     };
     let mut finer: Option<ProbeCache> = None;
@@ -77,7 +75,7 @@ fn assert_too_small(cache: &ProbeCache, burst: &Burst, places: &[[f32; 2]], moti
             let change = reason.change.as_ref().expect("a setting");
             let finer = finer.get_or_insert_with(|| {
                 let params = change.applied(&cache.made_with()).expect("valid");
-                ProbeCache::new(burst, &SearchParams::from(params), &Monitor::default()).expect("valid")
+                ProbeCache::new(burst, &SearchParams::from(params), &quiet()).expect("valid")
             });
             assert!(finds(finer, place), "{place:?}: first octave −1 does not find it");
             let after = probed(finer, place, ProbeOptions { in_view, ..ProbeOptions::default() });
@@ -90,7 +88,7 @@ fn assert_too_small(cache: &ProbeCache, burst: &Burst, places: &[[f32; 2]], moti
 #[test]
 fn the_stars_of_the_demo_are_too_small_for_the_smallest_scale() {
     let burst = demo_burst();
-    let cache = ProbeCache::new(&burst, &SearchParams::default(), &Monitor::default()).expect("valid");
+    let cache = ProbeCache::new(&burst, &SearchParams::default(), &quiet()).expect("valid");
     assert_too_small(&cache, &burst, &STARS, SKY);
     // The subject is the place at its own motion, along which all frames respond.
     for place in STARS {
@@ -108,7 +106,7 @@ fn the_stars_of_the_demo_are_too_small_for_the_smallest_scale() {
     }
     // The truth says the same of stars that were missed, and such as were found at wrong slopes are not found.
     let truth = truth_of(&burst).expect("sound").expect("known");
-    let against = against_truth(&cache, &truth, &Monitor::default()).expect("not cancelled");
+    let against = against_truth(&cache, &truth, &quiet()).expect("not cancelled");
     assert!(!against.at_wrong_motion.is_empty() && !against.found.is_empty(), "{}", against.summary());
     let limit = |sigma: f64| f64::max(0.35, sigma / 9.0);
     for (pairs, is_right) in [(&against.found, true), (&against.at_wrong_motion, false)] {
@@ -134,7 +132,7 @@ fn small_dots_of_a_rail_are_too_small_for_the_smallest_scale() {
     assert_too_small(&cache, &burst, &DOTS.map(|([u, v], _)| [u as f32, v as f32]), DOTS_MOVE);
     // Where octave −1 was searched it is not proposed.
     let finest = DetectorParams { slopes, first_octave: -1, ..DetectorParams::default() };
-    let finest = ProbeCache::new(&burst, &SearchParams::from(finest), &Monitor::default()).expect("valid");
+    let finest = ProbeCache::new(&burst, &SearchParams::from(finest), &quiet()).expect("valid");
     for ([u, v], _) in DOTS {
         let probe = probed(&finest, [u as f32, v as f32], ProbeOptions::default());
         assert!(probe.reasons.iter().all(|reason| reason.change.is_none()), "{:?}", probe.reasons);

@@ -31,11 +31,11 @@ pub fn slopes_of(example: Example) -> SlopeGrid {
 }
 
 pub fn cache(burst: &Burst, params: &DetectorParams) -> ProbeCache {
-    ProbeCache::new(burst, &SearchParams::from(params.clone()), &Monitor::default()).expect("valid parameters")
+    ProbeCache::new(burst, &SearchParams::from(params.clone()), &quiet()).expect("valid parameters")
 }
 
 fn probed(cache: &ProbeCache, place: [f32; 2]) -> Probe {
-    probe(cache, place, &ProbeOptions::default(), &Monitor::default()).expect("inside")
+    probe(cache, place, &ProbeOptions::default(), &quiet()).expect("inside")
 }
 
 fn line() -> DetectorParams {
@@ -130,8 +130,7 @@ fn every_remedy_does_what_it_says() {
                 *done.entry(test).or_insert(0) += 1;
                 *tried.entry(test).or_insert(0) += 1;
                 let after = cache(&burst, &remedy.change.applied(&params).expect("valid"));
-                let again =
-                    burstscope_core::inspect::place::fate_of(&after.trail, &fate.of_sample(), &Monitor::default());
+                let again = burstscope_core::inspect::place::fate_of(&after.trail, &fate.of_sample(), &quiet());
                 let again = again.expect("not cancelled").expect("examined");
                 assert_ne!(again.report(test).outcome, Outcome::Fails, "{test:?}: {:?}\n{again:#?}", remedy);
             }
@@ -147,7 +146,7 @@ fn a_place_outside_and_a_feature_that_is_not_there_are_refused() {
     let cache = cache(&blobs(4, 0.01, &[]), &line());
     let asked = |place, wanted| {
         let options = ProbeOptions { wanted, ..ProbeOptions::default() };
-        probe(&cache, place, &options, &Monitor::default()).expect_err("refused")
+        probe(&cache, place, &options, &quiet()).expect_err("refused")
     };
     use burstscope_core::inspect::place::ProbeSubject;
     for place in [[-3.0, 5.0], [128.0, 5.0], [5.0, 96.0], [f32::NAN, 5.0]] {
@@ -159,7 +158,7 @@ fn a_place_outside_and_a_feature_that_is_not_there_are_refused() {
     assert!(asked([5.0, 5.0], scale).problem.contains("no octave 9"));
     // Every corner can be probed.
     for place in [[0.0, 0.0], [127.0, 95.0], [0.0, 95.0], [127.4, -0.4]] {
-        assert!(probe(&cache, place, &ProbeOptions::default(), &Monitor::default()).is_ok());
+        assert!(probe(&cache, place, &ProbeOptions::default(), &quiet()).is_ok());
     }
 }
 
@@ -185,7 +184,7 @@ fn candidates_account_for_everything_that_was_an_extremum() {
     for rule in [SlopeExtrema::Each, SlopeExtrema::Joint] {
         let cache = cache(&burst, &params(rule));
         let all = SurveyOptions { min_snr: 0.0, test: None };
-        let survey = survey(&cache.trail, &all, &Monitor::default()).expect("not cancelled");
+        let survey = survey(&cache.trail, &all, &quiet()).expect("not cancelled");
         assert_eq!(survey.marks.len() as u64, survey.candidates);
         assert_eq!(survey.candidates, survey.kept + survey.counts.iter().map(|c| c.candidates).sum::<u64>());
         assert_eq!(survey.kept, cache.detection().tally.kept);
@@ -207,7 +206,7 @@ fn candidates_account_for_everything_that_was_an_extremum() {
         }
         // Each mark agrees with the detailed report.
         for mark in survey.marks.iter().filter(|m| m.snr > 2.0).step_by(37) {
-            let fate = fate_of(&cache.trail, &mark.sample, &Monitor::default()).expect("not cancelled");
+            let fate = fate_of(&cache.trail, &mark.sample, &quiet()).expect("not cancelled");
             let fate = fate.expect("examined");
             assert_eq!((fate.first_failed, fate.value, fate.snr), (mark.first_failed, mark.value, mark.snr));
             let margin = mark.first_failed.and_then(|test| fate.report(test).margin()).map(|m| m as f32);
@@ -215,7 +214,7 @@ fn candidates_account_for_everything_that_was_an_extremum() {
             assert!(mark.margin.is_none_or(|m| m <= 0.0), "{mark:?}");
         }
         let gated = SurveyOptions { min_snr: 2.5, test: Some(Test::NoiseGate) };
-        let gated = burstscope_core::inspect::place::survey(&cache.trail, &gated, &Monitor::default()).expect("done");
+        let gated = burstscope_core::inspect::place::survey(&cache.trail, &gated, &quiet()).expect("done");
         assert!(!gated.marks.is_empty());
         assert!(gated.marks.iter().all(|m| m.first_failed == Some(Test::NoiseGate) && (2.5..=3.0).contains(&m.snr)));
         assert_eq!(gated.counts, survey.counts, "all are counted, whatever is listed");
@@ -233,7 +232,7 @@ fn on_the_demo_the_nearest_candidate_near_the_scale_in_view_comes_first_and_larg
     for place in [[92.0, 58.0], [200.0, 90.0], [300.0, 40.0], [240.0, 180.0], [60.0, 250.0], [410.0, 300.0]] {
         for sigma in [2.3f32, 6.4, 13.0] {
             let options = ProbeOptions { near_sigma: Some(sigma), ..ProbeOptions::default() };
-            let probe = probe(&cache, place, &options, &Monitor::default()).expect("inside");
+            let probe = probe(&cache, place, &options, &quiet()).expect("inside");
             let away = |fate: &Fate| (fate.pos_image[0] - place[0]).hypot(fate.pos_image[1] - place[1]);
             let scales = |fate: &Fate| (fate.sigma / sigma).max(sigma / fate.sigma);
             let apart = |fate: &Fate| (away(fate) / 3.0).max(1.0) * (scales(fate) / 1.3).max(1.0);
@@ -268,7 +267,7 @@ fn the_winning_slope_is_the_one_that_a_blob_moves_with() {
     let slopes = [Slope::new(-2.0, 0.0), Slope::new(2.0, 0.0)];
     let burst = blobs(9, 0.005, &[(40.0, 48.0, 3.0, 0.2, slopes[0]), (90.0, 48.0, 3.0, 0.2, slopes[1])]);
     let cache = cache(&burst, &params(SlopeExtrema::Each));
-    let won = winning_slopes(&cache.trail, 0, 2, &Monitor::default()).expect("not cancelled");
+    let won = winning_slopes(&cache.trail, 0, 2, &quiet()).expect("not cancelled");
     assert_eq!(won.snr.size(), (128, 96));
     assert_eq!((won.slope_index.at(40, 48), won.slope_index.at(90, 48)), (0.0, 4.0));
     assert!(won.confidence.at(40, 48) > 0.2 && won.confidence.at(90, 48) > 0.2);

@@ -50,7 +50,7 @@ pub fn uniform(slope: Slope, frames: usize) -> Burst {
 
 pub fn asked(burst: &Burst, slopes: SlopeGrid) -> Spectrum {
     let params = DetectorParams { slopes, octaves: 2, ..DetectorParams::default() };
-    spectrum(&cache(burst, &params), &Monitor::default()).expect("not cancelled")
+    spectrum(&cache(burst, &params), &quiet()).expect("not cancelled")
 }
 
 pub fn about(spectrum: &Spectrum, subject: AdviceSubject) -> Option<&SlopeAdvice> {
@@ -129,7 +129,7 @@ fn after_advice_is_applied_nothing_more_is_said() {
     for (seed, motion) in [(1, Motion::OneD), (2, Motion::TwoD), (3, Motion::OneD), (4, Motion::TwoD)] {
         let scene =
             SceneParams { width: 320, height: 240, frames: 8, snr: 3.0, seed, motion, ..SceneParams::default() };
-        let (burst, _) = synth_scene(&scene, &Monitor::default()).expect("valid parameters");
+        let (burst, _) = synth_scene(&scene, &quiet()).expect("valid parameters");
         for grid in grids {
             let Some(advice) = asked(&burst, grid).judgement.and_then(|judgement| judgement.advice) else { continue };
             assert!(!advice.changes.is_empty(), "{motion:?} {seed}, {grid:?}: {advice:?}");

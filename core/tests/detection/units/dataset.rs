@@ -25,13 +25,13 @@ fn bursts_have_the_camera_that_is_given_for_their_folder_or_lies_beside_them() {
     let input = home.path().join("flight");
     let write = |folder: &str, focal_px: f64| {
         let text = format!("model = \"SIMPLE_PINHOLE\"\nwidth = 8\nheight = 6\nparams = [{focal_px}, 4, 3]\n");
-        std::fs::create_dir_all(home.path().join(folder)).expect("made");
-        std::fs::write(home.path().join(folder).join("camera.toml"), text).expect("written");
+        fs::create_dir_all(home.path().join(folder)).expect("made");
+        fs::write(home.path().join(folder).join("camera.toml"), text).expect("written");
     };
     // Above the input no file counts.
     write("", 1.0);
     write("flight/right", 3.0);
-    std::fs::create_dir_all(input.join("left")).expect("made");
+    fs::create_dir_all(input.join("left")).expect("made");
     let burst = |name: &str, path: &str| BurstFiles { name: name.into(), paths: vec![input.join(path)] };
     let bursts = [burst("left", "left"), burst("one", "right/one.npy"), burst("two", "right/two.npy")];
     let given = |names: &[(&str, f64)]| -> Vec<(String, CameraChoice)> {
@@ -55,7 +55,7 @@ fn bursts_have_the_camera_that_is_given_for_their_folder_or_lies_beside_them() {
     assert_eq!(of(&[]).expect("cameras").own["two"].source(), Some(&input.join("right/camera.toml")));
     let error = of(&[("righ", 7.0)]).expect_err("no such folder").to_string();
     assert!(error.contains("'righ'") && error.contains("flight, left, one, right, two"), "{error}");
-    std::fs::write(input.join("right/camera.toml"), "model = 3").expect("written");
+    fs::write(input.join("right/camera.toml"), "model = 3").expect("written");
     let error = of(&[]).expect_err("no camera").to_string();
     assert!(error.contains("camera.toml"), "{error}");
 }
@@ -65,7 +65,7 @@ fn camera_files_are_read_or_explained() {
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("camera.toml");
     let read = |text: &str| {
-        std::fs::write(&path, text).expect("written");
+        fs::write(&path, text).expect("written");
         read_camera(&path)
     };
     let text = "model = \"OPENCV\"\nwidth = 8\nheight = 6\nparams = [5, 5, 4, 3, 0.1, 0, 0, 0]\n";
@@ -112,7 +112,7 @@ fn each_pair_is_matched_once_with_few_loads_and_pairs_without_features_are_left_
             Ok(())
         };
         let params = MatchParams { align: false, ..MatchParams::default() };
-        let left_out = match_pairs(&pairs, &params, &mut source, &mut on, &Monitor::default()).expect("matched");
+        let left_out = match_pairs(&pairs, &params, &mut source, &mut on, &quiet()).expect("matched");
         seen.sort_unstable();
         let is_there = |&&(a, b): &&(usize, usize)| Some(a) != missing && Some(b) != missing;
         assert_eq!(seen, pairs.iter().filter(is_there).copied().collect::<Vec<_>>());
@@ -127,7 +127,7 @@ fn lists_name_bursts_with_or_without_an_extension_and_wrong_lines_are_numbered()
     let path = home.path().join("pairs.txt");
     let bursts = ["a", "b 1", "c/2", "d.5", "d"].map(|name| BurstFiles { name: name.into(), paths: Vec::new() });
     let read = |text: &str| {
-        std::fs::write(&path, text).expect("written");
+        fs::write(&path, text).expect("written");
         read_pairs(&path, &bursts)
     };
     let text = "\u{feff}# by retrieval\n\nb 1.png a.png\n  c_2.png\td.5.jpg \r\na b 1\nd.5 a\nc/2 b 1\n";
@@ -159,19 +159,19 @@ fn the_middle_frame_is_shown_and_a_broken_one_named() {
     let source = BurstFiles { name: "b".into(), paths: vec![home.path().into()] };
     // A frame minus itself as the bias frame is empty.
     let options = OpenOptions { bias: Some(home.path().join("1.png")), ..OpenOptions::default() };
-    let made = |options: &OpenOptions| thumbnail(&source, 4, options, &Monitor::default());
+    let made = |options: &OpenOptions| thumbnail(&source, 4, options, &quiet());
     let dark = made(&options).expect("a picture");
     assert!(dark.rgb.iter().all(|value| *value == dark.rgb[0]));
     let shown = made(&OpenOptions::default()).expect("a picture");
     assert_eq!((shown.size, shown.rgb.len()), ((4, 2), 24));
     assert_eq!((shown.rgb[0], shown.rgb[9]), (0, 255), "a dark frame is stretched");
-    std::fs::write(home.path().join("1.png"), "no picture").expect("written");
+    fs::write(home.path().join("1.png"), "no picture").expect("written");
     let error = made(&OpenOptions::default()).expect_err("broken").to_string();
     assert!(error.contains("1.png"), "{error}");
 }
 
 fn film(folder: &Path, frames: usize) {
-    std::fs::create_dir_all(folder).expect("made");
+    fs::create_dir_all(folder).expect("made");
     let frame = image::GrayImage::from_pixel(4, 4, image::Luma([9]));
     (0..frames).for_each(|t| frame.save(folder.join(format!("f{t}.png"))).expect("written"));
 }

@@ -14,12 +14,12 @@ use proptest::prelude::*;
 #[test]
 fn made_bursts_are_explained() {
     let found = |burst: &Burst, params: &DetectorParams| {
-        let detection = detect(burst, params, &Monitor::default()).expect("a detection");
+        let detection = detect(burst, params, &quiet()).expect("a detection");
         explain(&detection, params, burst.size())
     };
     let made = |snr, discs, radius| {
         let chart = ChartParams { width: 240, height: 180, discs, snr, radius, ..ChartParams::default() };
-        synth_chart(&chart, &Monitor::default()).expect("a chart").0
+        synth_chart(&chart, &quiet()).expect("a chart").0
     };
     // Noise alone.
     let open = DetectorParams { noise_gate: NoiseGate::Factor(5.5), ..DetectorParams::default() };
@@ -136,7 +136,7 @@ fn noisy_burst(sigma: f32, n: usize, scene: impl Fn(usize, usize) -> f32, round_
 }
 
 fn estimate(burst: &Burst) -> f32 {
-    frame_noise(burst, 0..burst.len(), &Monitor::default()).expect("not cancelled")
+    frame_noise(burst, 0..burst.len(), &quiet()).expect("not cancelled")
 }
 
 #[test]
@@ -165,7 +165,7 @@ fn black_parts_where_the_noise_is_cut_off_do_not_count() {
     let mut burst = noisy_burst(sigma, 3, |u, _| if u < 200 { -0.03 } else { 0.4 }, step);
     for frame in &mut burst.frames {
         let cut = Plane::from_vec(300, 200, frame.data().iter().map(|x| x.max(0.0)).collect());
-        *frame = std::sync::Arc::new(cut);
+        *frame = Arc::new(cut);
     }
     assert!((estimate(&burst) / sigma - 1.0).abs() < 0.06, "{}", estimate(&burst) / sigma);
 }
@@ -241,11 +241,11 @@ fn a_moving_point_is_where_it_was_at_mid_burst() {
 
 #[test]
 fn a_map_of_the_noise_shows_where_it_is_stronger() {
-    let burst = NoiseCase::NoisyHalf.burst((640, 400), 6, 0.02, 7, &Monitor::default()).expect("not cancelled");
+    let burst = NoiseCase::NoisyHalf.burst((640, 400), 6, 0.02, 7, &quiet()).expect("not cancelled");
     let map = |noise_model| {
         let params =
             DetectorParams { noise_model, slopes: SlopeGrid::line(-1.0..=1.0, 3), ..DetectorParams::default() };
-        noise_map(&burst, &params, &Monitor::default()).expect("a map")
+        noise_map(&burst, &params, &quiet()).expect("a map")
     };
     let local = map(NoiseModelKind::Local);
     assert_eq!(local.size(), burst.size());

@@ -126,7 +126,7 @@ fn a_page_has_the_size_of_the_figure_its_texts_and_a_grey_picture() {
         let drawing = Drawing { size: [88.0, 60.0], unit, shapes: shapes.clone(), title: "A title".into() };
         let path = home.path().join("a.pdf");
         write_drawing(&path, &drawing).expect("written");
-        let bytes = std::fs::read(&path).expect("read");
+        let bytes = fs::read(&path).expect("read");
         let says = |text: &str| bytes.windows(text.len()).any(|part| part == text.as_bytes());
         assert!(bytes.starts_with(b"%PDF-1.7") && says("%%EOF"));
         assert!(says(media) && says("/DeviceGray") && says("Ubuntu") && says("Hack") && says("/Font"), "{media}");
@@ -162,10 +162,10 @@ fn the_ending_decides_and_every_file_is_known() {
     for (format, start) in FigureFormat::ALL.into_iter().zip(starts) {
         let path = home.path().join(format!("x.{}", format.extension().to_uppercase()));
         figure.write(&path).expect("written");
-        let mut bytes = std::fs::read(&path).expect("read");
+        let mut bytes = fs::read(&path).expect("read");
         assert!(bytes.starts_with(start) && is_ours(&path), "{format:?}");
         bytes.push(b'x');
-        std::fs::write(&path, bytes).expect("changed");
+        fs::write(&path, bytes).expect("changed");
         assert!(!is_ours(&path), "{format:?}");
     }
     let wrong = figure.write(Path::new("x.txt")).expect_err("no such format");

@@ -15,7 +15,7 @@ use std::io::{self, Write};
 use std::process::Command;
 
 fn count(folder: &Path) -> usize {
-    std::fs::read_dir(folder).expect("folder").count()
+    fs::read_dir(folder).expect("folder").count()
 }
 
 #[test]
@@ -26,15 +26,15 @@ fn a_failing_or_panicking_write_leaves_the_old_file_and_nothing_else() {
     let full = || Err(io::Error::other("disk full"));
     let error = write_whole(&path, |w| w.write_all(&[b'x'; 1 << 18]).and_then(|()| full()));
     assert_eq!(error, Err(Error::unwritten(&path, &io::Error::other("disk full"))));
-    assert_eq!(std::fs::read(&path).expect("read"), b"old");
+    assert_eq!(fs::read(&path).expect("read"), b"old");
     assert_eq!(count(folder.path()), 1);
     #[cfg(unix)]
     {
         use std::os::unix::fs::PermissionsExt;
-        std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o640)).expect("set");
+        fs::set_permissions(&path, fs::Permissions::from_mode(0o640)).expect("set");
         write_whole(&path, |w| w.write_all(b"new")).expect("written");
-        let mode = std::fs::metadata(&path).expect("a file").permissions().mode();
-        assert_eq!((mode & 0o777, std::fs::read(&path).expect("read")), (0o640, b"new".to_vec()), "kept");
+        let mode = fs::metadata(&path).expect("a file").permissions().mode();
+        assert_eq!((mode & 0o777, fs::read(&path).expect("read")), (0o640, b"new".to_vec()), "kept");
     }
     let path = folder.path().join("new.txt");
     let panicked = std::panic::catch_unwind(|| write_whole(&path, |_| panic!("on purpose")));
@@ -65,7 +65,7 @@ fn pictures() -> Vec<RgbaImage> {
 
 #[test]
 fn films_come_back_picture_by_picture() {
-    let bytes = encoded(pictures(), &Monitor::default()).expect("encoded");
+    let bytes = encoded(pictures(), &quiet()).expect("encoded");
     let mut options = gif::DecodeOptions::new();
     options.set_color_output(gif::ColorOutput::RGBA);
     let mut decoder = options.read_info(&bytes[..]).expect("a GIF");
@@ -87,7 +87,7 @@ fn a_second_of_pictures_lasts_a_second_at_any_rate() {
         let picture = || Ok(RgbaImage::from_pixel(2, 2, Rgba([1, 2, 3, 255])));
         let (mut bytes, count) = (Vec::new(), usize::from(rate));
         let pictures = (count, (0..count).map(|_| picture()));
-        encode_film(&mut bytes, pictures, rate, &Monitor::default()).expect("encoded");
+        encode_film(&mut bytes, pictures, rate, &quiet()).expect("encoded");
         let mut decoder = gif::DecodeOptions::new().read_info(&bytes[..]).expect("a GIF");
         let mut hundredths = 0;
         while let Some(frame) = decoder.read_next_frame().expect("read") {
@@ -102,14 +102,14 @@ fn wrong_pictures_are_refused_and_cancelling_ends_it() {
     let mut sizes = pictures();
     sizes.push(RgbaImage::new(3, 3));
     for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], vec![RgbaImage::new(70_000, 1)], sizes] {
-        assert!(encoded(pictures, &Monitor::default()).is_err());
+        assert!(encoded(pictures, &quiet()).is_err());
     }
     let cancelled = Monitor::default();
     cancelled.cancel();
     assert!(encoded(pictures(), &cancelled).is_err());
     // A picture that cannot be made ends the film.
     let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
-    let error = encode_film(&mut Vec::new(), failing, 10, &Monitor::default());
+    let error = encode_film(&mut Vec::new(), failing, 10, &quiet());
     assert!(error.is_err_and(|error| error.to_string() == "no picture"));
     assert!(
         is_film(Path::new("a/b.GIF"))
@@ -123,7 +123,7 @@ fn wrong_pictures_are_refused_and_cancelling_ends_it() {
 fn pictures_with_numbers_are_the_film_and_a_film_that_fails_leaves_none() {
     let home = tempfile::tempdir().expect("a folder");
     let names = || {
-        let entries = std::fs::read_dir(home.path()).expect("read");
+        let entries = fs::read_dir(home.path()).expect("read");
         let mut names: Vec<_> = entries.map(|entry| entry.expect("an entry").file_name()).collect();
         names.sort();
         names
@@ -147,7 +147,7 @@ fn an_mp4_comes_back_picture_by_picture_with_even_sides() {
     let colours = [[200, 40, 40], [40, 200, 40], [40, 40, 200], [128; 3]];
     let picture = |[r, g, b]: [u8; 3]| RgbaImage::from_pixel(33, 17, Rgba([r, g, b, 255]));
     let pictures = (4, colours.map(|colour| Ok(picture(colour))));
-    write_film(&path, pictures, 10, &Monitor::default()).expect("written");
+    write_film(&path, pictures, 10, &quiet()).expect("written");
     assert!(is_ours(&path), "it has its mark");
     let mut decoder = Command::new("ffmpeg");
     decoder.args(["-nostdin", "-v", "error", "-i"]).arg(format!("file:{}", path.display()));
@@ -178,7 +178,7 @@ fn an_mp4_that_fails_or_is_cancelled_leaves_nothing() {
     ] {
         let error = write_film(&path, (2, pictures), 10, monitor).expect_err(words);
         assert!(error.to_string().contains(words), "{error}");
-        assert_eq!(std::fs::read_dir(home.path()).expect("a folder").count(), 0, "{words}");
+        assert_eq!(fs::read_dir(home.path()).expect("a folder").count(), 0, "{words}");
     }
 }
 
@@ -241,9 +241,9 @@ fn every_file_that_is_written_is_known_until_somebody_changes_it() {
     write_png(&at("a.png"), Bitmap::rgb(2, 1, &[9; 6])).expect("written");
     write_tiff(&at("a.tiff"), &Plane::from_fn(400, 300, |u, v| (u * v) as f32)).expect("written");
     let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
-    write_film(&at("a.gif"), pictures, 10, &Monitor::default()).expect("written");
+    write_film(&at("a.gif"), pictures, 10, &quiet()).expect("written");
     let pictures = (2, [9, 8].map(|_| Ok(image::RgbaImage::new(9, 9))));
-    write_film(&at("film.png"), pictures, 10, &Monitor::default()).expect("written");
+    write_film(&at("film.png"), pictures, 10, &quiet()).expect("written");
     let unit = burstscope_core::export::FigureUnit::Pixel;
     let drawing = Drawing { title: "a".into(), size: [10.0, 10.0], unit, shapes: Vec::new() };
     write_drawing(&at("a.svg"), &drawing).expect("written");
@@ -251,27 +251,26 @@ fn every_file_that_is_written_is_known_until_somebody_changes_it() {
     write_drawing(&at("b.svg"), &sheet::stacked("both", parts)).expect("written");
     write_text(&at("p.toml"), OutputKind::Settings, burstscope_core::files::written_by() + "levels = 4\n")
         .expect("written");
-    let burst = burstscope_core::burst::Burst::from_planes("a", vec![Plane::zeros(9, 9)]);
-    let (case, part) =
-        Case::of(&burst, &SearchParams::default(), (None, None), "", &Monitor::default()).expect("nobody cancels");
-    write_case(&at("a.burstcase"), (&case, &part), &Enclosed::default(), &Monitor::default()).expect("written");
+    let burst = Burst::from_planes("a", vec![Plane::zeros(9, 9)]);
+    let (case, part) = Case::of(&burst, &SearchParams::default(), (None, None), "", &quiet()).expect("nobody cancels");
+    write_case(&at("a.burstcase"), (&case, &part), &Enclosed::default(), &quiet()).expect("written");
     write_npz(&at("a.npz"), &[], &[], None).expect("written");
     write_csv(&at("a.csv"), &[], None).expect("written");
     write_matches_csv(&at("m.csv"), &[]).expect("written");
     Figure::from(profiles_table(&[("a \"b\", c".into(), Vec::new())])).write(&at("p.csv")).expect("written");
-    std::fs::write(at("c.csv"), format!("{CURVE_COLUMNS}\n")).expect("written");
+    fs::write(at("c.csv"), format!("{CURVE_COLUMNS}\n")).expect("written");
     write_colmap_keypoints(&at("a.txt"), &[KEYPOINT], &[[7; 128]]).expect("written");
     let mut known = 0;
-    for entry in std::fs::read_dir(home.path()).expect("a folder") {
+    for entry in fs::read_dir(home.path()).expect("a folder") {
         let path = entry.expect("an entry").path();
         assert!(is_ours(&path), "{}", path.display());
         // A byte of the pixels or the text is changed; then one more comes at the end.
-        let bytes = std::fs::read(&path).expect("read");
+        let bytes = fs::read(&path).expect("read");
         let place = if path.ends_with("a.tiff") { 2000 } else { 60.min(bytes.len() / 2) };
         for changed in
             [[&bytes[..place], &[bytes[place] ^ 1], &bytes[place + 1..]].concat(), [&bytes[..], b"?"].concat()]
         {
-            std::fs::write(&path, &changed).expect("written");
+            fs::write(&path, &changed).expect("written");
             let is_longer_tiff = path.ends_with("a.tiff") && changed.len() > bytes.len();
             assert_eq!(is_ours(&path), is_longer_tiff, "{}", path.display());
         }
@@ -291,7 +290,7 @@ fn files_of_others_are_not_taken_for_ours() {
         assert!(!is_ours(&at(name)), "{name}");
     }
     let numbers = |first: &str| format!("1 128\n{first} 0.1 1.6 -3{}\n", " 7".repeat(128));
-    std::fs::write(at("x"), numbers("10.25")).expect("written");
+    fs::write(at("x"), numbers("10.25")).expect("written");
     assert!(is_ours(&at("x")), "as this program writes it");
     let texts = ["", "\n", " 128\n", "12 a 128", "0 127\n", "2 128\n", "PK\u{3}\u{4}", "II*\0", "SQLite format 3\0"];
     let more = [
@@ -304,7 +303,7 @@ fn files_of_others_are_not_taken_for_ours() {
         "<svg><!-- Written by Burstscope 0.1.0 --></svg>",
     ];
     for text in texts.into_iter().chain(more) {
-        std::fs::write(at("x"), text).expect("written");
+        fs::write(at("x"), text).expect("written");
         assert!(!is_ours(&at("x")), "{text:?}");
     }
     assert!(!is_ours(home.path()) && !is_ours(&at("none")));
@@ -327,7 +326,7 @@ fn a_field_is_read_back_from_pfm_and_tiff_with_its_motions_in_their_places() {
     let (pfm, tiff) = (folder.path().join("field.pfm"), folder.path().join("field.tiff"));
     write_field_pfm(&pfm, &field, size).expect("written");
     write_field_tiff(&tiff, &field, size).expect("written");
-    let bytes = std::fs::read(&pfm).expect("read");
+    let bytes = fs::read(&pfm).expect("read");
     let samples = bytes.strip_prefix(b"PF\n15 11\n-1.0\n").expect("the header of three lines");
     let read: Vec<f32> = samples.chunks_exact(4).map(|b| f32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect();
     assert_eq!(read.len(), 3 * 15 * 11, "and nothing after the samples");
@@ -337,7 +336,7 @@ fn a_field_is_read_back_from_pfm_and_tiff_with_its_motions_in_their_places() {
         let wanted = [there.slope.u, there.slope.v, there.ellipse().0[0]];
         assert_eq!(read[start..start + 3], wanted, "row {row}, column {column}");
     }
-    let mut decoder = tiff::decoder::Decoder::new(std::fs::File::open(&tiff).expect("opens")).expect("a TIFF");
+    let mut decoder = tiff::decoder::Decoder::new(fs::File::open(&tiff).expect("opens")).expect("a TIFF");
     let tiff::decoder::DecodingResult::F32(page) = decoder.read_image().expect("an image") else { panic!("no f32") };
     let upside_down: Vec<f32> = read.chunks(3 * 15).rev().flatten().copied().collect();
     assert_eq!(page, upside_down, "the same samples, the first row first");

@@ -77,7 +77,7 @@ fn burst(frames: usize, blobs: usize, slope: Slope) -> Burst {
 }
 
 fn cache(burst: &Burst, params: DetectorParams) -> ProbeCache {
-    ProbeCache::new(burst, &params.into(), &Monitor::default()).expect("valid")
+    ProbeCache::new(burst, &params.into(), &quiet()).expect("valid")
 }
 
 fn line(gate: f32) -> DetectorParams {
@@ -86,7 +86,7 @@ fn line(gate: f32) -> DetectorParams {
 }
 
 fn report(cache: &ProbeCache, study: DecoyStudy) -> DecoyReport {
-    decoys(&cache.trail, &study, false, &Monitor::default()).expect("enough frames").report
+    decoys(&cache.trail, &study, false, &quiet()).expect("enough frames").report
 }
 
 #[test]
@@ -113,8 +113,8 @@ fn the_own_order_finds_what_was_found_and_a_maximum_number_hides_no_decoy() {
     let burst = burst(6, 6, Slope::new(1.0, 0.0));
     let (all, few) = (cache(&burst, line(3.5)), cache(&burst, DetectorParams { max_features: 5, ..line(3.5) }));
     let own: Vec<usize> = (0..6).collect();
-    let again = all.trail.reordered(&own, &Monitor::default()).expect("valid");
-    assert_eq!(judged(&again, &Monitor::default()), judged(&all.trail, &Monitor::default()));
+    let again = all.trail.reordered(&own, &quiet()).expect("valid");
+    assert_eq!(judged(&again, &quiet()), judged(&all.trail, &quiet()));
     let again = again.detection().clone();
     assert_eq!(again.features, all.detection().features);
     assert_eq!((again.tally, again.noise), (all.detection().tally, all.detection().noise.clone()));
@@ -126,10 +126,10 @@ fn the_own_order_finds_what_was_found_and_a_maximum_number_hides_no_decoy() {
 fn decoys_that_a_filter_lets_through_are_counted_as_the_rates_are() {
     let burst = burst(10, 12, Slope::new(2.0, 0.0));
     let cache = cache(&burst, line(3.5));
-    let decoys = decoys(&cache.trail, &DecoyStudy::default(), true, &Monitor::default()).expect("enough frames");
+    let decoys = decoys(&cache.trail, &DecoyStudy::default(), true, &quiet()).expect("enough frames");
     assert_eq!(decoys.report, report(&cache, DecoyStudy::default()));
     let found = &cache.detection().features;
-    let verdicts = judged(&cache.trail, &Monitor::default()).expect("not cancelled");
+    let verdicts = judged(&cache.trail, &quiet()).expect("not cancelled");
     let among = |passes: &dyn Fn(&Feature, &Judged) -> bool| {
         let here: Vec<&Feature> = found.iter().zip(&verdicts).filter(|(f, j)| passes(f, j)).map(|(f, _)| f).collect();
         decoys.among(&here, passes)
@@ -152,7 +152,7 @@ fn where_the_number_of_features_is_limited_decoys_count_that_are_as_strong() {
     let burst = burst(8, 8, Slope::new(1.5, 0.0));
     let (all, few) = (cache(&burst, line(3.5)), cache(&burst, DetectorParams { max_features: 6, ..line(3.5) }));
     let among = |cache: &ProbeCache| {
-        let decoys = decoys(&cache.trail, &DecoyStudy::default(), true, &Monitor::default()).expect("enough");
+        let decoys = decoys(&cache.trail, &DecoyStudy::default(), true, &quiet()).expect("enough");
         let here: Vec<&Feature> = cache.detection().features.iter().collect();
         decoys.among(&here, |_, _| true).rates.remove(0)
     };
@@ -321,15 +321,15 @@ fn pairs_follow_the_bursts_the_weakest_first_and_a_burst_without_one_stands_out(
 fn searched(frames: usize, snr: f64, seed: u64) -> (ProbeCache, [f32; 2]) {
     let small = ChartParams { width: 160, height: 120, ..ChartParams::default() };
     let chart = ChartParams { discs: 1, radius: 5.0..=5.0001, frames, snr, max_slope: 0.5, seed, ..small };
-    let (burst, truth) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+    let (burst, truth) = synth_chart(&chart, &quiet()).expect("a chart");
     let slopes = SlopeGrid::line(-0.5..=0.5, 5);
     let params = DetectorParams { slopes, noise_gate: NoiseGate::Factor(5.0), ..DetectorParams::default() };
-    let cache = ProbeCache::new(&burst, &SearchParams::from(params), &Monitor::default()).expect("valid");
+    let cache = ProbeCache::new(&burst, &SearchParams::from(params), &quiet()).expect("valid");
     (cache, [truth.features[0].u as f32, truth.features[0].v as f32])
 }
 
 fn is_found((cache, place): &(ProbeCache, [f32; 2])) -> bool {
-    let near = |f: &burstscope_core::detector::Feature| (f.u - place[0]).hypot(f.v - place[1]) < 4.0;
+    let near = |f: &Feature| (f.u - place[0]).hypot(f.v - place[1]) < 4.0;
     cache.detection().features.iter().any(near)
 }
 
@@ -340,7 +340,7 @@ fn the_burst_that_the_outlook_asks_for_is_made_and_the_thing_is_found() {
     for seed in 1..30 {
         let before = searched(6, SNR, seed);
         let options = ProbeOptions { reach_sigmas: 1.0, ..ProbeOptions::default() };
-        let fates = probe(&before.0, before.1, &options, &Monitor::default()).expect("not cancelled").fates;
+        let fates = probe(&before.0, before.1, &options, &quiet()).expect("not cancelled").fates;
         let is_disc = |fate: &&Fate| fate.value < 0.0 && (2.0..7.0).contains(&fate.sigma) && fate.snr > 3.0;
         let outlook = fates.iter().find(is_disc).and_then(|fate| needed(&before.0.trail, fate));
         let Some(outlook) = outlook else { continue };
@@ -376,12 +376,12 @@ fn a_price_says_what_happens_to_this_one_and_how_many_others_there_are_then() {
 #[test]
 fn prices_are_what_the_search_finds_with_the_change() {
     let chart = ChartParams { width: 240, height: 180, discs: 20, frames: 7, snr: 0.5, ..ChartParams::default() };
-    let (burst, _) = synth_chart(&chart, &Monitor::default()).expect("a chart");
+    let (burst, _) = synth_chart(&chart, &quiet()).expect("a chart");
     let slopes = SlopeGrid::line(-3.0..=3.0, 9);
     let gate = NoiseGate::Factor(6.0);
     let params = DetectorParams { slopes, noise_gate: gate, max_features: 9, ..DetectorParams::default() };
     let cache = |params: &DetectorParams| {
-        ProbeCache::new(&burst, &SearchParams::from(params.clone()), &Monitor::default()).expect("valid")
+        ProbeCache::new(&burst, &SearchParams::from(params.clone()), &quiet()).expect("valid")
     };
     let open = DetectorParams { max_features: 0, ..params.clone() };
     for (before, change, is_at_once) in [
@@ -399,8 +399,8 @@ fn prices_are_what_the_search_finds_with_the_change() {
             Sample { octave: k.octave, level: k.level, slope_index: k.slope_index, x, y }
         };
         let sample = sample_of(&of, 0);
-        let found = price(&of, &burst, &change, Some(sample), &Monitor::default()).expect("valid");
-        let at_once = price_at_once(&of.trail, &change, Some(sample), &Monitor::default()).expect("not cancelled");
+        let found = price(&of, &burst, &change, Some(sample), &quiet()).expect("valid");
+        let at_once = price_at_once(&of.trail, &change, Some(sample), &quiet()).expect("not cancelled");
         assert_eq!(at_once, is_at_once.then_some(found), "{change:?}");
         let count = |cache: &ProbeCache| cache.detection().features.len();
         assert_eq!((found.now, found.then), (count(&of), count(&after)), "{change:?}");

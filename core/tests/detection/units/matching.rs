@@ -66,12 +66,12 @@ fn each_image_is_paired_with_those_that_most_of_its_features_vote_for() {
         image(&[(1, 3), (2, 3), (3, 3)]),
         Vec::new(),
     ];
-    let pairs = |partners| near_pairs(&images, partners, &Monitor::default()).expect("pairs");
+    let pairs = |partners| near_pairs(&images, partners, &quiet()).expect("pairs");
     // An image without features has no votes, and of equals the first is taken.
     assert_eq!(pairs(1), [(0, 3), (0, 4), (1, 2)]);
     assert_eq!(pairs(2), [(0, 1), (0, 2), (0, 3), (0, 4), (1, 2), (1, 3), (1, 4)]);
     assert_eq!(pairs(usize::MAX), PairSelection::All.pairs(5));
-    assert_eq!(near_pairs(&images[..1], 3, &Monitor::default()), Ok(Vec::new()));
+    assert_eq!(near_pairs(&images[..1], 3, &quiet()), Ok(Vec::new()));
     let stopped = Monitor::default();
     stopped.cancel();
     assert!(near_pairs(&images, 1, &stopped).is_err());
@@ -80,10 +80,10 @@ fn each_image_is_paired_with_those_that_most_of_its_features_vote_for() {
         let many = if image == 0 { vec![descriptor(4, 5); VOTERS] } else { Vec::new() };
         Ok([&many[..], &images[image]].concat())
     };
-    let chosen = PairSelection::Near(1).pairs_by(4, filled, &Monitor::default());
+    let chosen = PairSelection::Near(1).pairs_by(4, filled, &quiet());
     assert_eq!(chosen, Ok(vec![(0, 2), (1, 2), (2, 3)]));
     let unasked = |image: usize| -> Result<Vec<Descriptor>, Cancelled> { panic!("the features of {image}") };
-    assert_eq!(PairSelection::Sequential(1).pairs_by(3, unasked, &Monitor::default()), Ok(vec![(0, 1), (1, 2)]));
+    assert_eq!(PairSelection::Sequential(1).pairs_by(3, unasked, &quiet()), Ok(vec![(0, 1), (1, 2)]));
 }
 
 proptest! {
@@ -93,13 +93,13 @@ proptest! {
     ) {
         let of = |image: &Vec<(usize, u8)>| image.iter().map(|&(number, off)| descriptor(number, off)).collect();
         let images: Vec<Vec<Descriptor>> = images.iter().map(of).collect();
-        let pairs = near_pairs(&images, partners, &Monitor::default()).expect("pairs");
+        let pairs = near_pairs(&images, partners, &quiet()).expect("pairs");
         for image in 0..images.len() {
             let has = pairs.iter().filter(|(a, b)| [a, b].contains(&&image)).count();
             prop_assert!(has >= partners.min(images.len() - 1), "{image} in {pairs:?}");
         }
         prop_assert!(pairs.is_sorted() && pairs.iter().all(|(a, b)| a < b && *b < images.len()));
-        let more = near_pairs(&images, partners + 1, &Monitor::default()).expect("pairs");
+        let more = near_pairs(&images, partners + 1, &quiet()).expect("pairs");
         prop_assert!(pairs.iter().all(|pair| more.contains(pair)));
     }
 }
@@ -240,7 +240,7 @@ fn params(geometry: Geometry) -> MatchParams {
 }
 
 fn verified(pairs: &[PointPair], params: &MatchParams) -> Verification {
-    verify(pairs, params, &Monitor::default()).expect("not cancelled").expect("asked for")
+    verify(pairs, params, &quiet()).expect("not cancelled").expect("asked for")
 }
 
 fn pose() -> RelativePose {
@@ -357,7 +357,7 @@ fn hopeless_input_has_no_model_and_no_nan() {
     // Without any motion everything fits.
     let still: Vec<PointPair> = (0..40).map(|_| place(&mut random)).map(|a| PointPair { a, b: a, rank: 0.0 }).collect();
     assert_eq!(verified(&still, &params(Geometry::Homography)).inlier_count(), 40);
-    assert_eq!(verify(&still, &params(Geometry::None), &Monitor::default()), Ok(None));
+    assert_eq!(verify(&still, &params(Geometry::None), &quiet()), Ok(None));
 }
 
 #[test]

@@ -8,9 +8,9 @@ use burstscope_core::plane::blur::*;
 fn a_folder_is_ours_as_long_as_nobody_changes_it() {
     let home = tempfile::tempdir().expect("a folder");
     let at = |name: &str| home.path().join(name);
-    std::fs::create_dir(at("deep")).expect("made");
+    fs::create_dir(at("deep")).expect("made");
     for name in ["a.png", "deep/b.png"] {
-        std::fs::write(at(name), name).expect("written");
+        fs::write(at(name), name).expect("written");
     }
     let is_ours = |kind| is_unchanged(home.path(), kind).expect("it can be read");
     assert!(!is_ours(OutputKind::Burst), "it has no mark");
@@ -19,20 +19,20 @@ fn a_folder_is_ours_as_long_as_nobody_changes_it() {
         is_ours(OutputKind::Burst) && !is_ours(OutputKind::Trajectory) && has_mark(&at(OutputKind::Burst.file()), true)
     );
     for (name, content) in [("a.png", "A.png"), ("deep/c.png", ""), ("notes.txt", "mine")] {
-        let before = std::fs::read(at(name)).ok();
-        std::fs::write(at(name), content).expect("written");
+        let before = fs::read(at(name)).ok();
+        fs::write(at(name), content).expect("written");
         assert!(!is_ours(OutputKind::Burst), "{name}");
-        let undone = before.map_or_else(|| std::fs::remove_file(at(name)), |text| std::fs::write(at(name), text));
+        let undone = before.map_or_else(|| fs::remove_file(at(name)), |text| fs::write(at(name), text));
         undone.expect("as it was");
     }
-    std::fs::create_dir(at("empty")).expect("made");
+    fs::create_dir(at("empty")).expect("made");
     assert!(!is_ours(OutputKind::Burst));
-    std::fs::remove_dir(at("empty")).expect("removed");
-    std::fs::remove_file(at("a.png")).expect("removed");
+    fs::remove_dir(at("empty")).expect("removed");
+    fs::remove_file(at("a.png")).expect("removed");
     assert!(is_ours(OutputKind::Burst), "what is gone is lost to nobody");
-    let mark = std::fs::read_to_string(at(OutputKind::Burst.file())).expect("there");
+    let mark = fs::read_to_string(at(OutputKind::Burst.file())).expect("there");
     for wrong in [mark.replace("b.png", "a.png"), mark.replace("burstscope", "another"), "{}".into(), "".into()] {
-        std::fs::write(at(OutputKind::Burst.file()), wrong).expect("written");
+        fs::write(at(OutputKind::Burst.file()), wrong).expect("written");
         assert!(!is_ours(OutputKind::Burst) && !has_mark(&at(OutputKind::Burst.file()), false));
     }
 }
@@ -42,8 +42,7 @@ fn claims_come_back_with_all_their_digits_or_not_at_all() {
     let home = tempfile::tempdir().expect("a folder");
     // Numbers whose last digit a reader of JSON may lose.
     let numbers: Vec<f64> = (1..200).map(|n| (n as f64).sqrt() * 1e-7).collect();
-    std::fs::write(home.path().join(OutputKind::Dataset.file()), claiming(OutputKind::Dataset, &numbers))
-        .expect("written");
+    fs::write(home.path().join(OutputKind::Dataset.file()), claiming(OutputKind::Dataset, &numbers)).expect("written");
     let read: Vec<f64> = claims(home.path(), OutputKind::Dataset).expect("whole");
     assert!(read.iter().zip(&numbers).all(|(a, b)| (a - b).abs() < 1e-20) && read.len() == numbers.len());
     assert_eq!(claims::<Vec<f64>>(home.path(), OutputKind::Figures), None);

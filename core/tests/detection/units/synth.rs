@@ -10,7 +10,7 @@ use burstscope_core::synth::random::*;
 fn an_arm_stands_still_and_hides_what_lies_behind_it() {
     let plain = ChartParams { width: 240, height: 180, discs: 12, frames: 5, ..ChartParams::default() };
     let plain = ChartParams { radius: 3.6..=9.0, snr: f64::INFINITY, ..plain };
-    let made = |mask: f64| synth_chart(&ChartParams { mask, ..plain.clone() }, &Monitor::default());
+    let made = |mask: f64| synth_chart(&ChartParams { mask, ..plain.clone() }, &quiet());
     let (bare, all) = made(0.0).expect("a chart");
     let (burst, truth) = made(0.4).expect("a chart");
     assert_eq!((all.mask_columns, truth.mask_columns, all.mask()), (0, 96, None));
@@ -47,7 +47,7 @@ fn nonsense_in_a_chart_is_named_with_its_remedy() {
         (ChartParams { gap: f64::NAN, ..small_chart() }, "gap"),
     ];
     for (params, name) in cases {
-        let error = synth_chart(&params, &Monitor::default()).expect_err(name).to_string();
+        let error = synth_chart(&params, &quiet()).expect_err(name).to_string();
         assert!(error.starts_with(&format!("{name}: ")), "{error}");
     }
     let cancelled = Monitor::default();
@@ -58,7 +58,7 @@ fn nonsense_in_a_chart_is_named_with_its_remedy() {
 #[test]
 fn each_disc_is_where_the_truth_says_in_every_frame() {
     let params = ChartParams { snr: f64::INFINITY, motion: Motion::TwoD, ..small_chart() };
-    let (burst, truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
+    let (burst, truth) = synth_chart(&params, &quiet()).expect("a chart");
     let background = params.exposure().expect("valid").background + truth.black_level;
     let mut measured = 0;
     for (t, frame) in burst.frames.iter().enumerate() {
@@ -95,7 +95,7 @@ fn each_disc_is_where_the_truth_says_in_every_frame() {
 
 #[test]
 fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
-    let made = |seed: u64| synth_chart(&ChartParams { seed, ..small_chart() }, &Monitor::default()).expect("a chart");
+    let made = |seed: u64| synth_chart(&ChartParams { seed, ..small_chart() }, &quiet()).expect("a chart");
     let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
     let make = |threads, seed| pool(threads).install(|| made(seed));
     let (one, truth_one) = make(1, 3);
@@ -110,7 +110,7 @@ fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
 #[test]
 fn discs_keep_their_distance_and_stay_inside() {
     let params = ChartParams { motion: Motion::TwoD, frames: 10, ..ChartParams::default() };
-    let discs = synth_chart(&params, &Monitor::default()).expect("they fit").1.features;
+    let discs = synth_chart(&params, &quiet()).expect("they fit").1.features;
     assert_eq!(discs.len(), 90);
     for a in &discs {
         for dt in [-4.5, 4.5] {
@@ -127,7 +127,7 @@ fn discs_keep_their_distance_and_stay_inside() {
 #[test]
 fn the_first_disc_of_a_seed_is_fixed_for_ever() {
     // Published tables use these charts.
-    let first = synth_chart(&ChartParams::default(), &Monitor::default()).expect("they fit").1.features[0];
+    let first = synth_chart(&ChartParams::default(), &quiet()).expect("they fit").1.features[0];
     assert_eq!([first.radius, first.u, first.v, first.slope_u], FIRST_DISC_OF_SEED_1);
 }
 
@@ -182,7 +182,7 @@ fn the_examples_and_the_demo_are_what_they_say_and_the_same_everywhere() {
 const DEMO: u64 = 17_673_008_048_598_753_493;
 
 fn expose(camera: &Camera, signal: &Plane, seed: u64) -> Plane {
-    camera.capture(signal, &mut Stream::new(seed, 1), &Monitor::default()).expect("not cancelled")
+    camera.capture(signal, &mut Stream::new(seed, 1), &quiet()).expect("not cancelled")
 }
 
 fn statistics(plane: &Plane) -> (f64, f64) {
@@ -238,7 +238,7 @@ fn rounding_keeps_to_the_levels_of_the_converter() {
 const SIZE: (usize, usize) = (200, 120);
 
 fn burst(case: NoiseCase) -> Burst {
-    case.burst(SIZE, 10, 0.02, 3, &Monitor::default()).expect("not cancelled")
+    case.burst(SIZE, 10, 0.02, 3, &quiet()).expect("not cancelled")
 }
 
 fn of_frame(burst: &Burst, t: usize, columns: std::ops::Range<usize>) -> (f64, f64) {
@@ -365,13 +365,13 @@ fn small_scene() -> SceneParams {
 #[test]
 fn landmarks_stand_out_at_their_own_slope_and_place() {
     let params = SceneParams { snr: f64::INFINITY, motion: Motion::TwoD, ..small_scene() };
-    let (burst, truth) = synth_scene(&params, &Monitor::default()).expect("a scene");
+    let (burst, truth) = synth_scene(&params, &quiet()).expect("a scene");
     assert!(truth.features.len() >= 10, "{} landmarks", truth.features.len());
     assert!(truth.layers.windows(2).all(|w| w[1].slope_u > w[0].slope_u), "{:?}", truth.layers);
     let frames: Vec<&Plane> = burst.frames.iter().map(|f| &**f).collect();
     let stack = |layer: &LayerTruth| {
         let slope = Slope::new(layer.slope_u as f32, layer.slope_v as f32);
-        motion_stack(&frames, &burst.positions, slope, Interpolation::Linear, &Monitor::default()).expect("a stack")
+        motion_stack(&frames, &burst.positions, slope, Interpolation::Linear, &quiet()).expect("a stack")
     };
     let stacks: Vec<Plane> = truth.layers.iter().map(stack).collect();
     for feature in &truth.features {
@@ -397,7 +397,7 @@ fn nonsense_in_a_scene_is_named() {
         (SceneParams { snr: 0.01, ..small_scene() }, "snr"),
         (SceneParams { height: 1, ..small_scene() }, "height"),
     ] {
-        let error = synth_scene(&params, &Monitor::default()).expect_err(name).to_string();
+        let error = synth_scene(&params, &quiet()).expect_err(name).to_string();
         assert!(error.starts_with(name), "{error}");
     }
 }
@@ -418,7 +418,7 @@ fn exchanged_frames_are_told_by_the_images_and_the_truth_alone() {
     let chart = ChartParams { radius: 3.6..=8.0, ..chart };
     let made = |drop: &[usize], exchange: &[usize]| {
         let uneven = Uneven { drop: drop.to_vec(), exchange: exchange.to_vec(), ..Uneven::default() };
-        synth_chart(&ChartParams { uneven, ..chart.clone() }, &Monitor::default())
+        synth_chart(&ChartParams { uneven, ..chart.clone() }, &quiet())
     };
     let ((even, plain), (burst, truth)) = (made(&[], &[]).expect("even"), made(&[], &[0, 3]).expect("exchanged"));
     assert_eq!(truth.times, [3.0, 1.0, 2.0, 0.0, 4.0]);

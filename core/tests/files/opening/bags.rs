@@ -65,12 +65,12 @@ impl Opened {
     }
 
     fn info(&self) -> Info {
-        Info::of(std::slice::from_ref(&self.path), &OpenOptions::default(), &Monitor::default()).expect("described")
+        Info::of(std::slice::from_ref(&self.path), &OpenOptions::default(), &quiet()).expect("described")
     }
 }
 
 pub fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.to_owned()], options, &Monitor::default())
+    Burst::open_with(&[path.to_owned()], options, &quiet())
 }
 
 fn topic(name: &str) -> OpenOptions {

@@ -11,7 +11,7 @@ fn accepting() -> OpenOptions {
 }
 
 fn open_with(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.into()], options, &Monitor::default())
+    Burst::open_with(&[path.into()], options, &quiet())
 }
 
 /// A picture with content in every pixel.

@@ -30,11 +30,11 @@ impl Made {
     }
 
     fn open(&self, options: &str) -> Result<Burst, Error> {
-        Burst::open_with(std::slice::from_ref(&self.path), &given(options), &Monitor::default())
+        Burst::open_with(std::slice::from_ref(&self.path), &given(options), &quiet())
     }
 
     fn info(&self, options: &str) -> Info {
-        Info::of(std::slice::from_ref(&self.path), &given(options), &Monitor::default()).expect("described")
+        Info::of(std::slice::from_ref(&self.path), &given(options), &quiet()).expect("described")
     }
 
     /// Numbers of the pages that become frames.
@@ -316,7 +316,7 @@ fn what_is_not_opened_is_not_described_as_if_it_were() {
     let mut encoder = TiffEncoder::new(File::create(&made.path).expect("made")).expect("begins");
     let image = encoder.new_image::<colortype::CMYK8>(SIZE.0, SIZE.1).expect("a page");
     image.write_data(&[0; 4 * (SIZE.0 * SIZE.1) as usize]).expect("written");
-    let told = Info::of(std::slice::from_ref(&made.path), &OpenOptions::default(), &Monitor::default());
+    let told = Info::of(std::slice::from_ref(&made.path), &OpenOptions::default(), &quiet());
     assert_eq!(told.expect_err("refused").to_string(), made.refusal(""));
 }
 
@@ -347,7 +347,7 @@ fn the_mosaic_of_a_tiff_is_used_however_the_camera_was_held() {
             let size = if orientation < 5 { (4, 3) } else { (3, 4) };
             assert_eq!((file.info("").binning, file.info("").width), (2, size.0), "{pattern:?}");
             let blue = OpenOptions { raw_colour: RawColour::Blue, ..OpenOptions::default() };
-            let blue = Burst::open_with(std::slice::from_ref(&file.path), &blue, &Monitor::default()).expect("opens");
+            let blue = Burst::open_with(std::slice::from_ref(&file.path), &blue, &quiet()).expect("opens");
             assert_eq!((blue.size(), blue.len()), (size, 2));
             let is_blue = |value: &f32| (value * 65535.0 - 300.0).abs() < 0.1;
             assert!(blue.frames.iter().all(|frame| frame.data().iter().all(is_blue)), "{pattern:?}, {orientation}");
@@ -383,7 +383,7 @@ fn fits_files_tell_their_mosaic_their_colours_and_their_times() {
         let made = Made::new("t.fits", &image(&[card]));
         let second = Made::new("t.fits", &image(&[&card.replace("87.5", "88.5").replace("01T", "02T")]));
         fs::copy(&second.path, made.folder.path().join("u.fits")).expect("copied");
-        let info = Info::of(&[made.folder.path().to_path_buf()], &OpenOptions::default(), &Monitor::default());
+        let info = Info::of(&[made.folder.path().to_path_buf()], &OpenOptions::default(), &quiet());
         let info = info.expect("described");
         assert_eq!(info.times_s, [0.0, 86_400.0], "{card}");
         assert!(at > 0.0 && info.begins.expect("a time").starts_with("1970-01-01"), "{card}");
@@ -476,7 +476,7 @@ fn values_are_in_the_unit_of_the_file() {
         let file = pgm(largest, &values);
         let scaled =
             OpenOptions { full_scale: Some(largest as f32), black_level: Some(64.0), ..OpenOptions::default() };
-        let burst = Burst::open_with(std::slice::from_ref(&file.path), &scaled, &Monitor::default()).expect("opens");
+        let burst = Burst::open_with(std::slice::from_ref(&file.path), &scaled, &quiet()).expect("opens");
         let [black, white] = [0, 1].map(|u| burst.frames[0].at(u, 0));
         assert!(black == 0.0 && (white - 1.0).abs() < 1e-6, "{largest}: {black} and {white}");
         let plain = file.open("").expect("opens");

@@ -173,7 +173,7 @@ fn complex_samples_of_a_tiff_are_told_by_all_that_describes_it() {
     bytes.extend([0; 4 + 32]);
     fs::write(&path, &bytes).expect("written");
     failure(&path, &["complex", "magnitude"]);
-    let described = Info::of(&[path], &OpenOptions::default(), &Monitor::default()).expect_err("described as it opens");
+    let described = Info::of(&[path], &OpenOptions::default(), &quiet()).expect_err("described as it opens");
     assert!(described.problem.contains("complex"), "{described}");
 }
 
@@ -201,7 +201,7 @@ fn limits_are_checked_before_memory_is_taken() {
     let limits = Limits { max_side_px: 50, max_pixels: 1000, max_frames: 3, max_bytes: 8000 };
     let options = OpenOptions { limits, ..OpenOptions::default() };
     let fails = |path: &Path, word: &str| {
-        let error = Burst::open_with(&[path.into()], &options, &Monitor::default()).expect_err(word);
+        let error = Burst::open_with(&[path.into()], &options, &quiet()).expect_err(word);
         assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");
         assert!(error.to_string().contains(word), "{error}");
     };
@@ -222,7 +222,7 @@ fn limits_are_checked_before_memory_is_taken() {
     // Two frames at the edge of what is allowed open.
     fs::create_dir(at("edge")).expect("made");
     (0..2).for_each(|t| save(&at(&format!("edge/{t}.png")), &grey8(50, 20, 0)));
-    assert_eq!(Burst::open_with(&[at("edge")], &options, &Monitor::default()).expect("within the limits").len(), 2);
+    assert_eq!(Burst::open_with(&[at("edge")], &options, &quiet()).expect("within the limits").len(), 2);
     // A few bytes that announce a huge picture, against the default limits.
     fs::write(at("giant.pam"), "P7\nWIDTH 200000\nHEIGHT 200000\nDEPTH 1\nMAXVAL 255\nENDHDR\n").expect("written");
     assert_eq!(failure(&at("giant.pam"), &["200000×200000"]).kind, ErrorKind::TooLarge);
@@ -246,6 +246,6 @@ fn an_image_list_that_imagej_left_out_is_not_lost_silently() {
     drop(encoder);
     failure(&path, &["7 depths", "--axis Z"]);
     let along = OpenOptions { axis: Some("Z".parse().expect("an axis")), ..OpenOptions::default() };
-    let told = Burst::open_with(&[path], &along, &Monitor::default()).expect_err("they are not there").to_string();
+    let told = Burst::open_with(&[path], &along, &quiet()).expect_err("they are not there").to_string();
     assert!(told.contains("14 bytes of values are announced"), "{told}");
 }

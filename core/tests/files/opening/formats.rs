@@ -145,7 +145,7 @@ fn a_long_tiff_keeps_its_order() {
 fn thumbnails_in_a_tiff_are_left_out() {
     let folder = folder();
     let path = folder.path().join("with_thumbnail.tif");
-    let mut encoder = tiff::encoder::TiffEncoder::new(std::fs::File::create(&path).expect("created")).expect("begins");
+    let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
     encoder.write_image::<colortype::Gray8>(4, 2, &[7; 8]).expect("page");
     let mut thumbnail = encoder.new_image::<colortype::Gray8>(2, 1).expect("thumbnail");
     thumbnail.encoder().write_tag(tiff::tags::Tag::NewSubfileType, 1u32).expect("tag");
@@ -207,7 +207,7 @@ fn npy_of_other_byte_order_and_of_half_floats() {
         bytes.extend((header.len() as u16).to_le_bytes());
         bytes.extend(header.as_bytes());
         bytes.extend(data);
-        std::fs::write(&path, bytes).expect("written");
+        fs::write(&path, bytes).expect("written");
         Burst::open(&path).expect(descr).frames[0].data().to_vec()
     };
     assert_eq!(write(">u2", "(1, 2)", &[0x00, 0x01, 0xff, 0xff]), [1.0 / 65535.0, 1.0]);
@@ -239,7 +239,7 @@ fn tiffs_of_rarer_layouts() {
     let folder = folder();
     let path = folder.path().join("a.tif");
     let values = |bytes: Vec<u8>| {
-        std::fs::write(&path, bytes).expect("written");
+        fs::write(&path, bytes).expect("written");
         Burst::open(&path).map(|b| b.frames[0].data().to_vec())
     };
     // Grey of 16 bit in both byte orders; inverted grey.

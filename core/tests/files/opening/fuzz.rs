@@ -19,7 +19,7 @@ pub fn samples() -> &'static [(&'static str, Vec<u8>)] {
         names.iter().for_each(|name| save(&at(name), &grey8(9, 7, 3)));
         ["16.png", "16.pgm"].iter().for_each(|name| save(&at(name), &deep));
         ["c.png", "c.jpg", "c.bmp", "c.ppm", "c.webp"].iter().for_each(|name| save(&at(name), &colour));
-        std::fs::write(at("ascii.pnm"), "P2\n# words\n3 2\n15\n0 1 2\n13 14 15\n").expect("written");
+        fs::write(at("ascii.pnm"), "P2\n# words\n3 2\n15\n0 1 2\n13 14 15\n").expect("written");
         tiff_pages::<colortype::Gray16>(&at("16.tif"), (4, 3), &[vec![1; 12], vec![2; 12], vec![3; 12]]);
         tiff_pages::<colortype::Gray32Float>(&at("f.tif"), (4, 3), &[vec![0.5; 12], vec![0.25; 12]]);
         tiff_pages::<colortype::RGB8>(&at("c.tif"), (4, 3), &[vec![9; 36]]);
@@ -28,7 +28,7 @@ pub fn samples() -> &'static [(&'static str, Vec<u8>)] {
             ("deflate.tif", Compression::Deflate(DeflateLevel::Fast)),
             ("packbits.tif", Compression::Packbits),
         ] {
-            let file = std::fs::File::create(at(name)).expect("created");
+            let file = fs::File::create(at(name)).expect("created");
             let mut encoder = TiffEncoder::new(file).expect("begins").with_compression(compression);
             encoder.write_image::<colortype::Gray16>(4, 3, &[500; 12]).expect("page");
         }
@@ -37,7 +37,7 @@ pub fn samples() -> &'static [(&'static str, Vec<u8>)] {
         let all = names.iter().chain(&["16.png", "16.pgm", "c.png", "c.jpg", "c.bmp", "c.ppm", "c.webp", "ascii.pnm"]);
         let all =
             all.chain(&["16.tif", "f.tif", "c.tif", "lzw.tif", "deflate.tif", "packbits.tif", "u2.npy", "f8.npy"]);
-        let mut samples: Vec<_> = all.map(|name| (*name, std::fs::read(at(name)).expect("read"))).collect();
+        let mut samples: Vec<_> = all.map(|name| (*name, fs::read(at(name)).expect("read"))).collect();
         let planes: [&[u8]; 3] = [&[1; 12], &[2; 12], &[3; 12]];
         #[cfg(feature = "raw")]
         samples.push(("raw.dng", super::dng::Dng::new((12, 10), |u, v| (64 + 31 * u + 7 * v) as u16).bytes()));
@@ -80,9 +80,9 @@ fn seeds() -> &'static [(&'static str, Vec<u8>)] {
 fn open(name: &str, bytes: &[u8]) -> Result<Burst, Error> {
     let folder = folder();
     let path = folder.path().join(name);
-    std::fs::write(&path, bytes).expect("written");
+    fs::write(&path, bytes).expect("written");
     let limits = Limits { max_side_px: 512, max_pixels: 1 << 16, max_frames: 16, max_bytes: 1 << 22 };
-    Burst::open_with(&[path], &OpenOptions { limits, ..needed(name) }, &Monitor::default())
+    Burst::open_with(&[path], &OpenOptions { limits, ..needed(name) }, &quiet())
 }
 
 /// Options without which a sample does not open: what its file does not say.
@@ -159,14 +159,14 @@ fn a_part_of_each_sample_is_that_of_the_whole_however_long_it_is() {
     for (name, bytes) in samples() {
         let folder = folder();
         let path = folder.path().join(name);
-        std::fs::write(&path, bytes).expect("written");
+        fs::write(&path, bytes).expect("written");
         let opened = |take: &str, max_frames: usize| {
             let limits = Limits { max_frames, ..Limits::default() };
             let take = Some(take).filter(|take| !take.is_empty()).map(|take| take.parse().expect("a range"));
             // Where the file does not tell the range, it is that of the frames that are opened.
             let full_scale = Some(400.0).filter(|_| name.ends_with(".fits"));
             let options = OpenOptions { limits, take, full_scale, ..needed(name) };
-            Burst::open_with(std::slice::from_ref(&path), &options, &Monitor::default())
+            Burst::open_with(std::slice::from_ref(&path), &options, &quiet())
         };
         let whole = opened("", 4096).expect(name);
         let beyond = opened(&format!("0..{}", whole.len() + 1), 4096).expect_err("there are not as many").to_string();
@@ -192,14 +192,14 @@ fn a_part_of_each_sample_is_that_of_the_whole_however_long_it_is() {
     let folder = folder();
     (0..5u8).for_each(|t| save(&folder.path().join(format!("{t}.png")), &grey8(9, 7, t)));
     let options = OpenOptions { take: "3..4".parse().ok(), ..OpenOptions::default() };
-    let part = Burst::open_with(&[folder.path().into()], &options, &Monitor::default()).expect("a part");
+    let part = Burst::open_with(&[folder.path().into()], &options, &quiet()).expect("a part");
     assert_eq!((part.len(), &*part.frame_names[0]), (1, "3.png"));
     // A bias frame is taken whole.
     let bias = super::support::folder();
     save(&bias.path().join("bias.png"), &grey8(9, 7, 0));
     let with_bias = OpenOptions { bias: Some(bias.path().join("bias.png")), ..options.clone() };
-    Burst::open_with(&[folder.path().into()], &with_bias, &Monitor::default()).expect("a part with a bias frame");
-    let info = Info::of(&[folder.path().into()], &options, &Monitor::default()).expect("described");
+    Burst::open_with(&[folder.path().into()], &with_bias, &quiet()).expect("a part with a bias frame");
+    let info = Info::of(&[folder.path().into()], &options, &quiet()).expect("described");
     assert!(info.frames == 1 && info.taken.contains(&"the frames 3..4 are taken".to_owned()), "{info:?}");
 }
 

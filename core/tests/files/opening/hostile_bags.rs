@@ -106,7 +106,7 @@ fn failure(path: &Path) -> Error {
 }
 
 /// A file with these bytes, which goes with the folder.
-fn written(folder: &tempfile::TempDir, name: &str, bytes: &[u8]) -> std::path::PathBuf {
+fn written(folder: &tempfile::TempDir, name: &str, bytes: &[u8]) -> PathBuf {
     let path = folder.path().join(name);
     fs::write(&path, bytes).expect("written");
     path
@@ -220,7 +220,7 @@ fn a_database_whose_columns_compute_is_refused() {
 fn what_lies_beside_a_database_and_is_not_read_is_said() {
     let home = folder();
     let path = written(&home, "rows.db3", &sample_of("sqlite.db3"));
-    let info = |path: &Path| Info::of(&[path.to_owned()], &OpenOptions::default(), &Monitor::default());
+    let info = |path: &Path| Info::of(&[path.to_owned()], &OpenOptions::default(), &quiet());
     let notes = || info(&path).expect("described").text();
     assert!(!notes().contains("-wal"));
     let recorder = Connection::open(&path).expect("opened");

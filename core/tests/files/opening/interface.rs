@@ -42,7 +42,7 @@ fn floats_in_fractions_of_full_scale_are_not_copied() {
     let owner: Arc<dyn PixelOwner> = Arc::new(Owner(vec![0.25; 320]));
     let frame = || ArrayFrame::Floats(Plane::from_shared(20, 16, owner.clone()));
     let arrays = Arrays { frames: vec![frame(), frame()], ..Arrays::default() };
-    let burst = Burst::from_arrays("shared", arrays, &OpenOptions::default(), &Monitor::default()).expect("made");
+    let burst = Burst::from_arrays("shared", arrays, &OpenOptions::default(), &quiet()).expect("made");
     assert!(burst.frames.iter().all(|plane| std::ptr::eq(plane.data(), owner.pixels())));
     let mut changed = Plane::clone(&burst.frames[0]);
     (changed.data_mut()[3], changed.row_mut(1)[0]) = (9.0, 7.0);
@@ -53,7 +53,7 @@ fn floats_in_fractions_of_full_scale_are_not_copied() {
 fn faults_name_the_array() {
     let plane = |width, value| ArrayFrame::Floats(Plane::from_vec(width, 16, vec![value; width * 16]));
     let error = |arrays| {
-        let made = Burst::from_arrays("bad", arrays, &OpenOptions::default(), &Monitor::default());
+        let made = Burst::from_arrays("bad", arrays, &OpenOptions::default(), &quiet());
         made.expect_err("refused").to_string()
     };
     let with = |frames| Arrays { frames, ..Arrays::default() };
@@ -72,7 +72,7 @@ fn frames_and_size_are_those_of_the_opened_burst() {
         let path = home.path().join(format!("{t}.png"));
         image::GrayImage::from_pixel(9, 7, image::Luma([9])).save(path).expect("written");
     }
-    let of = |path: PathBuf| Info::of(&[path], &OpenOptions::default(), &Monitor::default());
+    let of = |path: PathBuf| Info::of(&[path], &OpenOptions::default(), &quiet());
     let shape = |info: &Info| (info.frames, info.width, info.height);
     let whole = of(home.path().to_path_buf()).expect("described");
     assert_eq!((shape(&whole), whole.files, &*whole.kind, &*whole.samples), ((3, 9, 7), 3, "PNG", "8 bit"));
@@ -83,7 +83,7 @@ fn frames_and_size_are_those_of_the_opened_burst() {
 
 #[test]
 fn times_are_said_in_words() {
-    let burst = Burst::from_planes("night", vec![burstscope_core::plane::Plane::zeros(2, 2)]);
+    let burst = Burst::from_planes("night", vec![Plane::zeros(2, 2)]);
     let mut info = Info::of_burst(&burst, "made");
     assert!(info.text().contains("not in the file"));
     (info.times_s, info.begins) = (vec![0.0, 0.5, 1.5], Some("2021-03-01T22:00:00.000Z".to_owned()));
@@ -156,17 +156,17 @@ fn dark(frames: u32, (width, height): (u32, u32)) -> Vec<u8> {
 fn the_right_shape_of_a_dark_dump_comes_first() {
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("night.bin");
-    std::fs::write(&path, dark(20, (320, 240))).expect("written");
-    let shapes = likely_shapes(&path, &Limits::default(), &Monitor::default()).expect("read");
+    fs::write(&path, dark(20, (320, 240))).expect("written");
+    let shapes = likely_shapes(&path, &Limits::default(), &quiet()).expect("read");
     let names: Vec<String> = shapes.iter().map(|shape| format!("{} {}", shape.dump, shape.likeness)).collect();
     assert!(shapes.len() > 3 && names[0].starts_with("320x240:u16le"), "{names:?}");
     assert_eq!((shapes[0].frames, shapes[0].first.size()), (20, (320, 240)));
     // Three rows side by side are the rows of a picture too, which repeats.
-    std::fs::write(&path, dark(9, (240, 180))).expect("written");
-    let shapes = likely_shapes(&path, &Limits::default(), &Monitor::default()).expect("read");
+    fs::write(&path, dark(9, (240, 180))).expect("written");
+    let shapes = likely_shapes(&path, &Limits::default(), &quiet()).expect("read");
     let names: Vec<String> = shapes.iter().map(|shape| format!("{} {}", shape.dump, shape.likeness)).collect();
     assert!(names[0].starts_with("240x180:u16le") && names[1].starts_with("720x540:u16le"), "{names:?}");
-    std::fs::write(&path, [7; 999]).expect("written");
-    assert!(likely_shapes(&path, &Limits::default(), &Monitor::default()).expect("read").is_empty());
-    assert!(likely_shapes(home.path().join("none").as_path(), &Limits::default(), &Monitor::default()).is_err());
+    fs::write(&path, [7; 999]).expect("written");
+    assert!(likely_shapes(&path, &Limits::default(), &quiet()).expect("read").is_empty());
+    assert!(likely_shapes(home.path().join("none").as_path(), &Limits::default(), &quiet()).is_err());
 }

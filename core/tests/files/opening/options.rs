@@ -6,7 +6,7 @@ use burstscope_core::export::write_tiff;
 use std::sync::Mutex;
 
 fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.into()], options, &Monitor::default())
+    Burst::open_with(&[path.into()], options, &quiet())
 }
 
 #[test]
@@ -127,7 +127,7 @@ fn a_mask_is_one_for_all_frames_or_one_for_each() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     for name in ["night", "masks/night", "flat masks", "own"] {
-        std::fs::create_dir_all(at(name)).expect("made");
+        fs::create_dir_all(at(name)).expect("made");
     }
     for t in 0..3 {
         save(&at(&format!("night/{t}.png")), &grey8(3, 2, 40 * t));
@@ -159,7 +159,7 @@ fn a_mask_is_one_for_all_frames_or_one_for_each() {
 fn a_mask_hides_0_alone_and_greys_and_labels_are_told() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
-    std::fs::create_dir(at("night")).expect("made");
+    fs::create_dir(at("night")).expect("made");
     for t in 0..2 {
         save(&at(&format!("night/{t}.png")), &grey8(40, 2, 40 * t));
     }
@@ -195,9 +195,9 @@ fn a_mask_hides_0_alone_and_greys_and_labels_are_told() {
     let soft = Array3::from_shape_fn((1, 2, 40), |(_, _, u)| if u < 8 { 0.0f32 } else { 0.2 + 0.02 * u as f32 });
     write_npy(at("soft.npy"), &soft).expect("written");
     assert_eq!((opened("soft.npy").0, opened("soft.npy").1.len()), (16, 1));
-    std::fs::create_dir(at("masks")).expect("made");
+    fs::create_dir(at("masks")).expect("made");
     for t in 0..2 {
-        std::fs::copy(at("labels.png"), at(&format!("masks/{t}.png"))).expect("copied");
+        fs::copy(at("labels.png"), at(&format!("masks/{t}.png"))).expect("copied");
     }
     assert_eq!((opened("masks").0, opened("masks").1.len()), (28, 1));
 }
@@ -207,7 +207,7 @@ fn a_bad_mask_is_an_error_with_its_name() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     for name in ["night", "few", "empty"] {
-        std::fs::create_dir(at(name)).expect("made");
+        fs::create_dir(at(name)).expect("made");
     }
     for t in 0..3 {
         save(&at(&format!("night/{t}.png")), &grey8(3, 2, 40 * t));
@@ -215,7 +215,7 @@ fn a_bad_mask_is_an_error_with_its_name() {
     save(&at("few/0.png.png"), &grey8(3, 2, 255));
     save(&at("wide.png"), &grey8(4, 2, 255));
     save(&at("black.png"), &image::GrayImage::new(3, 2));
-    std::fs::write(at("text.png"), "no picture").expect("written");
+    fs::write(at("text.png"), "no picture").expect("written");
     write_npy(at("two.npy"), &Array3::<u8>::ones((2, 2, 3))).expect("written");
     for (mask, words) in [
         ("wide.png", ["wide.png", "4×2", "3×2"]),
@@ -281,7 +281,7 @@ fn progress_counts_frames() {
 #[test]
 fn cancelling_stops_between_frames_of_folders_and_of_stacks() {
     let folder = folder();
-    std::fs::create_dir(folder.path().join("frames")).expect("made");
+    fs::create_dir(folder.path().join("frames")).expect("made");
     for t in 0..100 {
         save(&folder.path().join(format!("frames/{t}.png")), &grey8(3, 2, t));
     }
@@ -307,7 +307,7 @@ fn cancelling_stops_between_frames_of_folders_and_of_stacks() {
 }
 
 fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.into()], options, &Monitor::default())
+    Burst::open_with(&[path.into()], options, &quiet())
 }
 
 fn with_bias(bias: PathBuf) -> OpenOptions {

@@ -20,11 +20,11 @@ fn frames(names: &[impl AsRef<str>]) -> TempDir {
 }
 
 fn open(folder: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[folder.to_owned()], options, &Monitor::default())
+    Burst::open_with(&[folder.to_owned()], options, &quiet())
 }
 
 fn info(folder: &Path, options: &OpenOptions) -> Result<Info, Error> {
-    Info::of(&[folder.to_owned()], options, &Monitor::default())
+    Info::of(&[folder.to_owned()], options, &quiet())
 }
 
 /// Asserts that `names`, which are in the order of their times, open in it by `--times names`, `seconds` after the first.

@@ -6,7 +6,7 @@ use image::{ExtendedColorType, ImageEncoder, RgbImage};
 
 fn linearised(path: &Path) -> Burst {
     let options = OpenOptions { linearise: true, ..OpenOptions::default() };
-    Burst::open_with(&[path.into()], &options, &Monitor::default()).expect("opens")
+    Burst::open_with(&[path.into()], &options, &quiet()).expect("opens")
 }
 
 #[test]
@@ -74,12 +74,12 @@ fn pictures_are_turned_as_the_camera_was_held() {
     ];
     for (orientation, size, (u, v)) in cases {
         let png = folder.path().join(format!("{orientation}.png"));
-        let mut encoder = image::codecs::png::PngEncoder::new(std::fs::File::create(&png).expect("created"));
+        let mut encoder = image::codecs::png::PngEncoder::new(fs::File::create(&png).expect("created"));
         encoder.set_exif_metadata(exif(orientation)).expect("PNG has a place for it");
         encoder.write_image(&pixels, 3, 2, ExtendedColorType::L8).expect("written");
         let tiff = folder.path().join(format!("{orientation}.tif"));
         let bytes = super::support::raw_tiff(false, (3, 2), &[8], &[(262, 1), (274, orientation)], &[&pixels]);
-        std::fs::write(&tiff, bytes).expect("written");
+        fs::write(&tiff, bytes).expect("written");
         for path in [png, tiff] {
             let burst = Burst::open(&path).expect("opens");
             assert_eq!(burst.size(), size, "{}", path.display());
@@ -153,7 +153,7 @@ fn planes_in_tiles_open_at_any_size() {
     let path = folder.path().join("tiled.tif");
     for size in [(16, 16), (32, 16), (21, 37), (5, 3), (33, 16)] {
         // Grey, so that luma is the value itself.
-        std::fs::write(&path, tiled_planar(size, |_, u, v| (7 * v + 3 * u) as u8)).expect("written");
+        fs::write(&path, tiled_planar(size, |_, u, v| (7 * v + 3 * u) as u8)).expect("written");
         let burst = Burst::open(&path).unwrap_or_else(|e| panic!("{size:?}: {e}"));
         assert_eq!(burst.size(), size);
         for v in 0..size.1 {
@@ -166,7 +166,7 @@ fn planes_in_tiles_open_at_any_size() {
             }
         }
         // Each plane is at its place.
-        std::fs::write(&path, tiled_planar(size, |plane, _, _| if plane == 1 { 255 } else { 0 })).expect("written");
+        fs::write(&path, tiled_planar(size, |plane, _, _| if plane == 1 { 255 } else { 0 })).expect("written");
         let green = Burst::open(&path).expect("opens");
         assert!(green.frames[0].data().iter().all(|v| (v - 0.7152).abs() < 1e-5));
     }
@@ -185,7 +185,7 @@ fn a_film_that_is_none_is_refused_and_ffmpeg_is_named() {
     ];
     for (name, start) in starts {
         let path = folder.path().join(name);
-        std::fs::write(&path, start).expect("written");
+        fs::write(&path, start).expect("written");
         let error = open(&[path]).expect_err(name);
         // What ffmpeg says about it, or that there is no ffmpeg.
         let words = error.to_string();
@@ -193,7 +193,7 @@ fn a_film_that_is_none_is_refused_and_ffmpeg_is_named() {
     }
     // A still picture in the same container is no film, but cannot be opened either.
     let heic = folder.path().join("g.heic");
-    std::fs::write(&heic, b"\0\0\0\x18ftypheic\0\0\0\0mif1heic").expect("written");
+    fs::write(&heic, b"\0\0\0\x18ftypheic\0\0\0\0mif1heic").expect("written");
     assert!(open(&[heic]).expect_err("of another kind").problem.contains("not a picture of a kind"));
     assert!(
         find_bursts(&[folder.path().join("e.gif")], &OpenOptions::default()).is_ok(),

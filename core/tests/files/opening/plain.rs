@@ -71,11 +71,11 @@ impl Opened {
     }
 
     fn open(&self, options: &OpenOptions) -> Result<Burst, Error> {
-        Burst::open_with(std::slice::from_ref(&self.path), options, &Monitor::default())
+        Burst::open_with(std::slice::from_ref(&self.path), options, &quiet())
     }
 
     fn info(&self, options: &OpenOptions) -> Info {
-        Info::of(std::slice::from_ref(&self.path), options, &Monitor::default()).expect("described")
+        Info::of(std::slice::from_ref(&self.path), options, &quiet()).expect("described")
     }
 
     /// The message of its failure, which names the file.
@@ -159,7 +159,7 @@ fn folders_of_files_without_header_are_frames_or_bursts() {
         fs::write(home.path().join(format!("f{t}.raw")), [t; 12]).expect("written");
     }
     let paths = [home.path().to_path_buf()];
-    let burst = Burst::open_with(&paths, &raw("4x3:u8"), &Monitor::default()).expect("three frames");
+    let burst = Burst::open_with(&paths, &raw("4x3:u8"), &quiet()).expect("three frames");
     assert_eq!((burst.len(), burst.frame_names[2].as_str()), (3, "f2.raw"));
     assert_eq!(find_bursts(&paths, &raw("2x3:u8")).expect("bursts").len(), 3, "each holds two frames");
     // In a dataset, files of which nobody says that they are frames are no burst; nor is what lies beside its folders.
@@ -209,17 +209,17 @@ fn a_mosaic_is_binned_in_every_kind_of_file() {
         {
             let options = OpenOptions { mosaic: Some(Mosaic::Grbg), raw_colour: colour, ..raw("4x4:u8") };
             let paths = [home.path().join(name)];
-            let burst = Burst::open_with(&paths, &options, &Monitor::default()).expect(name);
+            let burst = Burst::open_with(&paths, &options, &quiet()).expect(name);
             assert_eq!((burst.size(), burst.binning), ((2, 2), 2), "{name}");
             assert_close(&values(&burst), &[expected; 4]);
-            let info = Info::of(&paths, &options, &Monitor::default()).expect(name);
+            let info = Info::of(&paths, &options, &quiet()).expect(name);
             assert_eq!((info.width, info.height, info.binning), (2, 2, 2), "{name}");
         }
     }
     let colours = home.path().join("c.png");
     save(&colours, &image::RgbImage::from_pixel(4, 4, image::Rgb([1, 2, 3])));
     let options = OpenOptions { mosaic: Some(Mosaic::Rggb), ..plain() };
-    let error = Burst::open_with(&[colours], &options, &Monitor::default()).expect_err("colours");
+    let error = Burst::open_with(&[colours], &options, &quiet()).expect_err("colours");
     assert!(error.kind == ErrorKind::Unsupported && error.problem.contains("colours already"), "{error}");
 }
 
@@ -227,7 +227,7 @@ fn a_mosaic_is_binned_in_every_kind_of_file() {
 fn arrays_have_frames_first_or_last_and_colours() {
     let home = folder();
     let path = home.path().join("a.npy");
-    let open = |options: &OpenOptions| Burst::open_with(std::slice::from_ref(&path), options, &Monitor::default());
+    let open = |options: &OpenOptions| Burst::open_with(std::slice::from_ref(&path), options, &quiet());
     let last = Array3::from_shape_fn((24, 16, 2), |(v, u, t)| (v * 100 + u * 5 + t) as u16);
     write_npy(&path, &last).expect("written");
     let burst = open(&plain()).expect("opens");
@@ -275,7 +275,7 @@ fn archives_hold_one_array_of_frames() {
     npz.add_array("a", &Array3::<u8>::ones((2, 3, 4))).expect("written");
     npz.add_array("b", &Array3::<u8>::zeros((5, 3, 4))).expect("written");
     npz.finish().expect("written");
-    let open = |options: &OpenOptions| Burst::open_with(std::slice::from_ref(&path), options, &Monitor::default());
+    let open = |options: &OpenOptions| Burst::open_with(std::slice::from_ref(&path), options, &quiet());
     assert!(open(&plain()).expect_err("two").to_string().contains("--array NAME"));
     assert_eq!(open(&array("b")).expect("chosen").len(), 5);
 }
@@ -514,7 +514,7 @@ fn films_are_decoded_by_ffmpeg_with_all_bits() {
     let arguments = ["-v", "error", "-f", "lavfi", "-i", source, "-c:v", "ffv1", "-pix_fmt", "bgr0"];
     let made = std::process::Command::new("ffmpeg").args(arguments).arg(&path).status().expect("ffmpeg runs");
     assert!(made.success());
-    let burst = Burst::open_with(&[path], &plain(), &Monitor::default()).expect("opens");
+    let burst = Burst::open_with(&[path], &plain(), &quiet()).expect("opens");
     assert_eq!((burst.len(), burst.size()), (3, (16, 12)));
     assert!(burst.frames.iter().all(|frame| frame.data().iter().all(|v| (v - 0.2126).abs() < 0.001)));
     let cut = sample!("grey16.mkv");
@@ -545,7 +545,7 @@ fn what_is_not_asked_for_is_read_by_name() {
         fs::write(home.path().join(name), bytes).expect("written");
     }
     assert_eq!(Burst::open(home.path()).expect("opens").len(), 3);
-    let of = |name: &str| Info::of(&[home.path().join(name)], &plain(), &Monitor::default());
+    let of = |name: &str| Info::of(&[home.path().join(name)], &plain(), &quiet());
     assert!(of("times.dat").is_err() && of("0.png").is_ok_and(|info| info.kind == "PNG"));
     assert!(Path::new(&of("0.png").expect("described").name).extension().is_none());
 }

@@ -13,7 +13,7 @@ fn options_for(name: &str) -> OpenOptions {
 }
 
 fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.to_path_buf()], options, &Monitor::default())
+    Burst::open_with(&[path.to_path_buf()], options, &quiet())
 }
 
 fn taking(options: &OpenOptions) -> OpenOptions {
@@ -164,13 +164,13 @@ fn any_number_of_frames_is_described_at_once_and_taken_in_part() {
         fs::write(&path, start).expect("written");
         fs::File::options().write(true).open(&path).expect("opened").set_len(length).expect("a long file");
         let options = options_for(name);
-        let info = Info::of(std::slice::from_ref(&path), &options, &Monitor::default());
+        let info = Info::of(std::slice::from_ref(&path), &options, &quiet());
         match info {
             Ok(info) => assert_eq!(info.frames, frames, "{name}"),
             // Without a part it is refused for its number of frames.
             Err(error) => assert!(error.to_string().contains(&format!("{frames} frames")), "{error}"),
         }
-        let info = Info::of(std::slice::from_ref(&path), &taking(&options), &Monitor::default()).expect(name);
+        let info = Info::of(std::slice::from_ref(&path), &taking(&options), &quiet()).expect(name);
         assert_eq!(info.frames, 2, "{name}");
         assert!(open(&path, &options).expect_err("too many").to_string().contains("4096 frames"), "{name}");
         assert_eq!(open(&path, &taking(&options)).expect(name).len(), 2, "{name}");
@@ -324,8 +324,7 @@ fn a_film_that_is_cut_within_its_times_says_so() {
     let whole = opened("film.ser", &film).expect("whole");
     let folder = folder();
     let path = folder.path().join("film.ser");
-    let info =
-        || Info::of(std::slice::from_ref(&path), &OpenOptions::default(), &Monitor::default()).expect("described");
+    let info = || Info::of(std::slice::from_ref(&path), &OpenOptions::default(), &quiet()).expect("described");
     fs::write(&path, &film).expect("written");
     assert!(info().times_s.len() == whole.len() && !info().taken.iter().any(|note| note.contains("cut")));
     fs::write(&path, &film[..film.len() - 1]).expect("written");

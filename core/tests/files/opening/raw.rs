@@ -4,7 +4,7 @@ use super::dng::{Dng, sensor_values};
 use super::support::*;
 
 fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.into()], options, &Monitor::default())
+    Burst::open_with(&[path.into()], options, &quiet())
 }
 
 /// Red 164, green 264 and 364, blue 564, in every square.
@@ -16,7 +16,7 @@ fn colours(u: usize, v: usize) -> u16 {
 fn squares_are_binned_and_colours_are_kept_apart() {
     let folder = folder();
     let path = folder.path().join("a.dng");
-    std::fs::write(&path, Dng::new((8, 6), colours).bytes()).expect("written");
+    fs::write(&path, Dng::new((8, 6), colours).bytes()).expect("written");
     let range = 1023.0 - 64.0;
     for (colour, expected) in [
         (RawColour::Luma, (100.0 + 200.0 + 300.0 + 500.0) / 4.0 / range),
@@ -42,7 +42,7 @@ fn black_levels_are_those_of_each_colour_and_below_them_is_negative() {
         black: [64, 70, 80, 100],
         ..Dng::new((4, 2), |u, v| if u < 2 { [54, 60, 70, 90][u % 2 + v * 2] } else { 1023 })
     };
-    std::fs::write(&path, dng.bytes()).expect("written");
+    fs::write(&path, dng.bytes()).expect("written");
     let burst = opened(&path, &OpenOptions::default()).expect("opens");
     let dark = -10.0 * [64.0, 70.0, 80.0, 100.0].map(|black: f32| 1.0 / (1023.0 - black)).iter().sum::<f32>() / 4.0;
     assert!((burst.frames[0].at(0, 0) - dark).abs() < 1e-6, "{}", burst.frames[0].at(0, 0));
@@ -67,7 +67,7 @@ fn columns_and_rows_have_black_levels_of_their_own() {
     };
     let dng = Dng { active: Some([0, 1, 2, 5]), ..Dng::new((5, 2), value) };
     let dng = Dng { black_steps: [columns.clone(), rows.clone()], mosaic: None, ..dng };
-    std::fs::write(&path, dng.bytes()).expect("written");
+    fs::write(&path, dng.bytes()).expect("written");
     let burst = opened(&path, &OpenOptions::default()).expect("opens");
     for (v, row) in rows.iter().enumerate() {
         for (u, column) in columns.iter().enumerate() {
@@ -80,7 +80,7 @@ fn columns_and_rows_have_black_levels_of_their_own() {
     let own = OpenOptions { black_level: Some(0.0), ..OpenOptions::default() };
     let value = f32::from(64 + 500 + columns[1] + rows[0]) / 1023.0;
     assert!((opened(&path, &own).expect("opens").frames[0].at(1, 0) - value).abs() < 1e-6);
-    std::fs::write(&path, Dng { black_steps: [vec![1; 3], Vec::new()], ..dng }.bytes()).expect("written");
+    fs::write(&path, Dng { black_steps: [vec![1; 3], Vec::new()], ..dng }.bytes()).expect("written");
     let error = opened(&path, &OpenOptions::default()).expect_err("a column has none").to_string();
     assert!(error.contains("black levels of columns and rows") && error.contains("4×2"), "{error}");
 }
@@ -92,12 +92,12 @@ fn the_active_area_is_taken_wherever_it_begins() {
     // Two masked rows above and three masked columns at the left: the mosaic begins after them.
     let masked = |u: usize, v: usize| if u < 3 || v < 2 { 64 } else { colours(u - 3, v - 2) };
     let dng = Dng { active: Some([2, 3, 8, 11]), ..Dng::new((12, 9), masked) };
-    std::fs::write(&path, dng.bytes()).expect("written");
+    fs::write(&path, dng.bytes()).expect("written");
     let burst = opened(&path, &OpenOptions { raw_colour: RawColour::Blue, ..OpenOptions::default() }).expect("opens");
     assert_eq!(burst.size(), (4, 3));
     assert!(burst.frames[0].data().iter().all(|v| (v - 500.0 / 959.0).abs() < 1e-6), "{:?}", burst.frames[0].data());
     // With a camera held upright, columns and rows are exchanged.
-    std::fs::write(&path, Dng { orientation: 6, ..dng }.bytes()).expect("written");
+    fs::write(&path, Dng { orientation: 6, ..dng }.bytes()).expect("written");
     assert_eq!(opened(&path, &OpenOptions::default()).expect("opens").size(), (3, 4));
     let single = OpenOptions { mosaic: Some(Mosaic::None), ..OpenOptions::default() };
     assert_eq!(opened(&path, &single).expect("opens").size(), (6, 8));
@@ -107,7 +107,7 @@ fn the_active_area_is_taken_wherever_it_begins() {
 fn a_sensor_without_colours_is_not_binned() {
     let folder = folder();
     let path = folder.path().join("a.dng");
-    std::fs::write(&path, Dng { mosaic: None, ..Dng::new((5, 3), |u, v| 64 + (10 * v + u) as u16) }.bytes())
+    fs::write(&path, Dng { mosaic: None, ..Dng::new((5, 3), |u, v| 64 + (10 * v + u) as u16) }.bytes())
         .expect("written");
     let burst = opened(&path, &OpenOptions::default()).expect("opens");
     assert_eq!((burst.size(), burst.binning), ((5, 3), 1));
@@ -120,12 +120,12 @@ fn a_folder_of_raw_frames_is_a_burst_with_bias_and_features() {
     let params =
         ChartParams { width: 96, height: 72, discs: 4, frames: 5, snr: 6.0, seed: 3, ..ChartParams::default() };
     let params = ChartParams { radius: 3.0..=6.0, max_slope: 1.0, ..params };
-    let (chart, _) = synth_chart(&params, &Monitor::default()).expect("a chart");
+    let (chart, _) = synth_chart(&params, &quiet()).expect("a chart");
     let night = folder.path().join("night");
-    std::fs::create_dir(&night).expect("made");
+    fs::create_dir(&night).expect("made");
     for (t, frame) in chart.frames.iter().enumerate() {
         let dng = Dng { white: 16_383, ..Dng::new((192, 144), sensor_values(frame, 64.0, 16_383.0)) };
-        std::fs::write(night.join(format!("payload_N{t:03}.dng")), dng.bytes()).expect("written");
+        fs::write(night.join(format!("payload_N{t:03}.dng")), dng.bytes()).expect("written");
     }
     let burst = Burst::open(&night).expect("opens");
     assert_eq!((burst.len(), burst.size(), burst.binning), (5, (96, 72), 2));
@@ -133,11 +133,11 @@ fn a_folder_of_raw_frames_is_a_burst_with_bias_and_features() {
         assert!((found - made.max(-64.0 / 16_319.0)).abs() < 1.0 / 16_319.0, "{found} instead of {made}");
     }
     let search = DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() };
-    let found = burstscope_core::detect(&burst, &search, &Monitor::default()).expect("searched");
+    let found = detect(&burst, &search, &quiet()).expect("searched");
     assert!(found.features.len() >= 3, "{} features", found.features.len());
     // A bias frame of the same camera; one of another kind is refused.
     let bias = folder.path().join("bias.dng");
-    std::fs::write(&bias, Dng { white: 16_383, ..Dng::new((192, 144), |_, _| 164) }.bytes()).expect("written");
+    fs::write(&bias, Dng { white: 16_383, ..Dng::new((192, 144), |_, _| 164) }.bytes()).expect("written");
     let with = OpenOptions { bias: Some(bias.clone()), ..OpenOptions::default() };
     let less = opened(&night, &with).expect("opens");
     let difference = burst.frames[0].at(9, 9) - less.frames[0].at(9, 9);
@@ -154,11 +154,11 @@ fn damaged_and_huge_files_are_errors() {
     let path = folder.path().join("a.dng");
     let whole = Dng::new((16, 12), colours).bytes();
     let small = Limits { max_side_px: 8, ..Limits::default() };
-    std::fs::write(&path, &whole).expect("written");
+    fs::write(&path, &whole).expect("written");
     let error = opened(&path, &OpenOptions { limits: small, ..OpenOptions::default() }).expect_err("too large");
     assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");
     for length in [0, 4, 9, 60, 200, 300, whole.len() - 30, whole.len() - 1] {
-        std::fs::write(&path, &whole[..length]).expect("written");
+        fs::write(&path, &whole[..length]).expect("written");
         if let Err(error) = opened(&path, &OpenOptions::default()) {
             assert!(error.to_string().contains("a.dng"), "{error}");
         } else {

@@ -34,7 +34,7 @@ pub fn tiff_pages<C: ColorType>(path: &Path, size: (u32, u32), pages: &[Vec<C::I
 where
     [C::Inner]: TiffValue,
 {
-    let file = std::fs::File::create(path).expect("created");
+    let file = fs::File::create(path).expect("created");
     let mut encoder = TiffEncoder::new(file).expect("a TIFF begins");
     for page in pages {
         encoder.write_image::<C>(size.0, size.1, page).expect("a page is written");
@@ -43,7 +43,7 @@ where
 
 /// Opens files with the default options.
 pub fn open(paths: &[PathBuf]) -> Result<Burst, Error> {
-    Burst::open_with(paths, &OpenOptions::default(), &Monitor::default())
+    Burst::open_with(paths, &OpenOptions::default(), &quiet())
 }
 
 /// Asserts that two lists are equal within a part in a million.

@@ -8,7 +8,7 @@ fn options(times: &str) -> OpenOptions {
 }
 
 fn open(folder: &Path, times: &str) -> Result<Burst, Error> {
-    Burst::open_with(&[folder.to_owned()], &options(times), &Monitor::default())
+    Burst::open_with(&[folder.to_owned()], &options(times), &quiet())
 }
 
 /// Opens frames of these names in a folder that also holds `list` as `list.txt`.
@@ -17,7 +17,7 @@ fn with_list(names: &[&str], list: &str, times: &str) -> Result<Burst, Error> {
     for (t, name) in names.iter().enumerate() {
         save(&home.path().join(name), &grey8(16, 16, 30 * t as u8));
     }
-    std::fs::write(home.path().join("list.txt"), list).expect("written");
+    fs::write(home.path().join("list.txt"), list).expect("written");
     open(home.path(), times)
 }
 
@@ -101,13 +101,13 @@ fn files_hold_times() {
         ("1.jpg", include_bytes!("samples/exif_1.jpg")),
         ("2.jpg", include_bytes!("samples/exif_2.jpg")),
     ] {
-        std::fs::write(home.path().join(name), bytes).expect("written");
+        fs::write(home.path().join(name), bytes).expect("written");
     }
     let (positions, interval_s, _) = timed(open(home.path(), "exif"));
     assert_eq!(positions, [0.0, 1.0, 3.0]);
     assert!((interval_s - 0.25).abs() < 1e-6, "{interval_s}");
     assert!(open(home.path(), "even").expect("a burst").positions.is_even());
-    let info = Info::of(&[home.path().to_owned()], &OpenOptions::default(), &Monitor::default()).expect("described");
+    let info = Info::of(&[home.path().to_owned()], &OpenOptions::default(), &quiet()).expect("described");
     assert_eq!((info.positions.clone(), info.are_times_used), (vec![0.0, 1.0, 3.0], false));
     let text = info.text();
     for part in
@@ -121,14 +121,14 @@ fn files_hold_times() {
         ("1.tif", include_bytes!("samples/dated_1.tif")),
         ("2.tif", include_bytes!("samples/dated_2.tif")),
     ] {
-        std::fs::write(home.path().join(name), bytes).expect("written");
+        fs::write(home.path().join(name), bytes).expect("written");
     }
     assert_eq!(timed(open(home.path(), "header")).0, [0.0, 1.0, 3.0]);
     let film = home.path().join("film.ser");
-    std::fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
-    let info = Info::of(std::slice::from_ref(&film), &options("header"), &Monitor::default()).expect("described");
+    fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
+    let info = Info::of(std::slice::from_ref(&film), &options("header"), &quiet()).expect("described");
     assert!(info.are_times_used && info.interval_s.is_some(), "{info:?}");
-    let burst = Burst::open_with(&[film], &options("header"), &Monitor::default()).expect("a film");
+    let burst = Burst::open_with(&[film], &options("header"), &quiet()).expect("a film");
     assert_eq!(burst.positions.since_first(), info.positions);
 }
 
@@ -154,12 +154,12 @@ fn what_is_wrong_is_named_with_file_and_line() {
     }
     let home = folder();
     let film = home.path().join("film.ser");
-    std::fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
-    std::fs::write(home.path().join("list.txt"), "3\n2\n1\n0\n").expect("written");
-    let opened = |times: &str| Burst::open_with(std::slice::from_ref(&film), &options(times), &Monitor::default());
+    fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
+    fs::write(home.path().join("list.txt"), "3\n2\n1\n0\n").expect("written");
+    let opened = |times: &str| Burst::open_with(std::slice::from_ref(&film), &options(times), &quiet());
     let count = opened("even").expect("a film").len();
     let falling: String = (0..count).map(|t| format!("{}\n", count - t)).collect();
-    std::fs::write(home.path().join("list.txt"), falling).expect("written");
+    fs::write(home.path().join("list.txt"), falling).expect("written");
     let error = opened("list.txt").expect_err("it falls").to_string();
     assert!(error.contains("lines 1 and 2: frame 0 and frame 1 are not in the order of their times"), "{error}");
     assert!(opened("names").expect_err("one file").to_string().contains("holds all"), "one name");

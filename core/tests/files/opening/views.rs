@@ -23,7 +23,7 @@ fn options(views: &str) -> OpenOptions {
 }
 
 fn open(path: &Path, views: &str) -> Result<Burst, Error> {
-    Burst::open_with(&[path.to_owned()], &options(views), &Monitor::default())
+    Burst::open_with(&[path.to_owned()], &options(views), &quiet())
 }
 
 /// A folder of views whose names `name` makes.
@@ -53,9 +53,9 @@ fn names_arrays_and_pictures_of_all_views_give_the_same_light_field() {
     assert!(is_whole(&burst) && burst.taken[0].contains("3 rows and 5 columns"), "{:?}", burst.taken);
     assert!(is_whole(&open(usual.path(), "3x5").expect("a light field")));
     let mut files: Vec<PathBuf> =
-        std::fs::read_dir(usual.path()).expect("read").map(|e| e.expect("an entry").path()).collect();
+        fs::read_dir(usual.path()).expect("read").map(|e| e.expect("an entry").path()).collect();
     files.sort_by(|a, b| b.cmp(a));
-    let backwards = Burst::open_with(&files, &options(""), &Monitor::default()).expect("a light field");
+    let backwards = Burst::open_with(&files, &options(""), &quiet()).expect("a light field");
     assert!(is_whole(&backwards) && backwards.frame_names[0] == "view_00_00.png");
     let others = views(|row, column| format!("shot_{row}_{column}_{}.5.png", 9 - column));
     assert!(is_whole(&open(others.path(), "names").expect("a light field")));
@@ -80,7 +80,7 @@ fn names_arrays_and_pictures_of_all_views_give_the_same_light_field() {
         let burst = open(&path(name), views).expect("a light field");
         assert!(is_whole(&burst), "{name} {views}: {:?}", burst.positions);
         assert!(burst.frame_names[COLUMNS].ends_with("[1, 0]"), "{:?}", burst.frame_names);
-        let info = Info::of(&[path(name)], &options(views), &Monitor::default()).expect("described");
+        let info = Info::of(&[path(name)], &options(views), &quiet()).expect("described");
         assert_eq!((info.frames, info.width, info.height, info.views), (15, SIZE.0, SIZE.1, Some([ROWS, COLUMNS])));
         assert!(info.text().contains("views   3 rows × 5 columns"), "{}", info.text());
     }
@@ -89,7 +89,7 @@ fn names_arrays_and_pictures_of_all_views_give_the_same_light_field() {
         ArrayFrame::of_u8(SIZE.0, SIZE.1, pixels.collect::<Vec<_>>().into_iter())
     });
     let arrays = Arrays { frames: frames.collect(), ..Arrays::default() };
-    let made = Burst::from_arrays("made", arrays, &options("3x5"), &Monitor::default()).expect("made");
+    let made = Burst::from_arrays("made", arrays, &options("3x5"), &quiet()).expect("made");
     assert!(is_whole(&made));
 }
 
@@ -106,17 +106,15 @@ fn pictures_of_all_views_are_bursts_of_a_dataset_and_one_row_is_a_burst() {
     let usual = views(|row, column| format!("{row}_{column}.png"));
     let burst = open(usual.path(), "1x15").expect("a burst");
     assert_eq!(burst.positions, Positions::even(15));
-    assert!(
-        Info::of(&[usual.path().to_owned()], &options("1x15"), &Monitor::default()).expect("described").views.is_none()
-    );
+    assert!(Info::of(&[usual.path().to_owned()], &options("1x15"), &quiet()).expect("described").views.is_none());
 }
 
 #[test]
 fn what_is_no_light_field_is_refused_with_a_remedy() {
     let usual = views(|row, column| format!("view_{row}_{column}.png"));
     let refused = |path: &Path, options: &OpenOptions| {
-        let opened = Burst::open_with(&[path.to_owned()], options, &Monitor::default());
-        let described = Info::of(&[path.to_owned()], options, &Monitor::default());
+        let opened = Burst::open_with(&[path.to_owned()], options, &quiet());
+        let described = Info::of(&[path.to_owned()], options, &quiet());
         let error = opened.expect_err("refused").to_string();
         assert_eq!(described.expect_err("refused").to_string(), error);
         error
@@ -136,7 +134,7 @@ fn what_is_no_light_field_is_refused_with_a_remedy() {
     assert!(refused(&array, &OpenOptions::default()).contains("--views ROWSxCOLUMNS"));
     assert!(open(&array, "4x3").is_ok());
     let paths: Vec<PathBuf> = vec![file.clone(), file];
-    let several = Burst::open_with(&paths, &options("3x5"), &Monitor::default()).expect_err("two files");
+    let several = Burst::open_with(&paths, &options("3x5"), &quiet()).expect_err("two files");
     assert!(several.to_string().contains("15 views, but there are 2 frames"), "{several}");
 }
 
@@ -145,7 +143,7 @@ fn named(names: &[&str], views: &str) -> Result<(Positions, Vec<String>), Error>
     let home = folder();
     names.iter().for_each(|name| save(&home.path().join(name), &picture((4, 3), |u, v| (u + v) as u8)));
     let files: Vec<PathBuf> = names.iter().map(|name| home.path().join(name)).collect();
-    let burst = Burst::open_with(&files, &options(views), &Monitor::default())?;
+    let burst = Burst::open_with(&files, &options(views), &quiet())?;
     Ok((burst.positions, burst.frame_names))
 }
 
