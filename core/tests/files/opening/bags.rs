@@ -43,34 +43,19 @@ pub fn stereo() -> (&'static str, Vec<u8>) {
 const TIMES_S: [f64; 5] = [0.0, 0.04, 0.08, 0.2, 0.24];
 const METADATA: &str = include_str!("samples/bag_metadata.yaml");
 
-struct Opened {
-    path: PathBuf,
-    _folder: tempfile::TempDir,
+/// A sample by its name.
+fn named(name: &str) -> Made {
+    Made::new(name, &sample_of(name))
 }
 
-impl Opened {
-    fn new((name, bytes): (&str, Vec<u8>)) -> Self {
-        let folder = folder();
-        let path = folder.path().join(name);
-        fs::write(&path, bytes).expect("written");
-        Self { path, _folder: folder }
+impl Made {
+    fn opened(&self) -> Burst {
+        self.open(&OpenOptions::default()).expect("opens")
     }
 
-    fn named(name: &str) -> Self {
-        Self::new(samples().into_iter().find(|(own, _)| *own == name).expect("a sample"))
+    fn described(&self) -> Info {
+        self.info(&OpenOptions::default())
     }
-
-    fn open(&self) -> Burst {
-        open(&self.path, &OpenOptions::default()).expect("opens")
-    }
-
-    fn info(&self) -> Info {
-        Info::of(std::slice::from_ref(&self.path), &OpenOptions::default(), &quiet()).expect("described")
-    }
-}
-
-pub fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.to_owned()], options, &quiet())
 }
 
 fn topic(name: &str) -> OpenOptions {
@@ -105,28 +90,28 @@ fn binned(samples: &[f32]) -> Vec<f32> {
 
 #[test]
 fn frames_of_every_encoding_and_compression_are_those_that_were_sent() {
-    let burst = Opened::named("mono16.bag").open();
+    let burst = named("mono16.bag").opened();
     assert_eq!((burst.size(), burst.full_scale, burst.encoding), ((24, 16), 65535.0, Encoding::Linear));
     assert_frames(&burst, |t| samples_of(t, 1, 65535));
     for name in ["sqlite.db3", "png_loose.mcap"] {
-        assert_frames(&Opened::named(name).open(), |t| samples_of(t, 1, 65535));
+        assert_frames(&named(name).opened(), |t| samples_of(t, 1, 65535));
     }
     for (name, most) in [("bayer_lz4.bag", 255), ("bayer16.mcap", 65535)] {
-        let burst = Opened::named(name).open();
+        let burst = named(name).opened();
         assert_eq!((burst.size(), burst.binning), ((12, 8), 2), "{name}");
         assert_frames(&burst, |t| binned(&samples_of(t, 1, most)));
     }
     for (name, channels) in [("bgr8_lz4.mcap", 3), ("squeezed.db3", 4)] {
-        let burst = Opened::named(name).open();
+        let burst = named(name).opened();
         assert_eq!(burst.encoding, Encoding::Srgb, "{name}");
         // Blue comes first, and alpha last.
         let luma = |pixel: &[f32]| 0.0722 * pixel[0] + 0.7152 * pixel[1] + 0.2126 * pixel[2];
         assert_frames(&burst, |t| samples_of(t, channels, 255).chunks(channels).map(luma).collect());
     }
-    let burst = Opened::named("float_big.mcap").open();
+    let burst = named("float_big.mcap").opened();
     assert_frames(&burst, |t| samples_of(t, 1, 999_999_999).iter().map(|v| v / 16384.0).collect());
     // Of JPEG about.
-    let burst = Opened::named("jpeg_zstd.mcap").open();
+    let burst = named("jpeg_zstd.mcap").opened();
     for (t, frame) in burst.frames.iter().enumerate() {
         let expected = |u, v| (20 + 4 * u + 3 * v + 10 * t) as f32;
         let worst = (0..384).map(|i| (255.0 * frame.data()[i] - expected(i % 24, i / 24)).abs()).fold(0.0, f32::max);
@@ -137,8 +122,8 @@ fn frames_of_every_encoding_and_compression_are_those_that_were_sent() {
 #[test]
 fn stamps_are_times_and_what_was_taken_is_said() {
     for (name, bytes) in samples() {
-        let file = Opened::new((name, bytes));
-        let info = file.info();
+        let file = Made::new(name, &bytes);
+        let info = file.described();
         assert_eq!((info.frames, info.begins.as_deref()), (5, Some("2023-11-14T22:13:20.000Z")), "{name}");
         assert!(info.times_s.iter().zip(TIMES_S).all(|(found, s)| (found - s).abs() < 1e-6), "{:?}", info.times_s);
         let text = info.text();
@@ -147,27 +132,27 @@ fn stamps_are_times_and_what_was_taken_is_said() {
             "{text}"
         );
         let timed = OpenOptions { times: Some(TimesChoice::Header), ..OpenOptions::default() };
-        let burst = open(&file.path, &timed).expect("opens");
+        let burst = file.open(&timed).expect("opens");
         assert!((burst.positions.span() - 6.0).abs() < 1e-4, "{name}: {}", burst.positions.span());
     }
-    let info = Opened::named("bayer_lz4.bag").info();
+    let info = named("bayer_lz4.bag").described();
     assert_eq!((&*info.kind, &*info.samples, info.binning), ("ROS 1 bag", "8 bit", 2));
     assert!(info.text().contains("is what the file says, grbg: squares of 2×2 pixels become one"), "{}", info.text());
-    assert_eq!(Opened::named("jpeg_zstd.mcap").info().kind, "MCAP");
-    assert_eq!(Opened::named("sqlite.db3").info().kind, "ROS 2 bag");
+    assert_eq!(named("jpeg_zstd.mcap").described().kind, "MCAP");
+    assert_eq!(named("sqlite.db3").described().kind, "ROS 2 bag");
 }
 
 #[test]
 fn of_several_topics_one_is_chosen() {
-    let file = Opened::new(stereo());
-    let message = open(&file.path, &OpenOptions::default()).expect_err("two topics").to_string();
+    let file = Made::new(stereo().0, &stereo().1);
+    let message = file.open(&OpenOptions::default()).expect_err("two topics").to_string();
     let listed = "--topic NAME which one holds the frames: /left/image_raw (5 of 24×16), /right/image_raw (5 of 24×16)";
     assert!(message.contains("2 topics of pictures") && message.contains(listed), "{message}");
-    assert_frames(&open(&file.path, &topic("/left/image_raw")).expect("left"), |t| samples_of(t, 1, 255));
+    assert_frames(&file.open(&topic("/left/image_raw")).expect("left"), |t| samples_of(t, 1, 255));
     // A name without its first stroke, and numbers whose high byte comes first.
-    assert_frames(&open(&file.path, &topic("right/image_raw")).expect("right"), |t| samples_of(t, 1, 65535));
+    assert_frames(&file.open(&topic("right/image_raw")).expect("right"), |t| samples_of(t, 1, 65535));
     for absent in ["/notes", "/middle"] {
-        let message = open(&file.path, &topic(absent)).expect_err(absent).to_string();
+        let message = file.open(&topic(absent)).expect_err(absent).to_string();
         assert!(message.contains(absent) && message.contains(listed), "{message}");
     }
 }
@@ -184,19 +169,19 @@ fn the_files_of_a_ros_2_bag_are_one_burst() {
     let found = find_bursts(std::slice::from_ref(&bag), &options).expect("found");
     assert_eq!((found.len(), &*found[0].name), (1, "night"));
     for path in [&bag, &bag.join("metadata.yaml")] {
-        assert_frames(&open(path, &options).expect("opens"), |t| samples_of(t, 1, 65535));
+        assert_frames(&open_with(path, &options).expect("opens"), |t| samples_of(t, 1, 65535));
     }
     // Two files, of which the second has the same stamps: the frames of both are in the order of their stamps.
     let two = METADATA.replace("  - sqlite.db3", "  - 'night/sqlite.db3'\n  - again.db3");
     fs::write(bag.join("metadata.yaml"), two).expect("written");
-    let message = open(&bag, &options).expect_err("a file is missing").to_string();
+    let message = open_with(&bag, &options).expect_err("a file is missing").to_string();
     assert!(message.contains("again.db3"), "{message}");
     fs::write(bag.join("again.db3"), file("sqlite.db3")).expect("written");
-    let burst = open(&bag, &options).expect("opens");
+    let burst = open_with(&bag, &options).expect("opens");
     assert_eq!((burst.len(), &burst.frames[0], &burst.frames[8]), (10, &burst.frames[1], &burst.frames[9]));
     // A part reaches from one file into the next.
     let take = OpenOptions { take: "4..7".parse().ok(), ..OpenOptions::default() };
-    let part = open(&bag, &take).expect("opens");
+    let part = open_with(&bag, &take).expect("opens");
     assert_eq!(part.frames, burst.frames[4..7], "counted in the order of the whole burst");
     // Bags beside one another are bursts.
     let other = home.path().join("day");
@@ -207,17 +192,17 @@ fn the_files_of_a_ros_2_bag_are_one_burst() {
     assert_eq!(found.iter().map(|burst| &*burst.name).collect::<Vec<_>>(), ["day", "night"]);
     // Another file of that name is none.
     fs::write(other.join("metadata.yaml"), "camera: left\n").expect("written");
-    assert_frames(&open(&other, &options).expect("the database"), |t| samples_of(t, 1, 65535));
+    assert_frames(&open_with(&other, &options).expect("the database"), |t| samples_of(t, 1, 65535));
     fs::write(bag.join("metadata.yaml"), "rosbag2_bagfile_information:\n  version: 5\n").expect("written");
-    assert!(open(&bag, &options).expect_err("no list").to_string().contains("relative_file_paths"));
+    assert!(open_with(&bag, &options).expect_err("no list").to_string().contains("relative_file_paths"));
     // Names with signs of an address.
     let signs = home.path().join("a b?c#d%41.db3");
     fs::write(&signs, file("sqlite.db3")).expect("written");
-    assert_frames(&open(&signs, &options).expect("opens"), |t| samples_of(t, 1, 65535));
+    assert_frames(&open_with(&signs, &options).expect("opens"), |t| samples_of(t, 1, 65535));
     // A bag whose files were packed as a whole.
     fs::write(bag.join("metadata.yaml"), METADATA).expect("written");
     fs::write(bag.join("sqlite.db3"), b"\x28\xb5\x2f\xfd packed").expect("written");
-    assert!(open(&bag, &options).expect_err("packed").to_string().contains("zstd -d"));
+    assert!(open_with(&bag, &options).expect_err("packed").to_string().contains("zstd -d"));
 }
 
 /// Bytes with each of `from` replaced by `to`, in their order.
@@ -233,13 +218,13 @@ fn frames_are_in_the_order_of_their_stamps_and_without_any_in_that_of_the_record
     let stamp = |ns: u32| [1_700_000_000u32.to_le_bytes(), ns.to_le_bytes()].concat();
     let (_, mono) = sample!("mono16.bag");
     // The stamp of the first frame is made the last.
-    let late = Opened::new(("late.bag", replaced(mono.clone(), &stamp(0), &stamp(900_000_000))));
-    assert_frames(&late.open(), |t| samples_of((t + 1) % 5, 1, 65535));
-    let text = late.info().text();
+    let late = Made::new("late.bag", &replaced(mono.clone(), &stamp(0), &stamp(900_000_000)));
+    assert_frames(&late.opened(), |t| samples_of((t + 1) % 5, 1, 65535));
+    let text = late.described().text();
     assert!(text.contains("the order of their stamps, which is not that of the recording"), "{text}");
-    let none = Opened::new(("none.bag", replaced(mono, &stamp(80_000_000), &[0; 8])));
-    assert_frames(&none.open(), |t| samples_of(t, 1, 65535));
-    let info = none.info();
+    let none = Made::new("none.bag", &replaced(mono, &stamp(80_000_000), &[0; 8]));
+    assert_frames(&none.opened(), |t| samples_of(t, 1, 65535));
+    let info = none.described();
     assert!(info.text().contains("those of the recording"), "{}", info.text());
     assert!(info.times_s.iter().zip(TIMES_S).all(|(found, s)| (found - s).abs() < 1e-6), "{:?}", info.times_s);
 }
@@ -247,8 +232,8 @@ fn frames_are_in_the_order_of_their_stamps_and_without_any_in_that_of_the_record
 #[test]
 fn damage_names_the_field_and_the_program_that_mends_it() {
     let failure = |name: &str, bytes: Vec<u8>| {
-        let file = Opened::new((name, bytes));
-        let message = open(&file.path, &OpenOptions::default()).expect_err(name).to_string();
+        let file = Made::new(name, &bytes);
+        let message = file.open(&OpenOptions::default()).expect_err(name).to_string();
         assert!(message.contains(name), "{message}");
         message
     };
@@ -298,8 +283,8 @@ fn what_is_cut_off_is_refused_or_told_wherever_it_is_cut() {
             continue;
         }
         for cut in places {
-            let file = Opened::new((name, bytes[..cut].to_vec()));
-            let error = open(&file.path, &OpenOptions::default()).map(|burst| burst.len()).expect_err(name);
+            let file = Made::new(name, &bytes[..cut]);
+            let error = file.open(&OpenOptions::default()).map(|burst| burst.len()).expect_err(name);
             assert!(error.kind == ErrorKind::Damaged && error.to_string().contains(name), "{cut}: {error}");
         }
     }
@@ -308,13 +293,17 @@ fn what_is_cut_off_is_refused_or_told_wherever_it_is_cut() {
 /// Asserts that what is left of a recording opens to its last whole message, and says so, or has none. Returns the
 /// number of frames at each place.
 fn assert_whole_messages(name: &str, bytes: &[u8], places: impl Iterator<Item = usize>) -> Vec<usize> {
-    let whole = Opened::new((name, bytes.to_vec())).open();
+    let whole = Made::new(name, bytes).opened();
     let at = |cut: usize| {
-        let file = Opened::new((name, bytes[..cut].to_vec()));
-        match open(&file.path, &OpenOptions::default()) {
+        let file = Made::new(name, &bytes[..cut]);
+        match file.open(&OpenOptions::default()) {
             Ok(burst) => {
                 assert!(whole.frames.starts_with(&burst.frames), "{name}: {cut}");
-                assert!(file.info().text().contains("it was not closed"), "{name}: {cut}: {}", file.info().text());
+                assert!(
+                    file.described().text().contains("it was not closed"),
+                    "{name}: {cut}: {}",
+                    file.described().text()
+                );
                 burst.len()
             }
             Err(error) => {

@@ -1,15 +1,20 @@
 //! Malicious files: short ones that announce huge contents.
 
-/// A TIFF of one directory, least significant byte first, whose entries have a tag, a type, a count and a value or its
-/// position.
-pub fn directory(entries: &[(u16, u16, u32, u32)], length: usize) -> Vec<u8> {
-    let mut bytes = b"II*\0\x08\0\0\0".to_vec();
-    bytes.extend((entries.len() as u16).to_le_bytes());
+/// A directory of a TIFF, least significant byte first, whose entries have a tag, a type, a count and a value or its
+/// position; no other follows it.
+pub fn entries(entries: &[(u16, u16, u32, u32)]) -> Vec<u8> {
+    let mut bytes = (entries.len() as u16).to_le_bytes().to_vec();
     for (tag, kind, count, value) in entries {
         bytes
             .extend([&tag.to_le_bytes()[..], &kind.to_le_bytes(), &count.to_le_bytes(), &value.to_le_bytes()].concat());
     }
     bytes.extend([0; 4]);
+    bytes
+}
+
+/// A TIFF of such a directory alone, with zeros up to a length.
+pub fn directory(list: &[(u16, u16, u32, u32)], length: usize) -> Vec<u8> {
+    let mut bytes = [b"II*\0\x08\0\0\0", &entries(list)[..]].concat();
     bytes.resize(length.max(bytes.len()), 0);
     bytes
 }

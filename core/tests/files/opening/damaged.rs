@@ -10,10 +10,6 @@ fn accepting() -> OpenOptions {
     OpenOptions { accept_damaged: true, ..OpenOptions::default() }
 }
 
-fn open_with(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.into()], options, &quiet())
-}
-
 /// A picture with content in every pixel.
 fn noise() -> ImageBuffer<Rgb<u8>, Vec<u8>> {
     ImageBuffer::from_fn(40, 30, |u, v| Rgb([(u * 37 + v * 91) as u8, (u * v) as u8, v as u8]))

@@ -9,19 +9,7 @@ use tiff::tags::Tag;
 
 const SIZE: (u32, u32) = (8, 6);
 
-struct Made {
-    folder: TempDir,
-    path: PathBuf,
-}
-
 impl Made {
-    fn new(name: &str, bytes: &[u8]) -> Self {
-        let folder = folder();
-        let path = folder.path().join(name);
-        fs::write(&path, bytes).expect("written");
-        Self { folder, path }
-    }
-
     /// A TIFF of pages whose values are their numbers times 100.
     fn tiff(name: &str, pages: u16, description: &str) -> Self {
         let made = Self::new(name, b"");
@@ -29,22 +17,14 @@ impl Made {
         made
     }
 
-    fn open(&self, options: &str) -> Result<Burst, Error> {
-        Burst::open_with(std::slice::from_ref(&self.path), &given(options), &quiet())
-    }
-
-    fn info(&self, options: &str) -> Info {
-        Info::of(std::slice::from_ref(&self.path), &given(options), &quiet()).expect("described")
-    }
-
     /// Numbers of the pages that become frames.
     fn pages(&self, options: &str) -> Vec<u16> {
-        let burst = self.open(options).unwrap_or_else(|e| panic!("{}: {e}", self.path.display()));
+        let burst = self.open(&given(options)).unwrap_or_else(|e| panic!("{}: {e}", self.path.display()));
         burst.frames.iter().map(|frame| (frame.at(3, 3) * 65535.0 / 100.0).round() as u16).collect()
     }
 
     fn refusal(&self, options: &str) -> String {
-        self.open(options).expect_err("refused").to_string()
+        self.open(&given(options)).expect_err("refused").to_string()
     }
 }
 
@@ -161,7 +141,11 @@ fn pages_have_the_order_that_the_description_gives_them() {
     assert!(missing.contains("run_1.ome.tif"), "{missing}");
     write_tiff(&file.folder.path().join("run_1.ome.tif"), 3..6, &description);
     assert_eq!(file.pages(""), [0, 1, 2, 3, 4, 5]);
-    assert!(file.info("").taken.iter().any(|taken| taken.contains("set of 2")), "{:?}", file.info("").taken);
+    assert!(
+        file.info(&given("")).taken.iter().any(|taken| taken.contains("set of 2")),
+        "{:?}",
+        file.info(&given("")).taken
+    );
     // The description may lie in a file beside it.
     let file = Made::tiff("d.ome.tif", 4, "<OME xmlns=\"o\"><BinaryOnly MetadataFile=\"x/run.companion.ome\"/></OME>");
     fs::write(file.folder.path().join("run.companion.ome"), ome((2, 2), "", "")).expect("written");
@@ -191,7 +175,7 @@ fn a_recording_that_was_stopped_opens_to_its_last_whole_time() {
         let file = Made::tiff("s.tif", pages, &description);
         assert!(file.refusal("").contains("(7 pages are written)"), "{}", file.refusal(""));
         assert_eq!(file.pages("axis T"), [0, 2, 4]);
-        let told = file.info("axis T").taken;
+        let told = file.info(&given("axis T")).taken;
         assert!(told.iter().any(|taken| taken.contains("10 along T") && taken.contains("3 are written")), "{told:?}");
         assert_eq!(file.pages("axis C,T=2"), [4, 5]);
     }
@@ -226,14 +210,7 @@ fn frames_behind_one_another_are_opened() {
         bytes.extend(text.as_bytes());
         bytes.extend(&numbers);
         bytes.extend(&pixels);
-        bytes.extend((entries.len() as u16).to_le_bytes());
-        for (tag, kind, count, value) in entries {
-            bytes.extend(tag.to_le_bytes());
-            bytes.extend(kind.to_le_bytes());
-            bytes.extend(count.to_le_bytes());
-            bytes.extend(value.to_le_bytes());
-        }
-        bytes.extend([0; 4]);
+        bytes.extend(super::crafted::entries(&entries));
         bytes
     };
     let stk = file(&[(33629, 5, 4, 8 + "words\0\0\0\0\0".len() as u32)], "words");
@@ -247,7 +224,7 @@ fn frames_behind_one_another_are_opened() {
         let cut = Made::new(name, &file(&[], "ImageJ=1.53\nimages=40\nframes=40\n"));
         assert!(cut.refusal("").contains("are there"), "{}", cut.refusal(""));
     }
-    let times = Made::new("m.stk", &stk).info("").times_s;
+    let times = Made::new("m.stk", &stk).info(&given("")).times_s;
     assert!(times.iter().zip([0.0, 0.04, 0.08, 0.12]).all(|(a, b)| (a - b).abs() < 1e-6), "{times:?}");
     // A volume is no film.
     let volume = Made::new("v.tif", &file(&[(32997, 4, 1, 4)], ""));
@@ -259,7 +236,7 @@ fn frames_behind_one_another_are_opened() {
 fn bits_in_reverse_are_turned() {
     let bytes: Vec<u8> = [1u8, 2, 200, 255].iter().map(|byte| byte.reverse_bits()).collect();
     let burst = Made::new("r.tif", &super::support::raw_tiff(false, (4, 1), &[8], &[(262, 1), (266, 2)], &[&bytes]))
-        .open("")
+        .open(&given(""))
         .expect("opens");
     let found: Vec<f32> = burst.frames[0].data().iter().map(|v| (v * 255.0).round()).collect();
     assert_eq!(found, [1.0, 2.0, 200.0, 255.0]);
@@ -304,10 +281,10 @@ fn shapes_of_arrays_are_told_from_those_of_their_pages() {
 #[test]
 fn pictures_behind_the_first_of_a_file_are_told() {
     let one: Vec<u8> = b"P5\n16 16\n255\n".iter().copied().chain(0..=255).collect();
-    assert!(Made::new("one.pgm", &one).info("").taken.is_empty());
+    assert!(Made::new("one.pgm", &one).info(&given("")).taken.is_empty());
     let three = Made::new("three.pgm", &one.repeat(3));
-    assert!(three.info("").text().contains("as long as 3 pictures, of which the first is taken"));
-    assert!(three.open("").expect("opens").taken.iter().any(|note| note.contains("3 pictures")));
+    assert!(three.info(&given("")).text().contains("as long as 3 pictures, of which the first is taken"));
+    assert!(three.open(&given("")).expect("opens").taken.iter().any(|note| note.contains("3 pictures")));
 }
 
 #[test]
@@ -345,23 +322,31 @@ fn the_mosaic_of_a_tiff_is_used_however_the_camera_was_held() {
         for orientation in 1..=8 {
             let file = tiff_of_sensor(&pattern, orientation);
             let size = if orientation < 5 { (4, 3) } else { (3, 4) };
-            assert_eq!((file.info("").binning, file.info("").width), (2, size.0), "{pattern:?}");
+            assert_eq!((file.info(&given("")).binning, file.info(&given("")).width), (2, size.0), "{pattern:?}");
             let blue = OpenOptions { raw_colour: RawColour::Blue, ..OpenOptions::default() };
             let blue = Burst::open_with(std::slice::from_ref(&file.path), &blue, &quiet()).expect("opens");
             assert_eq!((blue.size(), blue.len()), (size, 2));
             let is_blue = |value: &f32| (value * 65535.0 - 300.0).abs() < 0.1;
             assert!(blue.frames.iter().all(|frame| frame.data().iter().all(is_blue)), "{pattern:?}, {orientation}");
-            let whole = file.open("mosaic none").expect("opens").size();
+            let whole = file.open(&given("mosaic none")).expect("opens").size();
             assert_eq!(whole, if orientation < 5 { (9, 7) } else { (7, 9) });
         }
     }
-    assert!(tiff_of_sensor(&[1, 0, 2, 1], 1).info("").text().contains("is what the file says, grbg: squares of 2×2"));
+    assert!(
+        tiff_of_sensor(&[1, 0, 2, 1], 1)
+            .info(&given(""))
+            .text()
+            .contains("is what the file says, grbg: squares of 2×2")
+    );
     let silent = tiff_of_sensor(&[], 1);
     assert!(silent.refusal("").contains("has no pattern"), "{}", silent.refusal(""));
-    assert_eq!(silent.open("mosaic rggb").expect("opens").size(), (4, 3));
+    assert_eq!(silent.open(&given("mosaic rggb")).expect("opens").size(), (4, 3));
     let odd = tiff_of_sensor(&[0, 1, 2, 1], 1);
     assert!(odd.refusal("").contains("--mosaic none"), "{}", odd.refusal(""));
-    assert_eq!((odd.open("mosaic none").expect("opens").size(), odd.info("mosaic none").binning), ((9, 7), 1));
+    assert_eq!(
+        (odd.open(&given("mosaic none")).expect("opens").size(), odd.info(&given("mosaic none")).binning),
+        ((9, 7), 1)
+    );
 }
 
 #[test]
@@ -371,10 +356,17 @@ fn fits_files_tell_their_mosaic_their_colours_and_their_times() {
     for pattern in ["RGGB", "GBRG", "bggr"] {
         let file =
             Made::new("m.fits", &image(&[&format!("BAYERPAT= '{pattern}    '"), "XBAYROFF=                    1"]));
-        assert_eq!((file.info("").binning, file.open("").expect("opens").size()), (2, (4, 3)), "{pattern}");
-        assert_eq!((file.info("mosaic none").binning, file.open("mosaic none").expect("opens").size()), (1, (8, 6)));
+        assert_eq!(
+            (file.info(&given("")).binning, file.open(&given("")).expect("opens").size()),
+            (2, (4, 3)),
+            "{pattern}"
+        );
+        assert_eq!(
+            (file.info(&given("mosaic none")).binning, file.open(&given("mosaic none")).expect("opens").size()),
+            (1, (8, 6))
+        );
     }
-    assert_eq!(Made::new("n.fits", &image(&["BAYERPAT= 'TRUE    '"])).info("").binning, 1);
+    assert_eq!(Made::new("n.fits", &image(&["BAYERPAT= 'TRUE    '"])).info(&given("")).binning, 1);
     for (card, at) in [
         ("MJD-OBS =              40587.5", 43_200.0),
         ("DATE-OBS= '1970-01-01T12:00:00'", 43_200.0),
@@ -391,7 +383,7 @@ fn fits_files_tell_their_mosaic_their_colours_and_their_times() {
     // What only times need refuses no frame.
     for exposure in ["EXPTIME = '0,5     '", "EXPTIME ="] {
         let file = Made::new("e.fits", &image(&["DATE-OBS= '1970-01-01T12:00:00'", exposure]));
-        assert_eq!(file.open("").expect("opens").len(), 1);
+        assert_eq!(file.open(&given("")).expect("opens").len(), 1);
     }
     let cube = |more: &[&str]| {
         let three = ["NAXIS   =                    3", sides[0], sides[1], "NAXIS3  =                    3"];
@@ -399,11 +391,11 @@ fn fits_files_tell_their_mosaic_their_colours_and_their_times() {
     };
     let told = cube(&[]).refusal("");
     assert!(told.contains("colours") && told.contains("--axis C") && told.contains("--axis last"), "{told}");
-    assert_eq!(cube(&[]).open("axis last").expect("frames").len(), 3);
+    assert_eq!(cube(&[]).open(&given("axis last")).expect("frames").len(), 3);
     for (file, options) in [(cube(&[]), "axis C"), (cube(&["CTYPE3  = 'RGB     '"]), "")] {
-        let burst = file.open(options).expect("colours");
+        let burst = file.open(&given(options)).expect("colours");
         let luma = 0.2126 * 0.0 + 0.7152 * 48.0 + 0.0722 * 96.0;
-        assert_eq!((burst.len(), file.info(options).is_colour), (1, true));
+        assert_eq!((burst.len(), file.info(&given(options)).is_colour), (1, true));
         assert!((burst.frames[0].at(0, 0) * burst.full_scale - luma).abs() < 0.01, "{}", burst.frames[0].at(0, 0));
     }
 }
@@ -413,7 +405,7 @@ fn dates_of_files_go_there_and_back() {
     let sides = ["NAXIS1  =                    8", "NAXIS2  =                    6"];
     let begins = |date: &str| {
         let card = format!("DATE-OBS= '{date}'");
-        Made::new("d.fits", &fits(&[&FITS[..], &sides, &[card.as_str()]].concat(), 48)).info("").begins
+        Made::new("d.fits", &fits(&[&FITS[..], &sides, &[card.as_str()]].concat(), 48)).info(&given("")).begins
     };
     let whole =
         ["1970-01-01T00:00:00.000", "2000-02-29T12:30:01.250", "2026-11-24T20:31:07.000", "1969-12-31T23:59:59.500"];
@@ -443,11 +435,15 @@ fn ser(frames: u32, bits: u32, values: &[u16], stamps: &[u64]) -> Vec<u8> {
 fn ser_films_that_are_odd_are_told_and_opened() {
     let values: Vec<u16> = (0..40).collect();
     let stopped = Made::new("c.ser", &ser(0, 16, &values, &[]));
-    assert_eq!(stopped.open("").expect("opens").len(), 5);
-    assert!(stopped.info("").taken.iter().any(|taken| taken.contains("stopped")), "{:?}", stopped.info("").taken);
+    assert_eq!(stopped.open(&given("")).expect("opens").len(), 5);
+    assert!(
+        stopped.info(&given("")).taken.iter().any(|taken| taken.contains("stopped")),
+        "{:?}",
+        stopped.info(&given("")).taken
+    );
     let upper: Vec<u16> = (0..40).map(|v| (v * 100) << 4).collect();
     let left = Made::new("l.ser", &ser(5, 12, &upper, &[]));
-    let burst = left.open("").expect("opens");
+    let burst = left.open(&given("")).expect("opens");
     assert_eq!(burst.full_scale, 65520.0);
     assert!(burst.notes().iter().any(|note| note.text.contains("upper 12")), "{:?}", burst.notes());
     let second = 10_000_000;
@@ -479,7 +475,7 @@ fn values_are_in_the_unit_of_the_file() {
         let burst = Burst::open_with(std::slice::from_ref(&file.path), &scaled, &quiet()).expect("opens");
         let [black, white] = [0, 1].map(|u| burst.frames[0].at(u, 0));
         assert!(black == 0.0 && (white - 1.0).abs() < 1e-6, "{largest}: {black} and {white}");
-        let plain = file.open("").expect("opens");
+        let plain = file.open(&given("")).expect("opens");
         assert_eq!(plain.full_scale, largest as f32);
         for (found, value) in plain.frames[0].data().iter().zip(values) {
             assert!((found - f32::from(value) / largest as f32).abs() < 1e-7, "{largest}: {found}");
@@ -492,7 +488,7 @@ fn frames_of_bits_open_packed() {
     let packed: Vec<u8> = vec![0b1010_0000, 0xff, 0, 1];
     for (name, bytes) in [("b.raw", packed.clone()), ("b.npy", super::crafted::npy("2, 2, 1", &packed))] {
         let file = Made::new(name, &bytes);
-        let burst = file.open("raw 8x2:u1").expect("opens");
+        let burst = file.open(&given("raw 8x2:u1")).expect("opens");
         assert_eq!((burst.len(), burst.size(), burst.full_scale), (2, (8, 2), 1.0));
         assert_eq!(burst.frames[0].row(0), [1.0, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         assert_eq!(burst.frames[1].row(1), [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0]);
@@ -513,10 +509,10 @@ fn all_frames_of_an_animation_are_opened_with_their_times() {
     }
     writer.finish().expect("written");
     let file = Made::new("a.png", &bytes);
-    let burst = file.open("").expect("opens");
+    let burst = file.open(&given("")).expect("opens");
     assert_eq!(burst.frames.iter().map(|f| (f.at(1, 1) * 255.0).round()).collect::<Vec<_>>(), [10.0, 20.0, 30.0]);
-    assert_eq!((file.info("").frames, file.open("take 1..3").expect("a part").len()), (3, 2));
-    let times = file.info("").times_s;
+    assert_eq!((file.info(&given("")).frames, file.open(&given("take 1..3")).expect("a part").len()), (3, 2));
+    let times = file.info(&given("")).times_s;
     assert!((times[2] - 0.08).abs() < 1e-9, "{times:?}");
 }
 
@@ -525,7 +521,7 @@ fn jpegs_without_tables_and_with_bytes_between_segments_open_as_the_same_picture
     let mut bytes = Vec::new();
     let picture = image::GrayImage::from_fn(40, 24, |u, v| image::Luma([(u * 5 + v * 3) as u8]));
     image::codecs::jpeg::JpegEncoder::new(&mut bytes).encode_image(&picture).expect("encoded");
-    let whole = Made::new("w.jpg", &bytes).open("").expect("opens");
+    let whole = Made::new("w.jpg", &bytes).open(&given("")).expect("opens");
     // The encoder writes the usual tables.
     let (mut at, mut bare, mut loose) = (2, bytes[..2].to_vec(), bytes[..2].to_vec());
     while bytes[at + 1] != 0xda {
@@ -540,9 +536,9 @@ fn jpegs_without_tables_and_with_bytes_between_segments_open_as_the_same_picture
     bare.extend(&bytes[at..]);
     loose.extend(&bytes[at..]);
     for (name, odd) in [("bare.jpg", &bare), ("loose.jpg", &loose)] {
-        let burst = Made::new(name, odd).open("").unwrap_or_else(|e| panic!("{name}: {e}"));
+        let burst = Made::new(name, odd).open(&given("")).unwrap_or_else(|e| panic!("{name}: {e}"));
         assert_eq!(burst.frames[0].data(), whole.frames[0].data(), "{name}");
-        assert!(Made::new(name, &odd[..odd.len() - 9]).open("").is_err(), "a cut one is still refused");
+        assert!(Made::new(name, &odd[..odd.len() - 9]).open(&given("")).is_err(), "a cut one is still refused");
     }
     // Lossless, and of 12 bits: sound, and not read here.
     for (marker, bits) in [(0xc3, 8), (0xc1, 12), (0xc9, 8)] {
@@ -578,7 +574,7 @@ proptest! {
         let described = ome((times, channels), "", &format!("<TiffData IFD=\"{ifd}\"{count}/>"));
         for description in [text, described] {
             let file = Made::tiff("p.tif", 5, &description.replace('\0', ""));
-            if let Ok(burst) = file.open(axis) {
+            if let Ok(burst) = file.open(&given(axis)) {
                 prop_assert!((1..=5).contains(&burst.len()));
             }
         }

@@ -165,12 +165,8 @@ fn complex_samples_of_a_tiff_are_told_by_all_that_describes_it() {
     let path = folder.path().join("complex.tif");
     // 2×2 pixels of two floats each, at byte 8 + 2 + 10·12 + 4.
     let entries =
-        [(256u16, 2u32), (257, 2), (258, 64), (259, 1), (262, 1), (273, 134), (277, 1), (278, 2), (279, 32), (339, 6)];
-    let mut bytes = [&b"II*\0\x08\0\0\0"[..], &(entries.len() as u16).to_le_bytes()].concat();
-    for (tag, value) in entries {
-        bytes.extend(tag.to_le_bytes().into_iter().chain([4, 0, 1, 0, 0, 0]).chain(value.to_le_bytes()));
-    }
-    bytes.extend([0; 4 + 32]);
+        [(256, 2), (257, 2), (258, 64), (259, 1), (262, 1), (273, 134), (277, 1), (278, 2), (279, 32), (339, 6)];
+    let bytes = super::crafted::directory(&entries.map(|(tag, value)| (tag, 4, 1, value)), 134 + 32);
     fs::write(&path, &bytes).expect("written");
     failure(&path, &["complex", "magnitude"]);
     let described = Info::of(&[path], &OpenOptions::default(), &quiet()).expect_err("described as it opens");

@@ -1,7 +1,7 @@
 //! Recordings that are made to do harm, or were damaged where only a checksum tells: each is refused with an error that
 //! says why, before much is unpacked, and when the work is cancelled.
 
-use super::bags::{open, sample_of};
+use super::bags::sample_of;
 use super::support::*;
 use proptest::prelude::*;
 use rusqlite::Connection;
@@ -102,7 +102,7 @@ fn zeros_by_zstd(size: u64) -> Vec<u8> {
 }
 
 fn failure(path: &Path) -> Error {
-    open(path, &OpenOptions::default()).expect_err("it is refused")
+    open_with(path, &OpenOptions::default()).expect_err("it is refused")
 }
 
 /// A file with these bytes, which goes with the folder.
@@ -124,7 +124,7 @@ fn checksums_that_are_there_are_compared() {
     for (words, recording) in kinds {
         let mut bytes = recording.bytes();
         let path = written(&home, "a.mcap", &bytes);
-        let burst = open(&path, &OpenOptions::default()).expect("it is whole");
+        let burst = open_with(&path, &OpenOptions::default()).expect("it is whole");
         assert_eq!((burst.len(), burst.size()), (3, (4, 3)));
         let pixel = bytes.windows(12).position(|part| part == [20; 12]).expect("the pixels of the second frame");
         bytes[pixel + 5] ^= 1;
@@ -133,7 +133,7 @@ fn checksums_that_are_there_are_compared() {
     }
     let mut bytes = Recording { has_summary_crc: true, ..Recording::plain() }.bytes();
     let path = written(&home, "a.mcap", &bytes);
-    open(&path, &OpenOptions::default()).expect("it is whole");
+    open_with(&path, &OpenOptions::default()).expect("it is whole");
     let topic = bytes.windows(4).rposition(|part| part == b"/eye").expect("the topic in the summary");
     bytes[topic + 1] = b'E';
     assert!(failure(&written(&home, "a.mcap", &bytes)).problem.contains("its summary"));
@@ -151,7 +151,7 @@ fn checksums_that_are_there_are_compared() {
         let length = (packed.len() as u32).to_le_bytes();
         [&bag[..start - 4], &length, packed, &bag[end..]].concat()
     };
-    open(&written(&home, "a.bag", &again(&packed)), &OpenOptions::default()).expect("it is whole");
+    open_with(&written(&home, "a.bag", &again(&packed)), &OpenOptions::default()).expect("it is whole");
     *packed.last_mut().expect("bytes") ^= 1;
     assert_eq!(failure(&written(&home, "a.bag", &again(&packed))).kind, ErrorKind::Damaged);
 }
@@ -165,7 +165,7 @@ fn each_field_of_a_picture_is_named_where_it_is_cut_off() {
     for (wire, whole) in [("cdr", picture(3)), ("ros1", of_ros_1)] {
         let opened = |message: &[u8]| {
             let path = written(&home, "a.mcap", &Recording::of(wire, &[message.to_vec(), message.to_vec()]).bytes());
-            open(&path, &OpenOptions::default())
+            open_with(&path, &OpenOptions::default())
         };
         let burst = opened(&whole).expect(wire);
         assert!(burst.frames[1].data().iter().all(|value| (value * 255.0 - 60.0).abs() < 1e-3));
@@ -266,14 +266,14 @@ fn a_pipe_in_the_place_of_a_file_is_not_waited_for() {
     fs::write(home.path().join("a.db3"), sample_of("sqlite.db3")).expect("written");
     let list = pipe("metadata.yaml");
     assert!(failure(&list).to_string().contains("regular file"));
-    assert_eq!(open(home.path(), &OpenOptions::default()).expect("the database").len(), 5);
+    assert_eq!(open_with(home.path(), &OpenOptions::default()).expect("the database").len(), 5);
     fs::remove_file(&list).expect("removed");
     let listed = "rosbag2_bagfile_information:\n  relative_file_paths:\n    - pipe.db3\n";
     fs::write(&list, listed).expect("written");
     let pipe = pipe("pipe.db3");
     assert!(failure(home.path()).to_string().contains("regular file"));
     let times = OpenOptions { times: pipe.to_str().and_then(|path| path.parse().ok()), ..OpenOptions::default() };
-    assert!(open(&home.path().join("a.db3"), &times).is_err());
+    assert!(open_with(&home.path().join("a.db3"), &times).is_err());
 }
 
 proptest! {
@@ -298,7 +298,7 @@ proptest! {
             bytes[place] = byte;
         }
         let home = folder();
-        match open(&written(&home, "a.mcap", &bytes), &OpenOptions::default()) {
+        match open_with(&written(&home, "a.mcap", &bytes), &OpenOptions::default()) {
             Ok(burst) => prop_assert!(burst.len() <= 4096),
             Err(error) => prop_assert!(
                 error.to_string().contains("a.mcap") && !error.to_string().contains("unexpectedly"), "{}", error

@@ -5,10 +5,6 @@ use super::support::*;
 use burstscope_core::export::write_tiff;
 use std::sync::Mutex;
 
-fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.into()], options, &quiet())
-}
-
 #[test]
 fn a_bias_is_subtracted_in_file_units_and_negative_values_stay() {
     let folder = folder();
@@ -21,7 +17,7 @@ fn a_bias_is_subtracted_in_file_units_and_negative_values_stay() {
     write_npy(at("mean.npy"), &Array2::from_elem((1, 2), 256.0f32)).expect("written");
     for bias in ["bias.tif", "stack.tif", "mean.npy"] {
         let options = OpenOptions { bias: Some(at(bias)), ..OpenOptions::default() };
-        let burst = open(&at("burst.tif"), &options).expect(bias);
+        let burst = open_with(&at("burst.tif"), &options).expect(bias);
         for (frame, expected) in burst.frames.iter().zip(expected) {
             for (found, expected) in frame.data().iter().zip(expected) {
                 assert!((found - expected).abs() < 1e-7, "{bias}: {found} instead of {expected}");
@@ -37,7 +33,7 @@ fn a_bias_of_float_files_is_in_their_unit() {
     let (path, bias) = (folder.path().join("a.npy"), folder.path().join("bias.npy"));
     write_npy(&path, &Array3::from_shape_vec((1, 1, 2), vec![100.0f32, 500.0]).expect("two values")).expect("written");
     write_npy(&bias, &Array2::from_elem((1, 2), 100.0f32)).expect("written");
-    let burst = open(&path, &OpenOptions { bias: Some(bias), ..OpenOptions::default() }).expect("opens");
+    let burst = open_with(&path, &OpenOptions { bias: Some(bias), ..OpenOptions::default() }).expect("opens");
     assert_eq!(burst.full_scale, 500.0);
     assert_close(burst.frames[0].data(), &[0.0, 0.8]);
 }
@@ -49,10 +45,10 @@ fn a_bias_must_fit_and_its_errors_name_it() {
     save(&at("a.png"), &grey8(3, 2, 0));
     save(&at("bias.png"), &grey8(2, 3, 0));
     let options = |name: &str| OpenOptions { bias: Some(at(name)), ..OpenOptions::default() };
-    let error = open(&at("a.png"), &options("bias.png")).expect_err("another size");
+    let error = open_with(&at("a.png"), &options("bias.png")).expect_err("another size");
     assert!(error.problem == "the bias frame is 2×3, but the frames are 3×2", "{error}");
     assert!(error.to_string().contains("bias.png"), "{error}");
-    let error = open(&at("a.png"), &options("missing.png")).expect_err("missing");
+    let error = open_with(&at("a.png"), &options("missing.png")).expect_err("missing");
     assert!(error.kind == ErrorKind::NotFound && error.subject.ends_with("missing.png"), "{error}");
 }
 
@@ -61,11 +57,11 @@ fn a_full_scale_of_ones_own() {
     let folder = folder();
     let path = folder.path().join("twelve_bit.tif");
     tiff_pages::<colortype::Gray16>(&path, (2, 1), &[vec![0, 4095]]);
-    let burst = open(&path, &OpenOptions { full_scale: Some(4095.0), ..OpenOptions::default() }).expect("opens");
+    let burst = open_with(&path, &OpenOptions { full_scale: Some(4095.0), ..OpenOptions::default() }).expect("opens");
     assert_close(burst.frames[0].data(), &[0.0, 1.0]);
     assert_eq!((burst.full_scale, burst.quantisation_step), (4095.0, 1.0 / 4095.0));
     for value in [0.0, -1.0, f32::NAN, f32::INFINITY] {
-        let error = open(&path, &OpenOptions { full_scale: Some(value), ..OpenOptions::default() });
+        let error = open_with(&path, &OpenOptions { full_scale: Some(value), ..OpenOptions::default() });
         assert!(error.is_err_and(|error| error.problem.contains("full scale")), "{value}");
     }
 }
@@ -78,7 +74,7 @@ fn no_option_makes_values_that_are_not_finite() {
         .expect("written");
     write_npy(&bias, &Array2::from_elem((1, 3), 3e38f32)).expect("written");
     let located = |options: OpenOptions, column: usize| {
-        let error = open(&path, &options).expect_err("beyond the range of 32-bit float");
+        let error = open_with(&path, &options).expect_err("beyond the range of 32-bit float");
         assert!(error.problem.contains(&format!("at pixel ({column}, 0)")), "{error}");
     };
     located(OpenOptions { full_scale: Some(0.5), ..OpenOptions::default() }, 1);
@@ -111,14 +107,18 @@ fn converters_are_suggested_by_what_the_values_need() {
         let path = folder.path().join("a.tif");
         let bright = values.iter().map(|value| value * 2 + 1).collect();
         tiff_pages::<colortype::Gray16>(&path, (values.len() as u32, 1), &[values.to_vec()]);
-        assert_eq!(open(&path, &OpenOptions::default()).expect("opens").suggested_full_scale, expected, "{values:?}");
+        assert_eq!(
+            open_with(&path, &OpenOptions::default()).expect("opens").suggested_full_scale,
+            expected,
+            "{values:?}"
+        );
         // One bright frame among dark ones is enough.
         tiff_pages::<colortype::Gray16>(
             &path,
             (values.len() as u32, 1),
             &[values.to_vec(), vec![40_001; values.len()], bright],
         );
-        assert_eq!(open(&path, &OpenOptions::default()).expect("opens").suggested_full_scale, None, "{values:?}");
+        assert_eq!(open_with(&path, &OpenOptions::default()).expect("opens").suggested_full_scale, None, "{values:?}");
     }
 }
 
@@ -140,7 +140,7 @@ fn a_mask_is_one_for_all_frames_or_one_for_each() {
     write_npy(at("stack.npy"), &Array3::from_shape_fn((3, 2, 3), |(t, _, u)| u8::from(u != t))).expect("written");
     save(&at("half.png"), &image::GrayImage::from_fn(3, 2, |u, _| image::Luma([[0u8, 127, 128][u as usize]])));
     save(&at("white.png"), &image::GrayImage::from_pixel(3, 2, image::Luma([255])));
-    let with = |mask: &str| open(&at("night"), &OpenOptions { mask: Some(at(mask)), ..OpenOptions::default() });
+    let with = |mask: &str| open_with(&at("night"), &OpenOptions { mask: Some(at(mask)), ..OpenOptions::default() });
     let each: Vec<Vec<bool>> = (0..3).map(|t| (0..6).map(|i| i % 3 != t).collect()).collect();
     for mask in ["masks", "flat masks", "own", "stack.npy"] {
         assert_eq!(seen(&with(mask).expect(mask)), each, "{mask}");
@@ -151,7 +151,7 @@ fn a_mask_is_one_for_all_frames_or_one_for_each() {
     // A mask that hides nothing changes no bit.
     assert_eq!(
         with("white.png").expect("opens").frames,
-        open(&at("night"), &OpenOptions::default()).expect("opens").frames
+        open_with(&at("night"), &OpenOptions::default()).expect("opens").frames
     );
 }
 
@@ -165,7 +165,7 @@ fn a_mask_hides_0_alone_and_greys_and_labels_are_told() {
     }
     let opened = |name: &str| {
         let options = OpenOptions { mask: Some(at(name)), ..OpenOptions::default() };
-        let burst = open(&at("night"), &options).expect(name);
+        let burst = open_with(&at("night"), &options).expect(name);
         let hidden = seen(&burst)[0].iter().filter(|seen| !**seen).count();
         (hidden, burst.taken.iter().filter(|note| note.contains("0 alone is hidden")).cloned().collect::<Vec<_>>())
     };
@@ -226,7 +226,7 @@ fn a_bad_mask_is_an_error_with_its_name() {
         ("empty", ["empty", "0.png", "no mask"]),
         ("black.png", ["0.png", "every pixel of frame 0 is masked", ""]),
     ] {
-        let error = open(&at("night"), &OpenOptions { mask: Some(at(mask)), ..OpenOptions::default() });
+        let error = open_with(&at("night"), &OpenOptions { mask: Some(at(mask)), ..OpenOptions::default() });
         let error = error.expect_err(mask).to_string();
         assert!(words.iter().all(|word| error.contains(word)), "{mask}: {error}");
     }
@@ -239,26 +239,26 @@ fn pixels_without_a_value_and_saturated_ones_are_masked() {
     let mut stack = Array3::from_elem((2, 3, 4), 0.25f32);
     (stack[[0, 1, 2]], stack[[1, 0, 0]]) = (f32::NAN, 1.0);
     write_npy(&path, &stack).expect("written");
-    let plain = open(&path, &OpenOptions::default()).expect("opens");
+    let plain = open_with(&path, &OpenOptions::default()).expect("opens");
     assert_eq!((seen(&plain)[0].iter().position(|seen| !seen), plain.frames[1].mask()), (Some(6), None));
     assert!(plain.frames[0].data().iter().all(|x| *x == 0.25), "filled from its surroundings");
     assert_eq!(plain.taken, ["pixels without a value (NaN) are masked: 1 in 1 of 2 frames"]);
-    let saturated = open(&path, &OpenOptions { mask_saturated: true, ..OpenOptions::default() }).expect("opens");
+    let saturated = open_with(&path, &OpenOptions { mask_saturated: true, ..OpenOptions::default() }).expect("opens");
     assert_eq!(seen(&saturated)[1].iter().position(|seen| !seen), Some(0));
     assert_eq!(saturated.taken[1], "saturated pixels are masked: 1 in 1 of 2 frames");
     // A pixel that the flat frame has no value for, and a full scale below that of the files.
     let mut of_flat = Array2::from_elem((3, 4), 0.5f32);
     of_flat[[2, 3]] = f32::NAN;
     write_npy(&flat, &of_flat).expect("written");
-    let flattened = open(&path, &OpenOptions { flat: Some(flat), ..OpenOptions::default() }).expect("opens");
+    let flattened = open_with(&path, &OpenOptions { flat: Some(flat), ..OpenOptions::default() }).expect("opens");
     assert_eq!(seen(&flattened)[1].iter().position(|seen| !seen), Some(11));
     tiff_pages::<colortype::Gray16>(&folder.path().join("a.tif"), (3, 1), &[vec![4094, 4095, 7]]);
     let options = OpenOptions { mask_saturated: true, full_scale: Some(4095.0), ..OpenOptions::default() };
-    assert_eq!(seen(&open(&folder.path().join("a.tif"), &options).expect("opens")), [[true, false, true]]);
+    assert_eq!(seen(&open_with(&folder.path().join("a.tif"), &options).expect("opens")), [[true, false, true]]);
     // A frame of which nothing is left.
     stack.index_axis_mut(ndarray::Axis(0), 1).fill(f32::NAN);
     write_npy(&path, &stack).expect("written");
-    let error = open(&path, &OpenOptions::default()).expect_err("nothing is seen").to_string();
+    let error = open_with(&path, &OpenOptions::default()).expect_err("nothing is seen").to_string();
     assert!(error.contains("no pixel of frame 1 has a value") && error.contains("a.npy"), "{error}");
 }
 
@@ -306,10 +306,6 @@ fn cancelling_stops_between_frames_of_folders_and_of_stacks() {
     }
 }
 
-fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.into()], options, &quiet())
-}
-
 fn with_bias(bias: PathBuf) -> OpenOptions {
     OpenOptions { bias: Some(bias), ..OpenOptions::default() }
 }
@@ -328,14 +324,14 @@ fn a_bias_of_another_kind_of_file_is_converted() {
     write_npy(at("mean.npy"), &Array2::from_elem((2, 2), 2570.0f64)).expect("written");
     tiff_pages::<colortype::Gray8>(&at("bias8.tif"), (2, 2), &[vec![10; 4]]);
     for name in ["bias16.tif", "fraction.tif", "mean.npy", "bias8.tif"] {
-        let found = opened(&burst, &with_bias(at(name))).expect(name);
+        let found = open_with(&burst, &with_bias(at(name))).expect(name);
         for (found, expected) in found.frames[0].data().iter().zip(&expected) {
             assert!((found - expected).abs() < 1e-6, "{name}: {found} instead of {expected}");
         }
     }
     // As a fraction of a given full scale.
     let options = OpenOptions { full_scale: Some(4095.0), ..with_bias(at("fraction.tif")) };
-    let found = opened(&burst, &options).expect("opens").frames[0].at(0, 0);
+    let found = open_with(&burst, &options).expect("opens").frames[0].at(0, 0);
     assert!((found - (2570.0 / 4095.0 - 2570.0 / 65_535.0)).abs() < 1e-6, "{found}");
 }
 
@@ -358,7 +354,7 @@ fn a_bias_of_no_known_unit_is_refused() {
         (&sixteen, own_scale),
         (&sixteen, with_bias(at("bright.tif"))),
     ] {
-        let error = opened(burst, &options).expect_err("no unit in common");
+        let error = open_with(burst, &options).expect_err("no unit in common");
         assert!(error.problem.contains("the bias frame does not fit"), "{error}");
         let bias = options.bias.expect("given").display().to_string();
         assert!(error.to_string().contains(&bias), "{error}");
@@ -376,15 +372,15 @@ fn a_flat_frame_takes_off_falling_light() {
     tiff_pages::<colortype::Gray16>(&at("bias.tif"), (4, 1), &[vec![1000; 4]]);
     let options = OpenOptions { flat: Some(at("flat.tif")), ..with_bias(at("bias.tif")) };
     let expected = [15_000.0 / 65_535.0; 4];
-    assert_close(opened(&at("burst.tif"), &options).expect("opens").frames[0].data(), &expected);
+    assert_close(open_with(&at("burst.tif"), &options).expect("opens").frames[0].data(), &expected);
     // A black level is equivalent to an even bias.
     let black = OpenOptions { flat: Some(at("flat.tif")), black_level: Some(1000.0), ..OpenOptions::default() };
-    let found = opened(&at("burst.tif"), &black).expect("opens");
+    let found = open_with(&at("burst.tif"), &black).expect("opens");
     assert_close(found.frames[0].data(), &[15_000.0 / 64_535.0; 4]);
     // A flat frame of another size, or one without light, is refused.
     tiff_pages::<colortype::Gray16>(&at("small.tif"), (2, 1), &[vec![1, 1]]);
     let wrong =
-        |name: &str| opened(&at("burst.tif"), &OpenOptions { flat: Some(at(name)), ..with_bias(at("bias.tif")) });
+        |name: &str| open_with(&at("burst.tif"), &OpenOptions { flat: Some(at(name)), ..with_bias(at("bias.tif")) });
     assert!(wrong("small.tif").expect_err("its size").problem.contains("the flat frame is"));
     assert!(wrong("bias.tif").expect_err("its light").problem.contains("the flat frame does not fit"));
 }
@@ -394,21 +390,21 @@ fn a_black_level_and_a_full_scale_of_ones_own() {
     let folder = folder();
     let path = folder.path().join("twelve_bit.tif");
     tiff_pages::<colortype::Gray16>(&path, (3, 1), &[vec![255, 4095, 155]]);
-    let plain = opened(&path, &OpenOptions::default()).expect("opens");
+    let plain = open_with(&path, &OpenOptions::default()).expect("opens");
     assert_eq!(plain.suggested_full_scale, Some(4095.0));
     assert_eq!(
         plain.notes()[0].for_command(),
         "no value of these 16-bit files is above 4095, as of a camera of 12 bits; --full-scale 4095 changes that"
     );
     let options = OpenOptions { full_scale: Some(4095.0), black_level: Some(255.0), ..OpenOptions::default() };
-    let burst = opened(&path, &options).expect("opens");
+    let burst = open_with(&path, &options).expect("opens");
     // Values below black stay negative.
     for (found, expected) in burst.frames[0].data().iter().zip([0.0, 1.0, -100.0 / 3840.0]) {
         assert!((found - expected).abs() < 1e-6, "{found}");
     }
     assert_eq!((burst.full_scale, burst.quantisation_step, burst.suggested_full_scale), (4095.0, 1.0 / 3840.0, None));
     for black in [4095.0, 5000.0, f32::NAN] {
-        let error = opened(&path, &OpenOptions { black_level: Some(black), ..options.clone() });
+        let error = open_with(&path, &OpenOptions { black_level: Some(black), ..options.clone() });
         assert!(error.is_err_and(|error| error.problem.contains("black level")), "{black}");
     }
 }

@@ -19,167 +19,108 @@ fn frames(names: &[impl AsRef<str>]) -> TempDir {
     home
 }
 
-fn open(folder: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[folder.to_owned()], options, &quiet())
-}
-
 fn info(folder: &Path, options: &OpenOptions) -> Result<Info, Error> {
     Info::of(&[folder.to_owned()], options, &quiet())
 }
 
-/// Asserts that `names`, which are in the order of their times, open in it by `--times names`, `seconds` after the first.
+/// Names of pictures, from a list without their ending.
+fn pictures(list: &str) -> Vec<String> {
+    list.split(", ").map(|name| format!("{name}.png")).collect()
+}
+
+/// Asserts that the names of `list`, which are in the order of their times, open in it by `--times names`, `seconds`
+/// after the first.
 #[track_caller]
-fn assert_seconds(names: &[&str], seconds: &[f64]) {
-    let home = frames(names);
-    let burst = open(home.path(), &options("names", "")).unwrap_or_else(|error| panic!("{names:?}: {error}"));
+fn assert_seconds(list: &str, seconds: &[f64]) {
+    let names = pictures(list);
+    let home = frames(&names);
+    let burst = open_with(home.path(), &options("names", "")).unwrap_or_else(|error| panic!("{list}: {error}"));
     assert_eq!(burst.frame_names, names, "{:?}", burst.taken);
-    let interval = burst.positions.interval_s().unwrap_or_else(|| panic!("{names:?}: {:?}", burst.taken));
+    let interval = burst.positions.interval_s().unwrap_or_else(|| panic!("{list}: {:?}", burst.taken));
     for (position, second) in burst.positions.since_first().iter().zip(seconds) {
-        assert!((position * interval - second).abs() < 1e-6 + 2e-4 * interval, "{names:?}: {position} of {interval} s");
+        assert!((position * interval - second).abs() < 1e-6 + 2e-4 * interval, "{list}: {position} of {interval} s");
     }
     assert_eq!(info(home.path(), &options("names", "")).expect("described").positions, burst.positions.since_first());
 }
 
 #[test]
 fn seconds_and_their_fractions_are_read_with_and_without_leading_zeros() {
-    for (names, seconds) in [
+    for (list, seconds) in [
         // Nanoseconds without leading zeros, after a point, a line or a hyphen, and over the end of a second.
+        ("12_9658000, 12_45788000, 12_145716000, 13_5000000", [0.0, 0.03613, 0.136058, 0.995342]),
+        ("a-12-9658000, a-12-45788000, a-12-145716000, a-13-5000000", [0.0, 0.03613, 0.136058, 0.995342]),
         (
-            ["12_9658000.png", "12_45788000.png", "12_145716000.png", "13_5000000.png"],
-            [0.0, 0.03613, 0.136058, 0.995342],
-        ),
-        (
-            ["a-12-9658000.png", "a-12-45788000.png", "a-12-145716000.png", "a-13-5000000.png"],
-            [0.0, 0.03613, 0.136058, 0.995342],
-        ),
-        (
-            [
-                "1738133056.9658000.png",
-                "1738133056.45788000.png",
-                "1738133056.77710000.png",
-                "1738133056.145716000.png",
-            ],
+            "1738133056.9658000, 1738133056.45788000, 1738133056.77710000, 1738133056.145716000",
             [0.0, 0.03613, 0.068052, 0.136058],
         ),
         (
-            [
-                "f_1600000000_966666666.png",
-                "f_1600000001_0.png",
-                "f_1600000001_33333333.png",
-                "f_1600000001_66666666.png",
-            ],
+            "f_1600000000_966666666, f_1600000001_0, f_1600000001_33333333, f_1600000001_66666666",
             [0.0, 0.033333, 0.066667, 0.1],
         ),
-        (
-            ["1600000000-966666.png", "1600000001-000000.png", "1600000001-033333.png", "1600000001-066666.png"],
-            [0.0, 0.033334, 0.066667, 0.1],
-        ),
+        ("1600000000-966666, 1600000001-000000, 1600000001-033333, 1600000001-066666", [0.0, 0.033334, 0.066667, 0.1]),
         // Numbers as programs print them, without zeros at their ends.
-        (
-            ["1341846313.5592.png", "1341846313.592.png", "1341846313.6255.png", "1341846313.66.png"],
-            [0.0, 0.0328, 0.0663, 0.1008],
-        ),
-        (["1341846313.9.png", "1341846314.05.png", "1341846314.2.png", "1341846314.35.png"], [0.0, 0.15, 0.3, 0.45]),
-        (["0.04.png", "0.08.png", "0.12.png", "0.2.png"], [0.0, 0.04, 0.08, 0.16]),
-        (["t9.5.png", "t10.0.png", "t10.25.png", "t10.5.png"], [0.0, 0.5, 0.75, 1.0]),
+        ("1341846313.5592, 1341846313.592, 1341846313.6255, 1341846313.66", [0.0, 0.0328, 0.0663, 0.1008]),
+        ("1341846313.9, 1341846314.05, 1341846314.2, 1341846314.35", [0.0, 0.15, 0.3, 0.45]),
+        ("0.04, 0.08, 0.12, 0.2", [0.0, 0.04, 0.08, 0.16]),
+        ("t9.5, t10.0, t10.25, t10.5", [0.0, 0.5, 0.75, 1.0]),
         // Dates with milliseconds, padded or not.
         (
-            [
-                "20210301_220000_940.png",
-                "20210301_220000_973.png",
-                "20210301_220001_006.png",
-                "20210301_220001_040.png",
-            ],
+            "20210301_220000_940, 20210301_220000_973, 20210301_220001_006, 20210301_220001_040",
             [0.0, 0.033, 0.066, 0.1],
         ),
+        ("20210301_220000_940, 20210301_220000_973, 20210301_220001_6, 20210301_220001_40", [0.0, 0.033, 0.066, 0.1]),
         (
-            ["20210301_220000_940.png", "20210301_220000_973.png", "20210301_220001_6.png", "20210301_220001_40.png"],
-            [0.0, 0.033, 0.066, 0.1],
-        ),
-        (
-            [
-                "2021-03-01 22.00.00.25.png",
-                "2021-03-01 22.00.00.5.png",
-                "2021-03-01 22.00.00.75.png",
-                "2021-03-01 22.00.01.png",
-            ],
+            "2021-03-01 22.00.00.25, 2021-03-01 22.00.00.5, 2021-03-01 22.00.00.75, 2021-03-01 22.00.01",
             [0.0, 0.25, 0.5, 0.75],
         ),
+        ("2021-03-01_220000, 2021-03-01_220002, 2021-03-01_220004, 2021-03-01_220006", [0.0, 2.0, 4.0, 6.0]),
         (
-            ["2021-03-01_220000.png", "2021-03-01_220002.png", "2021-03-01_220004.png", "2021-03-01_220006.png"],
-            [0.0, 2.0, 4.0, 6.0],
-        ),
-        (
-            [
-                "IMG_20210301_235959900_BURST0_COVER.png",
-                "IMG_20210302_000000000_BURST1.png",
-                "IMG_20210302_000000100_BURST2.png",
-                "IMG_20210302_000000200_BURST3.png",
-            ],
+            "IMG_20210301_235959900_BURST0_COVER, IMG_20210302_000000000_BURST1, IMG_20210302_000000100_BURST2, \
+             IMG_20210302_000000200_BURST3",
             [0.0, 0.1, 0.2, 0.3],
         ),
     ] {
-        assert_seconds(&names, &seconds);
+        assert_seconds(list, &seconds);
     }
 }
 
 #[test]
 fn counters_are_no_fractions_of_a_second() {
-    for (names, positions) in [
+    for (list, positions) in [
         (
-            [
-                "IMG_20180914_094602055_BURST000_COVER.png",
-                "IMG_20180914_094602055_BURST001.png",
-                "IMG_20180914_094602055_BURST002.png",
-            ],
+            "IMG_20180914_094602055_BURST000_COVER, IMG_20180914_094602055_BURST001, IMG_20180914_094602055_BURST002",
             Some([0.0, 1.0, 2.0]),
         ),
+        ("IMG_20210301_220000_Burst1, IMG_20210301_220000_Burst2, IMG_20210301_220000_Burst3", Some([0.0, 1.0, 2.0])),
+        ("20210301_220000_001, 20210301_220000_002, 20210301_220000_004", Some([0.0, 1.0, 3.0])),
+        ("20210301_220000_009, 20210301_220000_010, 20210301_220001_011", Some([0.0, 1.0, 2.0])),
+        ("2021-03-01-22-00-00-1, 2021-03-01-22-00-00-2, 2021-03-01-22-00-00-3", Some([0.0, 1.0, 2.0])),
         (
-            ["IMG_20210301_220000_Burst1.png", "IMG_20210301_220000_Burst2.png", "IMG_20210301_220000_Burst3.png"],
+            "00001IMG_00001_BURST20210301220000123_COVER, 00002IMG_00002_BURST20210301220000123, \
+             00003IMG_00003_BURST20210301220000123",
             Some([0.0, 1.0, 2.0]),
         ),
-        (["20210301_220000_001.png", "20210301_220000_002.png", "20210301_220000_004.png"], Some([0.0, 1.0, 3.0])),
-        (["20210301_220000_009.png", "20210301_220000_010.png", "20210301_220001_011.png"], Some([0.0, 1.0, 2.0])),
-        (
-            ["2021-03-01-22-00-00-1.png", "2021-03-01-22-00-00-2.png", "2021-03-01-22-00-00-3.png"],
-            Some([0.0, 1.0, 2.0]),
-        ),
-        (
-            [
-                "00001IMG_00001_BURST20210301220000123_COVER.png",
-                "00002IMG_00002_BURST20210301220000123.png",
-                "00003IMG_00003_BURST20210301220000123.png",
-            ],
-            Some([0.0, 1.0, 2.0]),
-        ),
-        (["20210301_000001.png", "20210301_000002.png", "20210301_000003.png"], Some([0.0, 1.0, 2.0])),
-        (["1600000000_1.png", "1600000000_2.png", "1600000000_3.png"], Some([0.0, 1.0, 2.0])),
+        ("20210301_000001, 20210301_000002, 20210301_000003", Some([0.0, 1.0, 2.0])),
+        ("1600000000_1, 1600000000_2, 1600000000_3", Some([0.0, 1.0, 2.0])),
         // Pairs, a copy without a number, and counters of each second: nothing tells when they were taken.
-        (
-            [
-                "PXL_20210301_220000123.RAW-01.png",
-                "PXL_20210301_220000123.RAW-02.png",
-                "PXL_20210301_220000456.RAW-01.png",
-            ],
-            None,
-        ),
-        (["20210301_220000.png", "20210301_220000(1).png", "20210301_220000(2).png"], None),
-        (["20210301_220000_001.png", "20210301_220000_002.png", "20210301_220001_001.png"], None),
+        ("PXL_20210301_220000123.RAW-01, PXL_20210301_220000123.RAW-02, PXL_20210301_220000456.RAW-01", None),
+        ("20210301_220000, 20210301_220000(1), 20210301_220000(2)", None),
+        ("20210301_220000_001, 20210301_220000_002, 20210301_220001_001", None),
     ] {
-        let home = frames(&names);
+        let home = frames(&pictures(list));
         let described = info(home.path(), &OpenOptions::default()).expect("described");
-        assert_eq!(described.interval_s, None, "{names:?}: {described:?}");
-        match (open(home.path(), &options("names", "")), positions) {
+        assert_eq!(described.interval_s, None, "{list}: {described:?}");
+        match (open_with(home.path(), &options("names", "")), positions) {
             (Ok(burst), Some(positions)) => {
-                assert_eq!(burst.positions.since_first(), positions, "{names:?}");
-                assert_eq!(burst.positions.interval_s(), None, "{names:?}");
+                assert_eq!(burst.positions.since_first(), positions, "{list}");
+                assert_eq!(burst.positions.interval_s(), None, "{list}");
             }
             (Err(error), None) => assert!(error.to_string().contains("names have the same time"), "{error}"),
-            (found, _) => panic!("{names:?}: {found:?}"),
+            (found, _) => panic!("{list}: {found:?}"),
         }
     }
     // Seconds that differ are times.
-    assert_seconds(&["IMG_2021-03-01_22-00-19_0.png", "IMG_2021-03-01_22-00-20_1.png"], &[0.0, 1.0]);
+    assert_seconds("IMG_2021-03-01_22-00-19_0, IMG_2021-03-01_22-00-20_1", &[0.0, 1.0]);
 }
 
 #[test]
@@ -195,7 +136,7 @@ fn a_name_without_number_stands_before_its_copies() {
         ["a.png", "frame_.png", "frame_1.png", "frame_2.png"],
     ] {
         let home = frames(&names);
-        assert_eq!(open(home.path(), &OpenOptions::default()).expect("a burst").frame_names, names);
+        assert_eq!(open_with(home.path(), &OpenOptions::default()).expect("a burst").frame_names, names);
     }
 }
 
@@ -203,7 +144,7 @@ fn a_name_without_number_stands_before_its_copies() {
 fn listed(list: &str) -> Result<(Vec<f64>, f64, String), Error> {
     let home = frames(&["00000.png", "00001.png", "00002.png", "00003.png", "00004.png"]);
     fs::write(home.path().join("t.txt"), list).expect("written");
-    let burst = open(home.path(), &options("t.txt", ""))?;
+    let burst = open_with(home.path(), &options("t.txt", ""))?;
     assert!(burst.frame_names.is_sorted(), "{list}: {:?}", burst.frame_names);
     Ok((burst.positions.since_first(), burst.positions.interval_s().unwrap_or_default(), burst.taken.join("; ")))
 }
@@ -296,7 +237,7 @@ fn a_list_of_several_cameras_is_matched_by_folder_and_found_above_the_frames() {
         fs::write(home.path().join("list.txt"), &list).expect("written");
         for (cam, name) in cameras.iter().enumerate() {
             let burst =
-                open(&home.path().join(name), &options("list.txt", "")).unwrap_or_else(|e| panic!("{list}: {e}"));
+                open_with(&home.path().join(name), &options("list.txt", "")).unwrap_or_else(|e| panic!("{list}: {e}"));
             let interval = burst.positions.interval_s().expect("seconds");
             assert!((interval - 0.1 * (cam + 1) as f64).abs() < 1e-9, "{list}: {name} {interval}");
             assert_eq!(burst.positions.since_first(), [0.0, 1.0, 4.0]);
@@ -306,7 +247,7 @@ fn a_list_of_several_cameras_is_matched_by_folder_and_found_above_the_frames() {
     let home = frames(&["mav0/a.png", "mav0/b.png"]);
     fs::write(home.path().join("list.csv"), "a.png,0\nb.png,0.5\n").expect("written");
     fs::write(home.path().join("mav0/list.csv"), "a.png,0\nb.png,0.25\n").expect("written");
-    let burst = open(&home.path().join("mav0"), &options("list.csv", "")).expect("a burst");
+    let burst = open_with(&home.path().join("mav0"), &options("list.csv", "")).expect("a burst");
     assert_eq!(burst.positions.interval_s(), Some(0.25));
 }
 
@@ -320,11 +261,11 @@ fn a_part_is_counted_in_the_order_of_the_whole() {
     let named: String = names.iter().zip([4, 3, 1, 2, 0]).map(|(name, at)| format!("{name},0.{at}\n")).collect();
     fs::write(home.path().join("named.txt"), named).expect("written");
     for times in ["names", "plain.txt", "named.txt", "even"] {
-        let whole = open(home.path(), &options(times, "")).expect("a burst");
+        let whole = open_with(home.path(), &options(times, "")).expect("a burst");
         for take in ["0..2", "1..4", "2..5", "0..5"] {
             let options = options(times, take);
             let range = options.take.expect("a part");
-            let part = open(home.path(), &options).expect("a part");
+            let part = open_with(home.path(), &options).expect("a part");
             assert_eq!(part.frame_names, whole.frame_names[range.start..range.end], "{times} {take}");
             let gaps = |burst: &Burst| {
                 let unit = burst.positions.interval_s().unwrap_or(1.0);
@@ -337,18 +278,18 @@ fn a_part_is_counted_in_the_order_of_the_whole() {
             let info = info(home.path(), &options).expect("described");
             assert_eq!((info.frames, info.files), (part.len(), part.len()), "{times} {take}");
         }
-        let error = open(home.path(), &options(times, "3..6")).expect_err("there are five").to_string();
+        let error = open_with(home.path(), &options(times, "3..6")).expect_err("there are five").to_string();
         assert!(error.contains("beyond the 5 frames"), "{error}");
     }
     // A list of a part alone, and of a whole stack.
     fs::write(home.path().join("two.txt"), "0.5\n0.75\n").expect("written");
-    assert_eq!(open(home.path(), &options("two.txt", "1..3")).expect("a part").positions.interval_s(), Some(0.25));
+    assert_eq!(open_with(home.path(), &options("two.txt", "1..3")).expect("a part").positions.interval_s(), Some(0.25));
     let other = folder();
     let stack = other.path().join("stack.npy");
     ndarray_npy::write_npy(&stack, &ndarray::Array3::<u8>::from_shape_fn((5, 8, 8), |(t, v, u)| (t + u + v) as u8))
         .expect("written");
     fs::write(other.path().join("five.txt"), "0\n0.5\n1\n2\n4\n").expect("written");
-    let part = open(&stack, &options("five.txt", "2..5")).expect("a part");
+    let part = open_with(&stack, &options("five.txt", "2..5")).expect("a part");
     assert_eq!((part.positions.since_first(), part.positions.interval_s()), (vec![0.0, 1.0, 3.0], Some(1.0)));
     // Bursts of a sequence follow one another in time.
     let sequence = find_bursts(&[home.path().to_owned()], &OpenOptions::default()).expect("a sequence").remove(0);
@@ -364,7 +305,7 @@ fn an_order_that_contradicts_names_or_headers_is_told() {
     let told = |home: &TempDir, option: &str| {
         let described = info(home.path(), &plain).expect("described");
         assert_eq!((described.interval_s, described.positions.len()), (None, 0), "{described:?}");
-        for notes in [described.taken, open(home.path(), &plain).expect("a burst").taken] {
+        for notes in [described.taken, open_with(home.path(), &plain).expect("a burst").taken] {
             assert!(
                 notes.iter().any(|note| note.contains("the order of the frames is not that") && note.contains(option)),
                 "{notes:?}"
@@ -447,7 +388,7 @@ proptest! {
             _ => format!("{s}{ns:09}"),
         } + ".png").collect();
         let home = frames(&names);
-        let burst = open(home.path(), &options("names", "")).expect("a burst");
+        let burst = open_with(home.path(), &options("names", "")).expect("a burst");
         prop_assert_eq!(&burst.frame_names, &names);
         // Few nanoseconds of few digits may be any fraction.
         let is_open = form == 0 && times.iter().all(|(_, ns)| *ns < 1_000_000);
@@ -465,7 +406,7 @@ proptest! {
         let home = frames(&names);
         fs::write(home.path().join("t.txt"), &text).expect("written");
         for times in ["names", "t.txt"] {
-            match open(home.path(), &options(times, "")) {
+            match open_with(home.path(), &options(times, "")) {
                 Ok(burst) => {
                     let at = burst.positions.since_first();
                     prop_assert!(at.windows(2).all(|two| two[0] < two[1]), "{at:?}");

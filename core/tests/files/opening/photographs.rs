@@ -136,14 +136,7 @@ fn tiled_planar(size: (usize, usize), sample: impl Fn(usize, usize, usize) -> u8
     ];
     let directory = (bytes.len() as u32).to_le_bytes();
     bytes[4..8].copy_from_slice(&directory);
-    bytes.extend((entries.len() as u16).to_le_bytes());
-    for (tag, kind, count, value) in entries {
-        bytes.extend(tag.to_le_bytes());
-        bytes.extend(kind.to_le_bytes());
-        bytes.extend(count.to_le_bytes());
-        bytes.extend(value.to_le_bytes());
-    }
-    bytes.extend([0; 4]);
+    bytes.extend(super::crafted::entries(&entries));
     bytes
 }
 

@@ -57,27 +57,7 @@ const TILES: [(&str, &str); 10] = [
     ("WIDE", "whole.fits"),
 ];
 
-struct Opened {
-    path: PathBuf,
-    _folder: tempfile::TempDir,
-}
-
-impl Opened {
-    fn new(name: &str, bytes: &[u8]) -> Self {
-        let folder = folder();
-        let path = folder.path().join(name);
-        fs::write(&path, bytes).expect("written");
-        Self { path, _folder: folder }
-    }
-
-    fn open(&self, options: &OpenOptions) -> Result<Burst, Error> {
-        Burst::open_with(std::slice::from_ref(&self.path), options, &quiet())
-    }
-
-    fn info(&self, options: &OpenOptions) -> Info {
-        Info::of(std::slice::from_ref(&self.path), options, &quiet()).expect("described")
-    }
-
+impl Made {
     /// The message of its failure, which names the file.
     fn failure(&self, options: &OpenOptions) -> String {
         let message = self.open(options).expect_err("refused").to_string();
@@ -120,19 +100,18 @@ fn numbered(range: std::ops::Range<usize>) -> Vec<f32> {
 fn files_without_header_have_the_shape_that_is_said() {
     let words: Vec<u16> = (0..12).map(|i| 1000 * i + 7).collect();
     let expected: Vec<f32> = words.iter().map(|v| f32::from(*v)).collect();
-    let little = Opened::new("a.raw", &words.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
+    let little = Made::new("a.raw", &words.iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
     let burst = little.open(&raw("3x2:u16le")).expect("two frames");
     assert_eq!((burst.len(), burst.size(), burst.full_scale), (2, (3, 2), 65535.0));
     assert_close(&values(&burst), &expected);
     assert_eq!(little.open(&raw("4x3:u16le")).expect("one frame").len(), 1);
     let behind =
-        Opened::new("b.bin", &[&[9; 5][..], &words.iter().flat_map(|v| v.to_be_bytes()).collect::<Vec<_>>()].concat());
+        Made::new("b.bin", &[&[9; 5][..], &words.iter().flat_map(|v| v.to_be_bytes()).collect::<Vec<_>>()].concat());
     assert_close(&values(&behind.open(&raw("3x2:u16be+5")).expect("skipped")), &expected);
-    let floats =
-        Opened::new("c.dat", &[0.25f32, 0.5, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
+    let floats = Made::new("c.dat", &[0.25f32, 0.5, 1.0, 0.0].iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>());
     assert_eq!(floats.open(&raw("2x2:f32")).expect("opens").frames[0].data(), [0.25, 0.5, 1.0, 0.0]);
     // Any name, as many programs give none.
-    let nameless = Opened::new("dump", &[1, 2, 3, 4, 5, 6]);
+    let nameless = Made::new("dump", &[1, 2, 3, 4, 5, 6]);
     assert_close(&values(&nameless.open(&raw("3x1:u8")).expect("opens")), &[1.0, 2.0, 3.0, 4.0, 5.0, 6.0]);
     // The standards' 12 bits of 0xabc and 0x123; 10 bits of 0x2ab, 0x1cd, 0x001 and 0x3ff; an odd number of pixels.
     let four = (0x2ab | 0x1cd << 10 | 0x001u64 << 20 | 0x3ff << 30).to_le_bytes();
@@ -143,12 +122,12 @@ fn files_without_header_have_the_shape_that_is_said() {
         ("2x1:mono10packed", &[0xaa, 0x13, 0x73], 1023.0, &[683.0, 461.0]),
         ("4x1:mono10p", &four[..5], 1023.0, &[683.0, 461.0, 1.0, 1023.0]),
     ] {
-        let burst = Opened::new("p.raw", bytes).open(&raw(shape)).expect(shape);
+        let burst = Made::new("p.raw", bytes).open(&raw(shape)).expect(shape);
         assert_eq!((burst.len(), burst.full_scale), (expected.len() / burst.size().0, white), "{shape}");
         assert_close(&values(&burst), expected);
     }
     // A file that begins like a picture by chance.
-    let chance = Opened::new("chance.raw", b"BM\x89PNG\r\n\x1a\n\0\0");
+    let chance = Made::new("chance.raw", b"BM\x89PNG\r\n\x1a\n\0\0");
     assert_eq!(chance.open(&raw("4x3:u8")).expect("opens").len(), 1);
 }
 
@@ -181,12 +160,12 @@ fn folders_of_files_without_header_are_frames_or_bursts() {
 
 #[test]
 fn files_without_header_are_refused_with_their_likely_shapes() {
-    let file = Opened::new("night.raw", &vec![0; 640 * 480 * 2 * 3]);
+    let file = Made::new("night.raw", &vec![0; 640 * 480 * 2 * 3]);
     let message = file.failure(&plain());
     assert!(message.contains("--raw") && message.contains("640x480:u16le (3 frames)"), "{message}");
     let message = file.failure(&raw("641x480:u16le"));
     assert!(message.contains("no whole number of frames of 641x480:u16le"), "{message}");
-    assert!(Opened::new("odd.bin", &[0; 7]).failure(&plain()).contains("no usual size fills its 7 bytes"));
+    assert!(Made::new("odd.bin", &[0; 7]).failure(&plain()).contains("no usual size fills its 7 bytes"));
     assert!(file.failure(&raw("640x480:u16le+99999999")).contains("0 bytes"));
 }
 
@@ -257,7 +236,7 @@ fn arrays_have_frames_first_or_last_and_colours() {
 
 #[test]
 fn archives_hold_one_array_of_frames() {
-    let two = Opened::new("two.npz", sample!("two.npz"));
+    let two = Made::new("two.npz", sample!("two.npz"));
     let burst = two.open(&plain()).expect("times are no frames");
     assert_eq!((burst.len(), burst.size()), (3, (5, 4)));
     assert_close(&values(&burst), &numbered(0..60));
@@ -265,7 +244,7 @@ fn archives_hold_one_array_of_frames() {
     assert_eq!(two.info(&plain()).kind, "NPZ");
     assert!(two.failure(&array("other")).contains("frames [3, 4, 5], times [3]"));
     assert!(two.failure(&array("times")).contains("[3]"));
-    let stored = Opened::new("stored.npz", sample!("stored.npz"));
+    let stored = Made::new("stored.npz", sample!("stored.npz"));
     let burst = stored.open(&plain()).expect("opens");
     assert_eq!((burst.len(), burst.full_scale), (2, 164.0));
     assert_close(&values(&burst), &numbered(0..24));
@@ -288,7 +267,7 @@ fn channels_and_depths_are_never_taken_for_time() {
         ("shaped_tcyx.tif", sample!("shaped_tcyx.tif"), 2),
     ];
     for (name, bytes, others) in files {
-        let file = Opened::new(name, bytes);
+        let file = Made::new(name, bytes);
         let other = if name.contains("tz") { "Z" } else { "C" };
         let message = file.failure(&plain());
         assert!(message.contains(&format!("{others} ")) && message.contains("--axis T"), "{message}");
@@ -313,11 +292,11 @@ fn channels_and_depths_are_never_taken_for_time() {
 
 #[test]
 fn fits_images_are_those_that_astropy_reads() {
-    let cube = Opened::new("cube.fits", sample!("cube_u16.fits", gz));
+    let cube = Made::new("cube.fits", sample!("cube_u16.fits", gz));
     let burst = cube.open(&axis("last")).expect("opens");
     assert_eq!((burst.len(), burst.size(), burst.full_scale), (3, (5, 4), 65535.0));
     assert_close(&values(&burst), &numbered(0..60).iter().map(|v| v + 40_000.0).collect::<Vec<_>>());
-    let extensions = Opened::new("extensions.fits", sample!("extensions.fits", gz));
+    let extensions = Made::new("extensions.fits", sample!("extensions.fits", gz));
     let burst = extensions.open(&plain()).expect("opens");
     assert_close(&values(&burst), &numbered(0..20).iter().map(|v| v / 8.0).collect::<Vec<_>>());
     assert!(burst.notes().iter().any(|note| note.text.contains("SCI")), "{:?}", burst.notes());
@@ -326,7 +305,7 @@ fn fits_images_are_those_that_astropy_reads() {
         assert_close(&values(&burst), &numbered(0..20).iter().map(|v| -v).collect::<Vec<_>>());
     }
     assert!(extensions.failure(&array("ERR")).contains("SCI, DQ"));
-    let scaled = Opened::new("scaled.fits", sample!("scaled.fits", gz));
+    let scaled = Made::new("scaled.fits", sample!("scaled.fits", gz));
     let burst = scaled.open(&plain()).expect("opens");
     assert_close(&values(&burst), &numbered(0..20).iter().map(|v| v * 0.5 + 10.0).collect::<Vec<_>>());
     let info = scaled.info(&plain());
@@ -336,7 +315,7 @@ fn fits_images_are_those_that_astropy_reads() {
 /// Each image of the sample stands there twice: compressed by astropy, and as astropy reads it.
 #[test]
 fn tiles_of_fits_hold_what_astropy_reads() {
-    let file = Opened::new("tiles.fits.fz", sample!("tiles.fits", gz));
+    let file = Made::new("tiles.fits.fz", sample!("tiles.fits", gz));
     for (name, _) in TILES {
         let (packed, read) = (file.open(&frames_of(name)), file.open(&frames_of(&format!("{name}_READ"))));
         let (packed, read) = (packed.expect(name), read.expect("opens"));
@@ -361,7 +340,7 @@ fn damage_of_tiles_is_an_error() {
         let unit = find(name.as_bytes(), 0).expect("the image") / 2880 * 2880;
         let at = find(from, unit).expect("the keyword");
         bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
-        Opened::new("bad.fits", &bytes).failure(&frames_of(name[11..].trim_end_matches(['\'', ' '])))
+        Made::new("bad.fits", &bytes).failure(&frames_of(name[11..].trim_end_matches(['\'', ' '])))
     };
     assert!(changed("I16", "ZNAXIS1 =                   10", "ZNAXIS1 =                  -10").contains("ZNAXIS1"));
     assert!(changed("I16", "ZNAXIS3 =                    3", "ZNAXIS3 =                    9").contains("tiles in"));
@@ -369,7 +348,7 @@ fn damage_of_tiles_is_an_error() {
     assert!(changed("I16", "TFIELDS =                    1", "TFIELDS =           9000000000").contains("TFIELDS"));
     assert!(changed("I16", "TFORM1  = '1PB", "TFORM1  = '1?B").contains("(TFORM)"));
     assert!(changed("I16", "ZCMPTYPE= 'RICE_1  '", "ZCMPTYPE= 'RICE_7  '").contains("compression"));
-    let packed = |unpacked| Opened::new("packed.fits", &crafted::packed_tile_fits(unpacked));
+    let packed = |unpacked| Made::new("packed.fits", &crafted::packed_tile_fits(unpacked));
     assert_eq!(packed(64).open(&plain()).expect("opens").size(), (8, 8));
     assert!(packed(1 << 22).failure(&plain()).contains("unpacks to more than its pixels"));
 }
@@ -381,7 +360,7 @@ fn damage_of_fits_names_the_keyword() {
         let mut bytes = whole.clone();
         let at = bytes.windows(from.len()).position(|part| part == from.as_bytes()).expect(from);
         bytes[at..at + to.len()].copy_from_slice(to.as_bytes());
-        Opened::new("bad.fits", &bytes).failure(&axis("last"))
+        Made::new("bad.fits", &bytes).failure(&axis("last"))
     };
     assert!(
         changed("NAXIS   =                    3", "NAXIS   =                    x")
@@ -397,14 +376,14 @@ fn damage_of_fits_names_the_keyword() {
     let at = bytes.windows(8).position(|part| part == b"END     ").expect("an end");
     let card = format!("{:<80}END", "CTYPE3  = 'WAVE    '");
     bytes[at..at + card.len()].copy_from_slice(card.as_bytes());
-    let spectral = Opened::new("spectral.fits", &bytes);
+    let spectral = Made::new("spectral.fits", &bytes);
     assert!(spectral.failure(&plain()).contains("differ in WAVE"));
     assert_eq!(spectral.open(&axis("last")).expect("asked for").len(), 3);
     // An undefined value is masked.
     let card = format!("{:<80}END", "BLANK   =                -32768");
     bytes[at..at + card.len()].copy_from_slice(card.as_bytes());
     bytes[2880..2882].copy_from_slice(&(-32768i16).to_be_bytes());
-    let burst = Opened::new("blank.fits", &bytes).open(&axis("last")).expect("opens");
+    let burst = Made::new("blank.fits", &bytes).open(&axis("last")).expect("opens");
     let masked = burst.frames[0].mask().expect("masked");
     assert_eq!((masked.weights().at(0, 0), masked.weights().data().iter().sum::<f32>()), (0.0, 19.0));
     assert!(burst.frames[1].mask().is_none() && burst.frames.iter().all(|f| f.data().iter().all(|x| x.is_finite())));
@@ -413,7 +392,7 @@ fn damage_of_fits_names_the_keyword() {
 
 #[test]
 fn ser_films_have_times_bits_and_mosaics() {
-    let ser = Opened::new("jupiter.ser", sample!("mono12.ser"));
+    let ser = Made::new("jupiter.ser", sample!("mono12.ser"));
     let expected: Vec<f32> = numbered(0..36).iter().map(|v| (v * 31.0) % 4096.0).collect();
     let burst = ser.open(&plain()).expect("opens");
     assert_eq!((burst.len(), burst.size(), burst.full_scale), (3, (4, 3), 4095.0));
@@ -424,7 +403,7 @@ fn ser_films_have_times_bits_and_mosaics() {
     let with = |changes: &[(usize, u32)]| {
         let mut bytes = sample!("mono12.ser").to_vec();
         changes.iter().for_each(|(at, value)| bytes[*at..at + 4].copy_from_slice(&value.to_le_bytes()));
-        Opened::new("bad.ser", &bytes)
+        Made::new("bad.ser", &bytes)
     };
     let (colour, order, width, height, bits, frames) = (18, 22, 26, 30, 34, 38);
     let swapped = with(&[(order, 1)]).open(&OpenOptions { full_scale: Some(65535.0), ..plain() }).expect("opens");
@@ -456,18 +435,18 @@ fn ser_films_have_times_bits_and_mosaics() {
 
 #[test]
 fn films_of_y4m_give_their_luma() {
-    let grey = Opened::new("grey.y4m", sample!("grey16.y4m"));
+    let grey = Made::new("grey.y4m", sample!("grey16.y4m"));
     let burst = grey.open(&plain()).expect("opens");
     assert_eq!((burst.len(), burst.size(), burst.full_scale, burst.encoding), (3, (16, 12), 65535.0, Encoding::Linear));
     let expected: Vec<f32> = numbered(0..576).iter().map(|v| v * 50.0 % 65536.0).collect();
     assert_close(&values(&burst), &expected);
-    let colour = Opened::new("colour.y4m", sample!("c420.y4m"));
+    let colour = Made::new("colour.y4m", sample!("c420.y4m"));
     let burst = colour.open(&plain()).expect("opens");
     assert_eq!((burst.len(), burst.encoding), (3, Encoding::Srgb));
     assert_close(&values(&burst), &numbered(0..576).iter().map(|v| v % 219.0 + 16.0).collect::<Vec<_>>());
     let info = colour.info(&plain());
     assert!((info.times_s[2] - 2.0 * 1001.0 / 30000.0).abs() < 1e-9, "{:?}", info.times_s);
-    let ten = Opened::new("ten.y4m", sample!("c422p10.y4m"));
+    let ten = Made::new("ten.y4m", sample!("c422p10.y4m"));
     let burst = ten.open(&plain()).expect("opens");
     assert_eq!((burst.len(), burst.full_scale), (2, 1023.0));
     assert_close(&values(&burst), &numbered(0..96).iter().map(|v| v % 1024.0).collect::<Vec<_>>());
@@ -475,27 +454,27 @@ fn films_of_y4m_give_their_luma() {
         let text = sample!("c420.y4m");
         let at = text.windows(from.len()).position(|part| part == from.as_bytes()).expect(from);
         let bytes = [&text[..at], to.as_bytes(), &text[at + from.len()..]].concat();
-        Opened::new("bad.y4m", &bytes).failure(&plain())
+        Made::new("bad.y4m", &bytes).failure(&plain())
     };
     assert!(changed("W16", "Wide").contains("no number of pixels W"));
     for colours in ["410", "", "42", "420p8", "420p17", "mono8", "mono99999999999", "rgb", "4\u{e9}\u{e9}"] {
         let message = changed("C420jpeg", &format!("C{colours}"));
         assert!(message.contains(&format!("colours are {colours};")), "{message}");
     }
-    let mono = Opened::new("mono.y4m", b"YUV4MPEG2 W2 H1 Cmono\nFRAME\n\x01\x02").open(&plain()).expect("opens");
+    let mono = Made::new("mono.y4m", b"YUV4MPEG2 W2 H1 Cmono\nFRAME\n\x01\x02").open(&plain()).expect("opens");
     assert_eq!(mono.full_scale, 255.0);
     assert_close(&values(&mono), &[1.0, 2.0]);
     assert!(changed(" Ip", " It").contains("interlaced"));
     assert!(changed("FRAME", "FROM").contains("FRAME"));
     assert!(changed("H12", "H0").contains("no pixels"));
     let cut = sample!("c420.y4m");
-    assert!(Opened::new("cut.y4m", &cut[..cut.len() - 1]).failure(&plain()).contains("ends within frame 2"));
+    assert!(Made::new("cut.y4m", &cut[..cut.len() - 1]).failure(&plain()).contains("ends within frame 2"));
 }
 
 #[needs::program("ffmpeg")]
 #[test]
 fn films_are_decoded_by_ffmpeg_with_all_bits() {
-    let film = Opened::new("it's a film.mkv", sample!("grey16.mkv"));
+    let film = Made::new("it's a film.mkv", sample!("grey16.mkv"));
     let burst = film.open(&plain()).expect("opens");
     let expected: Vec<f32> = numbered(0..576).iter().map(|v| v * 50.0 % 65536.0).collect();
     assert_eq!((burst.len(), burst.size(), burst.full_scale), (3, (16, 12), 65535.0));
@@ -518,7 +497,7 @@ fn films_are_decoded_by_ffmpeg_with_all_bits() {
     assert_eq!((burst.len(), burst.size()), (3, (16, 12)));
     assert!(burst.frames.iter().all(|frame| frame.data().iter().all(|v| (v - 0.2126).abs() < 0.001)));
     let cut = sample!("grey16.mkv");
-    assert!(Opened::new("cut.mkv", &cut[..cut.len() / 2]).failure(&plain()).contains("and says"));
+    assert!(Made::new("cut.mkv", &cut[..cut.len() / 2]).failure(&plain()).contains("and says"));
 }
 
 #[test]
@@ -529,7 +508,7 @@ fn formats_of_others_are_refused_with_what_reads_them() {
         ("a.fits.gz", b"\x1f\x8b\x08\0", "gunzip"),
     ];
     for (name, start, way) in starts {
-        let message = Opened::new(name, start).failure(&plain());
+        let message = Made::new(name, start).failure(&plain());
         assert!(message.contains(way), "{message}");
     }
 }

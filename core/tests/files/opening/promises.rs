@@ -12,10 +12,6 @@ fn options_for(name: &str) -> OpenOptions {
     OpenOptions { raw, axis, ..OpenOptions::default() }
 }
 
-fn open(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.to_path_buf()], options, &quiet())
-}
-
 fn taking(options: &OpenOptions) -> OpenOptions {
     OpenOptions { take: Some("0..2".parse().expect("a range")), ..options.clone() }
 }
@@ -25,7 +21,7 @@ fn opened(name: &str, bytes: &[u8]) -> Result<Burst, Error> {
     let folder = folder();
     let path = folder.path().join(name);
     fs::write(&path, bytes).expect("written");
-    open(&path, &options_for(name))
+    open_with(&path, &options_for(name))
 }
 
 /// Samples whose readers are of this program or of a library in it; bags have tests of their own.
@@ -102,7 +98,7 @@ fn a_changed_bit_is_noticed_where_there_is_a_checksum() {
     let mut changed = npz(&array, length, None, None);
     changed[400] ^= 1;
     fs::write(&path, &changed).expect("written");
-    let error = open(&path, &taking(&OpenOptions::default())).expect_err("a changed bit");
+    let error = open_with(&path, &taking(&OpenOptions::default())).expect_err("a changed bit");
     assert!(error.to_string().contains("checksum"), "{error}");
 }
 
@@ -115,10 +111,10 @@ fn a_fits_image_that_does_not_add_up_opens_if_that_is_wanted() {
     let folder = folder();
     let path = folder.path().join("summed.fits");
     fs::write(&path, &changed).expect("written");
-    let part = open(&path, &taking(&options_for("summed.fits"))).expect_err("also of a part");
+    let part = open_with(&path, &taking(&options_for("summed.fits"))).expect_err("also of a part");
     assert!(part.remedy.contains("--accept-damaged"), "{part}");
     let accepted = OpenOptions { accept_damaged: true, ..options_for("summed.fits") };
-    assert_eq!(open(&path, &accepted).expect("accepted").len(), 2);
+    assert_eq!(open_with(&path, &accepted).expect("accepted").len(), 2);
 }
 
 #[test]
@@ -172,8 +168,8 @@ fn any_number_of_frames_is_described_at_once_and_taken_in_part() {
         }
         let info = Info::of(std::slice::from_ref(&path), &taking(&options), &quiet()).expect(name);
         assert_eq!(info.frames, 2, "{name}");
-        assert!(open(&path, &options).expect_err("too many").to_string().contains("4096 frames"), "{name}");
-        assert_eq!(open(&path, &taking(&options)).expect(name).len(), 2, "{name}");
+        assert!(open_with(&path, &options).expect_err("too many").to_string().contains("4096 frames"), "{name}");
+        assert_eq!(open_with(&path, &taking(&options)).expect(name).len(), 2, "{name}");
         let cut = SequenceCut::new(5, None).expect("a cut");
         let sequence = BurstFiles { name: "long".to_owned(), paths: vec![path.clone()] };
         let error = cut_sequence(&sequence, cut, &options).expect_err("one file");

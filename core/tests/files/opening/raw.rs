@@ -3,10 +3,6 @@
 use super::dng::{Dng, sensor_values};
 use super::support::*;
 
-fn opened(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
-    Burst::open_with(&[path.into()], options, &quiet())
-}
-
 /// Red 164, green 264 and 364, blue 564, in every square.
 fn colours(u: usize, v: usize) -> u16 {
     [164, 264, 364, 564][u % 2 + v % 2 * 2]
@@ -25,7 +21,7 @@ fn squares_are_binned_and_colours_are_kept_apart() {
         (RawColour::Blue, 500.0 / range),
     ] {
         let options = OpenOptions { raw_colour: colour, ..OpenOptions::default() };
-        let burst = opened(&path, &options).unwrap_or_else(|e| panic!("{colour:?}: {e}"));
+        let burst = open_with(&path, &options).unwrap_or_else(|e| panic!("{colour:?}: {e}"));
         assert_eq!((burst.size(), burst.binning, burst.encoding), ((4, 3), 2, Encoding::Linear));
         assert_eq!(burst.full_scale, 1023.0);
         for value in burst.frames[0].data() {
@@ -43,16 +39,16 @@ fn black_levels_are_those_of_each_colour_and_below_them_is_negative() {
         ..Dng::new((4, 2), |u, v| if u < 2 { [54, 60, 70, 90][u % 2 + v * 2] } else { 1023 })
     };
     fs::write(&path, dng.bytes()).expect("written");
-    let burst = opened(&path, &OpenOptions::default()).expect("opens");
+    let burst = open_with(&path, &OpenOptions::default()).expect("opens");
     let dark = -10.0 * [64.0, 70.0, 80.0, 100.0].map(|black: f32| 1.0 / (1023.0 - black)).iter().sum::<f32>() / 4.0;
     assert!((burst.frames[0].at(0, 0) - dark).abs() < 1e-6, "{}", burst.frames[0].at(0, 0));
     assert!((burst.frames[0].at(1, 0) - 1.0).abs() < 1e-6);
     // Given levels replace those of the file.
     let own = OpenOptions { black_level: Some(0.0), full_scale: Some(2046.0), ..OpenOptions::default() };
-    let burst = opened(&path, &own).expect("opens");
+    let burst = open_with(&path, &own).expect("opens");
     assert!((burst.frames[0].at(1, 0) - 0.5).abs() < 1e-6 && burst.full_scale == 2046.0);
     let wrong = OpenOptions { black_level: Some(5000.0), ..OpenOptions::default() };
-    assert!(opened(&path, &wrong).is_err());
+    assert!(open_with(&path, &wrong).is_err());
 }
 
 #[test]
@@ -68,7 +64,7 @@ fn columns_and_rows_have_black_levels_of_their_own() {
     let dng = Dng { active: Some([0, 1, 2, 5]), ..Dng::new((5, 2), value) };
     let dng = Dng { black_steps: [columns.clone(), rows.clone()], mosaic: None, ..dng };
     fs::write(&path, dng.bytes()).expect("written");
-    let burst = opened(&path, &OpenOptions::default()).expect("opens");
+    let burst = open_with(&path, &OpenOptions::default()).expect("opens");
     for (v, row) in rows.iter().enumerate() {
         for (u, column) in columns.iter().enumerate() {
             let black = f32::from(64 + column + row);
@@ -79,9 +75,9 @@ fn columns_and_rows_have_black_levels_of_their_own() {
     // A given level replaces all others.
     let own = OpenOptions { black_level: Some(0.0), ..OpenOptions::default() };
     let value = f32::from(64 + 500 + columns[1] + rows[0]) / 1023.0;
-    assert!((opened(&path, &own).expect("opens").frames[0].at(1, 0) - value).abs() < 1e-6);
+    assert!((open_with(&path, &own).expect("opens").frames[0].at(1, 0) - value).abs() < 1e-6);
     fs::write(&path, Dng { black_steps: [vec![1; 3], Vec::new()], ..dng }.bytes()).expect("written");
-    let error = opened(&path, &OpenOptions::default()).expect_err("a column has none").to_string();
+    let error = open_with(&path, &OpenOptions::default()).expect_err("a column has none").to_string();
     assert!(error.contains("black levels of columns and rows") && error.contains("4×2"), "{error}");
 }
 
@@ -93,14 +89,15 @@ fn the_active_area_is_taken_wherever_it_begins() {
     let masked = |u: usize, v: usize| if u < 3 || v < 2 { 64 } else { colours(u - 3, v - 2) };
     let dng = Dng { active: Some([2, 3, 8, 11]), ..Dng::new((12, 9), masked) };
     fs::write(&path, dng.bytes()).expect("written");
-    let burst = opened(&path, &OpenOptions { raw_colour: RawColour::Blue, ..OpenOptions::default() }).expect("opens");
+    let burst =
+        open_with(&path, &OpenOptions { raw_colour: RawColour::Blue, ..OpenOptions::default() }).expect("opens");
     assert_eq!(burst.size(), (4, 3));
     assert!(burst.frames[0].data().iter().all(|v| (v - 500.0 / 959.0).abs() < 1e-6), "{:?}", burst.frames[0].data());
     // With a camera held upright, columns and rows are exchanged.
     fs::write(&path, Dng { orientation: 6, ..dng }.bytes()).expect("written");
-    assert_eq!(opened(&path, &OpenOptions::default()).expect("opens").size(), (3, 4));
+    assert_eq!(open_with(&path, &OpenOptions::default()).expect("opens").size(), (3, 4));
     let single = OpenOptions { mosaic: Some(Mosaic::None), ..OpenOptions::default() };
-    assert_eq!(opened(&path, &single).expect("opens").size(), (6, 8));
+    assert_eq!(open_with(&path, &single).expect("opens").size(), (6, 8));
 }
 
 #[test]
@@ -109,7 +106,7 @@ fn a_sensor_without_colours_is_not_binned() {
     let path = folder.path().join("a.dng");
     fs::write(&path, Dng { mosaic: None, ..Dng::new((5, 3), |u, v| 64 + (10 * v + u) as u16) }.bytes())
         .expect("written");
-    let burst = opened(&path, &OpenOptions::default()).expect("opens");
+    let burst = open_with(&path, &OpenOptions::default()).expect("opens");
     assert_eq!((burst.size(), burst.binning), ((5, 3), 1));
     assert!((burst.frames[0].at(4, 2) - 24.0 / 959.0).abs() < 1e-6);
 }
@@ -139,12 +136,13 @@ fn a_folder_of_raw_frames_is_a_burst_with_bias_and_features() {
     let bias = folder.path().join("bias.dng");
     fs::write(&bias, Dng { white: 16_383, ..Dng::new((192, 144), |_, _| 164) }.bytes()).expect("written");
     let with = OpenOptions { bias: Some(bias.clone()), ..OpenOptions::default() };
-    let less = opened(&night, &with).expect("opens");
+    let less = open_with(&night, &with).expect("opens");
     let difference = burst.frames[0].at(9, 9) - less.frames[0].at(9, 9);
     assert!((difference - 100.0 / 16_319.0).abs() < 1e-6, "{difference}");
     let png = folder.path().join("bias.png");
     image::ImageBuffer::<image::Luma<u16>, _>::from_pixel(96, 72, image::Luma([100u16])).save(&png).expect("written");
-    let error = opened(&night, &OpenOptions { bias: Some(png), ..OpenOptions::default() }).expect_err("another kind");
+    let error =
+        open_with(&night, &OpenOptions { bias: Some(png), ..OpenOptions::default() }).expect_err("another kind");
     assert!(error.problem.contains("the bias frame does not fit"), "{error}");
 }
 
@@ -155,11 +153,11 @@ fn damaged_and_huge_files_are_errors() {
     let whole = Dng::new((16, 12), colours).bytes();
     let small = Limits { max_side_px: 8, ..Limits::default() };
     fs::write(&path, &whole).expect("written");
-    let error = opened(&path, &OpenOptions { limits: small, ..OpenOptions::default() }).expect_err("too large");
+    let error = open_with(&path, &OpenOptions { limits: small, ..OpenOptions::default() }).expect_err("too large");
     assert_eq!(error.kind, ErrorKind::TooLarge, "{error}");
     for length in [0, 4, 9, 60, 200, 300, whole.len() - 30, whole.len() - 1] {
         fs::write(&path, &whole[..length]).expect("written");
-        if let Err(error) = opened(&path, &OpenOptions::default()) {
+        if let Err(error) = open_with(&path, &OpenOptions::default()) {
             assert!(error.to_string().contains("a.dng"), "{error}");
         } else {
             assert_eq!(length, whole.len() - 1, "only the padding may be missing");

@@ -46,6 +46,34 @@ pub fn open(paths: &[PathBuf]) -> Result<Burst, Error> {
     Burst::open_with(paths, &OpenOptions::default(), &quiet())
 }
 
+/// Opens one file or folder.
+pub fn open_with(path: &Path, options: &OpenOptions) -> Result<Burst, Error> {
+    Burst::open_with(&[path.to_owned()], options, &quiet())
+}
+
+/// A file in a folder of its own.
+pub struct Made {
+    pub folder: TempDir,
+    pub path: PathBuf,
+}
+
+impl Made {
+    pub fn new(name: &str, bytes: &[u8]) -> Self {
+        let folder = folder();
+        let path = folder.path().join(name);
+        fs::write(&path, bytes).expect("written");
+        Self { folder, path }
+    }
+
+    pub fn open(&self, options: &OpenOptions) -> Result<Burst, Error> {
+        open_with(&self.path, options)
+    }
+
+    pub fn info(&self, options: &OpenOptions) -> Info {
+        Info::of(std::slice::from_ref(&self.path), options, &quiet()).expect("described")
+    }
+}
+
 /// Asserts that two lists are equal within a part in a million.
 #[track_caller]
 pub fn assert_close(found: &[f32], expected: &[f32]) {
