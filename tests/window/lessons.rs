@@ -3,19 +3,31 @@
 use crate::support::*;
 use burstscope::app::parts;
 
-/// Step of each lesson that its picture shows, from 1.
-const KEY_STEPS: [(&str, usize); 10] = [
-    ("out-of-the-dark", 5),
-    ("slope-is-depth", 4),
-    ("the-aperture", 4),
-    ("blobs-at-every-scale", 6),
-    ("what-noise-does", 3),
-    ("what-a-burst-costs", 4),
-    ("ghosts", 5),
-    ("when-it-fails", 3),
-    ("from-features-to-cameras", 10),
-    ("from-light-fields-to-bursts", 3),
-];
+/// A test of each lesson, and the steps that their pictures show, from 1.
+macro_rules! lessons {
+    ($($test:ident: $name:literal, $step:literal;)*) => {
+        const KEY_STEPS: &[(&str, usize)] = &[$(($name, $step)),*];
+        $(
+            #[test]
+            fn $test() {
+                play($name);
+            }
+        )*
+    };
+}
+
+lessons! {
+    out_of_the_dark_is_played: "out-of-the-dark", 5;
+    slope_is_depth_is_played: "slope-is-depth", 4;
+    the_aperture_is_played: "the-aperture", 4;
+    blobs_at_every_scale_is_played: "blobs-at-every-scale", 6;
+    what_noise_does_is_played: "what-noise-does", 3;
+    what_a_burst_costs_is_played: "what-a-burst-costs", 4;
+    ghosts_is_played: "ghosts", 5;
+    when_it_fails_is_played: "when-it-fails", 3;
+    from_features_to_cameras_is_played: "from-features-to-cameras", 10;
+    from_light_fields_to_bursts_is_played: "from-light-fields-to-bursts", 3;
+}
 
 /// A small screen and that of a projector.
 pub const SIZES: [[f32; 2]; 2] = [[1280.0, 800.0], [1024.0, 700.0]];
@@ -294,56 +306,6 @@ fn ends(window: &mut Window, lesson: &Lesson, is_drawn: bool) {
     window.click("Next lesson").settle();
     assert_eq!(window.app().lessons.open.as_ref().map(|open| (&open.lesson.name, open.step)), Some((&next.name, 0)));
     window.click("Leave lesson").settle();
-}
-
-#[test]
-fn out_of_the_dark_is_played() {
-    play("out-of-the-dark");
-}
-
-#[test]
-fn slope_is_depth_is_played() {
-    play("slope-is-depth");
-}
-
-#[test]
-fn the_aperture_is_played() {
-    play("the-aperture");
-}
-
-#[test]
-fn what_a_burst_costs_is_played() {
-    play("what-a-burst-costs");
-}
-
-#[test]
-fn blobs_at_every_scale_is_played() {
-    play("blobs-at-every-scale");
-}
-
-#[test]
-fn what_noise_does_is_played() {
-    play("what-noise-does");
-}
-
-#[test]
-fn from_light_fields_to_bursts_is_played() {
-    play("from-light-fields-to-bursts");
-}
-
-#[test]
-fn ghosts_is_played() {
-    play("ghosts");
-}
-
-#[test]
-fn when_it_fails_is_played() {
-    play("when-it-fails");
-}
-
-#[test]
-fn from_features_to_cameras_is_played() {
-    play("from-features-to-cameras");
 }
 
 #[test]

@@ -54,8 +54,7 @@ fn a_click_on_a_feature_without_a_match_asks_about_it() {
     window.app_mut().model.document.match_look.inliers = false;
     window.app_mut().model.document.match_look.outliers = false;
     let pane = burstscope::app::pane::PaneId::of(burstscope::app::document::side::Side::A);
-    window.app_mut().model.document.panes.get_mut(pane).unwrap().view.look_at(pos2(f.u, f.v), 8.0);
-    window.settle();
+    window.change(|document| document.panes.get_mut(pane).unwrap().view.look_at(pos2(f.u, f.v), 8.0)).settle();
     let side = burstscope::app::document::side::Side::A;
     let pos = window.ui_from_image_of(side, pos2(f.u, f.v)).unwrap();
     window.click_at(pos).settle();

@@ -32,17 +32,11 @@ fn open(folder: &Path) -> Window {
     start.open()
 }
 
-fn shift(window: &mut Window, key: Key) {
-    window.harness.key_press_modifiers(Modifiers::SHIFT, key);
-    window.steps(2).settle();
-}
-
 #[test]
 fn the_local_noise_is_a_picture_of_its_own() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    window.slide("Slope u", 1.0);
-    shift(&mut window, Key::N);
+    window.slide("Slope u", 1.0).shift(Key::N).settle();
     let model = window.model();
     let cursor = *model.document.cursor();
     assert_eq!(model.document.focused().content, Content::Map(ViewKind::Noise));
@@ -77,8 +71,7 @@ fn the_local_noise_is_a_picture_of_its_own() {
 fn coverage_is_a_share_of_the_frames() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = open(folder.path());
-    window.slide("Slope u", 2.0);
-    shift(&mut window, Key::C);
+    window.slide("Slope u", 2.0).shift(Key::C).settle();
     let model = window.model();
     let burst = &model.results.slots.a.burst.as_ref().unwrap().burst;
     let expected =

@@ -64,8 +64,7 @@ fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
 #[test]
 fn a_rectangle_is_measured_in_all_linked_panes() {
     let mut window = open();
-    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::Q);
-    window.harness.run_steps(2);
+    window.shift(Key::Q);
     drag(&mut window, pos2(200.0, 60.0), pos2(300.0, 130.0));
     window.settle();
     let model = window.model();
@@ -93,8 +92,7 @@ fn line_profile() {
 #[test]
 fn region_statistics_panel() {
     let mut window = crate::flat::open([1280.0, 800.0]);
-    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::Q);
-    window.harness.run_steps(2);
+    window.shift(Key::Q);
     drag(&mut window, pos2(200.0, 30.0), pos2(330.0, 120.0));
     window.snapshot("flat/region_statistics");
 }

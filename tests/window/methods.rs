@@ -166,9 +166,7 @@ fn the_comparison_is_kept_in_a_session() {
     let file = folder.path().join("methods.burstscope.toml");
     let mut window = methods(false);
     window.key(Key::W).click_on(Role::CheckBox, "BuFF 2D").settle();
-    window.will_choose(&file).run_action("save session").settle();
-    let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
-    other.will_choose(&file).run_action("open session").settle();
+    let other = window.kept_and_opened_in(Start { size: [1400.0, 900.0], ..Start::default() }, &file);
     assert_eq!(other.document().methods, window.document().methods);
     let [before, after] = [&window, &other].map(|window| window.document().panes.arrangement().clone());
     assert_eq!((after.panes().len(), &after), (3, &before));

@@ -223,10 +223,7 @@ fn a_session_brings_the_pair_back() {
     window.change(|document| document.matching.ratio = 0.7).settle();
     window.key(Key::Home).key(Key::N).key(Key::K).click("Cursor of B").slide("Slope u", 0.75).settle();
     let saved = window.read().saved_match().unwrap();
-    window.will_choose(&file).run_action("save session").settle();
-
-    let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
-    other.will_choose(&file).run_action("open session").settle();
+    let other = window.kept_and_opened_in(Start { size: [1400.0, 900.0], ..Start::default() }, &file);
     let model = other.model();
     assert_eq!(model.document.workspace, Workspace::Pair);
     assert_eq!(Read::of(model).burst_of(Side::B).unwrap().source, BurstSource::DemoLater);
@@ -404,13 +401,10 @@ fn a_session_keeps_how_two_bursts_are_arranged() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("arranged.burstscope.toml");
     let mut window = pair();
-    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
-    window.steps(2).key(Key::Num3).settle();
+    window.shift(Key::S).key(Key::Num3).settle();
     let arrangement = window.document().panes.arrangement().clone();
     assert_eq!(arrangement.panes().len(), 3);
-    window.will_choose(&file).run_action("save session").settle();
-    let mut other = Start { size: [1400.0, 900.0], ..Start::default() }.open();
-    other.will_choose(&file).run_action("open session").settle();
+    let other = window.kept_and_opened_in(Start { size: [1400.0, 900.0], ..Start::default() }, &file);
     let panes = &other.document().panes;
     assert_eq!((panes.arrangement(), panes.focus()), (&arrangement, window.document().panes.focus()));
     assert!(panes.get(panes.focus()).unwrap().shows(ViewKind::Dog));

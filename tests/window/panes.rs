@@ -62,8 +62,7 @@ fn panes_are_split_by_buttons_and_keys_and_closed() {
     window.key(Key::Num1).settle();
     let panes = &window.document().panes;
     assert!(panes.get(new).unwrap().shows(ViewKind::Frame) && panes.of(Side::A).shows(ViewKind::Stack));
-    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
-    window.steps(2).settle();
+    window.shift(Key::S).settle();
     assert_eq!(shown(&window).len(), 3);
     // Each pane has these buttons, named by its number.
     window.click("Close pane 2").settle();
@@ -227,18 +226,15 @@ fn a_pane_shows_the_other_burst() {
 }
 
 #[test]
-fn preset_frame_and_stack() {
-    laid_out(flat::open([1280.0, 800.0]), Key::Num6).snapshot("flat/preset_frame_and_stack");
-}
-
-#[test]
-fn preset_two_slopes() {
-    laid_out(flat::open([1024.0, 700.0]), Key::Num7).snapshot("flat/preset_two_slopes");
-}
-
-#[test]
-fn preset_strip_of_slopes() {
-    laid_out(flat::open([1280.0, 800.0]), Key::Num8).snapshot("flat/preset_strip_of_slopes");
+fn presets_of_keys_are_drawn() {
+    for (key, size, name) in [
+        (Key::Num6, [1280.0, 800.0], "flat/preset_frame_and_stack"),
+        (Key::Num7, [1024.0, 700.0], "flat/preset_two_slopes"),
+        (Key::Num8, [1280.0, 800.0], "flat/preset_strip_of_slopes"),
+        (Key::Num9, [1280.0, 800.0], "flat/preset_two_by_two"),
+    ] {
+        laid_out(flat::open(size), key).snapshot(name);
+    }
 }
 
 #[test]
@@ -257,11 +253,6 @@ fn preset_strip_of_scales() {
 }
 
 #[test]
-fn preset_two_by_two() {
-    laid_out(flat::open([1280.0, 800.0]), Key::Num9).snapshot("flat/preset_two_by_two");
-}
-
-#[test]
 fn linked_place() {
     let mut window = laid_out(open(), Key::Num9);
     let stack = shown(&window)[1];
@@ -272,9 +263,7 @@ fn linked_place() {
 #[test]
 fn wipe_and_difference() {
     let mut window = laid_out(flat::open([1280.0, 800.0]), Key::Num6);
-    window.key(Key::W);
-    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::S);
-    window.harness.run_steps(2);
+    window.key(Key::W).shift(Key::S);
     let [a, b, c] = shown(&window)[..] else { panic!("three panes") };
     let focus = window.document().panes.focus();
     let rest: Vec<PaneId> = [a, b, c].into_iter().filter(|id| *id != focus).collect();

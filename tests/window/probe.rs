@@ -18,11 +18,6 @@ pub fn answer(window: &Window) -> &Probed {
     model.results.probed.answer.as_ref().unwrap()
 }
 
-fn shift(window: &mut Window, key: Key) {
-    window.harness.key_press_modifiers(Modifiers::SHIFT, key);
-    window.harness.run_steps(2);
-}
-
 /// Rectangle of an image in the panel.
 fn rect_of(window: &Window, label: &str) -> Rect {
     window.harness.get_by_role_and_label(Role::Image, label).rect()
@@ -67,11 +62,9 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
     near(&window, 300.0, 40.0);
     assert!(window.shows("Place (300"), "the panel says where");
     let pos = ui(&window, 200.0, 90.0);
-    window.hover(pos).steps(2);
-    shift(&mut window, Key::P);
-    window.settle();
+    window.hover(pos).steps(2).shift(Key::P).settle();
     near(&window, 200.0, 90.0);
-    shift(&mut window, Key::F);
+    window.shift(Key::F);
     for u in [100.0, 140.0, 180.0] {
         let pos = ui(&window, u, 60.0);
         window.hover(pos).steps(2).settle();

@@ -128,9 +128,7 @@ fn the_winning_slope_is_a_picture_of_the_motion() {
     window.app_mut().model.document.focused_mut().cursor.octave = feature.octave;
     window.app_mut().model.document.focused_mut().cursor.level = feature.level;
     // The features would cover it.
-    window.key(Key::O);
-    window.harness.key_press_modifiers(Modifiers::SHIFT, Key::V);
-    window.steps(2).settle();
+    window.key(Key::O).shift(Key::V).settle();
     let model = window.model();
     assert_eq!(model.document.focused().content, Content::Map(ViewKind::Motion));
     let picture = Read::of(model).picture().unwrap();

@@ -270,22 +270,25 @@ impl Window {
     /// Clicks a button (or another clickable widget) with this text.
     pub fn click(&mut self, label: &str) -> &mut Self {
         self.harness.get_by_role_and_label(Role::Button, label).click();
-        self.harness.run_steps(3);
-        self
+        self.steps(3)
     }
 
     /// Presses a key.
     pub fn key(&mut self, key: Key) -> &mut Self {
         self.harness.key_press(key);
-        self.harness.run_steps(2);
-        self
+        self.steps(2)
     }
 
     /// Presses keys with Ctrl (Cmd on a Mac).
     pub fn ctrl(&mut self, key: Key) -> &mut Self {
         self.harness.key_press_modifiers(Modifiers::COMMAND, key);
-        self.harness.run_steps(2);
-        self
+        self.steps(2)
+    }
+
+    /// Presses a key with Shift.
+    pub fn shift(&mut self, key: Key) -> &mut Self {
+        self.harness.key_press_modifiers(Modifiers::SHIFT, key);
+        self.steps(2)
     }
 
     /// Chooses an action in the command palette by typing its name.
@@ -294,19 +297,19 @@ impl Window {
         self.harness.get_by_role_and_label(Role::TextInput, "Find an action").type_text(name);
         self.harness.run_steps(2);
         self.key(Key::Enter);
-        self.harness.run_steps(2);
-        self
+        self.steps(2)
     }
 
     /// Saves the session as `file`, and opens it in another window.
     pub fn kept_and_opened_in_another(&mut self, file: &Path) -> Self {
-        self.dialogs.will_choose(file);
-        self.run_action("save session");
-        self.settle();
-        let mut other = Start::without_auto_detect().open();
-        other.dialogs.will_choose(file);
-        other.run_action("open session");
-        other.settle();
+        self.kept_and_opened_in(Start::without_auto_detect(), file)
+    }
+
+    /// Saves the session as `file`, and opens it in a window that starts so.
+    pub fn kept_and_opened_in(&mut self, start: Start, file: &Path) -> Self {
+        self.will_choose(file).run_action("save session").settle();
+        let mut other = start.open();
+        other.will_choose(file).run_action("open session").settle();
         other
     }
 
@@ -334,8 +337,7 @@ impl Window {
         slider
             .unwrap_or_else(|| self.harness.get_by_role_and_label(Role::SpinButton, label))
             .set_value_accesskit(value);
-        self.harness.run_steps(2);
-        self
+        self.steps(2)
     }
 
     /// Opens a tab of the panel below, which was closed or shows another.
@@ -353,8 +355,7 @@ impl Window {
     pub fn choose(&mut self, menu: &str, entry: &str) -> &mut Self {
         self.click(menu);
         self.harness.get_by_label_contains(entry).click();
-        self.harness.run_steps(3);
-        self
+        self.steps(3)
     }
 
     /// Clicks at a place of the window, with a pause between the events.
@@ -369,8 +370,7 @@ impl Window {
             pressed: false,
             modifiers: Modifiers::NONE,
         });
-        self.harness.run_steps(2);
-        self
+        self.steps(2)
     }
 
     /// Clicks at a place of the window with Shift held.
@@ -383,8 +383,7 @@ impl Window {
             self.harness.event_modifiers(event, modifiers);
             self.harness.run_steps(1);
         }
-        self.harness.run_steps(1);
-        self
+        self.steps(1)
     }
 
     /// Double-clicks at a place of the window. A step here takes longer than a person's double click, so a slower one

@@ -6,6 +6,7 @@ use proptest::sample::Index;
 
 /// Bytes inserted where they do not belong: numbers at the ends of their ranges, signatures of the formats, bytes that
 /// are no text.
+#[rustfmt::skip]
 const JUNK: [&[u8]; 30] = [
     b"0",
     b"-1",

@@ -115,29 +115,11 @@ const EXTREMES: [u64; 14] =
     [0, 1, 5, 10, 12, 13, 16, 0x7f, 0xff, 0xffff, 0x7fff_ffff, 0xffff_ffff, 0x7fff_ffff_ffff_ffff, u64::MAX];
 
 /// Values of keywords of FITS.
+#[rustfmt::skip]
 const WORDS: [&str; 22] = [
-    "RICE_1",
-    "RICE_ONE",
-    "GZIP_1",
-    "GZIP_2",
-    "PLIO_1",
-    "HCOMPRESS_1",
-    "NOCOMPRESS",
-    "1PB",
-    "0PB",
-    "2PB",
-    "1QB",
-    "1PI",
-    "PJ(99)",
-    "1B",
-    "1D",
-    "9999999999J",
-    "NONE",
-    "SUBTRACTIVE_DITHER_2",
-    "COMPRESSED_DATA",
-    "ZSCALE",
-    "ZBLANK",
-    "UNCOMPRESSED_DATA",
+    "RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2", "PLIO_1", "HCOMPRESS_1", "NOCOMPRESS", "1PB", "0PB",
+    "2PB", "1QB", "1PI", "PJ(99)", "1B", "1D", "9999999999J", "NONE",
+    "SUBTRACTIVE_DITHER_2", "COMPRESSED_DATA", "ZSCALE", "ZBLANK", "UNCOMPRESSED_DATA",
 ];
 
 /// At least 400 cases for each test; more when PROPTEST_CASES asks for more.
