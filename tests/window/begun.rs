@@ -98,32 +98,23 @@ fn a_mask_is_hatched_in_every_picture() {
 fn every_way_to_another_burst_drops_the_mask() {
     let home = tempfile::tempdir().unwrap();
     let (slider, cube, mask) = bursts(home.path());
-    type Way = fn(&mut Window, &Path);
+    type Way = for<'w> fn(&'w mut Window, &Path) -> &'w mut Window;
     let ways: [(&str, Way); 5] = [
-        ("dropped", |window, cube| {
-            window.drop_file(cube.to_owned());
-        }),
-        ("dialog", |window, cube| {
-            window.will_choose(cube).click("Open…");
-        }),
+        ("dropped", |window, cube| window.drop_file(cube.to_owned())),
+        ("dialog", |window, cube| window.will_choose(cube).click("Open…")),
         ("recent", |window, cube| {
             open(window, cube);
             window.will_choose(cube.with_file_name("slider")).click("Open…").settle();
             set_mask(window, &cube.with_file_name("mask.png"));
-            window.click("File").click("Open recent").click("cube");
+            window.click("File").click("Open recent").click("cube")
         }),
-        ("palette", |window, _| {
-            window.run_action("open demo burst");
-        }),
-        ("example", |window, _| {
-            window.run_action("example: low contrast");
-        }),
+        ("palette", |window, _| window.run_action("open demo burst")),
+        ("example", |window, _| window.run_action("example: low contrast")),
     ];
     for (name, way) in ways {
         let mut window = start(&slider).open();
         set_mask(&mut window, &mask);
-        way(&mut window, &cube);
-        window.settle();
+        way(&mut window, &cube).settle();
         let model = window.model();
         assert!(model.shell.messages.errors().is_empty(), "{name}: {:?}", model.shell.messages.errors());
         assert_eq!(model.document.calibration.mask, None, "{name}");

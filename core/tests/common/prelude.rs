@@ -1,5 +1,5 @@
 //! Names that most tests use.
-#![allow(unused_imports)] // Each test program uses a part of it.
+#![allow(dead_code, unused_imports)] // Each test program uses a part of it.
 
 pub use crate::shared::shared;
 pub use burstscope_core::burst::*;
@@ -22,4 +22,16 @@ pub use std::sync::Arc;
 /// Monitor that nobody hears or cancels.
 pub fn quiet() -> Monitor {
     Monitor::default()
+}
+
+/// Monitor of work that was cancelled before it began.
+pub fn cancelled() -> Monitor {
+    let monitor = quiet();
+    monitor.cancel();
+    monitor
+}
+
+/// Does the work on so many threads.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool").install(work)
 }

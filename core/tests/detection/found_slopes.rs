@@ -226,12 +226,8 @@ fn a_direction_that_is_asked_for_is_the_line_that_is_searched() {
 fn threads_change_nothing_and_cancelling_ends_it() {
     let (burst, _) =
         synth_scene(&SceneParams { width: 320, height: 240, ..SceneParams::default() }, &quiet()).expect("a scene");
-    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-    let with = |threads| pool(threads).install(|| find(&burst));
-    assert_eq!(with(1), with(3));
-    let stopped = Monitor::default();
-    stopped.cancel();
-    assert!(find_slopes(&burst, &DetectorParams::default(), None, &stopped).is_err());
+    assert_eq!(on_threads(1, || find(&burst)), on_threads(3, || find(&burst)));
+    assert!(find_slopes(&burst, &DetectorParams::default(), None, &cancelled()).is_err());
 }
 
 #[test]

@@ -198,6 +198,18 @@ proptest! {
     }
 }
 
+/// Asserts that there are more than `least` features, with the same bits on one thread and on as many as are given.
+fn assert_same_on_threads(burst: &Burst, params: &DetectorParams, least: usize, counts: &[usize]) {
+    let one = on_threads(1, || found(burst, params));
+    assert!(one.features.len() > least, "{}", one.features.len());
+    for threads in counts {
+        let many = on_threads(*threads, || found(burst, params));
+        assert_eq!(one.features, many.features);
+        assert_eq!(one.descriptors, many.descriptors);
+        assert_eq!(one.tally, many.tally);
+    }
+}
+
 #[test]
 fn any_number_of_threads_gives_the_same_bits() {
     let burst = two_slopes(3, 6);
@@ -210,18 +222,7 @@ fn any_number_of_threads_gives_the_same_bits() {
             ..joint(plane_grid())
         },
     ] {
-        let with = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            pool.install(|| found(&burst, &params))
-        };
-        let one = with(1);
-        assert!(one.features.len() > 10);
-        for threads in [2, 3, 7] {
-            let many = with(threads);
-            assert_eq!(one.features, many.features);
-            assert_eq!(one.descriptors, many.descriptors);
-            assert_eq!(one.tally, many.tally);
-        }
+        assert_same_on_threads(&burst, &params, 10, &[2, 3, 7]);
     }
 }
 
@@ -233,18 +234,7 @@ fn tiles_and_threads_change_no_bit_of_a_larger_image() {
     // Whole and half columns a frame, and other fractions.
     for slopes in [SlopeGrid::line(-3.0..=3.0, 7), SlopeGrid::line(-1.7..=2.0, 5)] {
         let params = DetectorParams { slopes, peak_threshold: 0.0015, ..DetectorParams::default() };
-        let with = |threads: usize| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-            pool.install(|| found(&burst, &params))
-        };
-        let one = with(1);
-        assert!(one.features.len() > 100, "{}", one.features.len());
-        for threads in [2, 16] {
-            let many = with(threads);
-            assert_eq!(one.features, many.features);
-            assert_eq!(one.descriptors, many.descriptors);
-            assert_eq!(one.tally, many.tally);
-        }
+        assert_same_on_threads(&burst, &params, 100, &[2, 16]);
     }
 }
 
@@ -284,9 +274,7 @@ fn stacking_and_filtering_commute() {
 
 #[test]
 fn a_cancelled_detection_has_no_result() {
-    let monitor = Monitor::default();
-    monitor.cancel();
-    let result = detect(&two_slopes(1, 3), &plane_grid(), &monitor);
+    let result = detect(&two_slopes(1, 3), &plane_grid(), &cancelled());
     assert!(result.is_err_and(|error| error.is_cancelled()));
 }
 

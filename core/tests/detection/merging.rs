@@ -107,19 +107,13 @@ fn one_frame_stays_as_it_is_and_tiny_ones_are_no_trouble() {
 #[test]
 fn the_bits_do_not_depend_on_the_threads() {
     let burst = moving_burst((1.3, 0.7), 0.05, 5, 7);
-    let with = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| merged(&burst))
-    };
-    assert_eq!(with(1), with(5));
+    assert_eq!(on_threads(1, || merged(&burst)), on_threads(5, || merged(&burst)));
 }
 
 #[test]
 fn cancelling_leaves_no_result_and_progress_rises_to_one() {
     let burst = moving_burst((1.0, 0.0), 0.05, 4, 8);
-    let cancelled = Monitor::default();
-    cancelled.cancel();
-    assert!(merge_burst(&burst, 0..4, &cancelled).is_err());
+    assert!(merge_burst(&burst, 0..4, &cancelled()).is_err());
     let heard = Arc::new(Mutex::new(Vec::new()));
     let sink = heard.clone();
     let monitor = Monitor::with_listener(move |p| sink.lock().expect("not poisoned").push((p.stage, p.fraction)));

@@ -216,14 +216,8 @@ fn b_to_a_is_a_to_b_reversed() {
 #[test]
 fn measurements_are_the_same_on_any_number_of_threads() {
     let scene = Scene::new(similar(), NOISE, as_detected);
-    let on_threads = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| scene.measured())
-    };
-    assert_eq!(on_threads(1), on_threads(5));
-    let monitor = Monitor::default();
-    monitor.cancel();
-    assert_eq!(measure(&scene.views(0, 1), PairFrame::of(&[]), FIT_RADIUS, &monitor), Err(Cancelled));
+    assert_eq!(on_threads(1, || scene.measured()), on_threads(5, || scene.measured()));
+    assert_eq!(measure(&scene.views(0, 1), PairFrame::of(&[]), FIT_RADIUS, &cancelled()), Err(Cancelled));
 }
 
 #[test]

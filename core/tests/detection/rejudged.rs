@@ -192,8 +192,6 @@ fn a_cancelled_judgement_has_no_result() {
     let burst = scene(3, (110, 90), false);
     let first =
         searched(&burst, &DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() });
-    let monitor = Monitor::default();
-    monitor.cancel();
     let changed = DetectorParams { distinct: Distinct::Radius(0.4), ..first.params().clone() };
-    assert!(first.trail.rejudged(&changed, &monitor).is_err());
+    assert!(first.trail.rejudged(&changed, &cancelled()).is_err());
 }

@@ -256,10 +256,8 @@ fn on_the_demo_the_nearest_candidate_near_the_scale_in_view_comes_first_and_larg
 #[test]
 fn a_cancelled_survey_has_no_result() {
     let cache = cache(&scene(4, (60, 50), 4, 3.0), &params(SlopeExtrema::Each));
-    let monitor = Monitor::default();
-    monitor.cancel();
-    assert!(survey(&cache.trail, &SurveyOptions::default(), &monitor).is_err());
-    assert!(winning_slopes(&cache.trail, 0, 1, &monitor).is_err());
+    assert!(survey(&cache.trail, &SurveyOptions::default(), &cancelled()).is_err());
+    assert!(winning_slopes(&cache.trail, 0, 1, &cancelled()).is_err());
 }
 
 #[test]

@@ -17,10 +17,7 @@ fn summary_leaves_out_what_is_not_finite() {
     let none = plane_of(&[f32::NAN]);
     assert_eq!(summary(&none, &Region::whole(&none)).range(), None);
     assert_eq!(percentiles(&none, &Region::whole(&none), &[50.0]), None);
-    let cancelled_monitor = Monitor::default();
-    cancelled_monitor.cancel();
-    let cancelled = percentiles_until(&plane, &Region::whole(&plane), &[50.0], &cancelled_monitor);
-    assert_eq!(cancelled, Err(Cancelled));
+    assert_eq!(percentiles_until(&plane, &Region::whole(&plane), &[50.0], &cancelled()), Err(Cancelled));
 }
 
 #[test]

@@ -104,9 +104,7 @@ fn wrong_pictures_are_refused_and_cancelling_ends_it() {
     for pictures in [Vec::new(), vec![RgbaImage::new(0, 5)], vec![RgbaImage::new(70_000, 1)], sizes] {
         assert!(encoded(pictures, &quiet()).is_err());
     }
-    let cancelled = Monitor::default();
-    cancelled.cancel();
-    assert!(encoded(pictures(), &cancelled).is_err());
+    assert!(encoded(pictures(), &cancelled()).is_err());
     // A picture that cannot be made ends the film.
     let failing = (2, [Ok(pictures().remove(0)), Err(io::Error::other("no picture"))]);
     let error = encode_film(&mut Vec::new(), failing, 10, &quiet());
@@ -167,16 +165,13 @@ fn an_mp4_that_fails_or_is_cancelled_leaves_nothing() {
     let home = tempfile::tempdir().expect("a folder");
     let path = home.path().join("a.mp4");
     let picture = |side| Ok(RgbaImage::new(side, 8));
-    let cancelled = Monitor::default();
-    cancelled.cancel();
-    let none = Monitor::default();
     for (pictures, monitor, words) in [
-        (vec![picture(8), Err(io::Error::other("no picture"))], &none, "no picture"),
-        (vec![picture(8), picture(9)], &none, "one size"),
-        (Vec::new(), &none, "at least one picture"),
-        (vec![picture(8), picture(8)], &cancelled, "cancelled"),
+        (vec![picture(8), Err(io::Error::other("no picture"))], quiet(), "no picture"),
+        (vec![picture(8), picture(9)], quiet(), "one size"),
+        (Vec::new(), quiet(), "at least one picture"),
+        (vec![picture(8), picture(8)], cancelled(), "cancelled"),
     ] {
-        let error = write_film(&path, (2, pictures), 10, monitor).expect_err(words);
+        let error = write_film(&path, (2, pictures), 10, &monitor).expect_err(words);
         assert!(error.to_string().contains(words), "{error}");
         assert_eq!(fs::read_dir(home.path()).expect("a folder").count(), 0, "{words}");
     }

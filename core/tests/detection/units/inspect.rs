@@ -193,10 +193,7 @@ fn still_features_put_the_rates_in_doubt() {
 #[test]
 fn one_seed_gives_one_report_of_decoys_on_any_number_of_threads() {
     let cache = cache(&burst(6, 6, Slope::new(1.5, 0.0)), line(3.5));
-    let on = |threads, seed| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| report(&cache, DecoyStudy { copies: 2, seed }))
-    };
+    let on = |threads, seed| on_threads(threads, || report(&cache, DecoyStudy { copies: 2, seed }));
     let one = on(1, 7);
     assert_eq!(one, on(3, 7));
     assert_ne!(one, on(3, 8), "another seed is another order");
@@ -205,9 +202,7 @@ fn one_seed_gives_one_report_of_decoys_on_any_number_of_threads() {
 #[test]
 fn a_search_for_decoys_ends_when_it_is_cancelled() {
     let cache = cache(&burst(5, 0, Slope::default()), line(5.0));
-    let cancelled = Monitor::default();
-    cancelled.cancel();
-    let ended = decoys(&cache.trail, &DecoyStudy::default(), false, &cancelled);
+    let ended = decoys(&cache.trail, &DecoyStudy::default(), false, &cancelled());
     assert!(ended.as_ref().is_err_and(Error::is_cancelled), "{ended:?}");
 }
 

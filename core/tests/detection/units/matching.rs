@@ -72,9 +72,7 @@ fn each_image_is_paired_with_those_that_most_of_its_features_vote_for() {
     assert_eq!(pairs(2), [(0, 1), (0, 2), (0, 3), (0, 4), (1, 2), (1, 3), (1, 4)]);
     assert_eq!(pairs(usize::MAX), PairSelection::All.pairs(5));
     assert_eq!(near_pairs(&images[..1], 3, &quiet()), Ok(Vec::new()));
-    let stopped = Monitor::default();
-    stopped.cancel();
-    assert!(near_pairs(&images, 1, &stopped).is_err());
+    assert!(near_pairs(&images, 1, &cancelled()).is_err());
     // No more than the strongest vote and are voted for: what 0 and 3 have in common comes after them here.
     let filled = |image: usize| -> Result<Vec<Descriptor>, Cancelled> {
         let many = if image == 0 { vec![descriptor(4, 5); VOTERS] } else { Vec::new() };

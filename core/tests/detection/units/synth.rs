@@ -50,9 +50,7 @@ fn nonsense_in_a_chart_is_named_with_its_remedy() {
         let error = synth_chart(&params, &quiet()).expect_err(name).to_string();
         assert!(error.starts_with(&format!("{name}: ")), "{error}");
     }
-    let cancelled = Monitor::default();
-    cancelled.cancel();
-    assert!(synth_chart(&small_chart(), &cancelled).is_err_and(|error| error.is_cancelled()));
+    assert!(synth_chart(&small_chart(), &cancelled()).is_err_and(|error| error.is_cancelled()));
 }
 
 #[test]
@@ -96,8 +94,7 @@ fn each_disc_is_where_the_truth_says_in_every_frame() {
 #[test]
 fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
     let made = |seed: u64| synth_chart(&ChartParams { seed, ..small_chart() }, &quiet()).expect("a chart");
-    let pool = |threads| rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-    let make = |threads, seed| pool(threads).install(|| made(seed));
+    let make = |threads, seed| on_threads(threads, || made(seed));
     let (one, truth_one) = make(1, 3);
     let (four, truth_four) = make(4, 3);
     let (other, truth_other) = make(4, 4);
@@ -152,8 +149,7 @@ fn the_truth_lies_in_the_picture_and_moves_as_its_layer() {
 
 #[test]
 fn the_examples_and_the_demo_are_what_they_say_and_the_same_everywhere() {
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
-    let alone = |make: &(dyn Fn() -> Burst + Sync)| pool.install(make).frames;
+    let alone = |make: &(dyn Fn() -> Burst + Sync)| on_threads(1, make).frames;
     for example in Example::ALL {
         let burst = example.burst();
         assert_eq!(

@@ -482,10 +482,8 @@ fn films_are_decoded_by_ffmpeg_with_all_bits() {
     let info = film.info(&plain());
     assert_eq!((info.kind.as_str(), info.frames), ("film", 3));
     assert!((info.times_s[2] - 0.08).abs() < 1e-3, "{:?}", info.times_s);
-    let cancelled = Monitor::default();
-    cancelled.cancel();
     let paths = [film.path.clone()];
-    assert!(Burst::open_with(&paths, &plain(), &cancelled).expect_err("cancelled").is_cancelled());
+    assert!(Burst::open_with(&paths, &plain(), &cancelled()).expect_err("cancelled").is_cancelled());
     // Colours become luma by this program's weights, whatever ffmpeg's are.
     let home = folder();
     let path = home.path().join("colours.mkv");
