@@ -6,8 +6,7 @@ use ndarray_npy::NpzReader;
 
 #[test]
 fn the_demo_gives_features_in_all_formats() {
-    let home = tempfile::tempdir().expect("a folder");
-    let out = home.path().join("found");
+    let (home, out) = folder_with("found");
     let text = run_well(home.path(), &["detect", "demo", "--out", "found", "--format", "csv,colmap,npz"]);
     let rows = features(&out.join("demo.csv"));
     assert!(rows.len() > 100, "{} features", rows.len());

@@ -191,8 +191,7 @@ fn work_on_a_film_stops_also_where_ffmpeg_hangs() {
 #[test]
 fn an_mp4_without_ffmpeg_or_with_one_that_fails_is_an_error_with_its_words() {
     use std::os::unix::fs::PermissionsExt;
-    let home = tempfile::tempdir().expect("a folder");
-    let bin = home.path().join("bin");
+    let (home, bin) = folder_with("bin");
     fs::create_dir(&bin).expect("made");
     let film = ["film", "demo", "--sweep", "frames", "--no-features", "--out", "x.mp4"];
     let fails = || {

@@ -53,8 +53,7 @@ fn options_come_before_their_file_before_own_defaults_before_what_is_built_in() 
 
 #[test]
 fn the_usual_place_is_read_unless_the_variable_is_set() {
-    let home = tempfile::tempdir().expect("a folder");
-    let folder = home.path().join("config/burstscope");
+    let (home, folder) = folder_with("config/burstscope");
     fs::create_dir_all(&folder).expect("made");
     fs::write(folder.join("defaults.toml"), "levels = 4\n").expect("written");
     let run = |variable: Option<&str>| {

@@ -40,8 +40,7 @@ fn figures(report: &Value) -> Vec<(&str, bool)> {
 
 #[test]
 fn all_figures_are_made_once_and_kept() {
-    let home = tempfile::tempdir().expect("a folder");
-    let folder = home.path().join("paper");
+    let (home, folder) = folder_with("paper");
     let arguments = ["figures", "--out", "paper", "--quick", "--no-colmap", "--json"];
     let made = run_json(home.path(), &arguments);
     let mut found: Vec<&str> = figures(&made).into_iter().map(|(name, _)| name).collect();
@@ -125,8 +124,7 @@ awk '!/^#/ { w=$8; qx=-$5; qy=-$6; qz=-$7; x=$2; y=$3; z=$4
 #[test]
 fn where_colmap_is_installed_it_fills_the_columns() {
     use std::os::unix::fs::PermissionsExt;
-    let home = tempfile::tempdir().expect("a folder");
-    let tool = home.path().join("bin/colmap");
+    let (home, tool) = folder_with("bin/colmap");
     fs::create_dir(home.path().join("bin")).expect("made");
     fs::write(&tool, MAPPER).expect("written");
     fs::set_permissions(&tool, fs::Permissions::from_mode(0o755)).expect("set");

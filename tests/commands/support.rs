@@ -159,3 +159,10 @@ pub fn leave_unfinished(folder: &Path) {
     fs::write(hidden.join(OutputKind::Unfinished.file()), mark).expect("written");
     fs::write(hidden.join("new"), "half").expect("written");
 }
+
+/// A new folder that disappears after the test, and the path of this name in it.
+pub fn folder_with(name: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join(name);
+    (folder, path)
+}

@@ -78,8 +78,7 @@ fn values_come_through_as_they_are() {
 
 #[test]
 fn errors_say_what_they_say_without_a_process() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("a.dng");
+    let (folder, path) = folder_with("a.dng");
     let sound = Dng::new((24, 16), |u, v| (64 + u + v) as u16).bytes();
     fs::write(&path, &sound[..sound.len() - 9]).expect("written");
     let error = open(&path).expect_err("cut");
@@ -107,8 +106,7 @@ fn errors_say_what_they_say_without_a_process() {
 
 #[test]
 fn a_decoder_that_takes_all_memory_takes_that_of_its_process() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("bad.raf");
+    let (_folder, path) = folder_with("bad.raf");
     fs::write(&path, crafted::huge_count_raf()).expect("written");
     let error = open(&path).expect_err("34 GB");
     assert_eq!(error.kind, ErrorKind::Damaged, "{error:?}");
@@ -144,8 +142,7 @@ fn cancelling_ends_the_process() {
 #[cfg(target_os = "linux")]
 #[test]
 fn a_decoder_that_somebody_ends_is_no_damage_of_the_file() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("ended.dng");
+    let (_folder, path) = folder_with("ended.dng");
     fs::write(&path, Dng::new((6000, 4000), |u, v| (64 + (u * v) % 900) as u16).bytes()).expect("written");
     with_worker();
     for (signal, number) in [("-KILL", "signal 9"), ("-TERM", "signal 15")] {
@@ -217,8 +214,7 @@ fn a_harmful_file_loses_neither_the_other_bursts_nor_the_program() {
 /// An image in one tile that takes much memory is unpacked in a process of its own, which has its frames one by one.
 #[test]
 fn large_tiles_are_unpacked_in_a_process() {
-    let folder = tempfile::tempdir().expect("a folder");
-    let path = folder.path().join("large.fits");
+    let (_folder, path) = folder_with("large.fits");
     let sides = [("ZNAXIS1", "8192"), ("ZNAXIS2", "4096"), ("ZTILE1", "8192"), ("ZTILE2", "4096")];
     fs::write(&path, crafted::tile_fits(&sides, &[], &crafted::gzip_of_zeros(8192 * 4096))).expect("written");
     let burst = open(&path).expect("unpacked");

@@ -135,8 +135,7 @@ fn in_a_hall_the_picture_is_large_and_a_presenters_keys_lead_through_the_lesson(
 
 #[test]
 fn a_lesson_is_written_as_a_sheet() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("sheet.md");
+    let (_folder, file) = folder_with("sheet.md");
     let mut window = at_step("ghosts", 0, SIZES[0]);
     window.will_choose(&file).run_action("export lesson sheet");
     window.wait("the sheet", |app| app.is_settled() && file.exists());
@@ -197,8 +196,7 @@ fn the_search_in_two_directions_circles_the_lanterns() {
 
 #[test]
 fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("mine.toml");
+    let (folder, file) = folder_with("mine.toml");
     let good =
         "title = \"My own\"\nabout = \"About it.\"\n\n[[step]]\ntitle = \"First\"\ncaption = \"Look at *this*.\"\n";
     fs::write(&file, good.replace("caption", "captoin")).unwrap();

@@ -157,8 +157,7 @@ fn what_was_matched_and_measured_is_whole_too() {
 
 #[test]
 fn figures_that_are_being_made_are_whole_or_not_there() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("paper");
+    let (_folder, out) = folder_with("paper");
     let mut window = Start::nothing_open().open_without_waiting();
     let only = vec![PaperFigure::Fig9, PaperFigure::Fig5];
     let app = window.app_mut();

@@ -72,8 +72,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
 
 #[test]
 fn a_file_that_holds_no_features_is_refused_with_a_reason() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("notes.txt");
+    let (_folder, path) = folder_with("notes.txt");
     fs::write(&path, "nothing of the kind\n").unwrap();
     let mut window = Start::default().open();
     window.will_choose(&path).run_action("open features").settle();

@@ -60,8 +60,7 @@ pub fn click_burst(window: &mut Window, label: &str) {
 
 #[test]
 fn a_folder_of_bursts_opens_as_a_filmstrip_and_its_first_burst_in_the_inspector() {
-    let folder = tempfile::tempdir().unwrap();
-    let nights = folder.path().join("nights");
+    let (folder, nights) = folder_with("nights");
     for (name, frames) in [("first", 3), ("second", 6)] {
         fs::create_dir_all(nights.join(name)).unwrap();
         noisy_stack(&nights.join(name), frames, 40, 40);
@@ -146,8 +145,7 @@ fn a_burst_that_fails_says_why_and_the_others_go_on() {
 #[cfg(feature = "raw")]
 #[test]
 fn harmful_files_of_a_dataset_lose_their_bursts_alone() {
-    let home = tempfile::tempdir().unwrap();
-    let nights = home.path().join("nights");
+    let (_home, nights) = folder_with("nights");
     let png = crate::crafted::packed_chunks_png(1 << 16);
     for (name, file, bytes) in [
         ("b", "bad.dng", crate::crafted::huge_count_dng(12)),
@@ -245,8 +243,7 @@ fn folders_that_will_not_do_are_named() {
 
 #[test]
 fn a_session_brings_the_dataset_back() {
-    let home = tempfile::tempdir().unwrap();
-    let file = home.path().join("walk.burstscope.toml");
+    let (home, file) = folder_with("walk.burstscope.toml");
     let mut window = start(walk(home.path())).open();
     click_burst(&mut window, "Burst frame_007");
     window.settle();
@@ -258,8 +255,7 @@ fn a_session_brings_the_dataset_back() {
 
 #[test]
 fn a_picture_beside_the_bursts_of_a_dataset_is_named() {
-    let home = tempfile::tempdir().unwrap();
-    let nights = home.path().join("nights");
+    let (home, nights) = folder_with("nights");
     for (folder, shade) in [("nights/a", 9u8), ("nights/b", 12)] {
         fs::create_dir_all(home.path().join(folder)).unwrap();
         for t in 0..2 {

@@ -143,8 +143,7 @@ fn tooltips_of_kinds_of_picture_of_sliders_and_of_columns_lead_to_their_words() 
 
 #[test]
 fn figures_of_the_paper_are_made_in_the_background_and_can_be_cancelled() {
-    let folder = tempfile::tempdir().unwrap();
-    let out = folder.path().join("paper");
+    let (_folder, out) = folder_with("paper");
     let mut window = Start::without_auto_detect().open();
     window.will_choose(&out).run_action("figures of the paper");
     window.wait("figures are being made", |app| app.model.results.figures.is_pending());

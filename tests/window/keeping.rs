@@ -8,8 +8,7 @@ use eframe::Storage;
 
 #[test]
 fn parameters_are_saved_and_loaded() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("params.toml");
+    let (_folder, file) = folder_with("params.toml");
     let mut window = Start::without_auto_detect().open();
     window.change(|document| document.params.peak_threshold = 0.0125).will_choose(&file);
     window.run_action("save parameters").settle();
@@ -23,8 +22,7 @@ fn parameters_are_saved_and_loaded() {
 
 #[test]
 fn a_parameter_file_with_a_mistake_is_named_and_changes_nothing() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("wrong.toml");
+    let (_folder, file) = folder_with("wrong.toml");
     fs::write(&file, "peak_treshold = 0.1\n").unwrap();
     let mut window = Start::without_auto_detect().open();
     let before = window.document().params.clone();
@@ -59,8 +57,7 @@ fn a_session_brings_everything_back() {
 
 #[test]
 fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("panes.burstscope.toml");
+    let (_folder, file) = folder_with("panes.burstscope.toml");
     let mut window = Start::without_auto_detect().open();
     window.run_action("later demo burst as b").settle();
     window.click("One burst").key(Key::Num9).key(Key::S);
@@ -86,8 +83,7 @@ fn a_session_keeps_the_panes_and_a_start_with_its_file_opens_it() {
 
 #[test]
 fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("handed_over.burstscope.toml");
+    let (_folder, file) = folder_with("handed_over.burstscope.toml");
     let mut window = Start::default().open();
     window.settle();
     let pane = |window: &Window| window.document().focused().clone();
@@ -108,8 +104,7 @@ fn a_session_that_says_nothing_of_panes_begins_as_a_burst_that_is_opened() {
 
 #[test]
 fn a_session_of_a_newer_version_says_so() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("new.burstscope.toml");
+    let (_folder, file) = folder_with("new.burstscope.toml");
     fs::write(&file, "version = 77\nburst = \"demo\"\nsomething_new = true\n").unwrap();
     let mut window = Start::without_auto_detect().open();
     window.will_choose(&file).run_action("open session");
@@ -251,8 +246,7 @@ fn previewed(window: &mut Window) -> RgbaImage {
 
 #[test]
 fn the_form_of_a_figure_shows_what_it_would_write() {
-    let folder = tempfile::tempdir().unwrap();
-    let png = folder.path().join("f.png");
+    let (_folder, png) = folder_with("f.png");
     let mut window = flat::with_features(flat::open([960.0, 640.0]));
     window.run_action("export figure…");
     let on_paper = previewed(&mut window);
@@ -320,8 +314,7 @@ fn typing_gives_a_file_another_name_and_a_new_folder_is_announced() {
 
 #[test]
 fn a_typed_name_of_a_file_that_is_there_is_asked_about() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("params.toml");
+    let (folder, file) = folder_with("params.toml");
     let mut window = Start::without_auto_detect().open();
     let type_name = |window: &mut Window, file: &Path| {
         // The system shows no dialog, so the field opens.

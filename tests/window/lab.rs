@@ -162,8 +162,7 @@ fn errors_have_plots_of_their_own_and_are_written_as_a_table() {
     let titles: Vec<String> = result.report.plots(0).into_iter().map(|plot| plot.title).collect();
     assert_eq!(titles, ["Errors of place", "Errors of scale", "Errors of slope"]);
     window.snapshot("lab_errors");
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("errors.csv");
+    let (_folder, path) = folder_with("errors.csv");
     window.will_choose(&path).run_action("export curves as csv").wait("it is written", |_| path.is_file());
     let written = fs::read_to_string(&path).unwrap();
     assert_eq!(written, curves_table(&[("This study".to_owned(), result.report.plots(usize::MAX))]).csv());
@@ -192,8 +191,7 @@ fn the_number_of_frames_is_studied_on_charts_and_on_the_open_burst() {
     let image = "Plot: Features of the middle frames of demo, 2 curves";
     assert!(window.harness.query_by_role_and_label(Role::Image, image).is_some());
     window.snapshot("lab_frames_of_burst");
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("frames.svg");
+    let (_folder, path) = folder_with("frames.svg");
     window.will_choose(&path).run_action("export curves as svg").wait("it is written", |_| path.is_file());
     assert!(fs::read_to_string(&path).unwrap().contains("confirmed by all frames"));
 }

@@ -28,8 +28,7 @@ fn drag(window: &mut Window, from: Pos2, to: Pos2) {
 
 #[test]
 fn the_values_along_a_line_are_shown_of_all_linked_panes_and_exported() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("profile.csv");
+    let (_folder, file) = folder_with("profile.csv");
     let mut window = open();
     let view = window.document().focused().view;
     window.key(Key::Q);

@@ -136,8 +136,7 @@ fn a_gold_standard_is_opened_and_methods_are_switched_in_the_table() {
 
 #[test]
 fn a_session_of_when_methods_were_a_workspace_compares_them() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("methods.burstscope.toml");
+    let (_folder, file) = folder_with("methods.burstscope.toml");
     let mut window = methods(false);
     window.click("Wipe").settle();
     window.will_choose(&file).run_action("save session").settle();
@@ -162,8 +161,7 @@ fn a_session_of_when_methods_were_a_workspace_compares_them() {
 
 #[test]
 fn the_comparison_is_kept_in_a_session() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("methods.burstscope.toml");
+    let (_folder, file) = folder_with("methods.burstscope.toml");
     let mut window = methods(false);
     window.key(Key::W).click_on(Role::CheckBox, "BuFF 2D").settle();
     let other = window.kept_and_opened_in(Start { size: [1400.0, 900.0], ..Start::default() }, &file);

@@ -39,8 +39,7 @@ fn a_stack_is_opened_with_the_dialog_and_is_then_a_recent_one() {
 
 #[test]
 fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("broken-frame.png");
+    let (_folder, path) = folder_with("broken-frame.png");
     fs::File::create(&path).unwrap().write_all(b"this is no picture").unwrap();
     let mut window = Start::without_auto_detect().open();
     let before = window.results().slots.a.burst.as_ref().unwrap().id;

@@ -217,8 +217,7 @@ fn files_dropped_on_the_right_pane_are_opened_there() {
 
 #[test]
 fn a_session_brings_the_pair_back() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("pair.burstscope.toml");
+    let (_folder, file) = folder_with("pair.burstscope.toml");
     let mut window = pair();
     window.change(|document| document.matching.ratio = 0.7).settle();
     window.key(Key::Home).key(Key::N).key(Key::K).click("Cursor of B").slide("Slope u", 0.75).settle();
@@ -398,8 +397,7 @@ fn both_bursts_their_difference_a_wipe_and_a_flip() {
 
 #[test]
 fn a_session_keeps_how_two_bursts_are_arranged() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("arranged.burstscope.toml");
+    let (_folder, file) = folder_with("arranged.burstscope.toml");
     let mut window = pair();
     window.shift(Key::S).key(Key::Num3).settle();
     let arrangement = window.document().panes.arrangement().clone();

@@ -62,8 +62,7 @@ fn what_was_done_with_two_bursts_is_done_again() {
 
 #[test]
 fn what_is_played_shows_its_errors_and_needs_no_session_file() {
-    let home = tempfile::tempdir().unwrap();
-    let path = home.path().join("s.burstscope.toml");
+    let (home, path) = folder_with("s.burstscope.toml");
     let mut window = Start::default().open();
     window.key(Key::ArrowRight).settle();
     fs::write(&path, Session::of(window.read()).unwrap().to_toml()).unwrap();

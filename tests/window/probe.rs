@@ -262,8 +262,7 @@ fn the_slope_is_a_line_to_drag_in_a_slice_through_the_frames() {
 
 #[test]
 fn a_session_comes_back_with_the_place_and_the_slice() {
-    let folder = tempfile::tempdir().unwrap();
-    let file = folder.path().join("probe.burstscope.toml");
+    let (_folder, file) = folder_with("probe.burstscope.toml");
     let mut window = demo();
     let pos = window.ui_from_image(pos2(92.0, 58.0)).unwrap();
     window.shift_click_at(pos).run_action("stack and slice").settle();

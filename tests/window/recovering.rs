@@ -97,8 +97,7 @@ fn a_case_restores_the_view_in_which_it_was_saved() {
 
 #[test]
 fn a_damaged_case_opens_a_window_that_says_so_once() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("damaged.burstcase");
+    let (_home, path) = folder_with("damaged.burstcase");
     fs::write(&path, b"PK\x03\x04 and no more").expect("written");
     let mut window = Start::of(&path).open();
     let errors = window.model().shell.messages.errors();

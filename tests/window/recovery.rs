@@ -27,8 +27,7 @@ fn end_in_the_ordinary_way(mut window: Window) {
 
 #[test]
 fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
-    let home = tempfile::tempdir().unwrap();
-    let folder = home.path().join("running");
+    let (home, folder) = folder_with("running");
     let stack = noisy_stack(home.path(), 5, 96, 128);
     let mut window = keeping(&folder, Start::of(&stack)).open();
     assert!(!window.shows(OFFER));
@@ -71,8 +70,7 @@ fn what_was_open_is_offered_after_a_crash_and_never_restored_unasked() {
 
 #[test]
 fn an_offer_that_cannot_be_restored_stays() {
-    let home = tempfile::tempdir().unwrap();
-    let folder = home.path().join("running");
+    let (_home, folder) = folder_with("running");
     let record = Record::new(&folder).unwrap();
     record.write("version = 4\nburst = { paths = [\"/nowhere/frames\"] }\n").unwrap();
     drop(record);
@@ -84,8 +82,7 @@ fn an_offer_that_cannot_be_restored_stays() {
 
 #[test]
 fn where_nothing_can_be_kept_that_is_said() {
-    let home = tempfile::tempdir().unwrap();
-    let file = home.path().join("file");
+    let (_home, file) = folder_with("file");
     fs::write(&file, "").unwrap();
     let window = keeping(&file.join("running"), Start::nothing_open()).open();
     assert!(window.shows("Save the session by itself"));
@@ -139,8 +136,7 @@ fn a_window_whose_device_is_lost_closes_to_go_on_and_is_kept() {
 
 #[test]
 fn a_window_that_is_asked_to_end_from_outside_finishes_its_files_and_keeps_its_session() {
-    let home = tempfile::tempdir().unwrap();
-    let folder = home.path().join("running");
+    let (home, folder) = folder_with("running");
     let end = EndRequest::default();
     let mut start = keeping(&folder, Start::without_auto_detect());
     // No automatic saving in this test.

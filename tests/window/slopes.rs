@@ -131,8 +131,7 @@ fn colours_tell_the_coherence_and_features_are_grey_until_it_is_known() {
     assert!(window.shows("\ncoherence "), "the pointer says it");
     window.snapshot("coherence");
     // The figure has these colours too, with a legend.
-    let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("coherence.svg");
+    let (_folder, path) = folder_with("coherence.svg");
     window.change(|document| document.figure.legend = true).will_choose(&path).run_action("figure as before");
     window.settle();
     let svg = fs::read_to_string(&path).unwrap();

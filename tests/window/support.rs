@@ -481,3 +481,10 @@ pub fn noisy_stack(folder: &Path, frames: usize, height: usize, width: usize) ->
     ndarray_npy::write_npy(&path, &array).unwrap();
     path
 }
+
+/// A new folder that disappears after the test, and the path of this name in it.
+pub fn folder_with(name: &str) -> (tempfile::TempDir, PathBuf) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join(name);
+    (folder, path)
+}

@@ -183,8 +183,7 @@ fn points_are_drawn_when_asked_for_and_only_a_sparse_model_has_them() {
 
 #[test]
 fn a_second_click_on_a_camera_opens_its_burst() {
-    let home = tempfile::tempdir().unwrap();
-    let nights = home.path().join("nights");
+    let (home, nights) = folder_with("nights");
     for (k, frames) in [(0, 3), (1, 5)] {
         let burst = nights.join(format!("burst_{k:02}"));
         fs::create_dir_all(&burst).unwrap();

@@ -12,8 +12,7 @@ fn chart() -> (Burst, Truth) {
 }
 
 fn written(case: &Case, burst: &Burst, enclosed: &Enclosed) -> (tempfile::TempDir, PathBuf) {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("a.burstcase");
+    let (home, path) = folder_with("a.burstcase");
     write_case(&path, (case, burst), enclosed, &quiet()).expect("written");
     (home, path)
 }

@@ -25,8 +25,7 @@ fn add_camera(database: &mut DatabaseWriter<'_>) -> Result<u32> {
 /// A database of two images with four and three features, with matches and a geometry of every kind, in a folder of its
 /// own within a temporary one, and its path.
 fn written() -> (tempfile::TempDir, PathBuf) {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("out/database.db");
+    let (home, path) = folder_with("out/database.db");
     write_colmap_database(&path, |database| {
         let camera = add_camera(database)?;
         let a = database.add_image("a.png", camera, &keypoints(4), &descriptors(4))?;
@@ -134,8 +133,7 @@ fn a_database_is_whole_or_not_there() {
 
 #[test]
 fn text_that_is_no_features_is_named() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("a.txt");
+    let (home, path) = folder_with("a.txt");
     let row = |extra: &str| format!("1 2 3 0.5{}{extra}\n", " 9".repeat(128));
     for (text, words) in [
         (String::new(), "line 1"),
@@ -160,8 +158,7 @@ proptest! {
         numbers in prop::collection::vec(prop::array::uniform4(-1e6f32..1e6), 0..5),
         shift: u8,
     ) {
-        let home = tempfile::tempdir().expect("a folder");
-        let path = home.path().join("a.txt");
+        let (_home, path) = folder_with("a.txt");
         let keypoints: Vec<ColmapKeypoint> =
             numbers.iter().map(|&[x, y, scale, orientation]| ColmapKeypoint { x, y, scale, orientation }).collect();
         let descriptors: Vec<Descriptor> =

@@ -74,8 +74,7 @@ fn stored(feature: &Feature) -> [f32; 17] {
 
 #[test]
 fn csv_has_the_exact_header_and_one_row_for_each_feature() {
-    let folder = folder();
-    let path = folder.path().join("a.csv");
+    let (_folder, path) = folder_with("a.csv");
     let features: Vec<Feature> = (0..4).map(feature).collect();
     write_csv(&path, &features, None).expect("written");
     let text = fs::read_to_string(&path).expect("read");
@@ -92,8 +91,7 @@ fn csv_has_the_exact_header_and_one_row_for_each_feature() {
 
 #[test]
 fn csv_of_earlier_versions_is_read() {
-    let folder = folder();
-    let path = folder.path().join("a.csv");
+    let (_folder, path) = folder_with("a.csv");
     let by_itself = Feature { slope: Slope::new(9.0, 0.0), slope_sigma: 0.1, field_sigma: 0.1, ..feature(1) };
     write_csv(&path, &[by_itself], None).expect("written");
     let text = fs::read_to_string(&path).expect("read");
@@ -113,8 +111,7 @@ fn csv_of_earlier_versions_is_read() {
 
 #[test]
 fn an_empty_csv_is_a_header() {
-    let folder = folder();
-    let path = folder.path().join("a.csv");
+    let (_folder, path) = folder_with("a.csv");
     write_csv(&path, &[], None).expect("written");
     assert_eq!(fs::read_to_string(&path).expect("read"), feature_header() + "\n");
     assert_eq!(read_features_csv(&path), Ok(Vec::new()));
@@ -122,8 +119,7 @@ fn an_empty_csv_is_a_header() {
 
 #[test]
 fn csv_errors_name_the_file_the_line_and_the_column() {
-    let folder = folder();
-    let path = folder.path().join("a.csv");
+    let (_folder, path) = folder_with("a.csv");
     let error = read_features_csv(&path).expect_err("missing");
     assert!(error.to_string().contains("a.csv"), "{error}");
     write_csv(&path, &[feature(1), feature(2)], None).expect("written");
@@ -163,8 +159,7 @@ proptest! {
         let slope = Slope::new(slope_u, slope_v);
         let octave_level = Feature { octave, level, at_slope_limit: limit, ..feature(0) };
         let feature = Feature { u, v, sigma, orientation, slope, response, snr, ..octave_level };
-        let folder = folder();
-        let path = folder.path().join("a.csv");
+        let (_folder, path) = folder_with("a.csv");
         write_csv(&path, &[feature], None).expect("written");
         let row = read_features_csv(&path).expect("read")[0];
         let bits = |f: &Feature| stored(f).map(|v| if v.is_nan() { u32::MAX } else { v.to_bits() });
@@ -175,8 +170,7 @@ proptest! {
 
 #[test]
 fn npz_holds_both_arrays() {
-    let folder = folder();
-    let path = folder.path().join("a.npz");
+    let (_folder, path) = folder_with("a.npz");
     for count in [0, 1, 5] {
         let Detection { features, descriptors, .. } = detection(count);
         write_npz(&path, &features, &descriptors, None).expect("written");
@@ -209,8 +203,7 @@ fn the_same_features_give_the_same_bytes() {
 
 #[test]
 fn colmap_text_has_its_header_its_offset_and_its_numbers() {
-    let folder = folder();
-    let path = folder.path().join("a.txt");
+    let (_folder, path) = folder_with("a.txt");
     let Detection { features, descriptors, .. } = detection(3);
     write_colmap(&path, &features, &descriptors).expect("written");
     let text = fs::read_to_string(&path).expect("read");
@@ -231,8 +224,7 @@ fn colmap_text_has_its_header_its_offset_and_its_numbers() {
 
 #[test]
 fn a_detection_is_written_in_every_format_under_the_bursts_name() {
-    let folder = folder();
-    let out = folder.path().join("out/here");
+    let (_folder, out) = folder_with("out/here");
     let paths = write_detection(&out, "slider-far", &detection(2), None, &ExportFormat::ALL).expect("written");
     assert_eq!(paths, ["slider-far.csv", "slider-far.txt", "slider-far.npz"].map(|n| out.join(n)));
     assert_eq!(names(&out), ["slider-far.csv", "slider-far.npz", "slider-far.txt"]);
@@ -242,8 +234,7 @@ fn a_detection_is_written_in_every_format_under_the_bursts_name() {
 
 #[test]
 fn a_plane_survives_as_tiff_and_opens_as_a_burst() {
-    let folder = folder();
-    let path = folder.path().join("dog.tiff");
+    let (_folder, path) = folder_with("dog.tiff");
     let plane = Plane::from_fn(31, 17, |u, v| (u as f32 - 15.0) * 1e-4 / (1.0 + v as f32));
     write_tiff(&path, &plane).expect("written");
     let burst = Burst::open(&path).expect("opens");
@@ -255,8 +246,7 @@ fn a_plane_survives_as_tiff_and_opens_as_a_burst() {
 
 #[test]
 fn png_keeps_every_byte() {
-    let folder = folder();
-    let path = folder.path().join("view.png");
+    let (_folder, path) = folder_with("view.png");
     let pixels: Vec<u8> = (0..5 * 3 * 4).map(|i| (i * 11) as u8).collect();
     write_png(&path, Bitmap::rgba(5, 3, &pixels)).expect("written");
     assert_eq!(image::open(&path).expect("opens").into_rgba8().into_raw(), pixels);
@@ -301,8 +291,7 @@ fn panel(pixels: &[u8]) -> FigurePanel {
 
 #[test]
 fn a_figure_is_valid_xml_with_everything_in_its_place() {
-    let folder = folder();
-    let path = folder.path().join("figure.svg");
+    let (_folder, path) = folder_with("figure.svg");
     let pixels: Vec<u8> = (0..40 * 30 * 4).map(|i| if i % 4 == 3 { 255 } else { i as u8 }).collect();
     let legend = vec![
         LegendEntry::square([255, 0, 0], "λ = (2, −1) px/frame".into()),
@@ -385,8 +374,7 @@ fn a_figure_is_valid_xml_with_everything_in_its_place() {
 
 #[test]
 fn several_panels_have_letters_bars_and_lengths() {
-    let folder = folder();
-    let path = folder.path().join("figure.svg");
+    let (_folder, path) = folder_with("figure.svg");
     let pixels = vec![128u8; 40 * 30 * 4];
     let bar = Some(ColourBar { colors: vec![[0; 3], [255; 3]], low: "0.05".into(), high: "0.1 of full scale".into() });
     let width = FigureWidth::PxPerPx(4.0);
@@ -435,8 +423,7 @@ proptest! {
         values in prop::array::uniform4(any::<f32>()),
         (scale, on_paper) in any::<(f32, bool)>(),
     ) {
-        let folder = folder();
-        let path = folder.path().join("figure.svg");
+        let (_folder, path) = folder_with("figure.svg");
         let legend = labels.into_iter().map(|label| LegendEntry::square([1, 2, 3], label)).collect();
         let width = if on_paper { FigureWidth::Millimetres(scale) } else { FigureWidth::PxPerPx(scale) };
         let options = FigureOptions { width, letters: true, scale_bar: true, ..FigureOptions::default() };

@@ -7,8 +7,7 @@ use std::io;
 
 #[test]
 fn files_are_read_up_to_their_limit() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("a.toml");
+    let (home, path) = folder_with("a.toml");
     fs::write(&path, "levels = 4\n").expect("written");
     assert_eq!(read_text(&path, 11).expect("just fits"), "levels = 4\n");
     assert_eq!(read_text(&path, 10).expect_err("too large").kind(), io::ErrorKind::FileTooLarge);
@@ -65,8 +64,7 @@ fn whole_numbers_are_those_that_files_keep() {
 
 #[test]
 fn one_at_a_time_and_the_owner_is_named() {
-    let home = tempfile::tempdir().expect("a folder");
-    let folder = home.path().join("deep/new");
+    let (home, folder) = folder_with("deep/new");
     for lock in [FolderLock::take, FolderLock::beside] {
         let first = lock(&folder).expect("free");
         let refused = lock(&folder).expect_err("another has it").to_string();
@@ -100,8 +98,7 @@ fn nothing_is_left_but_what_was_written() {
 #[cfg(unix)]
 #[test]
 fn a_folder_that_is_removed_or_replaced_is_noticed() {
-    let home = tempfile::tempdir().expect("a folder");
-    let folder = home.path().join("a");
+    let (_home, folder) = folder_with("a");
     let lock = FolderLock::take(&folder).expect("free");
     lock.check().expect("it is there");
     fs::remove_dir_all(&folder).expect("removed");
@@ -117,8 +114,7 @@ fn a_folder_that_is_removed_or_replaced_is_noticed() {
 #[test]
 fn many_who_want_it_have_it_one_after_the_other() {
     use std::sync::atomic::{AtomicUsize, Ordering};
-    let home = tempfile::tempdir().expect("a folder");
-    let folder = home.path().join("a");
+    let (_home, folder) = folder_with("a");
     let (inside, had) = (AtomicUsize::new(0), AtomicUsize::new(0));
     std::thread::scope(|scope| {
         for _ in 0..4 {
@@ -145,8 +141,7 @@ fn many_who_want_it_have_it_one_after_the_other() {
 #[cfg(unix)]
 #[test]
 fn a_link_in_place_of_the_lock_is_not_followed() {
-    let home = tempfile::tempdir().expect("a folder");
-    let precious = home.path().join("thesis.txt");
+    let (home, precious) = folder_with("thesis.txt");
     fs::write(&precious, "precious").expect("written");
     std::os::unix::fs::symlink(&precious, home.path().join(LOCK_FILE)).expect("linked");
     assert!(FolderLock::take(home.path()).is_err_and(|error| error.kind == ErrorKind::Unwritten));

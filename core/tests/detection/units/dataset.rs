@@ -21,8 +21,7 @@ fn a_guess_is_colmaps_and_a_known_camera_is_for_its_own_images() {
 
 #[test]
 fn bursts_have_the_camera_that_is_given_for_their_folder_or_lies_beside_them() {
-    let home = tempfile::tempdir().expect("a folder");
-    let input = home.path().join("flight");
+    let (home, input) = folder_with("flight");
     let write = |folder: &str, focal_px: f64| {
         let text = format!("model = \"SIMPLE_PINHOLE\"\nwidth = 8\nheight = 6\nparams = [{focal_px}, 4, 3]\n");
         fs::create_dir_all(home.path().join(folder)).expect("made");
@@ -62,8 +61,7 @@ fn bursts_have_the_camera_that_is_given_for_their_folder_or_lies_beside_them() {
 
 #[test]
 fn camera_files_are_read_or_explained() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("camera.toml");
+    let (home, path) = folder_with("camera.toml");
     let read = |text: &str| {
         fs::write(&path, text).expect("written");
         read_camera(&path)
@@ -123,8 +121,7 @@ fn each_pair_is_matched_once_with_few_loads_and_pairs_without_features_are_left_
 
 #[test]
 fn lists_name_bursts_with_or_without_an_extension_and_wrong_lines_are_numbered() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("pairs.txt");
+    let (_home, path) = folder_with("pairs.txt");
     let bursts = ["a", "b 1", "c/2", "d.5", "d"].map(|name| BurstFiles { name: name.into(), paths: Vec::new() });
     let read = |text: &str| {
         fs::write(&path, text).expect("written");

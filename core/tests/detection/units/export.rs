@@ -20,8 +20,7 @@ fn count(folder: &Path) -> usize {
 
 #[test]
 fn a_failing_or_panicking_write_leaves_the_old_file_and_nothing_else() {
-    let folder = tempfile::tempdir().expect("folder");
-    let path = folder.path().join("a.txt");
+    let (folder, path) = folder_with("a.txt");
     write_whole(&path, |w| w.write_all(b"old")).expect("written");
     let full = || Err(io::Error::other("disk full"));
     let error = write_whole(&path, |w| w.write_all(&[b'x'; 1 << 18]).and_then(|()| full()));
@@ -140,8 +139,7 @@ fn pictures_with_numbers_are_the_film_and_a_film_that_fails_leaves_none() {
 #[needs::program("ffmpeg")]
 #[test]
 fn an_mp4_comes_back_picture_by_picture_with_even_sides() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("-y a:%03d.mp4");
+    let (_home, path) = folder_with("-y a:%03d.mp4");
     let colours = [[200, 40, 40], [40, 200, 40], [40, 40, 200], [128; 3]];
     let picture = |[r, g, b]: [u8; 3]| RgbaImage::from_pixel(33, 17, Rgba([r, g, b, 255]));
     let pictures = (4, colours.map(|colour| Ok(picture(colour))));
@@ -162,8 +160,7 @@ fn an_mp4_comes_back_picture_by_picture_with_even_sides() {
 #[needs::program("ffmpeg")]
 #[test]
 fn an_mp4_that_fails_or_is_cancelled_leaves_nothing() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("a.mp4");
+    let (home, path) = folder_with("a.mp4");
     let picture = |side| Ok(RgbaImage::new(side, 8));
     for (pictures, monitor, words) in [
         (vec![picture(8), Err(io::Error::other("no picture"))], quiet(), "no picture"),

@@ -159,8 +159,7 @@ fn of_several_topics_one_is_chosen() {
 
 #[test]
 fn the_files_of_a_ros_2_bag_are_one_burst() {
-    let home = folder();
-    let bag = home.path().join("night");
+    let (home, bag) = folder_with("night");
     fs::create_dir(&bag).expect("made");
     let file = |name: &str| samples().into_iter().find(|(own, _)| *own == name).expect("a sample").1;
     fs::write(bag.join("metadata.yaml"), METADATA).expect("written");

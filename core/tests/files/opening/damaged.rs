@@ -82,8 +82,7 @@ fn what_begins_wrongly_is_damaged_and_need_not_be_converted() {
 
 #[test]
 fn a_jpeg_whose_codes_lead_nowhere_is_refused_and_what_follows_its_end_is_not_read() {
-    let folder = folder();
-    let path = folder.path().join("a.jpg");
+    let (_folder, path) = folder_with("a.jpg");
     save(&path, &noise());
     for sound in [fs::read(&path).expect("read"), PROGRESSIVE.to_vec()] {
         let start = sound.windows(2).position(|two| two == [0xff, 0xda]).expect("picture data") + 14;
@@ -167,8 +166,7 @@ fn a_name_that_says_another_kind_is_noted_and_nothing_more() {
 
 #[test]
 fn a_damaged_png_is_called_a_damaged_png() {
-    let folder = folder();
-    let path = folder.path().join("a.png");
+    let (_folder, path) = folder_with("a.png");
     save(&path, &noise());
     let sound = fs::read(&path).expect("read");
     // Line ends changed and a bit lost, as by transfers as text; only the signature; a changed chunk.
@@ -235,8 +233,7 @@ fn giant_bmp() -> Vec<u8> {
 
 #[test]
 fn what_stands_beside_the_pixels_of_a_png_is_not_unpacked() {
-    let folder = folder();
-    let path = folder.path().join("a.png");
+    let (_folder, path) = folder_with("a.png");
     // 64 MiB of each; more would only make the test slow where it fails.
     let bytes = crafted::packed_chunks_png(64 << 20);
     assert!(bytes.len() < 1 << 20, "{}", bytes.len());
@@ -286,8 +283,7 @@ fn frames_of_different_bits_are_refused_unless_a_full_scale_says_their_unit() {
 /// The library would write a line of its own to the standard error where a text is beyond the limit of pixels.
 #[test]
 fn a_long_text_in_a_tiff_harms_nobody() {
-    let folder = folder();
-    let path = folder.path().join("a.tif");
+    let (_folder, path) = folder_with("a.tif");
     let text = vec![b'x'; 3 << 20];
     let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
     let mut page = encoder.new_image::<colortype::Gray8>(2, 1).expect("page");
@@ -313,8 +309,7 @@ fn notes_that_go_on_behind_the_end_are_not_left_to_a_decoder() {
     ];
     // Four bytes of an unknown type, the first of which is taken for the place of notes.
     let unknown: &[_] = &[(320, 4, 0, 247), (34665, 16, 4, 0x57de_b116)];
-    let folder = folder();
-    let path = folder.path().join("notes.dng");
+    let (_folder, path) = folder_with("notes.dng");
     for (entries, length) in [(behind, 74), (unknown, 224)] {
         fs::write(&path, crafted::directory(entries, length)).expect("written");
         let error = Burst::open(&path).expect_err("nothing is in it");

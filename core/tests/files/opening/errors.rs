@@ -38,8 +38,7 @@ fn missing_empty_and_foreign_files() {
 
 #[test]
 fn a_number_of_a_text_picture_that_may_be_cut_is_refused() {
-    let folder = folder();
-    let path = folder.path().join("a.pgm");
+    let (folder, path) = folder_with("a.pgm");
     let whole = "P2\n# words\n3 2\n300\n10 20 30\n40 50 256\n";
     for end in whole.len() - 6..whole.len() {
         fs::write(&path, &whole[..end]).expect("written");
@@ -64,8 +63,7 @@ fn a_number_of_a_text_picture_that_may_be_cut_is_refused() {
 #[cfg(unix)]
 #[test]
 fn a_pipe_is_refused_instead_of_waited_for() {
-    let socket = folder();
-    let path = socket.path().join("pipe.png");
+    let (_socket, path) = folder_with("pipe.png");
     let _listener = std::os::unix::net::UnixListener::bind(&path).expect("a socket");
     failure(&path, &["neither a regular file nor a folder"]);
     failure(Path::new("/dev/null"), &["neither a regular file nor a folder"]);
@@ -115,8 +113,7 @@ fn different_sizes_name_both_files_and_sizes() {
 
 #[test]
 fn infinite_values_are_located() {
-    let folder = folder();
-    let path = folder.path().join("a.npy");
+    let (folder, path) = folder_with("a.npy");
     for (value, word) in [(f32::INFINITY, "inf"), (f32::NEG_INFINITY, "-inf")] {
         let mut stack = Array3::<f32>::zeros((3, 4, 5));
         stack[[1, 3, 2]] = value;
@@ -133,8 +130,7 @@ fn infinite_values_are_located() {
 
 #[test]
 fn arrays_of_other_shapes_and_types() {
-    let folder = folder();
-    let path = folder.path().join("a.npy");
+    let (_folder, path) = folder_with("a.npy");
     write_npy(&path, &Array1::<f32>::zeros(5)).expect("written");
     failure(&path, &["[5]", "[frames, rows, columns]"]);
     write_npy(&path, &Array4::<u8>::zeros((2, 3, 4, 5))).expect("written");
@@ -161,8 +157,7 @@ fn arrays_of_other_shapes_and_types() {
 
 #[test]
 fn complex_samples_of_a_tiff_are_told_by_all_that_describes_it() {
-    let folder = folder();
-    let path = folder.path().join("complex.tif");
+    let (_folder, path) = folder_with("complex.tif");
     // 2×2 pixels of two floats each, at byte 8 + 2 + 10·12 + 4.
     let entries =
         [(256, 2), (257, 2), (258, 64), (259, 1), (262, 1), (273, 134), (277, 1), (278, 2), (279, 32), (339, 6)];
@@ -175,8 +170,7 @@ fn complex_samples_of_a_tiff_are_told_by_all_that_describes_it() {
 
 #[test]
 fn folders_and_files_are_not_mixed() {
-    let folder = folder();
-    let file = folder.path().join("a.png");
+    let (folder, file) = folder_with("a.png");
     save(&file, &grey8(2, 2, 0));
     let error = open(&[file, folder.path().into()]).expect_err("mixed");
     assert!(error.problem.contains("either folders or files"), "{error}");
@@ -232,8 +226,7 @@ fn limits_are_checked_before_memory_is_taken() {
 
 #[test]
 fn an_image_list_that_imagej_left_out_is_not_lost_silently() {
-    let folder = folder();
-    let path = folder.path().join("imagej.tif");
+    let (_folder, path) = folder_with("imagej.tif");
     let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
     let mut image = encoder.new_image::<colortype::Gray8>(2, 1).expect("page");
     let description = "ImageJ=1.54f\nimages=7\nslices=7\n";

@@ -78,8 +78,7 @@ fn colour_becomes_luma_and_alpha_is_ignored() {
 
 #[test]
 fn jpeg_is_near() {
-    let folder = folder();
-    let path = folder.path().join("a.jpg");
+    let (_folder, path) = folder_with("a.jpg");
     save(&path, &ImageBuffer::from_fn(64, 48, |u, v| Luma([(u + v) as u8])));
     let burst = Burst::open(&path).expect("jpeg");
     assert_eq!((burst.size(), burst.full_scale), ((64, 48), 255.0));
@@ -90,8 +89,7 @@ fn jpeg_is_near() {
 
 #[test]
 fn multi_page_tiffs_of_every_type_come_back() {
-    let folder = folder();
-    let path = folder.path().join("stack.tif");
+    let (_folder, path) = folder_with("stack.tif");
     let expect = |full_scale: f32, step: f32, pages: [[f32; 2]; 3]| {
         let burst = Burst::open(&path).expect("opens");
         assert_eq!((burst.len(), burst.size(), burst.name.as_str()), (3, (2, 1), "stack"));
@@ -130,8 +128,7 @@ fn multi_page_tiffs_of_every_type_come_back() {
 
 #[test]
 fn a_long_tiff_keeps_its_order() {
-    let folder = folder();
-    let path = folder.path().join("long.tiff");
+    let (_folder, path) = folder_with("long.tiff");
     let pages: Vec<Vec<u16>> = (0..200).map(|t| vec![t * 300; 12]).collect();
     tiff_pages::<colortype::Gray16>(&path, (4, 3), &pages);
     let burst = Burst::open(&path).expect("opens");
@@ -143,8 +140,7 @@ fn a_long_tiff_keeps_its_order() {
 
 #[test]
 fn thumbnails_in_a_tiff_are_left_out() {
-    let folder = folder();
-    let path = folder.path().join("with_thumbnail.tif");
+    let (_folder, path) = folder_with("with_thumbnail.tif");
     let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("created")).expect("begins");
     encoder.write_image::<colortype::Gray8>(4, 2, &[7; 8]).expect("page");
     let mut thumbnail = encoder.new_image::<colortype::Gray8>(2, 1).expect("thumbnail");
@@ -156,8 +152,7 @@ fn thumbnails_in_a_tiff_are_left_out() {
 
 #[test]
 fn npy_stacks_of_every_type_come_back() {
-    let folder = folder();
-    let path = folder.path().join("stack.npy");
+    let (_folder, path) = folder_with("stack.npy");
     let index = |(t, v, u): (usize, usize, usize)| 100 * t + 10 * v + u;
     let check = |full_scale: f32, scale: f32, step: f32, what: &str| {
         let burst = Burst::open(&path).expect(what);
@@ -199,8 +194,7 @@ fn npy_stacks_of_every_type_come_back() {
 
 #[test]
 fn npy_of_other_byte_order_and_of_half_floats() {
-    let folder = folder();
-    let path = folder.path().join("a.npy");
+    let (_folder, path) = folder_with("a.npy");
     let write = |descr: &str, shape: &str, data: &[u8]| {
         let header = format!("{{'descr': '{descr}', 'fortran_order': False, 'shape': {shape}, }}\n");
         let mut bytes = b"\x93NUMPY\x01\x00".to_vec();
@@ -218,8 +212,7 @@ fn npy_of_other_byte_order_and_of_half_floats() {
 
 #[test]
 fn a_two_dimensional_array_is_one_frame() {
-    let folder = folder();
-    let path = folder.path().join("one.npy");
+    let (_folder, path) = folder_with("one.npy");
     for array in [
         Array2::from_shape_fn((3, 4), |(v, u)| (10 * v + u) as u8),
         Array2::from_shape_fn((3, 4).f(), |(v, u)| (10 * v + u) as u8),
@@ -236,8 +229,7 @@ fn a_two_dimensional_array_is_one_frame() {
 
 #[test]
 fn tiffs_of_rarer_layouts() {
-    let folder = folder();
-    let path = folder.path().join("a.tif");
+    let (_folder, path) = folder_with("a.tif");
     let values = |bytes: Vec<u8>| {
         fs::write(&path, bytes).expect("written");
         Burst::open(&path).map(|b| b.frames[0].data().to_vec())
@@ -457,8 +449,7 @@ fn every_supported_ending_can_be_opened() {
 
 #[test]
 fn the_content_tells_the_kind_not_the_name() {
-    let folder = folder();
-    let path = folder.path().join("really_a_png.jpg");
+    let (folder, path) = folder_with("really_a_png.jpg");
     save(&folder.path().join("a.png"), &grey8(3, 2, 0));
     fs::rename(folder.path().join("a.png"), &path).expect("renamed");
     assert_eq!(Burst::open(&path).expect("opens").size(), (3, 2));

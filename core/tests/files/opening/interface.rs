@@ -154,8 +154,7 @@ fn dark(frames: u32, (width, height): (u32, u32)) -> Vec<u8> {
 
 #[test]
 fn the_right_shape_of_a_dark_dump_comes_first() {
-    let home = tempfile::tempdir().expect("a folder");
-    let path = home.path().join("night.bin");
+    let (home, path) = folder_with("night.bin");
     fs::write(&path, dark(20, (320, 240))).expect("written");
     let shapes = likely_shapes(&path, &Limits::default(), &quiet()).expect("read");
     let names: Vec<String> = shapes.iter().map(|shape| format!("{} {}", shape.dump, shape.likeness)).collect();

@@ -54,8 +54,7 @@ fn a_bias_must_fit_and_its_errors_name_it() {
 
 #[test]
 fn a_full_scale_of_ones_own() {
-    let folder = folder();
-    let path = folder.path().join("twelve_bit.tif");
+    let (_folder, path) = folder_with("twelve_bit.tif");
     tiff_pages::<colortype::Gray16>(&path, (2, 1), &[vec![0, 4095]]);
     let burst = open_with(&path, &OpenOptions { full_scale: Some(4095.0), ..OpenOptions::default() }).expect("opens");
     assert_close(burst.frames[0].data(), &[0.0, 1.0]);
@@ -387,8 +386,7 @@ fn a_flat_frame_takes_off_falling_light() {
 
 #[test]
 fn a_black_level_and_a_full_scale_of_ones_own() {
-    let folder = folder();
-    let path = folder.path().join("twelve_bit.tif");
+    let (_folder, path) = folder_with("twelve_bit.tif");
     tiff_pages::<colortype::Gray16>(&path, (3, 1), &[vec![255, 4095, 155]]);
     let plain = open_with(&path, &OpenOptions::default()).expect("opens");
     assert_eq!(plain.suggested_full_scale, Some(4095.0));

@@ -284,8 +284,7 @@ fn a_part_is_counted_in_the_order_of_the_whole() {
     // A list of a part alone, and of a whole stack.
     fs::write(home.path().join("two.txt"), "0.5\n0.75\n").expect("written");
     assert_eq!(open_with(home.path(), &options("two.txt", "1..3")).expect("a part").positions.interval_s(), Some(0.25));
-    let other = folder();
-    let stack = other.path().join("stack.npy");
+    let (other, stack) = folder_with("stack.npy");
     ndarray_npy::write_npy(&stack, &ndarray::Array3::<u8>::from_shape_fn((5, 8, 8), |(t, v, u)| (t + u + v) as u8))
         .expect("written");
     fs::write(other.path().join("five.txt"), "0\n0.5\n1\n2\n4\n").expect("written");

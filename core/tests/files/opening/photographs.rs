@@ -142,8 +142,7 @@ fn tiled_planar(size: (usize, usize), sample: impl Fn(usize, usize, usize) -> u8
 
 #[test]
 fn planes_in_tiles_open_at_any_size() {
-    let folder = folder();
-    let path = folder.path().join("tiled.tif");
+    let (_folder, path) = folder_with("tiled.tif");
     for size in [(16, 16), (32, 16), (21, 37), (5, 3), (33, 16)] {
         // Grey, so that luma is the value itself.
         fs::write(&path, tiled_planar(size, |_, u, v| (7 * v + 3 * u) as u8)).expect("written");

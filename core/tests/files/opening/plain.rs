@@ -204,8 +204,7 @@ fn a_mosaic_is_binned_in_every_kind_of_file() {
 
 #[test]
 fn arrays_have_frames_first_or_last_and_colours() {
-    let home = folder();
-    let path = home.path().join("a.npy");
+    let (_home, path) = folder_with("a.npy");
     let open = |options: &OpenOptions| Burst::open_with(std::slice::from_ref(&path), options, &quiet());
     let last = Array3::from_shape_fn((24, 16, 2), |(v, u, t)| (v * 100 + u * 5 + t) as u16);
     write_npy(&path, &last).expect("written");
@@ -248,8 +247,7 @@ fn archives_hold_one_array_of_frames() {
     let burst = stored.open(&plain()).expect("opens");
     assert_eq!((burst.len(), burst.full_scale), (2, 164.0));
     assert_close(&values(&burst), &numbered(0..24));
-    let home = folder();
-    let path = home.path().join("both.npz");
+    let (_home, path) = folder_with("both.npz");
     let mut npz = ndarray_npy::NpzWriter::new(fs::File::create(&path).expect("created"));
     npz.add_array("a", &Array3::<u8>::ones((2, 3, 4))).expect("written");
     npz.add_array("b", &Array3::<u8>::zeros((5, 3, 4))).expect("written");
@@ -485,8 +483,7 @@ fn films_are_decoded_by_ffmpeg_with_all_bits() {
     let paths = [film.path.clone()];
     assert!(Burst::open_with(&paths, &plain(), &cancelled()).expect_err("cancelled").is_cancelled());
     // Colours become luma by this program's weights, whatever ffmpeg's are.
-    let home = folder();
-    let path = home.path().join("colours.mkv");
+    let (_home, path) = folder_with("colours.mkv");
     let source = "color=red:size=16x12:rate=5:duration=0.6,format=rgb24";
     let arguments = ["-v", "error", "-f", "lavfi", "-i", source, "-c:v", "ffv1", "-pix_fmt", "bgr0"];
     let made = std::process::Command::new("ffmpeg").args(arguments).arg(&path).status().expect("ffmpeg runs");

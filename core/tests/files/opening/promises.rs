@@ -93,8 +93,7 @@ fn a_changed_bit_is_noticed_where_there_is_a_checksum() {
         assert!(noticed > 20, "{name}: {noticed} changes are noticed");
     }
     // Also where a part is taken, whose pixels are read before the end.
-    let folder = folder();
-    let path = folder.path().join("part.npz");
+    let (_folder, path) = folder_with("part.npz");
     let mut changed = npz(&array, length, None, None);
     changed[400] ^= 1;
     fs::write(&path, &changed).expect("written");
@@ -108,8 +107,7 @@ fn a_fits_image_that_does_not_add_up_opens_if_that_is_wanted() {
     opened("summed.fits", &changed).expect("as astropy wrote it");
     changed[2880 + 5] ^= 1;
     refused("summed.fits", &changed, "DATASUM");
-    let folder = folder();
-    let path = folder.path().join("summed.fits");
+    let (_folder, path) = folder_with("summed.fits");
     fs::write(&path, &changed).expect("written");
     let part = open_with(&path, &taking(&options_for("summed.fits"))).expect_err("also of a part");
     assert!(part.remedy.contains("--accept-damaged"), "{part}");
@@ -255,8 +253,7 @@ fn a_tile_has_the_bytes_of_its_pixels() {
 
 #[test]
 fn a_tiff_that_is_cut_within_its_description_is_refused_with_the_place() {
-    let folder = folder();
-    let path = folder.path().join("axes.tif");
+    let (_folder, path) = folder_with("axes.tif");
     let ome = "<?xml version=\"1.0\"?><OME><Image><Pixels DimensionOrder=\"XYCTZ\" SizeX=\"4\" SizeY=\"4\" SizeZ=\"1\" SizeC=\"2\" SizeT=\"2\"/></Image></OME>";
     let mut encoder = tiff::encoder::TiffEncoder::new(fs::File::create(&path).expect("made")).expect("begins");
     for page in 0..4u8 {
@@ -283,8 +280,7 @@ fn a_tiff_that_is_cut_within_its_description_is_refused_with_the_place() {
 
 /// A TIFF of 40×30 whose deflated strip lies at its end, and the length of that.
 fn deflated_tiff() -> (Vec<u8>, usize) {
-    let folder = folder();
-    let path = folder.path().join("strip.tif");
+    let (_folder, path) = folder_with("strip.tif");
     let file = fs::File::create(&path).expect("made");
     let deflate = tiff::encoder::Compression::Deflate(tiff::encoder::DeflateLevel::Best);
     let mut encoder = tiff::encoder::TiffEncoder::new(file).expect("begins").with_compression(deflate);
@@ -318,8 +314,7 @@ fn deflated_strips_of_a_tiff_are_whole_or_refused() {
 fn a_film_that_is_cut_within_its_times_says_so() {
     let film = samples().iter().find(|(name, _)| *name == "mono12.ser").expect("a film").1.clone();
     let whole = opened("film.ser", &film).expect("whole");
-    let folder = folder();
-    let path = folder.path().join("film.ser");
+    let (_folder, path) = folder_with("film.ser");
     let info = || Info::of(std::slice::from_ref(&path), &OpenOptions::default(), &quiet()).expect("described");
     fs::write(&path, &film).expect("written");
     assert!(info().times_s.len() == whole.len() && !info().taken.iter().any(|note| note.contains("cut")));
@@ -333,8 +328,7 @@ fn a_film_that_is_cut_within_its_times_says_so() {
 #[test]
 fn every_picture_of_this_program_is_known_as_its_own() {
     use burstscope_core::export::{Bitmap, is_ours, write_png};
-    let folder = folder();
-    let path = folder.path().join("a.png");
+    let (_folder, path) = folder_with("a.png");
     let mut braces = 0;
     for seed in 0..400u32 {
         let pixels: Vec<u8> = (0..48u32).map(|i| (i * 31 + seed * 77) as u8 ^ (seed >> 2) as u8).collect();

@@ -10,8 +10,7 @@ fn colours(u: usize, v: usize) -> u16 {
 
 #[test]
 fn squares_are_binned_and_colours_are_kept_apart() {
-    let folder = folder();
-    let path = folder.path().join("a.dng");
+    let (_folder, path) = folder_with("a.dng");
     fs::write(&path, Dng::new((8, 6), colours).bytes()).expect("written");
     let range = 1023.0 - 64.0;
     for (colour, expected) in [
@@ -32,8 +31,7 @@ fn squares_are_binned_and_colours_are_kept_apart() {
 
 #[test]
 fn black_levels_are_those_of_each_colour_and_below_them_is_negative() {
-    let folder = folder();
-    let path = folder.path().join("a.dng");
+    let (_folder, path) = folder_with("a.dng");
     let dng = Dng {
         black: [64, 70, 80, 100],
         ..Dng::new((4, 2), |u, v| if u < 2 { [54, 60, 70, 90][u % 2 + v * 2] } else { 1023 })
@@ -53,8 +51,7 @@ fn black_levels_are_those_of_each_colour_and_below_them_is_negative() {
 
 #[test]
 fn columns_and_rows_have_black_levels_of_their_own() {
-    let folder = folder();
-    let path = folder.path().join("a.dng");
+    let (_folder, path) = folder_with("a.dng");
     // One masked column at the left: the black steps are counted from the active area on.
     let (columns, rows) = (vec![0, 3, -2, 5], vec![-4, 1]);
     let value = |u: usize, v: usize| match u {
@@ -83,8 +80,7 @@ fn columns_and_rows_have_black_levels_of_their_own() {
 
 #[test]
 fn the_active_area_is_taken_wherever_it_begins() {
-    let folder = folder();
-    let path = folder.path().join("a.dng");
+    let (_folder, path) = folder_with("a.dng");
     // Two masked rows above and three masked columns at the left: the mosaic begins after them.
     let masked = |u: usize, v: usize| if u < 3 || v < 2 { 64 } else { colours(u - 3, v - 2) };
     let dng = Dng { active: Some([2, 3, 8, 11]), ..Dng::new((12, 9), masked) };
@@ -102,8 +98,7 @@ fn the_active_area_is_taken_wherever_it_begins() {
 
 #[test]
 fn a_sensor_without_colours_is_not_binned() {
-    let folder = folder();
-    let path = folder.path().join("a.dng");
+    let (_folder, path) = folder_with("a.dng");
     fs::write(&path, Dng { mosaic: None, ..Dng::new((5, 3), |u, v| 64 + (10 * v + u) as u16) }.bytes())
         .expect("written");
     let burst = open_with(&path, &OpenOptions::default()).expect("opens");
@@ -148,8 +143,7 @@ fn a_folder_of_raw_frames_is_a_burst_with_bias_and_features() {
 
 #[test]
 fn damaged_and_huge_files_are_errors() {
-    let folder = folder();
-    let path = folder.path().join("a.dng");
+    let (_folder, path) = folder_with("a.dng");
     let whole = Dng::new((16, 12), colours).bytes();
     let small = Limits { max_side_px: 8, ..Limits::default() };
     fs::write(&path, &whole).expect("written");

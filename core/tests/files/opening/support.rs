@@ -59,8 +59,7 @@ pub struct Made {
 
 impl Made {
     pub fn new(name: &str, bytes: &[u8]) -> Self {
-        let folder = folder();
-        let path = folder.path().join(name);
+        let (folder, path) = folder_with(name);
         fs::write(&path, bytes).expect("written");
         Self { folder, path }
     }

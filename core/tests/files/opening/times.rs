@@ -152,8 +152,7 @@ fn what_is_wrong_is_named_with_file_and_line() {
         assert!(error.contains(says), "{list}: {error}");
         assert!(times != "list.txt" || error.contains("list.txt"), "{error}");
     }
-    let home = folder();
-    let film = home.path().join("film.ser");
+    let (home, film) = folder_with("film.ser");
     fs::write(&film, include_bytes!("samples/mono12.ser")).expect("written");
     fs::write(home.path().join("list.txt"), "3\n2\n1\n0\n").expect("written");
     let opened = |times: &str| Burst::open_with(std::slice::from_ref(&film), &options(times), &quiet());

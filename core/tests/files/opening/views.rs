@@ -123,8 +123,7 @@ fn what_is_no_light_field_is_refused_with_a_remedy() {
     assert!(of("4x4").contains("4x4 are 16 views, but there are 15 frames"), "{}", of("4x4"));
     let timed = OpenOptions { times: "names".parse().ok(), ..options("3x5") };
     assert!(refused(usual.path(), &timed).contains("have no times"));
-    let home = folder();
-    let file = home.path().join("odd.png");
+    let (home, file) = folder_with("odd.png");
     save(&file, &picture((41, 30), |x, _| x as u8));
     assert!(refused(&file, &options("3x5:tiled")).contains("41×30"));
     assert!(refused(&file, &options("3x5")).contains("for one picture of all, such as 9x9:tiled"));
