@@ -201,8 +201,7 @@ fn lessons_are_opened_from_a_folder_and_a_mistake_is_said_with_its_line() {
         "title = \"My own\"\nabout = \"About it.\"\n\n[[step]]\ntitle = \"First\"\ncaption = \"Look at *this*.\"\n";
     fs::write(&file, good.replace("caption", "captoin")).unwrap();
     let mut window = nothing_open();
-    window.will_choose(folder.path()).run_action("open lessons");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.will_choose(folder.path()).run_action("open lessons").wait_for_error();
     assert!(window.shows("mine.toml, line 6") && window.shows("captoin"));
     fs::write(&file, good).unwrap();
     window.will_choose(folder.path()).run_action("open lessons").wait("the list", |app| app.lessons.list_is_open);

@@ -153,8 +153,7 @@ fn a_refused_calibration_changes_nothing_and_other_bursts_still_open() {
     let mut window = start(&slider).open();
     window.run_action("calibration");
     // The frames do not say when they were taken.
-    window.click_on(Role::RadioButton, "Files").steps(2).click("Apply");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty()).settle();
+    window.click_on(Role::RadioButton, "Files").steps(2).click("Apply").wait_for_error().settle();
     assert_eq!(window.document().calibration.times, None);
     open(&mut window, &cube);
     let model = window.model();

@@ -53,8 +53,7 @@ fn calibration_is_dropped_applied_and_kept_in_the_session() {
     // The third is the mask.
     window.drop_file(home.path().join("mask.png")).steps(3);
     assert!(window.shows("bias.png") && window.shows("flat.png") && window.shows("mask.png"));
-    window.snapshot("calibration");
-    window.click("Apply").settle();
+    window.snapshot("calibration").click("Apply").settle();
     let masked = window.results().slots.a.burst.as_ref().unwrap().burst.frames[0].clone();
     assert_eq!([masked.weight_at(7, 30), masked.weight_at(8, 30)], [0.0, 1.0]);
     // Both halves are as bright, and there are no stripes.
@@ -79,7 +78,7 @@ fn a_calibration_that_does_not_fit_is_said_and_the_burst_stays() {
     image::GrayImage::new(8, 8).save(&wrong).unwrap();
     let mut window = Start::of(&home.path().join("night")).open();
     window.run_action("calibration").drop_file(wrong).click_on(Role::CheckBox, "Linear light").steps(2);
-    window.click("Apply").wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.click("Apply").wait_for_error();
     assert!(window.shows("the bias frame is 8×8"));
     assert_eq!(window.results().slots.a.burst.as_ref().unwrap().burst.len(), 4);
 }

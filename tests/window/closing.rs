@@ -130,9 +130,7 @@ fn every_export_that_was_begun_is_whole_when_the_window_is_gone() {
 #[test]
 fn what_was_matched_and_measured_is_whole_too() {
     let folder = tempfile::tempdir().unwrap();
-    let mut start = Start { size: [1400.0, 900.0], ..Start::default() };
-    start.startup.second = Some(BurstSource::DemoLater);
-    let mut window = start.open();
+    let mut window = Start::two_bursts([1400.0, 900.0]).open();
     let matches = window.results().pair.matches.as_ref().unwrap().result.counts.putative;
     run_small_study(&mut window);
     let closing = hold_files_until_closing(&window);

@@ -24,8 +24,7 @@ fn what_a_change_gained_lost_and_moved_is_marked_counted_and_listed() {
     window.click_on(Role::Row, "Lost 0").settle();
     assert_eq!(window.document().comparisons.a.selected, Some(0));
     assert_eq!(window.document().selected, None, "what is lost is none of ours");
-    window.snapshot("compared_with_pinned");
-    window.key(Key::Escape);
+    window.snapshot("compared_with_pinned").key(Key::Escape);
     assert_eq!(window.document().comparisons.a.selected, None);
     window.run_action("unpin").settle();
     assert!(window.read().shown_comparison(Side::A).is_none() && !window.shows("as before"));
@@ -65,8 +64,7 @@ fn features_of_others_are_laid_over_the_burst_and_told_apart() {
         assert!((row.pos_image[0] - 5.0).abs() < 0.01 && row.feature.is_none(), "{row:?}");
         assert!(window.shows("1 only theirs"));
     }
-    window.snapshot("compared_with_theirs");
-    window.run_action("close opened features").settle();
+    window.snapshot("compared_with_theirs").run_action("close opened features").settle();
     assert!(window.read().shown_comparison(Side::A).is_none());
 }
 

@@ -105,8 +105,7 @@ fn a_narrow_window_has_its_menus_beside_the_workspaces() {
 
 #[test]
 fn the_first_start_is_drawn_on_a_fine_screen() {
-    let mut window = Start { pixels_per_point: 2.0, ..Start::first([960.0, 640.0]) }.open();
-    window.snapshot("first_start_hidpi");
+    Start { pixels_per_point: 2.0, ..Start::first([960.0, 640.0]) }.open().snapshot("first_start_hidpi");
 }
 
 #[test]
@@ -145,8 +144,7 @@ fn the_right_panel_comes_with_a_selection_and_the_picture_stays_where_it_is() {
     assert!(window.document().selected.is_some() && window.read().shows_right());
     let after = window.ui_from_image(place).expect("drawn");
     assert!((after - before).length() < 1.0, "{after:?} instead of {before:?}");
-    window.snapshot("first_selection");
-    window.run_action("Clear selection").settle();
+    window.snapshot("first_selection").run_action("Clear selection").settle();
     assert!(!window.read().shows_right());
     assert!(window.document().panes.of(Side::A).view.is_fit(), "as before");
 }
@@ -223,7 +221,6 @@ fn smoothing_changes_what_is_shown_and_not_the_values() {
     let middle = picture(&window).center();
     window.hover(middle).steps(3);
     assert!(window.shows("display smoothed, σ 2 px"));
-    window.snapshot("smoothed_display");
-    window.slide("Smoothing", 0.0).settle();
+    window.snapshot("smoothed_display").slide("Smoothing", 0.0).settle();
     assert!(Arc::ptr_eq(&planes(&window).0, &planes(&window).1));
 }

@@ -57,8 +57,7 @@ fn apply_says_its_price_before_it_is_pressed() {
     let change = fate.remedy.as_ref().expect("a lower gate").change.clone();
     // A lower gate than that of the search takes another one.
     assert!(answer(&window).prices.is_empty() && window.shows("Takes a new search, "));
-    window.snapshot("probe_price");
-    window.click(&format!("Apply {}", change.label())).settle();
+    window.snapshot("probe_price").click(&format!("Apply {}", change.label())).settle();
     let kept = window.read().features().len();
     // A higher one is judged at once.
     window.change(|document| document.params.noise_gate = NoiseGate::Factor(9.0)).settle();

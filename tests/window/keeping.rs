@@ -26,8 +26,7 @@ fn a_parameter_file_with_a_mistake_is_named_and_changes_nothing() {
     fs::write(&file, "peak_treshold = 0.1\n").unwrap();
     let mut window = Start::without_auto_detect().open();
     let before = window.document().params.clone();
-    window.will_choose(&file).run_action("load parameters");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.will_choose(&file).run_action("load parameters").wait_for_error();
     assert!(window.shows("peak_treshold") && window.shows("wrong.toml"));
     assert_eq!(window.document().params, before);
 }
@@ -107,8 +106,7 @@ fn a_session_of_a_newer_version_says_so() {
     let (_folder, file) = folder_with("new.burstscope.toml");
     fs::write(&file, "version = 77\nburst = \"demo\"\nsomething_new = true\n").unwrap();
     let mut window = Start::without_auto_detect().open();
-    window.will_choose(&file).run_action("open session");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.will_choose(&file).run_action("open session").wait_for_error();
     assert!(window.shows("version 77") && window.shows("open it with a newer Burstscope"));
 }
 
@@ -122,8 +120,7 @@ fn a_session_whose_burst_is_gone_says_so_and_keeps_what_is_open() {
     fs::remove_file(&stack).unwrap();
     let mut other = Start::without_auto_detect().open();
     let before = (other.results().slots.a.burst.as_ref().unwrap().id, other.document().params.clone());
-    other.will_choose(&file).run_action("open session");
-    other.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    other.will_choose(&file).run_action("open session").wait_for_error();
     assert!(other.shows("noisy.npy"));
     assert_eq!((other.results().slots.a.burst.as_ref().unwrap().id, other.document().params.clone()), before);
 }
@@ -157,8 +154,7 @@ fn a_session_that_names_a_harmful_file_loses_that_burst_alone() {
         fs::write(&file, session.replace("a.dng", name)).unwrap();
         let mut other = Start::without_auto_detect().open();
         let before = other.results().slots.a.burst.as_ref().unwrap().id;
-        other.will_choose(&file).run_action("open session");
-        other.wait("a message", |app| !app.model.shell.messages.errors().is_empty()).settle();
+        other.will_choose(&file).run_action("open session").wait_for_error().settle();
         assert!(other.shows(name), "{name} is not named");
         let model = other.model();
         assert_eq!(model.results.slots.a.burst.as_ref().unwrap().id, before, "what was open stays");
@@ -278,8 +274,7 @@ fn the_form_of_a_figure_shows_what_it_would_write() {
 fn a_file_that_cannot_be_written_is_named() {
     let folder = tempfile::tempdir().unwrap();
     let mut window = Start::default().open();
-    window.will_choose(folder.path()).run_action("features as csv");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.will_choose(folder.path()).run_action("features as csv").wait_for_error();
     assert!(window.shows(&folder.path().display().to_string()));
 }
 
@@ -367,8 +362,7 @@ fn what_is_open_is_never_written_over() {
     for file in [&stack, &gold] {
         let before = fs::read(file).unwrap();
         // The system's dialog has asked whether the file may be replaced, and the user agreed.
-        window.will_choose(file).run_action("picture as png");
-        window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+        window.will_choose(file).run_action("picture as png").wait_for_error();
         assert!(window.shows("files that were opened are never written to"));
         assert!(fs::read(file).unwrap() == before);
         let id = window.model().shell.messages.errors()[0].id;

@@ -130,8 +130,7 @@ fn kept_curves_stay_beside_those_of_other_parameters() {
     assert_eq!(shown, 2);
     let both = "Plot: ROC at SNR 0.5, 4 curves";
     assert!(window.harness.query_by_role_and_label(Role::Image, both).is_some());
-    window.snapshot("lab_kept_curves");
-    window.click("Remove");
+    window.snapshot("lab_kept_curves").click("Remove");
     assert!(window.results().studies.kept.is_empty());
     // A finished study is kept by itself when another one begins.
     window.app_mut().model.document.lab.snrs_text = "0.9".to_owned();

@@ -16,9 +16,7 @@ fn start() {
 
 #[test]
 fn single_frame() {
-    let mut window = flat::open(PLAIN);
-    window.key(Key::Num1);
-    window.snapshot("flat/single_frame");
+    flat::open(PLAIN).key(Key::Num1).snapshot("flat/single_frame");
 }
 
 #[test]
@@ -34,8 +32,7 @@ fn dog_response() {
 #[test]
 fn selected_feature() {
     let mut window = Start { size: [1280.0, 1100.0], ..Start::default() }.open();
-    window.key(Key::Home).key(Key::Enter);
-    window.snapshot("selected_feature");
+    window.key(Key::Home).key(Key::Enter).snapshot("selected_feature");
 }
 
 #[test]
@@ -54,15 +51,12 @@ fn palette() {
         let field = window.harness.get_by_role_and_label(Role::TextInput, "Find an action");
         field.type_text("exp");
     }
-    window.harness.run_steps(3);
-    window.snapshot("flat/palette");
+    window.steps(3).snapshot("flat/palette");
 }
 
 #[test]
 fn shortcuts() {
-    let mut window = flat::open(PLAIN);
-    window.key(Key::Questionmark);
-    window.snapshot("flat/shortcuts");
+    flat::open(PLAIN).key(Key::Questionmark).snapshot("flat/shortcuts");
 }
 
 #[test]
@@ -104,9 +98,7 @@ fn error_message() {
 
 /// Two bursts of the demo street in a window of `size`.
 fn open_pair(size: [f32; 2]) -> Window {
-    let mut start = Start { size, ..Start::default() };
-    start.startup.second = Some(burstscope::requests::BurstSource::DemoLater);
-    let mut window = start.open();
+    let mut window = Start::two_bursts(size).open();
     // The range of values depends on which picture came first: one before or after A's slope was found.
     let model = &mut window.app_mut().model;
     let picture = Read::of(model).picture().cloned().expect("A is on show");
@@ -122,30 +114,24 @@ fn two_bursts() {
 
 #[test]
 fn single_match() {
-    let mut window = open_pair([1400.0, 1000.0]);
-    window.key(Key::Home);
-    window.snapshot("single_match");
+    open_pair([1400.0, 1000.0]).key(Key::Home).snapshot("single_match");
 }
 
 #[test]
 fn methods() {
-    let mut window = open_pair([1400.0, 900.0]);
-    window.ctrl(Key::Num3);
-    window.snapshot("methods");
+    open_pair([1400.0, 900.0]).ctrl(Key::Num3).snapshot("methods");
 }
 
 #[test]
 fn methods_matches() {
     let mut window = open_pair([1400.0, 1000.0]);
     window.ctrl(Key::Num3).settle();
-    window.click("Match lines");
-    window.snapshot("methods_matches");
+    window.click("Match lines").snapshot("methods_matches");
 }
 
 #[test]
 fn wipe() {
     let mut window = open();
     window.ctrl(Key::Num3).settle();
-    window.click("Wipe");
-    window.snapshot("wipe");
+    window.click("Wipe").snapshot("wipe");
 }

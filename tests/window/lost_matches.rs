@@ -4,8 +4,7 @@ use crate::support::*;
 use burstscope::inspect::pair::{Losses, Lost};
 
 fn two_bursts() -> Window {
-    let startup = Startup { second: Some(BurstSource::DemoLater), ..given() };
-    let mut window = Start { size: [1280.0, 900.0], startup, ..Start::default() }.open();
+    let mut window = Start::two_bursts([1280.0, 900.0]).open();
     window.change(|document| document.workspace = Workspace::Pair).settle();
     window
 }
@@ -35,8 +34,7 @@ fn the_pair_says_what_was_lost_where_and_a_feature_says_why() {
     let words: String = why.sentence.chars().skip(1).collect();
     assert!(window.shows(&words), "{}", why.sentence);
     assert!(window.harness.query_by_role_and_label(Role::Image, "Patch of candidate 1").is_some());
-    window.snapshot("unmatched_feature");
-    window.key(Key::Escape);
+    window.snapshot("unmatched_feature").key(Key::Escape);
     assert_eq!(window.read().asked_feature(), None);
 }
 

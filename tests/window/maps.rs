@@ -91,8 +91,7 @@ fn coverage_is_a_share_of_the_frames() {
     window.hover(at).steps(3);
     assert!(window.shows("50 % of the frames"));
     window.harness.remove_cursor();
-    window.harness.run_steps(2);
-    window.snapshot("flat/coverage_map");
+    window.steps(2).snapshot("flat/coverage_map");
 }
 
 #[test]

@@ -132,8 +132,7 @@ fn the_demo_knows_what_was_found_and_why_the_rest_was_missed() {
         assert_eq!(window.harness.get_by_role_and_label(Role::Row, "Missed 0").rect(), place);
     }
     assert!(window.shows(&expected.missed[0].why));
-    window.snapshot("truth");
-    window.click("Why here?").settle();
+    window.snapshot("truth").click("Why here?").settle();
     let place = window.read().probed_place().expect("the place is probed");
     let miss = &truth.features[expected.missed[0].disc];
     assert!((f64::from(place[0]) - miss.u).abs() < 0.01 && (f64::from(place[1]) - miss.v).abs() < 0.01);

@@ -44,8 +44,7 @@ fn a_broken_file_is_named_and_the_burst_that_was_open_stays() {
     let mut window = Start::without_auto_detect().open();
     let before = window.results().slots.a.burst.as_ref().unwrap().id;
     let plane = window.read().picture().cloned().unwrap().plane;
-    window.will_choose(&path).click("Open…");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.will_choose(&path).click("Open…").wait_for_error();
     assert!(window.shows("broken-frame.png"));
     assert_eq!(window.results().slots.a.burst.as_ref().unwrap().id, before);
     assert_eq!(window.read().picture().unwrap().plane, plane);

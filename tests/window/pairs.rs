@@ -6,9 +6,7 @@ use burstscope::matching::Geometry;
 
 /// A window with the demo as A and the demo a little later as B, features and matches found.
 fn pair() -> Window {
-    let mut start = Start { size: [1400.0, 900.0], ..Start::default() };
-    start.startup.second = Some(BurstSource::DemoLater);
-    start.open()
+    Start::two_bursts([1400.0, 900.0]).open()
 }
 
 /// Midpoint of the line of match `index`, in points.
@@ -113,9 +111,7 @@ fn headings_sort_and_switches_leave_out() {
 
 #[test]
 fn parameters_of_matching_are_live_documented_and_checked() {
-    let mut window = Start { size: [1400.0, 1700.0], ..Start::default() };
-    window.startup.second = Some(BurstSource::DemoLater);
-    let mut window = window.open();
+    let mut window = Start::two_bursts([1400.0, 1700.0]).open();
     for doc in burstscope::matching::params::doc::ALL {
         assert!(window.shows(doc.label), "{}", doc.label);
         assert!(doc.unit.is_empty() || window.shows(doc.unit), "the unit of {}", doc.label);
@@ -236,8 +232,7 @@ fn a_session_brings_the_pair_back() {
 fn a_second_burst_that_cannot_be_opened_is_named_and_the_pair_stays() {
     let mut window = pair();
     let before = window.read().burst_of(Side::B).unwrap().id;
-    window.will_choose("/no/such/burst-of-frames").run_action("open b: folder");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.will_choose("/no/such/burst-of-frames").run_action("open b: folder").wait_for_error();
     assert!(window.shows("burst-of-frames"));
     assert_eq!(window.read().burst_of(Side::B).unwrap().id, before);
 }

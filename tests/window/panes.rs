@@ -211,9 +211,7 @@ fn a_difference_is_chosen_in_the_menu_of_a_third_pane() {
 
 #[test]
 fn a_pane_shows_the_other_burst() {
-    let mut start = Start { size: [1280.0, 800.0], ..Start::default() };
-    start.startup.second = Some(BurstSource::DemoLater);
-    let mut window = start.open();
+    let mut window = Start::two_bursts([1280.0, 800.0]).open();
     window.click("One burst").key(Key::S).click("Menu of pane 2").steps(3).click_on(Role::RadioButton, "B");
     window.steps(2).key(Key::Escape).settle();
     let model = window.model();
@@ -294,12 +292,9 @@ fn at_1024_by_700_the_picture_and_the_columns_that_matter_are_seen() {
 
 #[test]
 fn the_numbers_of_two_bursts_fit_at_960_points() {
-    let mut start = Start { size: [960.0, 640.0], ..Start::default() };
-    start.startup.second = Some(BurstSource::DemoLater);
-    let mut window = start.open();
+    let mut window = Start::two_bursts([960.0, 640.0]).open();
     assert!(window.read().found_of(Side::B).is_some());
-    window.snapshot("two_bursts_narrow");
-    window.click("Unmatched").settle();
+    window.snapshot("two_bursts_narrow").click("Unmatched").settle();
     // Between the two panels on the sides.
     let left = rect_of(&window, Role::SpinButton, "Frame").right();
     let right = window.harness.get_by_label("Selected match").rect().left();

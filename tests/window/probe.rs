@@ -90,8 +90,7 @@ fn a_place_is_probed_by_click_key_and_menu_and_the_probe_follows_the_pointer() {
 
 #[test]
 fn a_place_of_either_of_two_bursts_is_probed_where_it_is_clicked() {
-    let startup = Startup { second: Some(BurstSource::DemoLater), ..given() };
-    let mut window = Start { size: [1400.0, 900.0], startup, ..Start::default() }.open();
+    let mut window = Start::two_bursts([1400.0, 900.0]).open();
     let names = |window: &Window| Side::BOTH.map(|side| window.read().burst_of(side).unwrap().burst.name.clone());
     assert_eq!(
         (window.document().workspace, names(&window)),
@@ -312,8 +311,7 @@ fn a_row_of_the_tally_shows_its_candidates_in_the_picture() {
     let chosen = *window.read().selected_candidate().expect("a click selects it");
     assert_eq!(chosen.pos_image, mark.pos_image);
     assert!(window.shows("Candidate at ("));
-    window.snapshot("candidates");
-    window.click("Go to candidate").settle();
+    window.snapshot("candidates").click("Go to candidate").settle();
     let cursor = *window.document().cursor();
     assert_eq!((cursor.octave, cursor.level), (chosen.sample.octave, chosen.sample.level));
     // Another row replaces it; the same row again hides them.

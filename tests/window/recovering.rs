@@ -37,8 +37,7 @@ fn a_case_opens_like_a_burst_with_its_search_and_its_place() {
     assert_eq!(model.document.params.slopes, params.slopes.into());
     assert_eq!(Read::of(model).probed_place(), Some([120.0, 90.0]));
     // Another ending is refused, as the file could not be opened again.
-    window.will_choose(home.path().join("again.png")).run_action("save case");
-    window.wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.will_choose(home.path().join("again.png")).run_action("save case").wait_for_error();
     assert!(window.shows("name the file .burstcase") && !home.path().join("again.png").exists());
     // Saved again, it is the same case.
     let again = home.path().join("again.burstcase");
@@ -154,8 +153,7 @@ fn things_are_planted_in_the_open_burst_and_one_is_probed() {
     window.click("Next missed").settle();
     let thing = window.read().selected_thing().expect("one was missed").clone();
     assert!(thing.found.is_none() && window.shows("Missed, "));
-    window.snapshot("lab_in_this_burst");
-    window.click("Probe planted thing").settle();
+    window.snapshot("lab_in_this_burst").click("Probe planted thing").settle();
     let model = window.model();
     assert_eq!(model.document.workspace, Workspace::Inspect);
     let source = &model.results.slots.a.burst.as_ref().expect("open").source;
@@ -213,8 +211,7 @@ fn slopes_are_read_as_depths_in_the_table_and_as_colours() {
         SetUp { speed_m_s: 0.06, direction_deg: 180.0, depth_m: [0.5, 8.0], ..SetUp::default() };
     window.run_action("slopes from the set-up").settle();
     window.click_on(Role::CheckBox, "Read slopes as depths").settle();
-    window.snapshot("slopes_from_set_up");
-    window.change(|document| document.bottom_tab = BottomTab::Table).settle();
+    window.snapshot("slopes_from_set_up").change(|document| document.bottom_tab = BottomTab::Table).settle();
     window.click("Sort by Depth").settle();
     let model = window.model();
     let depth_of = |i: &usize| {

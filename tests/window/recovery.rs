@@ -75,7 +75,7 @@ fn an_offer_that_cannot_be_restored_stays() {
     record.write("version = 4\nburst = { paths = [\"/nowhere/frames\"] }\n").unwrap();
     drop(record);
     let mut window = keeping(&folder, Start::nothing_open()).open();
-    window.click("Restore").wait("a message", |app| !app.model.shell.messages.errors().is_empty());
+    window.click("Restore").wait_for_error();
     assert!(window.shows("/nowhere/frames") && window.shows(OFFER));
     assert_eq!(sessions(&folder).len(), 1);
 }

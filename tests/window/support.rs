@@ -141,6 +141,11 @@ impl Start {
         Self { size, startup: Startup::default(), ..Self::default() }
     }
 
+    /// The demo, and beside it the demo a little later.
+    pub fn two_bursts(size: [f32; 2]) -> Self {
+        Self { size, startup: Startup { second: Some(BurstSource::DemoLater), ..given() }, ..Self::default() }
+    }
+
     pub fn nothing_open() -> Self {
         Self { startup: Startup { source: None, ..given() }, ..Self::default() }
     }
@@ -265,6 +270,11 @@ impl Window {
             }
         }
         self
+    }
+
+    /// Runs the window until it says an error.
+    pub fn wait_for_error(&mut self) -> &mut Self {
+        self.wait("a message", |app| !app.model.shell.messages.errors().is_empty())
     }
 
     /// Clicks a button (or another clickable widget) with this text.
@@ -427,9 +437,10 @@ impl Window {
     }
 
     /// Compares the window with what is stored of it under this name.
-    pub fn snapshot(&mut self, name: &str) {
+    pub fn snapshot(&mut self, name: &str) -> &mut Self {
         self.harness.remove_cursor();
         self.compare(name);
+        self
     }
 
     /// Compares the window with what is stored of it under this name, with the pointer at a place of the window.
