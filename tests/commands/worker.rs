@@ -33,6 +33,18 @@ fn open(path: &Path) -> Result<Burst, Error> {
     Burst::open(path)
 }
 
+/// What `look` finds, as soon as it does; `what` says that it never did.
+fn until<T>(what: &str, mut look: impl FnMut() -> Option<T>) -> T {
+    let started = Instant::now();
+    loop {
+        if let Some(found) = look() {
+            return found;
+        }
+        assert!(started.elapsed() < Duration::from_secs(120), "{what}");
+        std::thread::sleep(Duration::from_millis(1));
+    }
+}
+
 /// Whether a child of this process is decoding; `false` where the system does not say.
 fn is_decoding() -> bool {
     let tasks = fs::read_dir("/proc/self/task").into_iter().flatten().flatten();
@@ -127,12 +139,8 @@ fn cancelling_ends_the_process() {
     let monitor = Monitor::default();
     let answer = std::thread::scope(|scope| {
         let opening = scope.spawn(|| Burst::open_with(std::slice::from_ref(&path), &OpenOptions::default(), &monitor));
-        let started = Instant::now();
         let is_told = Path::new("/proc/thread-self/children").exists();
-        while is_told && !is_decoding() && !opening.is_finished() {
-            assert!(started.elapsed() < Duration::from_secs(120), "no process was started");
-            std::thread::sleep(Duration::from_millis(1));
-        }
+        until("no process was started", || (!is_told || is_decoding() || opening.is_finished()).then_some(()));
         monitor.cancel();
         opening.join().expect("no panic")
     });
@@ -148,14 +156,7 @@ fn a_decoder_that_somebody_ends_is_no_damage_of_the_file() {
     for (signal, number) in [("-KILL", "signal 9"), ("-TERM", "signal 15")] {
         let error = std::thread::scope(|scope| {
             let opening = scope.spawn(|| open(&path));
-            let started = Instant::now();
-            let child = loop {
-                if let Some(child) = decoder_of(path.to_str().expect("text")) {
-                    break child;
-                }
-                assert!(started.elapsed() < Duration::from_secs(120), "no process was started");
-                std::thread::sleep(Duration::from_millis(1));
-            };
+            let child = until("no process was started", || decoder_of(path.to_str().expect("text")));
             assert!(Command::new("kill").args([signal, &child]).status().expect("kill").success());
             opening.join().expect("no panic").expect_err("it was ended")
         });
@@ -262,31 +263,20 @@ fn a_process_that_decodes_has_few_rights_and_ends_when_the_program_is_killed() {
         let mut lists = tasks.filter_map(|task| fs::read_to_string(task.path().join("children")).ok());
         lists.find_map(|list| list.split_whitespace().next().map(str::to_owned))
     };
-    let started = Instant::now();
-    let child = loop {
-        if let Some(child) = decoding() {
-            break child;
-        }
-        assert!(started.elapsed() < Duration::from_secs(60), "no process was started");
-        std::thread::sleep(Duration::from_millis(1));
-    };
+    let child = until("no process was started", decoding);
     // What it may still do is tested beside the code; the kernel says that it gave up the rest before it decodes.
     if cfg!(any(target_arch = "x86_64", target_arch = "aarch64")) {
         let status = || fs::read_to_string(format!("/proc/{child}/status")).unwrap_or_default();
         let is_confined = |status: &str| ["NoNewPrivs:\t1", "Seccomp:\t2"].iter().all(|line| status.contains(line));
-        while !is_confined(&status()) {
+        until("it keeps its rights", || {
             assert!(running.try_wait().expect("its state").is_none(), "it is done, and was not seen confined");
-            assert!(started.elapsed() < Duration::from_secs(60), "process {child} keeps its rights: {}", status());
-            std::thread::sleep(Duration::from_millis(1));
-        }
+            is_confined(&status()).then_some(())
+        });
     }
     running.kill().expect("killed");
     running.wait().expect("an end");
     let alive = || fs::read_to_string(format!("/proc/{child}/cmdline")).is_ok_and(|line| !line.is_empty());
-    while alive() {
-        assert!(started.elapsed() < Duration::from_secs(120), "process {child} goes on for nobody");
-        std::thread::sleep(Duration::from_millis(5));
-    }
+    until("it goes on for nobody", || (!alive()).then_some(()));
 }
 
 /// Raw files to damage.
