@@ -4,9 +4,7 @@
 //! True slopes are drawn from a continuum and the grid has steps of 0.5 px/frame, so accuracy finer than the step comes
 //! from the refinement. Discs reach half a pixel per frame beyond the grid; those must be marked.
 
-use burstscope_core::detector::{Localisation, Method, Rules};
-use burstscope_core::synth::{ChartParams, Motion, synth_chart};
-use burstscope_core::{Burst, DetectorParams, Feature, Monitor, Plane, SlopeGrid, detect};
+use crate::prelude::*;
 use burstscope_lab::evaluate::accuracy::{AccuracyReport, AccuracyStudy};
 use burstscope_lab::evaluate::statistics::Errors;
 use burstscope_lab::evaluate::{RowStudy, motion_name};
@@ -101,7 +99,7 @@ fn small_2d(bars: &[Bar], seeds: u64) -> AccuracyStudy {
 }
 
 fn run(study: &AccuracyStudy) -> AccuracyReport {
-    study.run(&Monitor::default()).expect("a report")
+    study.run(&quiet()).expect("a report")
 }
 
 #[test]
@@ -147,15 +145,11 @@ fn the_report_does_not_depend_on_the_threads() {
         seeds: 2,
         ..AccuracyStudy::with_motion(Motion::OneD)
     };
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| run(&study))
-    };
-    assert_eq!(with(1), with(3));
+    assert_eq!(on_threads(1, || run(&study)), on_threads(3, || run(&study)));
 }
 
 fn found(burst: &Burst, params: &DetectorParams) -> Vec<Feature> {
-    let detection = detect(burst, params, &Monitor::default()).expect("valid parameters");
+    let detection = detect(burst, params, &quiet()).expect("valid parameters");
     assert_eq!(detection.features.len(), detection.descriptors.len());
     let finite = |f: &Feature| {
         [f.u, f.v, f.sigma, f.orientation, f.slope.u, f.slope.v, f.response].iter().all(|x| x.is_finite())
@@ -169,7 +163,7 @@ fn found(burst: &Burst, params: &DetectorParams) -> Vec<Feature> {
 fn one_level_and_ten_levels_find_the_discs() {
     let params = ChartParams { width: 320, height: 240, discs: 12, snr: 12.0, seed: 5, ..ChartParams::default() };
     let params = ChartParams { radius: 4.0..=10.0, max_slope: 1.0, ..params };
-    let (burst, truth) = synth_chart(&params, &Monitor::default()).expect("a chart");
+    let (burst, truth) = synth_chart(&params, &quiet()).expect("a chart");
     for levels in [1, 10] {
         let search = DetectorParams { levels, slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() };
         let features = found(&burst, &search);

@@ -1,6 +1,6 @@
 //! Advice on slopes, against the truth.
 
-use burstscope_core::Monitor;
+use crate::prelude::*;
 use burstscope_lab::evaluate::AdviceStudy;
 use burstscope_lab::evaluate::advice::{AdvisedBurst, Statement};
 
@@ -10,10 +10,7 @@ fn study(seeds: u64) -> AdviceStudy {
 
 #[test]
 fn a_table_sums_to_the_bursts_whatever_the_threads() {
-    let on = |threads| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| study(1).run(&Monitor::default())).expect("a report")
-    };
+    let on = |threads| on_threads(threads, || study(1).run(&quiet())).expect("a report");
     let report = on(1);
     assert_eq!(report, on(2));
     assert_eq!(report.bursts.len(), 12);
@@ -42,7 +39,7 @@ fn nonsense_is_refused() {
         (study(0), "seeds"),
         (study(u64::MAX), "seeds"),
     ] {
-        let error = study.run(&Monitor::default()).expect_err(start).to_string();
+        let error = study.run(&quiet()).expect_err(start).to_string();
         assert!(error.starts_with(start), "{error}");
     }
 }

@@ -1,12 +1,11 @@
 //! The plots of studies: their points, their figures, and their numbers.
 
+use crate::prelude::*;
 use burstscope_core::export::sheet::{BLUE, SOLID};
 use burstscope_core::export::{Series, SeriesPoint};
-use burstscope_core::monitor::Monitor;
 use burstscope_lab::evaluate::chart::ChartReport;
 use burstscope_lab::evaluate::curves::{StudyCurve, StudyPlot, chart_plots, curves_figure, curves_table};
 use burstscope_lab::evaluate::{BurstMethod, ChartStudy, RowStudy};
-use burstscope_lab::synth::ChartParams;
 
 fn report() -> ChartReport {
     let chart = ChartParams { width: 160, height: 120, discs: 4, radius: 4.0..=9.0, ..ChartParams::default() };
@@ -17,7 +16,7 @@ fn report() -> ChartReport {
         methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d],
         ..ChartStudy::default()
     };
-    study.run(&Monitor::default()).expect("a report")
+    study.run(&quiet()).expect("a report")
 }
 
 #[test]

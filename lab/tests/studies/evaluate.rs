@@ -1,8 +1,6 @@
 //! The studies that measure the detector: small ones, with numbers that must be plausible.
 
-use burstscope_core::detector::NoiseGate;
-use burstscope_core::synth::{ChartParams, Motion};
-use burstscope_core::{DetectorParams, Monitor, SlopeGrid};
+use crate::prelude::*;
 use burstscope_lab::evaluate::curves::{burst_frames_figure, frames_figure, roc_figure};
 use burstscope_lab::evaluate::pure_noise::NoiseLevel;
 use burstscope_lab::evaluate::{
@@ -40,7 +38,7 @@ fn found(report: &ChartReport, method: BurstMethod) -> f64 {
 
 #[test]
 fn the_burst_search_finds_in_the_dark_what_one_frame_does_not_show() {
-    let report = small_study().run(&Monitor::default()).expect("a report");
+    let report = small_study().run(&quiet()).expect("a report");
     let [frame, mean, merge, one_d, two_d] = BurstMethod::WITH_GIVEN_SLOPES.map(|method| found(&report, method));
     println!(
         "of 14 discs at SNR 0.6: one frame {frame}, plain mean {mean}, merge {merge}, BuFF 1D {one_d}, BuFF 2D {two_d}"
@@ -62,7 +60,7 @@ fn the_burst_search_finds_in_the_dark_what_one_frame_does_not_show() {
 fn motion_across_the_line_needs_the_plane() {
     let study = ChartStudy { methods: vec![BurstMethod::Buff1d, BurstMethod::Buff2d], ..small_study() };
     let chart = ChartParams { motion: Motion::TwoD, ..study.chart.clone() };
-    let report = ChartStudy { chart, ..study }.run(&Monitor::default()).expect("a report");
+    let report = ChartStudy { chart, ..study }.run(&quiet()).expect("a report");
     let (one_d, two_d) = (found(&report, BurstMethod::Buff1d), found(&report, BurstMethod::Buff2d));
     println!("of 14 discs with 2D motion at SNR 0.6: BuFF 1D {one_d}, BuFF 2D {two_d}");
     assert!(two_d >= 10.0 && two_d > one_d, "{one_d} {two_d}");
@@ -71,7 +69,7 @@ fn motion_across_the_line_needs_the_plane() {
 #[test]
 fn slopes_that_are_found_serve_as_well_as_those_that_are_known() {
     let study = ChartStudy { methods: vec![BurstMethod::Buff1d, BurstMethod::BuffAuto], ..small_study() };
-    let report = study.run(&Monitor::default()).expect("a report");
+    let report = study.run(&quiet()).expect("a report");
     let (known, auto) = (found(&report, BurstMethod::Buff1d), found(&report, BurstMethod::BuffAuto));
     println!("of 14 discs at SNR 0.6: known slopes {known}, slopes found {auto}");
     assert!(auto + 1.5 >= known, "{auto} {known}");
@@ -80,10 +78,7 @@ fn slopes_that_are_found_serve_as_well_as_those_that_are_known() {
 #[test]
 fn the_report_does_not_depend_on_the_threads() {
     let study = ChartStudy { seeds: 3, methods: vec![BurstMethod::SiftMean, BurstMethod::Buff1d], ..small_study() };
-    let with = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| study.run(&Monitor::default()).expect("a report"))
-    };
+    let with = |threads| on_threads(threads, || study.run(&quiet()).expect("a report"));
     let one = with(1);
     assert_eq!(one, with(2));
     assert_eq!(one, with(5));
@@ -95,7 +90,7 @@ fn at_the_threshold_of_the_same_false_rate_a_tenth_is_false() {
     study.methods = vec![BurstMethod::SiftFrame, BurstMethod::SiftMerge, BurstMethod::Buff1d];
     (study.snrs, study.searches.detector.noise_gate) = (vec![1.2], NoiseGate::Factor(3.5));
     study.seeds = 4;
-    let run = |study: &ChartStudy| StudyReport::Chart(Box::new(study.run(&Monitor::default()).expect("a report")));
+    let run = |study: &ChartStudy| StudyReport::Chart(Box::new(study.run(&quiet()).expect("a report")));
     let (plain, row) = (run(&study), study.snrs.len() - 1);
     let rate = plain.same_false_rate(row).expect("a rate");
     assert_eq!((rate.snr, rate.false_fraction, rate.peak_thresholds.len()), (study.snrs[row], 0.1, 3));
@@ -119,7 +114,7 @@ fn without_the_gate_the_study_sees_below_it() {
     let with = |gate: &str| {
         let mut study = ChartStudy { seeds: 1, methods: vec![BurstMethod::Buff1d], ..small_study() };
         study.searches.detector.noise_gate = gate.parse().expect("a gate");
-        study.run(&Monitor::default()).expect("a report").rows[0].methods[0].default_false_features.mean
+        study.run(&quiet()).expect("a report").rows[0].methods[0].default_false_features.mean
     };
     assert!(with("3.5") > with("auto") + 5.0);
 }
@@ -128,7 +123,7 @@ fn without_the_gate_the_study_sees_below_it() {
 fn the_figure_is_a_valid_picture_with_every_method_named() {
     let methods = BurstMethod::ALL.to_vec();
     let study = ChartStudy { snrs: vec![0.3, 0.6, f64::INFINITY], methods, ..small_study() };
-    let report = study.run(&Monitor::default());
+    let report = study.run(&quiet());
     let svg = roc_figure(&report.expect("a report"), 0).drawing.svg();
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let count = |tag: &str| document.descendants().filter(|n| n.has_tag_name(tag)).count();
@@ -158,7 +153,7 @@ fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
     let searches = NoiseStudy::searches(&strict);
     let study =
         NoiseStudy { levels, searches, width: 500, height: 400, frames: 6, megapixels: 1.0, ..NoiseStudy::default() };
-    let report = study.run(&Monitor::default()).expect("a report");
+    let report = study.run(&quiet()).expect("a report");
     assert_eq!(report.bursts, 5);
     assert!((report.megapixels - 1.0).abs() < 1e-9);
     for row in &report.rows {
@@ -174,7 +169,7 @@ fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
     // The count responds to the gate: a low gate gives many features.
     let detector = DetectorParams { noise_gate: "3".parse().expect("a gate"), ..DetectorParams::default() };
     let searches = NoiseStudy::searches(&detector)[..1].to_vec();
-    let report = NoiseStudy { searches, ..study }.run(&Monitor::default()).expect("a report");
+    let report = NoiseStudy { searches, ..study }.run(&quiet()).expect("a report");
     assert!(report.rows[0].searches[0].per_megapixel > 20.0, "{report:?}");
 }
 
@@ -182,7 +177,7 @@ fn pure_noise_passes_the_gate_about_as_seldom_as_promised() {
 fn figures_over_the_number_of_frames_are_valid_pictures() {
     let methods = vec![BurstMethod::SiftMean, BurstMethod::Buff1d];
     let charts = ChartStudy { methods, ..small_study() };
-    let report = ChartStudy { frame_counts: vec![2, 5], ..charts }.run(&Monitor::default()).expect("a report");
+    let report = ChartStudy { frame_counts: vec![2, 5], ..charts }.run(&quiet()).expect("a report");
     let svg = frames_figure(&report).drawing.svg();
     let document = roxmltree::Document::parse(&svg).expect("valid XML");
     let dots = document.descendants().filter(|n| n.has_tag_name("circle")).count();
@@ -191,8 +186,8 @@ fn figures_over_the_number_of_frames_are_valid_pictures() {
     assert!(!svg.contains("NaN"));
 
     let chart = ChartParams { frames: 4, snr: 1.0, ..small_study().chart };
-    let (burst, truth) = burstscope_core::synth::synth_chart(&chart, &Monitor::default()).expect("a chart");
-    let report = BurstFramesStudy::default().run(&burst, None, Some(&truth), &Monitor::default()).expect("a report");
+    let (burst, truth) = burstscope_core::synth::synth_chart(&chart, &quiet()).expect("a chart");
+    let report = BurstFramesStudy::default().run(&burst, None, Some(&truth), &quiet()).expect("a report");
     let svg = burst_frames_figure(&report).drawing.svg();
     roxmltree::Document::parse(&svg).expect("valid XML");
     assert!(svg.contains("confirmed by all frames") && svg.contains("discs found") && !svg.contains("inliers"));

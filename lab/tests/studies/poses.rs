@@ -1,6 +1,7 @@
 //! Poses: the alignment of trajectories and the planes in which they are drawn, pairs of poses, trajectory files, and
 //! sparse models.
 
+use crate::prelude::*;
 use burstscope_core::error::Result;
 use burstscope_lab::evaluate::poses::tum::{parse_tum, read_tum};
 use burstscope_lab::evaluate::poses::{
@@ -10,7 +11,6 @@ use burstscope_lab::evaluate::poses::{
 use nalgebra::{Isometry3, Point3, Translation3, UnitQuaternion, Vector3};
 use proptest::prelude::*;
 use std::f64::consts::FRAC_PI_2;
-use std::path::Path;
 
 fn pose(centre: [f64; 3], axis_angle: [f64; 3]) -> Isometry3<f64> {
     Isometry3::new(Vector3::from(centre), Vector3::from(axis_angle))

@@ -4,13 +4,11 @@
 //! The scene and the path are our own (`synth trajectory`), so the true position of each feature of one burst in
 //! another is known, and right matches can be counted, not only those that agree with one another.
 
-use burstscope_core::Monitor;
+use crate::prelude::*;
 use burstscope_core::dataset::BurstSide;
-use burstscope_core::detect::detect;
-use burstscope_core::detector::{Detection, DetectorParams, Method, SlopeGrid};
-use burstscope_core::matching::{Camera, CameraModel, Geometry, MatchParams, match_pair};
+use burstscope_core::matching::{Camera, CameraModel, match_pair};
 use burstscope_lab::synth::trajectory::world::nearest_point;
-use burstscope_lab::synth::{Light, Motion, Trajectory, TrajectoryParams};
+use burstscope_lab::synth::{Light, Trajectory, TrajectoryParams};
 
 /// Largest distance of a right match from the true position of its point of the world, pixels.
 const RIGHT_PX: f64 = 4.0;
@@ -38,7 +36,7 @@ fn dark_way(motion: Motion) -> Trajectory {
         bits: 12,
         seed: 5,
     };
-    Trajectory::new(&params, &Monitor::default()).expect("a trajectory")
+    Trajectory::new(&params, &quiet()).expect("a trajectory")
 }
 
 /// Finds the features of every burst and matches each with the next.

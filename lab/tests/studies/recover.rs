@@ -1,10 +1,7 @@
 //! Laws of planted things: they are found where charts of the same things are, at the SNR that noise and gate say, and
 //! between the slopes of a coarse grid as much less as the step makes them weaker.
 
-use burstscope_core::detector::{DetectorParams, NoiseGate, SearchParams, SlopeAxis, SlopeGrid};
-use burstscope_core::monitor::Monitor;
-use burstscope_core::synth::{ChartParams, Truth, synth_chart};
-use burstscope_core::{Burst, Plane};
+use crate::prelude::*;
 use burstscope_lab::evaluate::{BurstMethod, ChartStudy, RowStudy, Searches};
 use burstscope_lab::recover::plots::{recover_figure, recover_plots};
 use burstscope_lab::recover::report::planted_table;
@@ -26,7 +23,7 @@ fn chart(discs: usize, snr: f64) -> ChartParams {
 }
 
 fn made(params: &ChartParams) -> (Burst, Truth) {
-    synth_chart(params, &Monitor::default()).expect("a chart")
+    synth_chart(params, &quiet()).expect("a chart")
 }
 
 fn search(slopes: SlopeGrid) -> SearchParams {
@@ -34,7 +31,7 @@ fn search(slopes: SlopeGrid) -> SearchParams {
 }
 
 fn run(study: &RecoverStudy, burst: &Burst) -> RecoverReport {
-    study.run(burst, &Monitor::default()).expect("a report")
+    study.run(burst, &quiet()).expect("a report")
 }
 
 #[test]
@@ -74,7 +71,7 @@ fn planted_discs_are_found_as_those_of_a_chart() {
         searches: Searches::of_charts(search(grid).at_given(), Some(grid)),
         ..ChartStudy::default()
     };
-    let counted = study.run(&Monitor::default()).expect("a report");
+    let counted = study.run(&quiet()).expect("a report");
     let of_chart = &counted.rows[0].methods[0].default_true_positives;
     let (share, error) = (of_chart.mean / 9.0, of_chart.standard_error.expect("several") / 9.0);
     let (burst, _) = made(&ChartParams { discs: 0, ..with_discs });
@@ -140,7 +137,7 @@ fn each_missed_thing_has_a_fate_and_the_map_shows_where_the_noise_is() {
     let study = RecoverStudy { search: search(SlopeGrid::line(-1.0..=1.0, 5)), copies: 12, ..RecoverStudy::default() };
     let told = Mutex::new(Vec::new());
     let tell = |report: RecoverReport| told.lock().expect("not poisoned").push(report.copies_done);
-    let report = study.run_telling(&burst, &Monitor::default(), &tell).expect("a report");
+    let report = study.run_telling(&burst, &quiet(), &tell).expect("a report");
     assert_eq!(told.into_inner().expect("not poisoned"), (1..=12).collect::<Vec<u64>>());
     let missed: Vec<_> = report.planted.iter().filter(|one| one.found.is_none()).collect();
     assert!(missed.len() > 10 && missed.iter().all(|one| !one.why.is_empty()));
@@ -167,13 +164,9 @@ fn each_missed_thing_has_a_fate_and_the_map_shows_where_the_noise_is() {
 fn the_same_seeds_give_the_same_things_and_a_copy_can_be_made_again() {
     let (burst, _) = made(&chart(6, 0.6));
     let study = RecoverStudy { search: search(SlopeGrid::line(-2.0..=2.0, 5)), copies: 2, ..RecoverStudy::default() };
-    let in_pool = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| run(&study, &burst))
-    };
-    let (one, two) = (in_pool(1), in_pool(3));
+    let (one, two) = (on_threads(1, || run(&study, &burst)), on_threads(3, || run(&study, &burst)));
     assert_eq!(one.planted, two.planted);
-    let (copy, planted) = study.planted_copy(&burst, 2, &Monitor::default()).expect("made again");
+    let (copy, planted) = study.planted_copy(&burst, 2, &quiet()).expect("made again");
     assert_eq!((planted.width, planted.height, planted.frames), (burst.size().0, burst.size().1, burst.len()));
     assert_eq!(planted.t0, 0.5 * (burst.len() as f64 - 1.0));
     let of_copy: Vec<_> = one.planted.iter().filter(|thing| thing.seed == 2).map(|thing| thing.truth).collect();
@@ -200,11 +193,11 @@ fn nonsense_is_named_and_cancelling_ends_it() {
         (RecoverStudy { per_copy: Some(0), ..good() }, "per-copy: "),
     ];
     for (study, start) in cases {
-        let error = study.run(&burst, &Monitor::default()).expect_err(start).to_string();
+        let error = study.run(&burst, &quiet()).expect_err(start).to_string();
         assert!(error.starts_with(start), "{error}");
     }
     let still = Burst::from_planes("still", vec![Plane::from_fn(64, 64, |_, _| 0.25); 4]);
-    let error = good().run(&still, &Monitor::default()).expect_err("no noise").to_string();
+    let error = good().run(&still, &quiet()).expect_err("no noise").to_string();
     assert!(error.contains("no noise"), "{error}");
     let monitor = Monitor::default();
     let cancel = |_| monitor.cancel();

@@ -1,9 +1,6 @@
 //! Trajectories: pictures, poses and truth agree.
 
-use burstscope_core::burst::{Burst, OpenOptions, TimesChoice};
-use burstscope_core::monitor::Monitor;
-use burstscope_core::plane::Plane;
-use burstscope_core::synth::Motion;
+use crate::prelude::*;
 use burstscope_lab::synth::paint::{Area, Sheet};
 use burstscope_lab::synth::trajectory::*;
 use nalgebra::{Isometry3, Point3, Translation3, Vector3};
@@ -13,7 +10,7 @@ fn small() -> TrajectoryParams {
 }
 
 fn made(params: &TrajectoryParams) -> Trajectory {
-    Trajectory::new(params, &Monitor::default()).expect("a trajectory")
+    Trajectory::new(params, &quiet()).expect("a trajectory")
 }
 
 fn centroid(picture: &Plane) -> [f64; 2] {
@@ -53,7 +50,7 @@ fn a_known_point_is_where_the_picture_has_it() {
     assert_eq!(lens.pixel(&Point3::new(0.0, 0.0, -1.0)), None);
     let mut places = Vec::new();
     for dt in [-4.5, -2.0, 0.0, 0.3, 4.5] {
-        let picture = world::render(std::slice::from_ref(&plane), &lens, &camera.at(dt), &Monitor::default());
+        let picture = world::render(std::slice::from_ref(&plane), &lens, &camera.at(dt), &quiet());
         let [u, v] = centroid(&picture.expect("not cancelled"));
         let [expected_u, expected_v] = camera.pixel_of(&lens, &point, dt).expect("in front");
         assert!(
@@ -82,8 +79,7 @@ fn near_planes_hide_far_ones_in_whatever_order_they_are_given() {
     let near = plane(2.0, 0.9, Some(Area::new(50.0, 0.0, 90.0, 70.0)));
     let far = plane(5.0, 0.2, None);
     let camera = Isometry3::identity();
-    let view =
-        |planes: &[ScenePlane]| world::render(planes, &lens, &camera, &Monitor::default()).expect("not cancelled");
+    let view = |planes: &[ScenePlane]| world::render(planes, &lens, &camera, &quiet()).expect("not cancelled");
     let picture = view(&[far.clone(), near.clone()]);
     assert!((picture.at(10, 20) - 0.2).abs() < 1e-5 && (picture.at(50, 20) - 0.9).abs() < 1e-5);
     assert_eq!(picture, view(&[near.clone(), far.clone()]));
@@ -129,7 +125,7 @@ fn the_wall_fills_every_frame_of_every_burst() {
         let params = TrajectoryParams { motion, light: Light::Snr(f64::INFINITY), ..small() };
         let trajectory = made(&params);
         for index in 0..3 {
-            let burst = trajectory.burst(index, &Monitor::default()).expect("a burst");
+            let burst = trajectory.burst(index, &quiet()).expect("a burst");
             let dark = trajectory.exposure.camera.black_level + 0.03 * trajectory.exposure.gain;
             for frame in &burst.frames {
                 assert!(frame.data().iter().all(|&x| f64::from(x) > dark && x < 1.0), "{motion:?}, burst {index}");
@@ -141,11 +137,10 @@ fn the_wall_fills_every_frame_of_every_burst() {
 #[test]
 fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
     let make = |threads: usize, seed: u64| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
-        pool.install(|| {
+        on_threads(threads, || {
             let trajectory = made(&TrajectoryParams { seed, ..small() });
-            let burst = trajectory.burst(1, &Monitor::default()).expect("a burst");
-            (trajectory.truth(), burst.frames, trajectory.gold(1, &Monitor::default()).expect("a view"))
+            let burst = trajectory.burst(1, &quiet()).expect("a burst");
+            (trajectory.truth(), burst.frames, trajectory.gold(1, &quiet()).expect("a view"))
         })
     };
     let (one, other) = (make(1, 3), make(2, 4));
@@ -156,10 +151,10 @@ fn the_same_seed_gives_the_same_bits_for_any_number_of_threads() {
 #[test]
 fn it_is_as_dark_as_was_asked_for() {
     let clean = TrajectoryParams { light: Light::Snr(f64::INFINITY), max_slope: 0.0, ..small() };
-    let scene = made(&clean).gold(0, &Monitor::default()).expect("a view");
+    let scene = made(&clean).gold(0, &quiet()).expect("a view");
     for light in [Light::Snr(0.3), Light::Snr(3.0), Light::Electrons(1.2), Light::Electrons(4000.0)] {
         let trajectory = made(&TrajectoryParams { light, ..clean.clone() });
-        let burst = trajectory.burst(0, &Monitor::default()).expect("a burst");
+        let burst = trajectory.burst(0, &quiet()).expect("a burst");
         let exposure = &trajectory.exposure;
         // The noise is the electrons of each pixel minus those of the scene. Rounding loses about half a level.
         let electrons = exposure.camera.full_scale_electrons;
@@ -201,12 +196,10 @@ fn nonsense_is_named_with_its_remedy() {
         (TrajectoryParams { planes: 17, ..small() }, "planes"),
     ];
     for (params, name) in cases {
-        let error = Trajectory::new(&params, &Monitor::default()).expect_err(name).to_string();
+        let error = Trajectory::new(&params, &quiet()).expect_err(name).to_string();
         assert!(error.starts_with(&format!("{name}: ")), "{error}");
     }
-    let monitor = Monitor::default();
-    monitor.cancel();
-    assert!(Trajectory::new(&small(), &monitor).is_err_and(|error| error.is_cancelled()));
+    assert!(Trajectory::new(&small(), &cancelled()).is_err_and(|error| error.is_cancelled()));
 }
 
 /// Mean distance of the frames of two bursts where both are seen, fractions of full scale, and the share that is seen.
