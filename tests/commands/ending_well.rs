@@ -7,14 +7,6 @@ use std::os::unix::ffi::{OsStrExt, OsStringExt};
 use std::os::unix::fs::PermissionsExt;
 use std::os::unix::process::{CommandExt, ExitStatusExt};
 
-/// Makes a small chart of four frames in the folder `home/name`.
-fn chart(home: &Path, name: &OsStr) {
-    let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
-    let mut making = program(home, &["synth", "chart", "--quiet", "--out"]);
-    let output = making.arg(name).args(size).output().expect("it starts");
-    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
-}
-
 /// Runs the program with arguments that need not be text.
 fn run_os(home: &Path, arguments: &[&OsStr]) -> Output {
     program(home, &[]).args(arguments).output().expect("it starts")
@@ -24,15 +16,10 @@ fn os(text: &str) -> &OsStr {
     OsStr::new(text)
 }
 
-const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
-
 #[cfg_attr(not(target_os = "linux"), ignore = "needs /dev/full")]
 #[test]
 fn a_full_or_closed_standard_error_stops_nothing() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["a", "b", "c"] {
-        chart(home.path(), os(&format!("nights/{name}")));
-    }
+    let home = home_with(&["nights/a", "nights/b", "nights/c"]);
     fs::write(home.path().join("nights/b/frame_001.png"), "broken").expect("written");
     let arguments = [&["detect", "nights", "--out", "found"][..], &SEARCH].concat();
     let full = File::options().write(true).open("/dev/full").expect("the full device");
@@ -105,10 +92,7 @@ fn names_that_are_no_text_work_everywhere() {
 
 #[test]
 fn one_stray_or_unreadable_entry_does_not_stop_the_others() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["a", "b", "c"] {
-        chart(home.path(), os(&format!("nights/{name}")));
-    }
+    let home = home_with(&["nights/a", "nights/b", "nights/c"]);
     let nights = home.path().join("nights");
     fs::copy(nights.join("a/frame_000.png"), nights.join("preview.png")).expect("copied");
     fs::write(nights.join("notes.txt"), "about the nights").expect("written");
@@ -138,9 +122,7 @@ fn one_stray_or_unreadable_entry_does_not_stop_the_others() {
 
 #[test]
 fn a_camera_of_another_size_is_refused_before_the_search() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), os("a"));
-    chart(home.path(), os("b"));
+    let home = home_with(&["a", "b"]);
     let camera = ["--camera", "SIMPLE_PINHOLE,640,480,600,320,240"];
     for command in [&["match", "a", "b"][..], &["colmap", "a", "b"]] {
         let words = run_badly(home.path(), &[command, &["--out", "out"], &camera, &SEARCH].concat(), 1);
@@ -151,8 +133,7 @@ fn a_camera_of_another_size_is_refused_before_the_search() {
 
 #[test]
 fn render_checks_frame_octave_level_and_slope() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), os("a"));
+    let home = home_with(&["a"]);
     for (wrong, word) in [
         (["--kind", "frame", "--frame", "4"], "give 0 to 3"),
         (["--kind", "dog", "--octave", "9"], "no octave 9"),
@@ -168,8 +149,7 @@ fn render_checks_frame_octave_level_and_slope() {
 
 #[test]
 fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), os("a"));
+    let home = home_with(&["a"]);
     let at = |name: &str| home.path().join(name);
     File::create(at("large.toml")).and_then(|file| file.set_len(3 << 20)).expect("a hole is large");
     std::os::unix::fs::symlink("/dev/zero", at("device.toml")).expect("linked");
@@ -199,8 +179,8 @@ fn parameter_camera_and_truth_files_are_files_of_a_sane_size() {
 fn names_of_255_bytes_work() {
     let home = tempfile::tempdir().expect("a folder");
     let [long, other] = ["n", "m"].map(|letter| format!("nights/{}", letter.repeat(255)));
-    chart(home.path(), os(&long));
-    chart(home.path(), os(&other));
+    chart(home.path(), &long);
+    chart(home.path(), &other);
     run_well(
         home.path(),
         &[&["detect", "nights", "--out", "found", "--format", "csv,colmap,npz"][..], &SEARCH].concat(),
@@ -219,7 +199,7 @@ fn names_of_255_bytes_work() {
 fn commands_to_the_terminal_in_names_do_not_reach_it() {
     let home = tempfile::tempdir().expect("a folder");
     let name = "a\u{1b}]0;owned\u{7}\u{9b}2J";
-    chart(home.path(), os(name));
+    chart(home.path(), name);
     let harmless = |bytes: &[u8]| {
         let text = String::from_utf8_lossy(bytes);
         assert!(!text.contains(|c: char| c.is_control() && c != '\n' && c != '\t'), "{text:?}");
@@ -259,7 +239,7 @@ fn what_killed_runs_left_is_cleared_by_the_next() {
     fs::write(home.path().join(".burstscope-notes.lock"), "mine").expect("written");
     fs::create_dir(home.path().join(".burstscope-mine.tmp")).expect("made");
     fs::write(home.path().join(".burstscope-mine.tmp/in-use"), "mine").expect("written");
-    chart(home.path(), os("a"));
+    chart(home.path(), "a");
     run_well(home.path(), &["stack", "a", "--slope", "0,0", "--out", "a.tiff"]);
     let kept = [".burstscope-mine.tmp", ".burstscope-notes.lock", ".burstscope-notes.tmp", "a", "a.tiff"];
     assert_eq!(names(home.path()), kept);
@@ -277,7 +257,7 @@ fn what_killed_runs_left_is_cleared_by_the_next() {
 fn an_interrupted_render_ends_cleanly() {
     let home = tempfile::tempdir().expect("a folder");
     // A search that takes long, compared with the waits in this test.
-    chart(home.path(), os("a"));
+    chart(home.path(), "a");
     let arguments =
         ["render", "a", "--out", "x.png", "--slopes-u", "-3:3:61", "--slopes-v", "-3:3:61", "--first-octave", "-1"];
     let mut drawing = program(home.path(), &arguments);
@@ -298,8 +278,7 @@ fn an_interrupted_render_ends_cleanly() {
 
 #[test]
 fn opengl_draws_or_says_why_not() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), os("a"));
+    let home = home_with(&["a"]);
     let file: PathBuf = home.path().join("x.png");
     let mut drawing = program(home.path(), &["render", "a", "--no-detect", "--size", "640x480", "--out", "x.png"]);
     let output = drawing.env("WGPU_BACKEND", "gl").output().expect("it starts");
@@ -316,8 +295,7 @@ fn opengl_draws_or_says_why_not() {
 
 #[test]
 fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_number() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), os("a"));
+    let home = home_with(&["a"]);
     let search = ["detect", "a", "--out", "found", "--slopes-u", "-2:2:64", "--slopes-v", "-2:2:64"];
     let all = ["--slope-extrema", "joint", "--rules", "buff", "--memory"];
     let words = run_badly(home.path(), &[&search[..], &all, &["30M"]].concat(), 1);
@@ -340,10 +318,7 @@ fn a_search_beyond_the_memory_is_done_in_groups_of_slopes_or_refused_with_the_nu
 
 #[test]
 fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["a", "b"] {
-        chart(home.path(), os(&format!("nights/{name}")));
-    }
+    let home = home_with(&["nights/a", "nights/b"]);
     let limited = |blocks: u32, arguments: &str| {
         let script = format!("ulimit -f {blocks}; exec '{}' {arguments}", env!("CARGO_BIN_EXE_burstscope"));
         let output = Command::new("sh")
@@ -381,8 +356,7 @@ fn a_limit_on_the_size_of_files_is_an_error_that_names_the_file() {
 
 #[test]
 fn unknown_keys_are_errors_and_a_newer_programs_are_said_to_be_that() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), os("a"));
+    let home = home_with(&["a"]);
     let file = home.path().join("p.toml");
     let detect = || run_badly(home.path(), &["detect", "a", "--out", "found", "--params", "p.toml"], 2);
     fs::write(&file, "[slopes]\ndirection = 90\n").expect("written");

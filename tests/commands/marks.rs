@@ -47,10 +47,7 @@ fn folders_with_the_names_of_synthetic_bursts_are_not_replaced() {
 #[cfg(feature = "colmap")]
 #[test]
 fn a_manifest_makes_no_dataset() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["nights/a", "nights/b"] {
-        chart(home.path(), name);
-    }
+    let home = home_with(&["nights/a", "nights/b"]);
     put(
         home.path(),
         &[
@@ -70,10 +67,7 @@ fn a_manifest_makes_no_dataset() {
 #[cfg(feature = "colmap")]
 #[test]
 fn files_of_others_in_a_dataset_of_ours_stay() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["nights/a", "nights/b"] {
-        chart(home.path(), name);
-    }
+    let home = home_with(&["nights/a", "nights/b"]);
     let at = |name: &str| home.path().join(name);
     let colmap = [&["colmap", "nights", "--out", "rec"][..], &SEARCH].concat();
     run_well(home.path(), &colmap);
@@ -142,8 +136,7 @@ fn tiff_of_others(path: &Path) {
 
 #[test]
 fn files_that_speak_of_the_program_are_not_its_own() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), "a");
+    let home = home_with(&["a"]);
     let at = |name: &str| home.path().join(name);
     tiff_of_others(&at("x.tiff"));
     fs::create_dir(at("out")).expect("made");
@@ -184,8 +177,7 @@ fn files_that_speak_of_the_program_are_not_its_own() {
 #[needs::program("ffmpeg")]
 #[test]
 fn an_mp4_replaces_no_film_of_others() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), "a");
+    let home = home_with(&["a"]);
     put(home.path(), &[("x.mp4", "\0\0\0\x18ftypisom a film about Burstscope")]);
     let film = ["film", "a", "--sweep", "frames", "--no-features", "--out", "x.mp4"];
     refused(home.path(), &film, &["did not write this file", "x.mp4", "--force"]);
@@ -202,8 +194,7 @@ fn an_mp4_replaces_no_film_of_others() {
 
 #[test]
 fn a_series_of_pictures_leaves_the_file_whose_name_it_goes_by_alone() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), "a");
+    let home = home_with(&["a"]);
     put(home.path(), &[("y.png", "a picture of somebody")]);
     let film = ["film", "a", "--sweep", "frames", "--no-features", "--out", "y.png"];
     run_well(home.path(), &[&film[..], &["--force"]].concat());
@@ -214,10 +205,7 @@ fn a_series_of_pictures_leaves_the_file_whose_name_it_goes_by_alone() {
 
 #[test]
 fn the_file_of_a_camera_is_not_written_over() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["a", "b"] {
-        chart(home.path(), name);
-    }
+    let home = home_with(&["a", "b"]);
     let camera = "model = \"SIMPLE_PINHOLE\"\nwidth = 96\nheight = 72\nparams = [100.0, 48.0, 36.0]\n";
     put(home.path(), &[("camera.toml", camera)]);
     fs::create_dir(home.path().join("out")).expect("made");

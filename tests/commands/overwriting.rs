@@ -17,8 +17,7 @@ fn refused_always(home: &Path, arguments: &[&str], word: &str) {
 
 #[test]
 fn no_command_writes_over_what_it_opens() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), "pb");
+    let home = home_with(&["pb"]);
     let at = |name: &str| home.path().join(name);
     // Frames with the names of outputs.
     fs::create_dir(at("tb")).expect("made");
@@ -71,8 +70,7 @@ fn no_command_writes_over_what_it_opens() {
 
 #[test]
 fn a_plot_never_replaces_an_input() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), "a");
+    let home = home_with(&["a"]);
     // The frame's name ends in .svg; nothing is opened by its name.
     fs::rename(home.path().join("a/frame_000.png"), home.path().join("frame.svg")).expect("renamed");
     let frames = ["frame.svg", "a/frame_001.png", "a/frame_002.png"];
@@ -84,10 +82,7 @@ fn a_plot_never_replaces_an_input() {
 
 #[test]
 fn a_folder_of_features_keeps_what_others_wrote_there() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["c0", "c1"] {
-        chart(home.path(), &format!("nights/{name}"));
-    }
+    let home = home_with(&["nights/c0", "nights/c1"]);
     let at = |name: &str| home.path().join(name);
     fs::create_dir(at("out")).expect("made");
     fs::write(at("out/c1.csv"), "name,street\nAda,Main 1\n").expect("written");
@@ -122,8 +117,7 @@ fn a_folder_of_features_keeps_what_others_wrote_there() {
 
 #[test]
 fn one_file_is_replaced_if_burstscope_wrote_it() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), "a");
+    let home = home_with(&["a"]);
     let at = |name: &str| home.path().join(name);
     let render = [&["render", "a", "--out", "x.png"][..], &SMALL].concat();
     let small = ["--seeds", "1", "--snr", "2", "--methods", "sift-frame", "--width", "96", "--height", "72"];
@@ -161,8 +155,7 @@ fn one_file_is_replaced_if_burstscope_wrote_it() {
 
 #[test]
 fn links_are_not_followed() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), "a");
+    let home = home_with(&["a"]);
     let at = |name: &str| home.path().join(name);
     let link = |target: &str, name: &str| std::os::unix::fs::symlink(at(target), at(name)).expect("linked");
     run_well(home.path(), &["stack", "a", "--slope", "0,0", "--out", "ours.tiff"]);
@@ -203,8 +196,7 @@ fn links_are_not_followed() {
 
 #[test]
 fn noisy_copies_do_not_replace_their_originals() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), "a");
+    let home = home_with(&["a"]);
     run_well(home.path(), &["synth", "noisy", "a", "--out", "copies"]);
     run_well(home.path(), &["synth", "noisy", "a", "--out", "copies"]);
     let before = contents(home.path());
@@ -218,10 +210,7 @@ fn noisy_copies_do_not_replace_their_originals() {
 #[cfg(feature = "colmap")]
 #[test]
 fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["a", "b"] {
-        chart(home.path(), &format!("nights/{name}"));
-    }
+    let home = home_with(&["nights/a", "nights/b"]);
     let at = |name: &str| home.path().join(name);
     let colmap = |inputs: &[&str]| {
         [&["colmap"], inputs, &["--out", "rec"], &SEARCH].concat().iter().map(|s| s.to_string()).collect::<Vec<_>>()
@@ -253,10 +242,7 @@ fn a_dataset_does_not_write_over_its_frames_or_into_other_folders() {
 
 #[test]
 fn two_processes_do_not_write_into_one_folder() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["a", "b"] {
-        chart(home.path(), name);
-    }
+    let home = home_with(&["a", "b"]);
     let out = home.path().join("out");
     fs::create_dir(&out).expect("made");
     let lock = out.join(".burstscope-lock");
@@ -299,8 +285,7 @@ fn two_processes_do_not_write_into_one_folder() {
 /// Of two runs at once one is refused, and the result is that of one of them.
 #[test]
 fn of_two_runs_into_one_folder_one_is_refused() {
-    let home = tempfile::tempdir().expect("a folder");
-    chart(home.path(), "a");
+    let home = home_with(&["a"]);
     let arguments = |edge: &'static str| {
         [&["detect", "a", "--out", "out", "--format", "csv,colmap,npz", "--edge-threshold", edge][..], &SEARCH].concat()
     };
@@ -334,10 +319,7 @@ fn of_two_runs_into_one_folder_one_is_refused() {
 
 #[test]
 fn a_folder_that_is_removed_while_it_is_written_is_an_error() {
-    let home = tempfile::tempdir().expect("a folder");
-    for name in ["a", "b", "c"] {
-        chart(home.path(), &format!("nights/{name}"));
-    }
+    let home = home_with(&["nights/a", "nights/b", "nights/c"]);
     // So many slopes that there is time to remove the folder.
     let search = ["--slopes-u", "-3:3:41", "--slopes-v", "-3:3:41", "--threads", "1"];
     let out = home.path().join("out");

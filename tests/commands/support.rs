@@ -88,9 +88,19 @@ pub fn args(line: &str) -> Vec<&str> {
 
 /// Makes a chart of four small frames in the folder `home/name`.
 #[cfg(unix)]
-pub fn chart(home: &Path, name: &str) {
+pub fn chart(home: &Path, name: impl AsRef<std::ffi::OsStr>) {
     let size = ["--width", "96", "--height", "72", "--frames", "4", "--discs", "3", "--radius", "3:6", "--snr", "5"];
-    run_well(home, &[&["synth", "chart", "--quiet", "--out", name][..], &size].concat());
+    let mut making = program(home, &["synth", "chart", "--quiet", "--out"]);
+    let output = making.arg(name).args(size).output().expect("it starts");
+    assert_eq!(output.status.code(), Some(0), "{}", stderr(&output));
+}
+
+/// A new folder with such charts.
+#[cfg(unix)]
+pub fn home_with(charts: &[&str]) -> tempfile::TempDir {
+    let home = tempfile::tempdir().expect("a folder");
+    charts.iter().for_each(|name| chart(home.path(), name));
+    home
 }
 
 /// Options of a quick search.
