@@ -32,36 +32,20 @@ fn interrupt(home: &Path, arguments: &[&str], signal: &str) -> Option<i32> {
 }
 
 #[test]
-fn making_a_large_burst_stops_and_leaves_nothing() {
-    let home = tempfile::tempdir().expect("a folder");
-    let arguments =
-        ["synth", "chart", "--out", "big", "--width", "3000", "--height", "2000", "--frames", "350", "--threads", "1"];
-    for signal in signals() {
-        assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
-        assert_eq!(names(home.path()), Vec::<String>::new());
-    }
-}
-
-#[test]
-fn a_long_search_stops_and_leaves_nothing() {
-    let home = tempfile::tempdir().expect("a folder");
-    run_well(home.path(), &["synth", "chart", "--out", "chart", "--frames", "8", "--quiet"]);
-    let arguments =
-        args("detect chart --slopes-u -3:3:61 --slopes-v -3:3:61 --first-octave -1 --threads 1 --out found");
-    for signal in signals() {
-        assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
-        assert_eq!(names(home.path()), ["chart"]);
-    }
-}
-
-#[test]
-fn a_study_stops_and_leaves_no_figure() {
-    let home = tempfile::tempdir().expect("a folder");
-    let arguments =
-        ["evaluate", "chart", "--motion", "2d", "--seeds", "500", "--threads", "1", "--plot", "roc.svg", "--json"];
-    for signal in signals() {
-        assert_eq!(interrupt(home.path(), &arguments, signal), Some(130), "{signal}");
-        assert_eq!(names(home.path()), Vec::<String>::new());
+fn long_work_stops_and_leaves_nothing() {
+    for (line, there) in [
+        ("synth chart --out big --width 3000 --height 2000 --frames 350 --threads 1", &[][..]),
+        ("detect chart --slopes-u -3:3:61 --slopes-v -3:3:61 --first-octave -1 --threads 1 --out found", &["chart"]),
+        ("evaluate chart --motion 2d --seeds 500 --threads 1 --plot roc.svg --json", &[]),
+    ] {
+        let home = tempfile::tempdir().expect("a folder");
+        for name in there {
+            run_well(home.path(), &["synth", "chart", "--out", name, "--frames", "8", "--quiet"]);
+        }
+        for signal in signals() {
+            assert_eq!(interrupt(home.path(), &args(line), signal), Some(130), "{line}: {signal}");
+            assert_eq!(names(home.path()), there, "{line}");
+        }
     }
 }
 

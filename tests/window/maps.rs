@@ -26,10 +26,7 @@ pub fn lamp(folder: &Path) -> PathBuf {
 
 /// The lamp, searched along a line.
 fn open(folder: &Path) -> Window {
-    let mut start = Start { size: [1280.0, 800.0], ..Start::of(&lamp(folder)) };
-    start.startup.params =
-        DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into();
-    start.open()
+    Start::at_slopes(&lamp(folder), SlopeGrid::line(-2.0..=2.0, 5)).open()
 }
 
 #[test]

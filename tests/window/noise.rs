@@ -5,10 +5,7 @@ use crate::support::*;
 use burstscope::synth::NoiseCase;
 
 fn open(path: &Path) -> Window {
-    let mut start = Start { size: [1280.0, 800.0], ..Start::of(path) };
-    start.startup.params =
-        DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into();
-    let mut window = start.open();
+    let mut window = Start::at_slopes(path, SlopeGrid::line(-2.0..=2.0, 5)).open();
     window.run_action("detect").settle();
     window.open_tab("Noise").settle();
     window

@@ -184,25 +184,12 @@ fn zoom_at(window: &mut Window, pos: Pos2) {
 
 #[test]
 fn files_dropped_on_the_right_pane_are_opened_there() {
-    #[derive(Debug)]
-    struct Dropped(PathBuf);
-    impl egui::DroppedFile for Dropped {
-        fn path(&self) -> &Path {
-            &self.0
-        }
-        fn bytes(&self) -> Result<Vec<u8>, String> {
-            fs::read(&self.0).map_err(|e| e.to_string())
-        }
-    }
     let folder = tempfile::tempdir().unwrap();
     let path = noisy_stack(folder.path(), 5, 60, 80);
     let mut window = Start::without_auto_detect().open();
     window.ctrl(Key::Num2).settle();
     let pane = window.app().widgets.rect_ui(PaneId::of(Side::B)).unwrap();
-    window.hover(pane.center()).steps(1);
-    window.harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
-    window.harness.step();
-    window.settle();
+    window.hover(pane.center()).steps(1).drop_file(path).settle();
     let model = window.model();
     assert_eq!(Read::of(model).burst_of(Side::A).unwrap().burst.name, "demo");
     assert_eq!(Read::of(model).burst_of(Side::B).unwrap().burst.size(), (80, 60));

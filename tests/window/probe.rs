@@ -276,10 +276,7 @@ fn a_session_comes_back_with_the_place_and_the_slice() {
 }
 
 fn open(folder: &Path) -> Window {
-    let mut start = Start { size: [1280.0, 800.0], ..Start::of(&lamp(folder)) };
-    start.startup.params =
-        DetectorParams { slopes: SlopeGrid::line(-2.0..=2.0, 5), ..DetectorParams::default() }.into();
-    let mut window = start.open();
+    let mut window = Start::at_slopes(&lamp(folder), SlopeGrid::line(-2.0..=2.0, 5)).open();
     window.run_action("detect").settle();
     window.open_tab("Tally").settle();
     window

@@ -182,10 +182,7 @@ pub fn fast(folder: &Path) -> PathBuf {
 
 /// Window on the burst, searched in a range that is too narrow.
 fn open(folder: &Path) -> Window {
-    let mut start = Start { size: [1280.0, 800.0], ..Start::of(&fast(folder)) };
-    start.startup.params =
-        DetectorParams { slopes: SlopeGrid::line(-1.0..=1.0, 5), ..DetectorParams::default() }.into();
-    let mut window = start.open();
+    let mut window = Start::at_slopes(&fast(folder), SlopeGrid::line(-1.0..=1.0, 5)).open();
     window.run_action("detect").settle();
     window
 }

@@ -161,6 +161,13 @@ impl Start {
         Self { startup, ..Self::default() }
     }
 
+    /// A burst, to be searched at these slopes, in a window of 1280×800 points.
+    pub fn at_slopes(path: &Path, slopes: SlopeGrid) -> Self {
+        let mut start = Self { size: [1280.0, 800.0], ..Self::of(path) };
+        start.startup.params = DetectorParams { slopes, ..DetectorParams::default() }.into();
+        start
+    }
+
     /// Opens the window and waits until it is settled.
     pub fn open(self) -> Window {
         let mut window = self.open_without_waiting();

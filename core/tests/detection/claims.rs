@@ -3,6 +3,7 @@
 //!
 //! More bursts: `CLAIMS=20 cargo test -p burstscope-core --test detection claims -- --nocapture` takes 20 times as many.
 
+use super::found_slopes::waves;
 use crate::prelude::*;
 use burstscope_core::detect::Searched;
 use burstscope_core::detector::slopes::MotionWarningKind;
@@ -61,13 +62,7 @@ fn small(happened: &str, seed: u64) -> (Burst, Vec<i32>) {
     let noise = [0.003, 0.01, 0.03, 0.1, 0.2, 0.4];
     let is_event = ["exchanged", "dropped", "late"].contains(&happened);
     let noise = if is_event { noise[stream.below(4)] } else { noise[stream.below(6)] };
-    let waves: Vec<[f64; 4]> = (0..40)
-        .map(|_| {
-            let (frequency, direction) = (stream.within(0.05, 0.9), stream.within(0.0, std::f64::consts::PI));
-            let phase = stream.within(0.0, std::f64::consts::TAU);
-            [frequency * direction.cos(), frequency * direction.sin(), phase, 0.05 / (1.0 + 3.0 * frequency)]
-        })
-        .collect();
+    let waves = waves(&mut stream, 40);
     let mut slope = || {
         let (speed, direction) = (stream.within(0.8, 2.5), stream.within(0.0, std::f64::consts::TAU));
         (speed * direction.cos(), speed * direction.sin())

@@ -32,16 +32,20 @@ fn moved(size: (usize, usize), noise: f32, frames: usize, at: impl Fn(usize) -> 
     })
 }
 
+/// Waves that fade with their frequency: their numbers along u and v, radians per pixel, phase, and height.
+pub fn waves(stream: &mut Stream, count: usize) -> Vec<[f64; 4]> {
+    let mut wave = || {
+        let (frequency, direction) = (stream.within(0.05, 0.9), stream.within(0.0, std::f64::consts::PI));
+        let phase = stream.within(0.0, std::f64::consts::TAU);
+        [frequency * direction.cos(), frequency * direction.sin(), phase, 0.05 / (1.0 + 3.0 * frequency)]
+    };
+    (0..count).map(|_| wave()).collect()
+}
+
 /// Frames of the same picture; frame t shows at (u, v) its place `from(t, u, v)`.
 fn seen_from(size: (usize, usize), noise: f32, frames: usize, from: impl Fn(usize, f64, f64) -> (f64, f64)) -> Burst {
     let mut stream = Stream::new(5, 0);
-    let waves: Vec<[f64; 4]> = (0..60)
-        .map(|_| {
-            let (frequency, direction) = (stream.within(0.05, 0.9), stream.within(0.0, std::f64::consts::PI));
-            let phase = stream.within(0.0, std::f64::consts::TAU);
-            [frequency * direction.cos(), frequency * direction.sin(), phase, 0.05 / (1.0 + 3.0 * frequency)]
-        })
-        .collect();
+    let waves = waves(&mut stream, 60);
     let value = |u: f64, v: f64| waves.iter().map(|w| w[3] * (w[0] * u + w[1] * v + w[2]).cos()).sum::<f64>();
     let planes = (0..frames)
         .map(|t| {
