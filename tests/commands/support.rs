@@ -104,6 +104,7 @@ pub fn home_with(charts: &[&str]) -> tempfile::TempDir {
 }
 
 /// Options of a quick search.
+#[cfg(unix)]
 pub const SEARCH: [&str; 4] = ["--slopes-u", "-1:1:3", "--octaves", "2"];
 
 /// Runs the program and expects exit code `code`; returns the standard error.
