@@ -3,7 +3,8 @@
 //! Where no frame sees a place, the filled values are averaged, since a hidden sample keeps a small weight.
 
 use crate::kernel::offset::FrameOffset;
-use crate::plane::{Plane, mask::HIDDEN_WEIGHT};
+use crate::plane::Plane;
+use crate::plane::mask::{HIDDEN_WEIGHT, join};
 use multiversion::multiversion;
 use std::ops::Range;
 
@@ -24,49 +25,51 @@ impl MaskedRows {
             let upper = (v as i64 + offset.whole_v).max(0) as usize;
             upper..upper + 1 + usize::from(offset.part_v > 0.0)
         };
-        let hidden = covering.clone().filter_map(|(frame, offset)| {
-            let spans = rows(offset).filter_map(|y| Some(frame.mask()?.span(y)).filter(|span| !span.is_empty()));
-            let span = spans.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end))?;
+        let hidden = covering.clone().flat_map(|(frame, offset)| {
             // A sample is read a column before its own too where the frame is read between its columns.
             let before = offset.before_u + i64::from(offset.part_u > 0.0);
-            Some(span.start as i64 - before - offset.whole_u..span.end as i64 - offset.whole_u)
+            let spans = rows(offset).flat_map(|y| frame.mask().map_or(&[][..], |mask| mask.spans(y)));
+            spans.map(move |span| span.start as i64 - before - offset.whole_u..span.end as i64 - offset.whole_u)
         });
         // Only columns that read a hidden sample are made again: elsewhere the mean of all is right.
-        let Some(hidden) = hidden.reduce(|a, b| a.start.min(b.start)..a.end.max(b.end)) else { return };
+        let mut hidden: Vec<Range<i64>> = hidden.collect();
+        hidden.sort_unstable_by_key(|range| range.start);
         let inside = |at: i64| at.clamp(columns.start as i64, columns.end as i64) as usize;
-        let hidden = inside(hidden.start)..inside(hidden.end);
-        for sums in [&mut self.samples, &mut self.weights] {
-            sums.clear();
-            sums.resize(hidden.len(), 0.0);
-        }
-        for (frame, offset) in covering {
-            let covered = offset.covers_columns(width);
-            let (start, end) = (covered.start.max(hidden.start), covered.end.min(hidden.end));
-            if start >= end {
-                continue;
+        for hidden in join(hidden) {
+            let hidden = inside(hidden.start)..inside(hidden.end);
+            for sums in [&mut self.samples, &mut self.weights] {
+                sums.clear();
+                sums.resize(hidden.len(), 0.0);
             }
-            // Columns before the frame's first one that count as that column begin a column too far left.
-            let left = start as i64 + offset.whole_u;
-            let (skipped, left) = (usize::try_from(-left).unwrap_or(0), left.max(0) as usize);
-            let read = left..(left + end - start + usize::from(offset.part_u > 0.0)).min(width);
-            let lines = [rows(offset).start, rows(offset).end - 1];
-            let values = lines.map(|y| &frame.row(y)[read.clone()]);
-            let weights = lines.map(|y| frame.mask().map(|mask| &mask.weights().row(y)[read.clone()]));
-            mix(values, weights, offset.part_v, &mut self.mixed);
-            let [samples, weights] = &self.mixed;
-            if skipped > 0 {
-                self.samples[start - hidden.start] += samples[0];
-                self.weights[start - hidden.start] += weights[0];
+            for (frame, offset) in covering.clone() {
+                let covered = offset.covers_columns(width);
+                let (start, end) = (covered.start.max(hidden.start), covered.end.min(hidden.end));
+                if start >= end {
+                    continue;
+                }
+                // Columns before the frame's first one that count as that column begin a column too far left.
+                let left = start as i64 + offset.whole_u;
+                let (skipped, left) = (usize::try_from(-left).unwrap_or(0), left.max(0) as usize);
+                let read = left..(left + end - start + usize::from(offset.part_u > 0.0)).min(width);
+                let lines = [rows(offset).start, rows(offset).end - 1];
+                let values = lines.map(|y| &frame.row(y)[read.clone()]);
+                let weights = lines.map(|y| frame.mask().map(|mask| &mask.weights().row(y)[read.clone()]));
+                mix(values, weights, offset.part_v, &mut self.mixed);
+                let [samples, weights] = &self.mixed;
+                if skipped > 0 {
+                    self.samples[start - hidden.start] += samples[0];
+                    self.weights[start - hidden.start] += weights[0];
+                }
+                let here = start + skipped - hidden.start..end - hidden.start;
+                add(samples, offset.part_u, &mut self.samples[here.clone()]);
+                add(weights, offset.part_u, &mut self.weights[here]);
             }
-            let here = start + skipped - hidden.start..end - hidden.start;
-            add(samples, offset.part_u, &mut self.samples[here.clone()]);
-            add(weights, offset.part_u, &mut self.weights[here]);
-        }
-        let out = &mut out[hidden.start - columns.start..hidden.end - columns.start];
-        let sums = self.samples.iter().zip(&self.weights);
-        for (out, (samples, weights)) in out.iter_mut().zip(sums) {
-            if *weights > 0.0 {
-                *out = samples / weights;
+            let out = &mut out[hidden.start - columns.start..hidden.end - columns.start];
+            let sums = self.samples.iter().zip(&self.weights);
+            for (out, (samples, weights)) in out.iter_mut().zip(sums) {
+                if *weights > 0.0 {
+                    *out = samples / weights;
+                }
             }
         }
     }

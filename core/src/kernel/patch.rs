@@ -7,7 +7,7 @@
 
 use crate::kernel::compact_kernel::PixelView;
 use crate::kernel::machine::{PATCH_ROWS_TOGETHER as TOGETHER, load, store};
-use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows, any_masked};
+use crate::kernel::stack::{FrameOffset, RowStacker, Tap, WeightedRows};
 use crate::plane::{Plane, blur::GaussianKernel, memory::Aligned};
 use pulp::{Arch, Simd, WithSimd};
 use std::ops::Range;
@@ -195,7 +195,7 @@ pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
     let (columns, rows) = (inside(&patch.columns(), size.0), inside(&patch.rows(), size.1));
     let (left, top, stride) = (columns.start as i64, rows.start as i64, patch.stride());
     // At the sides and under masks the frames that count differ from pixel to pixel.
-    if any_masked(frames) || !offsets.iter().all(|offset| reaches(offset, &columns, &rows, size)) {
+    if !frames.iter().zip(offsets).all(|(frame, offset)| reaches(frame, offset, &columns, &rows)) {
         let out = patch.values_mut(left, top);
         return RowStacker::new(frames, vec![offsets]).rows(rows, &columns, &mut [out], stride);
     }
@@ -213,12 +213,15 @@ pub(crate) fn stack_patch(frames: &[&Plane], offsets: &[FrameOffset], patch: &mu
     sums.make(&taps, size.0, columns, 0..rows, out, stride);
 }
 
-/// Whether a frame read at `offset` has pixels of its own for all of `columns` × `rows`, and one more in each row.
-fn reaches(offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>, size: (usize, usize)) -> bool {
-    let covers = |range: &Range<usize>, whole: i64, more: bool, n: usize| {
-        range.start as i64 + whole >= 0 && range.end as i64 + whole + i64::from(more) <= n as i64
+/// Whether `frame`, read at `offset`, has seen pixels of its own for all of `columns` × `rows`, and one more in each row.
+fn reaches(frame: &Plane, offset: &FrameOffset, columns: &Range<usize>, rows: &Range<usize>) -> bool {
+    let read = |range: &Range<usize>, whole: i64, more: bool, n: usize| {
+        let (start, end) = (range.start as i64 + whole, range.end as i64 + whole + i64::from(more));
+        (start >= 0 && end <= n as i64).then_some(start as usize..end as usize)
     };
-    covers(columns, offset.whole_u, true, size.0) && covers(rows, offset.whole_v, offset.part_v > 0.0, size.1)
+    let columns = read(columns, offset.whole_u, true, frame.width());
+    let rows = read(rows, offset.whole_v, offset.part_v > 0.0, frame.height());
+    columns.zip(rows).is_some_and(|(columns, rows)| frame.mask().is_none_or(|mask| !mask.touches(&columns, rows)))
 }
 
 #[derive(Debug, Default)]

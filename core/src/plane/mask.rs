@@ -7,7 +7,8 @@
 use super::Plane;
 use super::sample::bilinear;
 use super::statistics::Region;
-use std::{ops::Range, sync::Arc};
+use std::ops::{Add, Range};
+use std::sync::Arc;
 
 /// Weight of a hidden sample beside 1 for a seen one: it decides only where no frame sees a place.
 pub(crate) const HIDDEN_WEIGHT: f32 = 1.0 / 1024.0;
@@ -22,20 +23,16 @@ const COARSER_SAMPLES: f32 = 4.0;
 #[derive(Debug, Clone, PartialEq)]
 pub struct Mask {
     weights: Plane,
-    /// For each row the columns from the first to the last sample that is not wholly seen.
-    spans: Vec<Range<usize>>,
+    /// For each row the columns with samples that are not wholly seen, in order, as [`join`] joins them.
+    spans: Vec<Vec<Range<usize>>>,
 }
 
 impl Mask {
     /// Mask with these weights, from 0 for a hidden sample to 1 for a seen one; `None` where all are seen.
     pub fn new(weights: Plane) -> Option<Arc<Self>> {
-        let span = |v: usize| {
-            let row = weights.row(v);
-            let first = row.iter().position(|weight| *weight < 1.0)?;
-            Some(first..row.iter().rposition(|weight| *weight < 1.0)? + 1)
-        };
-        let spans: Vec<Range<usize>> = (0..weights.height()).map(|v| span(v).unwrap_or_default()).collect();
-        spans.iter().any(|span| !span.is_empty()).then(|| Arc::new(Self { weights, spans }))
+        let touched = |v: usize| weights.row(v).iter().enumerate().filter(|(_, weight)| **weight < 1.0);
+        let spans: Vec<_> = (0..weights.height()).map(|v| join(touched(v).map(|(u, _)| u..u + 1))).collect();
+        spans.iter().any(|spans| !spans.is_empty()).then(|| Arc::new(Self { weights, spans }))
     }
 
     /// Weights of the samples, 0 … 1; fractions where masks were blurred or halved.
@@ -43,10 +40,31 @@ impl Mask {
         &self.weights
     }
 
-    /// Columns of row `v` from the first to the last sample that is not wholly seen.
-    pub(crate) fn span(&self, v: usize) -> Range<usize> {
-        self.spans[v].clone()
+    /// Columns of row `v` with samples that are not wholly seen, as [`join`] joins them.
+    pub(crate) fn spans(&self, v: usize) -> &[Range<usize>] {
+        &self.spans[v]
     }
+
+    /// Whether a sample of `columns` × `rows`, which lie inside, may be one that is not wholly seen.
+    pub(crate) fn touches(&self, columns: &Range<usize>, rows: Range<usize>) -> bool {
+        let overlaps = |span: &Range<usize>| span.start < columns.end && span.end > columns.start;
+        self.spans[rows].iter().flatten().any(overlaps)
+    }
+}
+
+/// Ranges, ordered by their starts, of which those with less than 32 between them are one: a row that begins and ends
+/// hidden has two, and what is seen between them costs nothing.
+pub(crate) fn join<I: Ord + Copy + Add<Output = I> + From<u8>>(
+    ranges: impl IntoIterator<Item = Range<I>>,
+) -> Vec<Range<I>> {
+    let mut joined: Vec<Range<I>> = Vec::new();
+    for range in ranges {
+        match joined.last_mut().filter(|last| range.start < last.end + I::from(32)) {
+            Some(last) => last.end = last.end.max(range.end),
+            None => joined.push(range),
+        }
+    }
+    joined
 }
 
 impl Plane {
@@ -79,8 +97,8 @@ impl Plane {
         let Some(mask) = &self.mask else { return false };
         let Region { columns, rows } = region.within(self);
         let row = |v: usize| mask.weights.row(v)[columns.clone()].iter().filter(|weight| **weight < 1.0).count();
-        let touched = rows.filter(|&v| mask.spans[v].start < columns.end && mask.spans[v].end > columns.start);
-        touched.map(row).sum::<usize>() as f32 > NOISE_SHARE * region.len() as f32
+        rows.filter(|&v| mask.touches(&columns, v..v + 1)).map(row).sum::<usize>() as f32
+            > NOISE_SHARE * region.len() as f32
     }
 
     /// This plane with a mask of its size, its hidden values filled. `None` removes the mask and changes no value.
@@ -195,6 +213,6 @@ mod tests {
             }
         }
         assert!(largest[0] < 0.02 && largest[1] < 0.06, "{largest:?}");
-        assert_eq!((mask.span(25), mask.span(40)), (18..43, 0..0));
+        assert_eq!([mask.spans(25), mask.spans(40)], [&[18..43][..], &[]]);
     }
 }
