@@ -157,6 +157,9 @@ fn summary(report: &ColmapReport, features: &FeatureJob) -> String {
         counted(inliers, "inlier"),
         counted(verified, "verified pair"),
     );
+    if report.implied > 0 {
+        text += &format!("{} known by matches with other bursts alone\n", counted(report.implied, "inlier"));
+    }
     text += &joined_text(&report.joined);
     if let Some(Moved { share, median_px: Some(median), max_px: Some(max), refused }) = report.moved {
         text += &format!(
@@ -253,6 +256,7 @@ JSON (--json):
    \"pairs\": [{\"ids\": [a, b], \"resumed\", \"keypoints_a\", \"keypoints_b\", \"putative\", \"inliers\", \"refused\": why there are none, else absent}],
    \"joined\": by verified pairs, {\"parts\": [[burst]], the largest first, \"alone\": [burst], \"refused_by_motions\": pairs, \"refused_by_pictures\": pairs},
    \"moved\": null without an alignment, or {\"share\": of the keypoints, \"median_px\", \"max_px\", \"refused\": keypoints that stay as found},
+   \"implied\": inliers, of all pairs, that the matches of both with other images imply,
    \"no_start\": null, or why a mapper will not be able to start from the database,
    \"gathered\": with --gather, {\"brought\": [burst], \"left_out\": [{\"folder\", \"burst\", \"reason\"}], \"strange_folders\": [path]},
    \"failures\": [{\"name\", \"error\"}], \"next\": [command]}";

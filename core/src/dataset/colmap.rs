@@ -19,6 +19,7 @@ use crate::export::{
 use crate::matching::align::Measured;
 use crate::matching::aligned::{Alignment, Inlier, Seen};
 use crate::matching::params::doc;
+use crate::matching::tracks::Tracks;
 use crate::matching::{
     Blob, Camera, Geometry, MatchCounts, MatchParams, MatchSide, PairSelection, Refusal, TwoViewModel, Verification,
     match_features,
@@ -27,6 +28,7 @@ use crate::monitor::Monitor;
 use nalgebra::{Isometry3, Rotation3, Translation3, UnitQuaternion};
 use rayon::prelude::*;
 use serde_json::{Value, json};
+use std::collections::BTreeMap;
 use std::path::Path;
 
 pub(super) const DATABASE_FILE: &str = "database.db";
@@ -174,7 +176,7 @@ fn write_database(
         let resumed = match_all(database, (pairs, &blobs), matching, (&kept, open), monitor)?;
         let waiting = add_pairs(database, pairs, matching, (&kept, &resumed), &mut report)?;
         match matching.aligns() {
-            true => align_all(database, (&waiting, &blobs, seen), &kept, &mut report, monitor),
+            true => align_all(database, (pairs, &waiting), (&blobs, seen), &kept, &mut report, monitor),
             false => Ok(()),
         }
     })?;
@@ -289,9 +291,11 @@ fn add_pairs(
     Ok(waiting)
 }
 
+/// Aligns the places of all images, and adds the geometries of the pairs at these with the matches that others imply.
 fn align_all(
     database: &mut DatabaseWriter<'_>,
-    (waiting, blobs, seen): (&[Waiting], &[Vec<Blob>], Vec<Seen>),
+    (pairs, waiting): (&[(usize, usize)], &[Waiting]),
+    (blobs, seen): (&[Vec<Blob>], Vec<Seen>),
     kept: &KeptPairs<'_>,
     report: &mut ColmapReport,
     monitor: &Monitor,
@@ -319,18 +323,47 @@ fn align_all(
     for (&id, places) in ids.iter().zip(&aligned.places) {
         database.move_features(id, places)?;
     }
-    for (Waiting { images, inliers }, verified) in waiting.iter().zip(confirmed) {
-        let Some(Verification { model, inlier, .. }) = verified else { continue };
-        let agreed: Vec<Inlier> =
-            inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m).collect();
-        let pair = [ids[images.0], ids[images.1]];
-        if let Ok(index) = report.pairs.binary_search_by_key(&pair, |report| report.ids) {
-            let counts = &mut report.pairs[index].counts;
-            counts.inliers = Some(agreed.len());
-            counts.refused = model.is_none().then_some(Refusal::Pictures);
+    let agreed = |(Waiting { images, inliers }, verified): (&Waiting, Option<Verification>)| {
+        let Verification { model, inlier, .. } = verified?;
+        let agreed = inliers.iter().zip(inlier).filter(|(_, inlier)| *inlier).map(|((m, _), _)| *m);
+        Some((*images, (model, agreed.collect())))
+    };
+    let mut found: BTreeMap<(usize, usize), (Option<TwoViewModel>, Vec<Inlier>)> =
+        waiting.iter().zip(confirmed).filter_map(agreed).collect();
+    let tracks = Tracks::of(&aligned.place_of, found.iter().map(|(images, (_, inliers))| (*images, &inliers[..])));
+    let implied = |&images: &(usize, usize)| {
+        monitor.check()?;
+        let (implied, own) = (tracks.implied(images), found.get(&images).map_or(&[][..], |(_, inliers)| inliers));
+        if implied.is_empty() {
+            return Ok(None);
         }
+        let more = aligned.with_implied(images, [own, &implied], &kept.matching(images), &monitor.silent())?;
+        Ok(more.map(|more| (images, more)))
+    };
+    // A pair without a geometry of its own may get one by them.
+    let implied: Vec<_> = pairs.par_iter().map(implied).collect::<Result<_>>()?;
+    let reported = |pairs: &[PairReport], images: (usize, usize)| {
+        let pair = [ids[images.0], ids[images.1]];
+        (pair, pairs.binary_search_by_key(&pair, |of| of.ids).expect("all pairs are reported"))
+    };
+    for (images, (model, [own, implied])) in implied.into_iter().flatten() {
+        let ([a, b], index) = reported(&report.pairs, images);
+        let mut matches = database.matches(a, b)?;
+        let new = implied.iter().map(|m| [m.a, m.b]).filter(|m| !matches.contains(m));
+        let new: Vec<[u32; 2]> = new.collect();
+        matches.extend(new);
+        database.add_matches(a, b, &matches)?;
+        report.pairs[index].counts.putative = matches.len();
+        report.implied += implied.len();
+        found.insert(images, (Some(model), [own, implied].concat()));
+    }
+    for (images, (model, agreed)) in found {
+        let ([a, b], index) = reported(&report.pairs, images);
+        let counts = &mut report.pairs[index].counts;
+        counts.inliers = Some(agreed.len());
+        counts.refused = model.is_none().then_some(Refusal::Pictures);
         let places = [&aligned.places[images.0][..], &aligned.places[images.1]];
-        database.add_geometry(pair[0], pair[1], &database_geometry(places, &agreed, model.as_ref()))?;
+        database.add_geometry(a, b, &database_geometry(places, &agreed, model.as_ref()))?;
     }
     Ok(())
 }

@@ -5,7 +5,7 @@
 //! [`AlignedImages::confirmed`] estimates each pair's geometry again, at these places and with a smaller error.
 
 use super::align::{Chip, ChipSource, Link, Measured, PairFrame, Places, Solved, View, measure, pair, solve};
-use super::geometry::{PointPair, Verification, verify};
+use super::geometry::{PointPair, TwoViewModel, Verification, verify};
 use super::{Blob, Match, MatchParams, MatchResult, MatchSide, Refusal};
 use crate::detector::{DetectorParams, stack::FrameTimes};
 use crate::monitor::{Cancelled, Monitor};
@@ -265,15 +265,17 @@ impl Alignment {
             let [du, dv] = corrections[place as usize];
             [u + du, v + dv]
         };
-        let moved = |image: Image| image.features.into_iter().zip(image.place_of).map(place).collect();
-        let places = self.images.into_iter().map(moved).collect();
+        let moved =
+            |image: &Image| image.features.iter().copied().zip(image.place_of.iter().copied()).map(place).collect();
+        let places = self.images.iter().map(moved).collect();
+        let place_of = self.images.into_iter().map(|image| image.place_of).collect();
         // Median and largest are of places that move: most features have no match.
         let mut moved_px: Vec<f64> = corrections.iter().map(|[u, v]| u.hypot(*v)).filter(|px| *px > 0.0).collect();
         moved_px.sort_unstable_by(f64::total_cmp);
         let share = moved_px.len() as f64 / corrections.len().max(1) as f64;
         let (median_px, max_px) = (moved_px.get(moved_px.len() / 2).copied(), moved_px.last().copied());
         let moved = Moved { share, median_px, max_px, refused };
-        Ok(AlignedImages { places, residuals_px, moved })
+        Ok(AlignedImages { places, place_of, residuals_px, moved })
     }
 }
 
@@ -282,6 +284,8 @@ impl Alignment {
 pub struct AlignedImages {
     /// Solved place of each feature of each image, pixels; as it was where nothing was measured.
     pub places: Vec<Vec<[f64; 2]>>,
+    /// Number of each feature's place by image, which those of other orientations share.
+    pub place_of: Vec<Vec<u32>>,
     /// Contradiction of each measured match with them, pixels.
     pub residuals_px: Vec<f64>,
     /// Distances by which they were moved.
@@ -314,13 +318,10 @@ impl AlignedImages {
         let agrees = |link: &Option<usize>| link.is_some_and(|link| self.residuals_px[link] <= f64::from(limit));
         // What contradicts the solved places goes before the geometry is estimated again.
         let kept: Vec<usize> = (0..inliers.len()).filter(|&index| agrees(&inliers[index].1)).collect();
-        let point = |index: usize| {
-            let Inlier { a, b, rank } = inliers[index].0;
-            PointPair { a: self.places[images.0][a as usize], b: self.places[images.1][b as usize], rank }
+        let point = |index: usize| self.point(images, &inliers[index].0);
+        let Some(mut of_kept) = self.verified(kept.iter().map(|&index| point(index)), params, monitor)? else {
+            return Ok(None);
         };
-        let points: Vec<PointPair> = kept.iter().map(|&index| point(index)).collect();
-        let again = verify(&points, &MatchParams { max_error_px: limit, ..params.clone() }, monitor)?;
-        let Some(mut of_kept) = again else { return Ok(None) };
         let enough = FEWEST_KEPT.max((LEAST_KEPT * inliers.len() as f64).ceil() as usize);
         // A wrong geometry agrees by chance, and its pictures do not: few are left.
         if of_kept.inlier_count() < enough {
@@ -335,5 +336,39 @@ impl AlignedImages {
         kept.iter().zip(&of_kept.inlier).for_each(|(&index, &is_one)| inlier[index] = is_one);
         let error_px = (0..inliers.len()).map(error_px).collect();
         Ok(Some(Verification { inlier, error_px, ..of_kept }))
+    }
+
+    /// Geometry of a pair estimated again from its `inliers` and from those that others imply, and which of both agree
+    /// with it. `None` where they are fewer than `inliers`, or than a pair keeps.
+    pub fn with_implied(
+        &self,
+        images: (usize, usize),
+        [inliers, implied]: [&[Inlier]; 2],
+        params: &MatchParams,
+        monitor: &Monitor,
+    ) -> Result<Option<(TwoViewModel, [Vec<Inlier>; 2])>> {
+        let all = inliers.iter().chain(implied).map(|inlier| self.point(images, inlier));
+        let Some(found) = self.verified(all, params, monitor)? else { return Ok(None) };
+        let enough = found.inlier_count() >= FEWEST_KEPT.max(inliers.len());
+        let (own, others) = found.inlier.split_at(inliers.len());
+        let agreed = |of: &[Inlier], agree: &[bool]| {
+            of.iter().zip(agree).filter(|(_, agrees)| **agrees).map(|(inlier, _)| *inlier).collect()
+        };
+        let agreed = [agreed(inliers, own), agreed(implied, others)];
+        Ok(found.model.filter(|_| enough).map(|model| (model, agreed)))
+    }
+
+    fn point(&self, images: (usize, usize), &Inlier { a, b, rank }: &Inlier) -> PointPair {
+        PointPair { a: self.places[images.0][a as usize], b: self.places[images.1][b as usize], rank }
+    }
+
+    fn verified(
+        &self,
+        points: impl Iterator<Item = PointPair>,
+        params: &MatchParams,
+        monitor: &Monitor,
+    ) -> Result<Option<Verification>> {
+        let narrow = MatchParams { max_error_px: NARROW * params.max_error_px, ..params.clone() };
+        verify(&points.collect::<Vec<_>>(), &narrow, monitor)
     }
 }

@@ -6,7 +6,7 @@
 //! agrees with a geometry of the two views on which most others agree too. [`match_features`] does it all for whoever
 //! matches: [`putative`] → [`geometry`] → where the motions are known, both again at the places that they predict
 //! ([`Prediction`]) → where there are frames, the pictures of the inliers ([`aligned`]). [`match_pair`] aligns each
-//! pair by itself; a dataset for COLMAP is aligned as a whole.
+//! pair by itself; a dataset for COLMAP is aligned as a whole, and gets the matches that others imply ([`tracks`]).
 //!
 //! Match ratio is the share of the keypoints that have a putative match, match score the share that have an inlier
 //! match, and inlier ratio the share of the putative matches that are inliers (after Schönberger, Hardmeier, Sattler
@@ -21,6 +21,7 @@ pub mod params;
 mod predicted;
 pub mod putative;
 mod selection;
+pub mod tracks;
 
 pub use crate::camera::{self, Camera, CameraModel};
 use align::Measured;

@@ -11,7 +11,7 @@ use crate::error::{Error, Result};
 use crate::export::atomic::replace;
 use crate::files::mark::DATABASE_ID;
 use nalgebra::{Isometry3, Matrix3};
-use rusqlite::{Connection, Params, params};
+use rusqlite::{Connection, OptionalExtension, Params, params};
 use std::{fs::File, io, path::Path};
 
 /// Largest id of an image, and the factor by which two ids are combined into one number.
@@ -116,19 +116,29 @@ impl DatabaseWriter<'_> {
         self.execute("UPDATE keypoints SET data = ? WHERE image_id = ?", params![keypoint_bytes(&keypoints), id])
     }
 
-    /// Adds the matches of images `a` and `b`: index pairs of their features.
+    /// Adds the matches of images `a` and `b`, index pairs of their features, in place of any added before.
     ///
     /// # Errors
-    /// The file cannot be written, or already has this pair.
+    /// The file cannot be written.
     ///
     /// # Panics
     /// When `a` is not before `b`, an image was not added, or a match has the index of a missing feature.
     pub fn add_matches(&mut self, a: u32, b: u32, matches: &[[u32; 2]]) -> Result<()> {
         let id = self.pair_of(a, b, matches);
-        self.execute("INSERT INTO matches VALUES (?, ?, 2, ?)", params![id, matches.len() as i64, index_bytes(matches)])
+        let (rows, bytes) = (matches.len() as i64, index_bytes(matches));
+        self.execute("INSERT OR REPLACE INTO matches VALUES (?, ?, 2, ?)", params![id, rows, bytes])
     }
 
-    /// Adds the two-view geometry of images `a` and `b`; errors and panics as of [`Self::add_matches`].
+    /// Reads the matches of images `a` and `b` back; none where none were added.
+    pub fn matches(&self, a: u32, b: u32) -> Result<Vec<[u32; 2]>> {
+        let sql = "SELECT data FROM matches WHERE pair_id = ?";
+        let index = |bytes: &[u8; 8], k: usize| u32::from_le_bytes(std::array::from_fn(|i| bytes[4 * k + i]));
+        let pairs = |bytes: &[u8]| bytes.as_chunks().0.iter().map(|pair| [index(pair, 0), index(pair, 1)]).collect();
+        let read = self.connection.query_row(sql, [pair_id(a, b) as i64], |row| Ok(pairs(row.get_ref(0)?.as_blob()?)));
+        read.optional().map(Option::unwrap_or_default).map_err(|e| failure(self.path, &e))
+    }
+
+    /// Adds the two-view geometry of images `a` and `b` in place of any before; errors and panics as of [`Self::add_matches`].
     pub fn add_geometry(&mut self, a: u32, b: u32, geometry: &DatabaseGeometry) -> Result<()> {
         let id = self.pair_of(a, b, &geometry.inliers);
         let DatabaseGeometry { kind, inliers, matrix, b_from_a } = geometry;
@@ -145,7 +155,7 @@ impl DatabaseWriter<'_> {
             float_bytes([q.w, q.i, q.j, q.k])
         });
         self.execute(
-            "INSERT INTO two_view_geometries VALUES (?, ?, 2, ?, ?, ?, ?, ?, ?, ?)",
+            "INSERT OR REPLACE INTO two_view_geometries VALUES (?, ?, 2, ?, ?, ?, ?, ?, ?, ?)",
             params![
                 id,
                 inliers.len() as i64,
