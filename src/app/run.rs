@@ -2,7 +2,7 @@
 //!
 //! The toolkit ties the device to the window, so the drawing ends and the program goes on in a new window with a new
 //! device; open data, running work and the history stay. The toolkit itself panics where it has no memory for shapes
-//! and letters; that is a lost device too. The icon is drawn here as in `assets/icon.svg`.
+//! and letters; that is a lost device too.
 
 use super::gpu;
 use super::recovery::{KeptIn, Record, SAVED_EVERY};
@@ -10,7 +10,6 @@ use super::settings::Settings;
 use super::startup::Startup;
 use super::window::BurstscopeApp;
 use anyhow::anyhow;
-use egui::{Color32, IconData};
 use std::cell::{Cell, RefCell};
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::path::PathBuf;
@@ -20,7 +19,8 @@ use std::time::{Duration, Instant};
 /// The name under which the desktop knows the program, and under which settings are stored.
 const APP_ID: &str = "burstscope";
 
-const ICON_SIDE: u32 = 256;
+/// `assets/icon.svg`, drawn on 256 × 256 pixels.
+const ICON: &[u8] = include_bytes!("../../assets/icon.png");
 
 const RUNNING_FOLDER: &str = "running";
 
@@ -99,7 +99,7 @@ fn draw_until_closed(
         viewport: egui::ViewportBuilder::default()
             .with_app_id(APP_ID)
             .with_title("Burstscope")
-            .with_icon(icon(ICON_SIDE))
+            .with_icon(eframe::icon_data::from_png_bytes(ICON).expect("the icon is a picture"))
             .with_inner_size([1280.0, 800.0])
             .with_min_inner_size([900.0, 560.0])
             .with_drag_and_drop(true),
@@ -139,54 +139,4 @@ fn draw_until_closed(
         }
         (Err(panic), _) => resume_unwind(panic),
     }
-}
-
-const UNITS: f32 = 64.0;
-
-/// Distance to the outline of a square with rounded corners, from `from` to `from + side`; negative inside.
-fn square(u: f32, v: f32, from: [f32; 2], side: f32, radius: f32) -> f32 {
-    let half = 0.5 * side - radius;
-    let [du, dv] = [u - from[0], v - from[1]].map(|d| (d - 0.5 * side).abs() - half);
-    du.max(0.0).hypot(dv.max(0.0)) + du.max(dv).min(0.0) - radius
-}
-
-/// Distance to the line from (42.5, 32) to (54, 32).
-fn arrow(u: f32, v: f32) -> f32 {
-    (u - u.clamp(42.5, 54.0)).hypot(v - 32.0)
-}
-
-pub fn icon(side: u32) -> IconData {
-    const BLUE: Color32 = Color32::from_rgb(0x2f, 0x7f, 0xd6);
-    const YELLOW: Color32 = Color32::from_rgb(0xff, 0xc8, 0x3c);
-    let pixel = UNITS / side as f32;
-    let mut rgba = Vec::with_capacity((side * side * 4) as usize);
-    for row in 0..side {
-        for column in 0..side {
-            let (u, v) = ((column as f32 + 0.5) * pixel, (row as f32 + 0.5) * pixel);
-            // Covered fraction of the pixel at this distance from the outline.
-            let cover = |distance: f32| (0.5 - distance / pixel).clamp(0.0, 1.0);
-            let stroke = |distance: f32, width: f32| cover(distance.abs() - 0.5 * width);
-            let centre = (u - 32.0).hypot(v - 32.0);
-            let mut colour = [0.0f32; 4];
-            let mut paint = |over: Color32, alpha: f32| {
-                let over = [over.r(), over.g(), over.b()].map(f32::from);
-                let all = alpha + colour[3] * (1.0 - alpha);
-                for (channel, value) in over.into_iter().enumerate() {
-                    let below = colour[channel] * colour[3] * (1.0 - alpha);
-                    colour[channel] = if all > 0.0 { (value * alpha + below) / all } else { 0.0 };
-                }
-                colour[3] = all;
-            };
-            paint(Color32::from_rgb(0x15, 0x18, 0x1f), cover(square(u, v, [2.0, 2.0], 60.0, 13.0)));
-            for (from, alpha) in [([8.0, 12.0], 0.45), ([15.0, 15.0], 0.7), ([22.0, 18.0], 1.0)] {
-                paint(BLUE, alpha * stroke(square(u, v, from, 34.0, 4.0), 2.5));
-            }
-            paint(YELLOW, stroke(centre - 10.5, 3.0));
-            paint(YELLOW, cover(arrow(u, v) - 1.5));
-            paint(Color32::from_rgb(0xff, 0xf3, 0xc4), cover(centre - 4.5));
-            rgba.extend(colour[..3].iter().map(|x| x.round() as u8));
-            rgba.push((255.0 * colour[3]).round() as u8);
-        }
-    }
-    IconData { rgba, width: side, height: side }
 }
