@@ -343,16 +343,9 @@ impl BurstscopeApp {
             ("lesson", (0.27 * ui.available_width()).clamp(290.0, 360.0))
         };
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 12, right: 10, top: 8, bottom: 2 });
-        let clicks = Panel::right(id)
-            .frame(frame)
-            .default_size(width)
-            .size_range(270.0..=520.0)
-            .show(ui, |ui| lesson_ui(ui, &mut self.lessons, Read::of(&self.model), &mut self.captions, queue))
-            .inner;
-        if let Some(word) = &clicks.word {
-            self.overlays.glossary.open(Some(word));
-        }
-        clicks.asked
+        let panel = Panel::right(id).frame(frame).default_size(width).size_range(270.0..=520.0);
+        let Self { lessons, model, captions, .. } = self;
+        panel.show(ui, |ui| lesson_ui(ui, lessons, Read::of(model), captions, queue)).inner
     }
 
     fn drop_hint_ui(&self, ui: &Ui) {

@@ -15,11 +15,17 @@ pub fn explained(response: Response, text: impl Into<WidgetText>, word: Option<&
 
 pub fn word_link_ui(ui: &mut Ui, word: &Word) {
     if ui.link(format!("Glossary: {}", word.word)).clicked() {
-        ui.ctx().data_mut(|data| data.insert_temp(asked_id(), word.name.clone()));
+        ask_for(ui.ctx(), &word.name);
     }
     if let Some(origin) = word.origin {
         ui.add(Label::new(egui::RichText::new(origin.words()[1]).small().weak()).wrap());
     }
+}
+
+/// Asks for the glossary at the entry of this name.
+pub fn ask_for(ctx: &Context, name: &str) {
+    ctx.data_mut(|data| data.insert_temp(asked_id(), name.to_owned()));
+    ctx.request_repaint();
 }
 
 /// Name of the entry whose link was clicked; returned once.

@@ -8,6 +8,7 @@ use crate::app::document::Side;
 use crate::app::inspector::PaneWidgets;
 use crate::app::panel::widgets::{modal_ui, named, weak_ui};
 use crate::app::results::Read;
+use crate::app::words::ask_for;
 use crate::app::{parts, style};
 use crate::teach::Lesson;
 use crate::teach::glossary::glossary;
@@ -18,12 +19,6 @@ use egui::{
 use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 use std::sync::Arc;
 
-#[derive(Debug, Default)]
-pub struct LessonClicks {
-    pub asked: Option<LessonAction>,
-    pub word: Option<String>,
-}
-
 /// Size of the lesson's letters in a hall, in parts of the usual one.
 const LETTERS_IN_HALL: f32 = 1.5;
 
@@ -32,29 +27,29 @@ fn letters(ui: &Ui, size: f32) -> f32 {
     size / 13.0 * egui::TextStyle::Body.resolve(ui.style()).size
 }
 
+/// Draws the open lesson; returns what was asked of it.
 pub fn lesson_ui(
     ui: &mut Ui,
     lessons: &mut Lessons,
     model: Read<'_>,
     captions: &mut Captions,
     queue: &mut Queue,
-) -> LessonClicks {
-    let mut clicks = LessonClicks::default();
+) -> Option<LessonAction> {
     let next = lessons.next_lesson();
-    let Some(open) = &mut lessons.open else { return clicks };
+    let (open, mut asked) = (lessons.open.as_mut()?, None);
     if model.document.panels.hall {
         ui.style_mut().text_styles.values_mut().for_each(|font| font.size *= LETTERS_IN_HALL);
     }
-    header_ui(ui, open, &mut clicks);
+    header_ui(ui, open, &mut asked);
     ui.separator();
     egui::Panel::bottom("lesson steps").frame(Frame::new().inner_margin(Margin::symmetric(0, 6))).show(ui, |ui| {
-        steps_ui(ui, open, next.as_deref(), &mut clicks);
+        steps_ui(ui, open, next.as_deref(), &mut asked);
     });
     if open.is_ended {
         ScrollArea::vertical().id_salt("lesson end").auto_shrink(false).show(ui, |ui| {
-            clicks.word = end_ui(ui, open, next.as_deref(), captions);
+            end_ui(ui, open, next.as_deref(), captions);
         });
-        return clicks;
+        return asked;
     }
     ScrollArea::vertical().id_salt(("lesson", open.step)).auto_shrink(false).show(ui, |ui| {
         let step = open.step().clone();
@@ -63,7 +58,7 @@ pub fn lesson_ui(
         ui.scope(|ui| {
             let font = egui::FontId::proportional(letters(ui, 14.0));
             ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
-            clicks.word = captions.ui(ui, &step.caption);
+            captions.ui(ui, &step.caption);
         });
         ui.add_space(6.0);
         if let Some(spot) = step.state.spot {
@@ -74,8 +69,7 @@ pub fn lesson_ui(
             ui.add_space(6.0);
         }
         if let Some(task) = &step.task {
-            let word = task_ui(ui, &task.text, open, captions);
-            clicks.word = clicks.word.take().or(word);
+            task_ui(ui, &task.text, open, captions);
         }
         if !open.is_ready {
             ui.horizontal(|ui| {
@@ -84,22 +78,22 @@ pub fn lesson_ui(
             });
         }
     });
-    clicks
+    asked
 }
 
-fn header_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
+fn header_ui(ui: &mut Ui, open: &OpenLesson, asked: &mut Option<LessonAction>) {
     ui.horizontal(|ui| {
         ui.weak("Lesson");
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let leave = ui.button("Leave").on_hover_text("Close the lesson; what was open before it comes back");
             named(&leave, egui::Role::Button, "Leave lesson");
             if leave.clicked() {
-                clicks.asked = Some(LessonAction::Leave);
+                *asked = Some(LessonAction::Leave);
             }
             let again = ui.button("↺").on_hover_text("Set this step up again, as it began");
             named(&again, egui::Role::Button, "Set the step up again");
             if again.clicked() {
-                clicks.asked = Some(LessonAction::Again);
+                *asked = Some(LessonAction::Again);
             }
             ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
                 ui.add(egui::Label::new(RichText::new(&open.lesson.title).strong()).truncate());
@@ -108,8 +102,8 @@ fn header_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
     });
 }
 
-/// Draws the task, with a tick once it is done. Returns the glossary entry whose link was clicked.
-fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson, captions: &mut Captions) -> Option<String> {
+/// Draws the task, with a tick once it is done.
+fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson, captions: &mut Captions) {
     let done = open.is_done();
     let colour = if done { style::good(ui) } else { style::ACCENT };
     let frame = Frame::new()
@@ -117,27 +111,23 @@ fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson, captions: &mut Captions) 
         .stroke(Stroke::new(1.0, colour.gamma_multiply(0.7)))
         .corner_radius(CornerRadius::same(6))
         .inner_margin(Margin::symmetric(10, 7));
-    frame
-        .show(ui, |ui| {
-            ui.set_width(ui.available_width());
-            let head = if done { "✔ Done" } else { "Try it" };
-            ui.label(RichText::new(head).strong().color(colour));
-            captions.ui(ui, text)
-        })
-        .inner
+    frame.show(ui, |ui| {
+        ui.set_width(ui.available_width());
+        let head = if done { "✔ Done" } else { "Try it" };
+        ui.label(RichText::new(head).strong().color(colour));
+        captions.ui(ui, text);
+    });
 }
 
-/// Draws the lesson's end: the lines of what was learnt, and what the next lesson is about. Returns the glossary entry
-/// whose link was clicked.
-fn end_ui(ui: &mut Ui, open: &OpenLesson, next: Option<&Lesson>, captions: &mut Captions) -> Option<String> {
+/// Draws the lesson's end: the lines of what was learnt, and what the next lesson is about.
+fn end_ui(ui: &mut Ui, open: &OpenLesson, next: Option<&Lesson>, captions: &mut Captions) {
     ui.label(RichText::new("What you have learnt").size(letters(ui, 17.0)).strong());
     ui.add_space(4.0);
-    let mut word = None;
     ui.scope(|ui| {
         let font = egui::FontId::proportional(letters(ui, 14.0));
         ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
         for line in &open.lesson.learnt {
-            word = word.take().or(captions.ui(ui, &format!("- {line}")));
+            captions.ui(ui, &format!("- {line}"));
             ui.add_space(4.0);
         }
     });
@@ -150,17 +140,16 @@ fn end_ui(ui: &mut Ui, open: &OpenLesson, next: Option<&Lesson>, captions: &mut 
     if let Some(next) = next {
         ui.add_space(10.0);
         ui.label(RichText::new(format!("Next: {}", next.title)).strong());
-        ui.add(egui::Label::new(RichText::new(&next.about).weak()).wrap());
+        weak_ui(ui, &next.about);
     }
-    word
 }
 
-fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicks: &mut LessonClicks) {
+fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicked: &mut Option<LessonAction>) {
     let (step, count) = (open.step, open.lesson.steps.len());
     ui.separator();
     ui.horizontal(|ui| {
         ui.weak(if open.is_ended { "The end".to_owned() } else { format!("Step {} of {count}", step + 1) });
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| dots_ui(ui, open, clicks));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| dots_ui(ui, open, clicked));
     });
     ui.add_space(3.0);
     ui.horizontal(|ui| {
@@ -170,7 +159,7 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicks
         let back = ui.add_enabled(before.is_some(), Button::new("Back").min_size(size));
         back.widget_info(|| egui::WidgetInfo::labeled(egui::Role::Button, before.is_some(), "Step back"));
         if back.on_hover_text("The step before").clicked() {
-            clicks.asked = before;
+            *clicked = before;
         }
         let asked = open.onward(next_lesson.is_some());
         let (label, name) = match asked {
@@ -186,13 +175,13 @@ fn steps_ui(ui: &mut Ui, open: &OpenLesson, next_lesson: Option<&Lesson>, clicks
         let next = ui.add(next.min_size(size));
         named(&next, egui::Role::Button, name);
         if next.clicked() {
-            clicks.asked = Some(asked);
+            *clicked = Some(asked);
         }
     });
 }
 
 /// Draws a dot for each step. The first is on the left, although drawing runs from the right.
-fn dots_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
+fn dots_ui(ui: &mut Ui, open: &OpenLesson, asked: &mut Option<LessonAction>) {
     ui.spacing_mut().item_spacing.x = 2.0;
     for place in (0..open.lesson.steps.len()).rev() {
         let (rect, response) = ui.allocate_exact_size(vec2(13.0, 16.0), Sense::click());
@@ -209,7 +198,7 @@ fn dots_ui(ui: &mut Ui, open: &OpenLesson, clicks: &mut LessonClicks) {
             painter.circle_stroke(rect.center(), 6.0, Stroke::new(1.5, style::ACCENT));
         }
         if response.on_hover_text(title).clicked() {
-            clicks.asked = Some(LessonAction::Step(place));
+            *asked = Some(LessonAction::Step(place));
         }
     }
 }
@@ -231,11 +220,11 @@ impl Default for Captions {
 }
 
 impl Captions {
-    /// Draws a text. Returns the name of the glossary entry whose link was clicked.
-    pub fn ui(&mut self, ui: &mut Ui, text: &str) -> Option<String> {
+    /// Draws a text. A click on a link asks for its entry of the glossary.
+    pub fn ui(&mut self, ui: &mut Ui, text: &str) {
         CommonMarkViewer::new().indentation_spaces(2).show(ui, &mut self.cache, text);
-        let clicked = self.cache.link_hooks().iter().find(|(_, clicked)| **clicked)?.0;
-        Some(clicked.strip_prefix(GLOSSARY)?.to_owned())
+        let clicked = self.cache.link_hooks().iter().find(|(_, clicked)| **clicked);
+        clicked.and_then(|(link, _)| link.strip_prefix(GLOSSARY)).into_iter().for_each(|name| ask_for(ui.ctx(), name));
     }
 }
 

@@ -63,12 +63,11 @@ impl GlossaryWindow {
         if found.is_empty() {
             ui.weak("No entry matches.");
         }
-        let mut clicked = None;
         ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
             for word in found {
                 let is_wanted = self.wanted.as_ref() == Some(&word.name);
                 let top = ui.cursor().min;
-                clicked = clicked.take().or(word_ui(ui, word, is_wanted, &mut self.captions));
+                word_ui(ui, word, is_wanted, &mut self.captions);
                 if is_wanted {
                     let rect = egui::Rect::from_min_max(top, ui.min_rect().right_bottom());
                     ui.scroll_to_rect(rect, Some(egui::Align::TOP));
@@ -79,13 +78,10 @@ impl GlossaryWindow {
                 }
             }
         });
-        if let Some(word) = clicked {
-            (self.text, self.wanted) = (String::new(), Some(word));
-        }
     }
 }
 
-fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) -> Option<String> {
+fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) {
     ui.horizontal_wrapped(|ui| {
         let mut title = RichText::new(&word.word).strong();
         if is_wanted {
@@ -99,7 +95,6 @@ fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) -
             ui.label(RichText::new(label).small().weak()).on_hover_text(help);
         }
     });
-    let clicked = ui.push_id(&word.name, |ui| captions.ui(ui, &word.text)).inner;
+    ui.push_id(&word.name, |ui| captions.ui(ui, &word.text));
     ui.add_space(8.0);
-    clicked
 }
