@@ -1,7 +1,33 @@
-//! Links from tooltips to the glossary: the tooltip describes an item in a line, its link explains the term.
+//! Words of choices, and links from tooltips to the glossary: the tooltip describes an item in a line, its link explains
+//! the term.
 
 use crate::teach::glossary::{Word, glossary};
 use egui::{Context, Id, Label, Response, Ui, WidgetText};
+
+/// Declares the choices of a menu or of a row of buttons: a type of their names, in the order in which they are offered,
+/// each with its label and help.
+macro_rules! choices {
+    ($(#[$of:meta])* $name:ident { $($(#[$one:meta])* $choice:ident: $label:literal, $help:literal;)+ }) => {
+        $(#[$of])*
+        #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+        #[serde(rename_all = "snake_case")]
+        pub enum $name {
+            $($(#[$one])* $choice),+
+        }
+
+        impl $name {
+            pub const ALL: [Self; [$(Self::$choice),+].len()] = [$(Self::$choice),+];
+
+            /// Its label, and help.
+            pub fn words(self) -> [&'static str; 2] {
+                match self {
+                    $(Self::$choice => [$label, $help]),+
+                }
+            }
+        }
+    };
+}
+pub(in crate::app) use choices;
 
 /// Adds a tooltip with `text` to a widget and, if `word` is given, a link to that glossary entry.
 pub fn explained(response: Response, text: impl Into<WidgetText>, word: Option<&'static Word>) -> Response {

@@ -49,7 +49,7 @@ const INSPECT: Record = Record { sides: &[Side::A], inspects: true, right: Right
 const PAIR: Record = Record {
     sides: &Side::BOTH,
     right: Right::WithMatch,
-    layouts: |_| SidesPreset::ALL.map(|(preset, name, help)| (name, help, Change::LayOutSides(preset))).to_vec(),
+    layouts: |_| SidesPreset::ALL.map(|to| (to.words()[0], to.words()[1], Change::LayOutSides(to))).to_vec(),
     draws_features: |document| document.match_look.features,
     toggle_features: |document| document.match_look.features ^= true,
     selected: |document| document.selected_match,

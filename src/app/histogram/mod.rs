@@ -8,6 +8,7 @@ mod plot;
 use crate::app::canvas::{Picture, number};
 use crate::app::gpu::PictureId;
 use crate::app::memo::Memo;
+use crate::app::words::choices;
 use crate::inspect::words::counted;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
 use crate::plane::statistics::{Histogram, Region, histogram, percentiles, summary};
@@ -34,26 +35,16 @@ fn full_range(picture: &Picture) -> Option<(f32, f32)> {
     summary(&picture.drawn, &Region::whole(&picture.drawn)).range()
 }
 
-/// Values of a picture from which its range is set.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum RangeOf {
-    Percentiles,
-    All,
-    Visible,
+choices! {
+    /// Values of a picture from which its range is set.
+    RangeOf {
+        All: "Full range", "From the smallest to the largest value of the picture";
+        Percentiles: "Percentiles", "Leaves out the lowest and the highest 0.1 % of the values";
+        Visible: "Visible region", "The same percentiles, of the part of the picture that can be seen";
+    }
 }
 
 impl RangeOf {
-    pub const ALL: [Self; 3] = [Self::All, Self::Percentiles, Self::Visible];
-
-    /// Its label, and help.
-    pub fn words(self) -> [&'static str; 2] {
-        match self {
-            Self::Percentiles => ["Percentiles", "Leaves out the lowest and the highest 0.1 % of the values"],
-            Self::All => ["Full range", "From the smallest to the largest value of the picture"],
-            Self::Visible => ["Visible region", "The same percentiles, of the part of the picture that can be seen"],
-        }
-    }
-
     /// `None` where the picture shows nothing of them; `visible` is the part that can be seen, image pixels.
     pub fn range(self, picture: &Picture, visible: Option<Rect>) -> Option<(f32, f32)> {
         let of = |region: &Region| percentiles(&picture.drawn, region, &PERCENTILES).map(|p| (p[0], p[1]));

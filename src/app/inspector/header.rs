@@ -13,6 +13,7 @@ use crate::app::panel::tally::expected_ui;
 use crate::app::panel::widgets::named;
 use crate::app::results::Read;
 use crate::app::{canvas, style};
+use crate::inspect::words::capitalised;
 use egui::{
     Align, Button, CursorIcon, Frame, Label, Layout, Margin, Pos2, Rect, Response, RichText, Sense, Stroke, StrokeKind,
     Ui, Vec2, pos2, vec2,
@@ -234,8 +235,9 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, from_the_right: bool, queu
     }
     for link in links {
         let on = model.document.panes.has_link(id, link);
-        let [label, word, help] = link.words();
-        let text = RichText::new(if from_the_right { word } else { &word[..1] }).small();
+        let [label, help] = link.words();
+        let word = capitalised(label.trim_start_matches("Link "));
+        let text = RichText::new(if from_the_right { &word } else { &word[..1] }).small();
         let button = Button::selectable(on, text).min_size(vec2(16.0, 16.0));
         ui.spacing_mut().button_padding = vec2(3.0, 0.0);
         let response = ui.add(button).on_hover_text(format!("{label}: {help}"));

@@ -140,7 +140,7 @@ fn links_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, queue: &mut Queue) {
         ui.menu_button("Links", |ui| {
             for link in Link::ALL {
                 let mut on = model.document.panes.has_link(id, link);
-                let [label, _, help] = link.words();
+                let [label, help] = link.words();
                 queue.push_if(ui.checkbox(&mut on, label).on_hover_text(help).changed(), Action::SetLink(id, link, on));
             }
         });

@@ -4,41 +4,21 @@
 use super::{Over, Pane, PaneId, Panes};
 use crate::app::document::Cursor;
 use crate::app::view::View;
+use crate::app::words::choices;
 use crate::burst::{Offset, Positions};
 use crate::requests::PictureKind;
 use egui::{Pos2, vec2};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Link {
-    View,
-    Display,
-    /// Frame, slope, octave and level: they move by equal steps, so that differences between panes stay.
-    Cursor,
-    Place,
-}
-
-impl Link {
-    pub const ALL: [Self; 4] = [Self::View, Self::Display, Self::Cursor, Self::Place];
-
-    /// Its label, the word of a button, and help.
-    pub fn words(self) -> [&'static str; 3] {
-        const CURSOR: &str = "Move frame, slope, octave and level together, by the same steps; other bursts and methods also change the kind of picture";
-        match self {
-            Self::View => ["Link view", "View", "Zoom and pan together with the other panes that have this link"],
-            Self::Display => {
-                let help = "Share the value range and the colour map; without it this pane has its own";
-                ["Link display", "Display", help]
-            }
-            Self::Cursor => ["Link cursor", "Cursor", CURSOR],
-            Self::Place => [
-                "Link place",
-                "Place",
-                "Mark the place under the pointer, moved along the slope in frames, with its value",
-            ],
-        }
+choices! {
+    Link {
+        View: "Link view", "Zoom and pan together with the other panes that have this link";
+        Display: "Link display", "Share the value range and the colour map; without it this pane has its own";
+        /// Frame, slope, octave and level: they move by equal steps, so that differences between panes stay.
+        Cursor: "Link cursor",
+        "Move frame, slope, octave and level together, by the same steps; other bursts and methods also change the kind of picture";
+        Place: "Link place", "Mark the place under the pointer, moved along the slope in frames, with its value";
     }
 }
 

@@ -22,6 +22,7 @@ use crate::app::document::look::Ranges;
 use crate::app::document::method::MethodId;
 use crate::app::document::side::Side;
 use crate::app::view::View;
+use crate::app::words::choices;
 use crate::detector::{DetectorParams, Method};
 use crate::requests::{OpenBurst, PictureKind, PictureRequest, ViewKind};
 use serde::{Deserialize, Serialize};
@@ -60,27 +61,13 @@ impl Content {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SliceAxis {
-    /// Along the probed motion: the x–t slice for horizontal motion.
-    Along,
-    /// Across it: the y–t slice for horizontal motion.
-    Across,
-}
-
-impl SliceAxis {
-    pub const ALL: [Self; 2] = [Self::Along, Self::Across];
-
-    /// Its label, and help.
-    pub fn words(self) -> [&'static str; 2] {
-        const ALONG: &str =
-            "A row for each frame through the probed place, along its motion (x–t): what moves is slanted";
-        const ACROSS: &str = "A row for each frame through the probed place, across its motion (y–t)";
-        match self {
-            Self::Along => ["Slice along the motion", ALONG],
-            Self::Across => ["Slice across the motion", ACROSS],
-        }
+choices! {
+    SliceAxis {
+        /// Along the probed motion: the x–t slice for horizontal motion.
+        Along: "Slice along the motion",
+        "A row for each frame through the probed place, along its motion (x–t): what moves is slanted";
+        /// Across it: the y–t slice for horizontal motion.
+        Across: "Slice across the motion", "A row for each frame through the probed place, across its motion (y–t)";
     }
 }
 

@@ -3,8 +3,8 @@
 use super::{Arrangement, Content, Link, MAX_PANES, Over, Pane, PaneGroup, PaneId, Panes, SliceAxis};
 use crate::app::document::cursor::{ViewKind, level_range, nearest_on_grid, stepped};
 use crate::app::document::{Cursor, MethodId, Ranges, Side};
+use crate::app::words::choices;
 use crate::detector::{DetectorParams, Slope};
-use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
 pub use crate::teach::Layout as Preset;
@@ -148,41 +148,24 @@ fn neighbouring_slopes(slope: Slope, params: &DetectorParams, count: usize) -> (
     ((first..first + count).map(at).collect(), here - first)
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum SidesPreset {
-    SideBySide,
-    Stacked,
-    StackAndDog,
-    Difference,
+choices! {
+    SidesPreset {
+        SideBySide: "A beside B", "One picture of each burst, A on the left";
+        Stacked: "A above B", "One picture of each burst, A on top: for wide frames";
+        StackAndDog: "Stack and DoG of both", "The motion stacks of both bursts above their DoG responses";
+        Difference: "A, B and their difference", "Both pictures, and below them A less B, pixel by pixel";
+    }
 }
 
-impl SidesPreset {
-    pub const ALL: [(Self, &'static str, &'static str); 4] = [
-        (Self::SideBySide, "A beside B", "One picture of each burst, A on the left"),
-        (Self::Stacked, "A above B", "One picture of each burst, A on top: for wide frames"),
-        (Self::StackAndDog, "Stack and DoG of both", "The motion stacks of both bursts above their DoG responses"),
-        (Self::Difference, "A, B and their difference", "Both pictures, and below them A less B, pixel by pixel"),
-    ];
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MethodsPreset {
-    #[default]
-    Panes,
-    Wipe,
-    Flip,
-    Matches,
-}
-
-impl MethodsPreset {
-    pub const ALL: [(Self, &'static str, &'static str); 4] = [
-        (Self::Panes, "Panes", "A picture for each method, side by side"),
-        (Self::Wipe, "Wipe", "Two methods in one picture, with a line between them that can be dragged"),
-        (Self::Flip, "Flip", "Two methods in one place: Y flips from one to the other"),
-        (Self::Matches, "Match lines", "A row for each method: its matches between A and B"),
-    ];
+choices! {
+    #[derive(Default)]
+    MethodsPreset {
+        #[default]
+        Panes: "Panes", "A picture for each method, side by side";
+        Wipe: "Wipe", "Two methods in one picture, with a line between them that can be dragged";
+        Flip: "Flip", "Two methods in one place: Y flips from one to the other";
+        Matches: "Match lines", "A row for each method: its matches between A and B";
+    }
 }
 
 impl Panes {

@@ -44,8 +44,8 @@ fn layout_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let has_second = model.burst_of(Side::B).is_some();
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 2.0;
-        for (preset, name, help) in MethodsPreset::ALL {
-            let enabled = preset != MethodsPreset::Matches || has_second;
+        for preset in MethodsPreset::ALL {
+            let ([name, help], enabled) = (preset.words(), preset != MethodsPreset::Matches || has_second);
             let response = ui
                 .add_enabled(enabled, egui::Button::new(name))
                 .on_hover_text(help)
