@@ -1,29 +1,17 @@
 //! The comparison of a burst with a reference, as it is set.
 
+use crate::app::words::choices;
 use crate::detector::SearchParams;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Reference {
-    Pinned,
-    File,
-    Truth,
-}
-
-impl Reference {
-    pub const ALL: [Self; 3] = [Self::Pinned, Self::File, Self::Truth];
-
-    /// Its label, and help.
-    pub fn words(self) -> [&'static str; 2] {
-        const FILE: &str = "Features of a file: in both, only theirs, only ours. Open them from the Features menu";
-        const TRUTH: &str = "Known truth: found, missed, repeated and false features, and those at a wrong motion: more than 0.35 px/frame off, or than smears it by its σ. Synthetic bursts and the demo have one; that of a scene is partial, so features elsewhere may be right";
-        match self {
-            Self::Pinned => ["Pinned result", "Gained, lost and moved features against the pinned result"],
-            Self::File => ["Opened features", FILE],
-            Self::Truth => ["Truth", TRUTH],
-        }
+choices! {
+    Reference {
+        Pinned: "Pinned result", "Gained, lost and moved features against the pinned result";
+        File: "Opened features",
+        "Features of a file: in both, only theirs, only ours. Open them from the Features menu";
+        Truth: "Truth",
+        "Known truth: found, missed, repeated and false features, and those at a wrong motion: more than 0.35 px/frame off, or than smears it by its σ. Synthetic bursts and the demo have one; that of a scene is partial, so features elsewhere may be right";
     }
 }
 

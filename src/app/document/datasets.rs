@@ -2,6 +2,7 @@
 
 use crate::app::document::{Side, Sides};
 use crate::app::view::View;
+use crate::app::words::choices;
 use crate::dataset::DatasetSource;
 use crate::evaluate::poses::{PoseStudy, Projection};
 use crate::matching::PairSelection;
@@ -16,17 +17,18 @@ pub fn pair_of(a: usize, b: usize) -> Option<BurstPair> {
     (a != b).then_some((a.min(b), a.max(b)))
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PairColumn {
-    #[default]
-    Pair,
-    Putative,
-    Inliers,
-    Ratio,
-    Score,
-    #[serde(alias = "precision")]
-    InlierRatio,
+choices! {
+    #[derive(Default)]
+    PairColumn {
+        #[default]
+        Pair: "pair", "The two bursts";
+        Putative: "putative", "Matches by descriptors alone";
+        Inliers: "inliers", "Matches that a common geometry explains";
+        Ratio: "ratio", "Match ratio: putative matches over keypoints, mean of both bursts";
+        Score: "score", "Match score: inliers over keypoints, mean of both bursts";
+        #[serde(alias = "precision")]
+        InlierRatio: "inlier ratio", "Inlier ratio: inliers over putative matches";
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]

@@ -1,6 +1,7 @@
 //! What is exported: contents and style of a figure, the film, and the purposes for which the user is asked for files.
 
 use crate::app::document::Side;
+use crate::app::words::choices;
 use crate::evaluate::poses::{DEMO_ESTIMATE, DEMO_TRUTH};
 use crate::export::case::CASE_EXTENSION;
 use crate::export::{FigureAmount, FigureFormat, FigureOptions, FigureWidth};
@@ -70,28 +71,14 @@ impl FigureChoice {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FilmContent {
-    /// Slopes of the grid and half-way between, along its first axis that has several.
-    #[default]
-    Slopes,
-    Scales,
-    Frames,
-}
-
-impl FilmContent {
-    pub const ALL: [Self; 3] = [Self::Slopes, Self::Scales, Self::Frames];
-
-    /// Its label, and help.
-    pub fn words(self) -> [&'static str; 2] {
-        match self {
-            Self::Slopes => ["Slopes", "The motion stack at the slopes of the search and half-way between"],
-            Self::Scales => {
-                ["Scales", "D at the slope of the cursor, from the finest octave and level to the coarsest"]
-            }
-            Self::Frames => ["Frames added", "The motion stack at the slope of the cursor, of one frame to all"],
-        }
+choices! {
+    #[derive(Default)]
+    FilmContent {
+        /// Slopes of the grid and half-way between, along its first axis that has several.
+        #[default]
+        Slopes: "Slopes", "The motion stack at the slopes of the search and half-way between";
+        Scales: "Scales", "D at the slope of the cursor, from the finest octave and level to the coarsest";
+        Frames: "Frames added", "The motion stack at the slope of the cursor, of one frame to all";
     }
 }
 

@@ -1,5 +1,6 @@
 //! The Lab: its questions with the settings of their studies.
 
+use crate::app::words::choices;
 use crate::detector::{SearchParams, SlopeGrid};
 use crate::evaluate::chart::FRAME_COUNTS;
 use crate::evaluate::{AccuracyStudy, BurstFramesStudy, BurstMethod, ChartStudy, Searches};
@@ -64,46 +65,24 @@ impl Default for Lab {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum LabQuestion {
-    #[default]
-    Dark,
-    Frames,
-    Accuracy,
-    BurstFrames,
-    InBurst,
+choices! {
+    #[derive(Default)]
+    LabQuestion {
+        #[default]
+        Dark: "Found in the dark",
+        "ROC curves of the methods, the discs that each finds, and its false features, against the ratio of signal to noise";
+        Frames: "Frames",
+        "ROC curves of the methods, the discs that each finds, and its false features, against the number of frames of a burst";
+        Accuracy: "Errors",
+        "How far place, scale and slope of the discs found are from the truth, against the ratio of signal to noise";
+        BurstFrames: "Frames of A",
+        "What the middle frames of the open burst show, from two frames to all: features, features that all frames confirm, and matches with as many frames of B";
+        InBurst: "In this burst",
+        "Would it have been seen? Things of known SNR, slope and size are planted in copies of the open burst, and searched for as it is set: the share found, why the others were missed, and how faint a thing is seen at each place";
+    }
 }
 
 impl LabQuestion {
-    pub const ALL: [(Self, &'static str, &'static str); 5] = [
-        (
-            Self::Dark,
-            "Found in the dark",
-            "ROC curves of the methods, the discs that each finds, and its false features, against the ratio of signal to noise",
-        ),
-        (
-            Self::Frames,
-            "Frames",
-            "ROC curves of the methods, the discs that each finds, and its false features, against the number of frames of a burst",
-        ),
-        (
-            Self::Accuracy,
-            "Errors",
-            "How far place, scale and slope of the discs found are from the truth, against the ratio of signal to noise",
-        ),
-        (
-            Self::BurstFrames,
-            "Frames of A",
-            "What the middle frames of the open burst show, from two frames to all: features, features that all frames confirm, and matches with as many frames of B",
-        ),
-        (
-            Self::InBurst,
-            "In this burst",
-            "Would it have been seen? Things of known SNR, slope and size are planted in copies of the open burst, and searched for as it is set: the share found, why the others were missed, and how faint a thing is seen at each place",
-        ),
-    ];
-
     pub fn needs_charts(self) -> bool {
         !matches!(self, Self::BurstFrames | Self::InBurst)
     }

@@ -2,6 +2,7 @@
 //! a range, so that slopes, or frames, can be compared. It is set once, from the first picture of its class (of several
 //! panes, that in focus), and again when the window goes to the first slope with features; after that only by the user.
 
+use crate::app::words::choices;
 use crate::detector::params::Bounds;
 use crate::error::Error;
 use crate::plane::display::{ColourMap, Display};
@@ -125,29 +126,19 @@ impl Ranges {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum FeaturesShown {
-    /// Those that move by the picture's slope. All, over a picture that belongs to no slope.
-    #[default]
-    ThisSlope,
-    All,
-    None,
+choices! {
+    #[derive(Default)]
+    FeaturesShown {
+        /// Those that move by the picture's slope. All, over a picture that belongs to no slope.
+        #[default]
+        ThisSlope: "This slope",
+        "Features that move by the slope of the picture, by themselves or with their surroundings";
+        All: "All", "Features of all slopes; other slopes are drawn fainter";
+        None: "None", "No features";
+    }
 }
 
 impl FeaturesShown {
-    pub const ALL: [Self; 3] = [Self::ThisSlope, Self::All, Self::None];
-
-    /// Its label, and help.
-    pub fn words(self) -> [&'static str; 2] {
-        const HERE: &str = "Features that move by the slope of the picture, by themselves or with their surroundings";
-        match self {
-            Self::ThisSlope => ["This slope", HERE],
-            Self::All => ["All", "Features of all slopes; other slopes are drawn fainter"],
-            Self::None => ["None", "No features"],
-        }
-    }
-
     pub fn next(self) -> Self {
         Self::ALL[(self as usize + 1) % Self::ALL.len()]
     }

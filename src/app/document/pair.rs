@@ -2,6 +2,7 @@
 
 use crate::app::document::{Cursor, Document, Ranges, Side};
 use crate::app::pane::{Link, PaneGroup, PaneId, PaneLinks};
+use crate::app::words::choices;
 use serde::{Deserialize, Serialize};
 
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
@@ -24,16 +25,15 @@ pub enum MatchColumn {
     Inlier,
 }
 
-/// Way in which matches are drawn over the pictures.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MatchesAs {
-    #[default]
-    Lines,
-    /// In A, from the place in A to that in B.
-    Vectors,
-    /// Lines that end near the pointer.
-    Near,
+choices! {
+    /// Way in which matches are drawn over the pictures.
+    #[derive(Default)]
+    MatchesAs {
+        #[default]
+        Lines: "Lines", "From picture to picture, the strongest of each part; zoom in for more";
+        Vectors: "Vectors", "In A, from the place in A to that in B";
+        Near: "Near pointer", "Only lines that end near the pointer";
+    }
 }
 
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
@@ -87,13 +87,14 @@ impl MatchLook {
     }
 }
 
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum PairTab {
-    #[default]
-    Matches,
-    Unmatched,
-    Compared,
+choices! {
+    #[derive(Default)]
+    PairTab {
+        #[default]
+        Matches: "Matches", "A row for each match";
+        Unmatched: "Unmatched", "Features of A that are not inliers, and the step at which each was lost";
+        Compared: "Compared", "Features of the burst in focus, compared with others";
+    }
 }
 
 impl Document {

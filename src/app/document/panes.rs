@@ -4,6 +4,7 @@ use crate::app::document::cursor::ViewKind;
 use crate::app::document::{Cursor, Document, Ranges, Side};
 use crate::app::pane::{Direction, Link, MethodsPreset, Pane, PaneGroup, PaneId, Preset, SidesPreset};
 use crate::app::view::View;
+use crate::app::words::choices;
 use crate::detector::Slope;
 use crate::teach::{BottomTab, Workspace};
 use egui::{Pos2, Rect};
@@ -262,16 +263,16 @@ pub struct MeasuredRegion {
     pub rect_image: Rect,
 }
 
-/// How the pointer draws what a mask hides.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum MaskShape {
-    #[default]
-    Outline,
-    Rectangle,
-    /// Corners by clicks; a click on the first one, or a double click, ends it.
-    Polygon,
-    Brush,
+choices! {
+    /// How the pointer draws what a mask hides.
+    #[derive(Default)]
+    MaskShape {
+        #[default]
+        Outline: "outline", "Drag around what is not to be seen; with Shift a rectangle";
+        Rectangle: "rectangle", "Drag from corner to corner";
+        Polygon: "polygon", "Click corners; a click on the first one, or a double click, ends it";
+        Brush: "brush", "Drag over what is not to be seen";
+    }
 }
 
 /// A drawn part of the frames that a mask hides, image pixels.

@@ -158,13 +158,6 @@ pub(super) fn outlines_ui(model: Read<'_>, id: PaneId, output: &CanvasOutput) {
     }
 }
 
-const SHAPES: [(MaskShape, &str, &str); 4] = [
-    (MaskShape::Outline, "outline", "Drag around what is not to be seen; with Shift a rectangle"),
-    (MaskShape::Rectangle, "rectangle", "Drag from corner to corner"),
-    (MaskShape::Polygon, "polygon", "Click corners; a click on the first one, or a double click, ends it"),
-    (MaskShape::Brush, "brush", "Drag over what is not to be seen"),
-];
-
 /// Says over the picture in `rect` how to draw, while the tool is chosen, and offers the mask.
 pub fn hidden_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
     if model.document.measure.tool != Tool::Mask {
@@ -179,7 +172,8 @@ pub fn hidden_ui(ui: &mut Ui, model: Read<'_>, rect: Rect, queue: &mut Queue) {
             ui.horizontal_wrapped(|ui| {
                 ui.label("Hide");
                 let mut measure = model.document.measure.clone();
-                for (shape, name, help) in SHAPES {
+                for shape in MaskShape::ALL {
+                    let [name, help] = shape.words();
                     ui.selectable_value(&mut measure.shape, shape, name).on_hover_text(help);
                 }
                 if measure.shape == MaskShape::Brush {

@@ -156,7 +156,8 @@ mod tests {
     #[test]
     fn the_settings_of_a_question_have_different_labels_and_their_defaults_are_in_range() {
         let mut lab = Lab::default();
-        for (question, name, _) in LabQuestion::ALL {
+        for question in LabQuestion::ALL {
+            let [name, _] = question.words();
             let asked: Vec<Setting> = settings().into_iter().filter(|one| (one.is_asked)(question)).collect();
             assert!(!asked.is_empty(), "{name}");
             for (index, Setting { label, range, value, .. }) in asked.iter().enumerate() {

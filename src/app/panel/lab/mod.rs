@@ -45,7 +45,8 @@ pub fn lab_settings_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 
 fn question_ui(ui: &mut Ui, lab: &mut Lab) {
     ui.horizontal_wrapped(|ui| {
-        for (question, name, help) in LabQuestion::ALL {
+        for question in LabQuestion::ALL {
+            let [name, help] = question.words();
             ui.selectable_value(&mut lab.question, question, name).on_hover_text(help);
         }
     });

@@ -9,20 +9,6 @@ use crate::matching::{MatchCounts, MatchParams};
 use std::collections::BTreeMap;
 
 impl PairColumn {
-    pub const ALL: [Self; 6] = [Self::Pair, Self::Putative, Self::Inliers, Self::Ratio, Self::Score, Self::InlierRatio];
-
-    /// Its heading, and help.
-    pub fn words(self) -> [&'static str; 2] {
-        match self {
-            Self::Pair => ["pair", "The two bursts"],
-            Self::Putative => ["putative", "Matches by descriptors alone"],
-            Self::Inliers => ["inliers", "Matches that a common geometry explains"],
-            Self::Ratio => ["ratio", "Match ratio: putative matches over keypoints, mean of both bursts"],
-            Self::Score => ["score", "Match score: inliers over keypoints, mean of both bursts"],
-            Self::InlierRatio => ["inlier ratio", "Inlier ratio: inliers over putative matches"],
-        }
-    }
-
     /// The number in this column; `None` where there is none. Pairs have none: they stand in their own order.
     pub fn value(self, counts: &MatchCounts) -> Option<f64> {
         match self {

@@ -167,12 +167,8 @@ pub fn switches_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
             kind_ui(ui, &mut look.outliers, MatchKind::Outlier, "Outliers", outliers, tip);
         }
         ui.horizontal_wrapped(|ui| {
-            let ways = [
-                (MatchesAs::Lines, "Lines", "From picture to picture, the strongest of each part; zoom in for more"),
-                (MatchesAs::Vectors, "Vectors", "In A, from the place in A to that in B"),
-                (MatchesAs::Near, "Near pointer", "Only lines that end near the pointer"),
-            ];
-            for (way, label, tip) in ways {
+            for way in MatchesAs::ALL {
+                let [label, tip] = way.words();
                 ui.radio_value(&mut look.drawn_as, way, label).on_hover_text(tip);
             }
         });

@@ -46,14 +46,8 @@ pub fn tabs_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let row = |ui: &mut Ui| {
         (ui.spacing_mut().button_padding.x, ui.spacing_mut().item_spacing.x) = (6.0, 3.0);
         let is_compared = model.document.comparisons.both().into_iter().any(|set| set.with.is_some());
-        let unmatched = "Features of A that are not inliers, and the step at which each was lost";
-        let tabs = [
-            (PairTab::Matches, "Matches", "A row for each match"),
-            (PairTab::Unmatched, "Unmatched", unmatched),
-            (PairTab::Compared, "Compared", "Features of the burst in focus, compared with others"),
-        ];
-        for (tab, name, help) in tabs {
-            let is_open = model.document.pair_tab == tab && model.shows_bottom();
+        for tab in PairTab::ALL {
+            let ([name, help], is_open) = (tab.words(), model.document.pair_tab == tab && model.shows_bottom());
             if (tab != PairTab::Compared || is_compared || is_open)
                 && ui.selectable_label(is_open, name).on_hover_text(help).clicked()
             {
