@@ -29,20 +29,15 @@ const ROOM_FOR_NUMBERS_ALONE: f32 = 400.0;
 const ROOM_FOR_FEATURES: f32 = 620.0;
 const ROOM_FOR_ALL: f32 = 800.0;
 
-#[derive(Debug, Clone, Copy, Default)]
-pub struct HeaderResponse {
-    pub clicked: bool,
-    pub dragged: bool,
-}
-
+/// Draws the header of pane `id`; returns the response of its name, by which the pane is dragged.
 pub fn header_ui(
     ui: &mut Ui,
     model: Read<'_>,
     id: PaneId,
     widgets: &mut PaneWidgets,
     queue: &mut Queue,
-) -> HeaderResponse {
-    let mut answer = HeaderResponse::default();
+) -> Option<Response> {
+    let mut name = None;
     let many = model.document.panes.are_many();
     let width = ui.available_width();
     let is_slice = matches!(model.pane(id).map(|pane| pane.content), Some(Content::Slice(_)));
@@ -74,7 +69,7 @@ pub fn header_ui(
                     ui.label(RichText::new("updating…").small().color(style::warning(ui)));
                 }
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    answer = name_ui(ui, model, id, width, many);
+                    name = Some(name_ui(ui, model, id, width, many));
                 });
             });
         });
@@ -89,10 +84,10 @@ pub fn header_ui(
             });
         }
     });
-    answer
+    name
 }
 
-fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> HeaderResponse {
+fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> Response {
     let long = long_description(model, id);
     // While the picture is being made, the short text describes the coming one.
     let text = if (many && width < ROOM_FOR_NUMBERS) || long.is_empty() {
@@ -108,11 +103,7 @@ fn name_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, width: f32, many: bool) -> 
     let label = ui.add(Label::new(RichText::new(&text).strong()).truncate().selectable(false).sense(sense));
     let tip = if many { format!("{long}\nDrag it to put this pane elsewhere") } else { long };
     let label = label.on_hover_text(tip);
-    let response = HeaderResponse { clicked: label.clicked(), dragged: label.drag_started() };
-    if many {
-        label.on_hover_cursor(CursorIcon::Grab);
-    }
-    response
+    if many { label.on_hover_cursor(CursorIcon::Grab) } else { label }
 }
 
 /// Draws how many features are drawn in full of those in view, where there is room as a menu of which those are.

@@ -15,7 +15,7 @@ use crate::app::panel::picture::stale_ui;
 use crate::app::panel::tally::candidates_ui;
 use crate::app::panel::widgets::{progress_ui, weak_ui};
 use crate::app::results::Read;
-use egui::{RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
+use egui::{Response, RichText, Stroke, StrokeKind, Ui, WidgetText, vec2};
 use egui_tiles::{Behavior, SimplificationOptions, TileId, UiResponse};
 
 /// Draws the panes; returns those with a picture, in the order of drawing.
@@ -85,7 +85,7 @@ impl Behavior<PaneId> for Inspector<'_> {
         let whole = ui.max_rect();
         self.widgets.of(id).rect_ui = Some(whole);
         ui.spacing_mut().item_spacing.y = 0.0;
-        let header = header_ui(ui, self.model, id, self.widgets, self.queue);
+        let name = header_ui(ui, self.model, id, self.widgets, self.queue);
         let touched = match content {
             Content::Slice(axis) => slice_ui(ui, self.model, id, axis, self.widgets, self.queue),
             _ if !is_open => {
@@ -97,7 +97,8 @@ impl Behavior<PaneId> for Inspector<'_> {
             }
             _ => self.picture_ui(ui, id),
         };
-        if (header.clicked || touched) && self.model.document.focus() != id {
+        let is_clicked = name.as_ref().is_some_and(Response::clicked);
+        if (is_clicked || touched) && self.model.document.focus() != id {
             self.queue.push(Action::Focus(id));
         }
         // After the content, which would cover the frame.
@@ -105,7 +106,7 @@ impl Behavior<PaneId> for Inspector<'_> {
             let stroke = Stroke::new(1.0, crate::app::style::ACCENT);
             ui.painter().rect_stroke(whole, 0.0, stroke, StrokeKind::Inside);
         }
-        if header.dragged { UiResponse::DragStarted } else { UiResponse::None }
+        if name.is_some_and(|name| name.drag_started()) { UiResponse::DragStarted } else { UiResponse::None }
     }
 
     fn tab_title_for_pane(&mut self, id: &PaneId) -> WidgetText {
