@@ -2,7 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue};
 use crate::app::document::Action;
-use crate::app::panel::widgets::{confirm_ui, modal_ui};
+use crate::app::panel::widgets::{accept_ui, confirm_ui, modal_ui};
 use crate::app::results::Datasets;
 use crate::burst::SequenceCut;
 use crate::dataset::DatasetSource;
@@ -37,14 +37,9 @@ impl CutDialog {
             ui.add_space(6.0);
             ui.label(self.consequence());
             ui.add_space(6.0);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                if ui.button("Cut").clicked() || ui.input(|i| i.key_pressed(egui::Key::Enter)) {
-                    accepted = Some(self.source());
-                }
-                if ui.button("Cancel").clicked() {
-                    ui.close();
-                }
-            });
+            if accept_ui(ui, "Cut", true).clicked() || ui.input(|i| i.key_pressed(egui::Key::Enter)) {
+                accepted = Some(self.source());
+            }
         });
         let stay = accepted.is_none() && !dismissed;
         (accepted, stay)

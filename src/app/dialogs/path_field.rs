@@ -1,7 +1,7 @@
 //! Field to type a path into, and the question whether a file there may be replaced.
 
 use crate::app::document::{Pointed, Purpose, Queue};
-use crate::app::panel::widgets::{confirm_ui, modal_ui, name_field, weak_ui};
+use crate::app::panel::widgets::{accept_ui, confirm_ui, modal_ui, name_field, weak_ui};
 use crate::app::results::Read;
 use crate::export::is_ours;
 use crate::requests::FolderRequest;
@@ -75,16 +75,11 @@ impl PathField {
             }
             ui.add_space(6.0);
             let entered = edit.lost_focus() && pressed(Key::Enter);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let verb = if self.purpose.saves() { "Save" } else { "Open" };
-                let ready = !self.text.trim().is_empty();
-                if (ui.add_enabled(ready, egui::Button::new(verb)).clicked() || entered) && ready {
-                    accepted = Some(path_from_text(&self.text));
-                }
-                if ui.button("Cancel").clicked() {
-                    ui.close();
-                }
-            });
+            let verb = if self.purpose.saves() { "Save" } else { "Open" };
+            let is_ready = !self.text.trim().is_empty();
+            if (accept_ui(ui, verb, is_ready).clicked() || entered) && is_ready {
+                accepted = Some(path_from_text(&self.text));
+            }
         });
         let stay = accepted.is_none() && !dismissed;
         let asked = stay.then_some(asked);

@@ -2,7 +2,7 @@
 
 use crate::app::document::{Pointed, Queue, Side};
 use crate::app::memo::{Itself, Memo};
-use crate::app::panel::widgets::{error_ui, modal_ui, named, weak_ui};
+use crate::app::panel::widgets::{accept_ui, error_ui, modal_ui, named, weak_ui};
 use crate::app::results::Read;
 use crate::burst::Dump;
 use crate::inspect::words::counted;
@@ -87,14 +87,9 @@ impl ShapeDialog {
                 }
             });
             ui.add_space(6.0);
-            ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                let tip = "Open the file in this shape, and later files without header too";
-                accepts |= ui.add_enabled(on_show.is_ok(), Button::new("Open")).on_hover_text(tip).clicked()
-                    || ui.input(|i| i.key_pressed(Key::Enter));
-                if ui.button("Cancel").clicked() {
-                    ui.close();
-                }
-            });
+            let tip = "Open the file in this shape, and later files without header too";
+            accepts |= accept_ui(ui, "Open", on_show.is_ok()).on_hover_text(tip).clicked()
+                || ui.input(|i| i.key_pressed(Key::Enter));
         });
         if let (true, Ok(_), Ok(ShapeRequest { dump, .. })) = (accepts, on_show, chosen) {
             let (side, source) = std::mem::take(self).asked?;

@@ -6,8 +6,8 @@ use crate::monitor::Progress;
 use crate::requests::Running;
 use crate::teach::Part;
 use egui::{
-    Align, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Mesh, Painter, ProgressBar, Rect, Response,
-    RichText, Role, Sense, Shape, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
+    Align, Button, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Mesh, Painter, ProgressBar, Rect,
+    Response, RichText, Role, Sense, Shape, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
 };
 use egui_plot::Plot;
 use std::ops::RangeInclusive;
@@ -98,22 +98,29 @@ pub fn modal_ui(ctx: &Context, id: &str, width: f32, heading: &str, add_contents
     modal.should_close()
 }
 
+/// Draws the last row of a dialog: a button called `verb`, which can be pressed if it `is_ready`, and one that closes it.
+/// Returns the response of the first.
+pub fn accept_ui(ui: &mut Ui, verb: &str, is_ready: bool) -> Response {
+    let row = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+        let accept = ui.add_enabled(is_ready, Button::new(verb));
+        if ui.button("Cancel").clicked() {
+            ui.close();
+        }
+        accept
+    });
+    row.inner
+}
+
 /// Asks whether to go on, by a button called `verb`. Returns the answer, once it is given.
 pub fn confirm_ui(ctx: &Context, id: &str, heading: &str, verb: &str, texts: impl FnOnce(&mut Ui)) -> Option<bool> {
-    let mut answer = None;
+    let mut goes_on = false;
     let dismissed = modal_ui(ctx, id, 420.0, heading, |ui| {
         ui.add_space(4.0);
         texts(ui);
         ui.add_space(6.0);
-        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            for (text, says) in [(verb, true), ("Cancel", false)] {
-                if ui.button(text).clicked() {
-                    answer = Some(says);
-                }
-            }
-        });
+        goes_on = accept_ui(ui, verb, true).clicked();
     });
-    answer.or(dismissed.then_some(false))
+    (goes_on || dismissed).then_some(goes_on)
 }
 
 /// Shows a tooltip at the pointer, over whatever is drawn there but an open menu.
