@@ -2,7 +2,7 @@
 
 use crate::app::canvas::{RectTransform, backdrop, message, navigate};
 use crate::app::document::{Action, Pointed, Queue};
-use crate::app::panel::table::{Heading, Listed, rows_ui};
+use crate::app::panel::table::{Heading, Listed, rows_ui, texts};
 use crate::app::panel::widgets::instead_ui;
 use crate::app::results::studies::ORBIT_BEGINS;
 use crate::app::results::{PlaneScene, Read, Spot};
@@ -397,7 +397,7 @@ pub fn camera_list_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         value.unwrap_or_else(|| "–".to_owned())
     };
     let name = |camera: usize| format!("Camera {}", camera_label(model, camera));
-    rows_ui(ui, &headings, None, &listed, text, name, |row, camera| {
+    rows_ui(ui, &headings, None, &listed, texts(&headings, text), name, |row, camera| {
         if row.hovered() {
             queue.point(&poses.hovered, Some(camera), Pointed::Camera);
         }

@@ -3,7 +3,7 @@
 use super::filmstrip::side_colour;
 use crate::app::document::datasets::pair_of;
 use crate::app::document::{Action, BurstPair, DatasetChoice, PairColumn, Queue, Side};
-use crate::app::panel::table::{Heading, Listed, rows_ui};
+use crate::app::panel::table::{Heading, Listed, rows_ui, texts};
 use crate::app::panel::widgets::{instead_ui, middle_elided, strip_of_colours};
 use crate::app::results::datasets::pairs::PairTable;
 use crate::app::results::{BurstState, Dataset};
@@ -271,7 +271,8 @@ pub fn pair_list_ui(ui: &mut Ui, dataset: &Dataset, set: &DatasetChoice, queue: 
     let mut opened = None;
     ui.spacing_mut().item_spacing.x = 2.0;
     let (headings, name) = (PairColumn::ALL.map(heading), |item| format!("Pair {}", names(item)));
-    let sort = rows_ui(ui, &headings, Some((sorted_by, order.descending)), &listed, text, name, |row, item| {
+    let cells = texts(&headings, text);
+    let sort = rows_ui(ui, &headings, Some((sorted_by, order.descending)), &listed, cells, name, |row, item| {
         queue.push_if(row.clicked(), Action::SelectPair(pair_at(item)));
         if row.double_clicked() {
             opened = Some(pair_at(item));

@@ -7,13 +7,12 @@ use crate::app::document::{Action, Compared, Destination, Pointed, Reference, Si
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
 use crate::app::panel::legend;
-use crate::app::panel::table::{ROW_HEIGHT, cell_ui, striped_table};
-use crate::app::panel::widgets::{dashed_circle, named, progress_text, progress_ui, tip_ui};
+use crate::app::panel::table::{Heading, Listed, rows_ui, texts};
+use crate::app::panel::widgets::{dashed_circle, progress_text, progress_ui, tip_ui};
 use crate::app::results::Read;
 use crate::app::results::comparison::{Row, Shown};
 use crate::app::view::{fixed, signed_slope};
 use egui::{Button, Color32, Label, RichText, Sense, Ui, pos2, vec2};
-use egui_extras::Column;
 
 /// Colour of a comparison's outcome: distinct in hue and in lightness, and visible over a grey picture.
 pub fn colour(with: Reference, kind: Compared) -> Color32 {
@@ -103,74 +102,58 @@ fn what_to_do(model: Read<'_>, side: Side) -> &'static str {
     }
 }
 
+/// Headings of the rows, and their widths, points; the note takes the rest.
+const COLUMNS: [(&str, f32); 7] =
+    [("", 104.0), ("u", 54.0), ("v", 54.0), ("σ", 44.0), ("Slope", 96.0), ("Ours", 48.0), ("", 0.0)];
+
 /// Returns the clicked row.
 fn table_ui(ui: &mut Ui, model: Read<'_>, side: Side, shown: &Shown, queue: &mut Queue) -> Option<usize> {
-    let listed: Vec<usize> =
-        (0..shown.rows.len()).filter(|&row| model.document.comparisons[side].shows(shown.rows[row].kind)).collect();
+    let (set, hovered_before) = (&model.document.comparisons[side], model.results.slots[side].comparison.hovered);
+    let items: Vec<usize> = (0..shown.rows.len()).filter(|&row| set.shows(shown.rows[row].kind)).collect();
+    let listed = Listed { items: &items, selected: set.selected, hovered: hovered_before };
     let (mut clicked, mut hovered) = (None, None);
     let is_pointed_at = ui.rect_contains_pointer(ui.available_rect_before_wrap());
-    let table = striped_table(ui)
-        .sense(Sense::click())
-        .column(Column::exact(104.0))
-        .columns(Column::exact(54.0), 2)
-        .column(Column::exact(44.0))
-        .column(Column::exact(96.0))
-        .column(Column::exact(48.0))
-        .column(Column::remainder().clip(true));
-    table
-        .header(20.0, |mut header| {
-            for heading in ["", "u", "v", "σ", "Slope", "Ours", ""] {
-                header.col(|ui| cell_ui(ui, RichText::new(heading).small(), true));
-            }
-        })
-        .body(|body| {
-            body.rows(ROW_HEIGHT, listed.len(), |mut table_row| {
-                let index = listed[table_row.index()];
-                let row = &shown.rows[index];
-                table_row.set_selected(model.document.comparisons[side].selected == Some(index));
-                table_row.set_hovered(model.results.slots[side].comparison.hovered == Some(index));
-                table_row.col(|ui| {
-                    key_ui(ui, shown, row.kind);
-                    ui.add(Label::new(shown.label(row.kind)).selectable(false));
-                });
-                for text in cells(row) {
-                    table_row.col(|ui| cell_ui(ui, RichText::new(text).monospace(), true));
-                }
-                table_row.col(|ui| {
-                    ui.add(Label::new(&row.note).selectable(false).truncate());
-                });
-                let response = table_row.response();
-                named(&response, egui::Role::Row, format!("{} {index}", shown.label(row.kind)));
-                if response.hovered() {
-                    hovered = Some(index);
-                }
-                if response.clicked() {
-                    clicked = Some(index);
-                }
-                response.context_menu(|ui| {
-                    let response = ui.button("Probe this place").on_hover_text(PROBE_HELP);
-                    queue.push_if(response.clicked(), Action::Probe(side, row.question()));
-                });
-                if !row.note.is_empty() {
-                    response.on_hover_text(&row.note);
-                }
-            });
+    let heading = |(text, width)| Heading { text, width, is_exact: width > 0.0, is_left: true, ..Heading::default() };
+    let headings = COLUMNS.map(heading);
+    let mut texts = texts(&headings, |column, index| text(&shown.rows[index], column));
+    let contents_ui = |ui: &mut Ui, column: usize, index: usize| match (column, &shown.rows[index]) {
+        (0, row) => {
+            key_ui(ui, shown, row.kind);
+            ui.add(Label::new(shown.label(row.kind)).selectable(false));
+        }
+        (6, row) => _ = ui.add(Label::new(&row.note).selectable(false).truncate()),
+        _ => texts(ui, column, index),
+    };
+    let name = |index: usize| format!("{} {index}", shown.label(shown.rows[index].kind));
+    rows_ui(ui, &headings, None, &listed, contents_ui, name, |response, index| {
+        let row = &shown.rows[index];
+        hovered = hovered.or(response.hovered().then_some(index));
+        clicked = clicked.or(response.clicked().then_some(index));
+        response.context_menu(|ui| {
+            let response = ui.button("Probe this place").on_hover_text(PROBE_HELP);
+            queue.push_if(response.clicked(), Action::Probe(side, row.question()));
         });
+        if !row.note.is_empty() {
+            response.clone().on_hover_text(&row.note);
+        }
+    });
     // The pointer may be over a picture instead, which then sets the hovered row.
     if is_pointed_at {
-        queue.point(&model.results.slots[side].comparison.hovered, hovered, |row| Pointed::Row(side, row));
+        queue.point(&hovered_before, hovered, |row| Pointed::Row(side, row));
     }
     clicked
 }
 
-fn cells(row: &Row) -> [String; 5] {
-    [
-        fixed(row.pos_image[0], 1),
-        fixed(row.pos_image[1], 1),
-        format!("{:.2}", row.sigma),
-        row.slope.map_or_else(|| "–".to_owned(), |s| signed_slope(s, 2)),
-        row.feature.map_or_else(|| "–".to_owned(), |index| format!("#{index}")),
-    ]
+/// Text of a row in one of the columns of numbers.
+fn text(row: &Row, column: usize) -> String {
+    let or_dash = |text: Option<String>| text.unwrap_or_else(|| "–".to_owned());
+    match column {
+        1 => fixed(row.pos_image[0], 1),
+        2 => fixed(row.pos_image[1], 1),
+        3 => format!("{:.2}", row.sigma),
+        4 => or_dash(row.slope.map(|slope| signed_slope(slope, 2))),
+        _ => or_dash(row.feature.map(|index| format!("#{index}"))),
+    }
 }
 
 fn is_in_view(model: Read<'_>, widgets: &PaneWidgets, row: &Row) -> bool {

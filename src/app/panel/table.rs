@@ -110,8 +110,8 @@ pub(in crate::app) fn sorted_table_ui<C: SortedColumn>(
     let sorted_by = columns.iter().position(|column| *column == order.column).unwrap_or(columns.len());
     ui.spacing_mut().item_spacing.x = 4.0;
     egui::ScrollArea::horizontal().auto_shrink(false).show(ui, |ui| {
-        let text = |column: usize, index| text(columns[column], index);
-        let clicked = rows_ui(ui, &headings, Some((sorted_by, order.descending)), listed, text, name, |row, index| {
+        let cells = texts(&headings, |column, index| text(columns[column], index));
+        let clicked = rows_ui(ui, &headings, Some((sorted_by, order.descending)), listed, cells, name, |row, index| {
             row.context_menu(|ui| menu(ui, index));
             if row.hovered() {
                 pointed.hovered = Some(index);
@@ -133,15 +133,23 @@ pub(in crate::app) fn striped_table(ui: &mut Ui) -> TableBuilder<'_> {
     table.min_scrolled_height(0.0).auto_shrink(false)
 }
 
+/// Draws the cells of a table that hold a text each: that of a column and an item.
+pub(in crate::app) fn texts(
+    headings: &[Heading],
+    text: impl Fn(usize, usize) -> String,
+) -> impl FnMut(&mut Ui, usize, usize) {
+    move |ui, column, item| cell_ui(ui, RichText::new(text(column, item)).monospace(), headings[column].is_left)
+}
+
 /// Draws a table. `sorted` is the column by which it is sorted and whether the largest come first; `None` for a table
-/// that is in an order of its own. `text` is the content of the cell of a column and an item, `name` the item's name
-/// for screen readers, and `on_row` takes the response of its row. Returns the column whose heading was clicked.
+/// that is in an order of its own. `contents_ui` draws the cell of a column and an item, `name` is the item's name for
+/// screen readers, and `on_row` takes the response of its row. Returns the column whose heading was clicked.
 pub(in crate::app) fn rows_ui(
     ui: &mut Ui,
     headings: &[Heading],
     sorted: Option<(usize, bool)>,
     listed: &Listed<'_>,
-    text: impl Fn(usize, usize) -> String,
+    mut contents_ui: impl FnMut(&mut Ui, usize, usize),
     name: impl Fn(usize) -> String,
     mut on_row: impl FnMut(&Response, usize),
 ) -> Option<usize> {
@@ -181,8 +189,8 @@ pub(in crate::app) fn rows_ui(
                 let item = items[row.index()];
                 row.set_selected(selected == Some(item));
                 row.set_hovered(hovered == Some(item));
-                for (column, heading) in headings.iter().enumerate() {
-                    row.col(|ui| cell_ui(ui, RichText::new(text(column, item)).monospace(), heading.is_left));
+                for column in 0..headings.len() {
+                    row.col(|ui| contents_ui(ui, column, item));
                 }
                 let response = row.response();
                 named(&response, egui::Role::Row, name(item));

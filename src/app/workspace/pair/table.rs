@@ -3,7 +3,7 @@
 use crate::app::actions::Queue;
 use crate::app::document::{Action, MatchColumn, PairTab, Side};
 use crate::app::inspector::match_menu_ui;
-use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui};
+use crate::app::panel::table::{Heading, Listed, SortedColumn, rows_ui, sorted_table_ui, texts};
 use crate::app::panel::widgets::{make_room, progress_text, text_width};
 use crate::app::results::{Matches, PAIR_NUMBERS, Read, lost_words};
 use crate::app::view::{fixed, signed_slope};
@@ -116,8 +116,8 @@ pub fn lost_table_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
         }
     };
     let heading = |(text, width)| Heading { text, width, is_exact: text != "SNR", is_left: true, ..Heading::default() };
-    let name = |index| format!("Unmatched feature {index}");
-    rows_ui(ui, &LOST_COLUMNS.map(heading), None, &listed, text, name, |row, index| {
+    let (headings, name) = (LOST_COLUMNS.map(heading), |index| format!("Unmatched feature {index}"));
+    rows_ui(ui, &headings, None, &listed, texts(&headings, text), name, |row, index| {
         queue.push_if(row.clicked(), Action::AskFeature(Some(index)));
     });
 }
