@@ -317,8 +317,7 @@ fn matches_work(model: Read<'_>) -> Result<Work, String> {
 fn profile_work(model: Read<'_>, widgets: &PaneWidgets) -> Result<Work, String> {
     let line = model.document.measure.line.ok_or("there is no line; draw one with Q first")?;
     let profiles = profiles_of(model, widgets, &line).into_iter();
-    let profiles: Vec<_> =
-        profiles.map(|profile| (format!("{}  {}", profile.number, profile.label), profile.samples)).collect();
+    let profiles: Vec<_> = profiles.map(|(_, name, samples)| (name, samples)).collect();
     if profiles.is_empty() {
         return Err("the pane with the line is closed; draw another line with Q".to_owned());
     }

@@ -17,22 +17,19 @@ use crate::plane::statistics::Region;
 use crate::teach::BottomTab;
 use egui::{Color32, PointerButton, Pos2, Rect, Stroke, StrokeKind};
 
-#[derive(Debug, Clone, PartialEq)]
-pub struct PaneProfile {
-    pub id: PaneId,
-    pub number: usize,
-    pub label: String,
-    /// Samples along the line; places in image pixels.
-    pub samples: Vec<ProfileSample>,
-}
-
 #[derive(Debug, Clone)]
 pub struct PaneRegion {
     pub id: PaneId,
     pub number: usize,
-    pub label: String,
+    pub name: String,
     pub picture: Picture,
     pub region: Region,
+}
+
+/// Number of a pane, and its name in a list: that number, and what the pane shows.
+fn name_of(model: Read<'_>, id: PaneId) -> Option<(usize, String)> {
+    let number = model.document.panes.number(id)?;
+    Some((number, format!("{number}  {}", short_description(model, id, false))))
 }
 
 /// The pane drawn on; where other panes took its place, the focused pane, which shows the same burst.
@@ -57,15 +54,20 @@ fn mapped(model: Read<'_>, drawn_on: PaneId, to: PaneId, pos_image: Pos2) -> Opt
     if drawn_on == to { Some(pos_image) } else { same_place(model, drawn_on, to, pos_image) }
 }
 
-pub fn profiles_of(model: Read<'_>, widgets: &PaneWidgets, line: &MeasuredLine) -> Vec<PaneProfile> {
+/// Values along the line in each pane that it is drawn in, with the pane's number and name; places in image pixels.
+pub fn profiles_of(
+    model: Read<'_>,
+    widgets: &PaneWidgets,
+    line: &MeasuredLine,
+) -> Vec<(usize, String, Vec<ProfileSample>)> {
     let of = |id: PaneId| {
         let picture = widgets.get(id)?.picture.shown()?;
         // Each pane shows the line at the same place of the scene.
         let ends = [line.from_image, line.to_image].map(|pos| mapped(model, line.pane, id, pos));
         let (from, to) = (ends[0]?, ends[1]?);
         let samples = profile(&picture.plane, from.into(), to.into(), picture.image_from_picture_scale);
-        let number = model.document.panes.number(id)?;
-        Some(PaneProfile { id, number, label: short_description(model, id, false), samples })
+        let (number, name) = name_of(model, id)?;
+        Some((number, name, samples))
     };
     measured_panes(model, line.pane).into_iter().filter_map(of).collect()
 }
@@ -78,8 +80,8 @@ fn rect_in(model: Read<'_>, region: &MeasuredRegion, id: PaneId) -> Option<Rect>
 pub fn region_in(model: Read<'_>, widgets: &PaneWidgets, region: &MeasuredRegion, id: PaneId) -> Option<PaneRegion> {
     let picture = widgets.get(id)?.picture.shown()?.clone();
     let region = picture.region(rect_in(model, region, id)?);
-    let (number, label) = (model.document.panes.number(id)?, short_description(model, id, false));
-    Some(PaneRegion { id, number, label, picture, region })
+    let (number, name) = name_of(model, id)?;
+    Some(PaneRegion { id, number, name, picture, region })
 }
 
 const COLOUR: Color32 = Color32::from_rgb(255, 214, 90);

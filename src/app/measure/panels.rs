@@ -92,12 +92,11 @@ fn place_text(at: egui::Pos2) -> String {
 }
 
 fn row(of: &PaneRegion, statistics: Option<RegionStatistics>) -> [String; COLUMNS.len()] {
-    let name = format!("{}  {}", of.number, of.label);
     let Some(s) = statistics else {
-        return std::array::from_fn(|i| if i == 0 { name.clone() } else { "–".to_owned() });
+        return std::array::from_fn(|i| if i == 0 { of.name.clone() } else { "–".to_owned() });
     };
     [
-        name,
+        of.name.clone(),
         s.count.to_string(),
         number(s.mean as f32, 5),
         number(s.deviation as f32, 4),
@@ -178,13 +177,12 @@ pub fn profile_ui(ui: &mut Ui, model: Read<'_>, widgets: &PaneWidgets, queue: &m
         .y_axis_formatter(|mark, _| number(mark.value as f32, 3))
         .height(ui.available_height().max(60.0));
     let drawn = plot.show(ui, |plot| {
-        for profile in &profiles {
+        for (number, name, samples) in &profiles {
             // The line may leave the picture, or cross what has no value.
-            let known = profile.samples.iter().filter(|sample| sample.value.is_finite());
+            let known = samples.iter().filter(|sample| sample.value.is_finite());
             let points: PlotPoints<'_> =
                 known.map(|sample| [f64::from(sample.distance_px), f64::from(sample.value)]).collect();
-            let name = format!("{}  {}", profile.number, profile.label);
-            let colour = CURVES[(profile.number - 1) % CURVES.len()];
+            let colour = CURVES[(number - 1) % CURVES.len()];
             plot.line(Line::new(name, points).color(colour).width(1.5));
         }
     });
