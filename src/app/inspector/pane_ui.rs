@@ -16,6 +16,7 @@ use crate::inspect::place::Slice;
 use crate::inspect::words::{counted, number};
 use crate::plane::Plane;
 use crate::requests::{Probed, ViewKind};
+use egui::text::LayoutJob;
 use egui::{
     Align2, AsIdSalt, Color32, CursorIcon, PointerButton, Pos2, Rect, Response, Sense, Stroke, TextStyle, Ui, pos2,
     vec2,
@@ -173,16 +174,27 @@ fn over_handle_ui(ui: &Ui, at: &mut f32, rect: Rect) {
     response.on_hover_and_drag_cursor(CursorIcon::ResizeHorizontal);
 }
 
-/// Draws a text on a dark background in a corner of a picture. `salt` makes its id unique.
-pub(in crate::app) fn chip_ui(ui: &Ui, output: &CanvasOutput, corner: Align2, text: &str, salt: impl AsIdSalt) {
+/// Draws a text on a dark background in a corner of a picture, as much of it as there is room for. `salt` makes its id
+/// unique.
+pub(in crate::app) fn chip_ui(
+    ui: &Ui,
+    output: &CanvasOutput,
+    corner: Align2,
+    text: &str,
+    salt: impl AsIdSalt,
+) -> Response {
     let painter = &output.painter;
     let rect = output.response.rect.intersect(painter.clip_rect());
-    let galley = painter.layout_no_wrap(text.to_owned(), egui::FontId::proportional(13.0), Color32::WHITE);
+    let font = egui::FontId::proportional(13.0);
+    let mut job = LayoutJob::simple_singleline(text.to_owned(), font, Color32::WHITE);
+    (job.wrap.max_width, job.wrap.max_rows) = ((rect.width() - 30.0).max(40.0), 1);
+    let galley = painter.layout_job(job);
     let ground = corner.align_size_within_rect(galley.size() + vec2(14.0, 6.0), rect.shrink(8.0));
     painter.rect_filled(ground, 4.0, Color32::from_black_alpha(190));
     painter.galley(ground.min + vec2(7.0, 3.0), galley, Color32::WHITE);
     let response = ui.interact(ground, output.response.id.with(salt), Sense::hover());
     named(&response, egui::Role::Label, text);
+    response
 }
 
 /// Space for the frames' numbers on the left and the pixels below, points.

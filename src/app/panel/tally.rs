@@ -3,8 +3,9 @@
 use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::document::{Action, Destination, Pointed, Queue, Side};
+use crate::app::inspector::chip_ui;
 use crate::app::pane::PaneId;
-use crate::app::panel::widgets::{instead_ui, label_ui, named, progress_text, tip_ui, weak_ui, with_whole_numbers};
+use crate::app::panel::widgets::{instead_ui, label_ui, progress_text, tip_ui, weak_ui, with_whole_numbers};
 use crate::app::results::{FoundFeatures, Read};
 use crate::app::view::signed_slope;
 use crate::detector::advice::grouped;
@@ -292,19 +293,7 @@ pub fn selected_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
 }
 
 fn note_ui(ui: &Ui, output: &CanvasOutput, text: &str) {
-    let painter = &output.painter;
-    let rect = output.response.rect.intersect(painter.clip_rect());
-    let font = egui::FontId::proportional(12.0);
-    let mut job = egui::text::LayoutJob::simple_singleline(text.to_owned(), font, Color32::WHITE);
-    job.wrap.max_width = (rect.width() - 30.0).max(40.0);
-    job.wrap.max_rows = 1;
-    let galley = painter.layout_job(job);
-    let ground = Align2::CENTER_TOP.align_size_within_rect(galley.size() + vec2(14.0, 6.0), rect.shrink(8.0));
-    painter.rect_filled(ground, 4.0, Color32::from_black_alpha(190));
-    painter.galley(ground.min + vec2(7.0, 3.0), galley, Color32::WHITE);
-    let response = ui.interact(ground, output.response.id.with("candidates"), Sense::hover());
-    named(&response, egui::Role::Label, text);
-    response.on_hover_text(
+    chip_ui(ui, output, Align2::CENTER_TOP, text, "candidates").on_hover_text(
         "Yellow: nearly passed; dark: failed by far. Point at a circle to read its numbers; click to keep them on the screen",
     );
 }
