@@ -96,8 +96,7 @@ fn joined_of(
     let place = |id: &PaneId| Some((*id, widgets.rect_ui(*id).filter(egui::Rect::is_positive)?));
     let places: Vec<_> = panes.iter().filter_map(place).collect();
     let shift = |id: PaneId, side| model.frames_from_middle(id, matches.detection(side)).unwrap_or_default();
-    let pairs =
-        joined_panes(model, &places, method).pairs.into_iter().map(|(a, b)| [a, b].map(|place| places[place].0));
+    let pairs = joined_panes(model, &places, method).into_iter().map(|(a, b)| [a, b].map(|place| places[place].0));
     pairs.map(|ids| (ids, [shift(ids[0], Side::A), shift(ids[1], Side::B)])).collect()
 }
 

@@ -14,4 +14,4 @@ pub(in crate::app) use menu::{copy_ui, feature_items_ui, match_menu_ui};
 pub use pane_ui::Drawn;
 pub(in crate::app) use pane_ui::chip_ui;
 pub use panes::inspector_ui;
-pub use widgets::{JoinedPanes, PaneWidget, PaneWidgets, PlaceValue, joined_panes, short_description};
+pub use widgets::{PaneWidget, PaneWidgets, PlaceValue, joined_panes, short_description, side_of};

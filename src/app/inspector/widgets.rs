@@ -156,22 +156,18 @@ pub(super) fn canvas_name(model: Read<'_>, id: PaneId) -> String {
     }
 }
 
-/// Panes of one method, and the joined ones among them; as indices into the given places.
-pub struct JoinedPanes {
-    pub sides: [Vec<usize>; 2],
-    pub pairs: Vec<(usize, usize)>,
+/// Side of a pane with the input of `method` (`None`: without a method); no differences, no slices.
+pub fn side_of(model: Read<'_>, id: PaneId, method: Option<MethodId>) -> Option<Side> {
+    model.pane(id).filter(|pane| pane.method == method && pane.shown().is_some()).map(|pane| pane.side)
 }
 
-/// Visible panes with the input of `method` (`None`: without a method) among `places`; no differences, no slices.
-pub fn joined_panes(model: Read<'_>, places: &[(PaneId, Rect)], method: Option<MethodId>) -> JoinedPanes {
-    let is_of = |id: PaneId, side: Side| {
-        model.pane(id).is_some_and(|pane| pane.side == side && pane.method == method && pane.shown().is_some())
-    };
-    let sides = Side::BOTH.map(|side| (0..places.len()).filter(|i| is_of(places[*i].0, side)).collect::<Vec<_>>());
-    let rects = sides.each_ref().map(|side| side.iter().map(|place| places[*place].1).collect::<Vec<_>>());
+/// Pairs of a pane of A and one of B with the input of `method` that are joined; as indices into `places`.
+pub fn joined_panes(model: Read<'_>, places: &[(PaneId, Rect)], method: Option<MethodId>) -> Vec<(usize, usize)> {
+    let is_on = |place: usize, side| side_of(model, places[place].0, method) == Some(side);
+    let [a, b] = Side::BOTH.map(|side| (0..places.len()).filter(|i| is_on(*i, side)).collect::<Vec<_>>());
+    let rects = |of: &[usize]| of.iter().map(|place| places[*place].1).collect::<Vec<Rect>>();
     let all: Vec<Rect> = places.iter().map(|(_, rect)| *rect).collect();
-    let pairs = joined(&rects[0], &rects[1], &all).into_iter().map(|(a, b)| (sides[0][a], sides[1][b])).collect();
-    JoinedPanes { sides, pairs }
+    joined(&rects(&a), &rects(&b), &all).into_iter().map(|(i, j)| (a[i], b[j])).collect()
 }
 
 /// Pairs of `a` and `b` between which lines go, as indices: panes that face each other with none of `all` between, and

@@ -3,7 +3,7 @@
 use crate::app::canvas::overlay::{ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
 use crate::app::canvas::{CanvasOutput, overlay};
 use crate::app::document::{Action, MatchesAs, MethodId, Pointed, Queue, Side};
-use crate::app::inspector::{Drawn, JoinedPanes, chip_ui, is_with_shift, joined_panes};
+use crate::app::inspector::{Drawn, chip_ui, is_with_shift, joined_panes, side_of};
 use crate::app::pane::PaneId;
 use crate::app::panel::picture::at_time;
 use crate::app::panel::widgets::tip_ui;
@@ -228,19 +228,15 @@ pub struct MatchViews<'a> {
 impl<'a> MatchViews<'a> {
     pub fn of(model: Read<'_>, drawn: &'a [Drawn], method: Option<MethodId>) -> Self {
         let places: Vec<_> = drawn.iter().map(|drawn| (drawn.shown, drawn.output.response.rect)).collect();
-        let JoinedPanes { sides, pairs } = joined_panes(model, &places, method);
-        let mut of_drawn: Vec<(usize, Side)> =
-            sides.iter().zip(Side::BOTH).flat_map(|(places, side)| places.iter().map(move |i| (*i, side))).collect();
-        of_drawn.sort_by_key(|(place, _)| *place);
         let shift = |id: PaneId| model.frames_from_middle(id, model.detection_in(model.pane(id)?)?);
-        let view = |(place, side): &(usize, Side)| {
-            let drawn = &drawn[*place];
-            MatchView { side: *side, output: &drawn.output, shift: shift(drawn.shown).unwrap_or_default() }
+        let view = |(place, drawn): (usize, &'a Drawn)| {
+            let (side, shift) = (side_of(model, drawn.shown, method)?, shift(drawn.shown).unwrap_or_default());
+            Some((place, MatchView { side, output: &drawn.output, shift }))
         };
-        let views = of_drawn.iter().map(view).collect();
-        let place = |of: usize| of_drawn.iter().position(|(place, _)| *place == of);
-        let pairs = pairs.into_iter().filter_map(|(a, b)| Some((place(a)?, place(b)?))).collect();
-        Self { views, pairs }
+        let (of_drawn, views): (Vec<usize>, Vec<_>) = drawn.iter().enumerate().filter_map(view).unzip();
+        let place = |of: usize| of_drawn.iter().position(|place| *place == of);
+        let pairs = joined_panes(model, &places, method).into_iter();
+        Self { views, pairs: pairs.filter_map(|(a, b)| Some((place(a)?, place(b)?))).collect() }
     }
 
     pub fn on(&self, side: Side) -> impl Iterator<Item = &MatchView<'a>> {
@@ -255,33 +251,24 @@ impl<'a> MatchViews<'a> {
     /// Canvases of each pair, A's first; for vectors each of A with itself. A pane without a partner is paired with an
     /// empty rectangle, so that the ends of its matches are marked. The pair under the pointer comes last.
     pub fn canvases(&self, are_vectors: bool) -> Vec<Canvases> {
-        let pane = |place: usize| {
-            let output = self.views[place].output;
-            Pane { ui_from_image: output.ui_from_image, rect_ui: output.response.rect }
-        };
-        if are_vectors {
-            let of_a = (0..self.views.len()).filter(|place| self.views[*place].side == Side::A);
-            let with_itself = |place: usize| Canvases {
-                panes: [pane(place); 2],
-                shifts: [self.views[place].shift; 2],
-                places: [Some(place), None],
+        let canvases = |there: usize, places: [Option<usize>; 2]| {
+            let pane = |place: Option<usize>| {
+                let output = self.views[place.unwrap_or(there)].output;
+                let rect_ui = if place.is_some() || are_vectors { output.response.rect } else { Rect::NOTHING };
+                Pane { ui_from_image: output.ui_from_image, rect_ui }
             };
-            return of_a.map(with_itself).collect();
-        }
-        let nothing = |place: usize| Pane { rect_ui: Rect::NOTHING, ..pane(place) };
-        let paired = self.pairs.iter().map(|&(a, b)| Canvases {
-            panes: [pane(a), pane(b)],
-            shifts: [a, b].map(|place| self.views[place].shift),
-            places: [Some(a), Some(b)],
-        });
-        let alone = (0..self.views.len()).filter(|place| !self.pairs.iter().any(|(a, b)| [a, b].contains(&place)));
-        let alone = alone.map(|place| {
-            let (is_a, shift) = (self.views[place].side == Side::A, self.views[place].shift);
-            Canvases {
-                panes: if is_a { [pane(place), nothing(place)] } else { [nothing(place), pane(place)] },
-                shifts: [shift; 2],
-                places: if is_a { [Some(place), None] } else { [None, Some(place)] },
-            }
+            let shifts = places.map(|place| self.views[place.unwrap_or(there)].shift);
+            Canvases { panes: places.map(pane), shifts, places }
+        };
+        let is_paired = |place: usize| self.pairs.iter().any(|(a, b)| [*a, *b].contains(&place));
+        let is_alone = |place: &usize| match are_vectors {
+            true => self.views[*place].side == Side::A,
+            false => !is_paired(*place),
+        };
+        let paired = self.pairs.iter().filter(|_| !are_vectors).map(|&(a, b)| canvases(a, [Some(a), Some(b)]));
+        let alone = (0..self.views.len()).filter(is_alone).map(|place| match self.views[place].side {
+            Side::A => canvases(place, [Some(place), None]),
+            Side::B => canvases(place, [None, Some(place)]),
         });
         let mut all: Vec<Canvases> = paired.chain(alone).collect();
         let pointed = self.pointed().map(|(place, _)| place);
