@@ -2,7 +2,7 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::CanvasOutput;
-use crate::app::canvas::overlay::{ComparedMark, draw_compared, mark_at};
+use crate::app::canvas::overlay::{CircleMark, circle_at, draw_circles};
 use crate::app::document::{Action, Compared, Destination, Pointed, Reference, Side};
 use crate::app::inspector::PaneWidgets;
 use crate::app::pane::PaneId;
@@ -171,7 +171,7 @@ pub struct RowsInPane<'a> {
 }
 
 /// Marks of the drawn rows, with the rows' indices; in a frame, at the frame's time.
-fn marks_of(model: Read<'_>, place: &RowsInPane<'_>) -> (Vec<usize>, Vec<ComparedMark>) {
+fn marks_of(model: Read<'_>, place: &RowsInPane<'_>) -> (Vec<usize>, Vec<CircleMark>) {
     let RowsInPane { side, id, shown, .. } = *place;
     let dt = model.frames_from_middle(id, &shown.detection).unwrap_or_default();
     let pointed = [model.document.comparisons[side].selected, model.results.slots[side].comparison.hovered];
@@ -182,7 +182,7 @@ fn marks_of(model: Read<'_>, place: &RowsInPane<'_>) -> (Vec<usize>, Vec<Compare
         .map(|(index, row)| {
             let (moved_u, moved_v) = row.slope.unwrap_or_default().displacement(dt);
             let at = |pos: [f32; 2]| pos2(pos[0] + moved_u, pos[1] + moved_v);
-            let mark = ComparedMark {
+            let mark = CircleMark {
                 pos_image: at(row.pos_image),
                 sigma: row.sigma,
                 from_image: row.from_image.map(at),
@@ -202,7 +202,7 @@ pub fn marks_ui(ui: &Ui, model: Read<'_>, place: &RowsInPane<'_>, output: &Canva
     let is_over_match = model.document.workspace.shows_pair() && model.results.pair.hovered.is_some();
     let on_top = model.results.explained.pointed.is_none() && !is_over_match;
     let pointer = output.pointer_ui.filter(|pos| on_top && clip.contains(*pos));
-    let pointed = pointer.and_then(|pos| mark_at(output, &marks, pos));
+    let pointed = pointer.and_then(|pos| circle_at(output, &marks, pos));
     let hovered_before = model.results.slots[side].comparison.hovered;
     let hovered = if pointer.is_some() { pointed.map(|mark| rows[mark]) } else { hovered_before };
     queue.point(&hovered_before, hovered, |row| Pointed::Row(side, row));
@@ -216,7 +216,7 @@ pub fn marks_ui(ui: &Ui, model: Read<'_>, place: &RowsInPane<'_>, output: &Canva
     let highlighted = focus.and_then(|row| rows.iter().position(|r| *r == row));
     let elsewhere = model.results.hovered.or(model.document.selected).filter(|_| side == Side::A);
     let highlighted = highlighted.or_else(|| elsewhere.and_then(of_ours));
-    draw_compared(output, &marks, highlighted);
+    draw_circles(output, &marks, highlighted);
     queue.push_if(on_top && output.clicked_in_sight(), Action::SelectRow(side, pointed.map(|mark| rows[mark])));
     if let Some(mark) = pointed.filter(|_| !output.response.dragged()) {
         row_tip_ui(ui, shown, &shown.rows[rows[mark]]);

@@ -1,6 +1,6 @@
 //! Tests of the search: how many samples each rejected, and the candidates that one of them rejected, over the picture.
 
-use crate::app::canvas::overlay::{CircleMark, circle_at, draw_marks};
+use crate::app::canvas::overlay::{CircleMark, circle_at, draw_circles};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::document::{Action, Destination, Pointed, Queue, Side};
 use crate::app::inspector::chip_ui;
@@ -198,17 +198,14 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
         return;
     };
     let shown = strongest(survey);
-    let circle = |mark: &CandidateMark| {
-        let moved = slopes.slope(mark.sample.slope_index).displacement(dt);
-        (Pos2::from(mark.pos_image) + moved.into(), std::f32::consts::SQRT_2 * mark.sigma)
+    let circle = |&index: &usize| {
+        let CandidateMark { pos_image, sigma, sample, margin, .. } = survey.marks[index];
+        let pos_image = Pos2::from(pos_image) + slopes.slope(sample.slope_index).displacement(dt).into();
+        CircleMark { pos_image, sigma, from_image: None, colour: margin_colour(margin), dashed: false }
     };
-    let selected = model.document.selected_candidate;
-    let marks = shown.iter().map(|&index| {
-        let mark = &survey.marks[index];
-        let (centre, radius) = circle(mark);
-        CircleMark { centre, radius, colour: margin_colour(mark.margin), strong: selected == Some(index) }
-    });
-    draw_marks(output, marks);
+    let circles: Vec<CircleMark> = shown.iter().map(circle).collect();
+    let is_selected = |index: &usize| model.document.selected_candidate == Some(*index);
+    draw_circles(output, &circles, shown.iter().position(is_selected));
     let more =
         if survey.marks.len() > shown.len() { format!(" (the {} strongest)", shown.len()) } else { String::new() };
     let min_snr = crate::inspect::place::SurveyOptions::default().min_snr;
@@ -217,8 +214,7 @@ pub fn candidates_ui(ui: &Ui, model: Read<'_>, id: PaneId, output: &CanvasOutput
     note_ui(ui, output, &text);
     let clip = output.painter.clip_rect();
     let Some(pointer) = output.pointer_ui.filter(|pos| clip.contains(*pos)) else { return };
-    let pointed = circle_at(shown.iter().map(|&index| circle(&survey.marks[index])), output.ui_from_image, pointer);
-    let pointed = pointed.map(|place| shown[place]);
+    let pointed = circle_at(output, &circles, pointer).map(|place| shown[place]);
     // The pointer meets the topmost marks, not the features below them.
     queue.point(&model.results.explained.pointed, pointed, Pointed::Candidate);
     queue.push_if(pointed.is_some(), Pointed::Feature(None));

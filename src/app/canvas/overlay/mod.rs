@@ -179,8 +179,9 @@ pub fn feature_at(
     near.map(|(_, _, i)| i).or(around.map(|(_, i)| i))
 }
 
+/// A circle at a place of the picture that is no feature of the shown detection, or not only one.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ComparedMark {
+pub struct CircleMark {
     pub pos_image: Pos2,
     /// Scale σ, image pixels.
     pub sigma: f32,
@@ -190,33 +191,33 @@ pub struct ComparedMark {
     pub dashed: bool,
 }
 
-impl ComparedMark {
+impl CircleMark {
     fn radius_image(&self) -> f32 {
         std::f32::consts::SQRT_2 * self.sigma
     }
 }
 
-pub fn draw_compared(output: &CanvasOutput, marks: &[ComparedMark], highlighted: Option<usize>) {
+pub fn draw_circles(output: &CanvasOutput, marks: &[CircleMark], highlighted: Option<usize>) {
     let mut strokes = Strokes::new(output.painter.pixels_per_point());
     let edge = Color32::from_black_alpha(110);
-    let visible = output.visible_image;
-    let seen = |mark: &&ComparedMark| visible.expand(mark.radius_image()).contains(mark.pos_image);
+    let is_seen = |mark: &&CircleMark| output.visible_image.expand(mark.radius_image()).contains(mark.pos_image);
+    let seen: Vec<&CircleMark> = marks.iter().filter(is_seen).collect();
     // All edges lie below all marks: none covers the line of a neighbour.
-    for mark in marks.iter().filter(seen) {
-        draw_compared_mark(&mut strokes, output, mark, 3.4, edge);
+    for mark in seen.iter().filter(|_| seen.len() <= MAX_WITH_EDGE) {
+        draw_circle(&mut strokes, output, mark, 3.4, edge);
     }
-    for mark in marks.iter().filter(seen) {
-        draw_compared_mark(&mut strokes, output, mark, 1.6, mark.colour);
+    for mark in &seen {
+        draw_circle(&mut strokes, output, mark, 1.6, mark.colour);
     }
     if let Some(mark) = highlighted.and_then(|index| marks.get(index)) {
         for (width, colour) in [(7.0, Color32::from_black_alpha(150)), (5.0, Color32::WHITE), (2.6, mark.colour)] {
-            draw_compared_mark(&mut strokes, output, mark, width, colour);
+            draw_circle(&mut strokes, output, mark, width, colour);
         }
     }
     strokes.paint(&output.painter);
 }
 
-fn draw_compared_mark(strokes: &mut Strokes, output: &CanvasOutput, mark: &ComparedMark, width: f32, colour: Color32) {
+fn draw_circle(strokes: &mut Strokes, output: &CanvasOutput, mark: &CircleMark, width: f32, colour: Color32) {
     let t = output.ui_from_image;
     let centre = t.pos(mark.pos_image);
     let radius = (mark.radius_image() * t.scale()).max(MIN_RADIUS_POINTS);
@@ -226,60 +227,16 @@ fn draw_compared_mark(strokes: &mut Strokes, output: &CanvasOutput, mark: &Compa
     }
 }
 
-pub fn mark_at(output: &CanvasOutput, marks: &[ComparedMark], pointer: Pos2) -> Option<usize> {
+/// The mark whose centre or line is nearest to the pointer, within a few points.
+pub fn circle_at(output: &CanvasOutput, marks: &[CircleMark], pointer_ui: Pos2) -> Option<usize> {
     const REACH_POINTS: f32 = 8.0;
     let t = output.ui_from_image;
-    let apart = |mark: &ComparedMark| {
-        let distance = t.pos(mark.pos_image).distance(pointer);
+    let apart = |mark: &CircleMark| {
+        let distance = t.pos(mark.pos_image).distance(pointer_ui);
         distance.min((distance - mark.radius_image() * t.scale()).abs())
     };
     let near = marks.iter().enumerate().map(|(index, mark)| (index, apart(mark))).filter(|(_, d)| *d <= REACH_POINTS);
     near.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
-}
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CircleMark {
-    /// Centre, image pixels.
-    pub centre: Pos2,
-    pub radius: f32,
-    pub colour: Color32,
-    pub strong: bool,
-}
-
-/// Maximum distance of the pointer from a mark's centre, points; from its line, half as much.
-const REACH: f32 = 6.0;
-const MIN_RADIUS: f32 = 2.0;
-
-pub fn draw_marks(output: &CanvasOutput, marks: impl Iterator<Item = CircleMark>) {
-    let rect = output.painter.clip_rect();
-    let mut strokes = Strokes::new(output.painter.ctx().pixels_per_point());
-    for mark in marks {
-        let centre = output.ui_from_image.pos(mark.centre);
-        let radius = (mark.radius * output.ui_from_image.scale()).max(MIN_RADIUS);
-        if rect.expand(radius).contains(centre) {
-            if mark.strong {
-                strokes.circle(centre, radius + 2.0, 3.5, Color32::from_black_alpha(160), false);
-                strokes.circle(centre, radius + 2.0, 2.0, Color32::WHITE, false);
-            }
-            strokes.circle(centre, radius, 1.3, mark.colour, false);
-        }
-    }
-    strokes.paint(&output.painter);
-}
-
-/// Circle (centre and radius, image pixels) within reach whose centre is nearest.
-pub fn circle_at(
-    marks: impl Iterator<Item = (Pos2, f32)>,
-    ui_from_image: RectTransform,
-    pointer_ui: Pos2,
-) -> Option<usize> {
-    let near = |(index, (centre, radius)): (usize, (Pos2, f32))| {
-        let distance = ui_from_image.pos(centre).distance(pointer_ui);
-        let radius = (radius * ui_from_image.scale()).max(MIN_RADIUS);
-        let is_near = distance < REACH || (distance - radius).abs() < 0.5 * REACH;
-        is_near.then_some((index, distance))
-    };
-    marks.enumerate().filter_map(near).min_by(|a, b| a.1.total_cmp(&b.1)).map(|(index, _)| index)
 }
 
 #[cfg(test)]

@@ -1,6 +1,6 @@
 //! Lines of the matches between panes of A and of B, and the marks of an unmatched feature and its candidates.
 
-use crate::app::canvas::overlay::{ComparedMark, MatchLine, MatchLineStyle, Pane, draw_compared};
+use crate::app::canvas::overlay::{CircleMark, MatchLine, MatchLineStyle, Pane, draw_circles};
 use crate::app::canvas::{CanvasOutput, overlay};
 use crate::app::document::{Action, MatchesAs, MethodId, Pointed, Queue, Side};
 use crate::app::inspector::{Drawn, chip_ui, is_with_shift, joined_panes, side_of};
@@ -293,7 +293,7 @@ fn unmatched_marks_ui(model: Read<'_>, views: &MatchViews<'_>) {
     }
     let sides = &found.request.request;
     let Some(own) = sides.a.features.get(why.feature) else { return };
-    let mark = |f: &Feature, colour: Color32, dashed: bool| ComparedMark {
+    let mark = |f: &Feature, colour: Color32, dashed: bool| CircleMark {
         pos_image: pos2(f.u, f.v),
         sigma: f.sigma,
         from_image: None,
@@ -301,13 +301,13 @@ fn unmatched_marks_ui(model: Read<'_>, views: &MatchViews<'_>) {
         dashed,
     };
     for view in views.on(Side::A) {
-        draw_compared(view.output, &[mark(own, Color32::WHITE, false)], Some(0));
+        draw_circles(view.output, &[mark(own, Color32::WHITE, false)], Some(0));
     }
     let candidates = why.unmatched.candidates.iter().zip(CANDIDATE_COLOURS);
-    let marks: Vec<ComparedMark> =
+    let marks: Vec<CircleMark> =
         candidates.filter_map(|(c, colour)| Some(mark(sides.b.features.get(c.feature)?, colour, true))).collect();
     for view in views.on(Side::B) {
-        draw_compared(view.output, &marks, None);
+        draw_circles(view.output, &marks, None);
         for places in [&why.unmatched.expected, &why.unmatched.predicted] {
             expected_ui(view.output, &points_ui(view.output, places));
         }
