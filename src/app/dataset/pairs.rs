@@ -1,6 +1,7 @@
 //! Matches of all pairs of bursts: a matrix whose cells show inliers as colour and number, and a list.
 
 use super::filmstrip::side_colour;
+use crate::app::canvas::overlay::rgb;
 use crate::app::document::datasets::pair_of;
 use crate::app::document::{Action, BurstPair, DatasetChoice, PairColumn, Queue, Side};
 use crate::app::panel::table::{Heading, Listed, rows_ui, texts};
@@ -140,9 +141,8 @@ impl CountColours {
 
     pub fn of(&self, count: usize) -> (Color32, Color32) {
         let share = (count as f32 / self.most as f32).clamp(0.0, 1.0).sqrt();
-        let [r, g, b] = self.table[(255.0 * share).round() as usize];
         let text = if share > 0.62 { Color32::BLACK } else { Color32::WHITE };
-        (Color32::from_rgb(r, g, b), text)
+        (rgb(self.table[(255.0 * share).round() as usize]), text)
     }
 }
 
@@ -152,7 +152,7 @@ pub fn legend_ui(ui: &mut Ui, most: usize) {
     let (rect, response) = ui.allocate_exact_size(vec2(160.0, 8.0), Sense::hover());
     // The bar's colours are uniform; the counts along it grow with the square.
     let colours = ColourMap::Viridis.lut();
-    strip_of_colours(ui.painter(), rect, STEPS, |step, _| colours[255 * step / (STEPS - 1)]);
+    strip_of_colours(ui.painter(), rect, STEPS, |step, _| rgb(colours[255 * step / (STEPS - 1)]));
     ui.label(RichText::new(most.to_string()).small().weak());
     response.on_hover_text("Inliers of a pair; the colour grows with the square root of their number");
 }

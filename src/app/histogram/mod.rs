@@ -5,9 +5,11 @@
 
 mod plot;
 
+use crate::app::canvas::overlay::rgb;
 use crate::app::canvas::{Picture, number};
 use crate::app::gpu::PictureId;
 use crate::app::memo::Memo;
+use crate::app::panel::widgets::{hint, strip_of_colours};
 use crate::app::words::choices;
 use crate::inspect::words::counted;
 use crate::plane::display::{ColourMap, Display, GAMMA_RANGE};
@@ -223,7 +225,7 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
             .max_decimals(2)
             .clamping(egui::SliderClamping::Never);
         let slider = ui.add(slider).labelled_by(label.id);
-        crate::app::panel::widgets::hint(slider, "Raising it brightens the dark values. 1 is linear.");
+        hint(slider, "Raising it brightens the dark values. 1 is linear.");
         display.gamma = display.gamma.clamp(*GAMMA_RANGE.start(), *GAMMA_RANGE.end());
         ui.end_row();
     });
@@ -232,5 +234,5 @@ fn colours_ui(ui: &mut Ui, display: &mut Display) {
 fn swatch_ui(ui: &mut Ui, map: ColourMap) {
     let (rect, _) = ui.allocate_exact_size(vec2(44.0, 12.0), Sense::hover());
     let lut = map.lut();
-    crate::app::panel::widgets::strip_of_colours(ui.painter(), rect, 32, |i, _| lut[i * 255 / 31]);
+    strip_of_colours(ui.painter(), rect, 32, |i, _| rgb(lut[i * 255 / 31]));
 }

@@ -1,6 +1,7 @@
 //! The plot of a histogram: its axis, its drawing, and dragging of the range's ends or of the whole range.
 
 use crate::app::canvas::number;
+use crate::app::canvas::overlay::rgb;
 use crate::app::panel::widgets::strip_of_colours;
 use crate::plane::display::Display;
 use crate::plane::statistics::Histogram;
@@ -95,7 +96,7 @@ fn draw_strip(painter: &Painter, geometry: &PlotGeometry, display: &Display, out
     const STEPS: usize = 192;
     let colours = display.colours();
     let strip = geometry.strip;
-    strip_of_colours(painter, strip, STEPS, |_, middle| colours.colour(geometry.value_at(middle)));
+    strip_of_colours(painter, strip, STEPS, |_, middle| rgb(colours.colour(geometry.value_at(middle))));
     painter.rect_stroke(strip, 0.0, Stroke::new(1.0, outline.gamma_multiply(0.7)), StrokeKind::Outside);
 }
 

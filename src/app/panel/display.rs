@@ -1,7 +1,7 @@
 //! Display of the pictures: range, gamma, colour map and overlays; and the colour bar in the corner of a map.
 
 use crate::app::canvas::number;
-use crate::app::canvas::overlay::ColourBy;
+use crate::app::canvas::overlay::{ColourBy, rgb};
 use crate::app::document::look::SMOOTHING_PX;
 use crate::app::document::{Action, FeaturesShown, Look, Queue, RangeClass};
 use crate::app::histogram::HistogramPanel;
@@ -163,6 +163,6 @@ pub fn bar_ui(ui: &Ui, bar: Rect, display: &Display) {
     const STEPS: usize = 96;
     let colours = display.colours();
     let value = |i: usize| display.min + (display.max - display.min) * (i as f32 + 0.5) / STEPS as f32;
-    strip_of_colours(ui.painter(), bar, STEPS, |i, _| colours.colour(value(i)));
+    strip_of_colours(ui.painter(), bar, STEPS, |i, _| rgb(colours.colour(value(i))));
     ui.painter().rect_stroke(bar, 1.0, Stroke::new(1.0, ui.visuals().weak_text_color()), StrokeKind::Outside);
 }

@@ -1,13 +1,14 @@
 //! Noise of the burst as the last detection estimated it: over brightness, as a map, and what is wrong with it.
 
 use crate::app::canvas::number as in_digits;
+use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, Queue, Side};
 use crate::app::panel::widgets::{instead_ui, warning_ui};
 use crate::app::results::{FoundFeatures, Read};
 use crate::detector::noise_model::NoiseModel;
 use crate::plane::display::ColourMap;
 use crate::requests::ViewKind;
-use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, vec2};
+use egui::{Align2, Painter, Pos2, Rect, RichText, ScrollArea, Sense, Stroke, TextStyle, Ui, vec2};
 
 fn number(value: f32) -> String {
     in_digits(value, 3)
@@ -127,10 +128,9 @@ fn map_ui(ui: &mut Ui, model: Read<'_>, noise: &NoiseModel) {
     for y in 0..map.height() {
         for x in 0..map.width() {
             let t = if max > min { (map.at(x, y) - min) / (max - min) } else { 0.0 };
-            let [r, g, b] = lut[(t * 255.0) as usize];
             let corner = rect.left_top() + vec2(4.0 + x as f32 * side, 4.0 + y as f32 * side);
             let cell = Rect::from_min_size(corner, vec2(side + 0.5, side + 0.5));
-            painter.rect_filled(cell, 0.0, Color32::from_rgb(r, g, b));
+            painter.rect_filled(cell, 0.0, rgb(lut[(t * 255.0) as usize]));
         }
     }
     let (low, high) = (number(min), number(max));

@@ -1,6 +1,6 @@
 //! Tests of the search: how many samples each rejected, and the candidates that one of them rejected, over the picture.
 
-use crate::app::canvas::overlay::{CircleMark, circle_at, draw_circles};
+use crate::app::canvas::overlay::{CircleMark, circle_at, draw_circles, rgb};
 use crate::app::canvas::{CanvasOutput, number};
 use crate::app::document::{Action, Destination, Pointed, Queue, Side};
 use crate::app::inspector::chip_ui;
@@ -241,8 +241,7 @@ fn strongest(survey: &Arc<Survey>) -> Vec<usize> {
 /// Colour of a margin: yellow for nearly passed, dark for far from it.
 fn margin_colour(margin: Option<f32>) -> Color32 {
     let t = 1.0 + margin.unwrap_or(-0.5).clamp(-1.0, 0.0);
-    let [r, g, b] = ColourMap::Viridis.lut()[(255.0 * (0.25 + 0.75 * t)) as usize];
-    Color32::from_rgb(r, g, b)
+    rgb(ColourMap::Viridis.lut()[(255.0 * (0.25 + 0.75 * t)) as usize])
 }
 
 fn mark_text(mark: &CandidateMark, slope: Slope) -> String {

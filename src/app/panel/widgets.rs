@@ -142,12 +142,12 @@ pub fn paint(painter: &Painter, texture: TextureId, rect: Rect) {
 }
 
 /// Fills `rect` from left to right with `count` colours, by the index and the middle of each.
-pub fn strip_of_colours(painter: &Painter, rect: Rect, count: usize, colour: impl Fn(usize, f32) -> [u8; 3]) {
+pub fn strip_of_colours(painter: &Painter, rect: Rect, count: usize, colour: impl Fn(usize, f32) -> Color32) {
     let mut mesh = Mesh::default();
     for i in 0..count {
         let x = |i: usize| rect.left() + rect.width() * i as f32 / count as f32;
-        let [r, g, b] = colour(i, 0.5 * (x(i) + x(i + 1)));
-        mesh.add_colored_rect(Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.y_range()), Color32::from_rgb(r, g, b));
+        let part = Rect::from_x_y_ranges(x(i)..=x(i + 1), rect.y_range());
+        mesh.add_colored_rect(part, colour(i, part.center().x));
     }
     painter.add(Shape::mesh(mesh));
 }

@@ -1,5 +1,6 @@
 //! Colours of features, and their legend. All features get their colours here.
 
+use crate::app::panel::widgets::strip_of_colours;
 use crate::app::view::{ColourBy, KnownOfFeature, quantity_value};
 use crate::detector::quantity::{Colours, Span};
 use crate::detector::{Feature, Moves, Quantity, Slope, SlopeGrid};
@@ -237,18 +238,7 @@ impl ColourScale {
         let text_height = ui.text_style_height(&egui::TextStyle::Small);
         let (rect, response) = ui.allocate_exact_size(vec2(width, 12.0 + text_height + 3.0), Sense::hover());
         let bar = Rect::from_min_size(rect.min, vec2(width, 11.0));
-        let mut mesh = Mesh::default();
-        for (i, &c) in self.table.iter().enumerate() {
-            let x = bar.left() + bar.width() * i as f32 / 255.0;
-            mesh.colored_vertex(pos2(x, bar.top()), c);
-            mesh.colored_vertex(pos2(x, bar.bottom()), c);
-            if i > 0 {
-                let n = 2 * i as u32;
-                mesh.add_triangle(n - 2, n - 1, n);
-                mesh.add_triangle(n - 1, n, n + 1);
-            }
-        }
-        ui.painter().add(Shape::mesh(mesh));
+        strip_of_colours(ui.painter(), bar, self.table.len(), |i, _| self.table[i]);
         ui.painter().rect_stroke(bar, 2.0, Stroke::new(1.0, ui.visuals().weak_text_color()), StrokeKind::Outside);
         let y = bar.bottom() + 3.0;
         let number = |x| match self.by {

@@ -6,6 +6,7 @@ mod form;
 pub mod planted;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
+use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, Lab, LabQuestion};
 use crate::app::panel::widgets::{dot_ui, error_ui, name_field, progress_text, progress_ui, section_ui, weak_ui};
 use crate::app::results::Read;
@@ -17,8 +18,8 @@ const FOUND: Color32 = Color32::from_rgb(86, 180, 233);
 const MISSED: Color32 = Color32::from_rgb(240, 228, 66);
 
 /// Colour `#rrggbb` of the figures as drawn here: lighter on a dark background.
-fn curve_colour(ui: &Ui, [r, g, b]: [u8; 3]) -> Color32 {
-    let colour = Color32::from_rgb(r, g, b);
+fn curve_colour(ui: &Ui, colour: [u8; 3]) -> Color32 {
+    let colour = rgb(colour);
     if ui.visuals().dark_mode { colour.lerp_to_gamma(Color32::WHITE, 0.3) } else { colour }
 }
 

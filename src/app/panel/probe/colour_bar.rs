@@ -1,8 +1,8 @@
 //! Colour bar beside a map: the colours, the values that they stand for, the gate, and the value under the pointer.
 
+use crate::app::canvas::overlay::rgb;
 use crate::inspect::words::number;
-use crate::plane::Plane;
-use crate::plane::display::{Display, to_rgba8};
+use crate::plane::display::Display;
 use egui::{Align2, Color32, Painter, Pos2, Rect, Stroke, StrokeKind, TextStyle, Ui, pos2};
 
 /// Space for the bar with its numbers, right of a map, points.
@@ -54,12 +54,11 @@ impl ColourBar {
         let left = map.right() + GAP;
         let rect = Rect::from_min_max(pos2(left, map.top()), pos2(left + BAR, map.bottom()));
         let at = |value: f32| rect.bottom() - (0.5 + 0.5 * value / self.range) * rect.height();
-        let values = Plane::from_fn(1, STEPS, |_, row| 1.0 - 2.0 * (row as f32 + 0.5) / STEPS as f32);
-        for (row, pixel) in to_rgba8(&values, &Display::symmetric(1.0)).pixels().enumerate() {
+        let colours = Display::symmetric(1.0).colours();
+        for row in 0..STEPS {
             let edge = |row: usize| rect.top() + row as f32 / STEPS as f32 * rect.height();
-            let part = Rect::from_min_max(pos2(rect.left(), edge(row)), pos2(rect.right(), edge(row + 1)));
-            let [r, g, b, _] = pixel.0;
-            painter.rect_filled(part, 0.0, Color32::from_rgb(r, g, b));
+            let colour = rgb(colours.colour(1.0 - 2.0 * (row as f32 + 0.5) / STEPS as f32));
+            painter.rect_filled(Rect::from_x_y_ranges(rect.x_range(), edge(row)..=edge(row + 1)), 0.0, colour);
         }
         let (weak, strong) = (ui.visuals().weak_text_color(), ui.visuals().strong_text_color());
         painter.rect_stroke(rect, 0.0, Stroke::new(1.0, weak), StrokeKind::Outside);

@@ -1,6 +1,7 @@
 //! Features and evidence at each slope, as bars along a line of slopes and as cells of a plane of slopes.
 
 use crate::app::canvas::number;
+use crate::app::canvas::overlay::rgb;
 use crate::app::panel::widgets::{dot_ui, named};
 use crate::app::style;
 use crate::detector::Slope;
@@ -173,8 +174,8 @@ fn plane_ui(ui: &mut Ui, spectrum: &Spectrum, marks: &Marks, height: f32) {
                     Rect::from_min_size(corner, vec2(side, side))
                 };
                 for bar in &spectrum.bars {
-                    let [r, g, b] = lut[(255.0 * (value(bar) / most).sqrt()) as usize];
-                    painter.rect_filled(cell(bar.at[0], bar.at[1]), 0.0, Color32::from_rgb(r, g, b));
+                    let colour = rgb(lut[(255.0 * (value(bar) / most).sqrt()) as usize]);
+                    painter.rect_filled(cell(bar.at[0], bar.at[1]), 0.0, colour);
                 }
                 let last = cell(grid.u.count as i64 - 1, grid.v.count as i64 - 1);
                 let searched = Rect::from_min_max(cell(0, 0).min, last.max);

@@ -12,7 +12,7 @@ use crate::app::document::{Action, MatchLook, MatchesAs, PairTab, Pointed, Side}
 use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::panel;
 use crate::app::panel::selection::PatchTexture;
-use crate::app::panel::widgets::{error_ui, label_ui, name_field, section_ui};
+use crate::app::panel::widgets::{error_ui, label_ui, name_field, section_ui, strip_of_colours};
 use crate::app::parts::mark;
 use crate::app::results::{PATCHES, Read};
 use crate::app::workspace::{
@@ -200,10 +200,7 @@ fn motion_ui(ui: &mut Ui, look: &mut MatchLook, largest: f32) {
         ui.checkbox(&mut look.by_motion, "Colour by motions").on_hover_text(tip);
         if look.by_motion {
             let (rect, _) = ui.allocate_exact_size(vec2(48.0, 10.0), Sense::hover());
-            for x in 0..48 {
-                let colour = lines::motion_colour(x as f32 / 47.0);
-                ui.painter().vline(rect.left() + x as f32 + 0.5, rect.y_range(), Stroke::new(1.0, colour));
-            }
+            strip_of_colours(ui.painter(), rect, 48, |x, _| lines::motion_colour(x as f32 / 47.0));
             ui.weak(format!("0 … {largest:.1} px/frame"));
         }
     });
