@@ -17,11 +17,6 @@ impl<K: PartialEq, V> Memo<K, V> {
         let kept = self.0.take().filter(|(of, _)| *of == key);
         &self.0.insert(kept.unwrap_or_else(|| (key, make()))).1
     }
-
-    /// The last value, whatever its key.
-    pub fn last(&self) -> Option<&V> {
-        self.0.as_ref().map(|(_, value)| value)
-    }
 }
 
 /// A shared value, which equals itself alone. It is kept alive, so that no other has its address.

@@ -4,7 +4,7 @@ use super::{Drawn, PaneWidgets, PlaceValue, chip_ui};
 use crate::app::canvas::CanvasOutput;
 use crate::app::document::{Action, Cursor, MethodId, Pointed, Queue, RangeClass, Side};
 use crate::app::pane::{Content, Link, PaneId, place_in};
-use crate::app::panel::selection::PatchTexture;
+use crate::app::panel::selection::draw_square;
 use crate::app::panel::widgets::{dashed_circle, named};
 use crate::app::results::Read;
 use crate::burst::Positions;
@@ -136,7 +136,7 @@ pub fn is_led(ctx: &egui::Context) -> bool {
 
 /// Shows the place under the pointer at its own motion, in the whole pane or in a loupe, while the switch is on or Ctrl
 /// is held. A click takes that slope; without one the pane goes back to what it showed when Ctrl is let go.
-pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, widgets: &mut PaneWidgets, drawn: &[Drawn], queue: &mut Queue) {
+pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, drawn: &[Drawn], queue: &mut Queue) {
     let (flag, kept) = (egui::Id::unique(FOCUS), egui::Id::unique((FOCUS, "before")));
     // Ctrl alone: the key itself may be among those that are down.
     let is_ctrl = |key: &Key| matches!(key, Key::ControlLeft | Key::ControlRight | Key::SuperLeft | Key::SuperRight);
@@ -166,9 +166,6 @@ pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, widgets: &mut PaneWidgets, draw
         motion.ok().map(|slope| (side, Slope::new(rounded(slope.u), rounded(slope.v))))
     });
     queue.set(&model.results.patches.loupe, loupe, |loupe| Pointed::Loupe(loupe).into());
-    if loupe.is_none() {
-        widgets.loupe = Default::default();
-    }
     let (Some((drawn, (_, place))), Some(motion)) = (here, motion) else { return };
     let id = drawn.pane;
     let Some(pane) = model.pane(id) else { return };
@@ -181,7 +178,7 @@ pub(super) fn focus_ui(ui: &Ui, model: Read<'_>, widgets: &mut PaneWidgets, draw
                 queue.push(Action::Focus(id));
                 queue.push(Action::SetSlope(drawn.shown, slope));
             }
-            if loupe_ui(ui, model, &mut widgets.loupe, drawn, (side, place, slope), &text(slope)).is_some() {
+            if loupe_ui(ui, model, drawn, (side, place, slope), &text(slope)).is_some() {
                 return;
             }
             text(slope)
@@ -217,7 +214,6 @@ const PATCH_SIDES: [f32; 4] = [104.0, 80.0, 60.0, 44.0];
 fn loupe_ui(
     ui: &Ui,
     model: Read<'_>,
-    textures: &mut [PatchTexture; 3],
     drawn: &Drawn,
     (side, [u, v], slope): (Side, [f32; 2], Slope),
     text: &str,
@@ -256,10 +252,10 @@ fn loupe_ui(
     // Twice as large as in the pane, but no fewer pixels than tell something, and no more than can be told apart.
     let half_px = (0.25 * side / output.ui_from_image.scale()).clamp(6.0, 32.0);
     let first = pos2(ground.center().x - 1.5 * side - GAP, ground.top() + GAP);
-    for (index, ((name, plane, [u, v]), texture)) in patches.into_iter().zip(textures).enumerate() {
+    for (index, (name, plane, [u, v])) in patches.into_iter().enumerate() {
         let at = first + vec2(index as f32 * (side + GAP), 0.0);
         let patch = Rect::from_min_size(at + vec2(0.0, above), Vec2::splat(side));
-        texture.draw(ui, (name.text(), patch), plane, [u, v, half_px, 0.0], display);
+        draw_square(ui, (&format!("loupe {index}"), patch), plane, [u, v, half_px, 0.0], display);
         painter.rect_stroke(patch, 0.0, Stroke::new(1.0, Color32::GRAY), StrokeKind::Inside);
         let response = ui.interact(patch, id.with(index), Sense::hover());
         named(&response, Role::Image, format!("{} in the loupe", name.text()));

@@ -8,7 +8,7 @@ use crate::app::document::{Action, Queue, Visibility};
 use crate::app::measure::Tool;
 use crate::app::pane::{Over, PaneId, SliceAxis};
 use crate::app::panel::features::features_ui;
-use crate::app::panel::widgets::{named, wheel_over};
+use crate::app::panel::widgets::{WHOLE, draw_plane, named, wheel_over};
 use crate::app::results::Read;
 use crate::app::{canvas, style};
 use crate::detector::Slope;
@@ -204,14 +204,7 @@ const BELOW: f32 = 20.0;
 const MAX_ROW: f32 = 26.0;
 
 /// Draws the slice of pane `id`; returns whether the pointer touched it.
-pub(super) fn slice_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    id: PaneId,
-    axis: SliceAxis,
-    widgets: &mut PaneWidgets,
-    queue: &mut Queue,
-) -> bool {
+pub(super) fn slice_ui(ui: &mut Ui, model: Read<'_>, id: PaneId, axis: SliceAxis, queue: &mut Queue) -> bool {
     let (whole, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
     let [name, _] = axis.words();
     named(&response, egui::Role::Image, name);
@@ -227,7 +220,8 @@ pub(super) fn slice_ui(
     let Some(pane) = model.pane(id) else { return touched };
     let (slope, display) = (pane.cursor.slope, model.document.ranges_of(pane).intensity);
     let area = Area::of(whole, slice);
-    widgets.of(id).slice.draw(ui, area.rect, name, &answer.probe, display, || area.over_time.plane(slice));
+    let values = Some(((&answer.probe).into(), WHOLE, || area.over_time.plane(slice)));
+    draw_plane(ui, (&format!("{name} in pane {}", id.0), area.rect), display, values);
     numbers_ui(ui, &area, slice);
     line(ui, &area, slice, answer.probe.subject.slope, false);
     line(ui, &area, slice, slope, true);

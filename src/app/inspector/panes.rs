@@ -33,7 +33,7 @@ pub fn inspector_ui(ui: &mut Ui, model: Read<'_>, widgets: &mut PaneWidgets, que
     marks_ui(model, widgets, &drawn);
     if model.document.workspace.probes() {
         probe_ui(ui, model, widgets, &drawn, queue);
-        focus_ui(ui, model, widgets, &drawn, queue);
+        focus_ui(ui, model, &drawn, queue);
     }
     drawn
 }
@@ -87,7 +87,7 @@ impl Behavior<PaneId> for Inspector<'_> {
         ui.spacing_mut().item_spacing.y = 0.0;
         let name = header_ui(ui, self.model, id, self.widgets, self.queue);
         let touched = match content {
-            Content::Slice(axis) => slice_ui(ui, self.model, id, axis, self.widgets, self.queue),
+            Content::Slice(axis) => slice_ui(ui, self.model, id, axis, self.queue),
             _ if !is_open => {
                 match method {
                     Some(MethodId::Gold) => gold_ui(ui, side, self.queue),

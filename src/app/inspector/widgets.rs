@@ -6,8 +6,6 @@ use crate::app::document::{MethodId, Side};
 use crate::app::pane::{Content, Pane, PaneId};
 use crate::app::panel::display::DisplayState;
 use crate::app::panel::picture::{PictureState, describe};
-use crate::app::panel::probe::PlaneTexture;
-use crate::app::panel::selection::PatchTexture;
 use crate::app::results::Read;
 use crate::requests::{PictureKind, ViewKind};
 use egui::{Pos2, Rect};
@@ -19,7 +17,6 @@ pub struct PaneWidget {
     pub display: DisplayState,
     pub rect_ui: Option<Rect>,
     pub(super) aside: HeldPlace,
-    pub(super) slice: PlaneTexture,
     pub(super) menu: MenuPlace,
 }
 
@@ -35,7 +32,6 @@ pub struct PaneWidgets {
     all: HashMap<PaneId, PaneWidget>,
     /// Values at the place under the pointer: first that of the pane under it, then those of the panes linked to it.
     pub values: Vec<PlaceValue>,
-    pub(super) loupe: [PatchTexture; 3],
 }
 
 impl PaneWidgets {

@@ -2,26 +2,17 @@
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::Side;
-use crate::app::memo::{Itself, Memo};
 use crate::app::panel::picture::at_time;
-use crate::app::panel::widgets::{named, number_row_ui, paint, section_ui};
+use crate::app::panel::widgets::{draw_plane, named, number_row_ui, section_ui};
 use crate::app::results::{Read, verdict_words};
 use crate::app::view::{KnownOfFeature, depth_text, fixed, layer_text, motion_text, quantity_text};
 use crate::detector::{Descriptor, Feature, MotionLayer, Quantity};
 use crate::inspect::place::{Judged, Verdict};
 use crate::plane::Plane;
-use crate::plane::display::{Display, to_rgba8};
+use crate::plane::display::Display;
 use crate::plane::sample::sample_patch;
-use egui::{
-    Color32, Label, Rect, RichText, Role, Sense, Stroke, StrokeKind, TextureHandle, TextureOptions, Ui, Vec2, vec2,
-};
+use egui::{Color32, Label, Rect, Response, RichText, Role, Sense, Stroke, StrokeKind, Ui, Vec2, vec2};
 use std::sync::Arc;
-
-#[derive(Default)]
-pub struct SelectionState {
-    stack: PatchTexture,
-    frame: PatchTexture,
-}
 
 pub fn walk_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     ui.horizontal(|ui| {
@@ -36,7 +27,7 @@ pub fn walk_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     });
 }
 
-pub fn selection_ui(ui: &mut Ui, model: Read<'_>, state: &mut SelectionState, queue: &mut Queue) {
+pub fn selection_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Selected feature", |ui| {
         walk_ui(ui, model, queue);
         let (Some(index), Some(feature)) = (model.document.selected, model.selected_feature().copied()) else {
@@ -48,7 +39,7 @@ pub fn selection_ui(ui: &mut Ui, model: Read<'_>, state: &mut SelectionState, qu
             ui.label(RichText::new("Stale: found with other parameters").color(crate::app::style::warning(ui)));
         }
         ui.add_space(4.0);
-        patches_ui(ui, model, state, &feature);
+        patches_ui(ui, model, &feature);
         ui.add_space(4.0);
         let judged = model.judged().and_then(|judged| judged.get(index)).cloned();
         if let Some(judged) = &judged {
@@ -120,27 +111,19 @@ fn without_unit(motion: &str) -> String {
     motion.replace(" px/frame", "")
 }
 
-fn patches_ui(ui: &mut Ui, model: Read<'_>, state: &mut SelectionState, feature: &Feature) {
+fn patches_ui(ui: &mut Ui, model: Read<'_>, feature: &Feature) {
     let Some(burst) = &model.results.slots.a.burst else { return };
     let display = model.document.look.ranges.intensity;
     let side = (0.5 * (ui.available_width() - 8.0)).clamp(60.0, 150.0);
     ui.horizontal(|ui| {
-        ui.vertical(|ui| {
-            ui.set_width(side);
-            let view = PatchView { name: "Patch in the motion stack", feature: *feature, turned: false, display };
-            view.ui(ui, model.stack_at(Side::A, feature.slope), &mut state.stack, side);
-            ui.label(RichText::new("Motion stack").small().weak());
-        });
-        ui.vertical(|ui| {
-            ui.set_width(side);
-            let t = model.document.cursor().frame.min(burst.burst.len() - 1);
-            let used = model.found_of(Side::A).map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
-            // In a frame the feature lies further along its motion, away from the middle of the frames used.
-            let feature = at_time(feature, burst.burst.positions.offset_from(used, t).to_f32());
-            let view = PatchView { name: "Patch in one frame", feature, turned: false, display };
-            view.ui(ui, Some(&burst.burst.frames[t]), &mut state.frame, side);
-            ui.label(RichText::new(format!("Frame {t}")).small().weak());
-        });
+        let view = PatchView { name: "Patch in the motion stack", feature: *feature, turned: false, display };
+        view.ui(ui, model.stack_at(Side::A, feature.slope), side, RichText::new("Motion stack").small().weak());
+        let t = model.document.cursor().frame.min(burst.burst.len() - 1);
+        let used = model.found_of(Side::A).map_or(0..burst.burst.len(), |f| f.detection.frames_used.clone());
+        // In a frame the feature lies further along its motion, away from the middle of the frames used.
+        let feature = at_time(feature, burst.burst.positions.offset_from(used, t).to_f32());
+        let view = PatchView { name: "Patch in one frame", feature, turned: false, display };
+        view.ui(ui, Some(&burst.burst.frames[t]), side, RichText::new(format!("Frame {t}")).small().weak());
     });
 }
 
@@ -185,9 +168,6 @@ const SAMPLES: usize = 72;
 /// Half width of a patch, in σ: the reach of the descriptor's 4×4 cells of 3 σ, those of its finest scale.
 const SIGMAS: f32 = 6.0;
 
-#[derive(Default)]
-pub struct PatchTexture(Memo<(Itself, [f32; 4], Display, bool), TextureHandle>);
-
 pub struct PatchView<'a> {
     pub name: &'a str,
     pub feature: Feature,
@@ -196,40 +176,39 @@ pub struct PatchView<'a> {
     pub display: Display,
 }
 
-impl PatchTexture {
-    /// Draws the square of `plane` around (u, v), `half_width_px` pixels to each side and turned by `angle_rad`; without
-    /// a plane the square that was drawn before.
-    pub fn draw(
-        &mut self,
-        ui: &Ui,
-        (name, rect): (&str, Rect),
-        plane: Option<&Arc<Plane>>,
-        square: [f32; 4],
-        display: Display,
-    ) {
-        if let Some(plane) = plane {
-            let [u, v, half_width_px, angle_rad] = square;
-            self.0.get((plane.into(), square, display, ui.visuals().dark_mode), || {
-                let patch = sample_patch(plane, (u, v), half_width_px, angle_rad, SAMPLES);
-                texture_of(ui, name, &patch, &display)
-            });
-        }
-        if let Some(texture) = self.0.last() {
-            paint(ui.painter(), texture.id(), rect);
-        }
-    }
+/// Draws the square of `plane` around (u, v), `half_width_px` pixels to each side and turned by `angle_rad`; without a
+/// plane the square that was drawn before.
+pub fn draw_square(
+    ui: &Ui,
+    named_rect: (&str, Rect),
+    plane: Option<&Arc<Plane>>,
+    square @ [u, v, half_width_px, angle_rad]: [f32; 4],
+    display: Display,
+) {
+    let sample = |plane| move || sample_patch(plane, (u, v), half_width_px, angle_rad, SAMPLES);
+    draw_plane(ui, named_rect, display, plane.map(|plane| (plane.into(), square, sample(plane))));
 }
 
 impl PatchView<'_> {
+    /// Draws the patch above its caption.
+    pub fn ui(&self, ui: &mut Ui, plane: Option<&Arc<Plane>>, side: f32, caption: RichText) -> Response {
+        let column = ui.vertical(|ui| {
+            ui.set_width(side);
+            self.patch_ui(ui, plane, side);
+            ui.label(caption)
+        });
+        column.inner
+    }
+
     /// Draws the patch of `plane`, on the input image's pixels, into a square of `side` points; without it the square
     /// stays empty.
-    pub fn ui(&self, ui: &mut Ui, plane: Option<&Arc<Plane>>, texture: &mut PatchTexture, side: f32) {
+    fn patch_ui(&self, ui: &mut Ui, plane: Option<&Arc<Plane>>, side: f32) {
         let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
         let Some(plane) = plane else { return };
         let half_width_px = (SIGMAS * self.feature.sigma).max(4.0);
         let angle_rad = if self.turned { self.feature.orientation } else { 0.0 };
         let Feature { u, v, .. } = self.feature;
-        texture.draw(ui, (self.name, rect), Some(plane), [u, v, half_width_px, angle_rad], self.display);
+        draw_square(ui, (self.name, rect), Some(plane), [u, v, half_width_px, angle_rad], self.display);
         let radius = self.feature.circle_radius_px() * 0.5 * side / half_width_px;
         let tip = rect.center() + radius * Vec2::angled(self.feature.orientation - angle_rad);
         for (width, colour) in [(3.0, Color32::from_black_alpha(140)), (1.4, Color32::from_rgb(255, 214, 90))] {
@@ -240,19 +219,6 @@ impl PatchView<'_> {
         let turned = if self.turned { ", turned so that the orientation points to the right" } else { "" };
         response.on_hover_text(format!("{}: {half_width_px:.0} px to each side{turned}", self.name));
     }
-}
-
-/// Makes a texture of sharp pixels; NaN, as outside a picture, has the grey of the canvas's backdrop.
-pub fn texture_of(ui: &Ui, name: &str, plane: &Plane, display: &Display) -> TextureHandle {
-    let mut rgba = to_rgba8(plane, display);
-    let beside = if ui.visuals().dark_mode { 20 } else { 206 };
-    for (pixel, value) in rgba.pixels_mut().zip(plane.data()) {
-        if value.is_nan() {
-            pixel.0 = [beside, beside, beside, 255];
-        }
-    }
-    let image = egui::ColorImage::from_rgba_unmultiplied(plane.size().into(), rgba.as_raw());
-    ui.ctx().load_texture(name, image, TextureOptions::NEAREST)
 }
 
 #[cfg(test)]

@@ -1,15 +1,20 @@
 //! Widgets that several panels share.
 
+use crate::app::memo::Itself;
 use crate::app::style;
 use crate::app::words::{explained, word};
 use crate::monitor::Progress;
+use crate::plane::Plane;
+use crate::plane::display::{Display, to_rgba8};
 use crate::requests::Running;
 use crate::teach::Part;
 use egui::{
     Align, Button, Color32, ComboBox, Context, FontId, Galley, Id, Label, Layout, Mesh, Painter, ProgressBar, Rect,
-    Response, RichText, Role, Sense, Shape, Stroke, TextureId, Ui, WidgetInfo, WidgetText, pos2, vec2,
+    Response, RichText, Role, Sense, Shape, Stroke, TextureHandle, TextureId, TextureOptions, Ui, WidgetInfo,
+    WidgetText, mutex::Mutex, pos2, vec2,
 };
 use egui_plot::Plot;
+use std::collections::BTreeMap;
 use std::ops::RangeInclusive;
 use std::sync::Arc;
 use std::time::Duration;
@@ -139,6 +144,58 @@ pub fn still_plot<'a>(id: impl std::hash::Hash + std::fmt::Debug) -> Plot<'a> {
 
 pub fn paint(painter: &Painter, texture: TextureId, rect: Rect) {
     painter.image(texture, rect, Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0)), Color32::WHITE);
+}
+
+/// Textures of values, by the names under which these are drawn: what each was made of, and the pass of its last drawing.
+#[derive(Clone, Default)]
+struct Textures(Arc<Mutex<BTreeMap<String, (PlaneKey, TextureHandle, u64)>>>);
+
+/// Origin of values, the square of it that they show, and how they are shown, in the dark theme or in the light one.
+type PlaneKey = (Itself, [f32; 4], Display, bool);
+
+/// Number of passes for which a texture that is not drawn is kept.
+const KEPT_PASSES: u64 = 600;
+
+/// The square of values that are drawn whole.
+pub const WHOLE: [f32; 4] = [0.0; 4];
+
+/// Draws values into `rect` as sharp pixels. Their texture is kept under `name`, which is unique in the window, and made
+/// anew when their origin, the square of it or `display` have changed. Without `values` the last one is drawn again.
+pub fn draw_plane(
+    ui: &Ui,
+    (name, rect): (&str, Rect),
+    display: Display,
+    values: Option<(Itself, [f32; 4], impl FnOnce() -> Plane)>,
+) {
+    let id = Id::unique("textures of values");
+    let textures = ui.data_mut(|data| data.get_temp_mut_or_default::<Textures>(id).clone());
+    let (mut textures, pass) = (textures.0.lock(), ui.ctx().cumulative_pass_nr());
+    textures.retain(|_, (.., last)| *last + KEPT_PASSES > pass);
+    let dark = ui.visuals().dark_mode;
+    let values = values.map(|(of, square, plane)| ((of, square, display, dark), plane));
+    let is_right = |(key, _, last): &(PlaneKey, TextureHandle, u64)| match &values {
+        Some((wanted, _)) => key == wanted,
+        None => *last + 1 >= pass,
+    };
+    let kept = textures.remove(name).filter(is_right).map(|(key, texture, _)| (key, texture));
+    let made = || values.map(|(key, plane)| (key, texture_of(ui, name, &plane(), &display)));
+    if let Some((key, texture)) = kept.or_else(made) {
+        paint(ui.painter(), texture.id(), rect);
+        textures.insert(name.to_owned(), (key, texture, pass));
+    }
+}
+
+/// Makes a texture of sharp pixels; NaN, as outside a picture, has the grey of the canvas's backdrop.
+fn texture_of(ui: &Ui, name: &str, plane: &Plane, display: &Display) -> TextureHandle {
+    let mut rgba = to_rgba8(plane, display);
+    let beside = if ui.visuals().dark_mode { 20 } else { 206 };
+    for (pixel, value) in rgba.pixels_mut().zip(plane.data()) {
+        if value.is_nan() {
+            pixel.0 = [beside, beside, beside, 255];
+        }
+    }
+    let image = egui::ColorImage::from_rgba_unmultiplied(plane.size().into(), rgba.as_raw());
+    ui.ctx().load_texture(name, image, TextureOptions::NEAREST)
 }
 
 /// Fills `rect` from left to right with `count` colours, by the index and the middle of each.

@@ -11,22 +11,17 @@ use crate::app::inspector::{PaneWidgets, inspector_ui};
 use crate::app::measure::RegionCache;
 use crate::app::panel;
 use crate::app::panel::lab::{self, chart, curves, planted};
-use crate::app::panel::probe::{PlaneTexture, ProbePanel};
-use crate::app::panel::selection::SelectionState;
 use crate::app::panel::widgets::{instead_ui, named, section_ui};
 use crate::app::results::Read;
 use crate::teach::{BottomTab, Workspace};
 use egui::{Align2, CentralPanel, Frame, Margin, Panel, ScrollArea, Sense, Shape, TextStyle, Ui, vec2};
-use pair::PairPanels;
+use pair::parameters::CameraText;
 
 /// State of the panels of the workspaces between passes.
 #[derive(Default)]
 pub struct WorkspaceState {
-    pair: PairPanels,
-    selection: SelectionState,
-    probe: ProbePanel,
+    camera_text: CameraText,
     regions: RegionCache,
-    lab_picture: PlaneTexture,
 }
 
 pub struct WorkspaceParts<'a> {
@@ -204,7 +199,6 @@ fn strip_ui(ui: &mut Ui, panel: Panel, toggle: ActionId, contents: &str, queue: 
 
 fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let (model, WorkspaceParts { widgets, state, queue, .. }) = (parts.model, parts);
-    let WorkspaceState { selection, probe, regions, .. } = &mut **state;
     let width = side_width(model);
     folded_ui(ui, model, queue);
     if model.shows_left() {
@@ -228,24 +222,24 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     if model.shows_right() {
         right_panel(ui, model, "right", side_width(model), 250.0..=460.0, |ui| {
             let help = "The value range of the pictures, and the selected feature";
-            if panel::probe::probe_tab_ui(ui, model, probe, "Display and feature", help, queue) {
+            if panel::probe::probe_tab_ui(ui, model, "Display and feature", help, queue) {
                 return;
             }
             scroll_ui(ui, |ui| {
                 // What the panel came for is first.
                 if model.document.selected.is_some() {
-                    panel::selection::selection_ui(ui, model, selection, queue);
+                    panel::selection::selection_ui(ui, model, queue);
                 }
                 panel::display::display_ui(ui, model, widgets, true, queue);
                 if model.document.selected.is_none() {
-                    panel::selection::selection_ui(ui, model, selection, queue);
+                    panel::selection::selection_ui(ui, model, queue);
                 }
             });
         });
     }
     let mut over_rows = None;
     if model.shows_bottom() {
-        let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, regions, queue);
+        let show = |ui: &mut egui::Ui| panel::bottom::bottom_ui(ui, model, widgets, &mut state.regions, queue);
         let is_over = bottom_panel(ui, model, "bottom", 276.0, show);
         over_rows = Some(model.document.bottom_tab).filter(|_| is_over);
     } else if !model.document.panels.hall {
@@ -277,16 +271,16 @@ fn inspect_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
 }
 
 fn lab_workspace_ui(ui: &mut Ui, parts: &mut WorkspaceParts<'_>) {
-    let (model, picture, queue) = (parts.model, &mut parts.state.lab_picture, &mut *parts.queue);
+    let (model, WorkspaceParts { queue, .. }) = (parts.model, parts);
     if model.shows_left() {
         left_panel(ui, model, "lab left", side_width(model), |ui| lab::lab_settings_ui(ui, model, queue));
     }
     if model.shows_right() {
         right_panel(ui, model, "lab right", 1.3 * side_width(model), 250.0..=900.0, |ui| {
             if model.document.lab.question == LabQuestion::InBurst {
-                section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, picture, queue));
+                section_ui(ui, "How faint", |ui| planted::lab_planted_ui(ui, model, queue));
             } else {
-                section_ui(ui, "Chart", |ui| chart::lab_chart_ui(ui, model, picture, queue));
+                section_ui(ui, "Chart", |ui| chart::lab_chart_ui(ui, model, queue));
             }
         });
     }

@@ -3,8 +3,7 @@
 use super::{FOUND, MISSED};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Lab, LabSet};
-use crate::app::panel::probe::PlaneTexture;
-use crate::app::panel::widgets::{dashed_circle, dots_ui, named, weak_ui};
+use crate::app::panel::widgets::{WHOLE, dashed_circle, dots_ui, draw_plane, named, weak_ui};
 use crate::app::results::Read;
 use crate::inspect::result::Scored;
 use crate::inspect::words::number;
@@ -14,14 +13,14 @@ use egui::{Color32, ComboBox, Pos2, Sense, Stroke, Ui, vec2};
 
 const FALSE: Color32 = Color32::from_rgb(213, 94, 0);
 
-pub fn lab_chart_ui(ui: &mut Ui, model: Read<'_>, texture: &mut PlaneTexture, queue: &mut Queue) {
+pub fn lab_chart_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let mut lab = model.document.lab.clone();
     choice_ui(ui, model, &mut lab);
-    chosen_ui(ui, model, &mut lab, texture, queue);
+    chosen_ui(ui, model, &mut lab, queue);
     queue.edit(model.document, Action::SetLab(Box::new(lab)));
 }
 
-fn chosen_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab, texture: &mut PlaneTexture, queue: &mut Queue) {
+fn chosen_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab, queue: &mut Queue) {
     if model.document.lab.selected.is_none() {
         let text = if model.document.lab.question.needs_charts() {
             "Click a point of a curve to look at its chart."
@@ -40,7 +39,7 @@ fn chosen_ui(ui: &mut Ui, model: Read<'_>, lab: &mut Lab, texture: &mut PlaneTex
     };
     let judged = shown.judged(model.document.lab.all_detected);
     key_ui(ui, shown, &judged);
-    picture_ui(ui, shown, &judged, texture);
+    picture_ui(ui, shown, &judged);
     ui.horizontal(|ui| {
         button_ui(ui, model, queue, ActionId::OpenChart, None);
         ui.checkbox(&mut lab.all_detected, "All detections").on_hover_text(
@@ -112,12 +111,12 @@ fn key_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Scored]) {
     dots_ui(ui, counts);
 }
 
-fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Scored], texture: &mut PlaneTexture) {
+fn picture_ui(ui: &mut Ui, shown: &ShownChart, judged: &[Scored]) {
     let (width, height) = shown.mean.size();
     let scale = ui.available_width() / width as f32;
     let (rect, response) = ui.allocate_exact_size(vec2(width as f32, height as f32) * scale, Sense::hover());
     let display = Display::stretched(&shown.mean);
-    texture.draw(ui, rect, "lab chart", &shown.mean, display, || (*shown.mean).clone());
+    draw_plane(ui, ("lab chart", rect), display, Some(((&shown.mean).into(), WHOLE, || (*shown.mean).clone())));
     let pos_ui = |u: f32, v: f32| rect.min + scale * vec2(u + 0.5, v + 0.5);
     let painter = ui.painter().with_clip_rect(rect);
     let looked = &shown.looked;

@@ -3,8 +3,7 @@
 use super::{FOUND, MISSED};
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Lab};
-use crate::app::panel::probe::PlaneTexture;
-use crate::app::panel::widgets::{dots_ui, named, weak_ui};
+use crate::app::panel::widgets::{WHOLE, dots_ui, draw_plane, named, weak_ui};
 use crate::app::results::Read;
 use crate::detector::Test;
 use crate::inspect::words::number;
@@ -15,14 +14,14 @@ use egui::{Label, Pos2, Rect, RichText, Sense, Stroke, Ui, vec2};
 /// Maximum distance of the pointer from a thing, in points of the window.
 const REACH_UI: f32 = 10.0;
 
-pub fn lab_planted_ui(ui: &mut Ui, model: Read<'_>, texture: &mut PlaneTexture, queue: &mut Queue) {
+pub fn lab_planted_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     let Some((_, report)) = model.results.studies.recovered() else {
         let text = "Press Run study: things are planted in copies of the open burst and searched for. Here is then how faint a thing is seen at each place.";
         weak_ui(ui, text);
         return;
     };
     key_ui(ui, report);
-    let chosen = map_ui(ui, model, report, texture);
+    let chosen = map_ui(ui, model, report);
     if let Some(outlook) = report.outlook() {
         weak_ui(ui, outlook);
     }
@@ -58,7 +57,7 @@ fn key_ui(ui: &mut Ui, report: &RecoverReport) {
 }
 
 /// Draws the map with the things; returns the one that was clicked.
-fn map_ui(ui: &mut Ui, model: Read<'_>, report: &RecoverReport, texture: &mut PlaneTexture) -> Option<(u64, usize)> {
+fn map_ui(ui: &mut Ui, model: Read<'_>, report: &RecoverReport) -> Option<(u64, usize)> {
     let [width, height] = report.size.map(|n| n as f32);
     let scale = ui.available_width() / width;
     let (rect, response) = ui.allocate_exact_size(vec2(width, height) * scale, Sense::click());
@@ -70,7 +69,8 @@ fn map_ui(ui: &mut Ui, model: Read<'_>, report: &RecoverReport, texture: &mut Pl
     let painter = ui.painter().with_clip_rect(rect);
     ui.scope(|ui| {
         ui.set_clip_rect(rect.intersect(ui.clip_rect()));
-        texture.draw(ui, Rect::from_min_size(rect.min, cells), "lab planted", plane, display, || (**plane).clone());
+        let named_rect = ("lab planted", Rect::from_min_size(rect.min, cells));
+        draw_plane(ui, named_rect, display, Some((plane.into(), WHOLE, || (**plane).clone())));
     });
     let pos_ui = |one: &Planted| rect.min + scale * vec2(one.truth.u as f32 + 0.5, one.truth.v as f32 + 0.5);
     let in_range = || report.planted.iter().filter(|one| one.is_in_range);

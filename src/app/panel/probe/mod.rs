@@ -7,9 +7,7 @@ mod shares;
 
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::document::{Action, Destination, FeaturesShown, PinnedPlace, Side};
-use crate::app::memo::{Itself, Memo};
-use crate::app::panel::selection::texture_of;
-use crate::app::panel::widgets::{name_field, named, paint, progress_ui, section_ui, warning_ui, weak_ui};
+use crate::app::panel::widgets::{name_field, named, progress_ui, section_ui, warning_ui, weak_ui};
 use crate::app::parts::mark;
 use crate::app::results::{Read, verdict_words};
 use crate::app::style;
@@ -17,31 +15,13 @@ use crate::app::view::signed;
 use crate::detector::{ParamChange, Slope};
 use crate::inspect::place::{CauseKind, Judged, ProbeSubject, Suspicion, SuspicionKind, Verdict};
 use crate::inspect::words::{number, sentence, slope_text};
-use crate::plane::Plane;
-use crate::plane::display::Display;
 use crate::requests::{ProbeQuestion, Probed};
 use crate::teach::Part;
-use egui::{Frame, Label, Margin, Rect, RichText, ScrollArea, Stroke, TextEdit, TextureHandle, Ui};
-use std::any::Any;
-use std::sync::Arc;
-
-#[derive(Default)]
-pub struct ProbePanel {
-    response: PlaneTexture,
-    plane: PlaneTexture,
-    patches: PlaneTexture,
-}
+use egui::{Frame, Label, Margin, RichText, ScrollArea, Stroke, TextEdit, Ui};
 
 /// Draws the right panel's tabs, and the probe if its tab is open. Returns whether it is; if not, the caller draws the
 /// content of the `other` tab. Without a probe of a burst of this workspace nothing is drawn.
-pub fn probe_tab_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    panel: &mut ProbePanel,
-    other: &str,
-    help: &str,
-    queue: &mut Queue,
-) -> bool {
+pub fn probe_tab_ui(ui: &mut Ui, model: Read<'_>, other: &str, help: &str, queue: &mut Queue) -> bool {
     if model.document.probe.side == Side::B && !model.document.workspace.shows_pair() {
         return false;
     }
@@ -56,12 +36,12 @@ pub fn probe_tab_ui(
         ui.separator();
     }
     if model.document.probe.is_open {
-        probe_ui(ui, model, panel, queue);
+        probe_ui(ui, model, queue);
     }
     model.document.probe.is_open
 }
 
-fn probe_ui(ui: &mut Ui, model: Read<'_>, panel: &mut ProbePanel, queue: &mut Queue) {
+fn probe_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     mark(ui, Part::Probe, ui.max_rect());
     tools_ui(ui, model, queue);
     busy_ui(ui, model);
@@ -90,11 +70,11 @@ fn probe_ui(ui: &mut Ui, model: Read<'_>, panel: &mut ProbePanel, queue: &mut Qu
         suspicions_ui(ui, model, answer, queue);
         section_ui(ui, "Candidates here", |ui| fates::fates_ui(ui, model, answer, queue));
         section_ui(ui, "Response over slope and scale", |ui| {
-            response::response_ui(ui, model, answer, panel, queue);
+            response::response_ui(ui, model, answer, queue);
             mark(ui, Part::Response, ui.min_rect());
         });
         section_ui(ui, "Each frame's response", |ui| {
-            shares::shares_ui(ui, model, answer, &mut panel.patches, queue);
+            shares::shares_ui(ui, model, answer, queue);
             mark(ui, Part::Shares, ui.min_rect());
         });
     });
@@ -231,26 +211,6 @@ fn apply_ui(ui: &mut Ui, model: Read<'_>, change: &ParamChange, queue: &mut Queu
 
 fn strength_text(answer: &Probed, value: f32) -> String {
     if answer.probe.response.is_noiseless { format!("{value:+.1e}") } else { format!("{} σ", signed(value, 1)) }
-}
-
-#[derive(Default)]
-pub struct PlaneTexture(Memo<(Itself, Display, bool), TextureHandle>);
-
-impl PlaneTexture {
-    /// Draws a picture of the answer `of` into `rect`.
-    pub fn draw<T: Any + Send + Sync>(
-        &mut self,
-        ui: &Ui,
-        rect: Rect,
-        name: &str,
-        of: &Arc<T>,
-        display: Display,
-        plane: impl FnOnce() -> Plane,
-    ) {
-        let key = (of.into(), display, ui.visuals().dark_mode);
-        let texture = self.0.get(key, || texture_of(ui, name, &plane(), &display));
-        paint(ui.painter(), texture.id(), rect);
-    }
 }
 
 fn suspicions_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {

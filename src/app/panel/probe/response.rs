@@ -1,9 +1,9 @@
 //! Response over slope and scale, with the gate and the candidates of the search. A click moves the cursor there.
 
 use super::colour_bar::{ColourBar, range_of};
-use super::{PlaneTexture, ProbePanel, colour_bar, strength_text};
+use super::{colour_bar, strength_text};
 use crate::app::document::{Action, Destination, Queue};
-use crate::app::panel::widgets::{named, weak_ui};
+use crate::app::panel::widgets::{WHOLE, draw_plane, named, weak_ui};
 use crate::app::results::Read;
 use crate::detector::Slope;
 use crate::inspect::place::{Fate, FineAxis, MapScale, PlaceMotion, ProbeSubject, ResponseMap, outline};
@@ -15,10 +15,10 @@ use egui::{Align2, Color32, Painter, Pos2, Rect, RichText, Sense, Stroke, Stroke
 
 const ROW: f32 = 9.0;
 
-pub(super) fn response_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, panel: &mut ProbePanel, queue: &mut Queue) {
+pub(super) fn response_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     let map = &answer.probe.response;
-    scales_ui(ui, model, answer, &mut panel.response, queue);
-    slopes_ui(ui, model, answer, &mut panel.plane, queue);
+    scales_ui(ui, model, answer, queue);
+    slopes_ui(ui, model, answer, queue);
     let unit = if map.is_noiseless {
         "D; each scale has its own range".to_owned()
     } else {
@@ -29,12 +29,13 @@ pub(super) fn response_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, panel: 
     weak_ui(ui, RichText::new(legend).small());
 }
 
-fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
+fn scales_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     let map = &answer.probe.response;
     let (columns, rows) = map.snr.size();
     let height = (ROW * rows as f32).clamp(80.0, 190.0);
     let (area, response) = area_ui(ui, height, map.snr.size());
-    texture.draw(ui, area.rect, "probe response", &answer.probe, Display::symmetric(1.0), || within_scales(map));
+    let values = Some(((&answer.probe).into(), WHOLE, || within_scales(map)));
+    draw_plane(ui, ("probe response", area.rect), Display::symmetric(1.0), values);
     let painter = ui.painter().with_clip_rect(area.rect);
     grid_below(ui, &area, &map.slopes, if map.along_v { "slope v, px/frame" } else { "slope, px/frame" });
     rims(&painter, &area, &map.slopes, false);
@@ -86,7 +87,7 @@ fn small_ui(ui: &Ui, at: Pos2, text: &str) {
 }
 
 /// Draws the response over both slopes at one scale, where both were searched.
-fn slopes_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
+fn slopes_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     let map = &answer.probe.response;
     let Some(plane) = &map.plane else { return };
     ui.add_space(6.0);
@@ -97,7 +98,8 @@ fn slopes_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneT
     let height = (room * rows as f32 / columns as f32).clamp(60.0, room);
     let (area, response) = area_ui(ui, height, plane.snr.size());
     let (gate, range) = (map.gate, range_of(plane.snr.data(), gate_of(map)));
-    texture.draw(ui, area.rect, "probe slopes", &answer.probe, Display::symmetric(range), || plane.snr.clone());
+    let values = Some(((&answer.probe).into(), WHOLE, || plane.snr.clone()));
+    draw_plane(ui, ("probe slopes", area.rect), Display::symmetric(range), values);
     let painter = ui.painter().with_clip_rect(area.rect);
     grid_below(ui, &area, &plane.u, "slope u, px/frame");
     rims(&painter, &area, &plane.u, false);

@@ -1,8 +1,7 @@
 //! Share of each frame: the pixels along the motion, and the response of each frame alone, with its noise.
 
-use super::PlaneTexture;
 use crate::app::document::{Action, Destination, Queue};
-use crate::app::panel::widgets::{named, still_plot};
+use crate::app::panel::widgets::{WHOLE, draw_plane, named, still_plot};
 use crate::app::results::Read;
 use crate::app::style::ACCENT;
 use crate::detector::coherence::{FrameResponse, Shape};
@@ -16,14 +15,14 @@ use egui_plot::{HLine, Line, PlotPoints, Points};
 const IN_ROW: usize = 12;
 const PATCH: f32 = 18.0;
 
-pub(super) fn shares_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
+pub(super) fn shares_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     let shares = &answer.probe.shares;
     if shares.frames.is_empty() {
         return;
     }
     let along = format!("Along slope {}, σ {} px", slope_text(shares.slope), number(shares.sigma, 1));
     ui.label(RichText::new(along).small().weak());
-    strip_ui(ui, model, answer, texture, queue);
+    strip_ui(ui, model, answer, queue);
     ui.add_space(4.0);
     plot_ui(ui, shares);
     let colour = match shares.evenness.shape {
@@ -34,7 +33,7 @@ pub(super) fn shares_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: 
         .on_hover_text("Coherence: 1 if all frames respond alike; if only some respond, about their share");
 }
 
-fn strip_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTexture, queue: &mut Queue) {
+fn strip_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, queue: &mut Queue) {
     let shares = &answer.probe.shares;
     let fits = ((ui.available_width() / PATCH) as usize).clamp(1, IN_ROW);
     // Views lie as in their grid.
@@ -45,7 +44,8 @@ fn strip_ui(ui: &mut Ui, model: Read<'_>, answer: &Probed, texture: &mut PlaneTe
     let side = (ui.available_width() / columns as f32).min(44.0).floor();
     let (rect, response) = ui.allocate_exact_size(vec2(side * columns as f32, side * rows as f32), Sense::click());
     let display = model.document.ranges_of_side(model.document.probe.side).intensity;
-    texture.draw(ui, rect, "probe patches", &answer.probe, display, || montage(&shares.patches, columns, rows));
+    let values = Some(((&answer.probe).into(), WHOLE, || montage(&shares.patches, columns, rows)));
+    draw_plane(ui, ("probe patches", rect), display, values);
     let frame_at = |pos: egui::Pos2| {
         let from = pos - rect.min;
         let index = (from.y / side) as usize * columns + ((from.x / side) as usize).min(columns - 1);

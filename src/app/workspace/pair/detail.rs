@@ -3,7 +3,7 @@
 use crate::app::actions::{ActionId, Queue, button_ui};
 use crate::app::canvas::number;
 use crate::app::document::{Action, Side};
-use crate::app::panel::selection::{PatchTexture, PatchView, descriptor_ui, walk_ui};
+use crate::app::panel::selection::{PatchView, descriptor_ui, walk_ui};
 use crate::app::panel::widgets::{named, number_row_ui, section_ui, warning_ui, weak_ui};
 use crate::app::results::{MatchRow, Matches, PATCHES, Read, lost_words};
 use crate::app::view::{fixed, signed, signed_slope};
@@ -16,7 +16,7 @@ use crate::matching::TwoViewModel;
 use crate::requests::{FoundLosses, MatchRequest};
 use egui::{Color32, Grid, Label, RichText, Ui};
 
-pub fn detail_ui(ui: &mut Ui, model: Read<'_>, textures: &mut [PatchTexture; 3], queue: &mut Queue) {
+pub fn detail_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Selected match", |ui| {
         walk_ui(ui, model, queue);
         ui.add_space(4.0);
@@ -38,7 +38,7 @@ pub fn detail_ui(ui: &mut Ui, model: Read<'_>, textures: &mut [PatchTexture; 3],
         ui.add_space(4.0);
         let width_of = |count: f32| ((ui.available_width() - 8.0 * (count - 1.0)) / count).clamp(60.0, 150.0);
         let width = width_of(2.0);
-        patches_ui(ui, model, &row, textures, if row.aligned.is_some() { width_of(3.0) } else { width });
+        patches_ui(ui, model, &row, if row.aligned.is_some() { width_of(3.0) } else { width });
         descriptors_ui(ui, matches, &row, width);
         ui.add_space(4.0);
         numbers_ui(ui, matches, &row);
@@ -58,24 +58,21 @@ fn verdict_ui(ui: &mut Ui, row: &MatchRow<'_>, only_pointed_at: bool) {
     });
 }
 
-fn patches_ui(ui: &mut Ui, model: Read<'_>, row: &MatchRow<'_>, textures: &mut [PatchTexture; 3], width: f32) {
+fn patches_ui(ui: &mut Ui, model: Read<'_>, row: &MatchRow<'_>, width: f32) {
     ui.horizontal(|ui| {
         let found = [("A", Side::A, *row.a), ("B", Side::B, *row.b)];
         let aligned = row.aligned.map(|aligned| ("B, aligned", Side::B, aligned.b));
-        for ((label, side, feature), texture) in found.into_iter().chain(aligned).zip(textures) {
-            ui.vertical(|ui| {
-                ui.set_width(width);
-                let (name, display) = (&format!("Patch in {label}"), model.document.ranges_of_side(side).intensity);
-                let view = PatchView { name, feature, turned: true, display };
-                view.ui(ui, model.stack_at(side, feature.slope), texture, width);
-                let (text, help) = if label.len() == 1 {
-                    let help = "From the motion stack at the feature's own slope, in pixels per frame";
-                    (format!("{label}: slope {}", signed_slope(feature.slope, 2)), help)
-                } else {
-                    (label.to_owned(), "Where the picture of A's place is found in B, turned and scaled as it is there")
-                };
-                ui.label(RichText::new(text).small().weak()).on_hover_text(help);
-            });
+        for (label, side, feature) in found.into_iter().chain(aligned) {
+            let (name, display) = (&format!("Patch in {label}"), model.document.ranges_of_side(side).intensity);
+            let view = PatchView { name, feature, turned: true, display };
+            let (text, help) = if label.len() == 1 {
+                let help = "From the motion stack at the feature's own slope, in pixels per frame";
+                (format!("{label}: slope {}", signed_slope(feature.slope, 2)), help)
+            } else {
+                (label.to_owned(), "Where the picture of A's place is found in B, turned and scaled as it is there")
+            };
+            let caption = RichText::new(text).small().weak();
+            view.ui(ui, model.stack_at(side, feature.slope), width, caption).on_hover_text(help);
         }
     });
 }
@@ -158,7 +155,7 @@ fn error_words(model: Option<&TwoViewModel>) -> (&'static str, &'static str) {
 /// Minimum difference of slopes for a note, px/frame.
 const SLOPES_APART: f32 = 0.5;
 
-pub fn why_ui(ui: &mut Ui, model: Read<'_>, textures: &mut [PatchTexture; PATCHES + 1], queue: &mut Queue) {
+pub fn why_ui(ui: &mut Ui, model: Read<'_>, queue: &mut Queue) {
     section_ui(ui, "Why this match, or none", |ui| {
         let Some(found) = model.losses() else {
             ui.weak("There are no matches yet.");
@@ -182,7 +179,7 @@ pub fn why_ui(ui: &mut Ui, model: Read<'_>, textures: &mut [PatchTexture; PATCHE
             weak_ui(ui, format!("Another orientation of feature {}{fate}.", twin));
         }
         ui.add_space(4.0);
-        candidate_patches_ui(ui, model, own, unmatched, sides, textures);
+        candidate_patches_ui(ui, model, own, unmatched, sides);
         candidates_ui(ui, unmatched, found);
         weak_ui(ui, expected_words(unmatched, found));
         remedy_ui(ui, model, queue);
@@ -243,35 +240,24 @@ fn notes(own: &Feature, unmatched: &Unmatched, sides: &MatchRequest) -> Vec<Stri
     notes
 }
 
-fn candidate_patches_ui(
-    ui: &mut Ui,
-    model: Read<'_>,
-    own: &Feature,
-    unmatched: &Unmatched,
-    sides: &MatchRequest,
-    textures: &mut [PatchTexture; PATCHES + 1],
-) {
+fn candidate_patches_ui(ui: &mut Ui, model: Read<'_>, own: &Feature, unmatched: &Unmatched, sides: &MatchRequest) {
     let width = ((ui.available_width() - 3.0 * 6.0) / (PATCHES + 1) as f32).clamp(40.0, 90.0);
     let candidates = unmatched.candidates.iter().take(PATCHES);
     let others = candidates.filter_map(|c| Some((Side::B, *sides.b.features.get(c.feature)?)));
     let all: Vec<(Side, Feature)> = std::iter::once((Side::A, *own)).chain(others).collect();
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 6.0;
-        for (place, ((side, feature), texture)) in all.into_iter().zip(textures).enumerate() {
-            ui.vertical(|ui| {
-                ui.set_width(width);
-                let name =
-                    &if place == 0 { "Patch of the feature".to_owned() } else { format!("Patch of candidate {place}") };
-                let view =
-                    PatchView { name, feature, turned: true, display: model.document.ranges_of_side(side).intensity };
-                view.ui(ui, model.stack_at(side, feature.slope), texture, width);
-                let label = if place == 0 {
-                    RichText::new("A").small().weak()
-                } else {
-                    RichText::new(format!("{place}")).small().color(readable(ui, place - 1))
-                };
-                ui.label(label);
-            });
+        for (place, (side, feature)) in all.into_iter().enumerate() {
+            let (name, caption) = match place.checked_sub(1) {
+                None => ("Patch of the feature".to_owned(), RichText::new("A").weak()),
+                Some(candidate) => {
+                    let caption = RichText::new(place.to_string()).color(readable(ui, candidate));
+                    (format!("Patch of candidate {place}"), caption)
+                }
+            };
+            let display = model.document.ranges_of_side(side).intensity;
+            let view = PatchView { name: &name, feature, turned: true, display };
+            view.ui(ui, model.stack_at(side, feature.slope), width, caption.small());
         }
     });
 }

@@ -11,28 +11,18 @@ use crate::app::canvas::overlay::rgb;
 use crate::app::document::{Action, MatchLook, MatchesAs, PairTab, Pointed, Side};
 use crate::app::inspector::{Drawn, inspector_ui};
 use crate::app::panel;
-use crate::app::panel::selection::PatchTexture;
 use crate::app::panel::widgets::{error_ui, label_ui, name_field, section_ui, strip_of_colours};
 use crate::app::parts::mark;
-use crate::app::results::{PATCHES, Read};
+use crate::app::results::Read;
 use crate::app::workspace::{
-    LEFT_WIDTHS, WorkspaceParts, WorkspaceState, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui,
-    side_frame, side_width,
+    LEFT_WIDTHS, WorkspaceParts, bottom_panel, folded_ui, left_panel, right_panel, scroll_ui, side_frame, side_width,
 };
 use crate::export::MatchKind;
 use crate::teach::Part;
 use egui::{CentralPanel, Color32, DragValue, Frame, Margin, Panel, Role, Sense, Stroke, Ui, vec2};
 
-#[derive(Default)]
-pub struct PairPanels {
-    patch_textures: [PatchTexture; 3],
-    candidate_textures: [PatchTexture; PATCHES + 1],
-    pub camera_text: parameters::CameraText,
-}
-
 pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_>) {
     let (model, WorkspaceParts { widgets, state, queue, .. }) = (parts.model, parts);
-    let WorkspaceState { pair, probe, .. } = &mut **state;
     folded_ui(ui, model, queue);
     let match_is_left = model.match_is_left();
     if model.shows_left() && !match_is_left {
@@ -40,7 +30,7 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
             sides_ui(ui, model, queue);
             switches_ui(ui, model, queue);
             panel::cursor::cursor_ui(ui, model, queue);
-            parameters::parameters_ui(ui, model, &mut pair.camera_text, queue);
+            parameters::parameters_ui(ui, model, &mut state.camera_text, queue);
             panel::parameters::parameters_ui(ui, model, queue);
         });
     }
@@ -53,12 +43,12 @@ pub(super) fn pair_workspace_ui(ui: &mut egui::Ui, parts: &mut WorkspaceParts<'_
                 queue.push(Action::OpenProbe(false));
             }
             let help = "The selected match, and how matches and pictures are drawn";
-            if panel::probe::probe_tab_ui(ui, model, probe, "Match and display", help, queue) {
+            if panel::probe::probe_tab_ui(ui, model, "Match and display", help, queue) {
                 return;
             }
             scroll_ui(ui, |ui| {
-                detail::detail_ui(ui, model, &mut pair.patch_textures, queue);
-                detail::why_ui(ui, model, &mut pair.candidate_textures, queue);
+                detail::detail_ui(ui, model, queue);
+                detail::why_ui(ui, model, queue);
                 if !model.shows_left() || match_is_left {
                     switches_ui(ui, model, queue);
                 }
