@@ -17,10 +17,10 @@ const PANELS: &[(&str, Drawing)] = &[
     ("parameters", parameters::parameters_ui),
     ("display", |ui, model, queue| display::display_ui(ui, model, &mut Default::default(), true, queue)),
     ("ranges", |ui, model, queue| display::display_ui(ui, model, &mut Default::default(), false, queue)),
-    ("selection", |ui, model, queue| selection::selection_ui(ui, model, &mut Default::default(), queue)),
+    ("selection", selection::selection_ui),
     ("steps of the selection", selection::walk_ui),
     ("probe", |ui, model, queue| {
-        probe::probe_tab_ui(ui, model, &mut Default::default(), "Display", "The other tab", queue);
+        probe::probe_tab_ui(ui, model, "Display", "The other tab", queue);
     }),
     ("bottom", |ui, model, queue| {
         bottom::bottom_ui(ui, model, &Default::default(), &mut Default::default(), queue);
@@ -36,9 +36,7 @@ const PANELS: &[(&str, Drawing)] = &[
     ("comparison", |ui, model, queue| against::against_ui(ui, model, &Default::default(), queue)),
     ("Lab", lab::lab_settings_ui),
     ("curves", lab::curves::curves_ui),
-    ("chart of the Lab", |ui, model, queue| {
-        lab::chart::lab_chart_ui(ui, model, &mut Default::default(), queue);
-    }),
+    ("chart of the Lab", lab::chart::lab_chart_ui),
     ("status", |ui, model, queue| {
         status::status_ui(ui, model, None, queue);
     }),
