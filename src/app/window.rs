@@ -10,7 +10,7 @@ use super::dialogs::{FileAnswer, FileChooser, Question};
 use super::document::{Document, Journal, Playback};
 use super::files::drop_places;
 use super::inspector::{PaneWidgets, PlaceValue, is_led};
-use super::lesson::{Captions, LessonAction, Lessons, lesson_ui, rings_ui, take_hall_keys};
+use super::lesson::{LessonAction, Lessons, lesson_ui, rings_ui, take_hall_keys};
 use super::overlays::Overlays;
 use super::panel::modals::about_ui;
 use super::recovery::Recovery;
@@ -41,7 +41,6 @@ pub struct BurstscopeApp {
     /// Steps that are done again, as soon as the window has settled after the one before.
     pub(super) playback: Option<Playback>,
     pub lessons: Lessons,
-    pub(super) captions: Captions,
     pub(super) chooser: FileChooser,
     pub(super) recovery: Option<Recovery>,
     pub(super) lost_device: Option<String>,
@@ -74,7 +73,6 @@ impl BurstscopeApp {
             journal: Journal::default(),
             playback: startup.play.map(|steps| Playback { steps, ..Playback::default() }),
             lessons: Lessons { progress: startup.settings.lessons.clone(), ..Lessons::default() },
-            captions: Captions::default(),
             chooser: FileChooser::new(startup.dialogs, on_update),
             recovery: None,
             lost_device: None,
@@ -344,8 +342,7 @@ impl BurstscopeApp {
         };
         let frame = Frame::side_top_panel(ui.style()).inner_margin(Margin { left: 12, right: 10, top: 8, bottom: 2 });
         let panel = Panel::right(id).frame(frame).default_size(width).size_range(270.0..=520.0);
-        let Self { lessons, model, captions, .. } = self;
-        panel.show(ui, |ui| lesson_ui(ui, lessons, Read::of(model), captions, queue)).inner
+        panel.show(ui, |ui| lesson_ui(ui, &mut self.lessons, Read::of(&self.model), queue)).inner
     }
 
     fn drop_hint_ui(&self, ui: &Ui) {

@@ -1,8 +1,11 @@
-//! Words of choices, and links from tooltips to the glossary: the tooltip describes an item in a line, its link explains
-//! the term.
+//! Words of choices, and links to the glossary: from tooltips, which describe an item in a line, to what explains the
+//! term, and from captions.
 
 use crate::teach::glossary::{Word, glossary};
+use egui::mutex::Mutex;
 use egui::{Context, Id, Label, Response, Ui, WidgetText};
+use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
+use std::sync::Arc;
 
 /// Declares the choices of a menu or of a row of buttons: a type of their names, in the order in which they are offered,
 /// each with its label and help.
@@ -48,8 +51,33 @@ pub fn word_link_ui(ui: &mut Ui, word: &Word) {
     }
 }
 
+const GLOSSARY: &str = "word:";
+
+/// What the toolkit keeps of captions, with a hook for each entry of the glossary that they lead to.
+#[derive(Clone)]
+struct Captions(Arc<Mutex<CommonMarkCache>>);
+
+impl Default for Captions {
+    fn default() -> Self {
+        let mut cache = CommonMarkCache::default();
+        glossary().words.iter().for_each(|word| cache.add_link_hook(format!("{GLOSSARY}{}", word.name)));
+        Self(Arc::new(Mutex::new(cache)))
+    }
+}
+
+/// Draws a text. A click on a link asks for its entry of the glossary.
+pub fn caption_ui(ui: &mut Ui, text: &str) {
+    let captions: Captions = ui.data_mut(|data| data.get_temp_mut_or_default::<Captions>(Id::NULL).clone());
+    let mut cache = captions.0.lock();
+    CommonMarkViewer::new().indentation_spaces(2).show(ui, &mut cache, text);
+    let clicked = cache.link_hooks().iter().find(|(_, clicked)| **clicked);
+    if let Some(name) = clicked.and_then(|(link, _)| link.strip_prefix(GLOSSARY)) {
+        ask_for(ui.ctx(), name);
+    }
+}
+
 /// Asks for the glossary at the entry of this name.
-pub fn ask_for(ctx: &Context, name: &str) {
+fn ask_for(ctx: &Context, name: &str) {
     ctx.data_mut(|data| data.insert_temp(asked_id(), name.to_owned()));
     ctx.request_repaint();
 }

@@ -6,5 +6,5 @@ mod snr;
 mod state;
 mod steps;
 
-pub use panel::{Captions, Chosen, highlights_ui, lesson_ui, list_ui, rings_ui, rows_ui, take_hall_keys};
+pub use panel::{Chosen, highlights_ui, lesson_ui, list_ui, rings_ui, rows_ui, take_hall_keys};
 pub use state::{LessonAction, Lessons, OpenLesson, Progress};

@@ -8,15 +8,13 @@ use crate::app::document::Side;
 use crate::app::inspector::PaneWidgets;
 use crate::app::panel::widgets::{modal_ui, named, weak_ui};
 use crate::app::results::Read;
-use crate::app::words::ask_for;
+use crate::app::words::caption_ui;
 use crate::app::{parts, style};
 use crate::teach::Lesson;
-use crate::teach::glossary::glossary;
 use egui::{
     Align, Button, Color32, Context, CornerRadius, Frame, Id, Key, LayerId, Layout, Margin, Modifiers, Order, RichText,
     ScrollArea, Sense, Stroke, StrokeKind, Ui, pos2, vec2,
 };
-use egui_commonmark::{CommonMarkCache, CommonMarkViewer};
 use std::sync::Arc;
 
 /// Size of the lesson's letters in a hall, in parts of the usual one.
@@ -28,13 +26,7 @@ fn letters(ui: &Ui, size: f32) -> f32 {
 }
 
 /// Draws the open lesson; returns what was asked of it.
-pub fn lesson_ui(
-    ui: &mut Ui,
-    lessons: &mut Lessons,
-    model: Read<'_>,
-    captions: &mut Captions,
-    queue: &mut Queue,
-) -> Option<LessonAction> {
+pub fn lesson_ui(ui: &mut Ui, lessons: &mut Lessons, model: Read<'_>, queue: &mut Queue) -> Option<LessonAction> {
     let next = lessons.next_lesson();
     let (open, mut asked) = (lessons.open.as_mut()?, None);
     if model.document.panels.hall {
@@ -47,7 +39,7 @@ pub fn lesson_ui(
     });
     if open.is_ended {
         ScrollArea::vertical().id_salt("lesson end").auto_shrink(false).show(ui, |ui| {
-            end_ui(ui, open, next.as_deref(), captions);
+            end_ui(ui, open, next.as_deref());
         });
         return asked;
     }
@@ -58,7 +50,7 @@ pub fn lesson_ui(
         ui.scope(|ui| {
             let font = egui::FontId::proportional(letters(ui, 14.0));
             ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
-            captions.ui(ui, &step.caption);
+            caption_ui(ui, &step.caption);
         });
         ui.add_space(6.0);
         if let Some(spot) = step.state.spot {
@@ -69,7 +61,7 @@ pub fn lesson_ui(
             ui.add_space(6.0);
         }
         if let Some(task) = &step.task {
-            task_ui(ui, &task.text, open, captions);
+            task_ui(ui, &task.text, open);
         }
         if !open.is_ready {
             ui.horizontal(|ui| {
@@ -103,7 +95,7 @@ fn header_ui(ui: &mut Ui, open: &OpenLesson, asked: &mut Option<LessonAction>) {
 }
 
 /// Draws the task, with a tick once it is done.
-fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson, captions: &mut Captions) {
+fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson) {
     let done = open.is_done();
     let colour = if done { style::good(ui) } else { style::ACCENT };
     let frame = Frame::new()
@@ -115,19 +107,19 @@ fn task_ui(ui: &mut Ui, text: &str, open: &OpenLesson, captions: &mut Captions) 
         ui.set_width(ui.available_width());
         let head = if done { "✔ Done" } else { "Try it" };
         ui.label(RichText::new(head).strong().color(colour));
-        captions.ui(ui, text);
+        caption_ui(ui, text);
     });
 }
 
 /// Draws the lesson's end: the lines of what was learnt, and what the next lesson is about.
-fn end_ui(ui: &mut Ui, open: &OpenLesson, next: Option<&Lesson>, captions: &mut Captions) {
+fn end_ui(ui: &mut Ui, open: &OpenLesson, next: Option<&Lesson>) {
     ui.label(RichText::new("What you have learnt").size(letters(ui, 17.0)).strong());
     ui.add_space(4.0);
     ui.scope(|ui| {
         let font = egui::FontId::proportional(letters(ui, 14.0));
         ui.style_mut().text_styles.insert(egui::TextStyle::Body, font);
         for line in &open.lesson.learnt {
-            captions.ui(ui, &format!("- {line}"));
+            caption_ui(ui, &format!("- {line}"));
             ui.add_space(4.0);
         }
     });
@@ -200,31 +192,6 @@ fn dots_ui(ui: &mut Ui, open: &OpenLesson, asked: &mut Option<LessonAction>) {
         if response.on_hover_text(title).clicked() {
             *asked = Some(LessonAction::Step(place));
         }
-    }
-}
-
-const GLOSSARY: &str = "word:";
-
-pub struct Captions {
-    cache: CommonMarkCache,
-}
-
-impl Default for Captions {
-    fn default() -> Self {
-        let mut cache = CommonMarkCache::default();
-        for word in &glossary().words {
-            cache.add_link_hook(format!("{GLOSSARY}{}", word.name));
-        }
-        Self { cache }
-    }
-}
-
-impl Captions {
-    /// Draws a text. A click on a link asks for its entry of the glossary.
-    pub fn ui(&mut self, ui: &mut Ui, text: &str) {
-        CommonMarkViewer::new().indentation_spaces(2).show(ui, &mut self.cache, text);
-        let clicked = self.cache.link_hooks().iter().find(|(_, clicked)| **clicked);
-        clicked.and_then(|(link, _)| link.strip_prefix(GLOSSARY)).into_iter().for_each(|name| ask_for(ui.ctx(), name));
     }
 }
 

@@ -1,8 +1,7 @@
 //! Glossary window: every term of the window, with a search field.
 
-use crate::app::lesson::Captions;
 use crate::app::panel::widgets::name_field;
-use crate::app::words::asked_for;
+use crate::app::words::{asked_for, caption_ui};
 use crate::teach::glossary::{Origin, Word, glossary};
 use egui::{Context, RichText, ScrollArea, Ui, vec2};
 
@@ -12,7 +11,6 @@ pub struct GlossaryWindow {
     text: String,
     wanted: Option<String>,
     focus: bool,
-    captions: Captions,
 }
 
 impl GlossaryWindow {
@@ -67,7 +65,7 @@ impl GlossaryWindow {
             for word in found {
                 let is_wanted = self.wanted.as_ref() == Some(&word.name);
                 let top = ui.cursor().min;
-                word_ui(ui, word, is_wanted, &mut self.captions);
+                word_ui(ui, word, is_wanted);
                 if is_wanted {
                     let rect = egui::Rect::from_min_max(top, ui.min_rect().right_bottom());
                     ui.scroll_to_rect(rect, Some(egui::Align::TOP));
@@ -81,7 +79,7 @@ impl GlossaryWindow {
     }
 }
 
-fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) {
+fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool) {
     ui.horizontal_wrapped(|ui| {
         let mut title = RichText::new(&word.word).strong();
         if is_wanted {
@@ -95,6 +93,6 @@ fn word_ui(ui: &mut Ui, word: &Word, is_wanted: bool, captions: &mut Captions) {
             ui.label(RichText::new(label).small().weak()).on_hover_text(help);
         }
     });
-    ui.push_id(&word.name, |ui| captions.ui(ui, &word.text));
+    ui.push_id(&word.name, |ui| caption_ui(ui, &word.text));
     ui.add_space(8.0);
 }
